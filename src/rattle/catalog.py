@@ -1,0 +1,300 @@
+"""Families of kinds, their kernel signatures, and how compiled functions are made and called.
+
+A *family* (joint, load ...) has one kernel signature.  A *kind* (revolute, spring ...) is one class
+in one file: its fields say what the user writes, its kernel says what it does.  Kernels are reached
+through a table of native addresses, so one compile serves every mechanism and a new kind recompiles
+nothing else.
+
+Numba is imported on first use only: every compiled function is ordinary Python until `start()`.
+With NUMBA_DISABLE_JIT=1 it stays so.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import logging
+import os
+import pkgutil
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+log = logging.getLogger("rattle")
+
+# one line per family: the argument types of its kernels, m = float64[:, ::1], v = float64[::1]
+SIGNATURE = {
+    "joint": ("void", "m", "i", "i", "v", "i", "i", "m"),  # body, a, b, p, k, row, rows
+    "load": ("void", "f", "m", "i", "i", "v", "i", "m", "v"),  # t, body, a, b, p, k, force, energy
+}
+REQUIRED: Any = object()
+_lock = threading.RLock()
+_jit = False
+_families: dict[str, dict[str, Kind]] = {}
+_discovered = False
+
+
+# ---------------------------------------------------------------- what the user writes
+@dataclass(frozen=True)
+class Field:
+    """One thing the user writes for a kind.
+
+    shape: number | pair | point ("body.point") | body | joint | choice | size (a table of numbers)
+    live: the value may use t, state and signals, and is then evaluated anew at every instant.
+    least: "positive" or "not negative" where the number is limited.
+    default: a number, or a function of the fields read so far.
+    """
+
+    unit: str
+    meaning: str
+    default: Any = REQUIRED
+    shape: str = "number"
+    least: str = ""
+    live: bool = False
+    choices: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A catalogue entry: the class a leaf file defines, its kernel and its place in the table."""
+
+    family: str
+    name: str
+    tag: int
+    kernel: Compiled | None
+    leaf: type
+    fields: Mapping[str, Field]
+
+    @property
+    def summary(self) -> str:
+        """First line of the leaf's docstring."""
+        return (self.leaf.__doc__ or "").strip().splitlines()[0]
+
+    @property
+    def source(self) -> str:
+        """Where the formula comes from, as the docstring says."""
+        lines = (self.leaf.__doc__ or "").splitlines()
+        found = [line.strip()[7:].strip() for line in lines if line.strip().startswith("Source:")]
+        return found[0] if found else ""
+
+
+def kind(family: str, name: str, kernel: Compiled | None = None) -> Callable[[type], type]:
+    """Class decorator: enter the class in the catalogue as one kind of `family`."""
+
+    def enter(leaf: type) -> type:
+        entries = _families.setdefault(family, {})
+        old = entries.get(name)
+        if old is not None and old.leaf.__module__ != leaf.__module__:
+            raise ValueError(f"{family} '{name}' is in the catalogue already ({old.leaf.__module__})")
+        fields = {key: value for key, value in vars(leaf).items() if isinstance(value, Field)}
+        tag = old.tag if old is not None else len(entries)
+        entries[name] = Kind(family, name, tag, kernel, leaf, fields)
+        return leaf
+
+    return enter
+
+
+def kinds(family: str) -> Mapping[str, Kind]:
+    """All kinds of one family by name; the leaf packages are searched on first use."""
+    _discover()
+    return _families.setdefault(family, {})
+
+
+def families() -> Iterator[str]:
+    """Names of all families that have at least one kind."""
+    _discover()
+    return iter(sorted(_families))
+
+
+def _discover() -> None:
+    global _discovered
+    if _discovered:
+        return
+    with _lock:
+        _discovered = True
+        for package in ("joints", "clearances", "laws", "loads"):
+            found = importlib.import_module(f"{__package__}.{package}")
+            for module in pkgutil.iter_modules(found.__path__):
+                importlib.import_module(f"{found.__name__}.{module.name}")
+
+
+# ---------------------------------------------------------------- compiled functions
+class Compiled:
+    """A function that Numba compiles on first use after `start()`; plain Python before."""
+
+    def __init__(self, function: Callable[..., Any], family: str = "", cache: bool = True) -> None:
+        self.python = function
+        self.family = family
+        self.cache = cache
+        self._dispatcher: Any = None
+        self.__doc__ = function.__doc__
+        self.__name__ = function.__name__
+        self.__module__ = function.__module__
+
+    def __call__(self, *args: Any) -> Any:
+        return self.dispatcher(*args) if _jit else self.python(*args)
+
+    @property
+    def dispatcher(self) -> Any:
+        """The Numba dispatcher, made when first asked for."""
+        if self._dispatcher is None:
+            with _lock:
+                if self._dispatcher is None:
+                    self._dispatcher = _compile(self)
+        return self._dispatcher
+
+    @property
+    def _numba_type_(self) -> Any:  # how Numba finds the dispatcher when one compiled function calls another
+        return self.dispatcher._numba_type_
+
+    @property
+    def address(self) -> int:
+        """Native address of a kernel compiled for its family's signature."""
+        result = self.dispatcher.get_compile_result(self.dispatcher.nopython_signatures[0])
+        return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+
+
+def compiled(function: Callable[..., Any]) -> Compiled:
+    """Decorator for a function of the compiled layer (types follow from the first call)."""
+    return Compiled(function)
+
+
+def kernel(family: str, cache: bool = True) -> Callable[[Callable[..., Any]], Compiled]:
+    """Decorator for the kernel of a kind: compiled for the family's one signature."""
+    return lambda function: Compiled(function, family, cache)
+
+
+def _signature(family: str) -> Any:
+    from numba import types
+
+    letter = {
+        "void": types.void,
+        "i": types.int64,
+        "f": types.float64,
+        "v": types.float64[::1],
+        "m": types.float64[:, ::1],
+    }
+    result, *arguments = (letter[x] for x in SIGNATURE[family])
+    return result(*arguments)
+
+
+def _compile(wanted: Compiled) -> Any:
+    import numba
+
+    options = {"nogil": True, "error_model": "numpy", "cache": wanted.cache}
+    arguments = (_signature(wanted.family),) if wanted.family else ()
+    before = numba.config.CACHE_DIR
+    try:
+        numba.config.CACHE_DIR = str(cache_folder())
+        return numba.njit(*arguments, **options)(wanted.python)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def cache_folder() -> Path:
+    """Where machine code is kept: one folder for each state of the compiled sources and Numba version."""
+    global _cache_folder
+    if _cache_folder is None:
+        import numba
+
+        here = Path(__file__).parent
+        packages = ("joints", "clearances", "laws", "loads", "steppers")
+        sources = sorted(here.glob("*.py")) + [f for p in packages for f in sorted((here / p).glob("*.py"))]
+        digest = hashlib.sha256(f"{numba.__version__} {sys.version} {here}".encode())
+        for source in sources:
+            digest.update(source.read_bytes())
+        root = Path(os.environ.get("RATTLE_CACHE", Path.home() / ".cache" / "rattle"))
+        folder = root / digest.hexdigest()[:16]
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError:
+            folder = Path(tempfile.gettempdir()) / f"rattle-{os.getuid() if hasattr(os, 'getuid') else 0}" / folder.name
+            folder.mkdir(parents=True, exist_ok=True)
+        _cache_folder = folder
+    return _cache_folder
+
+
+_cache_folder: Path | None = None
+
+
+# ---------------------------------------------------------------- tables of kernels
+def call_joint(entry: Any, arguments: Any) -> None:
+    """Call one joint kernel of a table."""
+    entry(*arguments)
+
+
+def call_load(entry: Any, arguments: Any) -> None:
+    """Call one load kernel of a table."""
+    entry(*arguments)
+
+
+_CALLERS: dict[str, Callable[..., Any]] = {"joint": call_joint, "load": call_load}
+
+
+def _make_callable(family: str, call: Callable[..., Any]) -> None:
+    """Teach Numba that `call(address, arguments)` jumps to a native address of this family.
+
+    A tuple of first-class functions as argument costs 60 us per function and call to unbox
+    (Numba 0.68); an address in an integer array costs nothing.
+    """
+    from numba.core import types
+    from numba.extending import intrinsic, overload
+
+    signature = _signature(family)
+
+    @intrinsic
+    def jump(typing_context: Any, address: Any, arguments: Any) -> Any:
+        def generate(context: Any, builder: Any, given: Any, values: Any) -> Any:
+            packed = given.args[1]
+            parts = [
+                context.cast(builder, builder.extract_value(values[1], n), packed[n], want)
+                for n, want in enumerate(signature.args)
+            ]
+            convention = context.call_conv
+            pointer = convention.get_function_type(signature.return_type, signature.args).as_pointer()
+            target = builder.inttoptr(values[0], pointer)
+            _, result = convention.call_function(builder, target, signature.return_type, signature.args, parts)
+            return context.get_dummy_value() if signature.return_type == types.void else result
+
+        return signature.return_type(address, arguments), generate
+
+    @overload(call)
+    def through(address: Any, arguments: Any) -> Any:
+        def implementation(address: Any, arguments: Any) -> Any:
+            return jump(address, arguments)
+
+        return implementation
+
+
+def start() -> bool:
+    """Switch from Python to machine code (no effect with NUMBA_DISABLE_JIT=1); True if it runs now."""
+    global _jit
+    if not _jit and os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):
+        with _lock:
+            if not _jit:
+                marker = cache_folder() / "compiled"
+                if not marker.exists():
+                    log.info("compiling kernels (once)")
+                for family, call in _CALLERS.items():
+                    _make_callable(family, call)
+                _jit = True
+    return _jit
+
+
+def table(*names: str) -> Any:
+    """Kernels of the given families in tag order, one family after the other.
+
+    An int64 array of addresses when machine code runs, a tuple of Python functions otherwise.
+    """
+    found = [entry.kernel for family in names for entry in kinds(family).values() if entry.kernel]
+    if _jit:
+        return np.array([one.address for one in found], dtype=np.int64)
+    return tuple(one.python for one in found)
