@@ -32,6 +32,9 @@ log = logging.getLogger("rattle")
 SIGNATURE = {
     "joint": ("void", "m", "i", "i", "v", "i", "i", "m"),  # body, a, b, p, k, row, rows
     "load": ("void", "f", "m", "i", "i", "v", "i", "m", "v"),  # t, body, a, b, p, k, force, energy
+    "stiffness": ("f", "f", "v", "i"),  # delta, p, k -> F
+    "normal": ("f", "f", "f", "f", "f", "v", "i"),  # F_static, delta, ddelta, v0, p, k -> F
+    "friction": ("f", "f", "f", "f", "v", "i", "v"),  # u, N, z, p, k, dz -> T
 }
 REQUIRED: Any = object()
 _lock = threading.RLock()
@@ -236,7 +239,28 @@ def call_load(entry: Any, arguments: Any) -> None:
     entry(*arguments)
 
 
-_CALLERS: dict[str, Callable[..., Any]] = {"joint": call_joint, "load": call_load}
+def call_stiffness(entry: Any, arguments: Any) -> Any:
+    """Static contact force [N] by one stiffness kernel of a table."""
+    return entry(*arguments)
+
+
+def call_normal(entry: Any, arguments: Any) -> Any:
+    """Normal force [N] by one normal kernel of a table."""
+    return entry(*arguments)
+
+
+def call_friction(entry: Any, arguments: Any) -> Any:
+    """Friction force [N] by one friction kernel of a table."""
+    return entry(*arguments)
+
+
+_CALLERS: dict[str, Callable[..., Any]] = {
+    "joint": call_joint,
+    "load": call_load,
+    "stiffness": call_stiffness,
+    "normal": call_normal,
+    "friction": call_friction,
+}
 
 
 def _make_callable(family: str, call: Callable[..., Any]) -> None:
@@ -285,6 +309,7 @@ def start() -> bool:
                     log.info("compiling kernels (once)")
                 for family, call in _CALLERS.items():
                     _make_callable(family, call)
+                importlib.import_module("rattle.memory").teach_numba()
                 _jit = True
     return _jit
 
@@ -298,3 +323,14 @@ def table(*names: str) -> Any:
     if _jit:
         return np.array([one.address for one in found], dtype=np.int64)
     return tuple(one.python for one in found)
+
+
+def jit_runs() -> bool:
+    """True once compiled functions run as machine code."""
+    return _jit
+
+
+def mark_compiled() -> None:
+    """Remember that the kernels are in the cache, so that nobody is told again that they are compiled."""
+    if _jit:
+        (cache_folder() / "compiled").touch()

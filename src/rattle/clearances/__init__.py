@@ -1,1 +1,1 @@
-"""clearances"""
+"""Clearance models: what a joint with play becomes."""

@@ -1,1 +1,1 @@
-"""laws"""
+"""Contact laws."""

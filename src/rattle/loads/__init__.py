@@ -1,1 +1,1 @@
-"""loads"""
+"""Loads: one kind per file, each a force or moment on one body or between two."""

@@ -1,1 +1,1 @@
-"""steppers"""
+"""Time steppers: stateless, compiled, one call for many steps."""

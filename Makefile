@@ -1,0 +1,44 @@
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+.PHONY: help demo test check coverage bench clean
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 18
+
+demo: $(VENV)/.ready-data ## install into .venv, run `rattle demo`
+	$(BIN)/rattle demo
+
+test: $(VENV)/.ready-dev check ## install into .venv, run the whole gate
+
+check: ## the gate without the set-up
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q
+	$(BIN)/python -m pytest -q
+
+coverage: $(VENV)/.ready-dev ## lines of the package that the tests reach, machine code off
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -q
+	$(BIN)/coverage report
+
+bench: $(VENV)/.ready-bench ## speed, as ratios to yardsticks measured in the same run
+	$(BIN)/python benchmarks/run.py
+
+clean: ## remove .venv and everything made here
+	rm -rf $(VENV) build dist .*_cache .benchmarks .coverage .hypothesis rattle-demo
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# one stamp per set of extras; a change of pyproject.toml installs anew
+extras-data := data
+extras-dev := dev,data
+extras-bench := bench,data
+$(VENV)/.ready-%: pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("rattle needs Python 3.11 or newer, this is " + sys.version.split()[0] + "; name another one: make PYTHON=python3.12 ...")'
+	@test -x $(BIN)/pip || $(PYTHON) -m venv --clear $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[$(extras-$*)]'
+	@touch $@

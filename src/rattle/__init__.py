@@ -1,0 +1,50 @@
+"""rattle: planar mechanisms whose joints have play.
+
+    import rattle as rt
+    m = rt.load("fourbar.toml")
+    r = m.simulate(0.5)
+    r.plot("O3.normal", "O4.normal")
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from rattle.errors import AssemblyError, ModelError, SolverError
+    from rattle.mechanism import Mechanism, example, examples, load, loads
+    from rattle.result import Event, Result, Trust, load_result
+
+_HOME = {
+    "Mechanism": "mechanism", "load": "mechanism", "loads": "mechanism", "example": "mechanism", "examples": "mechanism",
+    "ModelError": "errors", "AssemblyError": "errors", "SolverError": "errors",
+    "Result": "result", "Event": "result", "Trust": "result", "load_result": "result",
+}  # fmt: skip
+
+__all__ = [
+    "AssemblyError",
+    "Event",
+    "Mechanism",
+    "ModelError",
+    "Result",
+    "SolverError",
+    "Trust",
+    "example",
+    "examples",
+    "load",
+    "load_result",
+    "loads",
+]
+
+
+def __getattr__(name: str) -> Any:  # heavy modules are imported when first used
+    if name in _HOME:
+        return getattr(import_module(f"rattle.{_HOME[name]}"), name)
+    raise AttributeError(f"module 'rattle' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

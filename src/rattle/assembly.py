@@ -1,0 +1,345 @@
+"""Putting a mechanism together: positions and rates that satisfy every joint at a given time.
+
+Angles given are held while the joints place x and y, from the ground outwards; then a damped Newton
+iteration closes everything with the least mass-weighted change, and rates likewise (THEORY section 3).
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rattle.closing import close_position, close_rate, open_by, place_only
+from rattle.equations import constraints, drive, solve_motion
+from rattle.errors import AssemblyError
+from rattle.loops import describe_loop, tree_path
+from rattle.memory import Memory
+from rattle.model import Contact, Joint, Model
+from rattle.system import Compiled, compile_system, is_link
+
+HOLD = 1e-6  # share of its mobility that a rate given by the user keeps while the others follow
+STARTS = 48  # guesses tried for angles that nobody gave
+LARGE = 400  # rows above which dense linear algebra is avoided and machine code is worth its start
+
+
+@dataclass(frozen=True)
+class Assembled:
+    """A consistent start."""
+
+    t: float
+    q: np.ndarray  # (3 nb,) x, y, angle of every body [m, m, rad]
+    v: np.ndarray  # (3 nb,) their rates
+    residual: float  # largest constraint residual [m or rad]
+    iterations: int
+
+
+def ideal_model(model: Model) -> Model:
+    """The same mechanism with every clearance closed."""
+    joints = {name: replace(one, contact=Contact("ideal", {})) if one.contact else one for name, one in model.joints.items()}
+    return replace(model, joints=joints)
+
+
+def assemble(ready: Compiled, t: float = 0.0, ideal: Assembled | None = None) -> Assembled:
+    """Positions and rates at time t from what the model's [initial] table says.
+
+    Raises AssemblyError when the joints cannot be closed, naming the loop and the gap.
+    """
+    model = ready.model
+    links = {name: one for name, one in model.joints.items() if is_link(one)}
+    offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in links}
+    ideal_ready = compile_system(ideal_model(model)) if links else ready
+    if links:
+        ideal = assemble(ideal_ready, t)
+        missing = [name for name, (x, y) in offsets.items() if math.hypot(x, y) < 1e-9 * links[name].clearance]
+        if missing:
+            offsets.update(_along_reactions(ideal_ready, ideal, missing))
+    memory = ready.memory()
+    q, iterations = _positions(ready, memory, t, offsets, ideal)
+    given = _given_rates(ready)
+    if ideal is None:
+        v = _free_rates(ready, memory, t, q, given)
+    else:
+        v = np.where(np.isnan(given), ideal.v, given)
+        _place_rates(ready, q, v, given, ideal.v)
+        close_rate(memory.handle, t, q, v)
+    return Assembled(t, q, v, float(open_by(memory.handle, t, q, v)), iterations)
+
+
+# ---------------------------------------------------------------- positions
+def _positions(
+    ready: Compiled, memory: Memory, t: float, offsets: dict[str, Any], ideal: Assembled | None
+) -> tuple[np.ndarray, int]:
+    """Close the positions; guesses for angles that were not given are varied until it works."""
+    best = None
+    for q in _guesses(ready, memory, t, offsets, ideal):
+        start = q.copy()
+        gap, iterations = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * ready.size, 60)
+        if not gap <= 1e-9 * ready.size and ready.row_count <= LARGE:
+            q[:] = start
+            _least_open(ready, memory, t, q)
+            gap, more = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * ready.size, 60)
+            iterations += more
+        if gap <= 1e-9 * ready.size:
+            return q, iterations
+        if best is None or gap < best[0]:
+            best = (gap, q)
+    assert best is not None
+    raise AssemblyError(_why_open(ready, memory, t, best[1]))
+
+
+def _guesses(
+    ready: Compiled, memory: Memory, t: float, offsets: dict[str, Any], ideal: Assembled | None
+) -> Iterator[np.ndarray]:
+    """Bodies placed by the joints, from the ground outwards, for one set of angles after the other."""
+    model = ready.model
+    drive(memory.handle, t)
+    functions = {name: memory["values"][ready.arrays["joint"][n, 3] :] for n, name in enumerate(ready.joints)}
+    angles, free = _angles(model, functions)
+    if ideal is not None:  # the ideal mechanism has found the angles that were not given
+        angles.update({name: float(ideal.q[3 * ready.bodies.index(name) + 2]) for name in free})
+        free = []
+    yield _place_positions(ready, angles, offsets, functions)
+    if not free:
+        return
+    turns = [math.radians(x) for x in (60, -60, 120, -120, 180, 30, -30)]
+    tried: Iterator[tuple[float, ...]] = itertools.product(turns, repeat=len(free))
+    if len(turns) ** len(free) > STARTS:
+        random = np.random.default_rng(0)
+        tried = iter([tuple(random.uniform(-math.pi, math.pi, len(free))) for _ in range(STARTS)])
+    for turn in itertools.islice(tried, STARTS):
+        yield _place_positions(ready, {**angles, **dict(zip(free, turn, strict=True))}, offsets, functions)
+
+
+def _angles(model: Model, functions: dict[str, np.ndarray]) -> tuple[dict[str, float], list[str]]:
+    """Angle of every body: given, or passed on by joints that fix it; and the bodies left to a guess."""
+    angles = {name: values["angle"] for name, values in model.initial.bodies.items() if "angle" in values}
+    angles["ground"] = 0.0
+    passed: list[tuple[str, str, float]] = []
+    for joint in model.joints.values():
+        if "angle" in joint.fields:
+            passed.append((joint.a.body, joint.b.body, joint.fields["angle"]))
+    for name, driver in model.drivers.items():
+        joint = model.joints[driver.joint]
+        if driver.kind == "angle":
+            passed.append((joint.a.body, joint.b.body, float(functions[name][4])))
+    for _ in range(len(passed)):
+        for a, b, angle in passed:
+            if a in angles and b not in angles:
+                angles[b] = angles[a] + angle
+            elif b in angles and a not in angles:
+                angles[a] = angles[b] - angle
+    free = [name for name in model.bodies if name not in angles]
+    return {**dict.fromkeys(free, 0.0), **angles}, free
+
+
+def outward(model: Model) -> list[tuple[str, str, Joint]]:
+    """(body, body it hangs on, joint) from the ground outwards: few clearances first, then few joints."""
+    near: dict[str, list[Joint]] = {}
+    for joint in model.joints.values():
+        near.setdefault(joint.a.body, []).append(joint)
+        near.setdefault(joint.b.body, []).append(joint)
+    order = []
+    done = set()
+    number = itertools.count()
+    queue: list[Any] = [(0, 0, next(number), "ground", "", None)]
+    while queue:
+        plays, depth, _, body, parent, via = heapq.heappop(queue)
+        if body in done:
+            continue
+        done.add(body)
+        if via is not None:
+            order.append((body, parent, via))
+        for joint in near.get(body, ()):
+            other = joint.b.body if joint.a.body == body else joint.a.body
+            if other not in done:
+                play = joint.contact is not None and joint.contact.model != "ideal"
+                heapq.heappush(queue, (plays + play, depth + 1, next(number), other, body, joint))
+    return order
+
+
+def _turned(angle: float, at: tuple[float, float]) -> np.ndarray:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * at[0] - s * at[1], s * at[0] + c * at[1]])
+
+
+def _place_positions(ready: Compiled, angles: dict[str, float], offsets: dict[str, Any], functions: dict[str, np.ndarray]) -> np.ndarray:
+    model = ready.model
+    at: dict[str, np.ndarray] = {"ground": np.zeros(2)}
+    driven = {driver.joint: name for name, driver in model.drivers.items()}
+    given = {name: np.array([one.get("x", math.nan), one.get("y", math.nan)]) for name, one in model.initial.bodies.items()}
+    for body, parent, joint in outward(model):
+        wanted = given.get(body, np.full(2, math.nan))
+        arm_a, arm_b = _turned(angles[joint.a.body], joint.a.at), _turned(angles[joint.b.body], joint.b.at)
+        gap = np.array(offsets.get(joint.name, (0.0, 0.0)))  # point of B minus point of A
+        sign = 1.0 if body == joint.b.body else -1.0
+        own, other = (arm_b, arm_a) if body == joint.b.body else (arm_a, arm_b)
+        if "axis" in joint.fields:
+            axis = angles[joint.a.body] + joint.fields["axis"]
+            u = np.array([math.cos(axis), math.sin(axis)])
+            where = wanted + own - at[parent] - other
+            known = ~np.isnan(wanted)
+            along = float(u[known] @ where[known]) * sign if known.all() else 0.0
+            if known.sum() == 1 and abs(u[known][0]) > 1e-6:
+                along = float(where[known][0] / u[known][0]) * sign
+            gap = u * (float(functions[driven[joint.name]][6]) if joint.name in driven else along)
+        elif "length" in joint.fields and not is_link(joint):
+            where = (wanted + own - at[parent] - other) * sign
+            distance = float(np.hypot(*where))
+            gap = joint.fields["length"] * (where / distance if distance > 0.0 else np.array([0.0, -1.0]))
+        place_at = at[parent] + other + sign * gap - own
+        at[body] = np.where(np.isnan(wanted), place_at, wanted)
+    q = np.zeros(3 * ready.body_count)
+    for n, name in enumerate(ready.bodies):
+        x, y = at[name] if name in at else np.nan_to_num(given.get(name, np.zeros(2)))
+        q[3 * n : 3 * n + 3] = x, y, angles[name]
+    return q
+
+
+def dense_rows(ready: Compiled, memory: Memory) -> np.ndarray:
+    """The Jacobian Phi_q of the rows at hand as a dense array (nr, 3 nb)."""
+    nr = ready.row_count
+    full = np.zeros((nr, 3 * (ready.body_count + 1)))
+    line = np.arange(nr)[:, None]
+    for side, columns in ((0, slice(3, 6)), (1, slice(6, 9))):
+        np.add.at(full, (line, 3 * ready.arrays["row_body"][:, side, None] + np.arange(3)), memory["rows"][:, columns])
+    return full[:, 3:]
+
+
+def _least_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> None:
+    """Levenberg-Marquardt on |Phi|^2 in mass-weighted coordinates: works where the rows lose rank."""
+    scale = np.sqrt(ready.arrays["weight"][1:].ravel() / ready.arrays["weight"][1:].max())
+    damping = 1e-2
+
+    def rows_at(q: np.ndarray) -> np.ndarray:
+        place_only(memory.handle, q)
+        constraints(memory.handle)
+        return memory["rows"][:, 0].copy()
+
+    drive(memory.handle, t)
+    phi = rows_at(q)
+    for _ in range(80):
+        jacobian = dense_rows(ready, memory) * scale
+        normal = jacobian.T @ jacobian
+        gradient = jacobian.T @ phi
+        if not np.isfinite(gradient).all() or np.abs(gradient).max() < 1e-14:
+            break
+        step = -scale * np.linalg.solve(normal + damping * np.trace(normal) / len(q) * np.eye(len(q)), gradient)
+        step *= min(1.0, 0.5 / max(np.abs(step[2::3]).max(), 1e-300))
+        trial = rows_at(q + step)
+        if trial @ trial < phi @ phi:
+            small = trial @ trial > (1 - 1e-9) * (phi @ phi)
+            q += step
+            phi, damping = trial, max(damping / 5, 1e-12)
+            if small:
+                break
+        else:
+            damping *= 4
+            rows_at(q)
+            if damping > 1e8:
+                break
+
+
+def _why_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> str:
+    model = ready.model
+    if ready.row_count <= LARGE:
+        _least_open(ready, memory, t, q)
+    place_only(memory.handle, q)
+    constraints(memory.handle)
+    gaps = {name: 0.0 for name in model.joints}
+    for row, value in zip(ready.rows, memory["rows"][:, 0], strict=True):
+        name = model.drivers[row.owner].joint if row.driver else row.owner
+        gaps[name] = math.hypot(gaps[name], float(value))
+    worst = max(gaps, key=lambda name: gaps[name])
+    joint = model.joints[worst]
+    path = tree_path(model, joint.a.body, joint.b.body, without=worst)
+    if path is None:
+        loop, gap = f"joint '{worst}'", gaps[worst]
+    else:
+        gap = gaps[worst] + sum(gaps[name] for name in path)
+        loop = f"the loop {describe_loop(model, joint, path)}"
+    text = f"the mechanism cannot be put together: {loop} stays open by {gap:.3g} m"
+    functions = []
+    for n, name in enumerate(ready.joints):
+        if name in model.drivers:
+            value = memory["values"][ready.arrays["joint"][n, 3] + driver_slot(ready, n)]
+            unit = ready.rows[ready.arrays["joint"][n, 4]].unit
+            functions.append(f"{name} = {math.degrees(value):.4g} deg" if unit == "rad" else f"{name} = {value:.4g} m")
+    at = f" at t = {t:.6g} s" + (f" ({', '.join(functions)})" if functions else "")
+    return f"{text}{at}. Check the lengths, or give better angles in [initial] (or another driver position)."
+
+
+def driver_slot(ready: Compiled, n: int) -> int:
+    """Where the value of a driver's function stands, counted from its first parameter."""
+    joint = ready.model.joints[ready.model.drivers[ready.joints[n]].joint]
+    return 4 + len(joint.fields)
+
+
+def _along_reactions(ideal_ready: Compiled, ideal: Assembled, missing: list[str]) -> dict[str, tuple[float, float]]:
+    """Pin offsets that press on the bush as the ideal mechanism's reactions do."""
+    memory = ideal_ready.memory()
+    solve_motion(memory.handle, ideal.t, ideal.q, ideal.v)
+    found = {}
+    for name in missing:
+        row = ideal_ready.arrays["joint"][ideal_ready.joints.index(name), 4]
+        force = -memory["multiplier"][row : row + 2]  # on B
+        size = float(np.hypot(*force))
+        n = -force / size if size > 1e-12 * ideal_ready.arrays["mass"].max() else np.array([1.0, 0.0])
+        clearance = ideal_ready.model.joints[name].clearance
+        found[name] = (float(n[0]) * clearance, float(n[1]) * clearance)
+    return found
+
+
+# ---------------------------------------------------------------- rates
+def _given_rates(ready: Compiled) -> np.ndarray:
+    """(3 nb,) rates the user gave, nan where none was."""
+    given = np.full(3 * ready.body_count, math.nan)
+    for n, name in enumerate(ready.bodies):
+        for k, key in enumerate(("vx", "vy", "omega")):
+            given[3 * n + k] = ready.model.initial.bodies.get(name, {}).get(key, math.nan)
+    return given
+
+
+def _place_rates(ready: Compiled, q: np.ndarray, v: np.ndarray, given: np.ndarray, otherwise: np.ndarray) -> None:
+    """With all angular rates in v, let the joints place vx and vy from the ground outwards."""
+    model = ready.model
+    number = {name: 3 * n for n, name in enumerate(ready.bodies)}
+
+    def rate_of(point: Any) -> np.ndarray:
+        if point.body == "ground":
+            return np.zeros(2)
+        k = number[point.body]
+        x, y = _turned(q[k + 2], point.at)
+        return v[k : k + 2] + v[k + 2] * np.array([-y, x])
+
+    for body, _, joint in outward(model):
+        k = number[body]
+        if "axis" in joint.fields or ("length" in joint.fields and not is_link(joint)):
+            v[k : k + 2] = otherwise[k : k + 2]
+        else:
+            own, other = (joint.b, joint.a) if joint.b.body == body else (joint.a, joint.b)
+            v[k : k + 2] = 0.0
+            v[k : k + 2] = rate_of(other) - rate_of(own)
+        v[k : k + 2] = np.where(np.isnan(given[k : k + 2]), v[k : k + 2], given[k : k + 2])
+
+
+def _free_rates(ready: Compiled, memory: Memory, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
+    """Rates of an ideal mechanism: those given are kept where the joints allow, the others follow."""
+    v = np.nan_to_num(given)
+    _place_rates(ready, q, v, given, v.copy())
+    known = ~np.isnan(given)
+    if known.any():
+        weight = ready.arrays["weight"].copy()
+        weight[1:].reshape(-1)[known] *= HOLD
+        held = replace(ready, arrays={**ready.arrays, "weight": weight}).memory()
+        start = v.copy()
+        for _ in range(4):
+            v[known] = start[known]
+            close_rate(held.handle, t, q, v)
+    close_rate(memory.handle, t, q, v)
+    return v

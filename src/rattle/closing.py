@@ -1,0 +1,101 @@
+"""Compiled iterations that close positions and rates: damped Newton with least mass-weighted change."""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import compiled
+from rattle.equations import constraints, correct, drive, place, rate_residual, residual
+from rattle.memory import BODY, CHANGE, ROWS, mat, vec
+from rattle.plane import COS, PHI, RES, SIN, X, Y
+from rattle.schur import factorise
+
+
+@compiled
+def open_by(m, t, q, v):
+    """Largest position residual at a state [m or rad]; leaves its rows in the memory."""
+    place(m, q, v)
+    drive(m, t)
+    constraints(m)
+    return residual(m)
+
+
+@compiled
+def place_only(m, q):
+    """Positions alone: rates stay as they are in `body`."""
+    body = mat(m, BODY)
+    for i in range(1, body.shape[0]):
+        body[i, X] = q[3 * i - 3]
+        body[i, Y] = q[3 * i - 2]
+        body[i, PHI] = q[3 * i - 1]
+        body[i, COS] = math.cos(q[3 * i - 1])
+        body[i, SIN] = math.sin(q[3 * i - 1])
+
+
+@compiled
+def merit_at(m, q):
+    """Sum of squared position residuals at q."""
+    rows = mat(m, ROWS)
+    place_only(m, q)
+    constraints(m)
+    value = 0.0
+    for r in range(rows.shape[0]):
+        value += rows[r, RES] * rows[r, RES]
+    return value
+
+
+@compiled
+def close_position(m, t, q, start, tolerance, most):
+    """Damped Newton on Phi(q, t) = 0, in place; returns the largest residual [m or rad] and the iterations.
+
+    start: (3 nb,) scratch.  Once below the tolerance two more steps polish the answer.
+    """
+    change = vec(m, CHANGE)
+    drive(m, t)
+    merit = merit_at(m, q)
+    gap = residual(m)
+    polish = 0
+    for iteration in range(most):
+        if not gap > 0.0 or not gap < math.inf or polish == 2:
+            return gap, iteration
+        if gap <= tolerance:
+            polish += 1
+        factorise(m)
+        correct(m)
+        share = 1.0
+        for k in range(2, q.shape[0], 3):  # no body turns by more than half a radian at once
+            if abs(change[k]) * share > 0.5:
+                share = 0.5 / abs(change[k])
+        for k in range(q.shape[0]):
+            start[k] = q[k]
+        now = math.inf
+        for _ in range(12):
+            for k in range(q.shape[0]):
+                q[k] = start[k] + share * change[k]
+            now = merit_at(m, q)
+            if now < merit:
+                break
+            share *= 0.5
+        if not now < merit:
+            for k in range(q.shape[0]):
+                q[k] = start[k]
+            merit_at(m, q)
+            return residual(m), iteration
+        merit = now
+        gap = residual(m)
+    return gap, most
+
+
+@compiled
+def close_rate(m, t, q, v):
+    """Bring v onto Phi_q v = nu with the least mass-weighted change, in place; returns the largest residual."""
+    change = vec(m, CHANGE)
+    open_by(m, t, q, v)
+    factorise(m)
+    for _ in range(3):
+        rate_residual(m)
+        correct(m)
+        for k in range(v.shape[0]):
+            v[k] += change[k]
+        place(m, q, v)
+    return rate_residual(m)

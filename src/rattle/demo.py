@@ -1,0 +1,138 @@
+"""The paper's four-bar with and without play: its Figures 3 to 12 on one page, orbits, a table and a film.
+
+Source: Grigore, Jderu, Enachescu, Application to the Motion and Equilibrium of the Planar Kinematic
+Chains with Rotational Links with Clearances (2015).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rattle.plot import (
+    BLACK,
+    BLUE,
+    RED,
+    SHADE,
+    clearance_joints,
+    figure_of,
+    new_axes,
+    robust_limits,
+    save_figure,
+    shade_after_horizon,
+)
+from rattle.result import joint_table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rattle.result import Result
+
+EXAMPLE = "fourbar"
+
+
+class Panel(NamedTuple):
+    """One figure of the paper: its curve is `factor` times the result's `name`."""
+
+    number: int
+    symbol: str
+    name: str
+    unit: str
+    factor: float = 1.0
+    no_play: str = ""  # the curve of the mechanism without play, if it has another name
+
+
+DEGREES = 180 / np.pi
+PANELS = (
+    Panel(3, "θ₂", "coupler.angle", "deg", DEGREES),
+    Panel(4, "θ₃", "rocker.angle", "deg", DEGREES),
+    Panel(5, "X₂", "coupler.x", "m"),
+    Panel(6, "Y₂", "coupler.y", "m"),
+    Panel(7, "X₃", "rocker.x", "m"),
+    Panel(8, "Y₃", "rocker.y", "m"),
+    Panel(9, "H₂", "O2.fx", "N", -1.0),
+    Panel(10, "V₂", "O2.fy", "N", -1.0),
+    Panel(11, "N₃", "O3.normal", "N", 1.0, "O3.force"),
+    Panel(12, "N₄", "O4.normal", "N", 1.0, "O4.force"),
+)
+
+
+def paper_page(with_clearance: Result, ideal: Result) -> Figure:
+    """The paper's Figures 3 to 12 on one page; the mechanism without play is dashed.
+
+    For the paper's N, a force along the clearance, the ideal mechanism shows the size of its reaction.
+    """
+    axes = new_axes(11.0, 13.5, rows=5, columns=2)
+    for ax, panel in zip(axes, PANELS, strict=True):
+        _panel(ax, panel, with_clearance, ideal)
+    for ax in axes[-2:]:
+        ax.set_xlabel("time [s]")
+    _head(figure_of(axes[0]), with_clearance)
+    return figure_of(axes[0])
+
+
+def _panel(ax: Axes, panel: Panel, play: Result, ideal: Result) -> None:
+    curve = panel.factor * play[panel.name]
+    other = panel.factor * ideal[panel.no_play or panel.name]
+    ax.plot(play.t, curve, color=BLUE, linewidth=0.8)
+    ax.plot(ideal.t, other, color=BLACK, linewidth=1.1, linestyle=(0, (5, 2)))
+    if panel.name.endswith(".normal"):
+        ax.axhline(0, color=RED, linewidth=0.9)
+    ax.set_title(f"Figure {panel.number}   {panel.symbol}", loc="left", fontsize=11)
+    ax.set_ylabel(f"{panel.symbol} [{panel.unit}]")
+    ax.margins(x=0.0)
+    shade_after_horizon(ax, play)
+    robust_limits(ax, [curve, other], side="right")
+
+
+def _head(figure: Figure, play: Result) -> None:
+    """What the page shows, and what its lines and shades mean."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    pins = clearance_joints(play)
+    size = ", ".join(f"{form['clearance'] * 1e3:g} mm in {joint}" for joint, form in pins.items())
+    keys: list[Line2D | Patch] = [
+        Line2D([], [], color=BLUE, label="with play"),
+        Line2D([], [], color=BLACK, linestyle=(0, (5, 2)), label="without play (11, 12: size of reaction)"),
+        Line2D([], [], color=RED, label="N = 0: below it the bush would have to pull"),
+    ]
+    horizon = play.trust.horizon
+    if horizon is not None and horizon < play.trust.t_end:
+        keys.append(Patch(color=SHADE, label=f"after the horizon, t > {horizon:.3g} s: statistics only"))
+    legend = figure.legend(handles=keys, loc="outside upper center", ncols=len(keys), frameon=False, fontsize=9)
+    legend.set_title(f"The paper's four-bar with play: {size}", FontProperties(size=13))
+
+
+def run_demo(folder: str | os.PathLike[str]) -> tuple[list[Path], str]:
+    """Run the shipped four-bar with and without play and write page, orbits, CSV and GIF into `folder`.
+
+    Returns the files written and a table of joint forces with the trust lines.
+    Raises OSError where the folder cannot be made or written.
+    """
+    import rattle
+
+    place = Path(folder).expanduser()
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise type(error)(f"cannot make the folder {place}: {error.strerror}") from error
+    mechanism = rattle.example(EXAMPLE)
+    play, ideal = mechanism.simulate(horizon=True), mechanism.ideal().simulate(horizon=True)
+    writers: dict[str, Callable[[Path], None]] = {
+        f"{EXAMPLE}-figures.png": partial(save_figure, paper_page(play, ideal)),
+        **{f"orbit-{pin}.png": partial(save_figure, play.plot_orbit(pin)) for pin in clearance_joints(play)},
+        f"{EXAMPLE}.csv": play.to_csv,
+        f"{EXAMPLE}.gif": play.animate,
+    }
+    for name, write in writers.items():
+        write(place / name)
+    parts = [f"{title}\n{joint_table(r)}\n{r.trust}" for title, r in (("with play", play), ("without play", ideal))]
+    return [place / name for name in writers], "\n\n".join(parts)

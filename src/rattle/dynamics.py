@@ -1,0 +1,257 @@
+"""Motion in time: a run from a consistent start, with everything a result says about itself."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from rattle import catalog
+from rattle.assembly import Assembled
+from rattle.equations import DONE, NOT_FINITE, PAUSED
+from rattle.errors import SolverError
+from rattle.recording import columns, geometry, width
+from rattle.result import Result, Trust
+from rattle.singular import describe_rank_loss, nonunique_reactions
+from rattle.steppers import march
+from rattle.system import Compiled
+
+log = logging.getLogger("rattle")
+
+RTOL = 1e-8
+POINTS = 1000  # output intervals when nothing is said
+CHUNK = 2000  # steps between two looks at the clock and the keyboard
+
+
+class Run:
+    """One march from start to end with fixed settings."""
+
+    def __init__(
+        self, ready: Compiled, start: Assembled, t_eval: np.ndarray, t_end: float, method: str, rtol: float, atol: float, step: float | None
+    ) -> None:
+        self.ready, self.start, self.t_eval, self.t_end = ready, start, t_eval, t_end
+        self.method, self.rtol, self.atol, self.step = method, rtol, atol, step
+        y = np.concatenate([start.q, start.v, [0.0, 0.0]])
+        self.memory = ready.memory(**march.march_arrays(y, len(ready.watched)))
+        self.clock, self.tally = self.memory["clock"], self.memory["tally"]
+        self.raw = np.zeros((len(t_eval), width(ready)))
+        self.crossings: list[np.ndarray] = []
+        self.first_sign = np.ones(len(ready.watched))
+        self.message = ""
+        self.wall = 0.0
+
+    def go(self, progress: bool = False) -> None:
+        """March to the end, or to where it cannot go on (then `message` says why)."""
+        m, clock, tally = self.memory, self.clock, self.tally
+        began = time.perf_counter()
+        h_max = self.step or math.inf
+        status = march.begin(m.handle, self.start.t, self.t_end, self.rtol, self.atol, h_max)
+        if self.method == "rk4":
+            clock[march.H] = (self.t_end - self.start.t) / max(1, math.ceil((self.t_end - self.start.t) / h_max - 1e-9))
+        self.first_sign[:] = m["sign"]
+        if len(self.t_eval) and self.t_eval[0] <= self.start.t:
+            march.record(m.handle, self.start.t, m["y"], self.raw[0])
+            tally[march.OUTPUTS] = 1
+        bar = _bar(self.t_end) if progress else None
+        try:
+            if status == NOT_FINITE:
+                self.message = self._trouble(status)
+                return
+            status = PAUSED
+            while status == PAUSED:
+                status = march.advance(
+                    m.handle, self.t_end, self.rtol, self.atol, h_max, march.METHODS[self.method],
+                    self.t_eval, self.raw, CHUNK if catalog.jit_runs() else 20,
+                )  # fmt: skip
+                self.crossings.append(m["crossings"][: tally[march.FOUND]].copy())
+                tally[march.FOUND] = 0
+                if bar is not None:
+                    bar.update(clock[march.T] - bar.n)
+            if status != DONE:
+                self.message = self._trouble(status)
+        except KeyboardInterrupt:
+            self.message = f"stopped by the user at t = {clock[march.T]:.6g} s; the result holds what was computed before"
+        finally:
+            if bar is not None:
+                bar.close()
+            self.wall = time.perf_counter() - began
+
+    def _trouble(self, status: int) -> str:
+        t = float(self.clock[march.T])
+        what = self._not_finite()
+        if what:
+            return what
+        nq = 3 * self.ready.body_count
+        march.record(self.memory.handle, t, self.memory["y"], np.zeros(width(self.ready)))
+        rank = describe_rank_loss(self.ready, self.memory)
+        if rank:
+            return f"cannot go on at t = {t:.6g} s: {rank}"
+        if status == NOT_FINITE:
+            return f"the motion ran away at t = {t:.6g} s with the step of {self.clock[march.H]:.3g} s; try a smaller step or method dop853"
+        fastest = int(np.argmax(np.abs(self.memory["f"][nq : 2 * nq])))
+        return (
+            f"cannot go on at t = {t:.6g} s: the step fell below {self.clock[march.H]:.1g} s (worst at body '{self.ready.bodies[fastest // 3]}');"
+            " try a larger rtol, and look for a position that cannot be passed"
+        )
+
+    def _not_finite(self) -> str:
+        """Which expression has no finite value near the last state, and when."""
+        ready, m = self.ready, self.memory
+        t0, y, f = float(self.clock[march.T]), m["y"], m["f"]
+        spans = [0.0, *(max(self.clock[march.TROUBLE] - t0, 1e-12) * np.array([0.25, 0.5, 1.0, 2.0, 10.0, 1e3, 1e6]))]
+        programs = [(row, signal_or_value) for signal_or_value in ("jet_signal", "jet", "signal", "live") for row in ready.arrays[signal_or_value]]
+        for span in spans:
+            t = t0 + float(span)
+            if t > self.t_end * (1 + 1e-12) and span:
+                break
+            state = y + (t - t0) * np.where(np.isfinite(f), f, 0.0)
+            march.record(m.handle, t, state, np.zeros(width(ready)))
+            for row, table in programs:
+                found = m["jets"][row[2]] if table == "jet_signal" else m["signals"][row[2]] if table == "signal" else m["values"][row[2] : row[2] + (3 if table == "jet" else 1)]
+                if not np.isfinite(found).all():
+                    return f"{self._program(int(row[0]))} has no finite value at t = {t:.6g} s ({np.ravel(found)[0]:g}); check its domain (square root, logarithm, division by zero)"
+        return ""
+
+    def _program(self, first: int) -> str:
+        starts = self.ready.program_starts
+        return self.ready.live_names[starts.index(first)]
+
+
+def simulate(
+    ready: Compiled, start: Assembled, *, t_end: float | None = None, t_eval: Sequence[float] | np.ndarray | None = None, method: str | None = None,
+    rtol: float | None = None, atol: float | None = None, step: float | None = None, progress: bool = False, strict: bool = False, horizon: bool = False,
+) -> Result:  # fmt: skip
+    """Integrate the equations of motion; see `Mechanism.simulate`."""
+    catalog.start()
+    settings = ready.model.settings
+    end, times = output_times(settings, t_end, t_eval)
+    method = method or settings.method
+    if method not in march.METHODS:
+        raise ValueError(f"unknown method '{method}'; wanted {' or '.join(march.METHODS)}")
+    rtol = _positive("rtol", rtol or settings.rtol or RTOL)
+    atol = _positive("atol", atol or settings.atol or 1e-2 * rtol)
+    step = step or settings.step
+    if step is not None:
+        _positive("step", step)
+    elif method == "rk4":
+        step = min(1e-4, end / POINTS)
+    run = Run(ready, start, times, end, method, rtol, atol, step)
+    run.go(progress)
+    reach = None
+    if horizon and run.tally[march.OUTPUTS] > 1:
+        second = Run(ready, start, times, end, method, rtol / 10, atol / 10, None if step is None else step / 10 ** (1 / march.ORDERS[method]))
+        second.go(progress)
+        reach = agreement(run, second)
+    result = _result(run, reach)
+    catalog.mark_compiled()
+    if not result.success:
+        log.warning(result.message)
+        if strict:
+            raise SolverError(result.message, result)
+    return result
+
+
+def output_times(settings: Any, t_end: float | None, t_eval: Sequence[float] | np.ndarray | None) -> tuple[float, np.ndarray]:
+    """End of a run and its output instants, from what was asked and what the model says."""
+    if t_eval is not None:
+        times = np.ascontiguousarray(t_eval, dtype=float)
+        if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any() or times[0] < 0:
+            raise ValueError("t_eval must be increasing finite times in s, from 0 on")
+        end = float(times[-1]) if t_end is None else _positive("t_end", t_end)
+        if times[-1] > end * (1 + 1e-12):
+            raise ValueError(f"t_eval goes to {times[-1]:g} s, beyond t_end = {end:g} s")
+        return max(end, float(times[-1])), times
+    end = _positive("t_end", settings.t_end if t_end is None else t_end)
+    interval = settings.output or end / POINTS
+    count = max(1, round(end / interval))
+    if count > 10_000_000:
+        raise ValueError(f"{count} outputs are too many; choose a larger output interval")
+    return end, np.linspace(0.0, end, count + 1)
+
+
+def _positive(name: str, value: float) -> float:
+    if not 0.0 < value < math.inf:
+        raise ValueError(f"{name} must be positive and finite, got {value}")
+    return float(value)
+
+
+def agreement(run: Run, second: Run) -> float:
+    """Time up to which every curve of two runs agrees within 1 % of its range (THEORY section 8)."""
+    n = int(min(run.tally[march.OUTPUTS], second.tally[march.OUTPUTS]))
+    one, names, _ = columns(run.ready, run.raw[:n])
+    other, _, _ = columns(second.ready, second.raw[:n])
+    keep = [k for k, name in enumerate(names) if not name.startswith("energy.")]
+    one, other = one[:, keep], other[:, keep]
+    span = np.ptp(one, axis=0)
+    floor = 1e-9 * np.maximum(np.abs(one).max(axis=0), 1e-12)  # a curve that stays put has no range
+    apart = (np.abs(one - other) > np.maximum(0.01 * span, floor)).any(axis=1)
+    if apart.any():
+        return float(run.t_eval[max(0, int(np.argmax(apart)) - 1)])
+    return float(run.t_eval[n - 1])
+
+
+def _bar(t_end: float) -> Any:
+    from tqdm import tqdm
+
+    return tqdm(total=t_end, unit="s", desc="simulate", bar_format="{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]")
+
+
+def _result(run: Run, reach: float | None) -> Result:
+    from rattle import __version__
+
+    ready, clock, tally = run.ready, run.clock, run.tally
+    n = int(tally[march.OUTPUTS])
+    data, names, units = columns(ready, run.raw[:n])
+    t = run.t_eval[:n]
+    reached = float(clock[march.T])
+    pulled, first, intervals = pulls(run, reached)
+    balance = data[:, names.index("energy.balance")]
+    nonunique: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    if tally[march.LOST]:
+        march.record(run.memory.handle, run.start.t, np.concatenate([run.start.q, run.start.v, [0.0, 0.0]]), np.zeros(width(ready)))
+        nonunique = nonunique_reactions(ready, run.memory)
+        if not nonunique:
+            notes = ("the run passed through a position where the joints lose independence (a singular position)",)
+    owner = ready.rows[tally[march.DRIFT_ROW]].owner if ready.rows else ""
+    trust = Trust(
+        drift=float(clock[march.DRIFT]), drift_joint=owner, energy_balance=float(np.abs(balance).max()) if n else math.nan,
+        t_end=reached, horizon=reach, pulled=pulled, first_pull=first, intervals=intervals, nonunique=nonunique, notes=notes,
+    )  # fmt: skip
+    stats = {
+        "steps": int(tally[march.STEPS]), "rejected": int(tally[march.REJECTED]), "evaluations": int(tally[march.EVALUATIONS]),
+        "smallest_step": float(clock[march.H_MIN]), "wall_time": run.wall,
+    }  # fmt: skip
+    provenance = {
+        "model": ready.model.name, "program": f"rattle {__version__}", "analysis": "simulate", "method": run.method, "rtol": run.rtol, "atol": run.atol,
+        "step": run.step, "parameters": {name: one.value for name, one in ready.model.parameters.items()},
+    }  # fmt: skip
+    return Result(
+        t=t, data=data, names=names, units=units, geometry=geometry(ready.model), trust=trust, stats=stats, provenance=provenance,
+        success=not run.message, message=run.message,
+    )  # fmt: skip
+
+
+def pulls(run: Run, reached: float) -> tuple[dict[str, float], dict[str, float | None], dict[str, np.ndarray]]:
+    """Share of time, first time and intervals with N < 0 for every joint held by a massless link."""
+    crossings = np.concatenate(run.crossings) if run.crossings else np.zeros((0, 3))
+    pulled: dict[str, float] = {}
+    first: dict[str, float | None] = {}
+    intervals = {}
+    span = max(reached - run.start.t, 1e-300)
+    for n, name in enumerate(run.ready.watched):
+        mine = crossings[crossings[:, 1] == n]
+        times = list(mine[:, 0])
+        if run.first_sign[n] < 0:
+            times.insert(0, run.start.t)
+        if len(times) % 2:
+            times.append(reached)
+        pairs = np.array(times).reshape(-1, 2)
+        intervals[name] = pairs
+        pulled[name] = float((pairs[:, 1] - pairs[:, 0]).sum() / span)
+        first[name] = float(pairs[0, 0]) if len(pairs) else None
+    return pulled, first, intervals

@@ -1,0 +1,231 @@
+"""The equations of motion at one instant: M, Q, Phi, Phi_q, nu, gamma, lambda, accelerations.
+
+    M dv + Phi_q^T lambda = Q,     Phi_q dv = gamma        (THEORY section 3)
+    S lambda = Phi_q M^-1 Q - gamma,     S = Phi_q M^-1 Phi_q^T
+
+This is the only caller of kernels, and it names no kind.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import call_joint, call_load, compiled
+from rattle.memory import (
+    ACCELERATION, BODY, CHANGE, CODE, CONST, ENERGY, FORCE, GRAVITY, JET, JET_OUT, JET_SIGNAL, JET_STACK, JETS, JOINT,
+    JOINT_TABLE, LIVE, LOAD, LOAD_TABLE, MASS, MULTIPLIER, PLACE, POWER, ROW_BODY, ROWS, SIGNAL, SIGNALS, SOLUTION,
+    STACK, VALUES, WEIGHT, imat, ivec, mat, vec,
+)  # fmt: skip
+from rattle.plane import (
+    AX,
+    BX,
+    COS,
+    DISSIPATED,
+    ELASTIC,
+    GAMMA,
+    NU,
+    OUTSIDE,
+    PHI,
+    POTENTIAL,
+    RES,
+    SIN,
+    VX,
+    VY,
+    W,
+    X,
+    Y,
+)
+from rattle.programs import evaluate, evaluate_jet
+from rattle.schur import factorise, solve
+
+OK, NOT_CLOSED, NOT_FINITE, STEP_TOO_SMALL, PAUSED, DONE = range(6)
+
+
+@compiled
+def place(m, q, v):
+    """Copy positions q and rates v (3 nb each) into `body`, with the cosine and sine of every angle."""
+    body = mat(m, BODY)
+    for i in range(1, body.shape[0]):
+        k = 3 * i - 3
+        body[i, X] = q[k]
+        body[i, Y] = q[k + 1]
+        body[i, PHI] = q[k + 2]
+        body[i, VX] = v[k]
+        body[i, VY] = v[k + 1]
+        body[i, W] = v[k + 2]
+        body[i, COS] = math.cos(q[k + 2])
+        body[i, SIN] = math.sin(q[k + 2])
+
+
+@compiled
+def drive(m, t):
+    """Functions of time: value, first and second derivative of every driver, exactly."""
+    jet_signal, jet, out = imat(m, JET_SIGNAL), imat(m, JET), vec(m, JET_OUT)
+    code, const, jets, stack, values = imat(m, CODE), vec(m, CONST), mat(m, JETS), mat(m, JET_STACK), vec(m, VALUES)
+    for n in range(jet_signal.shape[0]):
+        evaluate_jet(code, const, jet_signal[n, 0], jet_signal[n, 1], t, jets, stack, out)
+        k = jet_signal[n, 2]
+        jets[k, 0], jets[k, 1], jets[k, 2] = out[0], out[1], out[2]
+    for n in range(jet.shape[0]):
+        evaluate_jet(code, const, jet[n, 0], jet[n, 1], t, jets, stack, out)
+        k = jet[n, 2]
+        values[k], values[k + 1], values[k + 2] = out[0], out[1], out[2]
+
+
+@compiled
+def constraints(m):
+    """Residual, nu, gamma and Jacobian of every row at the state in `body`."""
+    table, joint, body, values, rows = ivec(m, JOINT_TABLE), imat(m, JOINT), mat(m, BODY), vec(m, VALUES), mat(m, ROWS)
+    for n in range(joint.shape[0]):
+        call_joint(table[joint[n, 0]], (body, joint[n, 1], joint[n, 2], values, joint[n, 3], joint[n, 4], rows))
+
+
+@compiled
+def loads(m, t):
+    """Applied forces Q, potential energy, work rate and dissipation at the state in `body`."""
+    force, body, energy, power = mat(m, FORCE), mat(m, BODY), vec(m, ENERGY), vec(m, POWER)
+    mass, gravity, load, table, values = mat(m, MASS), vec(m, GRAVITY), imat(m, LOAD), ivec(m, LOAD_TABLE), vec(m, VALUES)
+    signal, live, signals = imat(m, SIGNAL), imat(m, LIVE), vec(m, SIGNALS)
+    code, const, stack = imat(m, CODE), vec(m, CONST), vec(m, STACK)
+    potential, rate, lost = 0.0, 0.0, 0.0
+    for n in range(signal.shape[0]):
+        signals[signal[n, 2]] = evaluate(code, const, signal[n, 0], signal[n, 1], t, body, signals, stack)
+    for n in range(live.shape[0]):
+        values[live[n, 2]] = evaluate(code, const, live[n, 0], live[n, 1], t, body, signals, stack)
+    gx, gy = gravity[0], gravity[1]
+    for i in range(body.shape[0]):
+        force[i, 0] = mass[i, 0] * gx
+        force[i, 1] = mass[i, 0] * gy
+        force[i, 2] = 0.0
+        potential -= mass[i, 0] * (gx * body[i, X] + gy * body[i, Y])
+    for n in range(load.shape[0]):
+        for k in range(4):
+            energy[k] = 0.0
+        call_load(table[load[n, 0]], (t, body, load[n, 1], load[n, 2], values, load[n, 3], force, energy))
+        rate += energy[OUTSIDE]
+        lost += energy[DISSIPATED]
+        if load[n, 4] == 0:
+            potential += energy[POTENTIAL]
+        else:  # its values change with time: what it stores is not a function of position alone
+            rate += energy[ELASTIC]
+    power[0], power[1], power[2] = potential, rate, lost
+
+
+@compiled
+def correct(m):
+    """change = -M^-1 Phi_q^T S^-1 r: the least mass-weighted change that takes a residual r away.
+
+    On entry the right side holds r, from `residual` or `rate_residual`, and S is factored.
+    """
+    solve(m)
+    change, rows, weight, x = vec(m, CHANGE), mat(m, ROWS), mat(m, WEIGHT), vec(m, SOLUTION)
+    place_of, row_body = ivec(m, PLACE), imat(m, ROW_BODY)
+    for k in range(change.shape[0]):
+        change[k] = 0.0
+    for r in range(rows.shape[0]):
+        force = x[place_of[r]]
+        a, b = row_body[r, 0], row_body[r, 1]
+        if a > 0:
+            for k in range(3):
+                change[3 * a - 3 + k] -= weight[a, k] * rows[r, AX + k] * force
+        if b > 0:
+            for k in range(3):
+                change[3 * b - 3 + k] -= weight[b, k] * rows[r, BX + k] * force
+
+
+@compiled
+def residual(m):
+    """Put the position residuals on the right side; returns the largest [m or rad]."""
+    rows, x, place_of = mat(m, ROWS), vec(m, SOLUTION), ivec(m, PLACE)
+    largest = 0.0
+    for r in range(rows.shape[0]):
+        value = rows[r, RES]
+        x[place_of[r]] = value
+        if not abs(value) <= largest:  # also catches nan
+            largest = abs(value)
+    return largest
+
+
+@compiled
+def rate_residual(m):
+    """Put Phi_q v - nu on the right side; returns the largest [m/s or rad/s]."""
+    rows, body, x = mat(m, ROWS), mat(m, BODY), vec(m, SOLUTION)
+    place_of, row_body = ivec(m, PLACE), imat(m, ROW_BODY)
+    largest = 0.0
+    for r in range(rows.shape[0]):
+        a, b = row_body[r, 0], row_body[r, 1]
+        value = -rows[r, NU]
+        for k in range(3):
+            value += rows[r, AX + k] * body[a, VX + k] + rows[r, BX + k] * body[b, VX + k]
+        x[place_of[r]] = value
+        if not abs(value) <= largest:
+            largest = abs(value)
+    return largest
+
+
+@compiled
+def accelerate(m):
+    """Multipliers and accelerations from the rows, the factor and the forces at hand."""
+    rows, force, weight, x = mat(m, ROWS), mat(m, FORCE), mat(m, WEIGHT), vec(m, SOLUTION)
+    acceleration, multiplier = mat(m, ACCELERATION), vec(m, MULTIPLIER)
+    place_of, row_body = ivec(m, PLACE), imat(m, ROW_BODY)
+    for i in range(acceleration.shape[0]):
+        for k in range(3):
+            acceleration[i, k] = weight[i, k] * force[i, k]
+    for r in range(rows.shape[0]):
+        a, b = row_body[r, 0], row_body[r, 1]
+        x[place_of[r]] = (
+            rows[r, AX] * acceleration[a, 0]
+            + rows[r, AX + 1] * acceleration[a, 1]
+            + rows[r, AX + 2] * acceleration[a, 2]
+            + rows[r, BX] * acceleration[b, 0]
+            + rows[r, BX + 1] * acceleration[b, 1]
+            + rows[r, BX + 2] * acceleration[b, 2]
+            - rows[r, GAMMA]
+        )
+    solve(m)
+    for r in range(rows.shape[0]):
+        value = x[place_of[r]]
+        multiplier[r] = value
+        a, b = row_body[r, 0], row_body[r, 1]
+        for k in range(3):
+            acceleration[a, k] -= weight[a, k] * rows[r, AX + k] * value
+            acceleration[b, k] -= weight[b, k] * rows[r, BX + k] * value
+
+
+@compiled
+def solve_motion(m, t, q, v):
+    """Everything at (t, q, v): rows, forces, multipliers, accelerations. Returns the number of redundant rows."""
+    place(m, q, v)
+    drive(m, t)
+    constraints(m)
+    loads(m, t)
+    lost = factorise(m)
+    accelerate(m)
+    return lost
+
+
+@compiled
+def collect(m, v, dy):
+    """dy/dt of y = [q, v, work done on the mechanism, energy dissipated] from what has just been solved."""
+    rows, multiplier, acceleration, power = mat(m, ROWS), vec(m, MULTIPLIER), mat(m, ACCELERATION), vec(m, POWER)
+    nq = v.shape[0]
+    rate = power[1]
+    for r in range(rows.shape[0]):
+        rate -= multiplier[r] * rows[r, NU]
+    for k in range(nq):
+        dy[k] = v[k]
+    for i in range(1, acceleration.shape[0]):
+        for k in range(3):
+            dy[nq + 3 * i - 3 + k] = acceleration[i, k]
+    dy[2 * nq] = rate
+    dy[2 * nq + 1] = power[2]
+
+
+@compiled
+def derivative(m, t, y, dy):
+    """dy/dt of y = [q, v, work done on the mechanism, energy dissipated] (6 nb + 2,)."""
+    nq = (y.shape[0] - 2) // 2
+    lost = solve_motion(m, t, y[:nq], y[nq : 2 * nq])
+    collect(m, y[nq : 2 * nq], dy)
+    return lost

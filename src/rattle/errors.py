@@ -1,0 +1,65 @@
+"""What can go wrong, as exceptions that say what, where and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+
+def suggest(word: str, known: Iterable[str]) -> str:
+    """"; did you mean 'x'?" when something known is close to `word`, else what there is (if little)."""
+    import difflib
+
+    options = list(known)
+    close = difflib.get_close_matches(word, options, 3, 0.6)
+    if close:
+        return "; did you mean " + " or ".join(f"'{one}'" for one in close) + "?"
+    return "; known: " + ", ".join(options) if 0 < len(options) <= 12 else ""
+
+
+class Problem:
+    """One thing wrong in a model: where (path, line) and what."""
+
+    __slots__ = ("caret", "line", "message", "path")
+
+    def __init__(self, path: tuple[str | int, ...], message: str) -> None:
+        self.path = path
+        self.message = message
+        self.line: int | None = None
+        self.caret = ""
+
+    @property
+    def key(self) -> str:
+        """The path as the user would write it, "joints.O3.clearance"."""
+        text = ""
+        for part in self.path:
+            text += f"[{part}]" if isinstance(part, int) else ("." if text else "") + str(part)
+        return text
+
+    def __str__(self) -> str:
+        return f"{self.key}: {self.message}" if self.path else self.message
+
+
+class ModelError(ValueError):
+    """The model cannot be used; `.problems` holds every reason found."""
+
+    def __init__(self, problems: list[Problem], file: str = "") -> None:
+        self.problems = problems
+        self.file = file
+        lines = []
+        for one in problems:
+            where = f"{file or 'model'}:{one.line}: " if one.line else (f"{file}: " if file else "")
+            lines.append(where + str(one) + (f"\n{one.caret}" if one.caret else ""))
+        super().__init__("\n".join(lines))
+
+
+class AssemblyError(RuntimeError):
+    """The mechanism cannot be put together, or cannot take the position asked for."""
+
+
+class SolverError(RuntimeError):
+    """A run could not go on (only with `strict=True`); `.result` holds what was computed before."""
+
+    def __init__(self, message: str, result: Any) -> None:
+        super().__init__(message)
+        self.result = result

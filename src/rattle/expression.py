@@ -1,0 +1,258 @@
+"""Expressions in a model file: checked for dimensions, turned into small stack programs.
+
+An expression holds numbers, names (`l1`, `rocker.omega`), `+ - * / **`, parentheses, the functions of
+`FUNCTIONS`, `pi`, the time `t`, and `a if x < y else b`.  Nothing else is read, so that a file can never
+run code.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain, islice
+
+import numpy as np
+
+from rattle import programs
+from rattle.errors import suggest
+from rattle.quantity import DIMENSIONLESS, TIME, Dimension, describe, unit_name
+from rattle.syntax import (
+    FUNCTIONS,
+    RESERVED,
+    Apply,
+    ExpressionError,
+    Name,
+    Node,
+    Number,
+    names,
+    parse,
+    walk,
+)
+
+__all__ = [
+    "FUNCTIONS",
+    "RESERVED",
+    "ExpressionError",
+    "Node",
+    "Program",
+    "compile_program",
+    "concatenate",
+    "dimension",
+    "names",
+    "parse",
+    "value",
+]
+
+_OPS = {
+    "neg": programs.NEG,
+    "+": programs.ADD,
+    "-": programs.SUB,
+    "*": programs.MUL,
+    "/": programs.DIV,
+    "**": programs.POW,
+    "if<": programs.LESS,
+    "if<=": programs.AT_MOST,
+    "if>": programs.MORE,
+    "if>=": programs.AT_LEAST,
+    **{name: getattr(programs, name.upper()) for name in FUNCTIONS},
+}
+
+
+# ---------------------------------------------------------------- dimensions
+def dimension(node: Node, lookup: Callable[[str], Dimension | None]) -> Dimension | None:
+    """Dimension of an expression, None where it cannot be known; `t` is a time.
+
+    lookup: dimension of a name, None if unknown.  Numbers written in the expression may have any unit,
+    so that "9.81*m" raises no false alarm.  Raises ExpressionError for "m + kg", "sin(m)" and the like.
+    """
+    stack: list[Dimension | None] = []
+    for part in walk(node):
+        if isinstance(part, Number):
+            stack.append(None)
+        elif isinstance(part, Name):
+            stack.append(TIME if part.name == "t" else lookup(part.name))
+        else:
+            size = len(part.operands)
+            operands = stack[-size:]
+            del stack[-size:]
+            stack.append(_combine(part, operands))
+    return stack[0]
+
+
+def _combine(part: Apply, given: list[Dimension | None]) -> Dimension | None:
+    """Dimension of one operation from those of its operands."""
+    name, x, y = part.name, given[0], given[1] if len(given) > 1 else None
+    if name in ("*", "/"):
+        if x is None or y is None:
+            return None
+        return x.times(y) if name == "*" else x.over(y)
+    if name == "**":
+        return _combine_power(part, x, y)
+    if name in ("+", "-"):
+        return _same(part, x, y, "add" if name == "+" else "subtract")
+    if name.startswith("if"):
+        _same(part, x, y, "compare")
+        return _same(part, given[2], given[3], "choose between")
+    if name in ("min", "max", "hypot", "atan2"):
+        common = _same(part, x, y, f"take {name} of")
+        return DIMENSIONLESS if name == "atan2" else common
+    if name in ("neg", "abs"):
+        return x
+    if name == "sqrt":
+        return None if x is None else x.power(0.5)
+    if name not in ("sign", "step") and x not in (None, DIMENSIONLESS):
+        raise ExpressionError(f"cannot take {name} of {_word(x)}; wanted a plain number or angle", part.column)
+    return DIMENSIONLESS
+
+
+def _combine_power(part: Apply, base: Dimension | None, exponent: Dimension | None) -> Dimension | None:
+    if exponent not in (None, DIMENSIONLESS):
+        raise ExpressionError(f"an exponent must be a plain number, not {_word(exponent)}", part.column)
+    if base is None or base == DIMENSIONLESS:
+        return base
+    if names(part.operands[1]):
+        return None
+    number = value(part.operands[1], {})
+    return base.power(number) if abs(number) <= 100.0 else None
+
+
+def _same(part: Apply, x: Dimension | None, y: Dimension | None, verb: str) -> Dimension | None:
+    if x is not None and y is not None and x != y:
+        raise ExpressionError(f"cannot {verb} {_word(x)} and {_word(y)}", part.column)
+    return y if x is None else x
+
+
+def _word(known: Dimension | None) -> str:
+    return describe(DIMENSIONLESS) if known is None or known == DIMENSIONLESS else unit_name(known)
+
+
+# ---------------------------------------------------------------- programs
+@dataclass(frozen=True, slots=True, eq=False)
+class Program:
+    """An expression as `programs.evaluate` runs it."""
+
+    code: np.ndarray  # (n, 2) int64: op, argument
+    const: np.ndarray  # (nc,)
+    depth: int  # length of the stack it needs
+    uses_state: bool
+    uses_time: bool
+    signals: frozenset[int]  # indices of the signals it reads
+
+
+def value(node: Node, constants: Mapping[str, float]) -> float:
+    """Value of an expression over constants.  Raises ExpressionError for other names and if it is not finite."""
+    return float(_Assembler(constants, {}, {}, time=False).assemble(node).const[0])
+
+
+def compile_program(
+    node: Node, constants: Mapping[str, float], state: Mapping[str, int], signals: Mapping[str, int]
+) -> Program:
+    """Turn an expression into a program.  Every part without `t`, state and signals becomes one constant.
+
+    constants: values of names [SI]; state: place of a state name in `body`, 8 * row + column;
+    signals: index of a signal.  Raises ExpressionError for unknown names and for constants that are not finite.
+    """
+    return _Assembler(constants, state, signals, time=True).assemble(node)
+
+
+def concatenate(parts: Sequence[Program]) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+    """Several programs in one: code (n, 2), const (nc,), first (np+1,) and the greatest depth.
+
+    Program i is rows first[i] to first[i + 1] - 1 of `code`; its constants are counted from the start of `const`.
+    """
+    first = np.zeros(len(parts) + 1, dtype=np.int64)
+    first[1:] = np.cumsum([len(part.code) for part in parts])
+    code = np.zeros((int(first[-1]), 2), dtype=np.int64)
+    const = np.zeros(sum(len(part.const) for part in parts))
+    offset = 0
+    for part, start in zip(parts, first, strict=False):
+        rows = code[start : start + len(part.code)]
+        rows[:] = part.code
+        rows[rows[:, 0] == programs.CONST, 1] += offset
+        const[offset : offset + len(part.const)] = part.const
+        offset += len(part.const)
+    return code, const, first, max((part.depth for part in parts), default=1)
+
+
+class _Assembler:
+    """Emits rows in the order of evaluation and folds constants on the way."""
+
+    def __init__(
+        self, constants: Mapping[str, float], state: Mapping[str, int], signals: Mapping[str, int], time: bool
+    ) -> None:
+        self.constants, self.state, self.signals, self.time = constants, state, signals, time
+        self.code: list[tuple[int, int]] = []
+        self.const: list[float] = []
+        self.columns: list[int] = []  # of the constants, or of what made them not finite
+        self.folded: list[bool] = []  # operands waiting on the stack: is it one constant?
+        self.depth = 0
+
+    def assemble(self, node: Node) -> Program:
+        for part in walk(node):
+            if isinstance(part, Number):
+                self.constant(part.value, part.column)
+            elif isinstance(part, Name):
+                self.name(part)
+            else:
+                self.operation(part)
+            self.depth = max(self.depth, len(self.folded))
+        for number, column in zip(self.const, self.columns, strict=True):
+            if not math.isfinite(number):
+                raise ExpressionError(f"the result is not a finite number ({number})", column)
+        code = np.array(self.code, dtype=np.int64).reshape(-1, 2)
+        return Program(
+            code=code,
+            const=np.array(self.const, dtype=np.float64),
+            depth=self.depth,
+            uses_state=bool((code[:, 0] == programs.STATE).any()),
+            uses_time=bool((code[:, 0] == programs.TIME).any()),
+            signals=frozenset(code[code[:, 0] == programs.SIGNAL, 1].tolist()),
+        )
+
+    def constant(self, number: float, column: int) -> None:
+        self.code.append((programs.CONST, len(self.const)))
+        self.const.append(float(number))
+        self.columns.append(column)
+        self.folded.append(True)
+
+    def name(self, part: Name) -> None:
+        name = part.name
+        if name in self.constants:
+            self.constant(self.constants[name], part.column)
+            return
+        if name == "t" and self.time:
+            row = (programs.TIME, 0)
+        elif name in self.state:
+            row = (programs.STATE, self.state[name])
+        elif name in self.signals:
+            row = (programs.SIGNAL, self.signals[name])
+        else:
+            near = suggest(name[:40], islice(chain(self.constants, self.signals, self.state), 2000))
+            raise ExpressionError(f"unknown name '{name}'{near}", part.column)
+        self.code.append(row)
+        self.folded.append(False)
+
+    def operation(self, part: Apply) -> None:
+        op, size = _OPS[part.name], len(part.operands)
+        if all(self.folded[-size:]):
+            given, columns = self.const[-size:], self.columns[-size:]
+            del self.code[-size:], self.const[-size:], self.columns[-size:], self.folded[-size:]
+            number = _fold(op, given)
+            blamed = [c for x, c in zip(given, columns, strict=True) if not math.isfinite(x)]
+            self.constant(number, blamed[0] if blamed else part.column)
+            return
+        if op == programs.POW and self.folded[-1] and self.const[-1] == 2.0:
+            del self.code[-1], self.const[-1], self.columns[-1]
+            op = programs.SQUARE
+        self.code.append((op, 0))
+        self.folded[-size:] = [False]
+
+
+def _fold(op: int, given: list[float]) -> float:
+    """Value of one operation on constants, by the same functions that run in the kernels."""
+    if len(given) == 1:
+        return float(programs.unary.python(op, *given))
+    if len(given) == 2:
+        return float(programs.binary.python(op, *given))
+    return given[2] if programs.holds.python(op, *given[:2]) else given[3]

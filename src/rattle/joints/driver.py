@@ -1,0 +1,81 @@
+"""Drivers: a joint's freedom follows a given function of time f(t).
+
+    angle:    Phi = phi_B - phi_A - f = 0                                                    [rad]
+              nu  = f',  gamma = f''
+    position: Phi = u . d - f = 0   (u: line of the prismatic joint, n = u turned by 90 deg) [m]
+              nu  = f'
+              gamma = f'' + u . (s_B w_B^2 - s_A w_A^2) - 2 w_A (n . d') + w_A^2 (u . d)
+
+Parameters: those of the joint, then f, f', f'' (evaluated exactly before the rows are).
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import Field, kernel, kind
+from rattle.plane import AP, AX, AY, BP, BX, BY, GAMMA, NU, PHI, RES, VX, VY, W, X, Y, turn_x, turn_y
+
+
+@kernel("joint")
+def driver_angle(body, a, b, p, k, row, rows):
+    rows[row, RES] = body[b, PHI] - body[a, PHI] - p[k + 4]
+    rows[row, NU] = p[k + 5]
+    rows[row, GAMMA] = p[k + 6]
+    rows[row, AX], rows[row, AY], rows[row, AP] = 0.0, 0.0, -1.0
+    rows[row, BX], rows[row, BY], rows[row, BP] = 0.0, 0.0, 1.0
+
+
+@kernel("joint")
+def driver_position(body, a, b, p, k, row, rows):
+    sax = turn_x(body, a, p[k], p[k + 1])
+    say = turn_y(body, a, p[k], p[k + 1])
+    sbx = turn_x(body, b, p[k + 2], p[k + 3])
+    sby = turn_y(body, b, p[k + 2], p[k + 3])
+    axis = p[k + 4]
+    ux = turn_x(body, a, math.cos(axis), math.sin(axis))
+    uy = turn_y(body, a, math.cos(axis), math.sin(axis))
+    nx, ny = -uy, ux
+    wa, wb = body[a, W], body[b, W]
+    dx = body[b, X] + sbx - body[a, X] - sax
+    dy = body[b, Y] + sby - body[a, Y] - say
+    ddx = body[b, VX] - wb * sby - body[a, VX] + wa * say
+    ddy = body[b, VY] + wb * sbx - body[a, VY] - wa * sax
+
+    rows[row, RES] = ux * dx + uy * dy - p[k + 6]
+    rows[row, NU] = p[k + 7]
+    rows[row, GAMMA] = (
+        p[k + 8]
+        + ux * (sbx * wb * wb - sax * wa * wa)
+        + uy * (sby * wb * wb - say * wa * wa)
+        - 2.0 * wa * (nx * ddx + ny * ddy)
+        + wa * wa * (ux * dx + uy * dy)
+    )
+    rows[row, AX], rows[row, AY], rows[row, AP] = -ux, -uy, ux * say - uy * sax + nx * dx + ny * dy
+    rows[row, BX], rows[row, BY], rows[row, BP] = ux, uy, uy * sbx - ux * sby
+
+
+@kind("driver", "angle", driver_angle)
+class DriverAngle:
+    """The angle phi_B - phi_A of a revolute joint follows a function of time.
+
+    Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
+    """
+
+    rows = ("rad",)
+    drives = "revolute"
+    effort = ("torque", "N*m")
+    angle = Field("rad", "angle of B relative to A as a function of t", live=True)
+
+
+@kind("driver", "position", driver_position)
+class DriverPosition:
+    """The position of a prismatic joint's point of B along the line follows a function of time.
+
+    Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
+    """
+
+    rows = ("m",)
+    drives = "prismatic"
+    effort = ("force", "N")
+    position = Field("m", "distance along the line from the point of A as a function of t", live=True)

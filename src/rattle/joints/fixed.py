@@ -1,0 +1,35 @@
+"""Fixed joint: two bodies share a point and keep their angle, as if welded.
+
+    d     = (r_B + s_B) - (r_A + s_A)
+    Phi   = d, phi_B - phi_A - angle = 0            [m, m, rad]
+    gamma = s_B w_B^2 - s_A w_A^2, 0                [m/s^2, m/s^2, rad/s^2]
+"""
+
+from __future__ import annotations
+
+from rattle.catalog import Field, kernel, kind
+from rattle.joints.revolute import revolute
+from rattle.plane import AP, AX, AY, BP, BX, BY, GAMMA, NU, PHI, RES
+
+
+@kernel("joint")
+def fixed(body, a, b, p, k, row, rows):
+    revolute(body, a, b, p, k, row, rows)
+    row += 2
+    rows[row, RES] = body[b, PHI] - body[a, PHI] - p[k + 4]
+    rows[row, NU] = 0.0
+    rows[row, GAMMA] = 0.0
+    rows[row, AX], rows[row, AY], rows[row, AP] = 0.0, 0.0, -1.0
+    rows[row, BX], rows[row, BY], rows[row, BP] = 0.0, 0.0, 1.0
+
+
+@kind("joint", "fixed", fixed)
+class Fixed:
+    """Two bodies share a point and keep their angle, as if welded.
+
+    Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.2.
+    """
+
+    rows = ("m", "m", "rad")
+    moment = True
+    angle = Field("rad", "angle of B relative to A", default=0.0)

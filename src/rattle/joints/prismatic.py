@@ -1,0 +1,63 @@
+"""Prismatic joint: a point of B slides along a line fixed in A; B keeps its angle to A.
+
+    u = direction of the line (fixed in A), n = u turned by 90 degrees, d = (r_B + s_B) - (r_A + s_A)
+    Phi_1   = n . d = 0                                                         [m]
+    Phi_2   = phi_B - phi_A - angle = 0                                         [rad]
+    gamma_1 = n . (s_B w_B^2 - s_A w_A^2) + 2 w_A (u . d') + w_A^2 (n . d)      [m/s^2]
+    gamma_2 = 0                                                                 [rad/s^2]
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import Field, kernel, kind
+from rattle.plane import AP, AX, AY, BP, BX, BY, GAMMA, NU, PHI, RES, VX, VY, W, X, Y, turn_x, turn_y
+
+
+@kernel("joint")
+def prismatic(body, a, b, p, k, row, rows):
+    sax = turn_x(body, a, p[k], p[k + 1])
+    say = turn_y(body, a, p[k], p[k + 1])
+    sbx = turn_x(body, b, p[k + 2], p[k + 3])
+    sby = turn_y(body, b, p[k + 2], p[k + 3])
+    axis, angle = p[k + 4], p[k + 5]
+    ux = turn_x(body, a, math.cos(axis), math.sin(axis))
+    uy = turn_y(body, a, math.cos(axis), math.sin(axis))
+    nx, ny = -uy, ux
+    wa, wb = body[a, W], body[b, W]
+    dx = body[b, X] + sbx - body[a, X] - sax
+    dy = body[b, Y] + sby - body[a, Y] - say
+    ddx = body[b, VX] - wb * sby - body[a, VX] + wa * say
+    ddy = body[b, VY] + wb * sbx - body[a, VY] - wa * sax
+
+    rows[row, RES] = nx * dx + ny * dy
+    rows[row, NU] = 0.0
+    rows[row, GAMMA] = (
+        nx * (sbx * wb * wb - sax * wa * wa)
+        + ny * (sby * wb * wb - say * wa * wa)
+        + 2.0 * wa * (ux * ddx + uy * ddy)
+        + wa * wa * (nx * dx + ny * dy)
+    )
+    rows[row, AX], rows[row, AY], rows[row, AP] = -nx, -ny, nx * say - ny * sax - ux * dx - uy * dy
+    rows[row, BX], rows[row, BY], rows[row, BP] = nx, ny, ny * sbx - nx * sby
+
+    row += 1
+    rows[row, RES] = body[b, PHI] - body[a, PHI] - angle
+    rows[row, NU] = 0.0
+    rows[row, GAMMA] = 0.0
+    rows[row, AX], rows[row, AY], rows[row, AP] = 0.0, 0.0, -1.0
+    rows[row, BX], rows[row, BY], rows[row, BP] = 0.0, 0.0, 1.0
+
+
+@kind("joint", "prismatic", prismatic)
+class Prismatic:
+    """A point of B slides along a line fixed in A; B keeps its angle to A.
+
+    Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.3.
+    """
+
+    rows = ("m", "rad")
+    moment = True
+    axis = Field("rad", "direction of the line in A's frame", default=0.0)
+    angle = Field("rad", "angle of B relative to A (default: equal to axis)", default=lambda given: given["axis"])

@@ -1,0 +1,54 @@
+"""Rod: a massless rigid link of length L between a point of A and a point of B.
+
+    d = (r_B + s_B) - (r_A + s_A),  n = d / |d|
+    Phi   = |d| - L = 0                                                                  [m]
+    gamma = -(|d'|^2 - (n . d')^2) / |d| + n . (s_B w_B^2 - s_A w_A^2)                   [m/s^2]
+
+A pin that stays in contact with its bush is such a rod, L = radial clearance (the paper, section 1).
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import Field, kernel, kind
+from rattle.plane import AP, AX, AY, BP, BX, BY, GAMMA, NU, RES, VX, VY, W, X, Y, turn_x, turn_y
+
+
+@kernel("joint")
+def rod(body, a, b, p, k, row, rows):
+    sax = turn_x(body, a, p[k], p[k + 1])
+    say = turn_y(body, a, p[k], p[k + 1])
+    sbx = turn_x(body, b, p[k + 2], p[k + 3])
+    sby = turn_y(body, b, p[k + 2], p[k + 3])
+    wa, wb = body[a, W], body[b, W]
+    dx = body[b, X] + sbx - body[a, X] - sax
+    dy = body[b, Y] + sby - body[a, Y] - say
+    ddx = body[b, VX] - wb * sby - body[a, VX] + wa * say
+    ddy = body[b, VY] + wb * sbx - body[a, VY] - wa * sax
+    d = math.sqrt(dx * dx + dy * dy)
+    # coincident ends have no direction: any will do, the residual -L then drives them apart
+    inv = 1.0 / d if d > 1e-150 else 0.0
+    nx = dx * inv if d > 1e-150 else 1.0
+    ny = dy * inv
+    slip = nx * ddy - ny * ddx
+
+    rows[row, RES] = d - p[k + 4]
+    rows[row, NU] = 0.0
+    rows[row, GAMMA] = (
+        -slip * slip * inv + nx * (sbx * wb * wb - sax * wa * wa) + ny * (sby * wb * wb - say * wa * wa)
+    )
+    rows[row, AX], rows[row, AY], rows[row, AP] = -nx, -ny, nx * say - ny * sax
+    rows[row, BX], rows[row, BY], rows[row, BP] = nx, ny, ny * sbx - nx * sby
+
+
+@kind("joint", "rod", rod)
+class Rod:
+    """A massless rigid link of given length between two points.
+
+    Source: Grigore et al., Application to the motion and equilibrium of planar kinematic chains, section 1.
+    """
+
+    rows = ("m",)
+    moment = False
+    length = Field("m", "length of the rod", least="positive")

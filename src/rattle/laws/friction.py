@@ -1,0 +1,229 @@
+"""Friction laws: tangential force from slip, normal force and one internal state.
+
+The kernel is  f(u, N, z, p, k, dz) -> T:  slip u [m/s], normal force N [N], state z, its rate written to dz[0];
+T [N] opposes the slip: the power taken from the motion is T u.  p[k:] are the fields in their order (`pack`).
+T = 0 and dz = 0 for N <= 0; z starts at 0 when a contact starts.
+
+Without memory T u >= 0 at every instant (and dz = 0).  With memory (dahl, lugre) T u may be negative while
+bristles spring back, never by more than they hold, **for every N(t)**: T u - dS/dt >= 0 with
+
+    S = sigma z^2/2  [J]      z = sqrt(N) times the bristle deflection  [m N^(1/2)]
+
+The deflection zeta itself as state, F = N sigma zeta, gives energy back when N rises while it is loaded
+(S = N sigma zeta^2/2 then grows without work).  With u sqrt(N) driving the state and T = sqrt(N) sigma z the
+stored energy depends on z alone, and at constant N both are the same law.
+
+Regularised laws creep at rest: a tangential load F < mu N is held at the slip each docstring gives.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from rattle.catalog import Field, kernel, kind
+
+MU = Field("", "coefficient of friction", least="not negative")
+MU_STATIC = Field("", "at rest; default: mu", lambda read: read["mu"], least="not negative")
+V_STRIBECK = Field("m/s", "slip at which the extra friction at rest has fallen to 1/e", default=0.01, least="positive")
+V1 = Field("m/s", "slip at which tanh(1) = 76 % of mu N is reached", default=1e-3, least="positive")
+
+
+@kernel("friction")
+def coulomb_smooth(u, N, z, p, k, dz):
+    dz[0] = 0.0
+    if N <= 0.0:
+        return 0.0
+    return p[k] * N * math.tanh(u / p[k + 1])
+
+
+@kernel("friction")
+def ambrosio(u, N, z, p, k, dz):
+    dz[0] = 0.0
+    v0, v1 = p[k + 1], p[k + 2]
+    if N <= 0.0 or abs(u) <= v0:
+        return 0.0
+    return p[k] * N * math.copysign(min(1.0, (abs(u) - v0) / (v1 - v0)) if v1 > v0 else 1.0, u)
+
+
+@kernel("friction")
+def threlfall(u, N, z, p, k, dz):
+    dz[0] = 0.0
+    if N <= 0.0:
+        return 0.0
+    return p[k] * N * math.copysign(-math.expm1(-3.0 * min(abs(u) / p[k + 1], 1.0)), u)
+
+
+@kernel("friction")
+def viscous(u, N, z, p, k, dz):
+    dz[0] = 0.0
+    if N <= 0.0:
+        return 0.0
+    return p[k] * u
+
+
+@kernel("friction")
+def stribeck(u, N, z, p, k, dz):
+    dz[0] = 0.0
+    if N <= 0.0:
+        return 0.0
+    mu = p[k] + (p[k + 1] - p[k]) * math.exp(-((abs(u) / p[k + 2]) ** p[k + 3]))
+    return mu * N * math.tanh(u / p[k + 4]) + p[k + 5] * u
+
+
+@kernel("friction")
+def dahl(u, N, z, p, k, dz):
+    dz[0] = 0.0
+    mu, sigma, alpha = p[k], p[k + 1], p[k + 2]
+    if N <= 0.0 or mu <= 0.0:
+        return 0.0
+    root = math.sqrt(N)
+    held = math.copysign(sigma * z / mu, u * z)  # along the slip, in units of sqrt(N): root when sliding
+    if abs(held) < root:
+        rate = root * (1.0 - held / root) ** alpha
+    elif held > 0.0:
+        rate = root - held  # N has fallen since: back at a rate that does not depend on N
+    else:
+        rate = root * (2.0**alpha - 1.0) - held
+    dz[0] = u * rate
+    return min(max(root * sigma * z, -mu * N), mu * N)
+
+
+@kernel("friction")
+def lugre(u, N, z, p, k, dz):
+    dz[0] = 0.0
+    mu, mu_static, sigma, damping, viscosity = p[k], p[k + 1], p[k + 3], p[k + 4], p[k + 5]
+    if N <= 0.0 or mu <= 0.0:
+        return 0.0
+    root = math.sqrt(N)
+    g = mu + (mu_static - mu) * math.exp(-((u / p[k + 2]) ** 2))
+    dz[0] = root * u - sigma * abs(u) * z / g
+    limit = N * max(mu, mu_static)
+    bristle = min(max(root * sigma * z, -limit), limit)
+    return bristle + root * damping / (1.0 + damping * abs(u) / g) * dz[0] + N * viscosity * u
+
+
+class Friction:
+    """What all friction laws share."""
+
+    memory: ClassVar[bool] = False  # True: z is integrated with the motion
+
+    @classmethod
+    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+        """Numbers of the kernel, p[k:]: the fields in their order."""
+        return tuple(float(values[name]) for name, entry in vars(cls).items() if isinstance(entry, Field))
+
+    @classmethod
+    def notes(cls, values: Mapping[str, Any]) -> list[str]:
+        """What the user should know of the range of validity."""
+        return []
+
+
+@kind("friction", "coulomb-smooth", coulomb_smooth)
+class CoulombSmooth(Friction):
+    """T = mu N tanh(u/v1).
+
+    Creep at rest: v1 artanh(F/(mu N)) under a held load F.
+    Source: Coulomb's law, its jump at u = 0 smoothed; Andersson, Soderberg, Bjorklund (2007), Tribol. Int. 40, 580-587.
+    """
+
+    mu = MU
+    v1 = V1
+
+
+@kind("friction", "ambrosio", ambrosio)
+class Ambrosio(Friction):
+    """T = mu N cd sign(u), cd = 0 below v0, (|u|-v0)/(v1-v0) up to v1, 1 above.
+
+    Creep at rest: v0 + (v1-v0) F/(mu N) under a held load F; below v0 nothing holds at all.
+    Source: Ambrosio (2003), Impact of rigid and flexible multibody systems, NATO Science Series 103, 57-81.
+    """
+
+    mu = MU
+    v0 = Field("m/s", "slip up to which there is no friction", default=1e-4, least="not negative")
+    v1 = Field("m/s", "slip from which there is full friction; more than v0", default=1e-3, least="positive")
+
+    @classmethod
+    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+        """Numbers of the kernel; ValueError unless v0 < v1."""
+        if not values["v0"] < values["v1"]:
+            raise ValueError(f"ambrosio needs v0 < v1, not {values['v0']:g} and {values['v1']:g} m/s")
+        return float(values["mu"]), float(values["v0"]), float(values["v1"])
+
+
+@kind("friction", "threlfall", threlfall)
+class Threlfall(Friction):
+    """T = mu N (1 - exp(-3 |u|/vr)) sign(u) up to |u| = vr, from there constant at 0.950 mu N.
+
+    Creep at rest: -(vr/3) ln(1 - F/(mu N)) under a held load F < 0.950 mu N.
+    Source: Threlfall (1978), Mech. Mach. Theory 13, 475-483.
+    """
+
+    mu = MU
+    vr = Field("m/s", "slip from which friction is constant", default=1e-3, least="positive")
+
+
+@kind("friction", "viscous", viscous)
+class Viscous(Friction):
+    """T = c u while there is contact, whatever N.
+
+    Creep at rest: F/c under a held load F.
+    Source: definition.
+    """
+
+    viscosity = Field("N*s/m", "c, force per slip", least="not negative")
+
+
+@kind("friction", "stribeck", stribeck)
+class Stribeck(Friction):
+    """T = N [mu + (mu_static - mu) exp(-(|u|/v_stribeck)^shape)] tanh(u/v1) + c u.
+
+    Creep at rest: about v1 artanh(F/(mu_static N)) under a held load F.
+    Source: Armstrong-Helouvry, Dupont, Canudas de Wit (1994), Automatica 30, 1083-1138.
+    """
+
+    mu = MU
+    mu_static = MU_STATIC
+    v_stribeck = V_STRIBECK
+    shape = Field("", "exponent of the fall from mu_static to mu", default=2.0, least="positive")
+    v1 = V1
+    viscosity = Field("N*s/m", "c, force per slip", default=0.0, least="not negative")
+
+
+@kind("friction", "dahl", dahl)
+class Dahl(Friction):
+    """dT/dx = N sigma (1 - T/(mu N) sign(u))^alpha: bristles that bend before they slide.
+
+    At constant N and alpha = 1: T = mu N (1 - exp(-sigma x/mu)) along a slip x, the stiffness at rest is N sigma.
+    With N changing (alpha = 1): dz = sqrt(N) u - |u| sigma z/mu, T = sqrt(N) sigma z, cut off at mu N.
+
+    At rest: no creep under a steady load; drifts under a load that oscillates.
+    Source: Dahl (1968), Aerospace Corp. TOR-158(3107-18)-1; the dependence on N: this package, see the top of the file.
+    """
+
+    memory = True
+    mu = MU
+    sigma = Field("1/m", "bristle stiffness per normal force", default=1e4, least="positive")
+    alpha = Field("", "shape of the approach to sliding", default=1.0, least="positive")
+
+
+@kind("friction", "lugre", lugre)
+class LuGre(Friction):
+    """Bristles with damping and less friction in motion than at rest.
+
+    zeta' = u - sigma0 |u| zeta/g(u),  T = N (sigma0 zeta + s1 zeta' + sigma2 u),
+    g = mu + (mu_static - mu) exp(-(u/v_stribeck)^2),  s1 = sigma1/(1 + sigma1 |u|/g), passive for every sigma1;
+    z = sqrt(N) zeta, the elastic part cut off at N mu_static.  Sliding steadily: T = N (g(u) sign u + sigma2 u).
+
+    At rest: no creep under a steady load; drifts under a load that oscillates.
+    Source: Canudas de Wit et al. (1995), IEEE Trans. Autom. Control 40, 419-425; N and s1: this package.
+    """
+
+    memory = True
+    mu = MU
+    mu_static = MU_STATIC
+    v_stribeck = V_STRIBECK
+    sigma0 = Field("1/m", "bristle stiffness per normal force", default=1e4, least="positive")
+    sigma1 = Field("s/m", "bristle damping per normal force", default=1.0, least="not negative")
+    sigma2 = Field("s/m", "viscous friction per normal force", default=0.0, least="not negative")

@@ -1,0 +1,84 @@
+"""Elastic constants of common engineering materials."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+SHIGLEY = "Shigley's Mechanical Engineering Design, table A-5"
+TYPICAL = "typical data-sheet value; differs by grade"
+POLYMER = "typical data-sheet value at 23 C, dry; differs by grade, falls with temperature"
+
+
+class Material(NamedTuple):
+    """Young's modulus E [Pa] and Poisson's ratio nu [-] of one material, with where they come from."""
+
+    E: float
+    nu: float
+    source: str = "given"
+
+
+Given = str | Mapping[str, Any] | Material  # how a material is written: its name, { E, nu }
+
+MATERIALS: Mapping[str, Material] = {
+    "steel": Material(207e9, 0.30, "common value for carbon and low-alloy steel; Shigley: 207 GPa, 0.292"),
+    "stainless steel": Material(190e9, 0.305, SHIGLEY),
+    "cast iron": Material(100e9, 0.211, SHIGLEY + " (gray)"),
+    "aluminium": Material(71.7e9, 0.333, SHIGLEY),
+    "magnesium": Material(44.8e9, 0.350, SHIGLEY),
+    "titanium": Material(114e9, 0.340, SHIGLEY),
+    "copper": Material(119e9, 0.326, SHIGLEY),
+    "brass": Material(106e9, 0.324, SHIGLEY),
+    "bronze": Material(111e9, 0.349, SHIGLEY + " (phosphor bronze)"),
+    "beryllium copper": Material(124e9, 0.285, SHIGLEY),
+    "glass": Material(46.2e9, 0.245, SHIGLEY),
+    "tungsten carbide": Material(630e9, 0.22, TYPICAL),
+    "silicon nitride": Material(310e9, 0.27, TYPICAL),
+    "alumina": Material(370e9, 0.22, TYPICAL),
+    "ptfe": Material(0.5e9, 0.46, POLYMER),
+    "nylon": Material(2.8e9, 0.39, POLYMER + " (PA 66)"),
+    "acetal": Material(2.9e9, 0.37, POLYMER + " (POM)"),
+    "peek": Material(3.7e9, 0.40, POLYMER),
+    "uhmwpe": Material(0.8e9, 0.46, POLYMER),
+}
+ALIASES = {
+    "pom": "acetal",
+    "polyamide": "nylon",
+    "teflon": "ptfe",
+    "aluminum": "aluminium",
+    "phosphor bronze": "bronze",
+}
+
+
+def material(given: Given) -> Material:
+    """Material of a name in `MATERIALS` (in any case, - or space), or of {E [Pa], nu}.
+
+    Raises ValueError for an unknown name (with a suggestion), for a missing or unknown key, and unless
+    E > 0 and -1 < nu <= 0.5.
+    """
+    if isinstance(given, Material):
+        return given
+    if isinstance(given, str):
+        name = " ".join(given.lower().replace("-", " ").replace("_", " ").split())
+        name = ALIASES.get(name, name)
+        if name not in MATERIALS:
+            near = difflib.get_close_matches(name, [*MATERIALS, *ALIASES], 1)
+            hint = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(MATERIALS)}; or give {{ E, nu }}"
+            raise ValueError(f"unknown material '{given}'; {hint}")
+        return MATERIALS[name]
+    if set(given) != {"E", "nu"}:
+        raise ValueError(f"a material is a name or {{ E, nu }}, not {{ {', '.join(map(str, given))} }}")
+    modulus, nu = float(given["E"]), float(given["nu"])
+    if not (modulus > 0.0 and math.isfinite(modulus)):
+        raise ValueError(f"Young's modulus must be positive, not {modulus:g} Pa")
+    if not -1.0 < nu <= 0.5:
+        raise ValueError(f"Poisson's ratio must lie within -1 ... 0.5, not {nu:g}")
+    return Material(modulus, nu)
+
+
+def contact_modulus(material_a: Given, material_b: Given) -> float:
+    """Contact modulus E* = 1/(s_A + s_B) [Pa], s = (1 - nu^2)/E."""
+    a, b = material(material_a), material(material_b)
+    return 1.0 / ((1.0 - a.nu**2) / a.E + (1.0 - b.nu**2) / b.E)

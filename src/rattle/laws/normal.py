@@ -1,0 +1,313 @@
+"""Normal force laws: what damping adds to the static force of a contact.
+
+    F = F_static(delta) (1 + a ddelta/v0)      F clipped at zero: a contact never pulls     [N]
+
+delta > 0 penetration [m], ddelta its rate [m/s], v0 > 0 the approach speed at the start of this contact,
+F_static from the family "stiffness".  The laws of this family share one kernel and differ by the factor
+a(e) alone, e being the restitution asked for.  What a free impact *returns* is the root x of
+ln((1+a)/(1-xa)) = a(1+x) (see `restitution`), whatever F_static and the mass; `exact` makes x = e.
+
+v0 below `least_speed` is replaced by it, in every law: F stays finite when a contact starts from rest.
+Impacts slower than that return more than the others do.  It is a stiffness of the equations as well:
+under a lasting force N the damping is N a/least_speed.
+
+The kernel is  f(F_static, delta, ddelta, v0, p, k) -> F,  0 for delta <= 0;  p[k:] comes from `pack`.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any
+
+from rattle.catalog import Field, kernel, kind, kinds
+from rattle.laws.restitution import LEAST_RESTITUTION, checked, factor_returning, restitution_returned
+
+RESTITUTION = Field("", "restitution asked for, 0 to 1", least="not negative")
+LEAST_SPEED = Field("m/s", "slower approaches are damped like this one", default=1e-3, least="positive")
+
+
+@kernel("normal")
+def hysteretic(static, delta, ddelta, v0, p, k):
+    a, least_speed = p[k], p[k + 1]
+    if delta <= 0.0:
+        return 0.0
+    return max(0.0, static * (1.0 + a * ddelta / max(v0, least_speed)))
+
+
+@kernel("normal")
+def viscous(static, delta, ddelta, v0, p, k):
+    if delta <= 0.0 or static <= 0.0:
+        return 0.0
+    return max(0.0, static + p[k] * math.sqrt(static / delta) * ddelta)
+
+
+def damping_factor(law: str, restitution: float) -> float:
+    """Factor a [-] of F = F_static (1 + a ddelta/v0) for a law and the restitution asked for.
+
+    For kelvin-voigt it is the damping ratio zeta.  Raises ValueError for an unknown law and outside [0, 1].
+    """
+    return float(_leaf(law).factor(checked(restitution)))
+
+
+def returned(law: str, restitution: float) -> float:
+    """Restitution that a free impact returns under a law for the restitution asked for."""
+    return float(_leaf(law).returned(checked(restitution)))
+
+
+def _leaf(law: str) -> Any:
+    known = kinds("normal")
+    if law not in known:
+        near = difflib.get_close_matches(law, known, 1)
+        raise ValueError(f"unknown normal law '{law}'" + (f"; did you mean '{near[0]}'?" if near else ""))
+    return known[law].leaf
+
+
+class Damped(ABC):
+    """A law with a restitution asked for: its damping factor, and what comes back of it."""
+
+    @staticmethod
+    @abstractmethod
+    def factor(e: float) -> float:
+        """Damping factor [-] for the restitution e asked for, within [0, 1]."""
+
+    @classmethod
+    def returned(cls, e: float) -> float:
+        """Restitution that a free impact returns."""
+        return restitution_returned(cls.factor(e))
+
+    @classmethod
+    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+        """Numbers of the kernel, p[k:]; `values` by field name."""
+        return cls.factor(checked(values["restitution"])), float(values["least_speed"])
+
+    @classmethod
+    def notes(cls, values: Mapping[str, Any]) -> list[str]:
+        """What the user should know: where the law returns another restitution than the one asked for."""
+        e = checked(values["restitution"])
+        x = cls.returned(e)
+        if abs(x - e) <= 0.02:
+            return []
+        return [f"this law returns a restitution of {x:.3f} where {e:g} is asked for; 'exact' returns what is asked"]
+
+
+def _at_least(e: float) -> float:
+    """Laws with 1/e are infinite at e = 0: less than 0.001 counts as 0.001."""
+    return max(e, LEAST_RESTITUTION)
+
+
+@kind("normal", "exact", hysteretic)
+class Exact(Damped):
+    """Returns exactly the restitution asked for: a solves ln((1+a)/(1-ea)) = a(1+e).
+
+    Range: every e; below 0.001 it is taken as 0.001, where a = 1000 (a is infinite at 0).
+    Source: this package, from the energy balance of the impact; the same a as gonthier-exact.
+    """
+
+    restitution = RESTITUTION
+    least_speed = LEAST_SPEED
+
+    @staticmethod
+    def factor(e: float) -> float:
+        return factor_returning(e)
+
+
+@kind("normal", "hertz", hysteretic)
+class Hertz(Damped):
+    """Elastic, nothing is lost: a = 0, F = F_static.
+
+    Range: impacts without yielding or waves.
+    Source: Hertz (1882), J. reine angew. Math. 92, 156-171.
+    """
+
+    restitution = Field("", "nothing is lost: 1", default=1.0, least="not negative")
+    least_speed = LEAST_SPEED
+
+    @staticmethod
+    def factor(e: float) -> float:
+        return 0.0
+
+
+@kind("normal", "hunt-crossley", hysteretic)
+class HuntCrossley(Damped):
+    """a = 3(1-e)/2.
+
+    Range: derived to first order in 1-e, for e near 1.
+    Source: Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445.
+    """
+
+    restitution = RESTITUTION
+    least_speed = LEAST_SPEED
+
+    @staticmethod
+    def factor(e: float) -> float:
+        return 1.5 * (1.0 - e)
+
+
+@kind("normal", "herbert-mcwhannell", hysteretic)
+class HerbertMcWhannell(Damped):
+    """a = 6(1-e)/((2e-1)^2 + 3).
+
+    Range: e near 1; returns 0.02 more than asked for at 0.7, 0.22 more at 0.3.
+    Source: Herbert, McWhannell (1977), J. Eng. Ind. 99, 795-798.
+    """
+
+    restitution = RESTITUTION
+    least_speed = LEAST_SPEED
+
+    @staticmethod
+    def factor(e: float) -> float:
+        return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0)
+
+
+@kind("normal", "lee-wang", hysteretic)
+class LeeWang(Damped):
+    """a = 3(1-e)/4.
+
+    Range: half the damping of hunt-crossley; even near e = 1 it loses half of what is asked for.
+    Source: Lee, Wang (1983), J. Mech. Transm. Autom. Des. 105, 534-543.
+    """
+
+    restitution = RESTITUTION
+    least_speed = LEAST_SPEED
+
+    @staticmethod
+    def factor(e: float) -> float:
+        return 0.75 * (1.0 - e)
+
+
+@kind("normal", "lankarani-nikravesh", hysteretic)
+class LankaraniNikravesh(Damped):
+    """a = 3(1-e^2)/4.
+
+    Range: e near 1 (above about 0.8).
+    Source: Lankarani, Nikravesh (1990), J. Mech. Des. 112, 369-376.
+    """
+
+    restitution = RESTITUTION
+    least_speed = LEAST_SPEED
+
+    @staticmethod
+    def factor(e: float) -> float:
+        return 0.75 * (1.0 - e * e)
+
+
+@kind("normal", "gonthier", hysteretic)
+class Gonthier(Damped):
+    """a = d/e with the usual approximation d = 1-e^2.
+
+    Range: every e, within 0.035 of it; e below 0.001 is taken as 0.001.
+    Source: Gonthier, McPhee, Lange, Piedboeuf (2004), Multibody Syst. Dyn. 11, 209-233.
+    """
+
+    restitution = RESTITUTION
+    least_speed = LEAST_SPEED
+
+    @staticmethod
+    def factor(e: float) -> float:
+        return (1.0 - e * e) / _at_least(e)
+
+
+@kind("normal", "gonthier-exact", hysteretic)
+class GonthierExact(Damped):
+    """a = d/e, d from (1+d/e)/(1-d) = exp(d(1+1/e)): the equation of `exact` with d = e a.
+
+    Range: every e; below 0.001 it is taken as 0.001.
+    Source: Gonthier, McPhee, Lange, Piedboeuf (2004), Multibody Syst. Dyn. 11, 209-233.
+    """
+
+    restitution = RESTITUTION
+    least_speed = LEAST_SPEED
+
+    @staticmethod
+    def factor(e: float) -> float:
+        return factor_returning(e)
+
+
+@kind("normal", "zhiying-qishao", hysteretic)
+class ZhiyingQishao(Damped):
+    """a = 3/4 (1-e^2) exp(2(1-e)).
+
+    Range: e above about 0.25; at e = 0 it still returns 0.179.
+    Source: Zhiying, Qishao (2006), J. Dyn. Control 4, 294-298.
+    """
+
+    restitution = RESTITUTION
+    least_speed = LEAST_SPEED
+
+    @staticmethod
+    def factor(e: float) -> float:
+        return 0.75 * (1.0 - e * e) * math.exp(2.0 * (1.0 - e))
+
+
+@kind("normal", "flores", hysteretic)
+class Flores(Damped):
+    """a = 8(1-e)/(5e).
+
+    Range: every e, within 0.05 of it; e below 0.001 is taken as 0.001.
+    Source: Flores, Machado, Silva, Martins (2011), Multibody Syst. Dyn. 25, 357-375.
+    """
+
+    restitution = RESTITUTION
+    least_speed = LEAST_SPEED
+
+    @staticmethod
+    def factor(e: float) -> float:
+        return 8.0 * (1.0 - e) / (5.0 * _at_least(e))
+
+
+@kind("normal", "hu-guo", hysteretic)
+class HuGuo(Damped):
+    """a = 3(1-e)/(2e).
+
+    Range: every e, within 0.035 of it; e below 0.001 is taken as 0.001.
+    Source: Hu, Guo (2015), Multibody Syst. Dyn. 35, 131-151.
+    """
+
+    restitution = RESTITUTION
+    least_speed = LEAST_SPEED
+
+    @staticmethod
+    def factor(e: float) -> float:
+        return 1.5 * (1.0 - e) / _at_least(e)
+
+
+@kind("normal", "anagnostopoulos", viscous)
+@kind("normal", "kelvin-voigt", viscous)
+class KelvinVoigt(Damped):
+    """Spring and damper side by side, F = k delta + c ddelta, c = 2 zeta sqrt(k m).
+
+    zeta = -ln e / sqrt(pi^2 + ln^2 e);  m the effective mass of the two bodies along the normal.
+    Under a force that is not linear k is the secant F_static/delta (as Jankowski, 2005).
+
+    Range: a linear static force (exponent 1).  zeta makes the whole half wave return e; as a contact
+    never pulls it ends earlier and returns exp(-2 zeta acos(zeta)/sqrt(1-zeta^2)): 0.902 for 0.9, 0.397 for 0.3.
+    Its force does not start from zero.
+    Source: Anagnostopoulos (1988), Earthquake Eng. Struct. Dyn. 16, 443-456; Jankowski (2005), 34, 595-611.
+    """
+
+    restitution = RESTITUTION
+    effective_mass = Field("kg", "along the normal; 0: that of the two bodies", default=0.0, least="not negative")
+
+    @staticmethod
+    def factor(e: float) -> float:
+        """Damping ratio zeta [-]."""
+        if e == 0.0:
+            return 1.0
+        return -math.log(e) / math.hypot(math.pi, math.log(e))
+
+    @classmethod
+    def returned(cls, e: float) -> float:
+        """Restitution that a free impact returns (linear static force), the pull at its end cut off."""
+        zeta = cls.factor(e)
+        return math.exp(-2.0 * zeta * (math.acos(zeta) / math.sqrt(1.0 - zeta * zeta) if zeta < 1.0 else 1.0))
+
+    @classmethod
+    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+        """Numbers of the kernel; `effective_mass` must be filled in [kg]."""
+        mass = float(values["effective_mass"])
+        if not mass > 0.0:
+            raise ValueError("kelvin-voigt needs the effective mass of the two bodies, in kg")
+        return (2.0 * cls.factor(checked(values["restitution"])) * math.sqrt(mass),)

@@ -1,0 +1,334 @@
+"""Static (elastic) force of a contact, F(delta), given or from materials and geometry.
+
+    power          F = K delta^n
+    sphere         the same, K = 4/3 E* sqrt(R_A R_B/dR), n = 1.5
+    pereira        the same, K and n fitted
+    liu            F = (pi/2) E* L delta sqrt(delta/(2 (dR + delta)))
+    johnson, radzimovsky, esdu-78035, dubowsky-freudenstein: line contact, given as delta(F)
+                   delta = c F ln(D/F),  c = 1/(pi E* L),  the four differ by D alone
+
+E* = 1/(s_A + s_B), s = (1 - nu^2)/E: contact modulus [Pa]; R_A bush radius, R_B pin radius, dR = R_A - R_B
+the clearance [m]; L length [m].  delta(F) of the last four turns round at F = D/e^2 (there the Hertz half-width
+is far beyond the pin's radius); from F = D/e^2 on, where the slope dF/ddelta is 1/c, we go on along the tangent,
+so every F(delta) grows for all delta > 0.  The inverse: with w = ln(D/F), w - ln w = -ln(delta/(c D)), by Newton.
+
+The kernel is  f(delta, p, k) -> F,  0 for delta <= 0;  p[k:] comes from `pack`.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any
+
+from rattle.catalog import Compiled, Field, kernel, kind
+from rattle.laws.materials import Given, contact_modulus, material
+
+BUSH_RADIUS = Field("m", "radius of the bush; the pin's is less by the clearance", least="positive")
+LENGTH = Field("m", "length of the contact along the pin", least="positive")
+BUSH_MATERIAL = Field("", "a name, or { E, nu }", shape="material")
+PIN_MATERIAL = Field(
+    "", "a name, or { E, nu }; default: the bush's", lambda read: read["bush_material"], shape="material"
+)
+TURN = 2.0 * math.exp(-2.0)  # delta/(c D) at w = 2
+FORCE_AT_TURN = math.exp(-2.0)  # F/D there
+
+
+@kernel("stiffness")
+def power(delta, p, k):
+    if delta <= 0.0:
+        return 0.0
+    return p[k] * delta ** p[k + 1]
+
+
+@kernel("stiffness")
+def logarithmic(delta, p, k):
+    if delta <= 0.0:
+        return 0.0
+    c, d = p[k], p[k + 1]
+    x = delta / (c * d)
+    if x >= TURN:
+        return d * FORCE_AT_TURN + (delta - c * d * TURN) / c
+    s = -math.log(max(x, 1e-300))
+    w = s + math.log(s) * (1.0 + 1.0 / s)
+    for _ in range(20):
+        step = (w - math.log(w) - s) * w / (w - 1.0)
+        w -= step
+        if abs(step) <= 1e-14 * w:
+            break
+    return delta / (c * w)
+
+
+@kernel("stiffness")
+def conforming(delta, p, k):
+    if delta <= 0.0:
+        return 0.0
+    return p[k] * delta * math.sqrt(0.5 * delta / (p[k + 1] + delta))
+
+
+def penetration(law: Compiled, p: Any, force: float, k: int = 0) -> float:
+    """Penetration [m] at which the static force of a kernel with numbers p[k:] is `force` [N]."""
+    if force <= 0.0:
+        return 0.0
+    high = 1e-9
+    while law.python(high, p, k) < force:
+        high *= 2.0
+    low = 0.0
+    while low < (middle := 0.5 * (low + high)) < high:
+        if law.python(middle, p, k) < force:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def sphere_stiffness(
+    bush_radius: float,
+    pin_radius: float,
+    material_a: Given,
+    material_b: Given,
+) -> tuple[float, float]:
+    """Stiffness K [N/m^1.5] and exponent of a sphere in a spherical socket, F = K delta^1.5.
+
+    K = 4/(3 (s_A + s_B)) sqrt(R_A R_B/(R_A - R_B)), s = (1 - nu^2)/E.  Raises ValueError unless 0 < R_B < R_A.
+
+    Source: Johnson, Contact Mechanics (1985), eq. 4.23; Goldsmith, Impact (1960).
+    """
+    if not 0.0 < pin_radius < bush_radius:
+        raise ValueError(f"a pin of radius {pin_radius:g} m has no play in a bush of {bush_radius:g} m")
+    curvature = math.sqrt(bush_radius * pin_radius / (bush_radius - pin_radius))
+    return 4.0 / 3.0 * contact_modulus(material_a, material_b) * curvature, 1.5
+
+
+def _radii(values: Mapping[str, Any]) -> tuple[float, float, float]:
+    """R_A, R_B, dR [m]; ValueError where they do not make a pin with play."""
+    bush, play = float(values["bush_radius"]), float(values["clearance"])
+    if not 0.0 < play < bush:
+        raise ValueError(f"stiffness from geometry needs 0 < clearance < bush_radius, not {play:g} m and {bush:g} m")
+    return bush, bush - play, play
+
+
+def _modulus(values: Mapping[str, Any]) -> float:
+    return contact_modulus(material(values["bush_material"]), material(values["pin_material"]))
+
+
+class Elastic(ABC):
+    """A static force law: its kernel's numbers, and up to which force it holds."""
+
+    @classmethod
+    @abstractmethod
+    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+        """Numbers of the kernel, p[k:]; `values` by field name, with the joint's `clearance` [m]."""
+
+    @classmethod
+    def limit(cls, values: Mapping[str, Any]) -> float:
+        """Normal force [N] up to which the formula holds."""
+        return math.inf
+
+    @classmethod
+    def notes(cls, values: Mapping[str, Any], force: float = 0.0) -> list[str]:
+        """What the user should know of the range of validity, given the largest normal force [N]."""
+        limit = cls.limit(values)
+        if force <= limit:
+            return []
+        return [
+            f"{force:.3g} N is beyond {limit:.3g} N, where the contact is half as wide as the pin's radius: "
+            "this formula takes it as narrow; 'liu' is made for contacts that conform"
+        ]
+
+
+class LineContact(Elastic):
+    """Pin and bush as long cylinders, delta = c F ln(D/F)."""
+
+    @staticmethod
+    @abstractmethod
+    def scale(modulus: float, length: float, bush: float, pin: float, play: float) -> float:
+        """The force D [N]."""
+
+    @classmethod
+    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+        modulus, length = _modulus(values), float(values["length"])
+        return 1.0 / (math.pi * modulus * length), cls.scale(modulus, length, *_radii(values))
+
+    @classmethod
+    def limit(cls, values: Mapping[str, Any]) -> float:
+        """Force [N] at which the Hertz half-width sqrt(4 F R_A R_B/(pi E* L dR)) is R_B/2, or the turning point."""
+        bush, pin, play = _radii(values)
+        narrow = math.pi * _modulus(values) * float(values["length"]) * play * pin / (16.0 * bush)
+        return min(narrow, cls.pack(values)[1] * FORCE_AT_TURN)
+
+
+@kind("stiffness", "power", power)
+class Power(Elastic):
+    """F = K delta^n, both given.
+
+    Source: definition.
+    """
+
+    stiffness = Field("", "K [N/m^n]", least="positive")
+    exponent = Field("", "n", default=1.5, least="positive")
+
+    @classmethod
+    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+        return float(values["stiffness"]), float(values["exponent"])
+
+
+@kind("stiffness", "sphere", power)
+class Sphere(Elastic):
+    """Sphere in a spherical socket, F = K delta^1.5, K = 4/3 E* sqrt(R_A R_B/dR).
+
+    Range: contact radius (3 F R_A R_B/(4 E* dR))^(1/3) below half the pin's radius (ours; the theory wants it small).
+    Source: Johnson, Contact Mechanics (1985), eq. 4.23; Lankarani, Nikravesh (1990), J. Mech. Des. 112, 369-376.
+    """
+
+    bush_radius = BUSH_RADIUS
+    bush_material = BUSH_MATERIAL
+    pin_material = PIN_MATERIAL
+
+    @classmethod
+    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+        bush, pin, _ = _radii(values)
+        return sphere_stiffness(bush, pin, values["bush_material"], values["pin_material"])
+
+    @classmethod
+    def limit(cls, values: Mapping[str, Any]) -> float:
+        """Force [N] at which the contact radius is half the pin's."""
+        bush, pin, play = _radii(values)
+        return _modulus(values) * pin**2 * play / (6.0 * bush)
+
+
+@kind("stiffness", "johnson", logarithmic)
+class Johnson(LineContact):
+    """delta = F/(pi E* L) [ln(4 pi E* L dR/F) - 1].
+
+    Range: Hertz half-width below half the pin's radius (ours; the theory wants it small), L well above it.
+    Source: Johnson, Contact Mechanics (1985), section 5.6; Pereira et al. (2011), Nonlinear Dyn. 63, 681-697.
+    """
+
+    bush_radius = BUSH_RADIUS
+    length = LENGTH
+    bush_material = BUSH_MATERIAL
+    pin_material = PIN_MATERIAL
+
+    @staticmethod
+    def scale(modulus: float, length: float, bush: float, pin: float, play: float) -> float:
+        return 4.0 * math.pi * modulus * length * play * math.exp(-1.0)
+
+
+@kind("stiffness", "radzimovsky", logarithmic)
+class Radzimovsky(LineContact):
+    """delta = F/(pi E* L) [2/3 + ln(4 R_A/b) + ln(4 R_B/b)], b = 1.6 sqrt(F R_A R_B/(L E* dR)).
+
+    Range: b below half the pin's radius (ours; the theory wants it small), L well above it.
+    Source: Radzimovsky (1953), Univ. of Illinois Eng. Exp. Station Bull. 408; Pereira et al. (2011), Nonlinear Dyn. 63.
+    """
+
+    bush_radius = BUSH_RADIUS
+    length = LENGTH
+    bush_material = BUSH_MATERIAL
+    pin_material = PIN_MATERIAL
+
+    @staticmethod
+    def scale(modulus: float, length: float, bush: float, pin: float, play: float) -> float:
+        return 6.25 * modulus * length * play * math.exp(2.0 / 3.0)  # 16 R_A R_B/b^2 = 6.25 E* L dR/F
+
+
+@kind("stiffness", "esdu-78035", logarithmic)
+class Esdu78035(LineContact):
+    """delta = F/(pi E* L) [ln(4 pi E* L dR/F) + 1].
+
+    Range: Hertz half-width below half the pin's radius (ours; the theory wants it small), L well above it.
+    Source: ESDU 78035, Contact phenomena I (1978), as in Pereira et al. (2011), Nonlinear Dyn. 63, 681-697.
+    """
+
+    bush_radius = BUSH_RADIUS
+    length = LENGTH
+    bush_material = BUSH_MATERIAL
+    pin_material = PIN_MATERIAL
+
+    @staticmethod
+    def scale(modulus: float, length: float, bush: float, pin: float, play: float) -> float:
+        return 4.0 * math.pi * modulus * length * play * math.exp(1.0)
+
+
+@kind("stiffness", "dubowsky-freudenstein", logarithmic)
+class DubowskyFreudenstein(LineContact):
+    """delta = F/(pi E* L) [ln(pi E* L^3 dR/(F R_A R_B)) + 1].
+
+    The exponent of L is 3: any other does not make the logarithm's argument a pure number.
+    Range: Hertz half-width below half the pin's radius (ours; the theory wants it small), L of the size of the radii.
+    Source: Dubowsky, Freudenstein (1971), J. Eng. Ind. 93, 305-316; Pereira et al. (2011), Nonlinear Dyn. 63.
+    """
+
+    bush_radius = BUSH_RADIUS
+    length = LENGTH
+    bush_material = BUSH_MATERIAL
+    pin_material = PIN_MATERIAL
+
+    @staticmethod
+    def scale(modulus: float, length: float, bush: float, pin: float, play: float) -> float:
+        return math.pi * modulus * length**3 * play * math.exp(1.0) / (bush * pin)
+
+
+@kind("stiffness", "liu", conforming)
+class Liu(Elastic):
+    """F = (pi/2) E* L delta sqrt(delta/(2 (dR + delta))).
+
+    Range: contacts that conform, clearance small against the radii (ours: below a tenth of the pin's radius).
+    Source: Liu, Zhang, Yang (2007), Mech. Mach. Theory 42, 183-197.
+    """
+
+    bush_radius = BUSH_RADIUS
+    length = LENGTH
+    bush_material = BUSH_MATERIAL
+    pin_material = PIN_MATERIAL
+
+    @classmethod
+    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+        return 0.5 * math.pi * _modulus(values) * float(values["length"]), _radii(values)[2]
+
+    @classmethod
+    def notes(cls, values: Mapping[str, Any], force: float = 0.0) -> list[str]:
+        """A clearance that is not small against the pin's radius."""
+        _, pin, play = _radii(values)
+        if play <= 0.1 * pin:
+            return []
+        return [f"a clearance of {play / pin:.0%} of the pin's radius is beyond 10 %, for which this formula is made"]
+
+
+@kind("stiffness", "pereira", power)
+class Pereira(Elastic):
+    """F = (0.965 dR + 0.0965) L E*/dR delta^n, n = Y dR^(-0.005), in mm, N and MPa, fitted to johnson.
+
+    Y = 1.51 [ln(1000 dR)]^(-0.151) for 0.005 <= dR < 0.34954 mm, 0.0151 dR + 1.151 for 0.34954 <= dR <= 10 mm.
+    Outside Y keeps its value at the nearer end.
+
+    Range: 0.005 mm <= clearance <= 10 mm.
+    Source: Pereira, Ramalho, Ambrosio (2011), Nonlinear Dyn. 63, 681-697.
+    """
+
+    bush_radius = BUSH_RADIUS
+    length = LENGTH
+    bush_material = BUSH_MATERIAL
+    pin_material = PIN_MATERIAL
+
+    @classmethod
+    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+        play = 1e3 * _radii(values)[2]
+        inside = min(max(play, 0.005), 10.0)
+        if inside < 0.34954:
+            y = 1.51 * math.log(1000.0 * inside) ** -0.151
+        else:
+            y = 0.0151 * inside + 1.151
+        n = y * play**-0.005
+        width = 1e3 * float(values["length"]) * 1e-6 * _modulus(values)  # L E* in N/mm
+        return (0.965 * play + 0.0965) * width / play * 1e3**n, n
+
+    @classmethod
+    def notes(cls, values: Mapping[str, Any], force: float = 0.0) -> list[str]:
+        """A clearance outside the fit."""
+        play = 1e3 * _radii(values)[2]
+        if 0.005 <= play <= 10.0:
+            return []
+        return [f"a clearance of {play:g} mm is outside 0.005 ... 10 mm, to which this formula is fitted"]

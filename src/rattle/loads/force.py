@@ -1,0 +1,31 @@
+"""Force at a point of a body, given in the ground's frame or turning with the body."""
+
+from __future__ import annotations
+
+from rattle.catalog import Field, kernel, kind
+from rattle.plane import OUTSIDE, PHI, VX, VY, W, X, Y, turn_x, turn_y
+
+
+@kernel("load")
+def force_at(t, body, a, b, p, k, force, energy):
+    sx = turn_x(body, b, p[k], p[k + 1])
+    sy = turn_y(body, b, p[k], p[k + 1])
+    fx, fy = p[k + 2], p[k + 3]
+    if p[k + 4] == 1.0:  # given in the frame of the body
+        fx, fy = turn_x(body, b, fx, fy), turn_y(body, b, fx, fy)
+    force[b, X] += fx
+    force[b, Y] += fy
+    force[b, PHI] += sx * fy - sy * fx
+    energy[OUTSIDE] += fx * (body[b, VX] - body[b, W] * sy) + fy * (body[b, VY] + body[b, W] * sx)
+
+
+@kind("load", "force", force_at)
+class Force:
+    """A force at a point of a body.
+
+    Source: definition.
+    """
+
+    at = Field("", "point the force acts on", shape="point")
+    force = Field("N", "force [fx, fy]", shape="pair", live=True)
+    frame = Field("", "frame of fx, fy", shape="choice", choices=("ground", "body"), default="ground")

@@ -1,0 +1,53 @@
+"""Spring and damper along the line between two points.
+
+    F = stiffness (l - free_length) + damping l'      pulls the points together when positive
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import Field, kernel, kind
+from rattle.plane import DISSIPATED, ELASTIC, PHI, POTENTIAL, VX, VY, W, X, Y, turn_x, turn_y
+
+
+@kernel("load")
+def spring(t, body, a, b, p, k, force, energy):
+    sax = turn_x(body, a, p[k], p[k + 1])
+    say = turn_y(body, a, p[k], p[k + 1])
+    sbx = turn_x(body, b, p[k + 2], p[k + 3])
+    sby = turn_y(body, b, p[k + 2], p[k + 3])
+    stiffness, free_length, damping = p[k + 4], p[k + 5], p[k + 6]
+    dx = body[b, X] + sbx - body[a, X] - sax
+    dy = body[b, Y] + sby - body[a, Y] - say
+    ddx = body[b, VX] - body[b, W] * sby - body[a, VX] + body[a, W] * say
+    ddy = body[b, VY] + body[b, W] * sbx - body[a, VY] - body[a, W] * sax
+    length = math.sqrt(dx * dx + dy * dy)
+    inv = 1.0 / length if length > 1e-150 else 0.0  # coincident ends: no direction, no force
+    nx, ny = dx * inv, dy * inv
+    rate = nx * ddx + ny * ddy
+    stretch = length - free_length
+    pull = stiffness * stretch + damping * rate
+    fx, fy = pull * nx, pull * ny
+    force[a, X] += fx
+    force[a, Y] += fy
+    force[a, PHI] += sax * fy - say * fx
+    force[b, X] -= fx
+    force[b, Y] -= fy
+    force[b, PHI] -= sbx * fy - sby * fx
+    energy[POTENTIAL] += 0.5 * stiffness * stretch * stretch
+    energy[ELASTIC] -= stiffness * stretch * rate
+    energy[DISSIPATED] += damping * rate * rate
+
+
+@kind("load", "spring", spring)
+class Spring:
+    """A spring and damper along the line between two points.
+
+    Source: definition.
+    """
+
+    connect = Field("", "its two ends", shape="connect")
+    stiffness = Field("N/m", "force per stretch", live=True)
+    free_length = Field("m", "length without force", default=0.0, least="not negative", live=True)
+    damping = Field("N*s/m", "force per rate of stretch", default=0.0, live=True)

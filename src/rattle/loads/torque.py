@@ -1,0 +1,23 @@
+"""Torque: a moment on one body, counter-clockwise positive."""
+
+from __future__ import annotations
+
+from rattle.catalog import Field, kernel, kind
+from rattle.plane import OUTSIDE, PHI, W
+
+
+@kernel("load")
+def torque(t, body, a, b, p, k, force, energy):
+    force[b, PHI] += p[k]
+    energy[OUTSIDE] += p[k] * body[b, W]
+
+
+@kind("load", "torque", torque)
+class Torque:
+    """A moment on one body, counter-clockwise positive.
+
+    Source: definition.
+    """
+
+    body = Field("", "body the moment acts on", shape="body")
+    torque = Field("N*m", "moment", live=True)

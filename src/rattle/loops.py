@@ -1,0 +1,73 @@
+"""Loops of a mechanism: which joints close them, and how to name them."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from rattle.model import Joint, Model
+
+
+def tree_path(model: Model, start: str, end: str, without: str) -> list[str] | None:
+    """Joints on the shortest way from one body to another that does not use joint `without`."""
+    near: dict[str, list[tuple[str, str]]] = {}
+    for name, joint in model.joints.items():
+        if name != without:
+            near.setdefault(joint.a.body, []).append((name, joint.b.body))
+            near.setdefault(joint.b.body, []).append((name, joint.a.body))
+    came: dict[str, tuple[str, str] | None] = {start: None}
+    queue = deque([start])
+    while queue:
+        body = queue.popleft()
+        if body == end:
+            path = []
+            step = came[body]
+            while step is not None:
+                path.append(step[0])
+                step = came[step[1]]
+            return path[::-1]
+        for name, other in near.get(body, ()):
+            if other not in came:
+                came[other] = (name, body)
+                queue.append(other)
+    return None
+
+
+def describe_loop(model: Model, joint: Joint, path: list[str]) -> str:
+    """ "ground -O1- crank -O2- coupler -O3- ground" for the loop that `joint` closes over `path`."""
+    body = joint.a.body
+    text = body
+    for name in path:
+        one = model.joints[name]
+        body = one.b.body if one.a.body == body else one.a.body
+        text += f" -{name}- {body}"
+    return f"{text} -{joint.name}- {joint.a.body}"
+
+
+def loops(model: Model) -> list[tuple[Joint, list[str]]]:
+    """One independent loop per joint that is not needed to hold the bodies together: the joint and its path."""
+    group = {name: name for name in ("ground", *model.bodies)}
+
+    def find(body: str) -> str:
+        while group[body] != body:
+            group[body] = group[group[body]]
+            body = group[body]
+        return body
+
+    closing = []
+    kept: dict[str, Joint] = {}
+    for joint in model.joints.values():
+        a, b = find(joint.a.body), find(joint.b.body)
+        if a == b:
+            closing.append(joint)
+        else:
+            group[a] = b
+            kept[joint.name] = joint
+    from dataclasses import replace
+
+    tree = replace(model, joints=kept)
+    found = []
+    for joint in closing:
+        path = tree_path(tree, joint.a.body, joint.b.body, without="")
+        if path is not None:
+            found.append((joint, path))
+    return found

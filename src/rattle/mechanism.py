@@ -1,0 +1,277 @@
+"""`Mechanism`: a model with the analyses that can be run on it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rattle import modelfile
+from rattle.errors import ModelError, Problem, suggest
+from rattle.model import Model
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from rattle.assembly import Assembled
+    from rattle.checking import Check
+    from rattle.result import Result
+    from rattle.system import Compiled
+
+Pair = Sequence[float | str]
+
+
+class Mechanism:
+    """A planar mechanism: read from a model file, or built in code.
+
+        m = rt.load("fourbar.toml")
+        m = rt.Mechanism("pendulum", gravity=[0, -9.81])
+        m.ground(O=[0, 0])
+        m.bar("rod", "A", "B", length="1 m", mass=1)
+        m.revolute("O", "ground.O", "rod.A")
+
+    Numbers are SI; texts are quantities ("5 mm") or expressions over parameters, as in a model file.
+    Every analysis checks the model first and raises ModelError with all problems at once.
+    """
+
+    def __init__(self, name: str = "", gravity: Pair = (0.0, 0.0)) -> None:
+        self._document: dict[str, Any] = {"format": 1, "name": name, "gravity": list(gravity)}
+        self._text: str | None = None
+        self._file = ""
+        self._changes: list[modelfile.Change] = []
+
+    @classmethod
+    def from_text(cls, text: str, file: str = "") -> Mechanism:
+        """Read model text (TOML or JSON). Raises ModelError."""
+        made = cls()
+        made._document = modelfile.parse(text, file)
+        made._text = text
+        made._file = file
+        _ = made.model
+        return made
+
+    # ------------------------------------------------------------ the model
+    @cached_property
+    def model(self) -> Model:
+        """The checked model. Raises ModelError."""
+        from rattle.reader import read
+
+        try:
+            return read(self._document, self._file)
+        except ModelError as error:
+            raise (modelfile.point_out(error, self._text) if self._text else error) from None
+
+    @cached_property
+    def ready(self) -> Compiled:
+        """The model as flat arrays."""
+        from rattle.system import compile_system
+
+        return compile_system(self.model)
+
+    @cached_property
+    def start(self) -> Assembled:
+        """The mechanism put together at t = 0. Raises AssemblyError."""
+        from rattle.assembly import assemble
+
+        return assemble(self.ready)
+
+    @property
+    def name(self) -> str:
+        """Title of the model."""
+        return self.model.name
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Values of all parameters [SI]."""
+        return {name: one.value for name, one in self.model.parameters.items()}
+
+    def to_toml(self) -> str:
+        """The model as TOML text; comments of the text it came from are kept."""
+        return modelfile.dump(self._document, self._text, self._changes)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the model file, whole or not at all. Raises OSError that says why not."""
+        modelfile.save(path, self.to_toml())
+
+    def set(self, values: Mapping[str, Any] | None = None, /, **parameters: Any) -> Mechanism:
+        """A new mechanism with some values changed.
+
+        Names are parameters, or paths as in the model file: `m.set(r3="2 mm")`,
+        `m.set({"joints.O3.contact.restitution": 0.5})`.  Raises ModelError for an unknown name or a bad value.
+        """
+        made = Mechanism()
+        made._document, made._text, made._file = self._document, self._text, self._file
+        made._changes = list(self._changes)
+        for name, value in {**(values or {}), **parameters}.items():
+            path = self._path_of(name, made._document)
+            try:
+                made._document = modelfile.with_change(made._document, path, value)
+            except KeyError as error:
+                raise ModelError([Problem(path, f"there is no '{error.args[0]}' in the model")]) from None
+            made._changes.append((path, value))
+        try:
+            _ = made.model
+        except ModelError as error:
+            for one in error.problems:  # lines of the old text would mislead where a value was changed
+                if any(one.path[: len(path)] == path for path, _ in made._changes):
+                    one.line, one.caret = None, ""
+            raise ModelError(error.problems, error.file) from None
+        return made
+
+    def _path_of(self, name: str, document: Mapping[str, Any]) -> tuple[str, ...]:
+        table = document.get("parameters", {})
+        if name in table:
+            value = table[name]
+            return ("parameters", name, "value") if isinstance(value, Mapping) else ("parameters", name)
+        if "." in name or name in document:
+            return tuple(name.split("."))
+        raise ModelError([Problem((), f"no parameter '{name}'{suggest(name, table)}, and not a path like joints.O3.clearance")])
+
+    def ideal(self) -> Mechanism:
+        """The same mechanism with all clearances closed; lengths stay as given."""
+        joints = self._document.get("joints", {})
+        return self.set({f"joints.{name}.contact": "ideal" for name, one in joints.items() if "clearance" in one})
+
+    # ------------------------------------------------------------ building in code
+    def _enter(self, table: str, name: str, entry: dict[str, Any]) -> Mechanism:
+        entries = self._document.setdefault(table, {})
+        if name in entries:
+            raise ModelError([Problem((table, name), f"there is a '{name}' already")])
+        entries[name] = {key: value for key, value in entry.items() if value is not None}
+        self._forget()
+        return self
+
+    def _forget(self) -> None:
+        self._text = None
+        for key in ("model", "ready", "start"):
+            self.__dict__.pop(key, None)
+
+    def parameter(self, name: str, value: float | str, **more: Any) -> Mechanism:
+        """A named number; more: min, max, tol, dist."""
+        self._document.setdefault("parameters", {})[name] = {"value": value, **more} if more else value
+        self._forget()
+        return self
+
+    def signal(self, name: str, expression: str) -> Mechanism:
+        """A named quantity over parameters, t and state."""
+        self._document.setdefault("signals", {})[name] = expression
+        self._forget()
+        return self
+
+    def ground(self, **points: Pair) -> Mechanism:
+        """Points of the ground [m]: `m.ground(O=[0, 0], A=[1, 0])`."""
+        self._document.setdefault("ground", {}).setdefault("points", {}).update({k: list(v) for k, v in points.items()})
+        self._forget()
+        return self
+
+    def bar(
+        self, name: str, first: str, second: str, *, length: float | str, mass: float | str,
+        inertia: float | str | None = None, points: Mapping[str, Pair] | None = None,
+    ) -> Mechanism:  # fmt: skip
+        """A uniform bar between two named ends; more points in its frame (origin at the mass centre)."""
+        return self._enter(
+            "bodies", name, {"bar": [first, second], "length": length, "mass": mass, "inertia": inertia, "points": points}
+        )
+
+    def body(
+        self, name: str, *, mass: float | str, inertia: float | str, points: Mapping[str, Pair], center: Pair = (0.0, 0.0)
+    ) -> Mechanism:
+        """A rigid body; points and mass centre in any frame of it."""
+        named = {key: list(at) for key, at in points.items()}
+        return self._enter("bodies", name, {"points": named, "center": list(center), "mass": mass, "inertia": inertia})
+
+    def joint(self, name: str, type: str, a: str, b: str, **fields: Any) -> Mechanism:
+        """A joint of any kind between "body.point" a (bush side) and b (pin side); see `rattle kinds`."""
+        return self._enter("joints", name, {"type": type, "connect": [a, b], **fields})
+
+    def revolute(self, name: str, a: str, b: str, **fields: Any) -> Mechanism:
+        """A revolute joint; fields: clearance, contact."""
+        return self.joint(name, "revolute", a, b, **fields)
+
+    def prismatic(self, name: str, a: str, b: str, **fields: Any) -> Mechanism:
+        """A prismatic joint; fields: axis, angle."""
+        return self.joint(name, "prismatic", a, b, **fields)
+
+    def fixed(self, name: str, a: str, b: str, **fields: Any) -> Mechanism:
+        """A rigid connection; fields: angle."""
+        return self.joint(name, "fixed", a, b, **fields)
+
+    def rod(self, name: str, a: str, b: str, *, length: float | str) -> Mechanism:
+        """A massless rigid link between two points."""
+        return self.joint(name, "rod", a, b, length=length)
+
+    def driver(self, name: str, joint: str, **function: Any) -> Mechanism:
+        """Drive a joint: `m.driver("motor", "O1", angle="10*t")`, or position=... on a prismatic joint."""
+        return self._enter("drivers", name, {"joint": joint, **function})
+
+    def load(self, name: str, type: str, **fields: Any) -> Mechanism:
+        """A load of any kind: `m.load("M", "torque", body="rocker", torque="40 N*m")`; see `rattle kinds`."""
+        return self._enter("loads", name, {"type": type, **fields})
+
+    def initial(self, name: str, **values: Any) -> Mechanism:
+        """Start of a body (x, y, angle, vx, vy, omega) or of a clearance joint (offset)."""
+        self._document.setdefault("initial", {}).setdefault(name, {}).update(values)
+        self._forget()
+        return self
+
+    def settings(self, **values: Any) -> Mechanism:
+        """Defaults of `simulate`: t_end, method, rtol, atol, step, output."""
+        self._document.setdefault("simulate", {}).update(values)
+        self._forget()
+        return self
+
+    # ------------------------------------------------------------ analyses
+    def check(self) -> Check:
+        """Bodies, joints, mobility, redundant rows, loops, branch and reach of the driver; str() is a short report."""
+        from rattle.checking import check
+
+        return check(self.ready, self.start)
+
+    def simulate(
+        self, t_end: float | None = None, *, t_eval: Sequence[float] | np.ndarray | None = None, method: str | None = None,
+        rtol: float | None = None, atol: float | None = None, step: float | None = None,
+        progress: bool = False, strict: bool = False, horizon: bool = False,
+    ) -> Result:  # fmt: skip
+        """Motion in time from the assembled start.
+
+        t_end: duration [s].  t_eval: output instants [s] (default: the model's output interval, or 1000).
+        method: "dop853" (adaptive) or "rk4" (fixed step).  rtol, atol: tolerances per step of dop853 on
+        positions and rates [m, rad, m/s, rad/s].  step: step of rk4, largest step of dop853 [s].
+        progress: show a bar.  horizon: run once more with a ten times tighter tolerance and report how long
+        both agree within 1 % of every curve's range.
+
+        A run that cannot go on returns what was computed with success = False and a message (strict=True
+        raises SolverError).  Source: THEORY sections 1 and 3; Grigore et al., equation (1).
+        """
+        from rattle import dynamics
+
+        return dynamics.simulate(
+            self.ready, self.start, t_end=t_end, t_eval=t_eval, method=method, rtol=rtol, atol=atol, step=step,
+            progress=progress, strict=strict, horizon=horizon,
+        )  # fmt: skip
+
+
+def load(path: str | os.PathLike[str]) -> Mechanism:
+    """Read a model file (TOML or JSON). Raises ModelError with every problem, its line and a caret."""
+    text, file = modelfile.read_file(path)
+    return Mechanism.from_text(text, file)
+
+
+def loads(text: str) -> Mechanism:
+    """Read model text. Raises ModelError."""
+    return Mechanism.from_text(text)
+
+
+def examples() -> dict[str, Path]:
+    """Shipped model files by name."""
+    return {path.stem: path for path in sorted((Path(__file__).parent / "examples").glob("*.toml"))}
+
+
+def example(name: str) -> Mechanism:
+    """A shipped example. Raises ValueError for an unknown name."""
+    known = examples()
+    if name not in known:
+        raise ValueError(f"no example '{name}'{suggest(name, known)}")
+    return load(known[name])

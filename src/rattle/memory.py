@@ -1,0 +1,151 @@
+"""All arrays of one run behind one small handle.
+
+A compiled function takes the handle and asks for the arrays it reads and writes by number:
+`rows = mat(m, ROWS)`.  In machine code the handle is an integer array of addresses and shapes, so a call
+passes one argument however many arrays there are (a named tuple of forty arrays made calls three times
+slower and compiling five times); in plain Python it is the tuple of arrays itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from rattle import catalog
+
+# name, what it holds; f: float64, i: int64, number of dimensions; a kernel table is a vector of addresses
+FIELDS = {
+    # the mechanism: read-only in a run, shared by all runs
+    "mass": "f2",  # (nb + 1, 3) m, m, J  [kg, kg, kg*m^2]; row 0 is the ground
+    "weight": "f2",  # (nb + 1, 3) 1 / mass, zero for the ground
+    "gravity": "f1",  # (2,) [m/s^2]
+    "joint": "i2",  # (nj, 5) kernel, A, B, first parameter, first row; joints first, then drivers
+    "load": "i2",  # (nl, 5) kernel, A, B, first parameter, 1 if its values change during the run
+    "code": "i2",  # (nc, 2) programs of all expressions, one after the other
+    "const": "f1",  # numbers in them
+    "jet": "i2",  # (nd, 3) first, last code row and parameter of every driver's function
+    "jet_signal": "i2",  # (ne, 3) first, last code row and number of every signal a driver uses
+    "signal": "i2",  # (ns, 3) first, last code row and number of every signal
+    "live": "i2",  # (nv, 3) first, last code row and parameter of every changing value of a load
+    "watch": "i1",  # (nw,) rows whose force must not become negative (two-sided contact)
+    "place": "i1",  # see schur.Pattern, also the next four
+    "first": "i1",
+    "below": "i1",
+    "target": "i1",
+    "pairs": "i2",
+    "row_body": "i2",  # (nr, 2) bodies A, B of every row
+    "joint_table": "i1",  # kernels
+    "load_table": "i1",
+    # this instant, in the order in which it is filled
+    "values": "f1",  # (np,) parameters of joints and loads
+    "signals": "f1",  # (ns,)
+    "jets": "f2",  # (ns, 3)
+    "stack": "f1",
+    "jet_stack": "f2",
+    "jet_out": "f1",  # (3,)
+    "body": "f2",  # (nb + 1, 8) see plane
+    "rows": "f2",  # (nr, 9) see plane
+    "force": "f2",  # (nb + 1, 3) applied forces Q  [N, N, N*m]
+    "energy": "f1",  # (4,) of one load, see plane
+    "power": "f1",  # (3,) potential [J], work rate, dissipation [W]
+    "schur": "f1",  # Schur complement and its factor
+    "inverse": "f1",  # (nr,) 1 / pivot, in elimination order
+    "redundant": "i1",  # (nr,) in elimination order
+    "x": "f1",  # (nr,) right side and solution in elimination order
+    "multiplier": "f1",  # (nr,) lambda
+    "acceleration": "f2",  # (nb + 1, 3)
+    "change": "f1",  # (3 nb,) a correction of positions or rates
+    # the march in time
+    "y": "f1",  # (6 nb + 2,) q, v, work done, energy dissipated at clock[T]
+    "f": "f1",  # its derivative
+    "y_new": "f1",
+    "f_new": "f1",
+    "stage": "f1",
+    "k": "f2",  # (16, ny) derivatives at the stages
+    "dense": "f2",  # (7, ny)
+    "clock": "f1",  # see steppers.march
+    "tally": "i1",  # see steppers.march
+    "sign": "f1",  # (nw,) sign of every watched force
+    "crossings": "f2",  # (n, 3) time, watched force, new sign
+}
+
+(
+    MASS, WEIGHT, GRAVITY, JOINT, LOAD, CODE, CONST, JET, JET_SIGNAL, SIGNAL, LIVE, WATCH, PLACE, FIRST, BELOW, TARGET, PAIRS,
+    ROW_BODY, JOINT_TABLE, LOAD_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER,
+    SCHUR, INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES,
+    DENSE, CLOCK, TALLY, SIGN, CROSSINGS,
+) = range(len(FIELDS))  # fmt: skip
+
+
+class Memory:
+    """The arrays of one run by name, and the handle that compiled functions take."""
+
+    def __init__(self, arrays: Mapping[str, Any]) -> None:
+        self._arrays = {name: arrays[name] if name in arrays else _empty(kind) for name, kind in FIELDS.items()}
+        for name, kind in FIELDS.items():
+            array = self._arrays[name]
+            if isinstance(array, np.ndarray):  # a table of Python functions is a tuple
+                dtype = np.float64 if kind[0] == "f" else np.int64
+                if array.dtype != dtype or array.ndim != int(kind[1]) or not array.flags.c_contiguous:
+                    raise TypeError(f"array '{name}' is not a contiguous {kind}: {array.dtype}, {array.shape}")
+        self.handle: Any = tuple(self._arrays.values())
+        if catalog.jit_runs():
+            self.handle = np.array(
+                [(a.ctypes.data, a.shape[0], a.shape[-1]) for a in self._arrays.values()], np.int64
+            ).ravel()
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self._arrays[name]
+
+
+def _empty(kind: str) -> np.ndarray:
+    return np.zeros((0,) * int(kind[1]), np.float64 if kind[0] == "f" else np.int64)
+
+
+def vec(m: Any, k: int) -> Any:
+    """Float vector number k of the memory m."""
+    return m[k]
+
+
+def mat(m: Any, k: int) -> Any:
+    """Float matrix number k."""
+    return m[k]
+
+
+def ivec(m: Any, k: int) -> Any:
+    """Integer vector number k."""
+    return m[k]
+
+
+def imat(m: Any, k: int) -> Any:
+    """Integer matrix number k."""
+    return m[k]
+
+
+def teach_numba() -> None:
+    """Let Numba make arrays of the addresses and shapes in a handle."""
+    from numba import carray, types
+    from numba.extending import intrinsic, overload
+
+    def pointer_to(element: Any) -> Any:
+        @intrinsic
+        def cast(typing_context: Any, address: Any) -> Any:
+            def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+                return builder.inttoptr(values[0], context.get_value_type(signature.return_type))
+
+            return types.CPointer(element)(types.int64), generate
+
+        return cast
+
+    def shaped(cast: Any, dimensions: int) -> Any:
+        def one(m, k):  # type: ignore[no-untyped-def]  # noqa: ANN001  Numba compares the argument lists
+            if dimensions == 1:
+                return lambda m, k: carray(cast(m[3 * k]), (m[3 * k + 1],))
+            return lambda m, k: carray(cast(m[3 * k]), (m[3 * k + 1], m[3 * k + 2]))
+
+        return one
+
+    for function, element, dimensions in ((vec, types.float64, 1), (mat, types.float64, 2), (ivec, types.int64, 1), (imat, types.int64, 2)):
+        overload(function)(shaped(pointer_to(element), dimensions))

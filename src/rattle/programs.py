@@ -1,0 +1,317 @@
+"""Expressions at run time: small stack programs and the two loops that execute them.
+
+A program is rows (op, argument) of an integer array.  An op takes its operands from the top of the
+stack and leaves its result there; a choice takes four (the two compared, then, otherwise), so that
+there are no jumps.  Outside its domain a function gives nan or inf and never raises: the guards below
+do nothing in machine code that C would not do, but keep plain Python from raising.
+
+`evaluate_jet` runs the same program on 2-jets (value, first and second time derivative), z = f(x):
+
+    dz  = f' dx
+    ddz = f'' dx**2 + f' ddx
+
+At a kink (abs, sign, step, min, max, if) the derivatives are those of the branch that is taken.
+
+Source: Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), ch. 13 (Taylor arithmetic).
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import compiled
+
+# leaves, then functions of one operand, of two, and choices: the loops rely on this order
+CONST, TIME, STATE, SIGNAL = range(4)
+NEG, SQUARE, ABS, SIGN, STEP, SQRT, EXP, LOG, SIN, COS, TAN, ASIN, ACOS, ATAN, TANH = range(4, 19)
+ADD, SUB, MUL, DIV, POW, ATAN2, HYPOT, MIN, MAX = range(19, 28)
+LESS, AT_MOST, MORE, AT_LEAST = range(28, 32)
+
+NAN = math.nan
+INF = math.inf
+LARGEST = 709.78  # exp of more than this is inf
+
+
+@compiled
+def quotient(x, y):
+    """x / y, with inf and nan where y = 0."""
+    if y != 0.0:
+        return x / y
+    if x == 0.0 or x != x:
+        return NAN
+    return math.copysign(INF, x) * math.copysign(1.0, y)
+
+
+@compiled
+def power(x, y):
+    """x ** y; nan for a negative x with a broken exponent."""
+    if y == 0.0 or x == 1.0:
+        return 1.0
+    if x != x or y != y:
+        return NAN
+    size = abs(x)
+    if size == 0.0:
+        result = 0.0 if y > 0.0 else INF
+    else:
+        exponent = y * math.log(size)
+        if exponent > LARGEST:
+            result = INF
+        elif exponent != exponent:
+            result = 1.0
+        elif exponent == -INF or abs(y) == INF or size == INF:
+            result = 0.0
+        else:
+            result = math.pow(size, y)
+    if x < 0.0 and abs(y) < INF:
+        if y % 1.0 != 0.0:
+            return NAN
+        if y % 2.0 != 0.0:
+            return -result
+    return result
+
+
+@compiled
+def unary(op, x):
+    """One function of one operand."""
+    if op == NEG:
+        return -x
+    if op == SQUARE:
+        return x * x
+    if op == ABS:
+        return abs(x)
+    if op == SIGN:
+        return 1.0 if x > 0.0 else (-1.0 if x < 0.0 else x)
+    if op == STEP:
+        return 1.0 if x >= 0.0 else (0.0 if x < 0.0 else x)
+    if op == SQRT:
+        return math.sqrt(x) if x >= 0.0 else NAN
+    if op == EXP:
+        return INF if x > LARGEST else math.exp(x)
+    if op == LOG:
+        return math.log(x) if x > 0.0 else (-INF if x == 0.0 else NAN)
+    if op == ATAN:
+        return math.atan(x)
+    if op == TANH:
+        return math.tanh(x)
+    if op == ASIN:
+        return math.asin(x) if -1.0 <= x <= 1.0 else NAN
+    if op == ACOS:
+        return math.acos(x) if -1.0 <= x <= 1.0 else NAN
+    if not abs(x) < INF:
+        return NAN
+    if op == SIN:
+        return math.sin(x)
+    if op == COS:
+        return math.cos(x)
+    return math.tan(x)
+
+
+@compiled
+def binary(op, x, y):
+    """One function of two operands."""
+    if op == ADD:
+        return x + y
+    if op == SUB:
+        return x - y
+    if op == MUL:
+        return x * y
+    if op == DIV:
+        return quotient(x, y)
+    if op == POW:
+        return power(x, y)
+    if op == ATAN2:
+        return math.atan2(x, y)
+    if op == HYPOT:
+        return math.hypot(x, y)
+    if op == MIN:
+        return x if x <= y or x != x else y
+    return x if x >= y or x != x else y
+
+
+@compiled
+def holds(op, x, y):
+    """Whether the comparison of a choice is true."""
+    if op == LESS:
+        return x < y
+    if op == AT_MOST:
+        return x <= y
+    if op == MORE:
+        return x > y
+    return x >= y
+
+
+@compiled
+def evaluate(code, const, first, last, t, body, signals, stack):
+    """Value of the program in rows first..last-1 of `code` (n, 2).
+
+    const: (nc,) constants of all programs; body: (nb+1, 8), argument k of STATE is body[k >> 3, k & 7];
+    signals: (ns,); stack: scratch, at least as long as the program is deep.
+    """
+    top = -1
+    for row in range(first, last):
+        op = code[row, 0]
+        k = code[row, 1]
+        if op == CONST:
+            top += 1
+            stack[top] = const[k]
+        elif op == STATE:
+            top += 1
+            stack[top] = body[k >> 3, k & 7]
+        elif op == TIME:
+            top += 1
+            stack[top] = t
+        elif op == SIGNAL:
+            top += 1
+            stack[top] = signals[k]
+        elif op < ADD:
+            stack[top] = unary(op, float(stack[top]))
+        elif op < LESS:
+            top -= 1
+            stack[top] = binary(op, float(stack[top]), float(stack[top + 1]))
+        else:
+            top -= 3
+            stack[top] = stack[top + 2] if holds(op, stack[top], stack[top + 1]) else stack[top + 3]
+    return float(stack[0])
+
+
+@compiled
+def slopes(op, x, f):
+    """First and second derivative of a function of one operand, f its value at x."""
+    if op == NEG:
+        return -1.0, 0.0
+    if op == SQUARE:
+        return 2.0 * x, 2.0
+    if op == ABS:
+        return (1.0 if x >= 0.0 else -1.0), 0.0
+    if op in (SIGN, STEP):
+        return 0.0, 0.0
+    if op == SQRT:
+        f1 = quotient(0.5, f)
+        return f1, -quotient(0.5 * f1, x)
+    if op == EXP:
+        return f, f
+    if op == LOG:
+        f1 = quotient(1.0, x) if x >= 0.0 else NAN
+        return f1, -f1 * f1
+    if op == SIN:
+        return unary(COS, x), -f
+    if op == COS:
+        return -unary(SIN, x), -f
+    if op == TAN:
+        f1 = 1.0 + f * f
+        return f1, 2.0 * f * f1
+    if op == TANH:
+        f1 = (1.0 - f) * (1.0 + f)
+        return f1, -2.0 * f * f1
+    if op == ATAN:
+        f1 = 1.0 / (1.0 + x * x)
+        return f1, -2.0 * x * f1 * f1
+    rest = (1.0 - x) * (1.0 + x)
+    f1 = quotient(1.0, unary(SQRT, rest))
+    f2 = quotient(x * f1, rest)
+    return (f1, f2) if op == ASIN else (-f1, -f2)
+
+
+@compiled
+def power_jet(x, dx, ddx, y, dy, ddy, z):
+    """First and second time derivative of z = x ** y."""
+    if dy == 0.0 and ddy == 0.0:
+        if x != 0.0:
+            z1 = quotient(y * z, x)
+            z2 = quotient((y - 1.0) * z1, x)
+        else:
+            z1 = y * power(x, y - 1.0) if y != 0.0 else 0.0
+            z2 = y * (y - 1.0) * power(x, y - 2.0) if y != 0.0 and y != 1.0 else 0.0
+        return z1 * dx, z2 * dx * dx + z1 * ddx
+    # z = exp(y log x)
+    log_x = unary(LOG, x)
+    u = quotient(dx, x)
+    rate = dy * log_x + y * u
+    drate = ddy * log_x + 2.0 * dy * u + y * (quotient(ddx, x) - u * u)
+    return z * rate, z * (rate * rate + drate)
+
+
+@compiled
+def binary_jet(op, x, dx, ddx, y, dy, ddy):
+    """A function of two operands in jet arithmetic: value, first and second time derivative."""
+    z = binary(op, x, y)
+    dz = NAN
+    ddz = NAN
+    if op == ADD:
+        dz = dx + dy
+        ddz = ddx + ddy
+    elif op == SUB:
+        dz = dx - dy
+        ddz = ddx - ddy
+    elif op == MUL:
+        dz = dx * y + x * dy
+        ddz = ddx * y + 2.0 * dx * dy + x * ddy
+    elif op == DIV:
+        dz = quotient(dx - z * dy, y)
+        ddz = quotient(ddx - 2.0 * dz * dy - z * ddy, y)
+    elif op == POW:
+        dz, ddz = power_jet(x, dx, ddx, y, dy, ddy, z)
+    elif op == ATAN2:  # the angle of (y, x): first operand over second
+        size = x * x + y * y
+        dz = quotient(y * dx - x * dy, size)
+        ddz = quotient(y * ddx - x * ddy - 2.0 * dz * (x * dx + y * dy), size)
+    elif op == HYPOT:
+        dz = quotient(x * dx + y * dy, z)
+        ddz = quotient(dx * dx + x * ddx + dy * dy + y * ddy - dz * dz, z)
+    elif (x <= y) == (op == MIN) or (x == y):  # MIN or MAX
+        dz = dx
+        ddz = ddx
+    else:
+        dz = dy
+        ddz = ddy
+    return z, dz, ddz
+
+
+@compiled
+def evaluate_jet(code, const, first, last, t, jets, stack, out):
+    """Value, first and second time derivative of the program in rows first..last-1, into out (3,).
+
+    jets: (ns, 3) signals with their time derivatives; stack: (depth, 3) scratch.  State gives nan.
+    """
+    top = -1
+    for row in range(first, last):
+        op = code[row, 0]
+        k = code[row, 1]
+        if op <= STATE:
+            top += 1
+            stack[top, 0] = const[k] if op == CONST else (t if op == TIME else NAN)
+            stack[top, 1] = NAN if op == STATE else (1.0 if op == TIME else 0.0)
+            stack[top, 2] = NAN if op == STATE else 0.0
+        elif op == SIGNAL:
+            top += 1
+            for n in range(3):
+                stack[top, n] = jets[k, n]
+        elif op < ADD:
+            x = float(stack[top, 0])
+            dx = float(stack[top, 1])
+            f = unary(op, x)
+            f1, f2 = slopes(op, x, f)
+            stack[top, 0] = f
+            stack[top, 1] = f1 * dx
+            stack[top, 2] = f2 * dx * dx + f1 * float(stack[top, 2])
+        elif op < LESS:
+            top -= 1
+            z, dz, ddz = binary_jet(
+                op,
+                float(stack[top, 0]),
+                float(stack[top, 1]),
+                float(stack[top, 2]),
+                float(stack[top + 1, 0]),
+                float(stack[top + 1, 1]),
+                float(stack[top + 1, 2]),
+            )
+            stack[top, 0] = z
+            stack[top, 1] = dz
+            stack[top, 2] = ddz
+        else:
+            top -= 3
+            taken = top + 2 if holds(op, stack[top, 0], stack[top + 1, 0]) else top + 3
+            for n in range(3):
+                stack[top, n] = stack[taken, n]
+    for n in range(3):
+        out[n] = stack[0, n]

@@ -1,0 +1,279 @@
+"""Units: "5 mm" is 0.005 and a length.
+
+A quantity is `<number> <unit>`.  A unit is a product of the names below with `*`, `·` or a space, `/`,
+powers with `^` or `**`, and parentheses: "N*m", "kg*m^2", "1/s", "N/(m/s)".  It is read from left to
+right, so that "N/m*s" is (N/m)*s.  Angles have no dimension (1 deg = pi/180, 1 rev = 2 pi), and a Hz is
+1/s: write "rpm" or "rev/s" for a speed of rotation.
+
+Source: BIPM, The International System of Units, 9th ed. (2019); NIST SP 811 for inch, foot, pound, psi.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+from typing import NamedTuple
+
+from rattle.errors import suggest
+
+MAX_LENGTH = 100  # of a quantity; longer texts are no quantities
+MAX_POWER = 12.0
+
+
+class QuantityError(ValueError):
+    """A text that looks like a quantity, but whose unit or number is none."""
+
+
+class Dimension(NamedTuple):
+    """Exponents of metre, kilogram and second.  Angles are plain numbers."""
+
+    m: float = 0.0
+    kg: float = 0.0
+    s: float = 0.0
+
+    def times(self, other: Dimension) -> Dimension:
+        """Dimension of a product."""
+        return Dimension(*(_simple(x + y) for x, y in zip(self, other, strict=True)))
+
+    def over(self, other: Dimension) -> Dimension:
+        """Dimension of a quotient."""
+        return Dimension(*(_simple(x - y) for x, y in zip(self, other, strict=True)))
+
+    def power(self, exponent: float) -> Dimension:
+        """Dimension of a power (a square root has the exponent 1/2)."""
+        return Dimension(*(_simple(x * exponent) for x in self))
+
+
+def _simple(exponent: float) -> float:
+    """The fraction that rounding has blurred, so that a cube root cubed is what it was."""
+    if abs(exponent) > 1e6:
+        return exponent
+    parts = round(exponent * 5040)  # 5040 is a multiple of 1 to 10
+    return parts / 5040 if abs(parts - exponent * 5040) < 1e-6 else exponent
+
+
+DIMENSIONLESS = Dimension()
+LENGTH = Dimension(m=1)
+MASS = Dimension(kg=1)
+TIME = Dimension(s=1)
+FORCE = Dimension(1, 1, -2)
+MOMENT = Dimension(2, 1, -2)
+PRESSURE = Dimension(-1, 1, -2)
+POWER = Dimension(2, 1, -3)
+RATE = Dimension(s=-1)
+
+_UNITS: dict[str, tuple[float, Dimension]] = {
+    "m": (1.0, LENGTH),
+    "mm": (1e-3, LENGTH),
+    "cm": (1e-2, LENGTH),
+    "km": (1e3, LENGTH),
+    "um": (1e-6, LENGTH),
+    "µm": (1e-6, LENGTH),
+    "nm": (1e-9, LENGTH),
+    "in": (0.0254, LENGTH),
+    "ft": (0.3048, LENGTH),
+    "kg": (1.0, MASS),
+    "g": (1e-3, MASS),
+    "mg": (1e-6, MASS),
+    "t": (1e3, MASS),
+    "lb": (0.45359237, MASS),
+    "s": (1.0, TIME),
+    "ms": (1e-3, TIME),
+    "us": (1e-6, TIME),
+    "µs": (1e-6, TIME),
+    "min": (60.0, TIME),
+    "h": (3600.0, TIME),
+    "N": (1.0, FORCE),
+    "mN": (1e-3, FORCE),
+    "kN": (1e3, FORCE),
+    "MN": (1e6, FORCE),
+    "lbf": (4.4482216152605, FORCE),
+    "Nm": (1.0, MOMENT),
+    "Nmm": (1e-3, MOMENT),
+    "kNm": (1e3, MOMENT),
+    "Pa": (1.0, PRESSURE),
+    "kPa": (1e3, PRESSURE),
+    "MPa": (1e6, PRESSURE),
+    "GPa": (1e9, PRESSURE),
+    "bar": (1e5, PRESSURE),
+    "psi": (4.4482216152605 / 0.0254**2, PRESSURE),
+    "J": (1.0, MOMENT),
+    "mJ": (1e-3, MOMENT),
+    "kJ": (1e3, MOMENT),
+    "W": (1.0, POWER),
+    "kW": (1e3, POWER),
+    "rad": (1.0, DIMENSIONLESS),
+    "mrad": (1e-3, DIMENSIONLESS),
+    "deg": (math.pi / 180.0, DIMENSIONLESS),
+    "°": (math.pi / 180.0, DIMENSIONLESS),
+    "rev": (2.0 * math.pi, DIMENSIONLESS),
+    "turn": (2.0 * math.pi, DIMENSIONLESS),
+    "rpm": (2.0 * math.pi / 60.0, RATE),
+    "Hz": (1.0, RATE),
+    "kHz": (1e3, RATE),
+}
+
+# what the dimensions of mechanics are called: unit, words
+_NAMES: dict[Dimension, tuple[str, str]] = {
+    DIMENSIONLESS: ("", "a plain number or angle"),
+    LENGTH: ("m", "a length"),
+    MASS: ("kg", "a mass"),
+    TIME: ("s", "a time"),
+    FORCE: ("N", "a force"),
+    MOMENT: ("N*m", "a moment or energy"),
+    PRESSURE: ("Pa", "a pressure"),
+    POWER: ("W", "a power"),
+    RATE: ("1/s", "an angular velocity or frequency"),
+    Dimension(s=-2): ("1/s^2", "an angular acceleration"),
+    Dimension(1, 0, -1): ("m/s", "a velocity"),
+    Dimension(1, 0, -2): ("m/s^2", "an acceleration"),
+    Dimension(m=2): ("m^2", "an area"),
+    Dimension(m=3): ("m^3", "a volume"),
+    Dimension(2, 1, 0): ("kg*m^2", "a moment of inertia"),
+    Dimension(-3, 1, 0): ("kg/m^3", "a density"),
+    Dimension(1, 1, -1): ("N*s", "an impulse"),
+    Dimension(0, 1, -2): ("N/m", "a stiffness"),
+    Dimension(-0.5, 1, -2): ("N/m^1.5", "a contact stiffness"),
+    Dimension(0, 1, -1): ("N*s/m", "a damping"),
+    Dimension(2, 1, -1): ("N*m*s", "a torsional damping"),
+}
+
+_NUMBER = r"[+-]?+(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+"
+_UNIT = r"(?:[^\W\d_]|°|\(|1\s*+/)(?:\w|[°*·/()\s.]|\^\s*+\(?[+-]?|(?<=\*\*)\s*+\(?[+-])*+"
+_QUANTITY = re.compile(rf"\s*+({_NUMBER}|[+-]?+(?i:nan|inf|infinity)\b)\s*+({_UNIT})?+")
+_TOKEN = re.compile(r"\s*+(\*\*|[*·/^()]|[+-]?[0-9]++(?:\.[0-9]++)?+|°|[^\W\d]\w*+|\S)")
+
+
+def parse_quantity(text: str) -> tuple[float, Dimension | None] | None:
+    """Value in SI units and dimension of a text such as "5 mm"; None if it is no quantity but an expression.
+
+    A number without a unit ("5") has the dimension None: it is in SI units, like a number that is no text.
+    Raises QuantityError for an unknown unit and for a number that is not finite.
+    """
+    found = _QUANTITY.fullmatch(text) if len(text) <= MAX_LENGTH else None
+    if found is None:
+        return None
+    number, unit = float(found[1]), found[2]
+    if unit is None:
+        value, dimension = number, None
+    else:
+        try:
+            scale, dimension = _read_unit(unit.strip())
+        except QuantityError as error:
+            word = re.match(r"\w+", unit)
+            plain = str(error).startswith("unknown unit") and "did you mean" not in str(error)
+            hint = f"; a product is written {found[1]}*{word[0]}" if plain and word else ""
+            raise QuantityError(f"{error}{hint}") from None
+        parts = round(1.0 / scale) if 1e-15 < scale < 1.0 else 0  # 5 um is 5 / 1000000: nearer than 5 * 1e-6
+        value = number / parts if abs(parts * scale - 1.0) < 1e-14 else number * scale
+    if not math.isfinite(value):
+        raise QuantityError(f"'{text.strip()}' is not a finite number")
+    return value, dimension
+
+
+def dimension_of(unit: str) -> Dimension:
+    """Dimension of a unit, e.g. "N*s/m"; "" is a plain number.  Raises QuantityError for an unknown unit."""
+    return _read_unit(unit.strip())[1]
+
+
+def unit_name(dimension: Dimension) -> str:
+    """The SI unit of a dimension as one writes it: "kg", "N*m", "m/s^2"; "" for plain numbers and angles."""
+    if dimension in _NAMES:
+        return _NAMES[dimension][0]
+    parts = list(zip(("kg", "m", "s"), (dimension.kg, dimension.m, dimension.s), strict=True))
+    above = [name if x == 1 else f"{name}^{x:g}" for name, x in parts if x > 0]
+    below = [name if x == -1 else f"{name}^{-x:g}" for name, x in parts if x < 0]
+    under = f"({'*'.join(below)})" if len(below) > 1 else "".join(below)
+    return "*".join(above or ["1"]) + (f"/{under}" if below else "")
+
+
+def describe(dimension: Dimension) -> str:
+    """A dimension in words, for messages: "a mass", "a length", "a quantity in kg/s^3"."""
+    return _NAMES[dimension][1] if dimension in _NAMES else f"a quantity in {unit_name(dimension)}"
+
+
+@functools.lru_cache(maxsize=256)
+def _read_unit(text: str) -> tuple[float, Dimension]:
+    """Scale to SI and dimension of a unit."""
+    if not text:
+        return 1.0, DIMENSIONLESS
+    if len(text) > MAX_LENGTH:
+        raise QuantityError(f"'{text[:20]}...' is too long for a unit")
+    reader = _UnitReader(text)
+    scale, dimension = reader.product()
+    if reader.token:
+        raise QuantityError(f"'{text}' is not a unit: unexpected '{reader.token}'")
+    if not 0.0 < scale < math.inf:
+        raise QuantityError(f"the unit '{text}' is out of range")
+    return scale, dimension
+
+
+class _UnitReader:
+    """Recursive descent over the tokens of one unit; `token` is the next one, "" at the end."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.tokens = iter(_TOKEN.findall(text))
+        self.token: str = next(self.tokens, "")
+
+    def take(self) -> str:
+        taken, self.token = self.token, next(self.tokens, "")
+        return taken
+
+    def product(self) -> tuple[float, Dimension]:
+        scale, dimension = self.factor()
+        while self.token and self.token != ")":
+            operator = self.take() if self.token in "*·/" else "*"
+            right, extra = self.factor()
+            scale = scale / right if operator == "/" else scale * right
+            dimension = dimension.over(extra) if operator == "/" else dimension.times(extra)
+            if not 0.0 < scale < math.inf:
+                raise QuantityError(f"the unit '{self.text}' is out of range")
+        return scale, dimension
+
+    def factor(self) -> tuple[float, Dimension]:
+        scale, dimension = self.atom()
+        if self.token in ("^", "**"):
+            self.take()
+            exponent = self.exponent()
+            try:
+                scale, dimension = scale**exponent, dimension.power(exponent)
+            except OverflowError:
+                scale = math.inf
+            if not 0.0 < scale < math.inf:
+                raise QuantityError(f"the unit '{self.text}' is out of range")
+        return scale, dimension
+
+    def exponent(self) -> float:
+        opened = self.token == "("
+        if opened:
+            self.take()
+        word = self.take()
+        if not re.fullmatch(r"[+-]?[0-9]+(\.[0-9]+)?", word) or (opened and self.take() != ")"):
+            raise QuantityError(f"'{self.text}' is not a unit: an exponent must be a number")
+        if abs(float(word)) > MAX_POWER:
+            raise QuantityError(f"'{self.text}' is not a unit: the exponent {word[:20]} is out of range")
+        return float(word)
+
+    def atom(self) -> tuple[float, Dimension]:
+        word = self.take()
+        if word == "(":
+            inner = self.product()
+            if self.take() != ")":
+                raise QuantityError(f"'{self.text}' is not a unit: a ')' is missing")
+            return inner
+        if word == "1":
+            return 1.0, DIMENSIONLESS
+        name = word.replace("\u03bc", "µ")  # Greek mu and the micro sign look alike
+        if name in _UNITS:
+            return _UNITS[name]
+        if not word or not (word[0].isalpha() or word[0] == "_"):
+            place = f"unexpected '{word}'" if word else "it ends too early"
+            raise QuantityError(f"'{self.text}' is not a unit: {place}")
+        power = re.fullmatch(r"([^\W\d_]+)([2-9])", name)
+        if power and power[1] in _UNITS:
+            raise QuantityError(f"unknown unit '{word}'; did you mean '{power[1]}^{power[2]}'?")
+        same = [unit for unit in _UNITS if unit.casefold() == name.casefold()]
+        near = f"; did you mean {' or '.join(repr(unit) for unit in same)}?" if same else suggest(name, _UNITS)
+        raise QuantityError(f"unknown unit '{word}'{near}")

@@ -1,0 +1,98 @@
+"""What is recorded: the columns that `steppers.march.write` fills, their names and units, and what is derived."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rattle import catalog
+from rattle.model import Model
+from rattle.system import Compiled, joint_rows
+
+BODY = (("x", "m"), ("y", "m"), ("angle", "rad"), ("vx", "m/s"), ("vy", "m/s"), ("omega", "rad/s"), ("ax", "m/s^2"), ("ay", "m/s^2"), ("alpha", "rad/s^2"))  # fmt: skip
+JOINT = 7  # force x, y, moment on B about its point, e_x, e_y, effort, power
+ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
+
+
+def width(ready: Compiled) -> int:
+    """Columns of one raw output row."""
+    return 9 * ready.body_count + JOINT * len(ready.joints) + len(ready.model.signals) + 4
+
+
+def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], dict[str, str]]:
+    """Raw rows (n, width) -> named columns, their names and units."""
+    model = ready.model
+    names: list[str] = []
+    units: dict[str, str] = {}
+    parts: list[np.ndarray] = []
+
+    def add(name: str, unit: str, values: np.ndarray) -> None:
+        names.append(name)
+        units[name] = unit
+        parts.append(values)
+
+    c = 0
+    for body in ready.bodies:
+        for k, (key, unit) in enumerate(BODY):
+            add(f"{body}.{key}", unit, raw[:, c + k])
+        c += 9
+    for name in ready.joints:
+        fx, fy, moment, ex, ey, effort, power = raw[:, c : c + JOINT].T
+        c += JOINT
+        if name in model.drivers:
+            effort_name, unit = catalog.kinds("driver")[model.drivers[name].kind].leaf.effort  # type: ignore[attr-defined]
+            add(f"{name}.{effort_name}", unit, effort)
+            add(f"{name}.power", "W", power)
+            continue
+        joint = model.joints[name]
+        add(f"{name}.fx", "N", fx)
+        add(f"{name}.fy", "N", fy)
+        if joint_rows(joint)[0].leaf.moment:  # type: ignore[attr-defined]
+            add(f"{name}.moment", "N*m", moment)
+        if joint.contact is not None:
+            distance = np.hypot(ex, ey)
+            play = joint_rows(joint)[0].name != joint.kind
+            with np.errstate(invalid="ignore", divide="ignore"):
+                normal = np.where(distance > 0.0, -(fx * ex + fy * ey) / distance, 0.0) if play else np.hypot(fx, fy)
+            add(f"{name}.ex", "m", ex)
+            add(f"{name}.ey", "m", ey)
+            add(f"{name}.normal", "N", normal)
+            add(f"{name}.tangential", "N", np.zeros_like(fx))
+            add(f"{name}.penetration", "m", distance - joint.clearance if play else np.zeros_like(fx))
+    for name in model.signals:
+        add(name, model.signal_units.get(name, ""), raw[:, c])
+        c += 1
+    kinetic, potential, work, dissipated = raw[:, c : c + 4].T
+    total = kinetic + potential - work + dissipated
+    for key, values in zip(ENERGY, (kinetic, potential, work, dissipated, total - total[:1]), strict=True):
+        add(f"energy.{key}", "J", values)
+    return np.ascontiguousarray(np.array(parts).T), names, units
+
+
+def geometry(model: Model) -> dict[str, Any]:
+    """Enough to draw the mechanism: points in the frame of their body relative to its mass centre [m]."""
+    joints: dict[str, Any] = {}
+    for name, joint in model.joints.items():
+        joints[name] = {
+            "type": joint.kind,
+            "bodies": [joint.a.body, joint.b.body],
+            "points": [list(joint.a.at), list(joint.b.at)],
+            "clearance": joint.clearance,
+            "contact": joint.contact.model if joint.contact else "",
+        }
+        if "axis" in joint.fields:
+            joints[name]["axis"] = joint.fields["axis"]
+        if joint.block:
+            joints[name]["block"] = list(joint.block)
+    loads = {
+        name: {"type": load.kind, "bodies": [load.a.body, load.b.body], "points": [list(load.a.at), list(load.b.at)]}
+        for name, load in model.loads.items()
+    }
+    return {
+        "bodies": {name: {"points": {key: list(at) for key, at in body.points.items()}} for name, body in model.bodies.items()},
+        "ground": {"points": {key: list(at) for key, at in model.ground.items()}},
+        "joints": joints,
+        "loads": loads,
+        "driven": [driver.joint for driver in model.drivers.values()],
+    }

@@ -1,0 +1,360 @@
+"""What a run leaves behind: numbers, their names and units, and how far to trust them.
+
+A `Result` holds no other object of the package, so that a file written today stays readable.
+"""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import importlib
+import json
+import math
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rattle.files import atomic
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+FORMAT = 1  # of the files that `Result.save` writes
+RECORD = "rattle.record"  # their variable with everything that is not a curve
+
+
+class Event(NamedTuple):
+    """One change of a contact; what does not apply to its kind is zero."""
+
+    t: float  # [s]
+    joint: str
+    kind: str  # contact | release | impact | stick | slip
+    normal_speed: float = 0.0  # approach speed [m/s]
+    duration: float = 0.0  # [s]
+    peak_force: float = 0.0  # [N]
+    impulse: float = 0.0  # [N s]
+    energy_lost: float = 0.0  # [J]
+
+
+class UnknownName(KeyError):
+    """A result has no curve of this name."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])  # KeyError would put the sentence in quotes
+
+
+# ---------------------------------------------------------------- trust
+@dataclass(frozen=True, eq=False)
+class Trust:
+    """How far a result can be trusted; `str()` says it in two lines."""
+
+    drift: float  # largest distance between points that belong together [m]
+    drift_joint: str = ""  # where
+    energy_balance: float = math.nan  # largest unexplained change of energy [J]; NaN where there is no audit
+    t_end: float = 0.0  # last instant of the run [s]
+    horizon: float | None = None  # time up to which a tighter run agrees [s]; None: not asked
+    pulled: Mapping[str, float] = field(default_factory=dict)  # massless-link joint -> share of time with N < 0
+    first_pull: Mapping[str, float | None] = field(default_factory=dict)  # ... -> first such time [s]
+    intervals: Mapping[str, Array] = field(default_factory=dict)  # ... -> (k, 2) times with N < 0 [s]
+    nonunique: tuple[str, ...] = ()  # joints whose reactions are not unique
+    notes: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return f"{self._accuracy()}; {self._reach()}\n{'; '.join([self._pulling(), *self._remarks()])}"
+
+    def _accuracy(self) -> str:
+        where = f" (worst at {self.drift_joint})" if self.drift_joint and self.drift > 0 else ""
+        energy = "" if math.isnan(self.energy_balance) else f", energy to {_short(abs(self.energy_balance))} J"
+        return f"constraints held to {_short(self.drift)} m{where}{energy}"
+
+    def _reach(self) -> str:
+        if self.horizon is None:
+            return "how long the curves can be trusted was not asked (horizon=True does)"
+        if self.horizon >= self.t_end:
+            return f"the curves can be trusted over the whole run, to t = {self.t_end:.4g} s"
+        return f"the curves can be trusted up to t = {self.horizon:.3g} s (horizon), after it statistics only"
+
+    def _pulling(self) -> str:
+        pulling = sorted((j for j, share in self.pulled.items() if share > 0), key=lambda j: -self.pulled[j])
+        if not self.pulled:
+            return "no pin is held by a massless link, so none can be asked to pull"
+        if not pulling:
+            return f"{' and '.join(self.pulled)} would never have to pull: the pin stays on its bush all the time"
+        said = [f"{j} {'would have to pull ' if n == 0 else ''}{self._how_much(j)}" for n, j in enumerate(pulling[:3])]
+        more = [f"{len(pulling) - 3} more pins"] if len(pulling) > 3 else []
+        pin = "the pin" if len(pulling) == 1 else "these pins"
+        return f"{', and '.join(said + more)}: {pin} would lift off; this model does not hold there"
+
+    def _how_much(self, joint: str) -> str:
+        share, first = 100 * self.pulled[joint], self.first_pull.get(joint)
+        part = f"for {share:.0f} % of the run" if share >= 1 else "for less than 1 % of the run"
+        return part if first is None else f"{part}, first at t = {first:.4g}{' s' if first else ''}"
+
+    def _remarks(self) -> list[str]:
+        joints = ", ".join(self.nonunique)
+        return ([f"reactions not unique (redundant constraints) at {joints}"] if joints else []) + list(self.notes)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same as numbers, texts and lists, ready for JSON."""
+        return asdict(self) | {"intervals": {j: np.asarray(v).tolist() for j, v in self.intervals.items()}}
+
+    @classmethod
+    def from_dict(cls, record: Mapping[str, Any]) -> Trust:
+        """The inverse of `to_dict`."""
+        intervals = {j: np.asarray(v, float).reshape(-1, 2) for j, v in record["intervals"].items()}
+        texts = {key: tuple(record[key]) for key in ("nonunique", "notes")}
+        return cls(**{**record, **texts, "intervals": intervals})
+
+
+def _short(value: float) -> str:
+    return f"{value:.1g}".replace("e-0", "e-")
+
+
+# ---------------------------------------------------------------- the result
+class Result:
+    """Motion, reactions and energy of one run, by name.
+
+    t: (n,) instants [s].  data: (n, len(names)) one column per stored name, SI units.
+    geometry: plain description of bodies, joints and loads, enough to draw the mechanism.
+    success, message: whether the run came to its end, and if not why and what to try.
+    """
+
+    def __init__(
+        self,
+        *,
+        t: ArrayLike,
+        data: ArrayLike,
+        names: Iterable[str],
+        units: Mapping[str, str],
+        geometry: Mapping[str, Any],
+        trust: Trust,
+        stats: Mapping[str, Any],
+        provenance: Mapping[str, Any],
+        events: Iterable[Event] = (),
+        success: bool = True,
+        message: str = "",
+    ) -> None:
+        self.t: Array = _frozen(t)
+        self.stored: tuple[str, ...] = tuple(names)
+        self.geometry = dict(geometry)
+        self.trust = trust
+        self.stats = dict(stats)
+        self.provenance = dict(provenance)
+        self.events: tuple[Event, ...] = tuple(events)
+        self.success = success
+        self.message = message
+        self._data = _frozen(data)
+        if self._data.shape != (len(self.t), len(self.stored)):
+            raise ValueError(f"data is {self._data.shape}; wanted {(len(self.t), len(self.stored))}")
+        self._column = {name: k for k, name in enumerate(self.stored)}
+        self._derived = _derived(self.geometry, self._column)
+        self._units = {name: units[name] for name in self.stored}
+        self._units |= {name: "N" if rule[0] == "force" else "m" for name, rule in self._derived.items()}
+
+    def __repr__(self) -> str:
+        span = f"{len(self.t)} instants, {self.t[0]:g} to {self.t[-1]:g} s" if len(self.t) else "no instant"
+        return f"<rattle.Result: {span}, {len(self.names)} names{'' if self.success else ', FAILED'}>"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All names `r[...]` answers to: the stored ones, then those derived from them."""
+        return self.stored + tuple(self._derived)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._column or name in self._derived
+
+    def __getitem__(self, name: str) -> Array:
+        """One curve, (n,), read-only.  Raises UnknownName (a KeyError) with suggestions."""
+        if name in self._column:
+            return self._data[:, self._column[name]]
+        if name not in self._derived:
+            raise UnknownName(self._unknown(name))
+        what, owner, x, y = self._derived[name]
+        if what == "force":
+            return np.hypot(self[f"{owner}.fx"], self[f"{owner}.fy"])
+        cos, sin = np.cos(self[f"{owner}.angle"]), np.sin(self[f"{owner}.angle"])
+        turned = cos * x - sin * y if what == "x" else sin * x + cos * y
+        return np.asarray(self[f"{owner}.{what}"] + turned)
+
+    def unit(self, name: str) -> str:
+        """SI unit of a curve ("" for a bare number).  Raises UnknownName."""
+        if name not in self._units:
+            raise UnknownName(self._unknown(name))
+        return self._units[name]
+
+    def _unknown(self, name: str) -> str:
+        owner, _, _ = name.partition(".")
+        near = difflib.get_close_matches(name, self.names, n=3, cutoff=0.6)
+        near = near or [other for other in self.names if other.split(".")[0] == owner][:6]
+        hint = f"did you mean {' or '.join(repr(n) for n in near)}?" if near else "r.names lists all there are"
+        return f"the result has no {name!r}; {hint}"
+
+    # ------------------------------------------------------------ to other programs
+    def to_dataframe(self) -> Any:
+        """pandas.DataFrame of all names, index t [s], units in `.attrs["units"]`."""
+        pandas = _extra("pandas", "to_dataframe")
+        index = pandas.Index(self.t, name="t")
+        frame = pandas.DataFrame({name: self[name] for name in self.names}, index=index)
+        frame.attrs["units"] = dict(self._units)
+        return frame
+
+    def to_xarray(self) -> xarray.Dataset:
+        """xarray.Dataset of all names over the coordinate t, units as attributes."""
+        return self._dataset(self.names)
+
+    def _dataset(self, names: Iterable[str]) -> xarray.Dataset:
+        curves = {name: ("t", self[name], {"units": self._units[name]}) for name in names}
+        dataset: xarray.Dataset = _extra("xarray", "to_xarray").Dataset(curves, {"t": ("t", self.t, {"units": "s"})})
+        return dataset
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """All names as CSV, with a header such as `coupler.x [m]`; numbers in full precision."""
+        units = [self._units[name] for name in self.names]
+        header = ["t [s]"] + [
+            f"{name} [{unit}]" if unit else name for name, unit in zip(self.names, units, strict=True)
+        ]
+        table = np.column_stack([self.t, *(self[name] for name in self.names)])
+        with atomic(path) as file, file.open("w", newline="", encoding="utf-8") as out:
+            writer = csv.writer(out, lineterminator="\n")
+            writer.writerow(header)
+            writer.writerows(table.tolist())
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything as netCDF (`.nc`); `load_result` gives it back, bit by bit."""
+        if Path(path).suffix != ".nc":
+            raise ValueError(
+                f"{os.fspath(path)}: a result is saved as netCDF; give a name ending in .nc (to_csv writes CSV)"
+            )
+        _extra("h5netcdf", "save")
+        record = {
+            "format": FORMAT,
+            "names": self.stored,
+            "geometry": self.geometry,
+            "events": self.events,
+            "trust": self.trust.to_dict(),
+            "stats": self.stats,
+            "provenance": self.provenance,
+            "success": self.success,
+            "message": self.message,
+        }
+        dataset = self._dataset(self.stored)
+        dataset[RECORD] = ((), json.dumps(record, default=_plain))
+        dataset.attrs = {"title": "result of rattle", "rattle_format": FORMAT}
+        with atomic(path) as file:
+            dataset.to_netcdf(file, engine="h5netcdf")
+
+    # ------------------------------------------------------------ pictures
+    def plot(self, *names: str, ax: Axes | None = None, **options: Any) -> Figure:
+        """Curves over time, one panel per unit; see `rattle.plot.plot`."""
+        from rattle import plot
+
+        return plot.plot(self, *names, ax=ax, **options)
+
+    def plot_orbit(self, joint: str, ax: Axes | None = None) -> Figure:
+        """Path of a pin in its clearance circle; see `rattle.plot.plot_orbit`."""
+        from rattle import plot
+
+        return plot.plot_orbit(self, joint, ax=ax)
+
+    def animate(self, path: str | os.PathLike[str], **options: Any) -> None:
+        """The mechanism moving, as .gif or .mp4; see `rattle.animate.animate`."""
+        from rattle import animate
+
+        animate.animate(self, path, **options)
+
+
+def load_result(path: str | os.PathLike[str]) -> Result:
+    """Read what `Result.save` wrote.
+
+    Raises FileNotFoundError, or ValueError where the file is not a result of rattle.
+    """
+    file = Path(path).expanduser()
+    if not file.is_file():
+        raise FileNotFoundError(f"no such file: {file}")
+    xarray = _extra("xarray", "load_result")
+    _extra("h5netcdf", "load_result")
+    wrong = ValueError(f"{file} is not a result of rattle (a .nc file written by `rattle run -o` or Result.save)")
+    try:
+        # curves stay numbers: no "units" turned into dates
+        dataset = xarray.load_dataset(file, engine="h5netcdf", decode_times=False, decode_timedelta=False)
+        record = json.loads(dataset[RECORD].item())
+    except (OSError, KeyError, ValueError, TypeError) as error:
+        raise wrong from error
+    if record["format"] > FORMAT:
+        raise ValueError(f"{file} has format {record['format']}; this rattle reads up to {FORMAT}: install a newer one")
+    names = record["names"]
+    t = dataset["t"].values
+    return Result(
+        t=t,
+        data=np.column_stack([dataset[name].values for name in names]) if names else np.empty((len(t), 0)),
+        names=names,
+        units={name: dataset[name].attrs["units"] for name in names},
+        geometry=record["geometry"],
+        events=[Event(*event) for event in record["events"]],
+        trust=Trust.from_dict(record["trust"]),
+        stats=record["stats"],
+        provenance=record["provenance"],
+        success=record["success"],
+        message=record["message"],
+    )
+
+
+def joint_table(result: Result) -> str:
+    """Per joint: peak and RMS force, share of time the pin presses on its bush, number of impacts."""
+    span = float(result.t[-1] - result.t[0]) if len(result.t) else 0.0
+    wide = max([10, *(len(joint) for joint in result.geometry["joints"])]) + 2
+    lines = [f"{'joint':{wide}s}{'peak force':>14s}{'RMS force':>14s}{'pressing':>10s}{'impacts':>9s}"]
+    for joint, form in result.geometry["joints"].items():
+        if f"{joint}.fx" not in result or not len(result.t):
+            continue
+        force = result[f"{joint}.force"]
+        rms = math.sqrt(np.trapezoid(force**2, result.t) / span) if span else float(force[0])
+        pressing = impacts = "-"
+        if form["clearance"] and form["contact"] != "ideal" and f"{joint}.normal" in result:
+            share = np.trapezoid(result[f"{joint}.normal"] > 0, result.t) / span if span else float("nan")
+            share = 1 - result.trust.pulled[joint] if joint in result.trust.pulled else share
+            pressing = f"{100 * share:.0f} %"
+            impacts = str(sum(e.joint == joint and e.kind in ("contact", "impact") for e in result.events))
+        lines.append(f"{joint:{wide}s}{force.max():12.4g} N{rms:12.4g} N{pressing:>10s}{impacts:>9s}")
+    return "\n".join(lines)
+
+
+# ---------------------------------------------------------------- pieces
+def _derived(geometry: Mapping[str, Any], stored: Mapping[str, int]) -> dict[str, tuple[str, str, float, float]]:
+    """Names that follow from stored columns: what ("x", "y" or "force"), of whom, and the point in its frame [m]."""
+    found: dict[str, tuple[str, str, float, float]] = {}
+    for body, form in geometry.get("bodies", {}).items():
+        for point, (x, y) in form["points"].items():
+            found |= {f"{body}.{point}.{axis}": (axis, body, x, y) for axis in "xy" if f"{body}.{axis}" in stored}
+    for joint in geometry.get("joints", {}):
+        if f"{joint}.fx" in stored and f"{joint}.force" not in stored:
+            found[f"{joint}.force"] = ("force", joint, 0.0, 0.0)
+    return found
+
+
+def _frozen(values: ArrayLike) -> Array:
+    view = np.asarray(values, dtype=np.float64).view()
+    view.flags.writeable = False
+    return view
+
+
+def _plain(value: Any) -> Any:
+    """NumPy values inside plain data, for JSON."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"a result holds plain data only, not {type(value).__name__}")
+
+
+def _extra(module: str, what: str) -> Any:
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise ImportError(f'{what} needs {module}; install it with: pip install "rattle[data]"') from error

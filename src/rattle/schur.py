@@ -1,0 +1,163 @@
+"""The Schur complement S = Phi_q M^-1 Phi_q^T: its pattern, a fill-reducing order, sparse L D L^T.
+
+S couples two rows only when they share a moving body.  The pattern is ordered and factored symbolically
+once, on the host; the numbers are then filled in and factored in compiled loops that follow the pattern.
+
+Storage: `s` holds the diagonal first (nr, in elimination order), then the columns of L below it.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle.catalog import compiled
+from rattle.memory import BELOW, FIRST, INVERSE, PAIRS, REDUNDANT, ROWS, SCHUR, SOLUTION, TARGET, WEIGHT, imat, ivec, mat, vec
+from rattle.plane import AX, BX
+
+PIVOT = 1e-12  # a pivot below this share of its diagonal is a redundant row
+
+
+class Pattern(NamedTuple):
+    """What the compiled loops follow."""
+
+    place: np.ndarray  # (nr,) position of each row in the elimination order
+    first: np.ndarray  # (nr + 1,) first entry of each column of L in `below`
+    below: np.ndarray  # (nl,) position of the row of each entry of L
+    target: np.ndarray  # (nu,) entry of `s` that each update of the elimination changes
+    pairs: np.ndarray  # (np, 6) entry of `s`, row, its first column, other row, its first column, body
+
+
+def analyse(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> Pattern:
+    """Order the rows and lay out the factor.
+
+    row_bodies: bodies (A, B) of every row, 0 = ground.  blocks: the rows of each joint (they stay together).
+    """
+    order = [row for block in _minimum_degree(row_bodies, blocks) for row in blocks[block]]
+    nr = len(order)
+    place = np.empty(nr, np.int64)
+    place[order] = np.arange(nr)
+    touching: dict[int, list[tuple[int, int]]] = {}
+    for row, bodies in enumerate(row_bodies):
+        for body, column in zip(bodies, (AX, BX), strict=True):
+            if body:
+                touching.setdefault(body, []).append((row, column))
+    under: list[set[int]] = [set() for _ in range(nr)]
+    for rows in touching.values():
+        places = sorted({int(place[row]) for row, _ in rows})
+        for n, column in enumerate(places):
+            under[column].update(places[n + 1 :])
+    for column in range(nr):  # fill: the rows below a pivot pass on to the column of the first of them
+        if under[column]:
+            parent = min(under[column])
+            under[parent] |= under[column] - {parent}
+    first = np.zeros(nr + 1, np.int64)
+    first[1:] = np.cumsum([len(one) for one in under])
+    below = np.array([row for one in under for row in sorted(one)], np.int64)
+    entry = [{row: nr + int(first[column]) + n for n, row in enumerate(sorted(one))} for column, one in enumerate(under)]
+    target: list[int] = []
+    for column in range(nr):
+        rows = sorted(under[column])
+        for n, one in enumerate(rows):
+            target.append(one)
+            target += [entry[one][other] for other in rows[n + 1 :]]
+    pairs = []
+    for body, rows in touching.items():
+        for n, (row, column) in enumerate(rows):
+            for other, other_column in rows[: n + 1]:
+                low, high = sorted((int(place[row]), int(place[other])))
+                pairs.append((low if low == high else entry[low][high], row, column, other, other_column, body))
+    return Pattern(place, first, below, np.array(target, np.int64), np.array(pairs, np.int64).reshape(-1, 6))
+
+
+def _minimum_degree(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> list[int]:
+    """Blocks in the order of least number of neighbours, each elimination joining its neighbours."""
+    of_body: dict[int, list[int]] = {}
+    for n, block in enumerate(blocks):
+        for body in row_bodies[block[0]] if block else ():
+            if body:
+                of_body.setdefault(body, []).append(n)
+    near: list[set[int]] = [set() for _ in blocks]
+    for group in of_body.values():
+        for n in group:
+            near[n].update(group)
+    for n, group_near in enumerate(near):
+        group_near.discard(n)
+    queue = [(len(group_near), n) for n, group_near in enumerate(near)]
+    heapq.heapify(queue)
+    done = [False] * len(blocks)
+    order = []
+    while queue:
+        degree, n = heapq.heappop(queue)
+        if done[n] or degree != len(near[n]):
+            continue
+        done[n] = True
+        order.append(n)
+        for one in near[n]:
+            near[one] |= near[n]
+            near[one] -= {one, n}
+            heapq.heappush(queue, (len(near[one]), one))
+    return order
+
+
+@compiled
+def factorise(m):
+    """Fill S from the rows and factor it in place; returns the number of redundant rows.
+
+    inverse[k] becomes 1 / pivot, or 0 for a redundant row: its multiplier is then zero.
+    """
+    first, target, pairs = ivec(m, FIRST), ivec(m, TARGET), imat(m, PAIRS)
+    weight, rows = mat(m, WEIGHT), mat(m, ROWS)
+    s, inverse, redundant = vec(m, SCHUR), vec(m, INVERSE), ivec(m, REDUNDANT)
+    nr = inverse.shape[0]
+    for n in range(s.shape[0]):
+        s[n] = 0.0
+    for n in range(pairs.shape[0]):
+        r, c = pairs[n, 1], pairs[n, 2]
+        o, d = pairs[n, 3], pairs[n, 4]
+        i = pairs[n, 5]
+        s[pairs[n, 0]] += (
+            rows[r, c] * weight[i, 0] * rows[o, d]
+            + rows[r, c + 1] * weight[i, 1] * rows[o, d + 1]
+            + rows[r, c + 2] * weight[i, 2] * rows[o, d + 2]
+        )
+    for k in range(nr):
+        inverse[k] = s[k]  # the diagonal before elimination, for the pivot test
+    lost = 0
+    u = 0
+    for k in range(nr):
+        pivot = s[k]
+        if pivot > PIVOT * inverse[k]:
+            inverse[k] = 1.0 / pivot
+            redundant[k] = 0
+        else:
+            inverse[k] = 0.0
+            redundant[k] = 1
+            lost += 1
+        for a in range(nr + first[k], nr + first[k + 1]):
+            x = s[a] * inverse[k]
+            for b in range(a, nr + first[k + 1]):
+                s[target[u]] -= x * s[b]
+                u += 1
+        for a in range(nr + first[k], nr + first[k + 1]):
+            s[a] *= inverse[k]
+    return lost
+
+
+@compiled
+def solve(m):
+    """Solve L D L^T x = x in place (x in elimination order)."""
+    first, below = ivec(m, FIRST), ivec(m, BELOW)
+    s, inverse, x = vec(m, SCHUR), vec(m, INVERSE), vec(m, SOLUTION)
+    nr = inverse.shape[0]
+    for k in range(nr):
+        for a in range(first[k], first[k + 1]):
+            x[below[a]] -= s[nr + a] * x[k]
+    for k in range(nr - 1, -1, -1):
+        value = x[k] * inverse[k]
+        for a in range(first[k], first[k + 1]):
+            value -= s[nr + a] * x[below[a]]
+        x[k] = value

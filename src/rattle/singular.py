@@ -1,0 +1,68 @@
+"""Where constraint rows lose independence: mobility, redundant joints, dead centres."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rattle.assembly import LARGE, dense_rows
+from rattle.memory import Memory
+from rattle.system import Compiled
+
+RANK = 1e-9  # a singular value below this share of the largest counts as zero
+
+
+def scaled_rows(ready: Compiled, memory: Memory) -> np.ndarray:
+    """Phi_q with angles measured as lengths at the size of the mechanism, every row of length one."""
+    full = dense_rows(ready, memory)
+    full[:, 2::3] /= ready.size
+    length = np.linalg.norm(full, axis=1, keepdims=True)
+    return full / np.where(length > 0, length, 1.0)
+
+
+def rank(ready: Compiled, memory: Memory) -> int:
+    """Number of independent rows at the state in the memory."""
+    if ready.row_count == 0:
+        return 0
+    if ready.row_count > LARGE:
+        return ready.row_count - int(memory["redundant"].sum())
+    values = np.linalg.svd(scaled_rows(ready, memory), compute_uv=False)
+    return int((values > RANK * values[0]).sum())
+
+
+def left_null(ready: Compiled, memory: Memory, tolerance: float = RANK) -> np.ndarray:
+    """(nr, k) combinations of rows that vanish: forces that the joints can exert on each other for nothing."""
+    if ready.row_count == 0 or ready.row_count > LARGE:
+        return np.zeros((ready.row_count, 0))
+    u, values, _ = np.linalg.svd(scaled_rows(ready, memory))
+    values = np.concatenate([values, np.zeros(ready.row_count - len(values))])
+    return u[:, values <= tolerance * values[0]]
+
+
+def nonunique_reactions(ready: Compiled, memory: Memory) -> tuple[str, ...]:
+    """Names of joints and drivers whose reactions are not unique at the state in the memory."""
+    if ready.row_count > LARGE:
+        lost = np.flatnonzero(memory["redundant"][ready.arrays["place"]])
+        return tuple(dict.fromkeys(ready.rows[r].owner for r in lost))
+    free = left_null(ready, memory)
+    taking_part = np.abs(free).max(axis=1, initial=0.0) > 1e-6
+    return tuple(dict.fromkeys(row.owner for row, takes in zip(ready.rows, taking_part, strict=True) if takes))
+
+
+def describe_rank_loss(ready: Compiled, memory: Memory) -> str:
+    """In words, which joints block the motion at the state in the memory; empty when all rows are independent."""
+    free = left_null(ready, memory, 1e-3)
+    if free.shape[1] == 0:
+        return ""
+    share = np.abs(free).max(axis=1)
+    owners: dict[str, float] = {}
+    for row, value in zip(ready.rows, share, strict=True):
+        owners[row.owner] = max(owners.get(row.owner, 0.0), float(value))
+    names = [name for name, value in sorted(owners.items(), key=lambda item: -item[1]) if value > 0.05]
+    drivers = [name for name in names if name in ready.model.drivers]
+    if drivers:
+        driver = ready.model.drivers[drivers[0]]
+        return (
+            f"driver '{drivers[0]}' on joint '{driver.joint}' is at a dead centre (its force no longer moves the mechanism;"
+            f" rows of {', '.join(names[:6])} lose rank). Drive another joint, or keep the driver short of this position."
+        )
+    return f"a singular position: rows of {', '.join(names[:6])} lose rank. Start from another position, or change the lengths slightly."

@@ -1,0 +1,79 @@
+"""Dormand-Prince 8(5, 3): adaptive, order 8, dense output of order 7.
+
+Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.10.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import compiled
+from rattle.equations import derivative
+from rattle.memory import DENSE, RATE, RATE_NEW, SLOPES, STAGE, STATE, STATE_NEW, mat, vec
+from rattle.steppers.tableau import E3, E5, A, B, C, D
+from rattle.steppers.watch import watched_change
+
+ORDER = 8
+STAGES = 12
+
+
+@compiled
+def step(m, t, h, rtol, atol):
+    """One step from (t, y) into y_new.
+
+    Returns the error relative to the tolerance, and True when a watched force changed its sign on the way.
+    """
+    y, f, k, stage, y_new = vec(m, STATE), vec(m, RATE), mat(m, SLOPES), vec(m, STAGE), vec(m, STATE_NEW)
+    ny = y.shape[0]
+    changed = False
+    for n in range(ny):
+        k[0, n] = f[n]
+    for s in range(1, STAGES):
+        for n in range(ny):
+            stage[n] = 0.0
+        for j in range(s):
+            a = A[s, j]
+            if a != 0.0:
+                for n in range(ny):
+                    stage[n] += a * k[j, n]
+        for n in range(ny):
+            stage[n] = y[n] + h * stage[n]
+        derivative(m, t + C[s] * h, stage, k[s])
+        changed |= watched_change(m)
+    error3, error5 = 0.0, 0.0
+    for n in range(ny):
+        change, e3, e5 = 0.0, 0.0, 0.0
+        for s in range(STAGES):
+            change += B[s] * k[s, n]
+            e3 += E3[s] * k[s, n]
+            e5 += E5[s] * k[s, n]
+        y_new[n] = y[n] + h * change
+        if n < ny - 2:  # the two energies ride along and do not steer the step
+            scale = atol + rtol * max(abs(y[n]), abs(y_new[n]))
+            error3 += (e3 / scale) ** 2
+            error5 += (e5 / scale) ** 2
+    if error5 == 0.0 and error3 == 0.0:
+        return 0.0, changed
+    return abs(h) * error5 / math.sqrt((error5 + 0.01 * error3) * (ny - 2)), changed
+
+
+@compiled
+def prepare_dense(m, t, h):
+    """Three more stages and the upper rows of the dense output for the step from (t, y) to (t + h, y_new)."""
+    y, k, stage, dense, f_new = vec(m, STATE), mat(m, SLOPES), vec(m, STAGE), mat(m, DENSE), vec(m, RATE_NEW)
+    ny = y.shape[0]
+    for n in range(ny):
+        k[12, n] = f_new[n]
+    for s in range(13, 16):
+        for n in range(ny):
+            value = 0.0
+            for j in range(s):
+                value += A[s, j] * k[j, n]
+            stage[n] = y[n] + h * value
+        derivative(m, t + C[s] * h, stage, k[s])
+    for row in range(4):
+        for n in range(ny):
+            value = 0.0
+            for s in range(16):
+                value += D[row, s] * k[s, n]
+            dense[3 + row, n] = h * value

@@ -1,0 +1,332 @@
+"""March in time: steps, projection onto the constraints, outputs and located changes of sign.
+
+One compiled call takes many steps; it returns when done, when it cannot go on, or after a number of
+steps so that the caller can show progress and be interrupted.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rattle.catalog import compiled
+from rattle.equations import (
+    DONE,
+    NOT_FINITE,
+    OK,
+    PAUSED,
+    STEP_TOO_SMALL,
+    accelerate,
+    collect,
+    constraints,
+    correct,
+    derivative,
+    drive,
+    loads,
+    place,
+    rate_residual,
+    residual,
+    solve_motion,
+)
+from rattle.memory import (
+    ACCELERATION, BODY, CHANGE, CLOCK, CROSSINGS, DENSE, JOINT, MASS, MULTIPLIER, POWER, RATE, RATE_NEW, ROWS, SIGN,
+    SIGNAL, SIGNALS, SLOPES, STAGE, STATE, STATE_NEW, TALLY, VALUES, WATCH, imat, ivec, mat, vec,
+)  # fmt: skip
+from rattle.plane import BP, BX, BY, COS, NU, RES, SIN, VX, X, Y
+from rattle.schur import factorise
+from rattle.steppers import dop853, rk4
+from rattle.steppers.dop853 import prepare_dense as prepare_dop853
+from rattle.steppers.dop853 import step as step_dop853
+from rattle.steppers.rk4 import prepare_dense as prepare_rk4
+from rattle.steppers.rk4 import step as step_rk4
+from rattle.steppers.watch import watched_change
+
+METHODS = {"dop853": 0, "rk4": 1}
+ORDERS = {"dop853": dop853.ORDER, "rk4": rk4.ORDER}
+T, H, DRIFT, H_MIN, TROUBLE = range(5)  # clock: time, next step, largest drift, smallest step, time of a failed step
+STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST = range(7)  # tally; FOUND: crossings, LOST: redundant rows
+SCAN = 8  # parts of a step searched for changes of sign
+
+
+def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
+    """What a run that starts at y needs besides the arrays of one instant."""
+    ny = y.shape[0]
+    clock = np.zeros(5)
+    clock[H_MIN] = math.inf
+    return {
+        "y": y.copy(),
+        **{name: np.zeros(ny) for name in ("f", "y_new", "f_new", "stage")},
+        "k": np.zeros((16, ny)),
+        "dense": np.zeros((7, ny)),
+        "clock": clock,
+        "tally": np.zeros(7, np.int64),
+        "sign": np.zeros(watched),
+        "crossings": np.zeros((4096, 3)),
+    }
+
+
+@compiled
+def project(m, t, y):
+    """Bring y onto Phi = 0 and Phi_q v = nu with the least mass-weighted change; leaves rows and factor of the result."""
+    change, rows, clock, tally = vec(m, CHANGE), mat(m, ROWS), vec(m, CLOCK), ivec(m, TALLY)
+    nq = change.shape[0]
+    q, v = y[:nq], y[nq : 2 * nq]
+    place(m, q, v)
+    drive(m, t)
+    constraints(m)
+    lost = factorise(m)
+    drift = residual(m)
+    if drift > 1e-15:
+        for _ in range(3):
+            correct(m)
+            for k in range(nq):
+                q[k] += change[k]
+            place(m, q, v)
+            constraints(m)
+            before = drift
+            drift = residual(m)
+            if before < 1e-9 or not drift < before:
+                break
+        lost = factorise(m)
+    rate_residual(m)
+    correct(m)
+    for k in range(nq):
+        v[k] += change[k]
+    place(m, q, v)
+    constraints(m)  # gamma at the corrected rates
+    if drift > clock[DRIFT]:
+        clock[DRIFT] = drift
+        for r in range(rows.shape[0]):
+            if abs(rows[r, RES]) == drift:
+                tally[DRIFT_ROW] = r
+    if lost > tally[LOST]:
+        tally[LOST] = lost
+
+
+@compiled
+def interpolate(m, theta, out):
+    """State at the share theta of the step into `out`."""
+    y, dense = vec(m, STATE), mat(m, DENSE)
+    rest = 1.0 - theta
+    for n in range(out.shape[0]):
+        value = 0.0
+        for row in range(6, -1, -1):
+            value = (value + dense[row, n]) * (theta if row % 2 == 0 else rest)
+        out[n] = y[n] + value
+
+
+@compiled
+def prepare_dense(m, t, h, method):
+    """Make the dense output of the step from (t, y) to (t + h, y_new)."""
+    y, f, y_new, f_new, dense = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW), mat(m, DENSE)
+    for n in range(y.shape[0]):
+        jump = y_new[n] - y[n]
+        dense[0, n] = jump
+        dense[1, n] = h * f[n] - jump
+        dense[2, n] = 2.0 * jump - h * (f_new[n] + f[n])
+    if method == 0:
+        prepare_dop853(m, t, h)
+    else:
+        prepare_rk4(m)
+
+
+@compiled
+def record(m, t, y, row):
+    """Write one output row for the state y; the columns are laid out in `recording`."""
+    nq = (y.shape[0] - 2) // 2
+    solve_motion(m, t, y[:nq], y[nq : 2 * nq])
+    write(m, y[2 * nq], y[2 * nq + 1], row)
+
+
+@compiled
+def write(m, work_done, dissipated, row):
+    """Copy what the memory holds at this instant into one output row."""
+    body, rows, values, joint, signal = mat(m, BODY), mat(m, ROWS), vec(m, VALUES), imat(m, JOINT), imat(m, SIGNAL)
+    mass, acceleration, multiplier, power, signals = mat(m, MASS), mat(m, ACCELERATION), vec(m, MULTIPLIER), vec(m, POWER), vec(m, SIGNALS)
+    c = 0
+    kinetic = 0.0
+    for i in range(1, body.shape[0]):
+        for k in range(3):
+            row[c + k] = body[i, X + k]
+            row[c + 3 + k] = body[i, VX + k]
+            row[c + 6 + k] = acceleration[i, k]
+            kinetic += 0.5 * mass[i, k] * body[i, VX + k] ** 2
+        c += 9
+    for n in range(joint.shape[0]):
+        a, b, p, r = joint[n, 1], joint[n, 2], joint[n, 3], joint[n, 4]
+        end = joint[n + 1, 4] if n + 1 < joint.shape[0] else rows.shape[0]
+        fx, fy, moment, effort_power = 0.0, 0.0, 0.0, 0.0
+        for k in range(r, end):
+            fx -= rows[k, BX] * multiplier[k]
+            fy -= rows[k, BY] * multiplier[k]
+            moment -= rows[k, BP] * multiplier[k]
+            effort_power -= rows[k, NU] * multiplier[k]
+        sax = body[a, COS] * values[p] - body[a, SIN] * values[p + 1]
+        say = body[a, SIN] * values[p] + body[a, COS] * values[p + 1]
+        sbx = body[b, COS] * values[p + 2] - body[b, SIN] * values[p + 3]
+        sby = body[b, SIN] * values[p + 2] + body[b, COS] * values[p + 3]
+        row[c] = fx
+        row[c + 1] = fy
+        row[c + 2] = moment - sbx * fy + sby * fx
+        row[c + 3] = body[b, X] + sbx - body[a, X] - sax
+        row[c + 4] = body[b, Y] + sby - body[a, Y] - say
+        row[c + 5] = -multiplier[r]
+        row[c + 6] = effort_power
+        c += 7
+    for n in range(signal.shape[0]):
+        row[c] = signals[signal[n, 2]]
+        c += 1
+    row[c] = kinetic
+    row[c + 1] = power[0]
+    row[c + 2] = work_done
+    row[c + 3] = dissipated
+
+
+@compiled
+def force_at(m, t, h, theta, n):
+    """Watched force n at the share theta of the step."""
+    stage, multiplier, watch = vec(m, STAGE), vec(m, MULTIPLIER), ivec(m, WATCH)
+    nq = (stage.shape[0] - 2) // 2
+    interpolate(m, theta, stage)
+    solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
+    return multiplier[watch[n]]
+
+
+@compiled
+def find_crossings(m, t, h):
+    """Locate every change of sign of the watched forces in the step to 1e-13 of the time; the dense output is ready."""
+    sign, crossings, tally = vec(m, SIGN), mat(m, CROSSINGS), ivec(m, TALLY)
+    for n in range(sign.shape[0]):
+        left = 0.0
+        for part in range(1, SCAN + 1):
+            right = part / SCAN
+            if force_at(m, t, h, right, n) * sign[n] < 0.0:
+                low, high = left, right
+                for _ in range(60):
+                    if (high - low) * h <= 1e-13 * abs(t) + 1e-16 * h:
+                        break
+                    middle = 0.5 * (low + high)
+                    if force_at(m, t, h, middle, n) * sign[n] < 0.0:
+                        high = middle
+                    else:
+                        low = middle
+                sign[n] = -sign[n]
+                k = tally[FOUND]
+                if k < crossings.shape[0]:
+                    crossings[k, 0] = t + high * h
+                    crossings[k, 1] = n
+                    crossings[k, 2] = sign[n]
+                    tally[FOUND] = k + 1
+            left = right
+
+
+@compiled
+def begin(m, t, t_end, rtol, atol, h_max):
+    """Derivative at the start, signs of the watched forces, a first step size."""
+    y, f, stage, k1 = vec(m, STATE), vec(m, RATE), vec(m, STAGE), mat(m, SLOPES)[1]
+    clock, tally, sign, watch, multiplier = vec(m, CLOCK), ivec(m, TALLY), vec(m, SIGN), ivec(m, WATCH), vec(m, MULTIPLIER)
+    clock[T] = t
+    tally[LOST] = derivative(m, t, y, f)
+    for n in range(watch.shape[0]):
+        sign[n] = -1.0 if multiplier[watch[n]] < 0.0 else 1.0
+    ny = y.shape[0] - 2
+    size, slope = 0.0, 0.0
+    for n in range(ny):
+        scale = atol + rtol * abs(y[n])
+        size += (y[n] / scale) ** 2
+        slope += (f[n] / scale) ** 2
+    if not slope < math.inf:
+        return NOT_FINITE
+    h = 0.01 * math.sqrt(size / slope) if size > 1e-10 and slope > 1e-10 else 1e-6
+    h = min(h, h_max, t_end - t)
+    for n in range(y.shape[0]):
+        stage[n] = y[n] + h * f[n]
+    derivative(m, t + h, stage, k1)
+    bend = 0.0
+    for n in range(ny):
+        bend += ((k1[n] - f[n]) / (atol + rtol * abs(y[n]))) ** 2
+    largest = max(math.sqrt(slope), math.sqrt(bend) / h) / math.sqrt(ny)
+    second = (0.01 / largest) ** (1.0 / 8.0) if largest > 1e-15 and largest < math.inf else max(1e-6, 1e-3 * h)
+    clock[H] = min(100.0 * h, second, h_max, t_end - t)
+    tally[EVALUATIONS] = 2
+    return OK
+
+
+@compiled
+def finish_step(m, t, y_new):
+    """Projection and derivative at the end of a step."""
+    project(m, t, y_new)
+    loads(m, t)
+    accelerate(m)
+    nq = (y_new.shape[0] - 2) // 2
+    collect(m, y_new[nq : 2 * nq], vec(m, RATE_NEW))
+
+
+@compiled
+def look_back(m, t, t_new, changed, method, t_out, out):
+    """Changes of sign and outputs inside the step just taken."""
+    tally, stage = ivec(m, TALLY), vec(m, STAGE)
+    wanted = tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_new
+    if not wanted and not changed:
+        return
+    h = t_new - t
+    prepare_dense(m, t, h, method)
+    tally[EVALUATIONS] += 3
+    if changed:
+        find_crossings(m, t, h)
+    while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_new:
+        k = tally[OUTPUTS]
+        interpolate(m, (t_out[k] - t) / h, stage)
+        project(m, t_out[k], stage)
+        record(m, t_out[k], stage, out[k])
+        tally[OUTPUTS] = k + 1
+
+
+@compiled
+def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
+    """Take up to `most_steps` steps towards t_end; writes every output with t_out <= the time reached.
+
+    Returns DONE, PAUSED, NOT_FINITE or STEP_TOO_SMALL.
+    """
+    y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
+    clock, tally, most_found = vec(m, CLOCK), ivec(m, TALLY), mat(m, CROSSINGS).shape[0] // 2
+    start = tally[STEPS]
+    while tally[STEPS] < start + most_steps and tally[FOUND] < most_found:
+        t = clock[T]
+        if t >= t_end:
+            return DONE
+        h = clock[H]
+        last = t + 1.000001 * h >= t_end
+        if last:
+            h = t_end - t
+        if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t:
+            return STEP_TOO_SMALL
+        if method == 0:
+            error, changed = step_dop853(m, t, h, rtol, atol)
+            tally[EVALUATIONS] += 12
+            if not error <= 1.0:
+                tally[REJECTED] += 1
+                clock[TROUBLE] = t + h
+                clock[H] = h * (max(0.2, 0.9 * error ** (-0.125)) if error < math.inf else 0.1)
+                continue
+            clock[H] = min(h_max, h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-0.125))))
+        else:
+            changed = step_rk4(m, t, h)
+            tally[EVALUATIONS] += 4
+            for n in range(y.shape[0]):
+                if not abs(y_new[n]) < math.inf:
+                    clock[TROUBLE] = t + h
+                    return NOT_FINITE
+        t_new = t_end if last else t + h
+        finish_step(m, t_new, y_new)
+        tally[EVALUATIONS] += 2
+        changed |= watched_change(m)
+        look_back(m, t, t_new, changed, method, t_out, out)
+        for n in range(y.shape[0]):
+            y[n] = y_new[n]
+            f[n] = f_new[n]
+        clock[T] = t_new
+        clock[H_MIN] = min(clock[H_MIN], h)
+        tally[STEPS] += 1
+    return DONE if clock[T] >= t_end else PAUSED

@@ -1,0 +1,16 @@
+"""Forces that must not become negative: noticing their changes of sign."""
+
+from __future__ import annotations
+
+from rattle.catalog import compiled
+from rattle.memory import MULTIPLIER, SIGN, WATCH, ivec, vec
+
+
+@compiled
+def watched_change(m):
+    """True when a watched force has another sign than at the start of the step."""
+    watch, sign, multiplier = ivec(m, WATCH), vec(m, SIGN), vec(m, MULTIPLIER)
+    for n in range(watch.shape[0]):
+        if multiplier[watch[n]] * sign[n] < 0.0:
+            return True
+    return False

@@ -1,0 +1,250 @@
+"""How an expression is written: tokens, precedence, and the tree that comes out.
+
+Precedence is that of Python; `parse` refuses everything but numbers, names, operators, the functions of
+`FUNCTIONS` and `a if x < y else b`.  Nesting is limited, and every walk over the tree is a loop, so that no
+text leads to deep recursion.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from keyword import kwlist
+
+from rattle.errors import suggest
+
+MAX_LENGTH = 2000  # characters
+MAX_DEPTH = 50
+MAX_NODES = 1000
+
+# name: number of arguments (-2: two or more)
+FUNCTIONS: Mapping[str, int] = {
+    **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "tanh", "sqrt", "exp", "log"), 1),
+    **dict.fromkeys(("abs", "sign", "step"), 1),
+    **dict.fromkeys(("atan2", "hypot"), 2),
+    **dict.fromkeys(("min", "max"), -2),
+}
+RESERVED = frozenset(kwlist) | FUNCTIONS.keys() | {"pi", "t"}  # no parameter, signal or body may be called so
+
+_BINDING = {"if": 1, "<": 2, "<=": 2, ">": 2, ">=": 2, "+": 3, "-": 3, "*": 4, "/": 4, "**": 6}
+_SIGN = 5  # -x**2 is -(x**2), -x*y is (-x)*y
+COMPARISONS = ("<", "<=", ">", ">=")
+_TOKEN = re.compile(
+    r"(?P<space>\s++)|(?P<number>(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+)"
+    r"|(?P<name>[A-Za-z_]\w*+(?:\.[A-Za-z_]\w*+)?+)|(?P<operator>\*\*|<=|>=|[-+*/(),<>])",
+    re.ASCII,
+)
+_REFUSED = {
+    "^": "'^' is not an operator; use ** for powers",
+    "=": "'=' has no place in an expression; compare with < <= > >=",
+    '"': "an expression holds no text",
+    "'": "an expression holds no text",
+    "[": "an expression has no indices",
+}
+
+
+class ExpressionError(ValueError):
+    """What is wrong in an expression, and where: `column` counts characters from 0."""
+
+    def __init__(self, message: str, column: int = 0) -> None:
+        super().__init__(message)
+        self.message = message
+        self.column = column
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Number:
+    """A number as written, or pi."""
+
+    value: float
+    column: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Name:
+    """A parameter, a signal, a state name or `t`."""
+
+    name: str
+    column: int
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Apply:
+    """An operator, function or choice: "+", "neg", "sin", "if<" (compared, compared, then, otherwise)."""
+
+    name: str
+    operands: tuple[Node, ...]
+    column: int
+
+
+Node = Number | Name | Apply
+
+
+def parse(text: str) -> Node:
+    """Read an expression.  Raises ExpressionError for everything that is not one, or is too large."""
+    if len(text) > MAX_LENGTH:
+        raise ExpressionError(f"the expression has {len(text)} characters; at most {MAX_LENGTH} are read", 0)
+    return _Parser(text).read()
+
+
+def names(node: Node) -> set[str]:
+    """All names the expression uses (`t` among them, `pi` and functions not)."""
+    return {part.name for part in walk(node) if isinstance(part, Name)}
+
+
+def walk(node: Node) -> list[Node]:
+    """All nodes, operands before what uses them, from left to right."""
+    found, waiting = [], [node]
+    while waiting:
+        part = waiting.pop()
+        found.append(part)
+        if isinstance(part, Apply):
+            waiting.extend(part.operands)
+    found.reverse()
+    return found
+
+
+class _Parser:
+    """Operator precedence parser; `expression(least)` reads operators that bind at least so strongly."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.tokens = list(_tokens(text))
+        self.at = 0
+        self.depth = 0
+        self.nodes = 0
+
+    def read(self) -> Node:
+        node = self.expression(1)
+        kind, word, column = self.tokens[self.at]
+        if kind != "end":
+            before = self.tokens[self.at - 1]
+            hint = ""
+            if before[0] == "number" and kind == "name":
+                hint = f"; write {before[1]}*{word} for a product (units stand only in a plain quantity such as '5 mm')"
+            elif word == "(":
+                hint = "; a product is written with *"
+            raise ExpressionError(f"expected an operator, found '{word}'{hint}", column)
+        self.refuse_comparison(node)
+        return node
+
+    def expression(self, least: int) -> Node:
+        self.depth += 1
+        if self.depth > MAX_DEPTH:
+            raise ExpressionError(f"nested more than {MAX_DEPTH} deep", self.tokens[self.at][2])
+        left = self.operand()
+        while True:
+            _, word, column = self.tokens[self.at]
+            binding = _BINDING.get(word, 0)
+            if binding < least:
+                break
+            self.at += 1
+            if word == "if":
+                left = self.choice(left, column)
+            else:
+                right = self.expression(binding if word == "**" else binding + 1)
+                left = self.apply(word, (left, right), column)
+        self.depth -= 1
+        return left
+
+    def operand(self) -> Node:
+        kind, word, column = self.tokens[self.at]
+        self.at += 1
+        if kind == "number":
+            return self.number(word, column)
+        if kind == "name":
+            return self.name(word, column)
+        if word == "-":
+            return self.apply("neg", (self.expression(_SIGN),), column)
+        if word == "+":
+            return self.expression(_SIGN)
+        if word == "(":
+            inner = self.expression(1)
+            self.expect(")", f"the '(' in column {column + 1} is not closed")
+            return inner
+        found = "the end" if kind == "end" else f"'{word}'"
+        raise ExpressionError(f"expected a number, a name or '(', found {found}", column)
+
+    def number(self, word: str, column: int) -> Node:
+        value = float(word)
+        if not math.isfinite(value):
+            raise ExpressionError("the number is too large", column)
+        self.count(column)
+        return Number(value, column)
+
+    def name(self, word: str, column: int) -> Node:
+        if self.tokens[self.at][1] == "(":
+            return self.call(word, column)
+        if word in kwlist:
+            raise ExpressionError(f"'{word}' has no place here", column)
+        if word in FUNCTIONS:
+            raise ExpressionError(f"'{word}' is a function; write {word}(...)", column)
+        self.count(column)
+        return Number(math.pi, column) if word == "pi" else Name(word, column)
+
+    def call(self, word: str, column: int) -> Node:
+        if word not in FUNCTIONS:
+            raise ExpressionError(f"there is no function '{word[:40]}'{suggest(word[:40], FUNCTIONS)}", column)
+        self.at += 1
+        arguments: list[Node] = []
+        while self.tokens[self.at][1] != ")" or arguments:
+            arguments.append(self.expression(1))
+            if self.tokens[self.at][1] != ",":
+                break
+            self.at += 1
+        self.expect(")", f"the '(' of {word} is not closed")
+        wanted = FUNCTIONS[word]
+        if len(arguments) != wanted and (wanted > 0 or len(arguments) < -wanted):
+            count = "2 or more arguments" if wanted < 0 else f"{wanted} argument{'s' * (wanted > 1)}"
+            raise ExpressionError(f"{word} takes {count}, not {len(arguments)}", column)
+        node = self.apply(word, tuple(arguments[: abs(wanted)]), column)
+        for argument in arguments[abs(wanted) :]:
+            node = self.apply(word, (node, argument), column)
+        return node
+
+    def choice(self, then: Node, column: int) -> Node:
+        test = self.expression(2)
+        if not isinstance(test, Apply) or test.name not in COMPARISONS:
+            raise ExpressionError("after 'if' two values must be compared with < <= > >=", test.column)
+        self.expect("else", "this 'if' has no 'else'", column)
+        otherwise = self.expression(1)
+        return self.apply(f"if{test.name}", (*test.operands, then, otherwise), column)
+
+    def expect(self, word: str, message: str, column: int | None = None) -> None:
+        if self.tokens[self.at][1] != word:
+            raise ExpressionError(message, self.tokens[self.at][2] if column is None else column)
+        self.at += 1
+
+    def apply(self, name: str, operands: tuple[Node, ...], column: int) -> Apply:
+        for operand in operands:
+            self.refuse_comparison(operand)
+        self.count(column)
+        return Apply(name, operands, column)
+
+    def count(self, column: int) -> None:
+        self.nodes += 1
+        if self.nodes > MAX_NODES:
+            raise ExpressionError(f"the expression has more than {MAX_NODES} parts", column)
+
+    @staticmethod
+    def refuse_comparison(node: Node) -> None:
+        if isinstance(node, Apply) and node.name in COMPARISONS:
+            raise ExpressionError(f"'{node.name}' stands only between 'if' and 'else'", node.column)
+
+
+def _tokens(text: str) -> list[tuple[str, str, int]]:
+    """Kind ("number", "name", "operator", "end"), word and column of every token."""
+    found = []
+    at = 0
+    while at < len(text):
+        match = _TOKEN.match(text, at)
+        if match is None:
+            shown = text[at] if text[at].isprintable() else repr(text[at])[1:-1]
+            raise ExpressionError(_REFUSED.get(text[at], f"unexpected character '{shown}'"), at)
+        if match.lastgroup != "space":
+            found.append((match.lastgroup or "", match[0], at))
+        at = match.end()
+    found.append(("end", "", len(text.rstrip())))
+    return found

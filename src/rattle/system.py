@@ -1,0 +1,229 @@
+"""`Model` -> flat arrays that the kernels read, and the memory of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rattle import catalog, schur
+from rattle.expression import Node, compile_program, concatenate
+from rattle.memory import Memory
+from rattle.model import Joint, Model
+
+STATE = {"x": 0, "y": 1, "angle": 2, "vx": 3, "vy": 4, "omega": 5}  # columns of `body`
+
+
+@dataclass(frozen=True)
+class Row:
+    """Whose constraint row it is, and its unit."""
+
+    owner: str
+    unit: str
+    driver: bool
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A model made ready to compute: arrays, names and where they stand."""
+
+    model: Model
+    arrays: Mapping[str, np.ndarray]  # the first part of memory.FIELDS, read-only in a run
+    bodies: tuple[str, ...]  # without the ground; body i of the arrays is bodies[i - 1]
+    joints: tuple[str, ...]  # joints, then drivers, as in the array `joint`
+    rows: tuple[Row, ...]
+    watched: tuple[str, ...]  # joint of every watched row
+    depth: int
+    live_names: tuple[str, ...]  # path of every expression evaluated in a run, programs in order
+    program_starts: tuple[int, ...]  # first code row of each of them
+    size: float  # a length that is typical of the mechanism [m]
+
+    @property
+    def body_count(self) -> int:
+        """Moving bodies."""
+        return len(self.bodies)
+
+    @property
+    def row_count(self) -> int:
+        """Constraint rows, drivers included."""
+        return len(self.rows)
+
+    def memory(self, **more: np.ndarray) -> Memory:
+        """Fresh memory for one run; `more` are arrays of the march."""
+        nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
+        body = np.zeros((nb, 8))
+        body[0, 6] = 1.0
+        return Memory(
+            {
+                **self.arrays,
+                "joint_table": catalog.table("joint", "driver"),
+                "load_table": catalog.table("load"),
+                "values": self.arrays["values"].copy(),
+                "signals": np.zeros(ns),
+                "jets": np.zeros((ns, 3)),
+                "stack": np.zeros(self.depth),
+                "jet_stack": np.zeros((self.depth, 3)),
+                "jet_out": np.zeros(3),
+                "body": body,
+                "rows": np.zeros((nr, 9)),
+                "force": np.zeros((nb, 3)),
+                "energy": np.zeros(4),
+                "power": np.zeros(3),
+                "schur": np.zeros(nr + self.arrays["below"].shape[0]),
+                "inverse": np.zeros(nr),
+                "redundant": np.zeros(nr, np.int64),
+                "x": np.zeros(nr),
+                "multiplier": np.zeros(nr),
+                "acceleration": np.zeros((nb, 3)),
+                "change": np.zeros(3 * nb - 3),
+                **more,
+            }
+        )
+
+
+def joint_rows(joint: Joint) -> tuple[catalog.Kind, tuple[float, ...]]:
+    """The kind whose rows hold this joint, and the values of its fields: its own, or those of its contact model."""
+    own = catalog.kinds("joint")[joint.kind]
+    if joint.contact is not None and joint.clearance > 0.0:
+        replaces: Mapping[str, str] = catalog.kinds("contact")[joint.contact.model].leaf.replaces  # type: ignore[attr-defined]
+        if joint.kind in replaces:
+            return catalog.kinds("joint")[replaces[joint.kind]], (joint.clearance,)
+    return own, tuple(joint.fields.values())
+
+
+def is_link(joint: Joint) -> bool:
+    """True when the joint is held by a two-sided link over its clearance."""
+    return joint_rows(joint)[0].name != joint.kind
+
+
+class _Programs:
+    """Collects expressions and where their values go."""
+
+    def __init__(self, model: Model, bodies: Mapping[str, int]) -> None:
+        self.constants = model.constants
+        self.state = {f"{name}.{key}": 8 * i + column for name, i in bodies.items() for key, column in STATE.items()}
+        self.signals = {name: n for n, name in enumerate(model.signals)}
+        self.programs: list[Any] = []
+        self.names: list[str] = []
+
+    def add(self, node: Node, name: str) -> int:
+        self.programs.append(compile_program(node, self.constants, self.state, self.signals))
+        self.names.append(name)
+        return len(self.programs) - 1
+
+
+def compile_system(model: Model) -> Compiled:
+    """Flat arrays, names and the pattern of the Schur complement for one model."""
+    bodies = {name: n + 1 for n, name in enumerate(model.bodies)}
+    number = {"ground": 0, **bodies}
+    programs = _Programs(model, bodies)
+    values: list[float] = []
+    joint, rows, row_body, watch, watched = _joints(model, number, values)
+    jets = []
+    for name, driver in model.drivers.items():
+        one = catalog.kinds("driver")[driver.kind]
+        held = model.joints[driver.joint]
+        a, b = number[held.a.body], number[held.b.body]
+        tag = len(catalog.kinds("joint")) + one.tag
+        joint.append((tag, a, b, len(values), len(rows)))
+        values += [*held.a.at, *held.b.at, *held.fields.values()]
+        if isinstance(driver.value, float):
+            values += [driver.value, 0.0, 0.0]
+        else:
+            jets.append((programs.add(driver.value, f"drivers.{name}.{driver.kind}"), len(values)))
+            values += [0.0, 0.0, 0.0]
+        for unit in one.leaf.rows:  # type: ignore[attr-defined]
+            rows.append(Row(name, unit, True))
+            row_body.append((a, b))
+    load, live = _loads(model, number, values, programs)
+    signals = [programs.add(node, f"signals.{name}") for name, node in model.signals.items()]
+    code, const, first, depth = concatenate(programs.programs)
+    needed = _needed_by_drivers(programs, [program for program, _ in jets], signals)
+    blocks = [range(entry[4], end) for entry, end in zip(joint, [*(e[4] for e in joint[1:]), len(rows)], strict=True)] if joint else []
+    pattern = schur.analyse(row_body, blocks)
+    mass = np.array([[0.0] * 3] + [[one.mass, one.mass, one.inertia] for one in model.bodies.values()])
+    weight = np.zeros_like(mass)
+    weight[1:] = 1.0 / mass[1:]
+    arrays = {
+        "mass": mass,
+        "weight": weight,
+        "gravity": np.array(model.gravity, dtype=float),
+        "joint": _table(joint, 5),
+        "load": _table(load, 5),
+        "values": np.array(values, dtype=float),
+        "code": code,
+        "const": const,
+        "jet": _table([(first[n], first[n + 1], slot) for n, slot in jets], 3),
+        "jet_signal": _table([(first[signals[k]], first[signals[k] + 1], k) for k in needed], 3),
+        "signal": _table([(first[n], first[n + 1], k) for k, n in enumerate(signals)], 3),
+        "live": _table([(first[n], first[n + 1], slot) for n, slot in live], 3),
+        "watch": np.array(watch, np.int64),
+        **pattern._asdict(),
+        "row_body": _table(row_body, 2),
+    }
+    return Compiled(
+        model, arrays, tuple(model.bodies), (*model.joints, *model.drivers), tuple(rows), tuple(watched), depth + 1,
+        tuple(programs.names), tuple(int(n) for n in first[:-1]), _size(model),
+    )  # fmt: skip
+
+
+def _joints(model: Model, number: Mapping[str, int], values: list[float]) -> tuple[list[Any], list[Row], list[Any], list[int], list[str]]:
+    joint: list[Any] = []
+    rows: list[Row] = []
+    row_body: list[Any] = []
+    watch: list[int] = []
+    watched: list[str] = []
+    for name, one in model.joints.items():
+        found, fields = joint_rows(one)
+        a, b = number[one.a.body], number[one.b.body]
+        joint.append((found.tag, a, b, len(values), len(rows)))
+        if is_link(one):
+            watch.append(len(rows))
+            watched.append(name)
+        values += [*one.a.at, *one.b.at, *fields]
+        for unit in found.leaf.rows:  # type: ignore[attr-defined]
+            rows.append(Row(name, unit, False))
+            row_body.append((a, b))
+    return joint, rows, row_body, watch, watched
+
+
+def _loads(model: Model, number: Mapping[str, int], values: list[float], programs: _Programs) -> tuple[list[Any], list[tuple[int, int]]]:
+    load = []
+    live: list[tuple[int, int]] = []
+    for name, one in model.loads.items():
+        tag = catalog.kinds("load")[one.kind].tag
+        start, before = len(values), len(live)
+        for n, value in enumerate(one.values):
+            if isinstance(value, float | int):
+                values.append(float(value))
+            else:
+                live.append((programs.add(value, f"loads.{name} (value {n + 1})"), len(values)))
+                values.append(0.0)
+        load.append((tag, number[one.a.body], number[one.b.body], start, int(len(live) > before)))
+    return load, live
+
+
+def _needed_by_drivers(programs: _Programs, jets: Sequence[int], signals: Sequence[int]) -> list[int]:
+    """Signals that drivers use, directly or through others, in order of evaluation."""
+    wanted: set[int] = set()
+    open_ = [k for n in jets for k in programs.programs[n].signals]
+    while open_:
+        k = open_.pop()
+        if k not in wanted:
+            wanted.add(k)
+            open_ += programs.programs[signals[k]].signals
+    return sorted(wanted)
+
+
+def _table(entries: Sequence[Sequence[int]], width: int) -> np.ndarray:
+    return np.array(entries, np.int64).reshape(-1, width)
+
+
+def _size(model: Model) -> float:
+    """Largest distance of a point from its body's mass centre, or of a ground point from the origin."""
+    points = [p for body in model.bodies.values() for p in body.points.values()] + list(model.ground.values())
+    lengths = [abs(x) + abs(y) for x, y in points] + [one.fields["length"] for one in model.joints.values() if "length" in one.fields]
+    return max([*lengths, 1e-9])
+

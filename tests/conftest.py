@@ -1,0 +1,18 @@
+"""How the tests run: the same inputs every time, no window system, and a smaller set without machine code."""
+
+import os
+
+import pytest
+from hypothesis import settings
+
+os.environ["MPLBACKEND"] = "Agg"
+JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0")
+
+settings.register_profile("rattle", derandomize=True, deadline=None, max_examples=100 if JIT else 20)
+settings.load_profile("rattle")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Without machine code only the tests marked `nojit` are affordable."""
+    if not JIT and not config.option.markexpr:
+        config.option.markexpr = "nojit"
