@@ -121,7 +121,7 @@ def _discover() -> None:
         return
     with _lock:
         _discovered = True
-        for package in ("joints", "clearances", "laws", "loads"):
+        for package in ("joints", "clearances", "laws", "applied"):
             found = importlib.import_module(f"{__package__}.{package}")
             for module in pkgutil.iter_modules(found.__path__):
                 importlib.import_module(f"{found.__name__}.{module.name}")

@@ -182,12 +182,16 @@ def _positive(name: str, value: float) -> float:
 def agreement(run: Run, second: Run) -> float:
     """Time up to which every curve of two runs agrees within 1 % of its range (THEORY section 8)."""
     n = int(min(run.tally[march.OUTPUTS], second.tally[march.OUTPUTS]))
-    one, names, _ = columns(run.ready, run.raw[:n])
+    one, names, units = columns(run.ready, run.raw[:n])
     other, _, _ = columns(second.ready, second.raw[:n])
     keep = [k for k, name in enumerate(names) if not name.startswith("energy.")]
     one, other = one[:, keep], other[:, keep]
     span = np.ptp(one, axis=0)
-    floor = 1e-9 * np.maximum(np.abs(one).max(axis=0), 1e-12)  # a curve that stays put has no range
+    widest: dict[str, float] = {}
+    for k, width_ in zip(keep, span, strict=True):
+        widest[units[names[k]]] = max(widest.get(units[names[k]], 0.0), float(width_))
+    # a curve that stays put beside others of its unit has no range of its own
+    floor = np.array([1e-6 * widest[units[names[k]]] for k in keep])
     apart = (np.abs(one - other) > np.maximum(0.01 * span, floor)).any(axis=1)
     if apart.any():
         return float(run.t_eval[max(0, int(np.argmax(apart)) - 1)])

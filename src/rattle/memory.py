@@ -49,7 +49,7 @@ FIELDS = {
     "rows": "f2",  # (nr, 9) see plane
     "force": "f2",  # (nb + 1, 3) applied forces Q  [N, N, N*m]
     "energy": "f1",  # (4,) of one load, see plane
-    "power": "f1",  # (3,) potential [J], work rate, dissipation [W]
+    "power": "f1",  # (4,) potential [J], work rate, dissipation [W], smallest share of a pivot
     "schur": "f1",  # Schur complement and its factor
     "inverse": "f1",  # (nr,) 1 / pivot, in elimination order
     "redundant": "i1",  # (nr,) in elimination order

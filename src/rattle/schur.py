@@ -15,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.catalog import compiled
-from rattle.memory import BELOW, FIRST, INVERSE, PAIRS, REDUNDANT, ROWS, SCHUR, SOLUTION, TARGET, WEIGHT, imat, ivec, mat, vec
+from rattle.memory import BELOW, FIRST, INVERSE, PAIRS, POWER, REDUNDANT, ROWS, SCHUR, SOLUTION, TARGET, WEIGHT, imat, ivec, mat, vec
 from rattle.plane import AX, BX
 
-PIVOT = 1e-12  # a pivot below this share of its diagonal is a redundant row
+PIVOT = 1e-13  # a pivot below this share of its diagonal is a redundant row
+WEAK = 1e-3  # below this share the solution is refined: S has the square of the condition of Phi_q
 
 
 class Pattern(NamedTuple):
@@ -108,6 +109,7 @@ def factorise(m):
     """Fill S from the rows and factor it in place; returns the number of redundant rows.
 
     inverse[k] becomes 1 / pivot, or 0 for a redundant row: its multiplier is then zero.
+    power[3] falls to the smallest share of its diagonal that a pivot has.
     """
     first, target, pairs = ivec(m, FIRST), ivec(m, TARGET), imat(m, PAIRS)
     weight, rows = mat(m, WEIGHT), mat(m, ROWS)
@@ -127,10 +129,12 @@ def factorise(m):
     for k in range(nr):
         inverse[k] = s[k]  # the diagonal before elimination, for the pivot test
     lost = 0
+    weakest = vec(m, POWER)[3]
     u = 0
     for k in range(nr):
         pivot = s[k]
         if pivot > PIVOT * inverse[k]:
+            weakest = min(weakest, pivot / inverse[k])
             inverse[k] = 1.0 / pivot
             redundant[k] = 0
         else:
@@ -144,6 +148,7 @@ def factorise(m):
                 u += 1
         for a in range(nr + first[k], nr + first[k + 1]):
             s[a] *= inverse[k]
+    vec(m, POWER)[3] = weakest
     return lost
 
 

@@ -70,7 +70,7 @@ class Compiled:
                 "rows": np.zeros((nr, 9)),
                 "force": np.zeros((nb, 3)),
                 "energy": np.zeros(4),
-                "power": np.zeros(3),
+                "power": np.ones(4),
                 "schur": np.zeros(nr + self.arrays["below"].shape[0]),
                 "inverse": np.zeros(nr),
                 "redundant": np.zeros(nr, np.int64),

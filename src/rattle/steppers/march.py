@@ -34,7 +34,7 @@ from rattle.memory import (
     SIGNAL, SIGNALS, SLOPES, STAGE, STATE, STATE_NEW, TALLY, VALUES, WATCH, imat, ivec, mat, vec,
 )  # fmt: skip
 from rattle.plane import BP, BX, BY, COS, NU, RES, SIN, VX, X, Y
-from rattle.schur import factorise
+from rattle.schur import WEAK, factorise
 from rattle.steppers import dop853, rk4
 from rattle.steppers.dop853 import prepare_dense as prepare_dop853
 from rattle.steppers.dop853 import step as step_dop853
@@ -44,15 +44,20 @@ from rattle.steppers.watch import watched_change
 
 METHODS = {"dop853": 0, "rk4": 1}
 ORDERS = {"dop853": dop853.ORDER, "rk4": rk4.ORDER}
-T, H, DRIFT, H_MIN, TROUBLE = range(5)  # clock: time, next step, largest drift, smallest step, time of a failed step
-STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST = range(7)  # tally; FOUND: crossings, LOST: redundant rows
+# clock: time, next step, largest drift, smallest step, time of a failed step, last step with sound pivots
+T, H, DRIFT, H_MIN, TROUBLE, H_SOUND = range(6)
+# tally; FOUND: crossings, LOST: redundant rows, LEAPS: steps across singular positions, STREAK: tries at one
+STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK = range(9)
 SCAN = 8  # parts of a step searched for changes of sign
+LEAP = 0.1  # share of the last sound step below which a step is not cut further at a singular position
+LEAP_ERROR = 1e-8  # error of such a step that is let pass [units of the state]; it doubles with every try
+MOST_TRIES = 20
 
 
 def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     """What a run that starts at y needs besides the arrays of one instant."""
     ny = y.shape[0]
-    clock = np.zeros(5)
+    clock = np.zeros(6)
     clock[H_MIN] = math.inf
     return {
         "y": y.copy(),
@@ -60,7 +65,7 @@ def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
         "k": np.zeros((16, ny)),
         "dense": np.zeros((7, ny)),
         "clock": clock,
-        "tally": np.zeros(7, np.int64),
+        "tally": np.zeros(9, np.int64),
         "sign": np.zeros(watched),
         "crossings": np.zeros((4096, 3)),
     }
@@ -287,10 +292,14 @@ def look_back(m, t, t_new, changed, method, t_out, out):
 def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
     """Take up to `most_steps` steps towards t_end; writes every output with t_out <= the time reached.
 
+    Next to a singular position accelerations are ill-conditioned across the constraints, which the projection
+    repairs after the step.  Cutting the step would only creep closer, so a step well below the last sound one
+    leaps across.
+
     Returns DONE, PAUSED, NOT_FINITE or STEP_TOO_SMALL.
     """
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
-    clock, tally, most_found = vec(m, CLOCK), ivec(m, TALLY), mat(m, CROSSINGS).shape[0] // 2
+    clock, tally, power, most_found = vec(m, CLOCK), ivec(m, TALLY), vec(m, POWER), mat(m, CROSSINGS).shape[0] // 2
     start = tally[STEPS]
     while tally[STEPS] < start + most_steps and tally[FOUND] < most_found:
         t = clock[T]
@@ -303,13 +312,24 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
         if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t:
             return STEP_TOO_SMALL
         if method == 0:
+            power[3] = 1.0
             error, changed = step_dop853(m, t, h, rtol, atol)
             tally[EVALUATIONS] += 12
+            weak = power[3] < WEAK and h <= LEAP * clock[H_SOUND]
+            if weak and error > 1.0 and error * rtol <= LEAP_ERROR * 2.0 ** tally[STREAK]:
+                tally[LEAPS] += 1
+                error = 1e-8
             if not error <= 1.0:
                 tally[REJECTED] += 1
                 clock[TROUBLE] = t + h
                 clock[H] = h * (max(0.2, 0.9 * error ** (-0.125)) if error < math.inf else 0.1)
+                if weak and tally[STREAK] < MOST_TRIES:
+                    tally[STREAK] += 1
+                    clock[H] = LEAP * clock[H_SOUND] * 0.9 ** tally[STREAK]
                 continue
+            if not weak:
+                tally[STREAK] = 0
+                clock[H_SOUND] = max(h, 0.7 * clock[H_SOUND])
             clock[H] = min(h_max, h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-0.125))))
         else:
             changed = step_rk4(m, t, h)
