@@ -9,18 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 
-@contextmanager
-def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a temporary name beside `path`; what is written there takes the place of `path` at the end.
-
-    The temporary name keeps the suffix, from which writers choose their format.  If anything goes
-    wrong nothing is left behind and an older file stays as it was.
-
-        with atomic("out.csv") as file:
-            file.write_text(text)
-
-    Raises an OSError (of the kind the system gave) that names `path` and what to do.
-    """
+def writable(path: str | os.PathLike[str]) -> Path:
+    """The file that `path` means. Raises an OSError that says why it cannot be written and what to do."""
     target = Path(path).expanduser()
     target = target.resolve() if target.is_symlink() else target
     folder = target.parent
@@ -34,7 +24,23 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise PermissionError(f"cannot write {target}: no permission to write in the folder {folder}")
     if target.exists() and not os.access(target, os.W_OK):
         raise PermissionError(f"cannot write {target}: the file is read-only")
-    temporary = folder / f".{target.stem[:100]}-{secrets.token_hex(4)}{target.suffix}"
+    return target
+
+
+@contextmanager
+def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a temporary name beside `path`; what is written there takes the place of `path` at the end.
+
+    The temporary name keeps the suffix, from which writers choose their format.  If anything goes
+    wrong nothing is left behind and an older file stays as it was.
+
+        with atomic("out.csv") as file:
+            file.write_text(text)
+
+    Raises an OSError (of the kind the system gave) that names `path` and what to do.
+    """
+    target = writable(path)
+    temporary = target.parent / f".{target.stem[:100]}-{secrets.token_hex(4)}{target.suffix}"
     try:
         yield temporary
         os.replace(temporary, target)

@@ -1,0 +1,182 @@
+"""What a mechanism is, before anything runs: mobility, redundant joints, loops, branches, reach of the driver."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rattle.assembly import LARGE, Assembled, ideal_model
+from rattle.closing import close_position, open_by
+from rattle.loops import describe_loop, loops
+from rattle.memory import Memory
+from rattle.model import Model
+from rattle.singular import nonunique_reactions, rank
+from rattle.system import Compiled, compile_system, is_link
+
+TURN = 72  # positions of a driver tried around a full turn
+
+
+@dataclass(frozen=True)
+class Check:
+    """A short report on a mechanism; `str()` prints it."""
+
+    name: str
+    bodies: int
+    joints: int
+    mobility: int  # freedoms left with all joints and drivers in place
+    redundant: int  # rows that repeat what others say
+    redundant_joints: tuple[str, ...]  # joints whose reactions are not unique
+    loops: tuple[str, ...]
+    branches: tuple[str, ...]  # which way each pair of links was put together
+    clearances: tuple[str, ...]
+    reach: tuple[str, ...]  # how far each driver can go
+    residual: float  # largest gap after assembly [m or rad]
+
+    def __str__(self) -> str:
+        freedoms = "moves as driven" if self.mobility == 0 else f"{self.mobility} freedom{'s' if self.mobility > 1 else ''} left"
+        lines = [
+            f"{self.name or 'mechanism'}: {self.bodies} bodies, {self.joints} joints, mobility {self.mobility} ({freedoms})",
+            f"put together to {self.residual:.1g} m",
+        ]
+        if self.redundant:
+            lines.append(f"{self.redundant} redundant row{'s' if self.redundant > 1 else ''}: reactions of {', '.join(self.redundant_joints)} are not unique")
+        lines += [f"loop: {one}" for one in self.loops[:8]]
+        if len(self.loops) > 8:
+            lines.append(f"... and {len(self.loops) - 8} more loops")
+        lines += [f"branch: {one}" for one in self.branches[:8]]
+        lines += [f"play: {one}" for one in self.clearances]
+        lines += [f"driver: {one}" for one in self.reach]
+        return "\n".join(lines)
+
+
+def check(ready: Compiled, start: Assembled) -> Check:
+    """Look a mechanism over at its assembled start."""
+    model = ready.model
+    memory = ready.memory()
+    open_by(memory.handle, start.t, start.q, start.v)
+    if ready.row_count > LARGE:
+        from rattle.schur import factorise
+
+        factorise(memory.handle)
+    independent = rank(ready, memory)
+    redundant = ready.row_count - independent
+    return Check(
+        name=model.name,
+        bodies=ready.body_count,
+        joints=len(model.joints),
+        mobility=3 * ready.body_count - independent,
+        redundant=redundant,
+        redundant_joints=nonunique_reactions(ready, memory) if redundant else (),
+        loops=tuple(describe_loop(model, joint, path) for joint, path in loops(model)),
+        branches=tuple(_branches(ready, start)),
+        clearances=tuple(_clearances(model)),
+        reach=tuple(_reach(ready, start)),
+        residual=start.residual,
+    )
+
+
+def _clearances(model: Model) -> list[str]:
+    return [
+        f"{name} {joint.clearance * 1e3:.4g} mm, {joint.contact.model}"
+        for name, joint in model.joints.items()
+        if joint.contact is not None
+    ]
+
+
+def _branches(ready: Compiled, start: Assembled) -> list[str]:
+    """For every pair of links between three pins: on which side of the line of the outer pins the middle one lies."""
+    model = ready.model
+    if ready.row_count > LARGE:
+        return []
+    at = {}
+    for name, joint in model.joints.items():
+        x, y, phi = (0.0, 0.0, 0.0) if joint.a.body == "ground" else start.q[3 * ready.bodies.index(joint.a.body) :][:3]
+        c, s = math.cos(phi), math.sin(phi)
+        at[name] = np.array([x + c * joint.a.at[0] - s * joint.a.at[1], y + s * joint.a.at[0] + c * joint.a.at[1]])
+    driven = {driver.joint for driver in model.drivers.values()}
+    found = []
+    for joint, path in loops(model):
+        ring = [*path, joint.name]
+        for k in range(len(ring)):
+            one, two, three = ring[k - 1], ring[k], ring[(k + 1) % len(ring)]
+            pins = all(model.joints[name].kind == "revolute" for name in (one, two, three))
+            if not pins or len({one, two, three}) < 3 or two in driven or "ground" in (model.joints[two].a.body, model.joints[two].b.body):
+                continue
+            first, second = at[two] - at[one], at[three] - at[one]
+            side = first[1] * second[0] - first[0] * second[1]
+            scale = float(np.hypot(*first) * np.hypot(*second))
+            where = "on" if abs(side) < 1e-9 * scale else "left of" if side > 0 else "right of"
+            found.append(f"{two} lies {where} the line {one} -> {three}")
+    return list(dict.fromkeys(found))
+
+
+def _reach(ready: Compiled, start: Assembled) -> list[str]:
+    """How far each driver can be taken from its start, the others held, with all clearances closed."""
+    model = ready.model
+    if not model.drivers or ready.row_count > LARGE:
+        return []
+    links = any(is_link(joint) for joint in model.joints.values())
+    ideal = compile_system(ideal_model(model)) if links else ready
+    frozen, slots, at_start = _hold_drivers(ideal, start.t)
+    found = []
+    q = start.q.copy()
+    scratch = np.empty_like(q)
+    close_position(frozen.handle, 0.0, q, scratch, 1e-10 * ready.size, 30)
+    for name, slot in slots.items():
+        turning = ready.rows[ready.arrays["joint"][ready.joints.index(name), 4]].unit == "rad"
+        step = 2 * math.pi / TURN if turning else ready.size / 36
+        up = _far(frozen, q, scratch, slot, at_start[name], step, 1e-9 * ready.size)
+        full = turning and up is None
+        ends = [up, None if full else _far(frozen, q, scratch, slot, at_start[name], -step, 1e-9 * ready.size)]
+        unit, scale = ("deg", 180 / math.pi) if turning else ("m", 1.0)
+        if full:
+            found.append(f"{name} can turn fully")
+        else:
+            text = [f"{value * scale:.5g} {unit}" if value is not None else "beyond what was tried" for value in ends]
+            found.append(f"{name} can go from {text[1]} to {text[0]} (now {at_start[name] * scale:.5g} {unit})")
+    return found
+
+
+def _hold_drivers(ready: Compiled, t: float) -> tuple[Memory, dict[str, int], dict[str, float]]:
+    """Memory in which the functions of the drivers are plain numbers, and where these stand."""
+    from dataclasses import replace
+
+    from rattle.equations import drive
+
+    running = ready.memory()
+    drive(running.handle, t)
+    slots = {}
+    for n, name in enumerate(ready.joints):
+        if name in ready.model.drivers:
+            joint = ready.model.joints[ready.model.drivers[name].joint]
+            slots[name] = int(ready.arrays["joint"][n, 3]) + 4 + len(joint.fields)
+    none = np.zeros((0, 3), np.int64)
+    frozen = replace(ready, arrays={**ready.arrays, "jet": none, "jet_signal": none, "values": running["values"]}).memory()
+    return frozen, slots, {name: float(running["values"][slot]) for name, slot in slots.items()}
+
+
+def _far(memory: Memory, start: np.ndarray, scratch: np.ndarray, slot: int, value: float, step: float, tolerance: float) -> float | None:
+    """Last value of a driver that can be reached in steps from `value`; None when nothing stops it."""
+    q, good = start.copy(), start.copy()
+    reached = value
+    for _ in range(TURN):
+        memory["values"][slot] = reached + step
+        gap, _ = close_position(memory.handle, 0.0, q, scratch, 1e-3 * tolerance, 30)
+        if not gap <= tolerance or np.abs(q - good)[2::3].max() > 1.5:
+            break
+        reached += step
+        good[:] = q
+    else:
+        memory["values"][slot] = value
+        return None
+    low, high = 0.0, 1.0
+    for _ in range(12):
+        middle = 0.5 * (low + high)
+        q[:] = good
+        memory["values"][slot] = reached + middle * step
+        gap, _ = close_position(memory.handle, 0.0, q, scratch, 1e-3 * tolerance, 30)
+        low, high = (middle, high) if gap <= tolerance and np.abs(q - good)[2::3].max() <= 1.5 else (low, middle)
+    memory["values"][slot] = value
+    return reached + low * step

@@ -1,0 +1,113 @@
+"""The command `rattle`. Commands live in `rattle.commands` and are imported when they are called."""
+
+from __future__ import annotations
+
+import importlib
+import logging
+import sys
+from typing import Any
+
+import click
+
+# command -> module in rattle.commands; the function has the command's name with _ for -
+COMMANDS = {
+    "demo": "show",
+    "example": "files",
+    "check": "files",
+    "run": "run",
+    "plot": "show",
+    "animate": "show",
+    "export": "files",
+    "kinds": "files",
+    "schema": "files",
+    "warmup": "run",
+}
+HELP = {
+    "demo": "Run the paper's four-bar with and without play; write figures, orbits, CSV and GIF.",
+    "example": "List the shipped examples, or print one as a model file.",
+    "check": "Bodies, joints, mobility, redundant joints, loops, reach of the driver.",
+    "run": "Motion in time: joint forces, energy, and how far the result can be trusted.",
+    "plot": "Plot curves or pin orbits of a saved result.",
+    "animate": "Make a moving picture of a saved result.",
+    "export": "Write a saved result as CSV.",
+    "kinds": "Every joint, driver, contact and load with its fields and units.",
+    "schema": "JSON Schema of model files, for editors.",
+    "warmup": "Compile all kernels now, so that the first run is quick.",
+}
+
+
+class Lazy(click.Group):
+    """A group that imports a command's module only when the command is called or asked for help."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in COMMANDS:
+            return None
+        module = importlib.import_module(f"rattle.commands.{COMMANDS[name]}")
+        command: click.Command = getattr(module, name.replace("-", "_"))
+        return command
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            from rattle.errors import suggest
+
+            raise click.UsageError(f"no command '{args[0]}'{suggest(args[0], COMMANDS)}", ctx)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, HELP[name]) for name in COMMANDS])
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except (click.ClickException, click.exceptions.Exit, click.Abort):
+            raise
+        except KeyboardInterrupt:
+            click.echo("stopped", err=True)
+            ctx.exit(1)
+        except Exception as error:
+            from rattle.errors import AssemblyError, ModelError
+
+            if isinstance(error, ModelError | AssemblyError | OSError | KeyError | ValueError) and not _ours_is_broken(error):
+                click.secho("error: ", fg="red", nl=False, err=True)
+                click.echo(str(error), err=True)
+                ctx.exit(2)
+            raise
+
+
+def _ours_is_broken(error: BaseException) -> bool:
+    """A KeyError or ValueError that comes from a slip of our own, not from the user's input."""
+    return type(error) is KeyError
+
+
+class _Colours(logging.Formatter):
+    def format(self, record: logging.LogRecord) -> str:
+        text = super().format(record)
+        return click.style(text, fg="yellow") if record.levelno >= logging.WARNING else text
+
+
+@click.group(cls=Lazy, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="rattle")
+@click.option("-q", "--quiet", is_flag=True, help="No progress and no log, only results.")
+@click.pass_context
+def main(ctx: click.Context, quiet: bool) -> None:
+    """Planar mechanisms whose joints have play.
+
+    \b
+    rattle demo                      the paper's four-bar, figures into ./rattle-demo
+    rattle example fourbar > f.toml  start from a shipped model file
+    rattle check f.toml              is it put together as meant?
+    rattle run f.toml -o out.nc      motion, forces, trust
+    rattle plot out.nc O3.normal     look at a curve
+
+    Results go to stdout, log and progress to stderr. Exit status: 0 ok, 1 the run failed, 2 bad input.
+    """
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(_Colours("%(message)s") if sys.stderr.isatty() else logging.Formatter("%(message)s"))
+    log = logging.getLogger("rattle")
+    log.handlers[:] = [handler]
+    log.setLevel(logging.ERROR if quiet else logging.INFO)
+    ctx.obj = {"quiet": quiet}

@@ -1,0 +1,128 @@
+"""Commands about files and what may stand in them: example, check, export, kinds, schema."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from rattle.commands.options import model_options, read_model
+
+
+@click.command()
+@click.argument("name", required=False)
+def example(name: str | None) -> None:
+    """List the shipped examples, or print one as a model file.
+
+    \b
+    Example:  rattle example fourbar > fourbar.toml
+    """
+    from rattle.mechanism import examples
+    from rattle.modelfile import parse
+
+    known = examples()
+    if name is None:
+        width = max(len(one) for one in known)
+        for one, path in known.items():
+            title = parse(path.read_text(encoding="utf-8")).get("name", "")
+            click.echo(f"{one:{width}}  {title}")
+        return
+    if name not in known:
+        from rattle.errors import suggest
+
+        raise click.UsageError(f"no example '{name}'{suggest(name, known)}")
+    click.echo(known[name].read_text(encoding="utf-8"), nl=False)
+
+
+@click.command()
+@model_options
+@click.option("--json", "as_json", is_flag=True, help="The report as JSON.")
+def check(file: str, settings: tuple[str, ...], ideal: bool, as_json: bool) -> None:
+    """Bodies, joints, mobility, redundant joints, loops, branches, reach of the driver.
+
+    FILE is a model file or the name of a shipped example.
+
+    \b
+    Example:  rattle check fourbar
+    """
+    report = read_model(file, settings, ideal).check()
+    if as_json:
+        import json
+        from dataclasses import asdict
+
+        click.echo(json.dumps(asdict(report), indent=2))
+    else:
+        click.echo(str(report))
+
+
+@click.command()
+@click.argument("result")
+@click.option("-o", "--output", required=True, help="CSV file to write; units stand in its header.")
+def export(result: str, output: str) -> None:
+    """Write a saved result as CSV, units in the header.
+
+    \b
+    Example:  rattle export out.nc -o out.csv
+    """
+    from rattle.result import load_result
+
+    load_result(result).to_csv(output)
+    click.echo(output)
+
+
+@click.command()
+@click.argument("name", required=False)
+def kinds(name: str | None) -> None:
+    """Every joint, driver, contact and load with its fields, units and source.
+
+    \b
+    Example:  rattle kinds spring
+    """
+    from rattle import catalog
+
+    found = False
+    for family in catalog.families():
+        entries = {key: one for key, one in catalog.kinds(family).items() if name in (None, key, family)}
+        if entries:
+            found = True
+            click.secho(f"{family}", bold=True)
+        for key, one in entries.items():
+            click.echo(f"  {click.style(key, fg='cyan')}: {one.summary}")
+            for field, spec in one.fields.items():
+                click.echo(f"      {field} {_unit(spec)}: {spec.meaning}{_default(spec)}")
+            if name is not None and one.source:
+                click.echo(f"      source: {one.source}")
+    if not found:
+        from rattle.errors import suggest
+
+        known = [key for family in catalog.families() for key in (family, *catalog.kinds(family))]
+        raise click.UsageError(f"no kind '{name}'{suggest(str(name), known)}")
+
+
+def _unit(spec: Any) -> str:
+    if spec.shape == "choice":
+        return " | ".join(spec.choices)
+    return {"number": f"[{spec.unit or '-'}]", "pair": f"[{spec.unit}, {spec.unit}]"}.get(spec.shape, f"({spec.shape})")
+
+
+def _default(spec: Any) -> str:
+    from rattle.catalog import REQUIRED
+
+    more = ", may use t, state and signals" if spec.live else ""
+    if spec.default is REQUIRED or callable(spec.default):
+        return more
+    return f" (default {spec.default:g}){more}" if isinstance(spec.default, float) else f" (default {spec.default}){more}"
+
+
+@click.command()
+def schema() -> None:
+    """JSON Schema of model files, for editors that complete and check TOML.
+
+    \b
+    Example:  rattle schema > mechanism.schema.json
+    """
+    import json
+
+    from rattle.schema import schema as make
+
+    click.echo(json.dumps(make(), indent=2))

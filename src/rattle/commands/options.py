@@ -1,0 +1,43 @@
+"""What several commands share: reading a model with --set and --ideal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+
+
+def model_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """FILE, --set and --ideal."""
+    function = click.option("--ideal", is_flag=True, help="Close all clearances.")(function)
+    function = click.option(
+        "--set", "settings", multiple=True, metavar="NAME=VALUE",
+        help='Change a parameter or a path of the model, e.g. --set r3="2 mm" or --set joints.O3.contact=ideal.',
+    )(function)  # fmt: skip
+    return click.argument("file", metavar="FILE")(function)
+
+
+def read_model(file: str, settings: tuple[str, ...], ideal: bool) -> Mechanism:
+    """The model of a file, or of a shipped example when there is no such file, with the changes asked for."""
+    from pathlib import Path
+
+    from rattle.mechanism import example, examples, load
+
+    known = examples()
+    m = example(file) if file in known and not Path(file).exists() else load(file)
+    changes: dict[str, Any] = {}
+    for one in settings:
+        name, equals, value = one.partition("=")
+        if not equals:
+            raise click.UsageError(f"--set wants NAME=VALUE, got '{one}'")
+        try:
+            changes[name.strip()] = float(value)
+        except ValueError:
+            changes[name.strip()] = value.strip()
+    if changes:
+        m = m.set(changes)
+    return m.ideal() if ideal else m

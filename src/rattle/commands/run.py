@@ -1,0 +1,92 @@
+"""Commands that integrate: run, warmup."""
+
+from __future__ import annotations
+
+import click
+
+from rattle.commands.options import model_options, read_model
+
+
+@click.command()
+@model_options
+@click.option("-o", "--output", help="Save the result (.nc), for plot, animate and export.")
+@click.option("--csv", help="Also write all curves as CSV.")
+@click.option("--t-end", type=float, help="Duration [s]; default: what the model says.")
+@click.option("--method", help="dop853 (adaptive, default) or rk4 (fixed step).")
+@click.option("--rtol", type=float, help="Relative tolerance of dop853.")
+@click.option("--atol", type=float, help="Absolute tolerance of dop853 [m, rad, m/s, rad/s].")
+@click.option("--step", type=float, help="Step of rk4, largest step of dop853 [s].")
+@click.option("--horizon/--no-horizon", default=True, show_default=True, help="Run twice to say how long the curves can be trusted.")
+@click.option("--json", "as_json", is_flag=True, help="Table and trust as JSON.")
+@click.pass_context
+def run(
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str | None, csv: str | None, t_end: float | None,
+    method: str | None, rtol: float | None, atol: float | None, step: float | None, horizon: bool, as_json: bool,
+) -> None:  # fmt: skip
+    """Motion in time: peak and RMS force of every joint, energy, and how far the result can be trusted.
+
+    FILE is a model file or the name of a shipped example.
+
+    \b
+    Example:  rattle run fourbar --t-end 0.2 --set r3="2 mm" -o out.nc
+    """
+    from rattle.result import joint_table
+
+    m = read_model(file, settings, ideal)
+    if output is not None:
+        _can_write(output)
+    result = m.simulate(
+        t_end, method=method, rtol=rtol, atol=atol, step=step, horizon=horizon, progress=not ctx.obj["quiet"]
+    )
+    if output is not None:
+        result.save(output)
+    if csv is not None:
+        result.to_csv(csv)
+    if as_json:
+        import json
+
+        record = {"success": result.success, "message": result.message, "trust": result.trust.to_dict(), "stats": result.stats, "peaks": _peaks(result)}
+        click.echo(json.dumps(record, indent=2))
+    else:
+        click.echo(joint_table(result))
+        click.echo(str(result.trust))
+    if not result.success:
+        ctx.exit(1)
+
+
+def _can_write(path: str) -> None:
+    """Refuse a folder that cannot be written before the work, not after."""
+    from rattle.files import writable
+
+    writable(path)
+
+
+def _peaks(result):  # type: ignore[no-untyped-def]
+    import numpy as np
+
+    names = [name for name in result.names if name.endswith((".force", ".torque", ".normal"))]
+    return {name: {"peak": float(np.abs(result[name]).max()), "rms": float(np.sqrt(np.mean(result[name] ** 2))), "unit": result.unit(name)} for name in names}
+
+
+@click.command()
+def warmup() -> None:
+    """Compile all kernels now, so that the first run is quick.
+
+    \b
+    Example:  rattle warmup
+    """
+    import time
+
+    from rattle import catalog
+    from rattle.mechanism import example
+
+    start = time.perf_counter()
+    if not catalog.start():
+        click.echo("NUMBA_DISABLE_JIT is set: kernels run as plain Python, there is nothing to compile")
+        return
+    m = example("fourbar")
+    for method in ("dop853", "rk4"):
+        m.simulate(0.001, method=method)
+    catalog.table("joint", "driver")
+    catalog.table("load")
+    click.echo(f"kernels are ready in {catalog.cache_folder()} ({time.perf_counter() - start:.1f} s)")

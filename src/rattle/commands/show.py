@@ -1,0 +1,71 @@
+"""Commands that show: demo, plot, animate."""
+
+from __future__ import annotations
+
+import click
+
+
+@click.command()
+@click.option("-o", "--output", default="rattle-demo", show_default=True, help="Folder for the files.")
+def demo(output: str) -> None:
+    """The paper's four-bar with and without play: a short table, its Figures 3-12 on one page, orbits, CSV, GIF.
+
+    \b
+    Example:  rattle demo -o pictures
+    """
+    from rattle.demo import run_demo
+
+    paths, text = run_demo(output)
+    click.echo(text)
+    for path in paths:
+        click.echo(f"  {path}")
+
+
+@click.command()
+@click.argument("result")
+@click.argument("names", nargs=-1)
+@click.option("--orbit", multiple=True, metavar="JOINT", help="Path of the pin in its clearance circle.")
+@click.option("-o", "--output", default=None, help="Picture to write (.png, .svg, .pdf); default: RESULT with .png.")
+def plot(result: str, names: tuple[str, ...], orbit: tuple[str, ...], output: str | None) -> None:
+    """Plot curves or pin orbits of a saved result; without NAMES lists what there is.
+
+    \b
+    Example:  rattle plot out.nc O3.normal O4.normal -o forces.svg
+              rattle plot out.nc --orbit O3
+    """
+    from pathlib import Path
+
+    from rattle.plot import plot as curves
+    from rattle.plot import plot_orbit, save_figure
+    from rattle.result import load_result
+
+    loaded = load_result(result)
+    if not names and not orbit:
+        for name in loaded.names:
+            click.echo(f"{name}  [{loaded.unit(name) or '-'}]")
+        return
+    target = Path(output) if output else Path(result).with_suffix(".png")
+    figures = [(curves(loaded, *names), target)] if names else []
+    for joint in orbit:
+        alone = not names and len(orbit) == 1
+        figures.append((plot_orbit(loaded, joint), target if alone else target.with_stem(f"{target.stem}-{joint}")))
+    for figure, path in figures:
+        save_figure(figure, path)
+        click.echo(str(path))
+
+
+@click.command()
+@click.argument("result")
+@click.option("-o", "--output", required=True, help="Picture to write (.gif; .mp4 where ffmpeg is installed).")
+@click.option("--frames", default=120, show_default=True, help="Number of frames.")
+def animate(result: str, output: str, frames: int) -> None:
+    """Make a moving picture of a saved result, the play magnified beside it.
+
+    \b
+    Example:  rattle animate out.nc -o out.gif
+    """
+    from rattle.animate import animate as make
+    from rattle.result import load_result
+
+    make(load_result(result), output, frames=frames)
+    click.echo(output)
