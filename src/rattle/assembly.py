@@ -20,7 +20,7 @@ from rattle.equations import constraints, drive, solve_motion
 from rattle.errors import AssemblyError
 from rattle.loops import describe_loop, tree_path
 from rattle.memory import Memory
-from rattle.model import Contact, Joint, Model
+from rattle.model import Contact, Joint, Model, driven_ends
 from rattle.system import Compiled, compile_system, is_link
 
 HOLD = 1e-6  # share of its mobility that a rate given by the user keeps while the others follow
@@ -125,9 +125,9 @@ def _angles(model: Model, functions: dict[str, np.ndarray]) -> tuple[dict[str, f
         if "angle" in joint.fields:
             passed.append((joint.a.body, joint.b.body, joint.fields["angle"]))
     for name, driver in model.drivers.items():
-        joint = model.joints[driver.joint]
-        if driver.kind == "angle":
-            passed.append((joint.a.body, joint.b.body, float(functions[name][4])))
+        if driver.kind in ("angle", "body-angle"):
+            a, b, _ = driven_ends(model, driver)
+            passed.append((a.body, b.body, float(functions[name][4])))
     for _ in range(len(passed)):
         for a, b, angle in passed:
             if a in angles and b not in angles:
@@ -139,7 +139,11 @@ def _angles(model: Model, functions: dict[str, np.ndarray]) -> tuple[dict[str, f
 
 
 def outward(model: Model) -> list[tuple[str, str, Joint]]:
-    """(body, body it hangs on, joint) from the ground outwards: few clearances first, then few joints."""
+    """(body, body it hangs on, joint) from the ground outwards: few loose joints first, then few joints.
+
+    A joint is loose where it does not say where B is: a clearance, a line to slide along, a rod.
+    """
+    driven = {driver.joint for driver in model.drivers.values()}
     near: dict[str, list[Joint]] = {}
     for joint in model.joints.values():
         near.setdefault(joint.a.body, []).append(joint)
@@ -149,7 +153,7 @@ def outward(model: Model) -> list[tuple[str, str, Joint]]:
     number = itertools.count()
     queue: list[Any] = [(0, 0, next(number), "ground", "", None)]
     while queue:
-        plays, depth, _, body, parent, via = heapq.heappop(queue)
+        slack, depth, _, body, parent, via = heapq.heappop(queue)
         if body in done:
             continue
         done.add(body)
@@ -158,8 +162,9 @@ def outward(model: Model) -> list[tuple[str, str, Joint]]:
         for joint in near.get(body, ()):
             other = joint.b.body if joint.a.body == body else joint.a.body
             if other not in done:
-                play = joint.contact is not None and joint.contact.model != "ideal"
-                heapq.heappush(queue, (plays + play, depth + 1, next(number), other, body, joint))
+                loose = joint.contact is not None and joint.contact.model != "ideal"
+                loose |= joint.name not in driven and ("axis" in joint.fields or "length" in joint.fields)
+                heapq.heappush(queue, (slack + loose, depth + 1, next(number), other, body, joint))
     return order
 
 
@@ -171,7 +176,7 @@ def _turned(angle: float, at: tuple[float, float]) -> np.ndarray:
 def _place_positions(ready: Compiled, angles: dict[str, float], offsets: dict[str, Any], functions: dict[str, np.ndarray]) -> np.ndarray:
     model = ready.model
     at: dict[str, np.ndarray] = {"ground": np.zeros(2)}
-    driven = {driver.joint: name for name, driver in model.drivers.items()}
+    driven = {driver.joint: name for name, driver in model.drivers.items() if driver.joint}
     given = {name: np.array([one.get("x", math.nan), one.get("y", math.nan)]) for name, one in model.initial.bodies.items()}
     for body, parent, joint in outward(model):
         wanted = given.get(body, np.full(2, math.nan))
@@ -253,13 +258,14 @@ def _why_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> str:
     constraints(memory.handle)
     gaps = {name: 0.0 for name in model.joints}
     for row, value in zip(ready.rows, memory["rows"][:, 0], strict=True):
-        name = model.drivers[row.owner].joint if row.driver else row.owner
+        name = (model.drivers[row.owner].joint or row.owner) if row.driver else row.owner
+        gaps.setdefault(name, 0.0)
         gaps[name] = math.hypot(gaps[name], float(value))
     worst = max(gaps, key=lambda name: gaps[name])
-    joint = model.joints[worst]
-    path = tree_path(model, joint.a.body, joint.b.body, without=worst)
-    if path is None:
-        loop, gap = f"joint '{worst}'", gaps[worst]
+    joint = model.joints.get(worst)
+    path = tree_path(model, joint.a.body, joint.b.body, without=worst) if joint else None
+    if joint is None or path is None:
+        loop, gap = f"{'joint' if joint else 'driver'} '{worst}'", gaps[worst]
     else:
         gap = gaps[worst] + sum(gaps[name] for name in path)
         loop = f"the loop {describe_loop(model, joint, path)}"
@@ -276,8 +282,7 @@ def _why_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> str:
 
 def driver_slot(ready: Compiled, n: int) -> int:
     """Where the value of a driver's function stands, counted from its first parameter."""
-    joint = ready.model.joints[ready.model.drivers[ready.joints[n]].joint]
-    return 4 + len(joint.fields)
+    return 4 + len(driven_ends(ready.model, ready.model.drivers[ready.joints[n]])[2])
 
 
 def _along_reactions(ideal_ready: Compiled, ideal: Assembled, missing: list[str]) -> dict[str, tuple[float, float]]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rattle.assembly import LARGE, Assembled, ideal_model
+from rattle.assembly import LARGE, Assembled, driver_slot, ideal_model
 from rattle.closing import close_position, open_by
 from rattle.loops import describe_loop, loops
 from rattle.memory import Memory
@@ -150,8 +150,7 @@ def _hold_drivers(ready: Compiled, t: float) -> tuple[Memory, dict[str, int], di
     slots = {}
     for n, name in enumerate(ready.joints):
         if name in ready.model.drivers:
-            joint = ready.model.joints[ready.model.drivers[name].joint]
-            slots[name] = int(ready.arrays["joint"][n, 3]) + 4 + len(joint.fields)
+            slots[name] = int(ready.arrays["joint"][n, 3]) + driver_slot(ready, n)
     none = np.zeros((0, 3), np.int64)
     frozen = replace(ready, arrays={**ready.arrays, "jet": none, "jet_signal": none, "values": running["values"]}).memory()
     return frozen, slots, {name: float(running["values"][slot]) for name, slot in slots.items()}

@@ -202,8 +202,12 @@ class Mechanism:
         """A massless rigid link between two points."""
         return self.joint(name, "rod", a, b, length=length)
 
-    def driver(self, name: str, joint: str, **function: Any) -> Mechanism:
-        """Drive a joint: `m.driver("motor", "O1", angle="10*t")`, or position=... on a prismatic joint."""
+    def driver(self, name: str, joint: str | None = None, **function: Any) -> Mechanism:
+        """Drive a joint or a coordinate of a body.
+
+        `m.driver("motor", "O1", angle="10*t")`, position=... on a prismatic joint,
+        `m.driver("push", body="slider", coordinate="x", position="0.1*t")`; coordinate "y" or "angle" likewise.
+        """
         return self._enter("drivers", name, {"joint": joint, **function})
 
     def load(self, name: str, type: str, **fields: Any) -> Mechanism:

@@ -58,12 +58,18 @@ class Joint:
 
 @dataclass(frozen=True)
 class Driver:
-    """A joint's freedom as a function of time."""
+    """A joint's freedom, or a coordinate of a body, as a function of time."""
 
     name: str
     kind: str
-    joint: str
+    joint: str  # "" where a body is driven
     value: Value
+    point: Point | None = None  # of the body that is driven
+
+    @property
+    def on(self) -> str:
+        """What is driven, in words."""
+        return f"joint '{self.joint}'" if self.point is None else f"body '{self.point.body}'"
 
 
 @dataclass(frozen=True)
@@ -129,3 +135,11 @@ class Model:
     initial: Initial
     settings: Settings
     constants: Mapping[str, float]
+
+
+def driven_ends(model: Model, driver: Driver) -> tuple[Point, Point, tuple[float, ...]]:
+    """Points A and B between which a driver acts, and the parameters that stand before its function."""
+    if driver.point is not None:
+        return Point("ground", "", (0.0, 0.0)), driver.point, ()
+    joint = model.joints[driver.joint]
+    return joint.a, joint.b, tuple(joint.fields.values())

@@ -94,5 +94,5 @@ def geometry(model: Model) -> dict[str, Any]:
         "ground": {"points": {key: list(at) for key, at in model.ground.items()}},
         "joints": joints,
         "loads": loads,
-        "driven": [driver.joint for driver in model.drivers.values()],
+        "driven": [driver.joint for driver in model.drivers.values() if driver.joint],
     }

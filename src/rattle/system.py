@@ -11,7 +11,7 @@ import numpy as np
 from rattle import catalog, schur
 from rattle.expression import Node, compile_program, concatenate
 from rattle.memory import Memory
-from rattle.model import Joint, Model
+from rattle.model import Joint, Model, driven_ends
 
 STATE = {"x": 0, "y": 1, "angle": 2, "vx": 3, "vy": 4, "omega": 5}  # columns of `body`
 
@@ -124,11 +124,11 @@ def compile_system(model: Model) -> Compiled:
     jets = []
     for name, driver in model.drivers.items():
         one = catalog.kinds("driver")[driver.kind]
-        held = model.joints[driver.joint]
-        a, b = number[held.a.body], number[held.b.body]
+        end_a, end_b, fields = driven_ends(model, driver)
+        a, b = number[end_a.body], number[end_b.body]
         tag = len(catalog.kinds("joint")) + one.tag
         joint.append((tag, a, b, len(values), len(rows)))
-        values += [*held.a.at, *held.b.at, *held.fields.values()]
+        values += [*end_a.at, *end_b.at, *fields]
         if isinstance(driver.value, float):
             values += [driver.value, 0.0, 0.0]
         else:

@@ -5,6 +5,9 @@
     position: Phi = u . d - f = 0   (u: line of the prismatic joint, n = u turned by 90 deg) [m]
               nu  = f'
               gamma = f'' + u . (s_B w_B^2 - s_A w_A^2) - 2 w_A (n . d') + w_A^2 (u . d)
+    body x, y: Phi = i . (r_B + s_B) - f = 0   (i: unit vector of the ground)                [m]
+              nu = f',  gamma = f'' + i . s_B w_B^2
+    body angle: as angle, A the ground                                                       [rad]
 
 Parameters: those of the joint, then f, f', f'' (evaluated exactly before the rows are).
 """
@@ -55,6 +58,28 @@ def driver_position(body, a, b, p, k, row, rows):
     rows[row, BX], rows[row, BY], rows[row, BP] = ux, uy, uy * sbx - ux * sby
 
 
+@kernel("joint")
+def driver_x(body, a, b, p, k, row, rows):
+    sbx = turn_x(body, b, p[k + 2], p[k + 3])
+    sby = turn_y(body, b, p[k + 2], p[k + 3])
+    rows[row, RES] = body[b, X] + sbx - p[k + 4]
+    rows[row, NU] = p[k + 5]
+    rows[row, GAMMA] = p[k + 6] + sbx * body[b, W] * body[b, W]
+    rows[row, AX], rows[row, AY], rows[row, AP] = 0.0, 0.0, 0.0
+    rows[row, BX], rows[row, BY], rows[row, BP] = 1.0, 0.0, -sby
+
+
+@kernel("joint")
+def driver_y(body, a, b, p, k, row, rows):
+    sbx = turn_x(body, b, p[k + 2], p[k + 3])
+    sby = turn_y(body, b, p[k + 2], p[k + 3])
+    rows[row, RES] = body[b, Y] + sby - p[k + 4]
+    rows[row, NU] = p[k + 5]
+    rows[row, GAMMA] = p[k + 6] + sby * body[b, W] * body[b, W]
+    rows[row, AX], rows[row, AY], rows[row, AP] = 0.0, 0.0, 0.0
+    rows[row, BX], rows[row, BY], rows[row, BP] = 0.0, 1.0, sbx
+
+
 @kind("driver", "angle", driver_angle)
 class DriverAngle:
     """The angle phi_B - phi_A of a revolute joint follows a function of time.
@@ -79,3 +104,42 @@ class DriverPosition:
     drives = "prismatic"
     effort = ("force", "N")
     position = Field("m", "distance along the line from the point of A as a function of t", live=True)
+
+
+@kind("driver", "body-x", driver_x)
+class DriverBodyX:
+    """The x coordinate of a body's mass centre, or of a point of it, follows a function of time.
+
+    Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
+    """
+
+    rows = ("m",)
+    drives = "body"
+    effort = ("force", "N")
+    position = Field("m", "coordinate in the ground frame as a function of t", live=True)
+
+
+@kind("driver", "body-y", driver_y)
+class DriverBodyY:
+    """The y coordinate of a body's mass centre, or of a point of it, follows a function of time.
+
+    Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
+    """
+
+    rows = ("m",)
+    drives = "body"
+    effort = ("force", "N")
+    position = Field("m", "coordinate in the ground frame as a function of t", live=True)
+
+
+@kind("driver", "body-angle", driver_angle)
+class DriverBodyAngle:
+    """The angle of a body follows a function of time.
+
+    Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
+    """
+
+    rows = ("rad",)
+    drives = "body"
+    effort = ("torque", "N*m")
+    angle = Field("rad", "angle in the ground frame as a function of t", live=True)
