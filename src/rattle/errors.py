@@ -3,28 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import islice
 from typing import Any
+
+MOST = 50  # problems reported at once; nobody reads more, and a broken file of megabytes stays cheap
+CANDIDATES = 1000  # names that a misspelt one is compared with
 
 
 def suggest(word: str, known: Iterable[str]) -> str:
-    """"; did you mean 'x'?" when something known is close to `word`, else what there is (if little)."""
+    """ "; did you mean 'x'?" when something known is close to `word`, else what there is (if little)."""
     import difflib
 
-    options = list(known)
-    close = difflib.get_close_matches(word, options, 3, 0.6)
+    options = list(islice(known, CANDIDATES))
+    close = difflib.get_close_matches(word[:80], options, 3, 0.6)
     if close:
         return "; did you mean " + " or ".join(f"'{one}'" for one in close) + "?"
     return "; known: " + ", ".join(options) if 0 < len(options) <= 12 else ""
 
 
 class Problem:
-    """One thing wrong in a model: where (path, line) and what."""
+    """One thing wrong in a model: where (path, line) and what.
 
-    __slots__ = ("caret", "line", "message", "path")
+    at_key: it is the key that is wrong, not its value.  column: the spot in a text value, from 0.
+    """
 
-    def __init__(self, path: tuple[str | int, ...], message: str) -> None:
+    __slots__ = ("at_key", "caret", "column", "line", "message", "path")
+
+    def __init__(
+        self, path: tuple[str | int, ...], message: str, at_key: bool = False, column: int | None = None
+    ) -> None:
         self.path = path
         self.message = message
+        self.at_key = at_key
+        self.column = column
         self.line: int | None = None
         self.caret = ""
 
@@ -41,7 +52,7 @@ class Problem:
 
 
 class ModelError(ValueError):
-    """The model cannot be used; `.problems` holds every reason found."""
+    """The model cannot be used; `.problems` holds every reason found (the first 50 of very many)."""
 
     def __init__(self, problems: list[Problem], file: str = "") -> None:
         self.problems = problems
@@ -50,6 +61,8 @@ class ModelError(ValueError):
         for one in problems:
             where = f"{file or 'model'}:{one.line}: " if one.line else (f"{file}: " if file else "")
             lines.append(where + str(one) + (f"\n{one.caret}" if one.caret else ""))
+        if len(problems) >= MOST:
+            lines.append(f"these are the first {MOST} problems; there may be more")
         super().__init__("\n".join(lines))
 
 

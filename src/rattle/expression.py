@@ -35,6 +35,7 @@ __all__ = [
     "RESERVED",
     "ExpressionError",
     "Node",
+    "Number",
     "Program",
     "compile_program",
     "concatenate",

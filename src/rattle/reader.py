@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from rattle import catalog
 from rattle.definitions import read_parameters, read_signals
-from rattle.errors import ModelError, Problem, suggest
+from rattle.errors import ModelError, suggest
 from rattle.expression import Node, names
 from rattle.model import Driver, Initial, Model, Settings, Vector
 from rattle.parts import Parts
@@ -89,8 +90,8 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     initial, settings = _initial(values, document, parts), _settings(values, document)
     _drivers_follow_time(values, parts.drivers, signals)
     return Model(
-        title, gravity, parameters, signals, units, parts.ground, parts.bodies, parts.joints, parts.drivers, parts.loads,
-        initial, settings, values.constants,
+        title, gravity, parameters, signals, units, parts.ground, parts.bodies, parts.joints, parts.drivers,
+        parts.loads, initial, settings, values.constants,
     )  # fmt: skip
 
 
@@ -182,5 +183,5 @@ def _drivers_follow_time(values: Values, drivers: Mapping[str, Driver], signals:
     for name, driver in drivers.items():
         if not isinstance(driver.value, float):
             for one in sorted(names(driver.value) & moving):
-                path = ("drivers", name, driver.kind)
+                path = ("drivers", name, next(iter(catalog.kinds("driver")[driver.kind].fields)))
                 values.wrong(path, f"a driver follows time alone, but '{one}' depends on the motion")

@@ -1,0 +1,140 @@
+"""The tables [parameters] and [signals]: names that other tables may use."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rattle.expression import Node, Number
+from rattle.model import Parameter
+from rattle.quantity import Dimension, QuantityError, describe, parse_quantity, unit_name
+from rattle.values import Path, Values, describe_cycle, in_order, said, wanted
+
+DISTRIBUTIONS = ("uniform", "normal", "triangular")
+PARAMETER = ("value", "min", "max", "tol", "dist")  # what a parameter may say
+
+
+def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Parameter]:
+    """The table [parameters]: values and dimensions go to `values`, in whatever order they were written."""
+    table = values.table(document.get("parameters", {}), ("parameters",))
+    written: dict[str, tuple[Any, Path]] = {}
+    for name, given in table.items():
+        path: Path = ("parameters", name)
+        values.name(name, path)
+        if not isinstance(given, Mapping):
+            written[name] = (given, path)
+            continue
+        values.keys(given, PARAMETER, path)
+        if "value" in given:
+            written[name] = (given["value"], (*path, "value"))
+        else:
+            values.wrong(path, "wanted { value = ... }")
+            values.broken.add(name)
+    dependent: dict[str, Node] = {}
+    for name, (given, path) in written.items():
+        quantity = _quantity(values, given, path)
+        if isinstance(quantity, tuple):
+            values.constants[name], values.dimensions[name] = quantity
+        elif quantity is not None:
+            dependent[name] = quantity
+        else:
+            values.broken.add(name)
+    _dependent(values, dependent, written)
+    return {name: _parameter(values, name, table[name]) for name in table if name in values.constants}
+
+
+def _quantity(values: Values, given: Any, path: Path) -> tuple[float, Dimension | None] | Node | None:
+    """Value and dimension of a number or quantity, the tree of an expression, or None after a problem."""
+    if not isinstance(given, str):
+        number = values.value(given, "", path)
+        return None if math.isnan(number) else (number, None)
+    try:
+        quantity = parse_quantity(given)
+    except QuantityError as error:
+        values.wrong(path, str(error))
+        return None
+    return values.parse(given, path) if quantity is None else quantity
+
+
+def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, tuple[Any, Path]]) -> None:
+    """Parameters given by other parameters, in order of dependence."""
+    order, cycles = in_order(nodes)
+    values.broken.update(name for name in nodes if name not in order)
+    for cycle in cycles:
+        values.wrong(written[cycle[0]][1], describe_cycle(cycle))
+    for name in order:
+        given, path = written[name]
+        node = values.expression(given, path, None, live=False)
+        number = None if node is None else values.constant(node, path)
+        if node is None or number is None:
+            values.broken.add(name)
+        else:
+            values.constants[name], values.dimensions[name] = number, values.dimension(node, path)
+
+
+def _parameter(values: Values, name: str, given: Any) -> Parameter:
+    """A parameter with its limits, whose value is known."""
+    seen = values.dimensions.get(name)
+    unit = unit_name(seen) if seen is not None else ""
+    if not isinstance(given, Mapping):
+        return Parameter(name, values.constants[name], unit)
+    path: Path = ("parameters", name)
+    limits: dict[str, float | None] = {
+        key: _limit(values, given[key], unit, seen, (*path, key)) for key in ("min", "max", "tol") if key in given
+    }
+    low, high, tol = (limits.get(key) for key in ("min", "max", "tol"))
+    if low is not None and high is not None and not low <= values.constants[name] <= high:
+        values.wrong(path, f"the value {values.constants[name]:g} is not between min and max ({low:g} to {high:g})")
+    if tol is not None and tol < 0:
+        values.wrong((*path, "tol"), f"{said(given['tol'])} must not be negative")
+    dist = given.get("dist", "")
+    if dist not in ("", *DISTRIBUTIONS):
+        values.wrong((*path, "dist"), f"unknown distribution {said(dist)}; wanted {', '.join(DISTRIBUTIONS)}")
+        dist = ""
+    return Parameter(name, values.constants[name], unit, low, high, tol, dist)
+
+
+def _limit(values: Values, given: Any, unit: str, seen: Dimension | None, path: Path) -> float | None:
+    """One of min, max, tol: a quantity of the parameter's own dimension, or an expression."""
+    found = _quantity(values, given, path)
+    if found is None:
+        return None
+    if not isinstance(found, tuple):
+        node = values.expression(given, path, unit if seen is not None else None, live=False)
+        return None if node is None else values.constant(node, path)
+    number, dimension = found
+    if seen is not None and dimension is not None and dimension != seen:
+        values.wrong(path, f"{said(given)} is not {describe(seen)}; wanted {wanted(unit)}")
+        return None
+    return number
+
+
+def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str, Node], dict[str, str]]:
+    """The table [signals]: expressions in the order in which they are to be evaluated, and their units."""
+    table = values.table(document.get("signals", {}), ("signals",))
+    values.live.update(dict.fromkeys(table))
+    nodes: dict[str, Node] = {}
+    fixed: dict[str, Dimension | None] = {}
+    for name, given in table.items():
+        path: Path = ("signals", name)
+        values.name(name, path)
+        if name in values.constants:
+            values.wrong(path, f"'{name}' is a parameter already; choose another name", at_key=True)
+        if isinstance(given, bool) or not isinstance(given, int | float | str):
+            values.wrong(path, f"wanted an expression, got {said(given)}")
+            continue
+        found = _quantity(values, given, path)
+        if isinstance(found, tuple):
+            nodes[name], fixed[name] = Number(found[0], 0), found[1]
+        elif found is not None and values.names_known(found, str(given), path, None, live=True):
+            nodes[name] = found
+    order, cycles = in_order(nodes)
+    for cycle in cycles:
+        values.wrong(("signals", cycle[0]), describe_cycle(cycle))
+    units = {}
+    for name in order:
+        seen = fixed[name] if name in fixed else values.dimension(nodes[name], ("signals", name))
+        values.dimensions[name] = seen
+        units[name] = unit_name(seen) if seen is not None else ""
+    return {name: nodes[name] for name in order}, units

@@ -1,0 +1,304 @@
+"""The tables of a mechanism's parts: bodies with their points, joints, drivers, loads."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rattle import catalog
+from rattle.catalog import REQUIRED, Field
+from rattle.errors import suggest
+from rattle.model import Body, Contact, Driver, Joint, Load, Point, Vector
+from rattle.values import Path, Values, said
+
+BODY = ("points", "center", "mass", "inertia")  # what a body may say
+BAR = ("bar", "length", "points", "mass", "inertia")
+JOINT = ("type", "connect", "clearance", "contact")  # and the fields of its kind
+BLOCK = {
+    "length": Field("m", "length of the block along the guide", least="positive"),
+    "height": Field("m", "height of the block across the guide", least="positive"),
+}
+GUIDED = "prismatic"  # the joint that may have a block
+DEFAULT_CONTACT = "massless-link"
+NOWHERE = Point("", "", (math.nan, math.nan))
+
+
+class Parts:
+    """Reads parts one by one; later ones refer to those read before."""
+
+    def __init__(self, values: Values) -> None:
+        self.values = values
+        self.ground: dict[str, Vector] = {}
+        self.bodies: dict[str, Body] = {}
+        self.joints: dict[str, Joint] = {}
+        self.drivers: dict[str, Driver] = {}
+        self.loads: dict[str, Load] = {}
+        self.broken_joints: set[str] = set()  # written, but with problems
+        self.driven: dict[str, str] = {}  # joint: its driver
+
+    # ------------------------------------------------------------ bodies and points
+    def add_body(self, name: str, given: Mapping[str, Any]) -> None:
+        """A body in its general form, or a bar."""
+        values, path = self.values, ("bodies", name)
+        bar = "bar" in given
+        values.keys(given, BAR if bar else BODY, path)
+        mass = self._needed(given, "mass", "kg", path, "needs a mass in kg")
+        points = values.points(given.get("points", {}), (*path, "points"))
+        inertia = math.nan
+        if "inertia" in given:
+            inertia = values.value(given["inertia"], "kg*m^2", (*path, "inertia"), "positive")
+        if bar:
+            length = self._needed(given, "length", "m", path, "a bar needs a length in m")
+            points = {**self._ends(given["bar"], length, points, path), **points}
+            if "inertia" not in given:
+                inertia = mass * length * length / 12
+                if not 0 < inertia < math.inf and not math.isnan(inertia):
+                    values.wrong(path, f"its inertia m l^2/12 = {inertia:g} kg*m^2 is out of range")
+        else:
+            x, y = values.vector(given["center"], "m", (*path, "center")) if "center" in given else (0.0, 0.0)
+            points = {key: (px - x, py - y) for key, (px, py) in points.items()}
+            if "inertia" not in given:
+                values.wrong(path, "needs an inertia about its mass centre in kg*m^2 (only a bar has a default)")
+        self.bodies[name] = Body(name, mass, inertia, points, bar)
+
+    def _needed(self, given: Mapping[str, Any], key: str, unit: str, path: Path, otherwise: str) -> float:
+        if key in given:
+            return float(self.values.value(given[key], unit, (*path, key), "positive"))
+        self.values.wrong(path, otherwise)
+        return math.nan
+
+    def _ends(self, ends: Any, length: float, points: Mapping[str, Vector], path: Path) -> dict[str, Vector]:
+        """The two end points of a bar."""
+        here = (*path, "bar")
+        two = isinstance(ends, list | tuple) and len(ends) == 2
+        if not two or not all(isinstance(end, str) and end.isidentifier() for end in ends):
+            self.values.wrong(here, f'wanted two end names like ["A", "B"], got {said(ends)}')
+            return {}
+        first, second = ends
+        for end in {first: 0, second: 0}:
+            if end in points or first == second:
+                self.values.wrong(here, f"the point name '{end}' is used twice")
+        return {first: (-length / 2, 0.0), second: (length / 2, 0.0)}
+
+    def point(self, given: Any, path: Path, alone: bool = False) -> Point:
+        """The text "body.point", or with `alone` just "body" (its mass centre; the origin for the ground)."""
+        if not isinstance(given, str):
+            self.values.wrong(path, f'wanted "body.point", got {said(given)}')
+            return NOWHERE
+        body, dot, point = given.partition(".")
+        if body != "ground" and body not in self.bodies:
+            self.values.wrong(path, f"no body {said(body)}{suggest(body, ['ground', *self.bodies])}")
+            return NOWHERE
+        points = self.ground if body == "ground" else self.bodies[body].points
+        if not dot and alone:
+            return Point(body, "", (0.0, 0.0))
+        if point not in points:
+            hint = suggest(point, points)
+            whose = "the ground" if body == "ground" else f"body '{body}'"
+            what = f"no point {said(point)} on {whose}" if point else f'wanted "body.point", got {said(given)}'
+            self.values.wrong(path, what + hint)
+            return NOWHERE
+        return Point(body, point, points[point])
+
+    def connect(self, given: Mapping[str, Any], path: Path, alone: bool = False) -> tuple[Point, Point]:
+        """The two ends of a joint or load."""
+        if "connect" not in given:
+            self.values.wrong(path, 'needs connect = ["body.point", "body.point"]')
+            return NOWHERE, NOWHERE
+        both = given["connect"]
+        here = (*path, "connect")
+        if not isinstance(both, list | tuple) or len(both) != 2:
+            self.values.wrong(here, f'wanted ["body.point", "body.point"], got {said(both)}')
+            return NOWHERE, NOWHERE
+        a, b = (self.point(one, (*here, k), alone) for k, one in enumerate(both))
+        if a.body and a.body == b.body:
+            self.values.wrong(here, f"both ends are on '{a.body}'; wanted two different bodies")
+        return a, b
+
+    # ------------------------------------------------------------ kinds and their fields
+    def choose(self, given: Mapping[str, Any], family: str, path: Path, key: str = "type") -> catalog.Kind | None:
+        """The kind that an entry names."""
+        known = catalog.kinds(family)
+        if key not in given:
+            self.values.wrong(path, f"needs a {key}: " + ", ".join(known))
+            return None
+        name = given[key]
+        if isinstance(name, str) and name in known:
+            return known[name]
+        self.values.wrong((*path, key), f"unknown {family} {said(name)}{suggest(str(name), known)}")
+        return None
+
+    def field(self, one: Field, key: str, given: Mapping[str, Any], read: Mapping[str, Any], path: Path) -> Any:
+        """One field of a kind, as the user wrote it or its default."""
+        here = (*path, key)
+        if key not in given:
+            if one.default is REQUIRED:
+                self.values.wrong(path, f"needs {key}: {one.meaning}" + (f" [{one.unit}]" if one.unit else ""))
+                return (math.nan, math.nan) if one.shape == "pair" else math.nan
+            default = one.default(read) if callable(one.default) else one.default
+            return float(one.choices.index(default)) if one.shape == "choice" else default
+        if one.shape == "choice":
+            if given[key] in one.choices:
+                return float(one.choices.index(given[key]))
+            hint = suggest(str(given[key]), one.choices)
+            self.values.wrong(here, f"wanted one of {', '.join(one.choices)}, got {said(given[key])}{hint}")
+            return math.nan
+        if one.shape == "pair":
+            return self.values.vector(given[key], one.unit, here, one.live)
+        return self.values.value(given[key], one.unit, here, one.least, one.live)
+
+    def fields(self, kind: catalog.Kind, given: Mapping[str, Any], path: Path) -> dict[str, float]:
+        """All fields of a kind, in its order."""
+        read: dict[str, float] = {}
+        for key, one in kind.fields.items():
+            read[key] = self.field(one, key, given, read, path)
+        return read
+
+    # ------------------------------------------------------------ joints
+    def add_joint(self, name: str, given: Mapping[str, Any]) -> None:
+        """A joint with its clearance and contact."""
+        values, path = self.values, ("joints", name)
+        before = len(values.problems)
+        a, b = self.connect(given, path)
+        found = self.choose(given, "joint", path)
+        if found is None:
+            self.broken_joints.add(name)
+            return
+        values.keys(given, [*JOINT, *(["block"] if found.name == GUIDED else []), *found.fields], path)
+        fields = self.fields(found, given, path)
+        clearance, contact, block = 0.0, None, None
+        if "clearance" in given:
+            clearance = values.value(given["clearance"], "m", (*path, "clearance"), "not negative")
+            contact = self._contact(given, found.name, path)
+        elif "contact" in given:
+            values.wrong((*path, "contact"), "needs a clearance: the radial play of the joint in m", at_key=True)
+        if found.name == GUIDED and "block" in given:
+            here = (*path, "block")
+            table = values.table(given["block"], here)
+            values.keys(table, BLOCK, here)
+            block = (
+                float(self.field(BLOCK["length"], "length", table, {}, here)),
+                float(self.field(BLOCK["height"], "height", table, {}, here)),
+            )
+        self.joints[name] = Joint(name, found.name, a, b, fields, clearance, contact, block)
+        if len(values.problems) > before:
+            self.broken_joints.add(name)
+
+    def _contact(self, given: Mapping[str, Any], joint: str, path: Path) -> Contact | None:
+        """A contact model: its name, or a table with its name and fields."""
+        written = given.get("contact", DEFAULT_CONTACT)
+        here: Path = (*path, "contact") if "contact" in given else path
+        known = catalog.kinds("contact")
+        if isinstance(written, str):
+            if written not in known:
+                self.values.wrong(here, f"unknown contact {said(written)}{suggest(written, known)}")
+                return None
+            written = {"model": written}
+        table = self.values.table(written, here)
+        found = self.choose(table, "contact", here, "model") if isinstance(written, Mapping) else None
+        if found is None:
+            return None
+        self.values.keys(table, ["model", *found.fields], here)
+        works: tuple[str, ...] = found.leaf.joints  # type: ignore[attr-defined]
+        if joint not in works:
+            others = [one.name for one in known.values() if joint in one.leaf.joints]  # type: ignore[attr-defined]
+            wanted = f"; wanted {' or '.join(others)}" if others else "; leave the clearance out"
+            self.values.wrong(here, f"'{found.name}' works on {' and '.join(works)} joints, not on {joint}{wanted}")
+        return Contact(found.name, self.fields(found, table, here))
+
+    # ------------------------------------------------------------ drivers and loads
+    def add_driver(self, name: str, given: Mapping[str, Any]) -> None:
+        """A joint's freedom or a coordinate of a body as a function of time."""
+        values, path = self.values, ("drivers", name)
+        functions = dict.fromkeys(key for kind in catalog.kinds("driver").values() for key in kind.fields)
+        values.keys(given, ["joint", "body", "coordinate", *functions], path)
+        if "body" in given and "joint" in given:
+            values.wrong(path, "drives a joint or a body, not both")
+            return
+        target = self._driven_body(given, path) if "body" in given else self._driven_joint(given, path)
+        if target is None:
+            return
+        kind, joint, point, what = target
+        if what in self.driven:
+            values.wrong(path, f"{what} is driven by '{self.driven[what]}' already: two drivers on one freedom")
+            return
+        self.driven[what] = name
+        wrong = [other for other in functions if other in given and other not in kind.fields]
+        (key,) = kind.fields
+        for other in wrong:
+            values.wrong((*path, other), f"{what} is driven by '{key}', not by '{other}'", at_key=True)
+        if key in given or not wrong:
+            self.drivers[name] = Driver(name, kind.name, joint, self.fields(kind, given, path)[key], point)
+
+    def _driven_joint(self, given: Mapping[str, Any], path: Path) -> tuple[catalog.Kind, str, None, str] | None:
+        """Kind of driver, joint, and what is driven in words."""
+        if "coordinate" in given:
+            self.values.wrong((*path, "coordinate"), "only a driven body has a coordinate", at_key=True)
+        if "joint" not in given:
+            self.values.wrong(path, f"needs joint: the joint to drive{suggest('', self.joints)}")
+            return None
+        joint, here = given["joint"], (*path, "joint")
+        if not isinstance(joint, str) or joint not in self.joints:
+            if joint not in list(self.broken_joints):
+                self.values.wrong(here, f"no joint {said(joint)}{suggest(str(joint), self.joints)}")
+            return None
+        driven = self.joints[joint].kind
+        drives = {one.leaf.drives: one for one in catalog.kinds("driver").values()}  # type: ignore[attr-defined]
+        if driven in drives:
+            return drives[driven], joint, None, f"joint '{joint}'"
+        drivable = " or ".join(sorted(drives.keys() & catalog.kinds("joint").keys()))
+        self.values.wrong(here, f"a {driven} joint has nothing to drive; wanted {drivable}")
+        return None
+
+    def _driven_body(self, given: Mapping[str, Any], path: Path) -> tuple[catalog.Kind, str, Point, str] | None:
+        """Kind of driver, no joint, the point, and what is driven in words."""
+        known = catalog.kinds("driver")
+        coordinates = [name.removeprefix("body-") for name in known if name.startswith("body-")]
+        point = self.point(given["body"], (*path, "body"), alone=True)
+        coordinate = given.get("coordinate")
+        if coordinate not in coordinates:
+            where = (*path, "coordinate") if "coordinate" in given else path
+            got = f", got {said(coordinate)}" if "coordinate" in given else ""
+            self.values.wrong(where, f"wanted coordinate = one of {', '.join(coordinates)}{got}")
+            return None
+        if point.body == "ground":
+            self.values.wrong((*path, "body"), "the ground does not move; wanted a body")
+        if not point.body or point.body == "ground":
+            return None
+        return known[f"body-{coordinate}"], "", point, f"{coordinate} of '{given['body']}'"
+
+    def add_load(self, name: str, given: Mapping[str, Any]) -> None:
+        """A load of any kind."""
+        path = ("loads", name)
+        found = self.choose(given, "load", path)
+        if found is None:
+            return
+        self.values.keys(given, ["type", *found.fields], path)
+        a = b = Point("ground", "", (0.0, 0.0))
+        written: list[Any] = []
+        points = False
+        for key, one in found.fields.items():
+            if one.shape == "connect":
+                a, b = self.connect(given, path, alone=True)
+                points = True
+                written += [*a.at, *b.at]
+            elif one.shape in ("point", "body"):
+                b = self._place(one, key, given, path)
+                points = one.shape == "point"
+                written += b.at if points else ()
+            elif one.shape == "pair":
+                written += self.field(one, key, given, {}, path)
+            else:
+                written.append(self.field(one, key, given, {}, path))
+        self.loads[name] = Load(name, found.name, a, b, tuple(written), points)
+
+    def _place(self, one: Field, key: str, given: Mapping[str, Any], path: Path) -> Point:
+        """Where a load on one body acts."""
+        if key not in given:
+            self.values.wrong(path, f"needs {key}: {one.meaning}")
+            return NOWHERE
+        place = self.point(given[key], (*path, key), alone=one.shape == "body")
+        if one.shape == "body" and place.name:
+            self.values.wrong((*path, key), f"wanted a body, got the point {said(given[key])}")
+        return place

@@ -1,0 +1,251 @@
+"""Reading single values of a document - numbers, vectors, names, expressions - and collecting what is wrong."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from rattle.errors import MOST, Problem, suggest
+from rattle.expression import RESERVED, ExpressionError, Node, dimension, names, parse, value
+from rattle.model import Vector
+from rattle.quantity import Dimension, QuantityError, describe, dimension_of, parse_quantity, unit_name
+
+Path = tuple[str | int, ...]
+
+TAKEN = RESERVED | {"ground", "energy"}
+LIMITS: Mapping[str, Callable[[float], bool]] = {"positive": lambda x: x > 0.0, "not negative": lambda x: x >= 0.0}
+
+
+class TooManyProblems(Exception):
+    """So much is wrong that reading on is of no use."""
+
+
+class Values:
+    """The names known so far with their values and dimensions, and the problems found so far.
+
+    A reading method that meets a problem notes it and returns nan (or None), so that reading goes on.
+    """
+
+    def __init__(self) -> None:
+        self.problems: list[Problem] = []
+        self.constants: dict[str, float] = {}  # parameters [SI]
+        self.dimensions: dict[str, Dimension | None] = {}  # of parameters, signals and states
+        self.live: dict[str, None] = {}  # names that change during a run, in the order of the file
+        self.broken: set[str] = set()  # names whose definition has a problem of its own
+
+    def wrong(self, path: Path, message: str, at_key: bool = False, column: int | None = None) -> None:
+        """Note a problem. Raises TooManyProblems when there are very many."""
+        self.problems.append(Problem(path, message, at_key, column))
+        if len(self.problems) >= MOST:
+            raise TooManyProblems
+
+    # ------------------------------------------------------------ tables and names
+    def table(self, given: Any, path: Path) -> Mapping[str, Any]:
+        """A table; an empty one after a problem."""
+        if isinstance(given, Mapping):
+            return given
+        self.wrong(path, f"wanted a table, got {said(given)}")
+        return {}
+
+    def keys(self, given: Mapping[str, Any], allowed: Iterable[str], path: Path) -> None:
+        """Refuse keys that nobody reads."""
+        known = list(allowed)
+        for key in given:
+            if key not in known:
+                self.wrong((*path, key), "unknown key" + suggest(key, known), at_key=True)
+
+    def name(self, name: str, path: Path) -> None:
+        """Refuse names that expressions could not read."""
+        if not (name.isidentifier() and name.isascii()):
+            self.wrong(
+                path,
+                f"{said(name)} is not a name; wanted letters a-z, digits and _, not starting with a digit",
+                at_key=True,
+            )
+        elif name in TAKEN:
+            self.wrong(path, f"'{name}' has a meaning of its own; choose another name", at_key=True)
+
+    # ------------------------------------------------------------ expressions
+    def parse(self, text: str, path: Path) -> Node | None:
+        """The tree of an expression."""
+        try:
+            return parse(text)
+        except ExpressionError as error:
+            self.in_expression(error, path)
+            return None
+
+    def in_expression(self, error: ExpressionError, path: Path) -> None:
+        """Note what is wrong in an expression, and where in it."""
+        self.wrong(path, str(error), column=error.column)
+
+    def expression(self, text: str, path: Path, unit: str | None, live: bool) -> Node | None:
+        """Parse an expression, look its names up, check its dimension (any, with unit None).
+
+        live: `t`, state and signals may stand in it.
+        """
+        node = self.parse(text, path)
+        if node is None or not self.names_known(node, text, path, unit, live):
+            return None
+        before = len(self.problems)
+        seen = self.dimension(node, path)
+        if len(self.problems) > before:
+            return None
+        if unit is not None and seen is not None and seen != dimension_of(unit):
+            got = unit_name(seen) or "a plain number"
+            self.wrong(path, f"{said(text)} is not {describe(dimension_of(unit))}; wanted {wanted(unit)}, got {got}")
+            return None
+        return node
+
+    def names_known(self, node: Node, text: str, path: Path, unit: str | None, live: bool) -> bool:
+        """True when every name is known and allowed here."""
+
+        def allowed(one: str) -> bool:
+            return one in self.constants or (live and (one == "t" or one in self.live))
+
+        unknown = [one for one in sorted(names(node)) if not allowed(one)]
+        for one in unknown:
+            if one in self.live or one == "t":
+                self.wrong(path, f"'{one}' changes during the run; only parameters may stand here")
+            elif one not in self.broken:
+                hint = suggest(one, [*self.constants, *(self.live if live else ())])
+                if unit and text.strip() == one and "did you mean" not in hint:
+                    hint = f"; wanted {wanted(unit)}: a quantity like '5 {unit}' or an expression"
+                self.wrong(path, f"unknown name {said(one)} in {said(text)}{hint}")
+        return not unknown
+
+    def dimension(self, node: Node, path: Path) -> Dimension | None:
+        """Dimension of an expression; None when it cannot be known or makes no sense (a problem)."""
+        try:
+            return dimension(node, self.dimensions.get)
+        except ExpressionError as error:
+            self.in_expression(error, path)
+            return None
+
+    # ------------------------------------------------------------ numbers
+    def value(self, given: Any, unit: str, path: Path, least: str = "", live: bool = False) -> Any:
+        """A float in SI, or a Node when `live` and the value changes during the run; nan after a problem."""
+        if isinstance(given, bool) or not isinstance(given, int | float | str):
+            like = f" as a number or a text like '5 {unit}'" if unit else ""
+            self.wrong(path, f"wanted {wanted(unit)}{like}, got {said(given)}")
+            return math.nan
+        if isinstance(given, str):
+            number = self._text(given, unit, path, live)
+            if not isinstance(number, float):
+                return math.nan if number is None else number
+        else:
+            number = _float(given)
+        if not math.isfinite(number):
+            self.wrong(path, f"{said(given)} is not a finite number; wanted {wanted(unit)}")
+            return math.nan
+        if least and not LIMITS[least](number):
+            self.wrong(
+                path, f"{said(given)} must {'' if least == 'positive' else 'not '}be {least.removeprefix('not ')}"
+            )
+            return math.nan
+        return number
+
+    def _text(self, given: str, unit: str, path: Path, live: bool) -> float | Node | None:
+        """Value of a text: a quantity, or an expression; None after a problem."""
+        try:
+            quantity = parse_quantity(given)
+        except QuantityError as error:
+            self.wrong(path, f"{error}; wanted {wanted(unit)}")
+            return None
+        if quantity is not None:
+            number, seen = quantity
+            if seen is None or seen == dimension_of(unit):
+                return number
+            self.wrong(path, f"{said(given)} is not {describe(dimension_of(unit))}; wanted {wanted(unit)}")
+            return None
+        node = self.expression(given, path, unit, live)
+        if node is None or not names(node) <= self.constants.keys():
+            return node
+        return self.constant(node, path)
+
+    def constant(self, node: Node, path: Path) -> float | None:
+        """Value of an expression over parameters; None after a problem."""
+        try:
+            return value(node, self.constants)
+        except ExpressionError as error:
+            self.in_expression(error, path)
+            return None
+
+    def vector(self, given: Any, unit: str, path: Path, live: bool = False) -> Any:
+        """Two values; with `live` each may be a Node."""
+        if not isinstance(given, list | tuple) or len(given) != 2:
+            self.wrong(path, f"wanted [x, y] in {unit}, got {said(given)}")
+            return (math.nan, math.nan)
+        return tuple(self.value(one, unit, (*path, k), live=live) for k, one in enumerate(given))
+
+    def points(self, given: Any, path: Path) -> dict[str, Vector]:
+        """A table of named points [m]."""
+        found = {}
+        for name, at in self.table(given, path).items():
+            if not name.isidentifier():
+                self.wrong(
+                    (*path, name),
+                    f"{said(name)} is not a name; wanted letters, digits and _, not starting with a digit",
+                    at_key=True,
+                )
+            found[name] = self.vector(at, "m", (*path, name))
+        return found
+
+
+def _float(given: float) -> float:
+    try:
+        return float(given)
+    except OverflowError:
+        return math.inf
+
+
+def in_order(nodes: Mapping[str, Node]) -> tuple[list[str], list[list[str]]]:
+    """Names such that each comes after those it uses, and the cycles among them (whose names are left out)."""
+    uses = {name: sorted(names(node) & nodes.keys()) for name, node in nodes.items()}
+    order: list[str] = []
+    cycles: list[list[str]] = []
+    is_open: dict[str, bool] = {}
+    for root in nodes:
+        stack = [] if root in is_open else [(root, iter(uses[root]))]
+        is_open.setdefault(root, True)
+        while stack:
+            name, following = stack[-1]
+            for one in following:
+                if one not in is_open:
+                    is_open[one] = True
+                    stack.append((one, iter(uses[one])))
+                    break
+                if is_open[one]:
+                    path = [entry[0] for entry in stack]
+                    cycles.append(path[path.index(one) :])
+            else:
+                is_open[name] = False
+                order.append(name)
+                stack.pop()
+    on_cycle = {name for cycle in cycles for name in cycle}
+    return [name for name in order if name not in on_cycle], cycles
+
+
+def describe_cycle(cycle: list[str]) -> str:
+    """A cycle in words."""
+    shown = cycle if len(cycle) <= 10 else [*cycle[:9], "..."]
+    return "defined by itself: " + " -> ".join([*shown, cycle[0]]) + "; one of them must not depend on the others"
+
+
+def said(given: Any) -> str:
+    """A value as a message quotes it."""
+    text = f"'{given}'" if isinstance(given, str) else ("a table" if isinstance(given, Mapping) else _plain(given))
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _plain(given: Any) -> str:
+    if isinstance(given, bool):
+        return "true" if given else "false"
+    if isinstance(given, int) and given.bit_length() > 200:
+        return "a huge number"
+    return str(given)
+
+
+def wanted(unit: str) -> str:
+    """What a field wants, for messages."""
+    return unit or "a plain number"
