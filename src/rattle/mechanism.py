@@ -106,10 +106,7 @@ class Mechanism:
         made._changes = list(self._changes)
         for name, value in {**(values or {}), **parameters}.items():
             path = self._path_of(name, made._document)
-            try:
-                made._document = modelfile.with_change(made._document, path, value)
-            except KeyError as error:
-                raise ModelError([Problem(path, f"there is no '{error.args[0]}' in the model")]) from None
+            made._document = modelfile.with_change(made._document, path, value)
             made._changes.append((path, value))
         try:
             _ = made.model

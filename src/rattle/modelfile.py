@@ -10,10 +10,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rattle.errors import ModelError, Problem
+from rattle.errors import ModelError, Problem, suggest
 from rattle.files import atomic
 
 LARGEST = 8_000_000  # bytes; a chain of 10,000 links has about 2 MB
+MAY_BE_MISSING = ("simulate", "initial")  # tables that a change makes where there are none
+IN_ONE_LINE = ("points", "contact", "block")
 Change = tuple[tuple[str, ...], Any]  # path and new value
 
 
@@ -22,22 +24,28 @@ def read_file(path: str | os.PathLike[str]) -> tuple[str, str]:
 
     Raises ModelError for a file that is missing, too large or not UTF-8.
     """
-    file = Path(path)
+    name = str(path)
     try:
-        size = file.stat().st_size
-        if file.is_dir():
-            raise IsADirectoryError(21, "is a folder, not a file")
-        if size > LARGEST:
-            problem = f"the file has {size / 1e6:.0f} MB; a model file has at most {LARGEST / 1e6:.0f} MB. Is it the right file?"
-            raise ModelError([Problem((), problem)], str(path))
-        return file.read_bytes().decode("utf-8"), str(path)
-    except UnicodeDecodeError as error:
-        line = file.read_bytes()[: error.start].count(b"\n") + 1
-        one = Problem((), f"not UTF-8 text (byte {error.start}); save the file as UTF-8")
-        one.line = line
-        raise ModelError([one], str(path)) from None
+        with Path(path).open("rb") as file:
+            found = file.read(LARGEST + 1)  # never more, whatever the file is
+            size = max(os.fstat(file.fileno()).st_size, len(found))
     except OSError as error:
-        raise ModelError([Problem((), f"cannot read the file: {error.strerror or error}")], str(path)) from None
+        problem = Problem((), f"cannot read the file: {error.strerror or error}")
+        raise ModelError([problem], name) from None
+    except ValueError as error:
+        raise ModelError([Problem((), f"not the name of a file: {error}")], name) from None
+    if len(found) > LARGEST:
+        raise ModelError([Problem((), _too_large("file", size))], name)
+    try:
+        return found.decode("utf-8"), name
+    except UnicodeDecodeError as error:
+        problem = Problem((), f"not UTF-8 text (byte {error.start}); save the file as UTF-8")
+        problem.line = found[: error.start].count(b"\n") + 1
+        raise ModelError([problem], name) from None
+
+
+def _too_large(what: str, size: int) -> str:
+    return f"the {what} has {size / 1e6:.0f} MB; a model has at most {LARGEST / 1e6:.0f} MB. Is it the right {what}?"
 
 
 def parse(text: str, file: str = "") -> dict[str, Any]:
@@ -46,27 +54,53 @@ def parse(text: str, file: str = "") -> dict[str, Any]:
     Raises ModelError with line and caret when the text is neither.
     """
     if len(text) > LARGEST:
-        raise ModelError([Problem((), f"the text has {len(text) / 1e6:.0f} MB; at most {LARGEST / 1e6:.0f} MB")], file)
+        raise ModelError([Problem((), _too_large("text", len(text)))], file)
     try:
-        if text.lstrip("\ufeff \t\r\n").startswith("{"):
-            return dict(json.loads(text.lstrip("\ufeff")))
+        if is_json(text):
+            return dict(json.loads(text.lstrip("\ufeff"), object_pairs_hook=_without_repetition))
         return tomllib.loads(text.removeprefix("\ufeff"))
     except json.JSONDecodeError as error:
         problem = _at(text, error.lineno, error.colno, f"not valid JSON: {error.msg}")
     except tomllib.TOMLDecodeError as error:
-        line, column = _toml_position(text, str(error))
-        problem = _at(text, line, column, f"not valid TOML: {str(error).split(' (at ')[0]}")
+        problem = _not_toml(text, str(error))
     except RecursionError:
         problem = Problem((), "nested too deeply")
+    except ModelError as error:
+        (problem,) = error.problems
+    except ValueError as error:  # a number of thousands of digits
+        problem = Problem((), f"cannot read the text: {str(error).split(';')[0]}")
     raise ModelError([problem], file)
 
 
-def _toml_position(text: str, message: str) -> tuple[int, int]:
+def is_json(text: str) -> bool:
+    """True for text that starts with a brace, which TOML never does."""
+    return text.lstrip("\ufeff \t\r\n").startswith("{")
+
+
+def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in found:
+            raise ModelError([Problem((key,), f"the name '{key}' is used twice")])
+        found[key] = value
+    return found
+
+
+def _not_toml(text: str, message: str) -> Problem:
+    """What `tomllib` met, in words for someone who writes mechanisms."""
     import re
 
     found = re.search(r"line (\d+), column (\d+)", message)
-    lines = text.splitlines() or [""]
-    return (int(found[1]), int(found[2])) if found else (len(lines), len(lines[-1]) + 1)
+    lines = text.split("\n")
+    line, column = (int(found[1]), int(found[2])) if found else (len(lines), len(lines[-1]) + 1)
+    what = message.split(" (at ")[0]
+    if what.startswith(("Cannot overwrite", "Cannot declare", "Cannot mutate", "Duplicate inline table key")):
+        source = lines[min(line, len(lines)) - 1]
+        column = len(source) - len(source.lstrip()) + 1
+        return _at(text, line, column, f"a name is used twice: '{source.strip()[:60]}' is defined already")
+    if what.startswith(("Invalid value", "Expected newline")):
+        what += '; a quantity or expression stands in quotes: "5 mm"'
+    return _at(text, line, column, f"not valid TOML: {what}")
 
 
 def _at(text: str, line: int, column: int, message: str) -> Problem:
@@ -82,64 +116,97 @@ def point_out(error: ModelError, text: str) -> ModelError:
     """The same error with the line and a caret for each problem, in the order of the file."""
     from rattle.positions import caret, locate
 
-    if text.lstrip().startswith("{"):
+    if is_json(text):
         return error
     for problem in error.problems:
-        found = locate(text, problem.path) if problem.path else None
-        if found is not None:
-            problem.line = found[0]
-            problem.caret = caret(text, *found)
+        found = locate(text, problem.path, problem.at_key) if problem.path else None
+        if found is None:
+            continue
+        line, column = found
+        problem.line = line
+        if problem.column is not None:
+            column += _inside(text, line, column, problem.column)
+        width = len(str(problem.path[-1])) if problem.at_key else 1
+        problem.caret = caret(text, line, column, width)
     return ModelError(sorted(error.problems, key=lambda one: one.line or 0), error.file)
 
 
+def _inside(text: str, line: int, column: int, spot: int) -> int:
+    """How far behind the start of a quoted text on one line its character `spot` stands."""
+    source = text.split("\n")[line - 1]
+    quote = source[column - 1 : column]
+    inner = source[column : column + spot]
+    plain = quote in ('"', "'") and source[column : column + 2] != 2 * quote and "\\" not in inner
+    return spot + 1 if plain else 0
+
+
+# ---------------------------------------------------------------- changes
 def with_change(document: Mapping[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
-    """A copy of a document with one value replaced. Raises KeyError with the part of the path that is missing."""
+    """A copy of a document with one value replaced. Raises ModelError when the path leads nowhere."""
     changed = copy.deepcopy(dict(document))
     put(changed, path, value)
     return changed
 
 
 def put(table: Any, path: Sequence[str], value: Any) -> None:
-    """Replace one value in nested tables (plain or tomlkit), in place."""
+    """Replace one value in nested tables (plain or tomlkit), in place. Raises ModelError."""
     for n, key in enumerate(path[:-1]):
+        if isinstance(table, list):
+            table = table[_index(table, path, n)]
+            continue
         if key == "contact" and isinstance(table.get(key), str):
             table[key] = {"model": str(table[key])}
-        if key not in table or not isinstance(table[key], Mapping):
-            raise KeyError(".".join(path[: n + 1]))
+        if key not in table and path[0] in MAY_BE_MISSING:
+            table[key] = {}
+        if not isinstance(table.get(key), Mapping | list):
+            there = suggest(key, table) if key not in table else "; it is not a table"
+            raise ModelError([Problem(tuple(path), f"there is no '{'.'.join(path[: n + 1])}' in the model{there}")])
         table = table[key]
-    table[path[-1]] = value
+    last = _index(table, path, len(path) - 1) if isinstance(table, list) else path[-1]
+    table[last] = plain(value)
+
+
+def _index(table: list[Any], path: Sequence[str], n: int) -> int:
+    if not path[n].isdigit() or int(path[n]) >= len(table):
+        wanted = f"wanted an index from 0 to {len(table) - 1}, got '{path[n]}'"
+        raise ModelError([Problem(tuple(path), wanted)])
+    return int(path[n])
+
+
+def plain(value: Any) -> Any:
+    """Numbers and arrays of other packages as what TOML knows: 5.0 for a NumPy scalar, a list for an array or tuple."""
+    if isinstance(value, Mapping):
+        return {key: plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(one) for one in value]
+    to_python = getattr(value, "tolist", None)
+    return to_python() if callable(to_python) else value
 
 
 def dump(document: Mapping[str, Any], text: str | None, changes: Sequence[Change]) -> str:
     """TOML text of a model: the text it came from with the changes put in, comments kept; or made from the document."""
     import tomlkit
 
-    if text is None or text.lstrip().startswith("{"):
-        plain = tomlkit.document()
+    if text is None or is_json(text):
+        made = tomlkit.document()
         for key, value in document.items():
-            plain[key] = _table(value)
-        return tomlkit.dumps(plain)
+            made[key] = _table(value)
+        return tomlkit.dumps(made)
     kept = tomlkit.parse(text)
     for path, value in changes:
         put(kept, path, value)
     return tomlkit.dumps(kept)
 
 
-def _table(value: Any) -> Any:
-    """Plain data as tomlkit items; the innermost tables in one line."""
+def _table(value: Any, short: bool = False) -> Any:
+    """Plain data as tomlkit items; with `short` tables in one line."""
     import tomlkit
 
     if not isinstance(value, Mapping):
-        return list(value) if isinstance(value, tuple) else value
-    inner = not any(isinstance(one, Mapping) for one in value.values())
-    made = tomlkit.table()
+        return plain(value)
+    made: Any = tomlkit.inline_table() if short else tomlkit.table()
     for key, one in value.items():
-        if isinstance(one, Mapping) and not any(isinstance(x, Mapping) for x in one.values()) and not inner and key in ("points", "contact", "block"):
-            short = tomlkit.inline_table()
-            short.update({k: list(v) if isinstance(v, tuple) else v for k, v in one.items()})
-            made[key] = short
-        else:
-            made[key] = _table(one)
+        made[key] = _table(one, short or key in IN_ONE_LINE)
     return made
 
 
