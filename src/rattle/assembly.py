@@ -16,12 +16,14 @@ from typing import Any
 import numpy as np
 
 from rattle.closing import close_position, close_rate, open_by, place_only
+from rattle.contact import touch_all
 from rattle.equations import constraints, drive, solve_motion
 from rattle.errors import AssemblyError
 from rattle.loops import describe_loop, tree_path
 from rattle.memory import Memory
 from rattle.model import Contact, Joint, Model, driven_ends
-from rattle.system import Compiled, compile_system, is_link
+from rattle.plane import GAP, OWNER
+from rattle.system import Compiled, compile_system, has_contacts, is_link
 
 HOLD = 1e-6  # share of its mobility that a rate given by the user keeps while the others follow
 STARTS = 48  # guesses tried for angles that nobody gave
@@ -52,15 +54,23 @@ def assemble(ready: Compiled, t: float = 0.0, ideal: Assembled | None = None) ->
     """
     model = ready.model
     links = {name: one for name, one in model.joints.items() if is_link(one)}
-    offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in links}
-    ideal_ready = compile_system(ideal_model(model)) if links else ready
-    if links:
+    open_ = {name: one for name, one in model.joints.items() if has_contacts(one)}
+    offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
+    ideal_ready = compile_system(ideal_model(model)) if offsets else ready
+    if offsets:
         ideal = assemble(ideal_ready, t)
-        missing = [name for name, (x, y) in offsets.items() if math.hypot(x, y) < 1e-9 * links[name].clearance]
+        missing = [name for name in links if math.hypot(*offsets[name]) < 1e-9 * links[name].clearance]
         if missing:
             offsets.update(_along_reactions(ideal_ready, ideal, missing))
     memory = ready.memory()
-    q, iterations = _positions(ready, memory, t, offsets, ideal)
+    held = [name for name in open_ if not _placed(model, open_[name])]
+    if held and ideal is not None:
+        q, iterations = _hold_offsets(ready, t, {name: offsets[name] for name in held}, ideal)
+        gap = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * ready.size, 60)[0]
+        if not gap <= 1e-9 * ready.size:
+            raise AssemblyError(_why_open(ready, memory, t, q))
+    else:
+        q, iterations = _positions(ready, memory, t, offsets, ideal)
     given = _given_rates(ready)
     if ideal is None:
         v = _free_rates(ready, memory, t, q, given)
@@ -68,7 +78,68 @@ def assemble(ready: Compiled, t: float = 0.0, ideal: Assembled | None = None) ->
         v = np.where(np.isnan(given), ideal.v, given)
         _place_rates(ready, q, v, given, ideal.v)
         close_rate(memory.handle, t, q, v)
-    return Assembled(t, q, v, float(open_by(memory.handle, t, q, v)), iterations)
+    residual = float(open_by(memory.handle, t, q, v))
+    _pins_inside(ready, memory)
+    return Assembled(t, q, v, residual, iterations)
+
+
+def _placed(model: Model, joint: Joint) -> bool:
+    """True when the user's numbers, not the offset of this joint, say where its pin is.
+
+    That is so when no offset is given and both bodies get their place from given x, y, angle or from other joints.
+    """
+    if joint.name in model.initial.offsets:
+        return False
+    without = replace(model, joints={name: one for name, one in model.joints.items() if not has_contacts(one)})
+    reached = {"ground"} | {body for body, _, _ in outward(without)}
+
+    def known(body: str) -> bool:
+        values = model.initial.bodies.get(body, {})
+        return body == "ground" or ("angle" in values and (body in reached or ("x" in values and "y" in values)))
+
+    bodies = (joint.a.body, joint.b.body)
+    driven = {driver.joint for driver in model.drivers.values()}
+    turning = {one.b.body for one in model.joints.values() if one.name in driven} | {"ground"}
+    return all(known(body) or (body in turning and body in reached) for body in bodies)
+
+
+def _hold_offsets(ready: Compiled, t: float, offsets: dict[str, Any], ideal: Assembled) -> tuple[np.ndarray, int]:
+    """Positions with the pins of some open joints at given offsets: these joints are closed with shifted bushes."""
+    model, q, iterations = ready.model, ideal.q.copy(), 0
+    for _ in range(6 if any(math.hypot(*one) for one in offsets.values()) else 1):
+        joints = dict(model.joints)
+        for name, offset in offsets.items():
+            joint = joints[name]
+            angle = 0.0 if joint.a.body == "ground" else float(q[3 * ready.bodies.index(joint.a.body) + 2])
+            shift = _turned(-angle, offset)
+            at = (joint.a.at[0] + float(shift[0]), joint.a.at[1] + float(shift[1]))
+            joints[name] = replace(joint, a=replace(joint.a, at=at), contact=None)
+        shifted = compile_system(replace(model, joints=joints))
+        memory = shifted.memory()
+        before = q.copy()
+        gap, more = close_position(memory.handle, t, q, np.empty_like(q), 1e-13 * ready.size, 60)
+        iterations += more
+        if not gap <= 1e-9 * ready.size:
+            raise AssemblyError(_why_open(shifted, memory, t, q))
+        if np.abs(q - before).max() < 1e-14 * ready.size:
+            break
+    return q, iterations
+
+
+def _pins_inside(ready: Compiled, memory: Memory) -> None:
+    """Refuse a start at which a pin is outside its bush, or a block outside its guide."""
+    contact = ready.arrays["contact"]
+    if not len(contact):
+        return
+    touch_all(memory.handle)
+    for entry, gap in zip(contact, memory["touch"][:, GAP], strict=True):
+        name = ready.joints[entry[OWNER]]
+        clearance = ready.model.joints[name].clearance
+        if gap < -1e-6 * clearance:
+            raise AssemblyError(
+                f"joint '{name}' starts {-gap:.3g} m beyond its clearance of {clearance:.3g} m: give the bodies"
+                f" positions that leave the pin inside, or an offset of '{name}' in [initial]"
+            )
 
 
 # ---------------------------------------------------------------- positions

@@ -32,6 +32,7 @@ log = logging.getLogger("rattle")
 SIGNATURE = {
     "joint": ("void", "m", "i", "i", "v", "i", "i", "m"),  # body, a, b, p, k, row, rows
     "load": ("void", "f", "m", "i", "i", "v", "i", "m", "v"),  # t, body, a, b, p, k, force, energy
+    "clearance": ("void", "m", "i", "i", "v", "i", "i", "i", "m"),  # body, a, b, p, k, corner, row, touch
     "stiffness": ("f", "f", "v", "i"),  # delta, p, k -> F
     "normal": ("f", "f", "f", "f", "f", "v", "i"),  # F_static, delta, ddelta, v0, p, k -> F
     "friction": ("f", "f", "f", "f", "v", "i", "v"),  # u, N, z, p, k, dz -> T
@@ -207,7 +208,7 @@ def cache_folder() -> Path:
         import numba
 
         here = Path(__file__).parent
-        packages = ("joints", "clearances", "laws", "loads", "steppers")
+        packages = ("joints", "clearances", "laws", "applied", "steppers")
         sources = sorted(here.glob("*.py")) + [f for p in packages for f in sorted((here / p).glob("*.py"))]
         digest = hashlib.sha256(f"{numba.__version__} {sys.version} {here}".encode())
         for source in sources:
@@ -239,6 +240,11 @@ def call_load(entry: Any, arguments: Any) -> None:
     entry(*arguments)
 
 
+def call_clearance(entry: Any, arguments: Any) -> None:
+    """Call one clearance kernel of a table: the geometry of one contact."""
+    entry(*arguments)
+
+
 def call_stiffness(entry: Any, arguments: Any) -> Any:
     """Static contact force [N] by one stiffness kernel of a table."""
     return entry(*arguments)
@@ -257,6 +263,7 @@ def call_friction(entry: Any, arguments: Any) -> Any:
 _CALLERS: dict[str, Callable[..., Any]] = {
     "joint": call_joint,
     "load": call_load,
+    "clearance": call_clearance,
     "stiffness": call_stiffness,
     "normal": call_normal,
     "friction": call_friction,

@@ -11,30 +11,16 @@ from __future__ import annotations
 import math
 
 from rattle.catalog import call_joint, call_load, compiled
+from rattle.contact import press, touch_all
 from rattle.memory import (
-    ACCELERATION, BODY, CHANGE, CODE, CONST, ENERGY, FORCE, GRAVITY, JET, JET_OUT, JET_SIGNAL, JET_STACK, JETS, JOINT,
-    JOINT_TABLE, LIVE, LOAD, LOAD_TABLE, MASS, MULTIPLIER, PLACE, POWER, ROW_BODY, ROWS, SIGNAL, SIGNALS, SOLUTION,
-    STACK, VALUES, WEIGHT, imat, ivec, mat, vec,
+    ACCELERATION, BODY, CHANGE, CODE, CONST, CONTACT, ENERGY, FORCE, GRAVITY, JET, JETS, JET_OUT, JET_SIGNAL,
+    JET_STACK, JOINT, JOINT_TABLE, LIVE, LOAD, LOAD_TABLE, MASS, MULTIPLIER, PLACE, POWER, ROWS, ROW_BODY,
+    SIGNAL, SIGNALS, SOLUTION, STACK, TOUCH, VALUES, WEIGHT, imat, ivec, mat, vec,
 )  # fmt: skip
 from rattle.plane import (
-    AX,
-    BX,
-    COS,
-    DISSIPATED,
-    ELASTIC,
-    GAMMA,
-    NU,
-    OUTSIDE,
-    PHI,
-    POTENTIAL,
-    RES,
-    SIN,
-    VX,
-    VY,
-    W,
-    X,
-    Y,
-)
+    AX, BRISTLE, BX, COS, DBRISTLE, DISSIPATED, ELASTIC, GAMMA, LOSS, NORMAL, NU, OUTSIDE, PHI, POTENTIAL, RES, SIN,
+    STORE, VX, VY, W, X, Y,
+)  # fmt: skip
 from rattle.programs import evaluate, evaluate_jet
 from rattle.schur import WEAK, factorise, solve
 
@@ -77,6 +63,8 @@ def constraints(m):
     """Residual, nu, gamma and Jacobian of every row at the state in `body`."""
     table, joint, body, values, rows = ivec(m, JOINT_TABLE), imat(m, JOINT), mat(m, BODY), vec(m, VALUES), mat(m, ROWS)
     for n in range(joint.shape[0]):
+        if joint[n, 0] < 0:  # held by contacts alone
+            continue
         call_joint(table[joint[n, 0]], (body, joint[n, 1], joint[n, 2], values, joint[n, 3], joint[n, 4], rows))
 
 
@@ -109,6 +97,9 @@ def loads(m, t):
         else:  # its values change with time: what it stores is not a function of position alone
             rate += energy[ELASTIC]
     power[0], power[1], power[2] = potential, rate, lost
+    if imat(m, CONTACT).shape[0] > 0:
+        touch_all(m)
+        press(m)
 
 
 @compiled
@@ -211,8 +202,9 @@ def solve_motion(m, t, q, v):
 
 @compiled
 def collect(m, v, dy):
-    """dy/dt of y = [q, v, work done on the mechanism, energy dissipated] from what has just been solved."""
+    """dy/dt of y from what has just been solved; y = [q, v, work, dissipated, then per contact z, impulse, loss, stored]."""
     rows, multiplier, acceleration, power = mat(m, ROWS), vec(m, MULTIPLIER), mat(m, ACCELERATION), vec(m, POWER)
+    touch = mat(m, TOUCH)
     nq = v.shape[0]
     rate = power[1]
     for r in range(rows.shape[0]):
@@ -224,12 +216,28 @@ def collect(m, v, dy):
             dy[nq + 3 * i - 3 + k] = acceleration[i, k]
     dy[2 * nq] = rate
     dy[2 * nq + 1] = power[2]
+    for n in range(touch.shape[0]):
+        k = 2 * nq + 2 + 4 * n
+        dy[k] = touch[n, DBRISTLE]
+        dy[k + 1] = touch[n, NORMAL]
+        dy[k + 2] = touch[n, LOSS]
+        dy[k + 3] = touch[n, STORE]
+
+
+@compiled
+def set_bristles(m, y):
+    """Bristle states of the contacts, from y into `touch`."""
+    touch = mat(m, TOUCH)
+    first = y.shape[0] - 4 * touch.shape[0]
+    for n in range(touch.shape[0]):
+        touch[n, BRISTLE] = y[first + 4 * n]
 
 
 @compiled
 def derivative(m, t, y, dy):
-    """dy/dt of y = [q, v, work done on the mechanism, energy dissipated] (6 nb + 2,)."""
-    nq = (y.shape[0] - 2) // 2
+    """dy/dt of y (6 nb + 2 + 4 nc,), see `collect`. Returns the number of redundant rows."""
+    nq = vec(m, CHANGE).shape[0]
+    set_bristles(m, y)
     lost = solve_motion(m, t, y[:nq], y[nq : 2 * nq])
     collect(m, y[nq : 2 * nq], dy)
     return lost

@@ -23,6 +23,7 @@ FIELDS = {
     "gravity": "f1",  # (2,) [m/s^2]
     "joint": "i2",  # (nj, 5) kernel, A, B, first parameter, first row; joints first, then drivers
     "load": "i2",  # (nl, 5) kernel, A, B, first parameter, 1 if its values change during the run
+    "contact": "i2",  # (nc, 13) one per contact point, see plane
     "code": "i2",  # (nc, 2) programs of all expressions, one after the other
     "const": "f1",  # numbers in them
     "jet": "i2",  # (nd, 3) first, last code row and parameter of every driver's function
@@ -38,6 +39,10 @@ FIELDS = {
     "row_body": "i2",  # (nr, 2) bodies A, B of every row
     "joint_table": "i1",  # kernels
     "load_table": "i1",
+    "clearance_table": "i1",
+    "stiffness_table": "i1",
+    "normal_table": "i1",
+    "friction_table": "i1",
     # this instant, in the order in which it is filled
     "values": "f1",  # (np,) parameters of joints and loads
     "signals": "f1",  # (ns,)
@@ -57,6 +62,9 @@ FIELDS = {
     "multiplier": "f1",  # (nr,) lambda
     "acceleration": "f2",  # (nb + 1, 3)
     "change": "f1",  # (3 nb,) a correction of positions or rates
+    "touch": "f2",  # (nc, 17) geometry and forces of every contact, see plane
+    "grip": "f2",  # (nc, 9) its memory, see plane
+    "rate": "f1",  # (1,) rate of a bristle
     # the march in time
     "y": "f1",  # (6 nb + 2,) q, v, work done, energy dissipated at clock[T]
     "f": "f1",  # its derivative
@@ -72,9 +80,9 @@ FIELDS = {
 }
 
 (
-    MASS, WEIGHT, GRAVITY, JOINT, LOAD, CODE, CONST, JET, JET_SIGNAL, SIGNAL, LIVE, WATCH, PLACE, FIRST, BELOW, TARGET, PAIRS,
-    ROW_BODY, JOINT_TABLE, LOAD_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER,
-    SCHUR, INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES,
+    MASS, WEIGHT, GRAVITY, JOINT, LOAD, CONTACT, CODE, CONST, JET, JET_SIGNAL, SIGNAL, LIVE, WATCH, PLACE, FIRST, BELOW, TARGET, PAIRS,
+    ROW_BODY, JOINT_TABLE, LOAD_TABLE, CLEARANCE_TABLE, STIFFNESS_TABLE, NORMAL_TABLE, FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER,
+    SCHUR, INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES,
     DENSE, CLOCK, TALLY, SIGN, CROSSINGS,
 ) = range(len(FIELDS))  # fmt: skip
 

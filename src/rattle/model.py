@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from rattle.expression import Node
 
@@ -35,11 +36,26 @@ class Body:
 
 
 @dataclass(frozen=True)
+class Choice:
+    """A kind of some family and the values of its fields."""
+
+    kind: str
+    values: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
 class Contact:
-    """How the play of a joint is treated: a kind of the family "contact" and its fields."""
+    """How the play of a joint is treated.
+
+    `model` is a kind of the family "contact", or "compliant": then `normal`, `static` and `friction` are its laws.
+    """
 
     model: str
-    fields: Mapping[str, float]
+    fields: Mapping[str, float] = field(default_factory=dict)
+    bush_radius: float = 0.0  # [m]
+    normal: Choice | None = None
+    static: Choice | None = None
+    friction: Choice | None = None
 
 
 @dataclass(frozen=True)

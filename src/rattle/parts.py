@@ -10,6 +10,7 @@ from rattle import catalog
 from rattle.catalog import REQUIRED, Field
 from rattle.errors import suggest
 from rattle.model import Body, Contact, Driver, Joint, Load, Point, Vector
+from rattle.plays import read_contact
 from rattle.values import Path, Values, said
 
 BODY = ("points", "center", "mass", "inertia")  # what a body may say
@@ -170,9 +171,11 @@ class Parts:
         clearance, contact, block = 0.0, None, None
         if "clearance" in given:
             clearance = values.value(given["clearance"], "m", (*path, "clearance"), "not negative")
-            contact = self._contact(given, found.name, path)
+            contact = self._contact(given, found.name, clearance, path)
         elif "contact" in given:
             values.wrong((*path, "contact"), "needs a clearance: the radial play of the joint in m", at_key=True)
+        if contact is not None and contact.model not in ("ideal",) and found.name == GUIDED and "block" not in given:
+            values.wrong(path, "a guide with play needs block = { length, height } in m")
         if found.name == GUIDED and "block" in given:
             here = (*path, "block")
             table = values.table(given["block"], here)
@@ -185,27 +188,9 @@ class Parts:
         if len(values.problems) > before:
             self.broken_joints.add(name)
 
-    def _contact(self, given: Mapping[str, Any], joint: str, path: Path) -> Contact | None:
-        """A contact model: its name, or a table with its name and fields."""
-        written = given.get("contact", DEFAULT_CONTACT)
+    def _contact(self, given: Mapping[str, Any], joint: str, clearance: float, path: Path) -> Contact | None:
         here: Path = (*path, "contact") if "contact" in given else path
-        known = catalog.kinds("contact")
-        if isinstance(written, str):
-            if written not in known:
-                self.values.wrong(here, f"unknown contact {said(written)}{suggest(written, known)}")
-                return None
-            written = {"model": written}
-        table = self.values.table(written, here)
-        found = self.choose(table, "contact", here, "model") if isinstance(written, Mapping) else None
-        if found is None:
-            return None
-        self.values.keys(table, ["model", *found.fields], here)
-        works: tuple[str, ...] = found.leaf.joints  # type: ignore[attr-defined]
-        if joint not in works:
-            others = [one.name for one in known.values() if joint in one.leaf.joints]  # type: ignore[attr-defined]
-            wanted = f"; wanted {' or '.join(others)}" if others else "; leave the clearance out"
-            self.values.wrong(here, f"'{found.name}' works on {' and '.join(works)} joints, not on {joint}{wanted}")
-        return Contact(found.name, self.fields(found, table, here))
+        return read_contact(self, given.get("contact", DEFAULT_CONTACT), joint, clearance, here)
 
     # ------------------------------------------------------------ drivers and loads
     def add_driver(self, name: str, given: Mapping[str, Any]) -> None:

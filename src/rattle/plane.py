@@ -14,6 +14,16 @@ X, Y, PHI, VX, VY, W, COS, SIN = range(8)
 RES, NU, GAMMA, AX, AY, AP, BX, BY, BP = range(9)
 # columns of `energy`: potential [J]; power of the elastic part, power from outside, dissipation [W]
 POTENTIAL, ELASTIC, OUTSIDE, DISSIPATED = range(4)
+# columns of `contact`: kernels and first parameters of its geometry and laws, whose it is
+SHAPE, A_BODY, B_BODY, SHAPE_P, CORNER, STATIC, STATIC_P, NORMAL_LAW, NORMAL_P, FRICTION, FRICTION_P, OWNER, IMPACT = range(13)
+# columns of `touch`: gap g (negative: penetration) and its rate; normal n from A outwards (the force on B is
+# -N n - T t, t = n turned by 90 degrees); arms of the contact point from the mass centres of A and B; slip u . t
+# of B's material against A's; gamma of the normal and tangential rows; N, T and the rates they give
+GAP, DGAP, NX, NY, PAX, PAY, PBX, PBY, SLIP, GAMMA_N, GAMMA_T, NORMAL, TANGENT, BRISTLE, DBRISTLE, LOSS, STORE = range(17)
+# columns of `grip`, the memory of a contact: state, approach speed, start, peak force, impulse, loss and stored at
+# the start, steps so far, gap at the start of the step
+CLOSED, SPEED, SINCE, PEAK, IMPULSE_0, LOSS_0, STEPS_IN, GAP_0, DGAP_0 = range(9)
+OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)
 
 
 @compiled

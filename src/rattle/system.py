@@ -11,8 +11,10 @@ import numpy as np
 from rattle import catalog, schur
 from rattle.expression import Node, compile_program, concatenate
 from rattle.memory import Memory
-from rattle.model import Joint, Model, driven_ends
+from rattle.model import Choice, Joint, Model, driven_ends
+from rattle.plane import AUTO, CLOSED
 
+CONTACT_FAMILIES = ("clearance", "stiffness", "normal", "friction")
 STATE = {"x": 0, "y": 1, "angle": 2, "vx": 3, "vy": 4, "omega": 5}  # columns of `body`
 
 
@@ -53,6 +55,9 @@ class Compiled:
     def memory(self, **more: np.ndarray) -> Memory:
         """Fresh memory for one run; `more` are arrays of the march."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
+        nc = self.arrays["contact"].shape[0]
+        grip = np.zeros((nc, 9))
+        grip[:, CLOSED] = AUTO
         body = np.zeros((nb, 8))
         body[0, 6] = 1.0
         return Memory(
@@ -60,6 +65,7 @@ class Compiled:
                 **self.arrays,
                 "joint_table": catalog.table("joint", "driver"),
                 "load_table": catalog.table("load"),
+                **{f"{family}_table": catalog.table(family) for family in CONTACT_FAMILIES if nc},
                 "values": self.arrays["values"].copy(),
                 "signals": np.zeros(ns),
                 "jets": np.zeros((ns, 3)),
@@ -78,14 +84,19 @@ class Compiled:
                 "multiplier": np.zeros(nr),
                 "acceleration": np.zeros((nb, 3)),
                 "change": np.zeros(3 * nb - 3),
+                "touch": np.zeros((nc, 17)),
+                "grip": grip,
+                "rate": np.zeros(1),
                 **more,
             }
         )
 
 
-def joint_rows(joint: Joint) -> tuple[catalog.Kind, tuple[float, ...]]:
-    """The kind whose rows hold this joint, and the values of its fields: its own, or those of its contact model."""
+def joint_rows(joint: Joint) -> tuple[catalog.Kind | None, tuple[float, ...]]:
+    """The kind whose rows hold this joint, and the values of its fields; None when contacts alone act on it."""
     own = catalog.kinds("joint")[joint.kind]
+    if has_contacts(joint):
+        return None, ()
     if joint.contact is not None and joint.clearance > 0.0:
         replaces: Mapping[str, str] = catalog.kinds("contact")[joint.contact.model].leaf.replaces  # type: ignore[attr-defined]
         if joint.kind in replaces:
@@ -93,9 +104,18 @@ def joint_rows(joint: Joint) -> tuple[catalog.Kind, tuple[float, ...]]:
     return own, tuple(joint.fields.values())
 
 
+def has_contacts(joint: Joint) -> bool:
+    """True when the joint is open: only contacts with its clearance act on it."""
+    if joint.contact is None or joint.clearance <= 0.0:
+        return False
+    known = catalog.kinds("contact")
+    return joint.contact.model not in known or bool(known[joint.contact.model].leaf.contacts)  # type: ignore[attr-defined]
+
+
 def is_link(joint: Joint) -> bool:
     """True when the joint is held by a two-sided link over its clearance."""
-    return joint_rows(joint)[0].name != joint.kind
+    kind = joint_rows(joint)[0]
+    return kind is not None and kind.name != joint.kind
 
 
 class _Programs:
@@ -137,11 +157,13 @@ def compile_system(model: Model) -> Compiled:
         for unit in one.leaf.rows:  # type: ignore[attr-defined]
             rows.append(Row(name, unit, True))
             row_body.append((a, b))
+    contact = _contacts(model, number, values)
     load, live = _loads(model, number, values, programs)
     signals = [programs.add(node, f"signals.{name}") for name, node in model.signals.items()]
     code, const, first, depth = concatenate(programs.programs)
     needed = _needed_by_drivers(programs, [program for program, _ in jets], signals)
-    blocks = [range(entry[4], end) for entry, end in zip(joint, [*(e[4] for e in joint[1:]), len(rows)], strict=True)] if joint else []
+    ends = [*(entry[4] for entry in joint[1:]), len(rows)]
+    blocks = [range(entry[4], end) for entry, end in zip(joint, ends, strict=False) if end > entry[4]]
     pattern = schur.analyse(row_body, blocks)
     mass = np.array([[0.0] * 3] + [[one.mass, one.mass, one.inertia] for one in model.bodies.values()])
     weight = np.zeros_like(mass)
@@ -152,6 +174,7 @@ def compile_system(model: Model) -> Compiled:
         "gravity": np.array(model.gravity, dtype=float),
         "joint": _table(joint, 5),
         "load": _table(load, 5),
+        "contact": _table(contact, 13),
         "values": np.array(values, dtype=float),
         "code": code,
         "const": const,
@@ -178,15 +201,59 @@ def _joints(model: Model, number: Mapping[str, int], values: list[float]) -> tup
     for name, one in model.joints.items():
         found, fields = joint_rows(one)
         a, b = number[one.a.body], number[one.b.body]
-        joint.append((found.tag, a, b, len(values), len(rows)))
+        joint.append((found.tag if found else -1, a, b, len(values), len(rows)))
         if is_link(one):
             watch.append(len(rows))
             watched.append(name)
         values += [*one.a.at, *one.b.at, *fields]
-        for unit in found.leaf.rows:  # type: ignore[attr-defined]
+        for unit in found.leaf.rows if found else ():  # type: ignore[attr-defined]
             rows.append(Row(name, unit, False))
             row_body.append((a, b))
     return joint, rows, row_body, watch, watched
+
+
+def _contacts(model: Model, number: Mapping[str, int], values: list[float]) -> list[tuple[int, ...]]:
+    """One entry per contact point, see `plane`: geometry and laws with their parameters."""
+    found: list[tuple[int, ...]] = []
+    shapes = {one.leaf.joint: one for one in catalog.kinds("clearance").values()}  # type: ignore[attr-defined]
+    for n, joint in enumerate(model.joints.values()):
+        contact = joint.contact
+        if contact is None or not has_contacts(joint):
+            continue
+        shape = shapes[joint.kind]
+        a, b = number[joint.a.body], number[joint.b.body]
+        place = len(values)
+        values += [*joint.a.at, *joint.b.at, joint.clearance, contact.bush_radius, *joint.fields.values(), *(joint.block or ())]
+        laws: tuple[int, ...]
+        if contact.normal is None:
+            laws = (-1, -1, -1, len(values), -1, -1)
+            values += contact.fields.values()
+        else:
+            laws = (
+                *_law("stiffness", contact.static, values),
+                *_law("normal", _with_mass(contact.normal, model, joint), values),
+                *_law("friction", contact.friction, values),
+            )
+        for corner in range(shape.leaf.corners):  # type: ignore[attr-defined]
+            found.append((shape.tag, a, b, place, corner, *laws, n, int(contact.normal is None)))
+    return found
+
+
+def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, int]:
+    if choice is None:
+        return -1, -1
+    kind = catalog.kinds(family)[choice.kind]
+    place = len(values)
+    values += kind.leaf.pack(choice.values)  # type: ignore[attr-defined]
+    return kind.tag, place
+
+
+def _with_mass(choice: Choice, model: Model, joint: Joint) -> Choice:
+    """Fill in the effective mass where a law wants one: that of the two bodies as if they were free."""
+    if choice.values.get("effective_mass", 1.0) > 0.0:
+        return choice
+    light = sum(1.0 / model.bodies[name].mass for name in (joint.a.body, joint.b.body) if name in model.bodies)
+    return Choice(choice.kind, {**choice.values, "effective_mass": 1.0 / light})
 
 
 def _loads(model: Model, number: Mapping[str, int], values: list[float], programs: _Programs) -> tuple[list[Any], list[tuple[int, int]]]:

@@ -1,11 +1,69 @@
-"""A pin in a bush with play: which rows it has while a contact model holds it.
+"""A pin in a bush with play: one contact.
 
-    e = d = (r_B + s_B) - (r_A + s_A)     pin centre minus bush centre, bush on A, pin on B
+    e = (r_B + s_B) - (r_A + s_A)     pin centre minus bush centre, bush (bore radius R) on A, pin (R - c) on B
+    n = e / |e|                       from the bush centre outwards
+    g = c - |e|                       gap; the contact points are s_A + R n on A and s_B + (R - c) n on B
+
+    Relative velocity u of the two material points, t = n turned by 90 degrees:
+        n . u = n . e' = -g'                               d/dt = J_n dv - gamma_n
+        t . u = t . e' + w_B (R - c) - w_A R  (slip)       d/dt = J_t dv - gamma_t
+        gamma_n = n . (s_B w_B^2 - s_A w_A^2) - (t . e')^2 / |e|
+        gamma_t = t . (s_B w_B^2 - s_A w_A^2) + (t . e')(n . e') / |e|
 """
 
 from __future__ import annotations
 
-from rattle.catalog import kind
+import math
+
+from rattle.catalog import kernel, kind
+from rattle.plane import (
+    DGAP, GAMMA_N, GAMMA_T, GAP, NX, NY, PAX, PAY, PBX, PBY, SLIP, VX, VY, W, X, Y, turn_x, turn_y,
+)  # fmt: skip
+
+
+@kernel("clearance")
+def pin(body, a, b, p, k, corner, row, touch):
+    sax = turn_x(body, a, p[k], p[k + 1])
+    say = turn_y(body, a, p[k], p[k + 1])
+    sbx = turn_x(body, b, p[k + 2], p[k + 3])
+    sby = turn_y(body, b, p[k + 2], p[k + 3])
+    c, bore = p[k + 4], p[k + 5]
+    wa, wb = body[a, W], body[b, W]
+    ex = body[b, X] + sbx - body[a, X] - sax
+    ey = body[b, Y] + sby - body[a, Y] - say
+    dex = body[b, VX] - wb * sby - body[a, VX] + wa * say
+    dey = body[b, VY] + wb * sbx - body[a, VY] - wa * sax
+    e = math.sqrt(ex * ex + ey * ey)
+    inv = 1.0 / e if e > 1e-150 else 0.0
+    nx = ex * inv if e > 1e-150 else 1.0
+    ny = ey * inv
+    along = nx * dex + ny * dey
+    across = nx * dey - ny * dex  # t . e'
+    journal = bore - c
+    turning = across * inv  # rate at which n turns
+    rx = sbx * wb * wb - sax * wa * wa
+    ry = sby * wb * wb - say * wa * wa
+
+    touch[row, GAP] = c - e
+    touch[row, DGAP] = -along
+    touch[row, NX], touch[row, NY] = nx, ny
+    touch[row, PAX], touch[row, PAY] = sax + bore * nx, say + bore * ny
+    touch[row, PBX], touch[row, PBY] = sbx + journal * nx, sby + journal * ny
+    # slip = t . e' + w_B (R - c) - w_A R; its rate is t . e'' - turning (n . e') + alpha_B (R - c) - alpha_A R
+    touch[row, SLIP] = across + wb * journal - wa * bore
+    touch[row, GAMMA_N] = nx * rx + ny * ry - across * turning
+    touch[row, GAMMA_T] = -ny * rx + nx * ry + turning * along
+
+
+@kind("clearance", "pin", pin)
+class Pin:
+    """A pin in a bush: one contact on the circle of the clearance.
+
+    Source: Flores, Ambrosio, Revolute joints with clearance in multibody systems, Comput. Struct. 82 (2004) 1359-1369.
+    """
+
+    joint = "revolute"
+    corners = 1
 
 
 @kind("contact", "ideal")
@@ -15,8 +73,9 @@ class Ideal:
     Source: definition.
     """
 
-    replaces = {}
     joints = ("revolute", "prismatic")
+    replaces: dict[str, str] = {}
+    contacts = False
 
 
 @kind("contact", "massless-link")
@@ -29,5 +88,6 @@ class MasslessLink:
     Source: Grigore et al., Application to the motion and equilibrium of planar kinematic chains, section 1.
     """
 
-    replaces = {"revolute": "rod"}  # the joint's rows give way to the rows of this kind, its length the clearance
     joints = ("revolute",)
+    replaces = {"revolute": "rod"}  # the joint's rows give way to the rows of this kind, its length the clearance
+    contacts = False

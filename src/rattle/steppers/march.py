@@ -139,7 +139,7 @@ def prepare_dense(m, t, h, method):
 @compiled
 def record(m, t, y, row):
     """Write one output row for the state y; the columns are laid out in `recording`."""
-    nq = (y.shape[0] - 2) // 2
+    nq = vec(m, CHANGE).shape[0]
     solve_motion(m, t, y[:nq], y[nq : 2 * nq])
     write(m, y[2 * nq], y[2 * nq + 1], row)
 
@@ -192,7 +192,7 @@ def write(m, work_done, dissipated, row):
 def force_at(m, t, h, theta, n):
     """Watched force n at the share theta of the step."""
     stage, multiplier, watch = vec(m, STAGE), vec(m, MULTIPLIER), ivec(m, WATCH)
-    nq = (stage.shape[0] - 2) // 2
+    nq = vec(m, CHANGE).shape[0]
     interpolate(m, theta, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
     return multiplier[watch[n]]
@@ -264,7 +264,7 @@ def finish_step(m, t, y_new):
     project(m, t, y_new)
     loads(m, t)
     accelerate(m)
-    nq = (y_new.shape[0] - 2) // 2
+    nq = vec(m, CHANGE).shape[0]
     collect(m, y_new[nq : 2 * nq], vec(m, RATE_NEW))
 
 

@@ -1,0 +1,72 @@
+"""A block in a guide with play: four corners against two walls.
+
+    The walls lie at +-(b + c) beside the line of direction u through the point of A; the block on B has the
+    length 2a and the height 2b and is centred on the point of B.  Corners 0 and 1 face the upper wall
+    (n = u turned by +90 degrees), corners 2 and 3 the lower one (n = u turned by -90 degrees).
+
+    d = corner - point of A, p_A and p_B its arms from the mass centres, r its velocity against A's material there
+        g = b + c - n . d,  slip = t . r
+        n . r = -g'        d/dt = J_n dv - gamma_n
+        t . r = slip       d/dt = J_t dv - gamma_t
+        gamma = p_B w_B^2 - p_A w_A^2 + 2 w_A (-r_y, r_x), along n and t
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import kernel, kind
+from rattle.plane import (
+    COS, DGAP, GAMMA_N, GAMMA_T, GAP, NX, NY, PAX, PAY, PBX, PBY, SIN, SLIP, VX, VY, W, X, Y, turn_x, turn_y,
+)  # fmt: skip
+
+
+@kernel("clearance")
+def guide(body, a, b, p, k, corner, row, touch):
+    c, axis, angle = p[k + 4], p[k + 6], p[k + 7]
+    half_length, half_height = 0.5 * p[k + 8], 0.5 * p[k + 9]
+    sax = turn_x(body, a, p[k], p[k + 1])
+    say = turn_y(body, a, p[k], p[k + 1])
+    ux = turn_x(body, a, math.cos(axis), math.sin(axis))
+    uy = turn_y(body, a, math.cos(axis), math.sin(axis))
+    side = 1.0 if corner < 2 else -1.0
+    nx, ny = -side * uy, side * ux
+    # the corner in B's frame; the block lies along the line when B is at `angle` to A
+    lx = half_length if corner == 0 or corner == 3 else -half_length
+    ly = side * half_height
+    cb, sb = math.cos(axis - angle), math.sin(axis - angle)
+    bx = p[k + 2] + cb * lx - sb * ly
+    by = p[k + 3] + sb * lx + cb * ly
+    pbx = body[b, COS] * bx - body[b, SIN] * by
+    pby = body[b, SIN] * bx + body[b, COS] * by
+    pax = body[b, X] + pbx - body[a, X]
+    pay = body[b, Y] + pby - body[a, Y]
+    wa, wb = body[a, W], body[b, W]
+    # velocity of the corner against A's material at the same place
+    rx = body[b, VX] - wb * pby - body[a, VX] + wa * pay
+    ry = body[b, VY] + wb * pbx - body[a, VY] - wa * pax
+    along, across = nx * rx + ny * ry, nx * ry - ny * rx
+    # acceleration of the corner relative to A = J dv - gamma, with gamma from centripetal and Coriolis terms
+    gx = pbx * wb * wb - pax * wa * wa - 2.0 * wa * ry
+    gy = pby * wb * wb - pay * wa * wa + 2.0 * wa * rx
+
+    touch[row, GAP] = half_height + c - nx * (pax - sax) - ny * (pay - say)
+    touch[row, DGAP] = -along
+    touch[row, NX], touch[row, NY] = nx, ny
+    touch[row, PAX], touch[row, PAY] = pax, pay
+    touch[row, PBX], touch[row, PBY] = pbx, pby
+    touch[row, SLIP] = across
+    touch[row, GAMMA_N] = nx * gx + ny * gy
+    touch[row, GAMMA_T] = nx * gy - ny * gx
+
+
+@kind("clearance", "guide", guide)
+class Guide:
+    """A block in a guide: four corners against two walls.
+
+    Source: Flores, Leine, Glocker, Modeling and analysis of planar rigid multibody systems with translational
+    clearance joints based on the non-smooth dynamics approach, Multibody Syst. Dyn. 23 (2010) 165-190.
+    """
+
+    joint = "prismatic"
+    corners = 4

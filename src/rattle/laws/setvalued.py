@@ -1,0 +1,24 @@
+"""Set-valued contact: no penetration, restitution at impacts, Coulomb friction with true sticking.
+
+    g >= 0, N >= 0, g N = 0;     impact: u_n+ = -e_N u_n-, u_t+ = -e_T u_t- within |P_t| <= mu P_n
+"""
+
+from __future__ import annotations
+
+from rattle.catalog import Field, kind
+
+
+@kind("contact", "impact")
+class Impact:
+    """No penetration; restitution at impacts, Coulomb friction that truly holds; three modes: flight, impact, contact.
+
+    Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996); Leine, Nijmeijer, Dynamics and
+    Bifurcations of Non-Smooth Mechanical Systems (2004).
+    """
+
+    joints = ("revolute", "prismatic")
+    replaces: dict[str, str] = {}
+    contacts = True
+    restitution = Field("", "normal restitution e_N, 0 to 1", default=0.0, least="not negative")
+    tangential_restitution = Field("", "tangential restitution e_T, 0 to 1", default=0.0, least="not negative")
+    friction = Field("", "coefficient of friction mu", default=0.0, least="not negative")

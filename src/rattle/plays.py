@@ -1,0 +1,165 @@
+"""Reading the `contact` of a joint with play: a name or a table -> `Contact` with its laws."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from rattle import catalog
+from rattle.errors import suggest
+from rattle.model import Choice, Contact
+from rattle.values import Path, said
+
+if TYPE_CHECKING:
+    from rattle.parts import Parts
+
+GEOMETRY = ("bush_material", "pin_material", "length", "geometry")
+
+
+def contact_models(joint: str = "") -> list[str]:
+    """Every name that may stand in `contact`, for a kind of joint or for any."""
+    plain = [name for name, one in catalog.kinds("contact").items() if not joint or joint in one.leaf.joints]  # type: ignore[attr-defined]
+    laws = list(catalog.kinds("normal")) if joint in ("", "revolute", "prismatic") else []
+    return [*plain, *laws]
+
+
+def read_contact(parts: Parts, written: Any, joint: str, clearance: float, path: Path) -> Contact | None:
+    """One contact model; None after a problem."""
+    values = parts.values
+    table = {"model": written} if isinstance(written, str) else values.table(written, path)
+    known = contact_models()
+    if "model" not in table:
+        values.wrong(path, "needs a model: " + ", ".join(known))
+        return None
+    model = table["model"]
+    here: Path = path if isinstance(written, str) else (*path, "model")
+    if model not in known:
+        values.wrong(here, f"unknown contact {said(model)}{suggest(str(model), known)}")
+        return None
+    if model not in contact_models(joint):
+        others = contact_models(joint)
+        wanted = f"; wanted {', '.join(others)}" if others else "; leave the clearance out"
+        values.wrong(here, f"'{model}' does not work on a {joint} joint{wanted}")
+        return None
+    if model in catalog.kinds("contact"):
+        return _plain(parts, table, str(model), joint, clearance, path)
+    return _compliant(parts, table, str(model), joint, clearance, path)
+
+
+def _radius(parts: Parts, table: Mapping[str, Any], joint: str, clearance: float, needed: str, path: Path) -> float:
+    """Radius of the bush; asked for where something depends on it."""
+    if joint != "revolute":
+        if "bush_radius" in table:
+            parts.values.wrong((*path, "bush_radius"), "a guide has no bush", at_key=True)
+        return 0.0
+    if "bush_radius" not in table:
+        if needed:
+            parts.values.wrong(path, f"needs bush_radius in m: {needed} depends on it (pin radius = bush_radius - clearance)")
+        return 0.0
+    radius = float(parts.values.value(table["bush_radius"], "m", (*path, "bush_radius"), "positive"))
+    if not math.isnan(radius) and not radius > clearance:
+        parts.values.wrong((*path, "bush_radius"), f"must be larger than the clearance of {clearance:g} m")
+    return radius
+
+
+def _plain(parts: Parts, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path) -> Contact:
+    kind = catalog.kinds("contact")[model]
+    contacts = kind.leaf.contacts  # type: ignore[attr-defined]
+    parts.values.keys(table, ["model", *kind.fields, *(["bush_radius"] if contacts and joint == "revolute" else [])], path)
+    given = dict(table)
+    if isinstance(given.get("friction"), Mapping):
+        rest = dict(given["friction"])
+        if rest.pop("model", "coulomb") != "coulomb" or set(rest) - {"mu"}:
+            parts.values.wrong((*path, "friction"), "friction of an impact is set-valued Coulomb: wanted a number mu")
+        given["friction"] = rest.get("mu", 0.0)
+    fields = parts.fields(kind, given, path)
+    _unit_interval(parts, fields, path)
+    needed = "friction" if fields.get("friction", 0.0) > 0.0 or fields.get("tangential_restitution", 0.0) > 0.0 else ""
+    radius = _radius(parts, table, joint, clearance, needed, path) if contacts else 0.0
+    return Contact(model, fields, radius)
+
+
+def _unit_interval(parts: Parts, fields: Mapping[str, Any], path: Path) -> None:
+    for key in ("restitution", "tangential_restitution"):
+        if key in fields and fields[key] > 1.0:
+            parts.values.wrong((*path, key), f"{fields[key]:g} is outside [0, 1]")
+
+
+def _compliant(parts: Parts, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path) -> Contact | None:
+    values = parts.values
+    law = catalog.kinds("normal")[model]
+    statics = catalog.kinds("stiffness")
+    by_geometry = any(key in table for key in GEOMETRY)
+    if by_geometry and "stiffness" in table:
+        values.wrong((*path, "stiffness"), "give either a stiffness or materials and geometry, not both", at_key=True)
+        return None
+    if not by_geometry and "stiffness" not in table:
+        values.wrong(path, "needs a stiffness (with exponent), or bush_material, pin_material and geometry")
+        return None
+    name = "power"
+    if by_geometry:
+        choices = [one for one in statics if one != "power"]
+        name = table.get("geometry", "sphere")
+        if name not in choices:
+            values.wrong((*path, "geometry"), f"unknown geometry {said(name)}{suggest(str(name), choices)}")
+            return None
+        if joint != "revolute":
+            values.wrong((*path, "geometry"), "a guide wants stiffness and exponent: these formulas are for pins")
+            return None
+    static = statics[name]
+    own = [key for key in static.fields if key != "bush_radius"]
+    radius_key = ["bush_radius"] if joint == "revolute" else []
+    values.keys(table, ["model", "friction", "geometry" if by_geometry else "stiffness", *radius_key, *law.fields, *own], path)
+    radius = _radius(parts, table, joint, clearance, "friction" if "friction" in table else "the stiffness" if by_geometry else "", path)
+    elastic: dict[str, Any] = {"clearance": clearance, "bush_radius": radius}
+    for key in own:
+        elastic[key] = _elastic(parts, static.fields[key], key, table, elastic, path)
+    normal = parts.fields(law, table, path)
+    _unit_interval(parts, normal, path)
+    friction = _friction(parts, table["friction"], (*path, "friction")) if "friction" in table else None
+    found = Contact("compliant", {}, radius, Choice(model, normal), Choice(name, elastic), friction)
+    _pack(parts, found, path)
+    return found
+
+
+def _elastic(parts: Parts, field: catalog.Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path) -> Any:
+    if field.shape == "material":
+        given = table.get(key, field.default(read) if callable(field.default) else field.default)
+        if isinstance(given, Mapping):
+            here = (*path, key)
+            parts.values.keys(given, ("E", "nu"), here)
+            modulus = parts.values.value(given.get("E", "missing"), "Pa", (*here, "E"), "positive")
+            return {"E": modulus, "nu": parts.values.value(given.get("nu", 0.3), "", (*here, "nu"))}
+        return given
+    if key == "stiffness":
+        exponent = parts.values.value(table.get("exponent", 1.5), "", (*path, "exponent"), "positive")
+        unit = f"N/m^{exponent:g}" if exponent == exponent else "N/m"
+        return parts.values.value(table[key], unit, (*path, key), "positive")
+    return parts.field(field, key, table, read, path)
+
+
+def _friction(parts: Parts, given: Any, path: Path) -> Choice | None:
+    laws = catalog.kinds("friction")
+    if isinstance(given, Mapping):
+        if given.get("model") not in laws:
+            parts.values.wrong((*path, "model"), f"unknown friction {said(given.get('model'))}{suggest(str(given.get('model')), laws)}")
+            return None
+        kind = laws[given["model"]]
+        parts.values.keys(given, ["model", *kind.fields], path)
+        return Choice(kind.name, parts.fields(kind, given, path))
+    mu = parts.values.value(given, "", path, "not negative")
+    kind = laws["coulomb-smooth"]
+    return Choice(kind.name, parts.fields(kind, {"mu": mu}, path)) if mu == mu else None
+
+
+def _pack(parts: Parts, contact: Contact, path: Path) -> None:
+    """Let the laws themselves refuse values that do not go together."""
+    if parts.values.problems:
+        return
+    for family, choice in (("stiffness", contact.static), ("friction", contact.friction)):
+        if choice is not None:
+            try:
+                catalog.kinds(family)[choice.kind].leaf.pack(choice.values)  # type: ignore[attr-defined]
+            except ValueError as error:
+                parts.values.wrong(path, str(error))

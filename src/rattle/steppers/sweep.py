@@ -1,0 +1,342 @@
+"""Sweep of a fully driven mechanism over many positions: no integration, every position stands by itself.
+
+At each instant  Phi(q, t) = 0,  Phi_q v = nu,  Phi_q dv = gamma,  Phi_q^T lambda = Q - M dv.
+
+The last position with its rates and accelerations predicts the next one, Newton closes it.  The branch is kept
+by taking only steps whose correction is small against the distance to the nearest other branch, for which the
+square root of the smallest pivot share stands.  Close to a singular position nothing can be solved well; a step
+leaps across, and what lies inside is the quintic through both sides.
+
+The Schur complement is formed with geometric weights (1, 1, 1/radius^2), so that light parts do no harm.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import call_joint, compiled
+from rattle.equations import constraints, correct, drive, loads, place, rate_residual, residual
+from rattle.memory import (
+    ACCELERATION, BODY, CHANGE, FORCE, JOINT_TABLE, MASS, MULTIPLIER, PLACE, POWER, ROW_BODY, ROWS, SOLUTION, VALUES,
+    WEIGHT, imat, ivec, mat, vec,
+)  # fmt: skip
+from rattle.plane import AX, BX, GAMMA, VX, X
+from rattle.schur import factorise, solve
+from rattle.steppers.march import write
+
+Q, V, A, Q_NEW, V_NEW, A_NEW, Q_OLD, V_OLD, A_OLD = range(9)  # rows of `node`
+# clock: time of the node, step allowed, largest gap, root of the node, the one before it, and their times
+NOW, FREE, GAP, ROOT, ROOT_BEFORE, T_BEFORE = range(6)
+COUNT, STEPS, FOUND, NEWTON = range(4)  # tally: outputs written, steps, near-singular spots, Newton iterations
+ARRIVED, STUCK = range(2)
+WEAK_ROOT = 1e-3  # closer than this to a singular position nothing is solved there
+CORRECTION = 5e-3  # largest correction of a prediction, as a share of the mechanism's size or in rad
+SHARE = 0.1  # the same as a share of the distance to another branch
+TURN = 0.2  # largest predicted motion in one step [rad, or share of the size]
+LEAPS = 12  # doublings of a step that tries to get across
+
+
+@compiled
+def acceleration_residual(m, a):
+    """Put Phi_q a - gamma on the right side."""
+    rows, x, place_of, row_body = mat(m, ROWS), vec(m, SOLUTION), ivec(m, PLACE), imat(m, ROW_BODY)
+    for r in range(rows.shape[0]):
+        i, j = 3 * row_body[r, 0] - 3, 3 * row_body[r, 1] - 3
+        value = -rows[r, GAMMA]
+        for k in range(3):
+            if i >= 0:
+                value += rows[r, AX + k] * a[i + k]
+            if j >= 0:
+                value += rows[r, BX + k] * a[j + k]
+        x[place_of[r]] = value
+
+
+@compiled
+def largest(x, size):
+    """Largest component of a motion, lengths as a share of the size."""
+    most = 0.0
+    for k in range(0, x.shape[0], 3):
+        value = max(max(abs(x[k]), abs(x[k + 1])) / size, abs(x[k + 2]))
+        if not value <= most:  # also catches nan
+            most = value
+    return most
+
+
+@compiled
+def closed_at(m, t, node, size):
+    """Close positions, rates and accelerations at t from what the new rows of `node` hold.
+
+    Returns the size of the correction (inf when it failed), the root of the smallest pivot share, the gap left
+    and the number of Newton iterations.
+    """
+    q, v, a = node[Q_NEW], node[V_NEW], node[A_NEW]
+    change, power = vec(m, CHANGE), vec(m, POWER)
+    drive(m, t)
+    moved, last, gap = 0.0, math.inf, math.inf
+    rounds = 0
+    place(m, q, v)
+    constraints(m)
+    gap = residual(m)
+    while rounds < 12:
+        if not gap < math.inf:
+            return math.inf, 0.0, gap, rounds
+        power[3] = 1.0
+        factorise(m)
+        if gap <= 1e-16 * size or last <= 1e-10:
+            break
+        correct(m)
+        last = largest(change, size)
+        if not last < 0.5 or not moved < 0.5:
+            return math.inf, 0.0, gap, rounds
+        moved += last
+        rounds += 1
+        for k in range(q.shape[0]):
+            q[k] += change[k]
+        place(m, q, v)
+        constraints(m)
+        before = gap
+        gap = residual(m)
+        if last <= 1e-12 or (gap >= before and gap < 1e-13 * size):
+            break  # the factor at hand is exact enough
+    if not gap < 1e-9 * size:
+        return math.inf, 0.0, gap, rounds
+    rate_residual(m)
+    correct(m)
+    for k in range(q.shape[0]):
+        v[k] += change[k]
+    place(m, q, v)
+    constraints(m)
+    acceleration_residual(m, a)
+    correct(m)
+    for k in range(q.shape[0]):
+        a[k] += change[k]
+    return moved, math.sqrt(power[3]), gap, rounds
+
+
+@compiled
+def predicted(node, h, size):
+    """Put the prediction a time h after the node into the new rows; returns how far it moves."""
+    for k in range(node.shape[1]):
+        node[V_NEW, k] = h * node[V, k] + 0.5 * h * h * node[A, k]
+    move = largest(node[V_NEW], size)
+    for k in range(node.shape[1]):
+        node[Q_NEW, k] = node[Q, k] + node[V_NEW, k]
+        node[V_NEW, k] = node[V, k] + h * node[A, k]
+        node[A_NEW, k] = node[A, k]
+    return move
+
+
+@compiled
+def react(m, a):
+    """Multipliers of a motion that is known: Phi_q^T lambda = Q - M a, refined once."""
+    rows, force, weight, mass, x = mat(m, ROWS), mat(m, FORCE), mat(m, WEIGHT), mat(m, MASS), vec(m, SOLUTION)
+    multiplier, acceleration = vec(m, MULTIPLIER), mat(m, ACCELERATION)
+    place_of, row_body = ivec(m, PLACE), imat(m, ROW_BODY)
+    for i in range(1, force.shape[0]):
+        for k in range(3):
+            acceleration[i, k] = a[3 * i - 3 + k]
+            force[i, k] -= mass[i, k] * acceleration[i, k]
+    for r in range(rows.shape[0]):
+        multiplier[r] = 0.0
+    for _ in range(2):
+        for r in range(rows.shape[0]):
+            i, j = row_body[r, 0], row_body[r, 1]
+            value = 0.0
+            for k in range(3):
+                value += rows[r, AX + k] * weight[i, k] * force[i, k] + rows[r, BX + k] * weight[j, k] * force[j, k]
+            x[place_of[r]] = value
+        solve(m)
+        for r in range(rows.shape[0]):
+            value = x[place_of[r]]
+            multiplier[r] += value
+            i, j = row_body[r, 0], row_body[r, 1]
+            for k in range(3):
+                force[i, k] -= rows[r, AX + k] * value
+                force[j, k] -= rows[r, BX + k] * value
+
+
+@compiled
+def exchange(m, probe, line, row):
+    """Let a motor elsewhere do the work of a driver: its row h takes the place of the driver's row d.
+
+    h = Phi_q^T y gives  lambda_h = lambda_d / y_d  and  lambda -= y lambda_h.  probe (5,): kernel, A, B, first
+    parameter of the motor, row d; line (1, 9) scratch.  Writes effort and power of the motor into row[0], row[1].
+    """
+    table, body, values, rows = ivec(m, JOINT_TABLE), mat(m, BODY), vec(m, VALUES), mat(m, ROWS)
+    weight, x, multiplier = mat(m, WEIGHT), vec(m, SOLUTION), vec(m, MULTIPLIER)
+    place_of, row_body = ivec(m, PLACE), imat(m, ROW_BODY)
+    a, b, d = probe[1], probe[2], probe[4]
+    call_joint(table[probe[0]], (body, a, b, values, probe[3], 0, line))
+    for r in range(rows.shape[0]):
+        value = 0.0
+        for side in range(2):
+            i, c = row_body[r, side], AX + 3 * side
+            for k in range(3):
+                if i == a:
+                    value += rows[r, c + k] * weight[i, k] * line[0, AX + k]
+                if i == b:
+                    value += rows[r, c + k] * weight[i, k] * line[0, BX + k]
+        x[place_of[r]] = value
+    solve(m)
+    ratio = x[place_of[d]]
+    motor = multiplier[d] / ratio if ratio != 0.0 else math.nan
+    rate = 0.0
+    for k in range(3):
+        rate += line[0, AX + k] * body[a, VX + k] + line[0, BX + k] * body[b, VX + k]
+    for r in range(rows.shape[0]):
+        multiplier[r] -= x[place_of[r]] * motor
+    multiplier[d] = 0.0
+    row[0] = -motor
+    row[1] = -motor * rate
+
+
+@compiled
+def put(m, t, q, v, a, forces, probe, line, row):
+    """Write one output row for the motion whose rows and factor are in the memory."""
+    body = mat(m, BODY)
+    if forces:
+        loads(m, t)
+        react(m, a)
+        last = row.shape[0] - 2 * probe.shape[0]
+        for n in range(probe.shape[0]):
+            exchange(m, probe[n], line, row[last + 2 * n :])
+        write(m, 0.0, 0.0, row[:last])
+        return
+    for i in range(1, body.shape[0]):
+        c, n = 9 * i - 9, 3 * i - 3
+        for k in range(3):
+            row[c + k] = q[n + k]
+            row[c + 3 + k] = v[n + k]
+            row[c + 6 + k] = a[n + k]
+    c = 9 * body.shape[0] - 9
+    if row.shape[0] > c:
+        loads(m, t)  # evaluates the signals
+        write_signals(m, row[c:])
+
+
+@compiled
+def write_signals(m, row):
+    """Values of all signals."""
+    from_ = imat(m, SIGNAL)
+    signals = vec(m, SIGNALS)
+    for n in range(from_.shape[0]):
+        row[n] = signals[from_[n, 2]]
+
+
+@compiled
+def between(node, theta, h):
+    """Quintic through the old and the present node at the share theta of the step h, into the new rows."""
+    t2, t3 = theta * theta, theta * theta * theta
+    for k in range(node.shape[1]):
+        q0, v0, a0 = node[Q_OLD, k], h * node[V_OLD, k], h * h * node[A_OLD, k]
+        q1, v1, a1 = node[Q, k], h * node[V, k], h * h * node[A, k]
+        c3 = 10.0 * (q1 - q0) - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1
+        c4 = -15.0 * (q1 - q0) + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1
+        c5 = 6.0 * (q1 - q0) - 3.0 * (v0 + v1) - 0.5 * (a0 - a1)
+        node[Q_NEW, k] = q0 + theta * v0 + 0.5 * t2 * a0 + t3 * (c3 + theta * c4 + t2 * c5)
+        node[V_NEW, k] = (v0 + theta * a0 + t2 * (3.0 * c3 + 4.0 * theta * c4 + 5.0 * t2 * c5)) / h
+        node[A_NEW, k] = (a0 + theta * (6.0 * c3 + 12.0 * theta * c4 + 20.0 * t2 * c5)) / (h * h)
+
+
+@compiled
+def arrive(node, clock, tally, spots, t, root):
+    """Make the new rows the node; notes where the root has passed a minimum."""
+    for k in range(node.shape[1]):
+        for n in range(3):
+            node[Q_OLD + n, k] = node[Q + n, k]
+            node[Q + n, k] = node[Q_NEW + n, k]
+    low = clock[ROOT] <= clock[ROOT_BEFORE] and clock[ROOT] <= root
+    if low and clock[ROOT] < 0.7 * max(root, clock[ROOT_BEFORE]) and tally[FOUND] < spots.shape[0]:
+        spots[tally[FOUND], 0] = clock[T_BEFORE]
+        spots[tally[FOUND], 1] = t
+        tally[FOUND] += 1
+    clock[T_BEFORE] = clock[NOW]
+    clock[ROOT_BEFORE] = clock[ROOT]
+    clock[NOW] = t
+    clock[ROOT] = root
+    tally[STEPS] += 1
+
+
+@compiled
+def stride(m, target, node, clock, tally, spots, size):
+    """One step from the node towards the target, across it when it is singular; False when there is no way on."""
+    t = clock[NOW]
+    ahead = target - t
+    while True:
+        h = ahead if abs(ahead) <= clock[FREE] else math.copysign(clock[FREE], ahead)
+        if t + h == t or abs(h) < 1e-15 * abs(ahead):
+            return False
+        move = predicted(node, h, size)
+        fine = move <= TURN
+        correction, root = math.inf, 0.0
+        if fine:
+            correction, root, gap, rounds = closed_at(m, t + h, node, size)
+            tally[NEWTON] += rounds
+            fine = correction <= min(CORRECTION, SHARE * root)
+        if fine and root >= WEAK_ROOT:
+            break
+        far = h
+        crossed = False
+        if move <= TURN and clock[ROOT] >= WEAK_ROOT:
+            for _ in range(LEAPS):
+                far *= 2.0
+                if predicted(node, far, size) > TURN:
+                    break
+                correction, root, gap, rounds = closed_at(m, t + far, node, size)
+                if correction <= min(CORRECTION, SHARE * root) and root >= WEAK_ROOT:
+                    crossed = True
+                    break
+        if crossed:
+            h = far
+            break
+        if fine:  # no other side: go on into the singular position
+            predicted(node, h, size)
+            correction, root, gap, rounds = closed_at(m, t + h, node, size)
+            break
+        clock[FREE] = 0.5 * abs(h)
+    clock[GAP] = max(clock[GAP], gap)
+    if correction < 0.1 * min(CORRECTION, SHARE * root):
+        clock[FREE] = max(clock[FREE], 2.0 * abs(h))
+    arrive(node, clock, tally, spots, target if h == ahead else t + h, root)
+    return True
+
+
+@compiled
+def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line):
+    """Visit all times (monotone) from the node on and write a row of `raw` for each.
+
+    node (9, 3 nb): the position reached with its rates and accelerations, and scratch; clock (6,); tally (4,);
+    spots (n, 2): intervals in which the root of the smallest pivot share has a minimum; size [m];
+    forces: with all reactions (rows as `march.write` lays them out, then effort and power for each line of
+    `probe` (k, 5), see `exchange`), else bodies and signals alone.
+
+    Returns ARRIVED, or STUCK when no step leads on from clock[NOW]; tally[COUNT] rows are written.
+    """
+    direction = 1.0 if times[times.shape[0] - 1] >= times[0] else -1.0
+    for n in range(times.shape[0]):
+        target = times[n]
+        if n == 0 and target < clock[NOW]:
+            direction = -1.0
+        while (target - clock[NOW]) * direction > 0.0:
+            if not stride(m, target, node, clock, tally, spots, size):
+                return STUCK
+        if target == clock[NOW]:
+            for k in range(node.shape[1]):
+                for i in range(3):
+                    node[Q_NEW + i, k] = node[Q + i, k]
+        else:  # a step has leapt across it
+            h = clock[NOW] - clock[T_BEFORE]
+            between(node, (target - clock[T_BEFORE]) / h, h)
+        ready = tally[STEPS] > 0 and n > 0 and target == clock[NOW] and times[n - 1] != target
+        if forces or not ready:
+            drive(m, target)
+            place(m, node[Q_NEW], node[V_NEW])
+            constraints(m)
+            clock[GAP] = max(clock[GAP], residual(m))
+            if forces and not ready:
+                factorise(m)
+        put(m, target, node[Q_NEW], node[V_NEW], node[A_NEW], forces, probe, line, raw[n])
+        tally[COUNT] = n + 1
+        if n == 0 and times.shape[0] > 1:
+            direction = 1.0 if times[1] >= times[0] else -1.0
+    return ARRIVED
