@@ -253,6 +253,46 @@ class Mechanism:
             progress=progress, strict=strict, horizon=horizon,
         )  # fmt: skip
 
+    def kinematics(self, t_eval: float | Sequence[float] | np.ndarray, *, strict: bool = False) -> Result:
+        """Position, velocity and acceleration of a fully driven mechanism at any increasing times [s].
+
+        Starts from the assembled position at t = 0 and keeps its branch.  A position that cannot be reached ends
+        the result there, with success = False, a message and an event that say when, where and why (strict=True
+        raises SolverError); points where another branch starts are events and notes of `trust`.
+        Raises ModelError when the drivers leave a freedom, saying which bodies can still move.
+
+        Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), sections 3.6 and 4.5.
+        """
+        from rattle import kinematics
+
+        return kinematics.analyse(self.ready, self._start_or_none(), t_eval, forces=False, strict=strict)
+
+    def inverse_dynamics(
+        self, t_eval: float | Sequence[float] | np.ndarray, *, effort_at: str | Mapping[str, str] | None = None, strict: bool = False
+    ) -> Result:
+        """Kinematics with all reactions [N, N*m] and the effort and power of the drivers.
+
+        effort_at: a joint whose motor does the work of the driver, which then only prescribes the motion: its
+        torque is `<joint>.torque` [N*m] (`<joint>.thrust` [N] on a prismatic joint), its power `<joint>.power`;
+        all reactions are those with this motor.  With several drivers: {driver: joint}.
+        Joints whose reactions are not unique (redundant constraints) are named in `trust.nonunique`.
+        Raises what `kinematics` raises.
+        """
+        from rattle import kinematics
+
+        return kinematics.analyse(
+            self.ready, self._start_or_none(), t_eval, forces=True, effort_at=effort_at, strict=strict
+        )
+
+    def _start_or_none(self) -> Assembled | None:
+        """The start at t = 0, or None when the mechanism cannot be put together there."""
+        from rattle.errors import AssemblyError
+
+        try:
+            return self.start
+        except AssemblyError:
+            return None
+
 
 def load(path: str | os.PathLike[str]) -> Mechanism:
     """Read a model file (TOML or JSON). Raises ModelError with every problem, its line and a caret."""

@@ -17,10 +17,10 @@ import math
 from rattle.catalog import call_joint, compiled
 from rattle.equations import constraints, correct, drive, loads, place, rate_residual, residual
 from rattle.memory import (
-    ACCELERATION, BODY, CHANGE, FORCE, JOINT_TABLE, MASS, MULTIPLIER, PLACE, POWER, ROW_BODY, ROWS, SOLUTION, VALUES,
-    WEIGHT, imat, ivec, mat, vec,
+    ACCELERATION, BODY, CHANGE, FORCE, JOINT_TABLE, MASS, MULTIPLIER, PLACE, POWER, ROW_BODY, ROWS, SIGNAL, SIGNALS,
+    SOLUTION, VALUES, WEIGHT, imat, ivec, mat, vec,
 )  # fmt: skip
-from rattle.plane import AX, BX, GAMMA, VX, X
+from rattle.plane import AX, BX, GAMMA, VX
 from rattle.schur import factorise, solve
 from rattle.steppers.march import write
 
@@ -246,7 +246,7 @@ def arrive(node, clock, tally, spots, t, root):
             node[Q_OLD + n, k] = node[Q + n, k]
             node[Q + n, k] = node[Q_NEW + n, k]
     low = clock[ROOT] <= clock[ROOT_BEFORE] and clock[ROOT] <= root
-    if low and clock[ROOT] < 0.7 * max(root, clock[ROOT_BEFORE]) and tally[FOUND] < spots.shape[0]:
+    if low and clock[ROOT] < 0.8 * max(root, clock[ROOT_BEFORE]) and tally[FOUND] < spots.shape[0]:
         spots[tally[FOUND], 0] = clock[T_BEFORE]
         spots[tally[FOUND], 1] = t
         tally[FOUND] += 1
@@ -262,6 +262,7 @@ def stride(m, target, node, clock, tally, spots, size):
     """One step from the node towards the target, across it when it is singular; False when there is no way on."""
     t = clock[NOW]
     ahead = target - t
+    gap, rounds = 0.0, 0
     while True:
         h = ahead if abs(ahead) <= clock[FREE] else math.copysign(clock[FREE], ahead)
         if t + h == t or abs(h) < 1e-15 * abs(ahead):
@@ -288,6 +289,10 @@ def stride(m, target, node, clock, tally, spots, size):
                     break
         if crossed:
             h = far
+            if tally[FOUND] < spots.shape[0]:
+                spots[tally[FOUND], 0] = t
+                spots[tally[FOUND], 1] = t + far
+                tally[FOUND] += 1
             break
         if fine:  # no other side: go on into the singular position
             predicted(node, h, size)
@@ -317,7 +322,9 @@ def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line):
         target = times[n]
         if n == 0 and target < clock[NOW]:
             direction = -1.0
+        stepped = False
         while (target - clock[NOW]) * direction > 0.0:
+            stepped = True
             if not stride(m, target, node, clock, tally, spots, size):
                 return STUCK
         if target == clock[NOW]:
@@ -327,14 +334,13 @@ def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line):
         else:  # a step has leapt across it
             h = clock[NOW] - clock[T_BEFORE]
             between(node, (target - clock[T_BEFORE]) / h, h)
-        ready = tally[STEPS] > 0 and n > 0 and target == clock[NOW] and times[n - 1] != target
-        if forces or not ready:
+            stepped = False
+        if not stepped:  # else its rows and factor are in the memory
             drive(m, target)
             place(m, node[Q_NEW], node[V_NEW])
             constraints(m)
             clock[GAP] = max(clock[GAP], residual(m))
-            if forces and not ready:
-                factorise(m)
+            factorise(m)
         put(m, target, node[Q_NEW], node[V_NEW], node[A_NEW], forces, probe, line, raw[n])
         tally[COUNT] = n + 1
         if n == 0 and times.shape[0] > 1:

@@ -1,0 +1,342 @@
+"""Motion of a fully driven mechanism, position by position, and the forces that go with it."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rattle import catalog
+from rattle.assembly import LARGE, Assembled, assemble
+from rattle.closing import open_by
+from rattle.equations import drive
+from rattle.errors import AssemblyError, ModelError, Problem, SolverError, suggest
+from rattle.memory import Memory
+from rattle.recording import BODY, columns, geometry, width
+from rattle.result import Event, Result, Trust
+from rattle.singular import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
+from rattle.steppers import sweep as swept
+from rattle.system import Compiled
+
+log = logging.getLogger("rattle")
+
+PLAIN = 4000  # rows times positions up to which starting machine code is not worth it
+SPOTS = 256
+MOTORS = {"revolute": ("angle", "torque", "N*m"), "prismatic": ("position", "thrust", "N")}  # driver kind, effort, unit
+
+
+@dataclass
+class Sweep:
+    """The state of one sweep: where it is, and what it has seen."""
+
+    ready: Compiled
+    memory: Memory
+    node: np.ndarray  # (9, 3 nb), see steppers.sweep
+    clock: np.ndarray
+    tally: np.ndarray
+    spots: np.ndarray
+    probe: np.ndarray  # (k, 5) motors whose effort replaces that of a driver
+    line: np.ndarray
+
+    def go(self, times: np.ndarray, forces: bool) -> np.ndarray:
+        """Rows (k, width) at the times that can be reached, in their order."""
+        columns_ = (width(self.ready) + 2 * len(self.probe)) if forces else 9 * self.ready.body_count + len(self.ready.model.signals)
+        raw = np.zeros((len(times), columns_))
+        self.tally[swept.COUNT] = 0
+        swept.sweep(
+            self.memory.handle, times, raw, self.node, self.clock, self.tally, self.spots, self.ready.size,
+            forces, self.probe, self.line,
+        )  # fmt: skip
+        return raw[: self.tally[swept.COUNT]]
+
+    def fork(self) -> Sweep:
+        """A sweep from the same place that leaves this one as it is."""
+        return replace(self, node=self.node.copy(), clock=self.clock.copy(), tally=np.zeros(4, np.int64), spots=np.zeros((0, 2)))
+
+
+def begin(ready: Compiled, start: Assembled, motors: Sequence[tuple[int, str]] = (), shift: np.ndarray | None = None) -> Sweep:
+    """A sweep that stands at an assembled start.
+
+    motors: (row of a driver, joint whose motor does its work).  shift: other values of the joints' parameters.
+    Raises ModelError where freedoms are left.
+    """
+    radius = np.array([max([math.hypot(*at) for at in body.points.values()] + [0.0]) for body in ready.model.bodies.values()])
+    weight = np.ones_like(ready.arrays["weight"])
+    weight[0] = 0.0
+    weight[1:, 2] = 1.0 / np.where(radius > 0.0, radius, ready.size) ** 2
+    values = list(ready.arrays["values"] if shift is None else shift)
+    probe = []
+    for row, name in motors:
+        joint = ready.model.joints[name]
+        number = {"ground": 0, **{body: n + 1 for n, body in enumerate(ready.bodies)}}
+        tag = len(catalog.kinds("joint")) + catalog.kinds("driver")[MOTORS[joint.kind][0]].tag
+        probe.append((tag, number[joint.a.body], number[joint.b.body], len(values), row))
+        values += [*joint.a.at, *joint.b.at, *joint.fields.values(), 0.0, 0.0, 0.0]
+    arrays = {**ready.arrays, "weight": weight, "values": np.array(values, dtype=float)}
+    memory = replace(ready, arrays=arrays).memory()
+    node = np.zeros((9, 3 * ready.body_count))
+    made = Sweep(
+        ready, memory, node, np.array([start.t, math.inf, 0.0, 1.0, 1.0, start.t]), np.zeros(4, np.int64), np.zeros((SPOTS, 2)),
+        np.array(probe, np.int64).reshape(-1, 5), np.zeros((1, 9)),
+    )  # fmt: skip
+    node[swept.Q_NEW], node[swept.V_NEW] = start.q, start.v
+    for _ in range(2):  # the second round takes the rates as they are now
+        _, root, _, _ = swept.closed_at(memory.handle, start.t, node, ready.size)
+    node[: swept.Q_NEW] = node[swept.Q_NEW : swept.Q_OLD]
+    made.clock[swept.ROOT] = made.clock[swept.ROOT_BEFORE] = root
+    return made
+
+
+def require_driven(ready: Compiled, start: Assembled, what: str) -> None:
+    """Raise ModelError that says which freedoms are left, unless the drivers fix every position."""
+    memory = ready.memory()
+    open_by(memory.handle, start.t, start.q, start.v)
+    rows = scaled_rows(ready, memory)
+    _, values, right = np.linalg.svd(rows)
+    independent = int((values > 1e-9 * values[0]).sum()) if len(values) else 0
+    left = 3 * ready.body_count - independent
+    if left == 0:
+        return
+    if ready.row_count >= 3 * ready.body_count and left_null(ready, memory).shape[1] <= 1 + ready.row_count - 3 * ready.body_count:
+        where = describe_rank_loss(ready, memory)
+        raise ModelError([Problem(("initial",), f"{what} cannot start at t = {start.t:g} s: {where}")])
+    free = np.abs(right[independent:]).reshape(left, -1, 3).max(axis=(0, 2))
+    movers = [name for name, share in zip(ready.bodies, free, strict=True) if share > 1e-6]
+    loose = [name for name, one in ready.model.joints.items() if one.contact and one.clearance and one.contact.model != "ideal"]
+    text = (
+        f"{what} wants a mechanism whose drivers fix every position; {left} freedom{'s are' if left > 1 else ' is'} left"
+        f" (can still move: {', '.join(movers[:8])}{' ...' if len(movers) > 8 else ''})."
+    )
+    if loose:
+        text += f" {', '.join(loose)} {'has' if len(loose) == 1 else 'have'} play: close it with ideal() or --ideal."
+    else:
+        text += f" Add {'a driver' if left == 1 else f'{left} drivers'}, or use simulate or equilibrium."
+    raise ModelError([Problem(("drivers",), text)])
+
+
+def analyse(
+    ready: Compiled, start: Assembled | None, t_eval: float | Sequence[float] | np.ndarray, *, forces: bool,
+    effort_at: str | Mapping[str, str] | None = None, strict: bool = False,
+) -> Result:  # fmt: skip
+    """Kinematics, or with `forces` inverse dynamics; see `Mechanism.kinematics` and `Mechanism.inverse_dynamics`."""
+    began = time.perf_counter()
+    times = instants(t_eval)
+    what = "inverse dynamics" if forces else "kinematics"
+    if len(times) * max(1, ready.row_count) > PLAIN:
+        catalog.start()
+    if start is None:
+        start = assemble(ready, float(times[0]))
+    if ready.row_count <= LARGE:
+        require_driven(ready, start, what)
+    motors = _motors(ready, effort_at)
+    sweep = begin(ready, start, motors)
+    if times[0] != start.t:  # what the user says about the start holds at t = 0: go from there
+        if not len(sweep.go(times[:1], False)):
+            raise AssemblyError(f"the first position cannot be reached: {_why_stuck(sweep)}")
+        sweep.tally[:] = 0
+        sweep.clock[swept.GAP] = 0.0
+    first = sweep.fork()
+    raw = sweep.go(times, forces)
+    reached = times[: len(raw)]
+    message = _why_stuck(sweep) if len(raw) < len(times) else ""
+    events, notes = _branch_points(first, sweep, times, raw)
+    if message:
+        ends = float(sweep.clock[swept.NOW])
+        events.append(Event(ends, _blocking(sweep), "dead centre" if "dead centre" in message else "end"))
+    result = _result(sweep, reached, raw, forces, motors, message, events, notes, time.perf_counter() - began)
+    catalog.mark_compiled()
+    if message:
+        log.warning(message)
+        if strict:
+            raise SolverError(message, result)
+    return result
+
+
+def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
+    """t_eval as an array. Raises ValueError unless it is increasing and finite."""
+    times = np.atleast_1d(np.ascontiguousarray(t_eval, dtype=float))
+    if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+        raise ValueError("t_eval must be one time or increasing finite times in s")
+    return times
+
+
+def _motors(ready: Compiled, effort_at: str | Mapping[str, str] | None) -> list[tuple[int, str]]:
+    """(row of the driver, joint) for every driver whose work a motor elsewhere does."""
+    if effort_at is None:
+        return []
+    drivers, joints = list(ready.model.drivers), ready.model.joints
+    if isinstance(effort_at, str):
+        if len(drivers) != 1:
+            raise ValueError(f"effort_at: say which driver is replaced, as {{'{drivers[0]}': '{effort_at}'}}")
+        effort_at = {drivers[0]: effort_at}
+    found = []
+    for driver, joint in effort_at.items():
+        if driver not in drivers:
+            raise ValueError(f"effort_at: no driver '{driver}'{suggest(driver, drivers)}")
+        if joint not in joints:
+            raise ValueError(f"effort_at: no joint '{joint}'{suggest(joint, joints)}")
+        if joints[joint].kind not in MOTORS:
+            raise ValueError(f"effort_at: a {joints[joint].kind} joint has no freedom for a motor; wanted revolute or prismatic")
+        found.append((int(ready.arrays["joint"][ready.joints.index(driver), 4]), joint))
+    if len({joint for _, joint in found}) < len(found):
+        raise ValueError("effort_at: one joint cannot do the work of two drivers")
+    return found
+
+
+# ---------------------------------------------------------------- what went on
+def _why_stuck(sweep: Sweep) -> str:
+    ready, memory = sweep.ready, sweep.memory
+    t = float(sweep.clock[swept.NOW])
+    for ahead in (0.0, 1e-12, 1e-9, 1e-6):
+        drive(memory.handle, t + ahead * max(1.0, abs(t)))
+        for name, unit_row in zip(ready.joints, ready.arrays["joint"], strict=True):
+            if name in ready.model.drivers and not np.isfinite(memory["values"][unit_row[3] : unit_row[3] + 9]).all():
+                return f"the function of driver '{name}' has no finite value after t = {t:.10g} s; check its domain"
+    open_by(memory.handle, t, sweep.node[swept.Q], sweep.node[swept.V])
+    where = describe_rank_loss(ready, memory)
+    if where:
+        return f"no position beyond t = {t:.10g} s: {where}"
+    return f"no way on at t = {t:.10g} s: a driver's function jumps there or moves too fast to be followed; make it continuous"
+
+
+def _blocking(sweep: Sweep) -> str:
+    """The joint or driver that takes the largest part in the loss of rank."""
+    open_by(sweep.memory.handle, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
+    free = left_null(sweep.ready, sweep.memory, 1e-3)
+    if free.shape[1] == 0:
+        return ""
+    return sweep.ready.rows[int(np.abs(free).max(axis=1).argmax())].owner
+
+
+def _branch_points(first: Sweep, sweep: Sweep, times: np.ndarray, raw: np.ndarray) -> tuple[list[Event], list[str]]:
+    """Where the motion passed a position from which it could also have gone on another way."""
+    ready = sweep.ready
+    events: list[Event] = []
+    if ready.row_count > LARGE:
+        return events, []
+    rows = _independent(first)
+    notes = []
+    for low, high in sweep.spots[: sweep.tally[swept.FOUND]]:
+        found = _locate(first, times, raw, rows, min(low, high), max(low, high))
+        if found is None or any(abs(found - event.t) < 1e-9 * max(1.0, abs(found)) for event in events):
+            continue
+        near = _at(first, times, raw, found)
+        open_by(near.memory.handle, found, near.node[swept.Q_NEW], near.node[swept.V_NEW])
+        free = left_null(ready, near.memory, 1e-3)
+        share = np.abs(free).max(axis=1, initial=0.0)
+        owners = list(dict.fromkeys(ready.rows[int(r)].owner for r in np.argsort(-share) if share[r] > 0.05))
+        events.append(Event(found, owners[0] if owners else "", "branch point"))
+        notes.append(
+            f"branch point at t = {found:.9g} s: rows of {', '.join(owners[:6])} lose rank, another motion starts there;"
+            " the smooth one was followed, forces are not determined at that instant"
+        )
+    return events, notes
+
+
+def _independent(first: Sweep) -> np.ndarray:
+    """Numbers of rows that determine the position at the start (the others are redundant)."""
+    from scipy.linalg import qr
+
+    open_by(first.memory.handle, float(first.clock[swept.NOW]), first.node[swept.Q], first.node[swept.V])
+    count = 3 * first.ready.body_count
+    if first.ready.row_count == count:
+        return np.arange(count)
+    order = qr(scaled_rows(first.ready, first.memory).T, mode="r", pivoting=True)[1]
+    return np.sort(order[:count])
+
+
+def _at(first: Sweep, times: np.ndarray, raw: np.ndarray, t: float) -> Sweep:
+    """The sweep at time t (in its new rows), restarted from the last output before t."""
+    made = first.fork()
+    k = int(np.searchsorted(times[: len(raw)], t, side="right")) - 1
+    nb = first.ready.body_count
+    while k > 0 and times[k] > made.clock[swept.NOW]:
+        state = raw[k, : 9 * nb].reshape(nb, 3, 3)
+        for n in range(3):
+            made.node[swept.Q_NEW + n] = state[:, n].ravel()
+        _, root, _, _ = swept.closed_at(made.memory.handle, times[k], made.node, first.ready.size)
+        if root > 2 * swept.WEAK_ROOT:
+            made.node[: swept.Q_NEW] = made.node[swept.Q_NEW : swept.Q_OLD]
+            made.clock[:] = times[k], math.inf, 0.0, root, root, times[k]
+            break
+        k -= 1
+    made.go(np.array([t]), False)
+    return made
+
+
+def _locate(first: Sweep, times: np.ndarray, raw: np.ndarray, rows: np.ndarray, low: float, high: float) -> float | None:
+    """Root of the determinant of the independent rows between two times, by false position (Illinois)."""
+
+    def determinant(t: float) -> float:
+        made = _at(first, times, raw, t)
+        open_by(made.memory.handle, t, made.node[swept.Q_NEW], made.node[swept.V_NEW])
+        return float(np.linalg.det(scaled_rows(first.ready, made.memory)[rows]))
+
+    f_low, f_high = determinant(low), determinant(high)
+    if not f_low * f_high < 0.0:
+        return None
+    side = 0
+    for _ in range(60):
+        t = (low * f_high - high * f_low) / (f_high - f_low)
+        if not low < t < high or high - low < 1e-14 * max(abs(low), abs(high)):
+            break
+        f = determinant(t)
+        if f == 0.0:
+            return t
+        if f * f_low < 0.0:
+            high, f_high = t, f
+            f_low *= 0.5 if side == 1 else 1.0
+            side = 1
+        else:
+            low, f_low = t, f
+            f_high *= 0.5 if side == -1 else 1.0
+            side = -1
+    return (low * f_high - high * f_low) / (f_high - f_low)
+
+
+# ---------------------------------------------------------------- the result
+def _result(
+    sweep: Sweep, t: np.ndarray, raw: np.ndarray, forces: bool, motors: list[tuple[int, str]], message: str,
+    events: list[Event], notes: list[str], wall: float,
+) -> Result:  # fmt: skip
+    from rattle import __version__
+
+    ready, model = sweep.ready, sweep.ready.model
+    nonunique: tuple[str, ...] = ()
+    if forces:
+        data, names, units = columns(ready, raw[:, : width(ready)])
+        replaced = {ready.rows[row].owner for row, _ in motors}
+        drop = {f"energy.{key}" for key in ("work", "dissipated", "balance")}
+        keep = [k for k, name in enumerate(names) if name not in drop and name.partition(".")[0] not in replaced]
+        data, names = data[:, keep], [names[k] for k in keep]
+        for n, (_, joint) in enumerate(motors):
+            _, effort, unit = MOTORS[model.joints[joint].kind]
+            names += [f"{joint}.{effort}", f"{joint}.power"]
+            units |= {f"{joint}.{effort}": unit, f"{joint}.power": "W"}
+            data = np.column_stack([data, raw[:, width(ready) + 2 * n : width(ready) + 2 * n + 2]])
+        if ready.row_count > 3 * ready.body_count:
+            open_by(sweep.memory.handle, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
+            nonunique = nonunique_reactions(ready, sweep.memory)
+        data = np.ascontiguousarray(data)
+    else:
+        names = [f"{body}.{key}" for body in ready.bodies for key, _ in BODY] + list(model.signals)
+        units = {f"{body}.{key}": unit for body in ready.bodies for key, unit in BODY}
+        units |= {name: model.signal_units.get(name, "") for name in model.signals}
+        data = raw
+    trust = Trust(
+        drift=float(sweep.clock[swept.GAP]), energy_balance=math.nan, t_end=float(t[-1]) if len(t) else 0.0,
+        horizon=float(t[-1]) if len(t) else 0.0, nonunique=nonunique, notes=tuple(notes),
+    )  # fmt: skip
+    stats = {"positions": len(t), "steps": int(sweep.tally[swept.STEPS]), "iterations": int(sweep.tally[swept.NEWTON]), "wall_time": wall}
+    provenance = {
+        "model": model.name, "program": f"rattle {__version__}", "analysis": "inverse dynamics" if forces else "kinematics",
+        "parameters": {name: one.value for name, one in model.parameters.items()},
+    }  # fmt: skip
+    return Result(
+        t=t, data=data, names=names, units=units, geometry=geometry(model), trust=trust, stats=stats, provenance=provenance,
+        events=events, success=not message, message=message,
+    )  # fmt: skip
