@@ -1,0 +1,239 @@
+"""JSON Schema of the model file, made from the catalogue, for editors that complete and check while one writes.
+
+It knows every key, kind and unit; what refers to other parts (points, names, dimensions of expressions)
+only the reader can check.
+
+Source: JSON Schema, draft 2020-12.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rattle import catalog
+from rattle.catalog import REQUIRED, Field, Kind
+from rattle.definitions import DISTRIBUTIONS
+from rattle.parts import BLOCK, GUIDED
+from rattle.reader import METHODS, SETTING_UNITS, STATE_UNITS
+
+Schema = dict[str, Any]
+NAME = r"^[A-Za-z_][A-Za-z0-9_]*$"
+POINT = r"^[^.\s]+\.[^.\s]+$"
+
+
+def schema() -> Schema:
+    """The schema of a model file as a JSON document (draft 2020-12)."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "rattle model",
+        "description": "A planar mechanism. Numbers are SI; texts are quantities ('5 mm') or expressions.",
+        **_object(
+            {
+                "format": {"const": 1, "description": "version of the format"},
+                "name": {"type": "string", "description": "title"},
+                "gravity": _vector("m/s^2", "acceleration of gravity"),
+                "parameters": _named(_parameter(), "values that expressions use"),
+                "signals": _named(_number("", "expression over parameters, t and state"), "recorded quantities"),
+                "ground": _object({"points": _points("points of the ground")}),
+                "bodies": _named({"anyOf": [_bar(), _body()]}, "rigid bodies"),
+                "joints": _named({"anyOf": [_joint(kind) for kind in catalog.kinds("joint").values()]}, "joints"),
+                "drivers": _named({"anyOf": _drivers()}, "freedoms that follow a function of time"),
+                "loads": _named({"anyOf": [_load(kind) for kind in catalog.kinds("load").values()]}, "loads"),
+                "initial": _named({"anyOf": [_start(), _offset()]}, "start of bodies and of clearance joints"),
+                "simulate": _settings(),
+            },
+            needed=("format", "bodies"),
+        ),
+    }
+
+
+# ---------------------------------------------------------------- pieces
+def _object(properties: Mapping[str, Schema], needed: Iterable[str] = (), meaning: str = "") -> Schema:
+    made: Schema = {"type": "object", "properties": dict(properties), "additionalProperties": False}
+    if list(needed):
+        made["required"] = list(needed)
+    return made | ({"description": meaning} if meaning else {})
+
+
+def _named(entry: Schema, meaning: str) -> Schema:
+    """A table whose keys are names of the user's choice."""
+    return {
+        "type": "object",
+        "propertyNames": {"pattern": NAME},
+        "additionalProperties": entry,
+        "description": meaning,
+    }
+
+
+def _number(unit: str, meaning: str, least: str = "") -> Schema:
+    made: Schema = {"type": ["number", "string"], "description": f"{meaning} [{unit}]" if unit else meaning}
+    if least:
+        made["exclusiveMinimum" if least == "positive" else "minimum"] = 0
+    return made
+
+
+def _vector(unit: str, meaning: str) -> Schema:
+    one = {"type": ["number", "string"]}
+    return {"type": "array", "items": one, "minItems": 2, "maxItems": 2, "description": f"{meaning} [x, y] [{unit}]"}
+
+
+def _points(meaning: str) -> Schema:
+    return {"type": "object", "additionalProperties": _vector("m", "place"), "description": meaning}
+
+
+def _point(meaning: str) -> Schema:
+    return {"type": "string", "pattern": POINT, "description": f'{meaning}: "body.point"'}
+
+
+def _connect(end: Schema) -> Schema:
+    return {"type": "array", "items": end, "minItems": 2, "maxItems": 2, "description": "the two ends A and B"}
+
+
+def _field(one: Field) -> Schema:
+    """A field of a kind, as its leaf declares it."""
+    meaning = one.meaning + ("; may use t, state and signals" if one.live else "")
+    if one.shape == "choice":
+        made: Schema = {"enum": list(one.choices), "description": meaning}
+    elif one.shape == "pair":
+        made = _vector(one.unit, meaning)
+    elif one.shape == "point":
+        made = _point(meaning)
+    elif one.shape in ("body", "joint"):
+        made = {"type": "string", "pattern": NAME, "description": meaning}
+    elif one.shape == "connect":
+        made = _connect({"type": "string"})
+    elif one.shape == "material":
+        table = _object({"E": _number("Pa", "modulus"), "nu": _number("", "Poisson's ratio")}, ("E",))
+        made = {"anyOf": [{"type": "string"}, table], "description": meaning}
+    else:
+        made = _number(one.unit, meaning, one.least)
+    if one.default is not REQUIRED and not callable(one.default):
+        made["default"] = one.default
+    return made
+
+
+def _fields(kind: Kind) -> dict[str, Schema]:
+    return {key: _field(one) for key, one in kind.fields.items()}
+
+
+def _needed(kind: Kind) -> list[str]:
+    return [key for key, one in kind.fields.items() if one.default is REQUIRED]
+
+
+def _choice(kind: Kind) -> Schema:
+    return {"const": kind.name, "description": kind.summary}
+
+
+# ---------------------------------------------------------------- tables
+def _parameter() -> Schema:
+    number = _number("", "value")
+    limits = {key: _number("", meaning) for key, meaning in (("min", "least"), ("max", "most"), ("tol", "tolerance"))}
+    dist = {"enum": list(DISTRIBUTIONS), "description": "how it scatters within tol"}
+    return {"anyOf": [number, _object({"value": number, **limits, "dist": dist}, ("value",))]}
+
+
+def _bar() -> Schema:
+    ends = {
+        "type": "array",
+        "items": {"type": "string"},
+        "minItems": 2,
+        "maxItems": 2,
+        "description": "names of the ends",
+    }
+    return _object(
+        {
+            "bar": ends,
+            "length": _number("m", "length", "positive"),
+            "points": _points("more points, from the mass centre, x axis along the bar"),
+            "mass": _number("kg", "mass", "positive"),
+            "inertia": _number("kg*m^2", "about the mass centre; default m l^2/12", "positive"),
+        },
+        ("bar", "length", "mass"),
+        "a uniform bar",
+    )
+
+
+def _body() -> Schema:
+    return _object(
+        {
+            "points": _points("points in any frame of the body"),
+            "center": _vector("m", "mass centre in the same frame"),
+            "mass": _number("kg", "mass", "positive"),
+            "inertia": _number("kg*m^2", "about the mass centre", "positive"),
+        },
+        ("mass", "inertia"),
+        "a rigid body",
+    )
+
+
+def _joint(kind: Kind) -> Schema:
+    properties = {
+        "type": _choice(kind),
+        "connect": _connect(_point("bush or guide side first")),
+        "clearance": _number("m", "radial play", "not negative"),
+        "contact": _contact(),
+        **({"block": _object({key: _field(one) for key, one in BLOCK.items()}, BLOCK)} if kind.name == GUIDED else {}),
+        **_fields(kind),
+    }
+    return _object(properties, ("type", "connect", *_needed(kind)), kind.summary)
+
+
+def _contact() -> Schema:
+    """How play is treated: the name of a model, or a table with its fields."""
+    plain, laws, statics = catalog.kinds("contact"), catalog.kinds("normal"), catalog.kinds("stiffness")
+    radius = {"bush_radius": _number("m", "radius of the bush; the pin's is less by the clearance", "positive")}
+    friction = {"friction": _friction()}
+    elastic: dict[str, Schema] = {}
+    for kind in statics.values():
+        elastic |= _fields(kind)
+    own = [key for key in statics if key != "power"]
+    geometry = {"geometry": {"enum": own, "description": "formula for the stiffness from materials"}}
+    tables = [_object({"model": _choice(kind), **radius, **_fields(kind)}, ("model",)) for kind in plain.values()]
+    for kind in laws.values():
+        every = {"model": _choice(kind), **geometry, **elastic, **radius, **friction, **_fields(kind)}
+        tables.append(_object(every, ("model", *_needed(kind))))
+    return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": "how the play is treated"}
+
+
+def _friction() -> Schema:
+    laws = catalog.kinds("friction").values()
+    tables = [_object({"model": _choice(kind), **_fields(kind)}, ("model", *_needed(kind))) for kind in laws]
+    return {"anyOf": [_number("", "coefficient of friction", "not negative"), *tables]}
+
+
+def _drivers() -> list[Schema]:
+    made = []
+    for kind in catalog.kinds("driver").values():
+        where: dict[str, Schema] = {"joint": {"type": "string", "description": f"a {kind.leaf.drives} joint"}}  # type: ignore[attr-defined]
+        if kind.name.startswith("body-"):
+            where = {
+                "body": {"type": "string", "description": 'a body, or a point of it: "body.point"'},
+                "coordinate": {"const": kind.name.removeprefix("body-")},
+            }
+        made.append(_object({**where, **_fields(kind)}, (*where, *_needed(kind)), kind.summary))
+    return made
+
+
+def _load(kind: Kind) -> Schema:
+    return _object({"type": _choice(kind), **_fields(kind)}, ("type", *_needed(kind)), kind.summary)
+
+
+def _start() -> Schema:
+    return _object({key: _number(unit, "at the start") for key, unit in STATE_UNITS.items()}, meaning="start of a body")
+
+
+def _offset() -> Schema:
+    return _object({"offset": _vector("m", "pin centre minus bush centre")}, meaning="start of a clearance joint")
+
+
+def _settings() -> Schema:
+    meanings = {
+        "t_end": "duration",
+        "rtol": "relative tolerance",
+        "atol": "absolute tolerance",
+        "step": "step, or largest step",
+        "output": "interval between outputs",
+    }
+    numbers = {key: _number(unit, meanings[key], "positive") for key, unit in SETTING_UNITS.items()}
+    return _object({**numbers, "method": {"enum": list(METHODS), "description": "how the motion is computed"}})

@@ -1,0 +1,101 @@
+"""The JSON Schema says what the reader says, as far as a schema can."""
+
+import copy
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+import rattle
+from rattle import catalog
+from rattle.schema import schema
+
+pytestmark = pytest.mark.nojit
+
+EXAMPLES = sorted((Path(rattle.__file__).parent / "examples").glob("*.toml"))
+FOURBAR = tomllib.loads((Path(__file__).parent / "data" / "full.toml").read_text())
+
+
+@pytest.fixture(scope="module")
+def validator():
+    made = schema()
+    jsonschema.Draft202012Validator.check_schema(made)
+    return jsonschema.Draft202012Validator(made)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_every_shipped_example_is_accepted(validator, path):
+    validator.validate(tomllib.loads(path.read_text()))
+
+
+def test_the_full_model_is_accepted(validator):
+    validator.validate(FOURBAR)
+
+
+@pytest.mark.parametrize(
+    ("path", "old", "new"),
+    [
+        ((), "gravity", "gravitiy"),
+        (("bodies", "crank"), "mass", "mas"),
+        (("bodies", "rocker"), "inertia", "inertai"),
+        (("joints", "O3"), "clearance", "clearence"),
+        (("joints", "O4", "contact"), "model", "modell"),
+        (("drivers", "motor"), "angle", "angel"),
+        (("loads", "M"), "torque", "torqe"),
+        (("initial", "coupler"), "omega", "omga"),
+        (("initial", "O3"), "offset", "ofset"),
+        (("simulate",), "rtol", "rtoll"),
+        (("parameters", "r3"), "tol", "toll"),
+        (("ground",), "points", "point"),
+    ],
+)
+def test_a_misspelt_key_is_refused_as_the_reader_does(validator, path, old, new):
+    document = copy.deepcopy(FOURBAR)
+    table = document
+    for key in path:
+        table = table[key]
+    table[new] = table.pop(old)
+    assert not validator.is_valid(document)
+    from rattle.errors import ModelError
+    from rattle.reader import read
+
+    with pytest.raises(ModelError):
+        read(document)
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("format",), 2),
+        (("bodies", "crank", "mass"), -1),
+        (("bodies", "crank", "mass"), [1]),
+        (("joints", "O3", "clearance"), -0.001),
+        (("joints", "O3", "connect"), ["coupler.O3"]),
+        (("joints", "O3", "type"), "hinge"),
+        (("loads", "M", "body"), 3),
+        (("simulate", "method"), "euler"),
+        (("gravity",), [0, 0, -9.81]),
+    ],
+)
+def test_a_wrong_value_is_refused(validator, path, value):
+    document = copy.deepcopy(FOURBAR)
+    table = document
+    for key in path[:-1]:
+        table = table[key]
+    table[path[-1]] = value
+    assert not validator.is_valid(document)
+
+
+@pytest.mark.parametrize("family", ["joint", "load"])
+def test_every_field_of_the_catalogue_is_there_with_unit_and_meaning(family):
+    entries = {
+        one["properties"]["type"]["const"]: one
+        for one in schema()["properties"][f"{family}s"]["additionalProperties"]["anyOf"]
+    }
+    for kind in catalog.kinds(family).values():
+        assert entries[kind.name]["description"] == kind.summary
+        for key, field in kind.fields.items():
+            described = entries[kind.name]["properties"][key]
+            assert field.shape == "connect" or field.meaning in described["description"]
+            assert field.unit in described["description"]
