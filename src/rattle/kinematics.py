@@ -143,7 +143,7 @@ def analyse(
     raw = sweep.go(times, forces)
     reached = times[: len(raw)]
     message = _why_stuck(sweep) if len(raw) < len(times) else ""
-    events, notes = _branch_points(first, sweep, times, raw)
+    events, notes = _branch_points(first, sweep, times, raw, bool(message))
     if message:
         ends = float(sweep.clock[swept.NOW])
         events.append(Event(ends, _blocking(sweep), "dead centre" if "dead centre" in message else "end"))
@@ -212,7 +212,7 @@ def _blocking(sweep: Sweep) -> str:
     return sweep.ready.rows[int(np.abs(free).max(axis=1).argmax())].owner
 
 
-def _branch_points(first: Sweep, sweep: Sweep, times: np.ndarray, raw: np.ndarray) -> tuple[list[Event], list[str]]:
+def _branch_points(first: Sweep, sweep: Sweep, times: np.ndarray, raw: np.ndarray, stuck: bool) -> tuple[list[Event], list[str]]:
     """Where the motion passed a position from which it could also have gone on another way."""
     ready = sweep.ready
     events: list[Event] = []
@@ -222,6 +222,8 @@ def _branch_points(first: Sweep, sweep: Sweep, times: np.ndarray, raw: np.ndarra
     notes = []
     for low, high in sweep.spots[: sweep.tally[swept.FOUND]]:
         found = _locate(first, times, raw, rows, min(low, high), max(low, high))
+        if stuck and abs(high - sweep.clock[swept.NOW]) < 1e-6 * max(1.0, abs(high)):
+            continue  # the creeping towards the end
         if found is None or any(abs(found - event.t) < 1e-9 * max(1.0, abs(found)) for event in events):
             continue
         near = _at(first, times, raw, found)

@@ -29,7 +29,7 @@ Q, V, A, Q_NEW, V_NEW, A_NEW, Q_OLD, V_OLD, A_OLD = range(9)  # rows of `node`
 NOW, FREE, GAP, ROOT, ROOT_BEFORE, T_BEFORE = range(6)
 COUNT, STEPS, FOUND, NEWTON = range(4)  # tally: outputs written, steps, near-singular spots, Newton iterations
 ARRIVED, STUCK = range(2)
-WEAK_ROOT = 1e-3  # closer than this to a singular position nothing is solved there
+WEAK_ROOT = 4e-3  # closer than this to a singular position nothing is solved there
 CORRECTION = 5e-3  # largest correction of a prediction, as a share of the mechanism's size or in rad
 SHARE = 0.1  # the same as a share of the distance to another branch
 TURN = 0.2  # largest predicted motion in one step [rad, or share of the size]
@@ -72,6 +72,7 @@ def closed_at(m, t, node, size):
     q, v, a = node[Q_NEW], node[V_NEW], node[A_NEW]
     change, power = vec(m, CHANGE), vec(m, POWER)
     drive(m, t)
+    spare = mat(m, ROWS).shape[0] - q.shape[0]  # rows that may be redundant
     moved, last, gap = 0.0, math.inf, math.inf
     rounds = 0
     place(m, q, v)
@@ -81,7 +82,8 @@ def closed_at(m, t, node, size):
         if not gap < math.inf:
             return math.inf, 0.0, gap, rounds
         power[3] = 1.0
-        factorise(m)
+        if factorise(m) > spare:
+            power[3] = 0.0
         if gap <= 1e-16 * size or last <= 1e-10:
             break
         correct(m)
@@ -98,7 +100,7 @@ def closed_at(m, t, node, size):
         gap = residual(m)
         if last <= 1e-12 or (gap >= before and gap < 1e-13 * size):
             break  # the factor at hand is exact enough
-    if not gap < 1e-9 * size:
+    if not gap < 1e-12 * size:
         return math.inf, 0.0, gap, rounds
     rate_residual(m)
     correct(m)
@@ -262,7 +264,7 @@ def stride(m, target, node, clock, tally, spots, size):
     """One step from the node towards the target, across it when it is singular; False when there is no way on."""
     t = clock[NOW]
     ahead = target - t
-    gap, rounds = 0.0, 0
+    gap, rounds, far = 0.0, 0, 0.0
     while True:
         h = ahead if abs(ahead) <= clock[FREE] else math.copysign(clock[FREE], ahead)
         if t + h == t or abs(h) < 1e-15 * abs(ahead):
@@ -276,9 +278,12 @@ def stride(m, target, node, clock, tally, spots, size):
             fine = correction <= min(CORRECTION, SHARE * root)
         if fine and root >= WEAK_ROOT:
             break
-        far = h
         crossed = False
-        if move <= TURN and clock[ROOT] >= WEAK_ROOT:
+        if clock[ROOT] >= WEAK_ROOT and correction < math.inf:
+            if predicted(node, 2.0 * h, size) > TURN:  # too far away for a leap
+                clock[FREE] = 0.5 * abs(h)
+                continue
+            far = h
             for _ in range(LEAPS):
                 far *= 2.0
                 if predicted(node, far, size) > TURN:
@@ -287,16 +292,16 @@ def stride(m, target, node, clock, tally, spots, size):
                 if correction <= min(CORRECTION, SHARE * root) and root >= WEAK_ROOT:
                     crossed = True
                     break
+            if not crossed and fine:  # no other side: go on into the singular position
+                predicted(node, h, size)
+                correction, root, gap, rounds = closed_at(m, t + h, node, size)
         if crossed:
             h = far
             if tally[FOUND] < spots.shape[0]:
                 spots[tally[FOUND], 0] = t
                 spots[tally[FOUND], 1] = t + far
                 tally[FOUND] += 1
-            break
-        if fine:  # no other side: go on into the singular position
-            predicted(node, h, size)
-            correction, root, gap, rounds = closed_at(m, t + h, node, size)
+        if crossed or fine:
             break
         clock[FREE] = 0.5 * abs(h)
     clock[GAP] = max(clock[GAP], gap)
