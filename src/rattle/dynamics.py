@@ -15,6 +15,7 @@ from rattle.assembly import Assembled
 from rattle.equations import DONE, NOT_FINITE, PAUSED
 from rattle.errors import SolverError
 from rattle.recording import columns, geometry, width
+from rattle.happenings import contact_events, contact_notes
 from rattle.result import Result, Trust
 from rattle.singular import describe_rank_loss, nonunique_reactions
 from rattle.steppers import march
@@ -35,11 +36,12 @@ class Run:
     ) -> None:
         self.ready, self.start, self.t_eval, self.t_end = ready, start, t_eval, t_end
         self.method, self.rtol, self.atol, self.step = method, rtol, atol, step
-        y = np.concatenate([start.q, start.v, [0.0, 0.0]])
+        y = start_state(ready, start)
         self.memory = ready.memory(**march.march_arrays(y, len(ready.watched)))
         self.clock, self.tally = self.memory["clock"], self.memory["tally"]
         self.raw = np.zeros((len(t_eval), width(ready)))
         self.crossings: list[np.ndarray] = []
+        self.contacts: list[np.ndarray] = []
         self.first_sign = np.ones(len(ready.watched))
         self.message = ""
         self.wall = 0.0
@@ -68,7 +70,8 @@ class Run:
                     self.t_eval, self.raw, CHUNK if catalog.jit_runs() else 20,
                 )  # fmt: skip
                 self.crossings.append(m["crossings"][: tally[march.FOUND]].copy())
-                tally[march.FOUND] = 0
+                self.contacts.append(m["events"][: tally[march.EVENT_COUNT]].copy())
+                tally[march.FOUND] = tally[march.EVENT_COUNT] = 0
                 if bar is not None:
                     bar.update(clock[march.T] - bar.n)
             if status != DONE:
@@ -121,6 +124,11 @@ class Run:
         return self.ready.live_names[starts.index(first)]
 
 
+def start_state(ready: Compiled, start: Assembled) -> np.ndarray:
+    """y at the start: q, v, work, dissipated energy, and four numbers per contact (see `equations.collect`)."""
+    return np.concatenate([start.q, start.v, np.zeros(2 + 4 * len(ready.arrays["contact"]))])
+
+
 def simulate(
     ready: Compiled, start: Assembled, *, t_end: float | None = None, t_eval: Sequence[float] | np.ndarray | None = None, method: str | None = None,
     rtol: float | None = None, atol: float | None = None, step: float | None = None, progress: bool = False, strict: bool = False, horizon: bool = False,
@@ -137,7 +145,9 @@ def simulate(
     step = step or settings.step
     if step is not None:
         _positive("step", step)
-    elif method == "rk4":
+    if method == "rk4" and any(one.contact and one.contact.model == "compliant" for one in ready.model.joints.values()):
+        raise ValueError("rk4 takes fixed steps, which contacts do not allow; use method dop853")
+    if step is None and method == "rk4":
         step = min(1e-4, end / POINTS)
     run = Run(ready, start, times, end, method, rtol, atol, step)
     run.go(progress)
@@ -217,10 +227,12 @@ def _result(run: Run, reach: float | None) -> Result:
     nonunique: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     if tally[march.LOST]:
-        march.record(run.memory.handle, run.start.t, np.concatenate([run.start.q, run.start.v, [0.0, 0.0]]), np.zeros(width(ready)))
+        march.record(run.memory.handle, run.start.t, start_state(ready, run.start), np.zeros(width(ready)))
         nonunique = nonunique_reactions(ready, run.memory)
         if not nonunique:
             notes = ("the run passed through a position where the joints lose independence (a singular position)",)
+    events = contact_events(ready, run.contacts, run.memory, reached)
+    notes += contact_notes(ready, events, float(clock[march.FEWEST]))
     owner = ready.rows[tally[march.DRIFT_ROW]].owner if ready.rows else ""
     trust = Trust(
         drift=float(clock[march.DRIFT]), drift_joint=owner, energy_balance=float(np.abs(balance).max()) if n else math.nan,
@@ -228,7 +240,8 @@ def _result(run: Run, reach: float | None) -> Result:
     )  # fmt: skip
     stats = {
         "steps": int(tally[march.STEPS]), "rejected": int(tally[march.REJECTED]), "evaluations": int(tally[march.EVALUATIONS]),
-        "smallest_step": float(clock[march.H_MIN]), "wall_time": run.wall,
+        "smallest_step": float(clock[march.H_MIN]), "wall_time": run.wall, "contacts": int(tally[march.CONTACTS]),
+        "singular_positions_leapt": int(tally[march.LEAPS]),
     }  # fmt: skip
     provenance = {
         "model": ready.model.name, "program": f"rattle {__version__}", "analysis": "simulate", "method": run.method, "rtol": run.rtol, "atol": run.atol,
@@ -236,7 +249,7 @@ def _result(run: Run, reach: float | None) -> Result:
     }  # fmt: skip
     return Result(
         t=t, data=data, names=names, units=units, geometry=geometry(ready.model), trust=trust, stats=stats, provenance=provenance,
-        success=not run.message, message=run.message,
+        success=not run.message, message=run.message, events=events,
     )  # fmt: skip
 
 

@@ -63,7 +63,7 @@ FIELDS = {
     "acceleration": "f2",  # (nb + 1, 3)
     "change": "f1",  # (3 nb,) a correction of positions or rates
     "touch": "f2",  # (nc, 17) geometry and forces of every contact, see plane
-    "grip": "f2",  # (nc, 9) its memory, see plane
+    "grip": "f2",  # (nc, 13) its memory, see plane
     "rate": "f1",  # (1,) rate of a bristle
     # the march in time
     "y": "f1",  # (6 nb + 2,) q, v, work done, energy dissipated at clock[T]
@@ -77,13 +77,14 @@ FIELDS = {
     "tally": "i1",  # see steppers.march
     "sign": "f1",  # (nw,) sign of every watched force
     "crossings": "f2",  # (n, 3) time, watched force, new sign
+    "events": "f2",  # (n, 8) see plane
 }
 
 (
     MASS, WEIGHT, GRAVITY, JOINT, LOAD, CONTACT, CODE, CONST, JET, JET_SIGNAL, SIGNAL, LIVE, WATCH, PLACE, FIRST, BELOW, TARGET, PAIRS,
     ROW_BODY, JOINT_TABLE, LOAD_TABLE, CLEARANCE_TABLE, STIFFNESS_TABLE, NORMAL_TABLE, FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER,
     SCHUR, INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES,
-    DENSE, CLOCK, TALLY, SIGN, CROSSINGS,
+    DENSE, CLOCK, TALLY, SIGN, CROSSINGS, EVENTS,
 ) = range(len(FIELDS))  # fmt: skip
 
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from rattle import catalog
-from rattle.model import Model
+from rattle.model import Joint, Model
 from rattle.system import Compiled, joint_rows
 
 BODY = (("x", "m"), ("y", "m"), ("angle", "rad"), ("vx", "m/s"), ("vy", "m/s"), ("omega", "rad/s"), ("ax", "m/s^2"), ("ay", "m/s^2"), ("alpha", "rad/s^2"))  # fmt: skip
-JOINT = 7  # force x, y, moment on B about its point, e_x, e_y, effort, power
+JOINT = 8  # force x, y, moment on B about its point, e_x, e_y; effort, power, 0 or N, T, penetration
 ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
 
 
@@ -38,7 +38,7 @@ def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], di
             add(f"{body}.{key}", unit, raw[:, c + k])
         c += 9
     for name in ready.joints:
-        fx, fy, moment, ex, ey, effort, power = raw[:, c : c + JOINT].T
+        fx, fy, moment, ex, ey, effort, power, deep = raw[:, c : c + JOINT].T
         c += JOINT
         if name in model.drivers:
             effort_name, unit = catalog.kinds("driver")[model.drivers[name].kind].leaf.effort  # type: ignore[attr-defined]
@@ -48,18 +48,27 @@ def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], di
         joint = model.joints[name]
         add(f"{name}.fx", "N", fx)
         add(f"{name}.fy", "N", fy)
-        if joint_rows(joint)[0].leaf.moment:  # type: ignore[attr-defined]
+        kind = joint_rows(joint)[0]
+        if kind is None or kind.leaf.moment:  # type: ignore[attr-defined]
             add(f"{name}.moment", "N*m", moment)
         if joint.contact is not None:
-            distance = np.hypot(ex, ey)
-            play = joint_rows(joint)[0].name != joint.kind
-            with np.errstate(invalid="ignore", divide="ignore"):
-                normal = np.where(distance > 0.0, -(fx * ex + fy * ey) / distance, 0.0) if play else np.hypot(fx, fy)
+            if kind is None:  # contacts alone act on it
+                normal, tangential, penetration = effort, power, deep
+                if "axis" in joint.fields:
+                    ex, ey = _across(ready, joint, raw, ex, ey)
+            else:
+                distance = np.hypot(ex, ey)
+                tangential = np.zeros_like(fx)
+                with np.errstate(invalid="ignore", divide="ignore"):
+                    pull = np.where(distance > 0.0, -(fx * ex + fy * ey) / distance, 0.0)
+                link = kind.name != joint.kind
+                normal = pull if link else np.hypot(fx, fy)
+                penetration = distance - joint.clearance if link else tangential
             add(f"{name}.ex", "m", ex)
             add(f"{name}.ey", "m", ey)
             add(f"{name}.normal", "N", normal)
-            add(f"{name}.tangential", "N", np.zeros_like(fx))
-            add(f"{name}.penetration", "m", distance - joint.clearance if play else np.zeros_like(fx))
+            add(f"{name}.tangential", "N", tangential)
+            add(f"{name}.penetration", "m", penetration)
     for name in model.signals:
         add(name, model.signal_units.get(name, ""), raw[:, c])
         c += 1
@@ -68,6 +77,14 @@ def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], di
     for key, values in zip(ENERGY, (kinetic, potential, work, dissipated, total - total[:1]), strict=True):
         add(f"energy.{key}", "J", values)
     return np.ascontiguousarray(np.array(parts).T), names, units
+
+
+def _across(ready: Compiled, joint: Joint, raw: np.ndarray, ex: np.ndarray, ey: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The part of a guide's offset that is across its line: the way along it is motion, not play."""
+    turned = 0.0 if joint.a.body == "ground" else raw[:, 9 * ready.bodies.index(joint.a.body) + 2]
+    axis = turned + joint.fields["axis"]
+    along = ex * np.cos(axis) + ey * np.sin(axis)
+    return ex - along * np.cos(axis), ey - along * np.sin(axis)
 
 
 def geometry(model: Model) -> dict[str, Any]:
@@ -79,7 +96,7 @@ def geometry(model: Model) -> dict[str, Any]:
             "bodies": [joint.a.body, joint.b.body],
             "points": [list(joint.a.at), list(joint.b.at)],
             "clearance": joint.clearance,
-            "contact": joint.contact.model if joint.contact else "",
+            "contact": (joint.contact.normal.kind if joint.contact.normal else joint.contact.model) if joint.contact else "",
         }
         if "axis" in joint.fields:
             joints[name]["axis"] = joint.fields["axis"]

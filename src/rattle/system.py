@@ -56,7 +56,7 @@ class Compiled:
         """Fresh memory for one run; `more` are arrays of the march."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
         nc = self.arrays["contact"].shape[0]
-        grip = np.zeros((nc, 9))
+        grip = np.zeros((nc, 13))
         grip[:, CLOSED] = AUTO
         body = np.zeros((nb, 8))
         body[0, 6] = 1.0

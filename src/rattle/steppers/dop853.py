@@ -9,7 +9,7 @@ import math
 
 from rattle.catalog import compiled
 from rattle.equations import derivative
-from rattle.memory import DENSE, RATE, RATE_NEW, SLOPES, STAGE, STATE, STATE_NEW, mat, vec
+from rattle.memory import CHANGE, DENSE, RATE, RATE_NEW, SLOPES, STAGE, STATE, STATE_NEW, mat, vec
 from rattle.steppers.tableau import E3, E5, A, B, C, D
 from rattle.steppers.watch import watched_change
 
@@ -25,6 +25,7 @@ def step(m, t, h, rtol, atol):
     """
     y, f, k, stage, y_new = vec(m, STATE), vec(m, RATE), mat(m, SLOPES), vec(m, STAGE), vec(m, STATE_NEW)
     ny = y.shape[0]
+    nq = 2 * vec(m, CHANGE).shape[0]
     changed = False
     for n in range(ny):
         k[0, n] = f[n]
@@ -48,13 +49,14 @@ def step(m, t, h, rtol, atol):
             e3 += E3[s] * k[s, n]
             e5 += E5[s] * k[s, n]
         y_new[n] = y[n] + h * change
-        if n < ny - 2:  # the two energies ride along and do not steer the step
+        # energies and impulses ride along and do not steer the step; bristle states do
+        if n < nq or (n > nq + 1 and (n - nq - 2) % 4 == 0):
             scale = atol + rtol * max(abs(y[n]), abs(y_new[n]))
             error3 += (e3 / scale) ** 2
             error5 += (e5 / scale) ** 2
     if error5 == 0.0 and error3 == 0.0:
         return 0.0, changed
-    return abs(h) * error5 / math.sqrt((error5 + 0.01 * error3) * (ny - 2)), changed
+    return abs(h) * error5 / math.sqrt((error5 + 0.01 * error3) * nq), changed
 
 
 @compiled

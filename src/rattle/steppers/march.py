@@ -30,24 +30,40 @@ from rattle.equations import (
     solve_motion,
 )
 from rattle.memory import (
-    ACCELERATION, BODY, CHANGE, CLOCK, CROSSINGS, DENSE, JOINT, MASS, MULTIPLIER, POWER, RATE, RATE_NEW, ROWS, SIGN,
-    SIGNAL, SIGNALS, SLOPES, STAGE, STATE, STATE_NEW, TALLY, VALUES, WATCH, imat, ivec, mat, vec,
+    CHANGE, CLOCK, CONTACT, CROSSINGS, DENSE, GRIP, MULTIPLIER, POWER, RATE, RATE_NEW, ROWS, SIGN, SLOPES, STAGE, STATE,
+    STATE_NEW, TALLY, WATCH, imat, ivec, mat, vec,
 )  # fmt: skip
-from rattle.plane import BP, BX, BY, COS, NU, RES, SIN, VX, X, Y
+from rattle.plane import CLOSED, NU, RES, SHUT, STEPS_IN
 from rattle.schur import WEAK, factorise
 from rattle.steppers import dop853, rk4
 from rattle.steppers.dop853 import prepare_dense as prepare_dop853
 from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.rk4 import prepare_dense as prepare_rk4
 from rattle.steppers.rk4 import step as step_rk4
+from rattle.steppers.touching import (
+    NONE,
+    change_contacts,
+    contact_time,
+    find_peaks,
+    first_change,
+    interpolate,
+    may_any_change,
+    near_peak,
+    pass_on,
+    remember_end,
+    start_contacts,
+)
 from rattle.steppers.watch import watched_change
+from rattle.steppers.writing import record
 
 METHODS = {"dop853": 0, "rk4": 1}
 ORDERS = {"dop853": dop853.ORDER, "rk4": rk4.ORDER}
-# clock: time, next step, largest drift, smallest step, time of a failed step, last step with sound pivots
-T, H, DRIFT, H_MIN, TROUBLE, H_SOUND = range(6)
-# tally; FOUND: crossings, LOST: redundant rows, LEAPS: steps across singular positions, STREAK: tries at one
-STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK = range(9)
+# clock: time, next step, largest drift, smallest step, time of a failed step, last step with sound pivots, step of
+# free flight, fewest steps in a contact
+T, H, DRIFT, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST = range(8)
+# tally; FOUND: crossings, LOST: redundant rows, LEAPS: steps across singular positions, STREAK: tries at
+# one, EVENT_COUNT: contact events waiting, CONTACTS: contacts that started
+STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK, EVENT_COUNT, CONTACTS = range(11)
 SCAN = 8  # parts of a step searched for changes of sign
 LEAP = 0.1  # share of the last sound step below which a step is not cut further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is let pass [units of the state]; it doubles with every try
@@ -57,17 +73,19 @@ MOST_TRIES = 20
 def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     """What a run that starts at y needs besides the arrays of one instant."""
     ny = y.shape[0]
-    clock = np.zeros(6)
+    clock = np.zeros(8)
     clock[H_MIN] = math.inf
+    clock[FEWEST] = math.inf
     return {
         "y": y.copy(),
         **{name: np.zeros(ny) for name in ("f", "y_new", "f_new", "stage")},
         "k": np.zeros((16, ny)),
         "dense": np.zeros((7, ny)),
         "clock": clock,
-        "tally": np.zeros(9, np.int64),
+        "tally": np.zeros(11, np.int64),
         "sign": np.zeros(watched),
         "crossings": np.zeros((4096, 3)),
+        "events": np.zeros((4096, 8)),
     }
 
 
@@ -110,18 +128,6 @@ def project(m, t, y):
 
 
 @compiled
-def interpolate(m, theta, out):
-    """State at the share theta of the step into `out`."""
-    y, dense = vec(m, STATE), mat(m, DENSE)
-    rest = 1.0 - theta
-    for n in range(out.shape[0]):
-        value = 0.0
-        for row in range(6, -1, -1):
-            value = (value + dense[row, n]) * (theta if row % 2 == 0 else rest)
-        out[n] = y[n] + value
-
-
-@compiled
 def prepare_dense(m, t, h, method):
     """Make the dense output of the step from (t, y) to (t + h, y_new)."""
     y, f, y_new, f_new, dense = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW), mat(m, DENSE)
@@ -137,58 +143,6 @@ def prepare_dense(m, t, h, method):
 
 
 @compiled
-def record(m, t, y, row):
-    """Write one output row for the state y; the columns are laid out in `recording`."""
-    nq = vec(m, CHANGE).shape[0]
-    solve_motion(m, t, y[:nq], y[nq : 2 * nq])
-    write(m, y[2 * nq], y[2 * nq + 1], row)
-
-
-@compiled
-def write(m, work_done, dissipated, row):
-    """Copy what the memory holds at this instant into one output row."""
-    body, rows, values, joint, signal = mat(m, BODY), mat(m, ROWS), vec(m, VALUES), imat(m, JOINT), imat(m, SIGNAL)
-    mass, acceleration, multiplier, power, signals = mat(m, MASS), mat(m, ACCELERATION), vec(m, MULTIPLIER), vec(m, POWER), vec(m, SIGNALS)
-    c = 0
-    kinetic = 0.0
-    for i in range(1, body.shape[0]):
-        for k in range(3):
-            row[c + k] = body[i, X + k]
-            row[c + 3 + k] = body[i, VX + k]
-            row[c + 6 + k] = acceleration[i, k]
-            kinetic += 0.5 * mass[i, k] * body[i, VX + k] ** 2
-        c += 9
-    for n in range(joint.shape[0]):
-        a, b, p, r = joint[n, 1], joint[n, 2], joint[n, 3], joint[n, 4]
-        end = joint[n + 1, 4] if n + 1 < joint.shape[0] else rows.shape[0]
-        fx, fy, moment, effort_power = 0.0, 0.0, 0.0, 0.0
-        for k in range(r, end):
-            fx -= rows[k, BX] * multiplier[k]
-            fy -= rows[k, BY] * multiplier[k]
-            moment -= rows[k, BP] * multiplier[k]
-            effort_power -= rows[k, NU] * multiplier[k]
-        sax = body[a, COS] * values[p] - body[a, SIN] * values[p + 1]
-        say = body[a, SIN] * values[p] + body[a, COS] * values[p + 1]
-        sbx = body[b, COS] * values[p + 2] - body[b, SIN] * values[p + 3]
-        sby = body[b, SIN] * values[p + 2] + body[b, COS] * values[p + 3]
-        row[c] = fx
-        row[c + 1] = fy
-        row[c + 2] = moment - sbx * fy + sby * fx
-        row[c + 3] = body[b, X] + sbx - body[a, X] - sax
-        row[c + 4] = body[b, Y] + sby - body[a, Y] - say
-        row[c + 5] = -multiplier[r]
-        row[c + 6] = effort_power
-        c += 7
-    for n in range(signal.shape[0]):
-        row[c] = signals[signal[n, 2]]
-        c += 1
-    row[c] = kinetic
-    row[c + 1] = power[0]
-    row[c + 2] = work_done
-    row[c + 3] = dissipated
-
-
-@compiled
 def force_at(m, t, h, theta, n):
     """Watched force n at the share theta of the step."""
     stage, multiplier, watch = vec(m, STAGE), vec(m, MULTIPLIER), ivec(m, WATCH)
@@ -199,13 +153,13 @@ def force_at(m, t, h, theta, n):
 
 
 @compiled
-def find_crossings(m, t, h):
-    """Locate every change of sign of the watched forces in the step to 1e-13 of the time; the dense output is ready."""
+def find_crossings(m, t, h, until):
+    """Locate every change of sign of the watched forces up to the share `until` of the step; the dense output is ready."""
     sign, crossings, tally = vec(m, SIGN), mat(m, CROSSINGS), ivec(m, TALLY)
     for n in range(sign.shape[0]):
         left = 0.0
         for part in range(1, SCAN + 1):
-            right = part / SCAN
+            right = until * part / SCAN
             if force_at(m, t, h, right, n) * sign[n] < 0.0:
                 low, high = left, right
                 for _ in range(60):
@@ -232,10 +186,13 @@ def begin(m, t, t_end, rtol, atol, h_max):
     y, f, stage, k1 = vec(m, STATE), vec(m, RATE), vec(m, STAGE), mat(m, SLOPES)[1]
     clock, tally, sign, watch, multiplier = vec(m, CLOCK), ivec(m, TALLY), vec(m, SIGN), ivec(m, WATCH), vec(m, MULTIPLIER)
     clock[T] = t
+    start_contacts(m, t, y)
     tally[LOST] = derivative(m, t, y, f)
+    remember_end(m)
+    pass_on(m)
     for n in range(watch.shape[0]):
         sign[n] = -1.0 if multiplier[watch[n]] < 0.0 else 1.0
-    ny = y.shape[0] - 2
+    ny = 2 * vec(m, CHANGE).shape[0]
     size, slope = 0.0, 0.0
     for n in range(ny):
         scale = atol + rtol * abs(y[n])
@@ -269,23 +226,54 @@ def finish_step(m, t, y_new):
 
 
 @compiled
-def look_back(m, t, t_new, changed, method, t_out, out):
-    """Changes of sign and outputs inside the step just taken."""
+def look_back(m, t, h, changed, method, t_out, out):
+    """Contacts, changes of sign and outputs inside the step from (t, y) to (t + h, y_new).
+
+    Returns the share of the step at which the first contact starts or ends (NONE if none does), and which.
+    """
     tally, stage = ivec(m, TALLY), vec(m, STAGE)
-    wanted = tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_new
-    if not wanted and not changed:
-        return
-    h = t_new - t
-    prepare_dense(m, t, h, method)
-    tally[EVALUATIONS] += 3
+    share, who = NONE, -1
+    suspect = may_any_change(m, h)
+    peak = near_peak(m)
+    wanted = tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t + h
+    if suspect or peak or wanted or changed:
+        prepare_dense(m, t, h, method)
+        tally[EVALUATIONS] += 3
+    if suspect:
+        share, who = first_change(m, h)
+    until = min(share, 1.0)
+    find_peaks(m, until, peak)
     if changed:
-        find_crossings(m, t, h)
-    while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_new:
+        find_crossings(m, t, h, until)
+    t_until = t + until * h if until < 1.0 else t + h
+    while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_until:
         k = tally[OUTPUTS]
         interpolate(m, (t_out[k] - t) / h, stage)
         project(m, t_out[k], stage)
         record(m, t_out[k], stage, out[k])
         tally[OUTPUTS] = k + 1
+    return share, who
+
+
+@compiled
+def turn_contact(m, t, y, who):
+    """Contact `who` starts or ends at (t, y): change its memory, note the event, choose a step for what follows."""
+    clock, tally, grip = vec(m, CLOCK), ivec(m, TALLY), mat(m, GRIP)
+    was_shut = grip[who, CLOSED] == SHUT
+    if was_shut:
+        clock[FEWEST] = min(clock[FEWEST], grip[who, STEPS_IN])
+    else:
+        tally[CONTACTS] += 1
+        clock[H_FREE] = max(clock[H], 0.5 * clock[H_FREE])
+    tally[EVENT_COUNT] = change_contacts(m, who, t, y, tally[EVENT_COUNT])
+    finish_step(m, t, y)
+    remember_end(m)
+    if was_shut:
+        clock[H] = max(clock[H], 0.3 * clock[H_FREE])
+    else:
+        lasting = contact_time(m, who)
+        if lasting > 0.0:
+            clock[H] = min(clock[H], 0.1 * lasting)
 
 
 @compiled
@@ -301,7 +289,8 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, power, most_found = vec(m, CLOCK), ivec(m, TALLY), vec(m, POWER), mat(m, CROSSINGS).shape[0] // 2
     start = tally[STEPS]
-    while tally[STEPS] < start + most_steps and tally[FOUND] < most_found:
+    contacts = imat(m, CONTACT).shape[0] > 0
+    while tally[STEPS] < start + most_steps and tally[FOUND] < most_found and tally[EVENT_COUNT] < most_found:
         t = clock[T]
         if t >= t_end:
             return DONE
@@ -342,11 +331,19 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
         finish_step(m, t_new, y_new)
         tally[EVALUATIONS] += 2
         changed |= watched_change(m)
-        look_back(m, t, t_new, changed, method, t_out, out)
+        if contacts:
+            remember_end(m)
+        share, who = look_back(m, t, t_new - t, changed, method, t_out, out)
+        if who >= 0:
+            interpolate(m, share, y_new)
+            t_new = t + share * (t_new - t)
+            turn_contact(m, t_new, y_new, who)
+        if contacts:
+            pass_on(m)
         for n in range(y.shape[0]):
             y[n] = y_new[n]
             f[n] = f_new[n]
         clock[T] = t_new
-        clock[H_MIN] = min(clock[H_MIN], h)
+        clock[H_MIN] = min(clock[H_MIN], t_new - t) if who < 0 else clock[H_MIN]
         tally[STEPS] += 1
     return DONE if clock[T] >= t_end else PAUSED

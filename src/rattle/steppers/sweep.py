@@ -22,7 +22,7 @@ from rattle.memory import (
 )  # fmt: skip
 from rattle.plane import AX, BX, GAMMA, VX
 from rattle.schur import factorise, solve
-from rattle.steppers.march import write
+from rattle.steppers.writing import write
 
 Q, V, A, Q_NEW, V_NEW, A_NEW, Q_OLD, V_OLD, A_OLD = range(9)  # rows of `node`
 # clock: time of the node, step allowed, largest gap, root of the node, the one before it, and their times

@@ -1,0 +1,60 @@
+"""Events of a run, from the rows the steppers wrote, and what they say about how far to trust it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from rattle import catalog
+from rattle.memory import Memory
+from rattle.plane import (
+    CLOSED, CONTACT_EVENT, IMPULSE_0, LOSS_0, OWNER, PEAK, SHUT, SINCE, SPEED,
+)  # fmt: skip
+from rattle.result import Event
+from rattle.system import Compiled
+
+FEW = 8  # steps in the shortest contact below which its forces are coarse
+
+
+def contact_events(ready: Compiled, rows: Sequence[np.ndarray], memory: Memory, t: float) -> tuple[Event, ...]:
+    """Events in order of time; contacts still going on at the end (time t) come with what they have so far."""
+    owner = ready.arrays["contact"][:, OWNER]
+    found = []
+    for row in np.concatenate(rows) if rows else np.zeros((0, 8)):
+        kind = "contact" if row[2] == CONTACT_EVENT else "release"
+        joint = ready.joints[owner[int(row[1])]]
+        if kind == "contact":
+            found.append(Event(float(row[0]), joint, kind, *(float(x) for x in row[3:8])))
+        else:
+            found.append(Event(float(row[0]), joint, kind, float(row[3])))
+    grip, y = memory["grip"], memory["y"]
+    for n in np.flatnonzero(grip[:, CLOSED] == SHUT):
+        k = len(y) - 4 * len(grip) + 4 * n
+        mine = grip[n]
+        found.append(
+            Event(
+                float(mine[SINCE]), ready.joints[owner[n]], "contact", float(mine[SPEED]), t - float(mine[SINCE]), float(mine[PEAK]),
+                float(y[k + 1] - mine[IMPULSE_0]), float(y[k + 2] - mine[LOSS_0]),
+            )  # fmt: skip
+        )
+    return tuple(sorted(found, key=lambda event: event.t))
+
+
+def contact_notes(ready: Compiled, events: Sequence[Event], fewest: float) -> tuple[str, ...]:
+    """Remarks on contacts: laws outside their range, contacts with few steps."""
+    found = []
+    if fewest < math.inf:
+        coarse = ": few, tighten rtol" if fewest < FEW else ""
+        found.append(f"the shortest contact took {fewest:.0f} steps{coarse}")
+    for name, joint in ready.model.joints.items():
+        contact = joint.contact
+        if contact is None or contact.normal is None or contact.static is None:
+            continue
+        peak = max((event.peak_force for event in events if event.joint == name), default=0.0)
+        static, normal = catalog.kinds("stiffness")[contact.static.kind], catalog.kinds("normal")[contact.normal.kind]
+        found += [f"{name}, {contact.static.kind}: {one}" for one in static.leaf.notes(contact.static.values, peak)]  # type: ignore[attr-defined]
+        if contact.normal.values.get("effective_mass", 1.0) > 0.0:
+            found += [f"{name}, {contact.normal.kind}: {one}" for one in normal.leaf.notes(contact.normal.values)]  # type: ignore[attr-defined]
+    return tuple(found)

@@ -1,0 +1,278 @@
+"""Starts and ends of compliant contacts inside a step: noticed, located on the dense output, remembered.
+
+A contact has memory: in contact or not, approach speed v0, bristle state.  It changes only here, at the
+located instants, so that each step has one smooth right-hand side.
+
+No contact is missed because it is shorter than a step: the change of a gap over the step is bounded by its
+rates at both ends; where that bound reaches the wall the dense output is searched, its minima included.
+"""
+
+from __future__ import annotations
+
+from rattle.catalog import call_clearance, call_stiffness, compiled
+from rattle.contact import press, touch_all
+from rattle.equations import place, set_bristles
+from rattle.memory import (
+    BODY, CHANGE, CLEARANCE_TABLE, CONTACT, DENSE, EVENTS, GRIP, MASS, STAGE, STATE, STIFFNESS_TABLE, TOUCH, VALUES,
+    imat, ivec, mat, vec,
+)  # fmt: skip
+from rattle.plane import (
+    A_BODY, B_BODY, CLOSED, CONTACT_EVENT, CORNER, DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT, IMPULSE_0, LOSS_0, N_0, N_1,
+    NORMAL, OPEN, PEAK, RELEASE_EVENT, SHAPE, SHAPE_P, SHUT, SINCE, SPEED, STATIC, STATIC_P, STEPS_IN,
+)  # fmt: skip
+
+PARTS = 16  # pieces of a step that are searched
+NONE = 2.0  # a share of the step that does not exist
+
+
+@compiled
+def interpolate(m, theta, out):
+    """State at the share theta of the step into `out`."""
+    y, dense = vec(m, STATE), mat(m, DENSE)
+    rest = 1.0 - theta
+    for n in range(out.shape[0]):
+        value = 0.0
+        for row in range(6, -1, -1):
+            value = (value + dense[row, n]) * (theta if row % 2 == 0 else rest)
+        out[n] = y[n] + value
+
+
+@compiled
+def gap_at(m, theta, n):
+    """Gap of contact n and its rate at the share theta of the step."""
+    contact, touch, stage, nq = imat(m, CONTACT), mat(m, TOUCH), vec(m, STAGE), vec(m, CHANGE).shape[0]
+    interpolate(m, theta, stage)
+    place(m, stage[:nq], stage[nq : 2 * nq])
+    call_clearance(
+        ivec(m, CLEARANCE_TABLE)[contact[n, SHAPE]],
+        (mat(m, BODY), contact[n, A_BODY], contact[n, B_BODY], vec(m, VALUES), contact[n, SHAPE_P], contact[n, CORNER], n, touch),
+    )
+    return touch[n, GAP], touch[n, DGAP]
+
+
+@compiled
+def start_contacts(m, t, y):
+    """Set the memory of every compliant contact at the start of a run."""
+    contact, touch, grip, nq = imat(m, CONTACT), mat(m, TOUCH), mat(m, GRIP), vec(m, CHANGE).shape[0]
+    place(m, y[:nq], y[nq : 2 * nq])
+    touch_all(m)
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 1:
+            continue
+        grip[n, CLOSED] = OPEN
+        if touch[n, GAP] < 0.0:
+            shut(m, n, t, y)
+
+
+@compiled
+def shut(m, n, t, y):
+    """Contact n starts at (t, y); its geometry is in `touch`."""
+    touch, grip = mat(m, TOUCH), mat(m, GRIP)
+    k = y.shape[0] - 4 * touch.shape[0] + 4 * n
+    grip[n, CLOSED] = SHUT
+    grip[n, SPEED] = max(-touch[n, DGAP], 0.0)
+    grip[n, SINCE] = t
+    grip[n, PEAK] = 0.0
+    grip[n, N_0] = 0.0
+    grip[n, STEPS_IN] = 0.0
+    y[k] = 0.0
+    grip[n, IMPULSE_0] = y[k + 1]
+    grip[n, LOSS_0] = y[k + 2]
+
+
+@compiled
+def note(m, found, kind, n, t, y, speed):
+    """Write event number `found`: contact n, over at (t, y) or still going on."""
+    touch, grip, event = mat(m, TOUCH), mat(m, GRIP), mat(m, EVENTS)[found]
+    k = y.shape[0] - 4 * touch.shape[0] + 4 * n
+    event[0], event[1], event[2] = grip[n, SINCE] if kind == CONTACT_EVENT else t, n, kind
+    event[3] = speed
+    event[4], event[5] = t - grip[n, SINCE], grip[n, PEAK]
+    event[6], event[7] = y[k + 1] - grip[n, IMPULSE_0], y[k + 2] + y[k + 3] - grip[n, LOSS_0]
+
+
+@compiled
+def contact_time(m, n):
+    """An estimate of how long contact n will last, from its static force and approach speed [s]; 0 if unknown."""
+    contact, mass, speed = imat(m, CONTACT), mat(m, MASS), mat(m, GRIP)[n, SPEED]
+    a, b = contact[n, A_BODY], contact[n, B_BODY]
+    light = mass[b, 0] if a == 0 else (mass[a, 0] if b == 0 else min(mass[a, 0], mass[b, 0]))
+    if speed <= 0.0:
+        return 0.0
+    delta = 1e-15
+    for _ in range(60):
+        force = call_stiffness(ivec(m, STIFFNESS_TABLE)[contact[n, STATIC]], (delta, vec(m, VALUES), contact[n, STATIC_P]))
+        if force * delta > light * speed * speed:
+            break
+        delta *= 2.0
+    return 3.0 * delta / speed
+
+
+@compiled
+def remember_end(m):
+    """Keep gaps, rates and forces at the end of the step just computed."""
+    touch, grip = mat(m, TOUCH), mat(m, GRIP)
+    for n in range(touch.shape[0]):
+        grip[n, GAP_1], grip[n, DGAP_1], grip[n, N_1] = touch[n, GAP], touch[n, DGAP], touch[n, NORMAL]
+
+
+@compiled
+def pass_on(m):
+    """The end of this step is the start of the next."""
+    grip = mat(m, GRIP)
+    for n in range(grip.shape[0]):
+        grip[n, GAP_0], grip[n, DGAP_0], grip[n, N_0] = grip[n, GAP_1], grip[n, DGAP_1], grip[n, N_1]
+
+
+@compiled
+def may_change(m, n, h):
+    """True when contact n may start or end in the step, judged from both ends."""
+    grip = mat(m, GRIP)
+    if imat(m, CONTACT)[n, IMPACT] == 1:
+        return False
+    if grip[n, CLOSED] == SHUT:
+        return grip[n, GAP_1] > 0.0
+    if grip[n, GAP_1] < 0.0:
+        return True
+    d0, d1 = grip[n, DGAP_0], grip[n, DGAP_1]
+    return min(grip[n, GAP_0], grip[n, GAP_1]) <= h * (max(-d0, d1, 0.0) + abs(d1 - d0))
+
+
+@compiled
+def may_any_change(m, h):
+    """True when any contact may start or end in the step."""
+    for n in range(mat(m, GRIP).shape[0]):
+        if may_change(m, n, h):
+            return True
+    return False
+
+
+@compiled
+def locate(m, n, low, high, wanted):
+    """Share of the step at which the sign of the gap of contact n becomes `wanted`, between low and high."""
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        if middle <= low or middle >= high:
+            break
+        if gap_at(m, middle, n)[0] * wanted > 0.0:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+@compiled
+def change_of(m, n, h):
+    """Share of the step at which contact n changes first; NONE if it does not."""
+    grip = mat(m, GRIP)
+    wanted = 1.0 if grip[n, CLOSED] == SHUT else -1.0
+    left, gap_left, rate_left = 0.0, grip[n, GAP_0], grip[n, DGAP_0]
+    for part in range(1, PARTS + 1):
+        right = part / PARTS
+        gap, rate = gap_at(m, right, n)
+        if gap * wanted > 0.0:
+            if gap_left * wanted > 0.0 or (wanted < 0.0 and gap_left == 0.0):
+                return left + 1e-6 * (right - left)  # started on the wrong side by rounding
+            return locate(m, n, left, right, wanted)
+        if wanted < 0.0 and rate_left < 0.0 and rate > 0.0:  # a minimum in between: look whether it dips below zero
+            low, high = left, right
+            for _ in range(60):
+                middle = 0.5 * (low + high)
+                at, slope = gap_at(m, middle, n)
+                if at < 0.0:
+                    return locate(m, n, left, middle, wanted)
+                if slope < 0.0:
+                    low = middle
+                else:
+                    high = middle
+                if min(at, gap_left) - (high - low) * h * max(-rate_left, rate) > 0.0:
+                    break
+        left, gap_left, rate_left = right, gap, rate
+    return NONE
+
+
+@compiled
+def first_change(m, h):
+    """Share of the step at which the first contact starts or ends (NONE if none does), and which; the dense output is ready."""
+    best, who = NONE, -1
+    for n in range(mat(m, GRIP).shape[0]):
+        if may_change(m, n, h):
+            share = change_of(m, n, h)
+            if share < best:
+                best, who = share, n
+    return best, who
+
+
+@compiled
+def near_peak(m):
+    """True when the force of a contact may have its maximum inside the step."""
+    grip = mat(m, GRIP)
+    for n in range(grip.shape[0]):
+        if grip[n, CLOSED] == SHUT and max(grip[n, N_0], grip[n, N_1]) > 0.7 * grip[n, PEAK]:
+            return True
+    return False
+
+
+@compiled
+def normal_at(m, theta, n):
+    """Normal force of contact n at the share theta of the step."""
+    touch, stage, nq = mat(m, TOUCH), vec(m, STAGE), vec(m, CHANGE).shape[0]
+    interpolate(m, theta, stage)
+    set_bristles(m, stage)
+    place(m, stage[:nq], stage[nq : 2 * nq])
+    touch_all(m)
+    press(m)
+    return touch[n, NORMAL]
+
+
+@compiled
+def find_peaks(m, until, sampled):
+    """Largest force of every contact up to the share `until` of the step; with `sampled` from the dense output too."""
+    grip = mat(m, GRIP)
+    for n in range(grip.shape[0]):
+        if grip[n, CLOSED] != SHUT:
+            continue
+        grip[n, STEPS_IN] += 1.0
+        high = max(grip[n, N_0], grip[n, N_1] if until >= 1.0 else 0.0)
+        if sampled and max(grip[n, N_0], grip[n, N_1]) > 0.7 * grip[n, PEAK]:
+            best = 0
+            for part in range(1, 8):
+                force = normal_at(m, until * part / 8.0, n)
+                if force > high:
+                    high, best = force, part
+            if best > 0 and high > grip[n, PEAK]:
+                low, top = until * (best - 1) / 8.0, until * (best + 1) / 8.0
+                for _ in range(14):
+                    one, two = low + 0.382 * (top - low), low + 0.618 * (top - low)
+                    first, second = normal_at(m, one, n), normal_at(m, two, n)
+                    high = max(high, first, second)
+                    if first > second:
+                        top = two
+                    else:
+                        low = one
+        grip[n, PEAK] = max(grip[n, PEAK], high)
+
+
+@compiled
+def change_contacts(m, who, t, y, found):
+    """Contact `who` starts or ends at (t, y), and others that do so at the same instant; returns the number of events."""
+    contact, touch, grip, nq = imat(m, CONTACT), mat(m, TOUCH), mat(m, GRIP), vec(m, CHANGE).shape[0]
+    place(m, y[:nq], y[nq : 2 * nq])
+    touch_all(m)
+    was_shut = grip[who, CLOSED] == SHUT
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 1:
+            continue
+        if grip[n, CLOSED] == OPEN:
+            if (n == who and not was_shut) or (touch[n, GAP] <= 0.0 and touch[n, DGAP] < 0.0):
+                shut(m, n, t, y)
+        elif n == who and was_shut:
+            k = y.shape[0] - 4 * touch.shape[0] + 4 * n
+            note(m, found, CONTACT_EVENT, n, t, y, grip[n, SPEED])
+            note(m, found + 1, RELEASE_EVENT, n, t, y, max(touch[n, DGAP], 0.0))
+            found += 2
+            y[k + 2] += y[k + 3]  # what rounding left stored is lost
+            y[k + 3] = 0.0
+            y[k] = 0.0
+            grip[n, CLOSED] = OPEN
+    return found
