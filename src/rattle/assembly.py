@@ -71,6 +71,7 @@ def assemble(ready: Compiled, t: float = 0.0, ideal: Assembled | None = None) ->
             raise AssemblyError(_why_open(ready, memory, t, q))
     else:
         q, iterations = _positions(ready, memory, t, offsets, ideal)
+    _refuse_two_drivers(ready, memory)
     given = _given_rates(ready)
     if ideal is None:
         v = _free_rates(ready, memory, t, q, given)
@@ -161,7 +162,31 @@ def _positions(
         if best is None or gap < best[0]:
             best = (gap, q)
     assert best is not None
+    _without_drivers(ready, memory, t)
     raise AssemblyError(_why_open(ready, memory, t, best[1]))
+
+
+def _without_drivers(ready: Compiled, memory: Memory, t: float) -> None:
+    """Where the joints alone can be closed, see whether the drivers hinder each other."""
+    if len(ready.model.drivers) < 2:
+        return
+    try:
+        q = assemble(compile_system(replace(ready.model, drivers={})), t).q
+    except AssemblyError:
+        return
+    place_only(memory.handle, q)
+    constraints(memory.handle)
+    _refuse_two_drivers(ready, memory)
+
+
+def _refuse_two_drivers(ready: Compiled, memory: Memory) -> None:
+    """Raise AssemblyError when drivers move the same freedom at the state in the memory."""
+    from rattle.singular import on_one_freedom
+
+    names = on_one_freedom(ready, memory)
+    if len(names) > 1:
+        listed = ", ".join(f"'{one}'" for one in names[:-1]) + f" and '{names[-1]}'"
+        raise AssemblyError(f"drivers {listed} drive the same freedom; take {'one' if len(names) == 2 else 'some'} of them out")
 
 
 def _guesses(
@@ -323,6 +348,13 @@ def _least_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> Non
 
 def _why_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> str:
     model = ready.model
+    drive(memory.handle, t)
+    for n, name in enumerate(ready.joints):
+        if name in model.drivers:
+            value = memory["values"][ready.arrays["joint"][n, 3] + driver_slot(ready, n)]
+            if not math.isfinite(value):
+                domain = "check its domain (square root, logarithm, division by zero)"
+                return f"the function of driver '{name}' has no finite value at t = {t:.6g} s ({value:g}); {domain}"
     if ready.row_count <= LARGE:
         _least_open(ready, memory, t, q)
     place_only(memory.handle, q)

@@ -70,7 +70,7 @@ def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, 
         if node is None or number is None:
             values.broken.add(name)
         else:
-            values.constants[name], values.dimensions[name] = number, values.dimension(node, path)
+            values.constants[name], values.dimensions[name] = number, values.dimension(node)
 
 
 def _parameter(values: Values, name: str, given: Any) -> Parameter:
@@ -134,7 +134,9 @@ def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str,
         values.wrong(("signals", cycle[0]), describe_cycle(cycle))
     units = {}
     for name in order:
-        seen = fixed[name] if name in fixed else values.dimension(nodes[name], ("signals", name))
+        if name not in fixed and not values.dimension_fits(nodes[name], str(table[name]), ("signals", name), None):
+            continue
+        seen = fixed[name] if name in fixed else values.dimension(nodes[name])
         values.dimensions[name] = seen
         units[name] = unit_name(seen) if seen is not None else ""
     return {name: nodes[name] for name in order}, units

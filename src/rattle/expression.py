@@ -34,6 +34,7 @@ __all__ = [
     "FUNCTIONS",
     "RESERVED",
     "ExpressionError",
+    "Name",
     "Node",
     "Number",
     "Program",
@@ -43,6 +44,7 @@ __all__ = [
     "names",
     "parse",
     "value",
+    "walk",
 ]
 
 _OPS = {
@@ -61,10 +63,10 @@ _OPS = {
 
 
 # ---------------------------------------------------------------- dimensions
-def dimension(node: Node, lookup: Callable[[str], Dimension | None]) -> Dimension | None:
-    """Dimension of an expression, None where it cannot be known; `t` is a time.
+def dimension(node: Node, lookup: Callable[[str], Dimension | None], time: Dimension | None = TIME) -> Dimension | None:
+    """Dimension of an expression, None where it cannot be known.
 
-    lookup: dimension of a name, None if unknown.  Numbers written in the expression may have any unit,
+    lookup: dimension of a name, None if unknown.  time: that of `t`.  Numbers written in the expression may have any unit,
     so that "9.81*m" raises no false alarm.  Raises ExpressionError for "m + kg", "sin(m)" and the like.
     """
     stack: list[Dimension | None] = []
@@ -72,7 +74,7 @@ def dimension(node: Node, lookup: Callable[[str], Dimension | None]) -> Dimensio
         if isinstance(part, Number):
             stack.append(None)
         elif isinstance(part, Name):
-            stack.append(TIME if part.name == "t" else lookup(part.name))
+            stack.append(time if part.name == "t" else lookup(part.name))
         else:
             size = len(part.operands)
             operands = stack[-size:]

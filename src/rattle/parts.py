@@ -36,6 +36,7 @@ class Parts:
         self.drivers: dict[str, Driver] = {}
         self.loads: dict[str, Load] = {}
         self.broken_joints: set[str] = set()  # written, but with problems
+        self.vague: set[str] = set()  # bodies whose points are not all known because of a problem
         self.driven: dict[str, str] = {}  # joint: its driver
 
     # ------------------------------------------------------------ bodies and points
@@ -75,11 +76,13 @@ class Parts:
         two = isinstance(ends, list | tuple) and len(ends) == 2
         if not two or not all(isinstance(end, str) and end.isidentifier() for end in ends):
             self.values.wrong(here, f'wanted two end names like ["A", "B"], got {said(ends)}')
+            self.vague.add(str(path[-1]))
             return {}
         first, second = ends
         for end in {first: 0, second: 0}:
             if end in points or first == second:
                 self.values.wrong(here, f"the point name '{end}' is used twice")
+                self.vague.add(str(path[-1]))
         return {first: (-length / 2, 0.0), second: (length / 2, 0.0)}
 
     def point(self, given: Any, path: Path, alone: bool = False) -> Point:
@@ -94,6 +97,8 @@ class Parts:
         points = self.ground if body == "ground" else self.bodies[body].points
         if not dot and alone:
             return Point(body, "", (0.0, 0.0))
+        if point not in points and body in self.vague:
+            return NOWHERE
         if point not in points:
             hint = suggest(point, points)
             whose = "the ground" if body == "ground" else f"body '{body}'"

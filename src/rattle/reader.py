@@ -48,7 +48,7 @@ def _is_plain(document: Mapping[str, Any], values: Values) -> bool:
     while waiting:
         path, given = waiting.pop()
         if len(path) > DEEPEST:
-            values.wrong(path[:3], f"nested more than {DEEPEST} deep")
+            values.wrong(path[:1], f"nested more than {DEEPEST} deep")
             return False
         if isinstance(given, Mapping):
             for key in given:

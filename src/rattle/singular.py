@@ -48,6 +48,23 @@ def nonunique_reactions(ready: Compiled, memory: Memory) -> tuple[str, ...]:
     return tuple(dict.fromkeys(row.owner for row, takes in zip(ready.rows, taking_part, strict=True) if takes))
 
 
+def on_one_freedom(ready: Compiled, memory: Memory) -> tuple[str, ...]:
+    """Names of drivers that would move the same freedom of what the joints leave free, at the state in the memory."""
+    if len(ready.model.drivers) < 2 or ready.row_count > LARGE:
+        return ()
+    full = scaled_rows(ready, memory)
+    driving = np.array([row.driver for row in ready.rows])
+    names = [row.owner for row in ready.rows if row.driver]
+    free = np.eye(full.shape[1])  # directions that the joints leave free, one per row
+    if not driving.all():
+        _, values, v = np.linalg.svd(full[~driving])
+        free = v[int((values > RANK * values[0]).sum()) :]
+    u, values, _ = np.linalg.svd(full[driving] @ free.T)
+    values = np.concatenate([values, np.zeros(max(0, len(names) - len(values)))])
+    taking_part = np.abs(u[:, values <= 1e-7]).max(axis=1, initial=0.0) > 1e-6
+    return tuple(name for name, takes in zip(names, taking_part, strict=True) if takes)
+
+
 def describe_rank_loss(ready: Compiled, memory: Memory) -> str:
     """In words, which joints block the motion at the state in the memory; empty when all rows are independent."""
     free = left_null(ready, memory, 1e-3)

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from rattle.errors import MOST, Problem, suggest
-from rattle.expression import RESERVED, ExpressionError, Node, dimension, names, parse, value
+from rattle.expression import RESERVED, ExpressionError, Name, Node, dimension, names, parse, value, walk
 from rattle.model import Vector
-from rattle.quantity import Dimension, QuantityError, describe, dimension_of, parse_quantity, unit_name
+from rattle.quantity import DIMENSIONLESS, Dimension, QuantityError, describe, dimension_of, parse_quantity, unit_name
 
 Path = tuple[str | int, ...]
 
@@ -87,15 +87,7 @@ class Values:
         node = self.parse(text, path)
         if node is None or not self.names_known(node, text, path, unit, live):
             return None
-        before = len(self.problems)
-        seen = self.dimension(node, path)
-        if len(self.problems) > before:
-            return None
-        if unit is not None and seen is not None and seen != dimension_of(unit):
-            got = unit_name(seen) or "a plain number"
-            self.wrong(path, f"{said(text)} is not {describe(dimension_of(unit))}; wanted {wanted(unit)}, got {got}")
-            return None
-        return node
+        return node if self.dimension_fits(node, text, path, unit) else None
 
     def names_known(self, node: Node, text: str, path: Path, unit: str | None, live: bool) -> bool:
         """True when every name is known and allowed here."""
@@ -103,24 +95,53 @@ class Values:
         def allowed(one: str) -> bool:
             return one in self.constants or (live and (one == "t" or one in self.live))
 
-        unknown = [one for one in sorted(names(node)) if not allowed(one)]
+        spots = {part.name: part.column for part in reversed(walk(node)) if isinstance(part, Name)}
+        unknown = [one for one in sorted(spots) if not allowed(one)]
         for one in unknown:
+            column = spots[one]
             if one in self.live or one == "t":
-                self.wrong(path, f"'{one}' changes during the run; only parameters may stand here")
+                self.wrong(path, f"'{one}' changes during the run; only parameters may stand here", column=column)
             elif one not in self.broken:
                 hint = suggest(one, [*self.constants, *(self.live if live else ())])
                 if unit and text.strip() == one and "did you mean" not in hint:
                     hint = f"; wanted {wanted(unit)}: a quantity like '5 {unit}' or an expression"
-                self.wrong(path, f"unknown name {said(one)} in {said(text)}{hint}")
+                self.wrong(path, f"unknown name {said(one)} in {said(text)}{hint}", column=column)
         return not unknown
 
-    def dimension(self, node: Node, path: Path) -> Dimension | None:
-        """Dimension of an expression; None when it cannot be known or makes no sense (a problem)."""
+    def dimension_fits(self, node: Node, text: str, path: Path, unit: str | None) -> bool:
+        """True when the dimension of an expression makes sense and is that of the unit (of any, with None)."""
         try:
-            return dimension(node, self.dimensions.get)
+            seen = self.dimension(node, unit)
         except ExpressionError as error:
             self.in_expression(error, path)
-            return None
+            return False
+        if unit is None or seen is None or seen == dimension_of(unit):
+            return True
+        got = unit_name(seen) or "a plain number"
+        self.wrong(path, f"{said(text)} is not {describe(dimension_of(unit))}; wanted {wanted(unit)}, got {got}")
+        return False
+
+    def dimension(self, node: Node, unit: str | None = None) -> Dimension | None:
+        """Dimension of an expression. Raises ExpressionError for one that makes no sense.
+
+        `t` is a time, but also the plain number of seconds where only that makes sense: "A*sin(t)".  Beside nothing
+        but numbers it may be anything, as they may: "sqrt(0.1 - t)".
+        """
+        try:
+            seen = dimension(node, self.dimensions.get)
+        except ExpressionError:
+            if "t" not in names(node):
+                raise
+            return dimension(node, self.dimensions.get, self._loosely(node))
+        if unit is None or seen is None or seen == dimension_of(unit) or "t" not in names(node):
+            return seen
+        again = dimension(node, self.dimensions.get, self._loosely(node))
+        return again if again in (None, dimension_of(unit)) else seen
+
+    def _loosely(self, node: Node) -> Dimension | None:
+        """What `t` may be besides a time."""
+        others = [self.dimensions.get(one) for one in names(node)]
+        return DIMENSIONLESS if any(one is not None for one in others) else None
 
     # ------------------------------------------------------------ numbers
     def value(self, given: Any, unit: str, path: Path, least: str = "", live: bool = False) -> Any:

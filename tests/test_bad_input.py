@@ -1,0 +1,430 @@
+"""Everything that can be wrong with a model says what, where and what is wanted, and nothing else comes out."""
+# ruff: noqa: E501  a case is a line
+
+import copy
+import json
+import logging
+import tomllib
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+import rattle as rt
+from rattle import modelfile
+from rattle.errors import MOST, ModelError
+from rattle.reader import read
+
+pytestmark = pytest.mark.nojit
+
+TEXT = (Path(__file__).parent / "data" / "full.toml").read_text()
+DOCUMENT = tomllib.loads(TEXT)
+
+
+def refusal(text):
+    with pytest.raises(ModelError) as caught:
+        rt.loads(text)
+    return caught.value
+
+
+def changed(old, new):
+    assert TEXT.count(old) >= 1, old
+    return TEXT.replace(old, new, 1)
+
+
+# what is written instead of what; the key path, what the message must hold, and what the caret stands under
+CASES = {
+    "unknown table": ("[signals]", "[signal]", "signal", ["unknown key", "'signals'"], "signal]"),
+    "unknown key": ('clearance = "r3"', 'clearence = "r3"', "joints.O3.clearence", ["did you mean 'clearance'"], "clear"),
+    "unknown inline key": ("{ angle = ", "{ angel = ", "initial.coupler.angel", ["did you mean 'angle'"], "angel"),
+    "unknown joint kind": ('"revolute"', '"revolut"', "joints.O1.type", ["joint", "did you mean 'revolute'"], '"revolut"'),
+    "unknown load kind": ('"torque"', '"moment"', "loads.M.type", ["unknown load 'moment'", "torque"], '"moment"'),
+    "unknown contact": ('contact = "massless-link"', 'contact = "massles-link"', "joints.O3.contact", ["'massless-link'"], '"massles'),
+    "unknown method": ('"dop853"', '"dopri"', "simulate.method", ["dop853"], '"dopri"'),
+    "wrong format": ("format = 1", "format = 2", "format", ["wanted format = 1", "2"], "2"),
+    "wrong dimension": ("mass = 0.5", 'mass = "2 mm"', "bodies.crank.mass", ["not a mass", "wanted kg"], '"2 mm"'),
+    "wrong dimension of an expression": ('length = "l1"', 'length = "l1*l2"', "bodies.crank.length", ["not a length", "wanted m", "m^2"], '"l1*l2"'),
+    "adding lengths and angles": ('length = "l1"', 'length = "l1 + omega"', "bodies.crank.length", ["cannot add m and 1/s"], "+ omega"),
+    "sine of a length": ('angle = "alpha"', 'angle = "sin(l1)"', "initial.coupler.angle", ["cannot take sin of m"], "sin(l1)"),
+    "unknown unit": ('l1 = "0.2 m"', 'l1 = "0.2 metre"', "parameters.l1", ["unknown unit 'metre'"], '"0.2 metre"'),
+    "unit in other case": ('M = "40 N*m"', 'M = "40 n*m"', "parameters.M", ["unknown unit 'n'", "'N'"], '"40 n*m"'),
+    "wrong dimension of a limit": ('tol = "0.5 mm"', 'tol = "0.5 kg"', "parameters.r3.tol", ["not a length", "wanted m"], '"0.5 kg"'),
+    "value outside its limits": ('max = "10 mm"', 'max = "1 mm"', "parameters.r3", ["min and max"], "{ value"),
+    "missing body": ('"crank.O2", "coupler', '"crnak.O2", "coupler', "joints.O2.connect[0]", ["no body 'crnak'", "'crank'"], '"crnak'),
+    "missing point": ('"coupler.O3", "rocker', '"coupler.O33", "rocker', "joints.O3.connect[0]", ["no point 'O33' on body 'coupler'", "'O3'"], '"coupler.O33'),
+    "missing ground point": ('"ground.O1", "crank', '"ground.O7", "crank', "joints.O1.connect[0]", ["the ground"], '"ground.O7'),
+    "missing joint": ('joint = "O1"', 'joint = "O11"', "drivers.motor.joint", ["no joint 'O11'", "'O1'"], '"O11"'),
+    "missing body of a load": ('body = "rocker"', 'body = "rokcer"', "loads.M.body", ["no body", "'rocker'"], '"rokcer"'),
+    "missing body in the start": ("rocker = { angle", "rockr = { angle", "initial.rockr", ["no body", "'rocker'"], "rockr"),
+    "missing name in an expression": ('twice = "2*l1"', 'twice = "2*l_1"', "parameters.twice", ["unknown name 'l_1'", "'l1'"], 'l_1"'),
+    "quantity without number": ('free_length = "l2"', 'free_length = "long"', "loads.back.free_length", ["unknown name 'long'", "wanted m"], 'long"'),
+    "body called like a joint": ("[bodies.crank]", "[bodies.O1]", "joints.O1", ["'O1' is used in [bodies]"], "O1]"),
+    "signal called like a parameter": ("reach = ", "l1 = ", "signals.l1", ["a parameter already"], "l1"),
+    "signal called like a driver": ("reach = ", "motor = ", "signals.motor", ["is used in [drivers]"], "motor"),
+    "end points of a bar with one name": ('bar = ["O1", "O2"]', 'bar = ["O1", "O1"]', "bodies.crank.bar", ["used twice"], '["O1"'),
+    "name of a function": ("l3 = ", "sin = ", "parameters.sin", ["meaning of its own"], "sin"),
+    "name that is none": ("l3 = ", '"l 3" = ', "parameters.l 3", ["is not a name"], '"l 3"'),
+    "joint from a body to itself": ('"crank.O2", "coupler.O2"', '"crank.O2", "crank.O1"', "joints.O2.connect", ["both ends are on 'crank'"], '["crank.O2'),
+    "mass zero": ("mass = 0.5", "mass = 0", "bodies.crank.mass", ["must be positive"], "0"),
+    "mass negative": ("mass = 0.5", 'mass = "-2 kg"', "bodies.crank.mass", ["must be positive"], '"-2 kg"'),
+    "no mass": ("mass = 0.5", "", "bodies.crank", ["needs a mass in kg"], "crank]"),
+    "inertia negative": ("inertia = 0.06", "inertia = -0.06", "bodies.rocker.inertia", ["must be positive"], "-0.06"),
+    "no inertia": ("inertia = 0.06", "", "bodies.rocker", ["inertia", "kg*m^2"], "rocker]"),
+    "inertia out of range": ('length = "l1"', "length = 1e200", "bodies.crank", ["out of range"], "crank]"),
+    "length negative": ('length = "l1"', 'length = "-l1"', "bodies.crank.length", ["must be positive"], '"-l1"'),
+    "clearance negative": ('clearance = "r3"', 'clearance = "-1 mm"', "joints.O3.clearance", ["must not be negative"], '"-1 mm"'),
+    "contact without clearance": ('clearance = "r3"', "", "joints.O3.contact", ["needs a clearance"], "contact"),
+    "nan": ("mass = 0.5", "mass = nan", "bodies.crank.mass", ["not a finite number"], "nan"),
+    "infinity as text": ("mass = 0.5", 'mass = "inf kg"', "bodies.crank.mass", ["not a finite number"], '"inf kg"'),
+    "huge whole number": ("mass = 0.5", "mass = 1" + 400 * "0", "bodies.crank.mass", ["not a finite number"], "1000"),
+    "division by zero": ('length = "l1"', 'length = "l1*l1/(l2 - l3)"', "bodies.crank.length", ["not a finite number"], "/(l2 - l3)"),
+    "parameter by itself": ('twice = "2*l1"', 'twice = "2*twice"', "parameters.twice", ["defined by itself: twice -> twice"], '"2*twice"'),
+    "signals in a ring": ('rate = "coupler.vx"', 'rate = "speed"', "signals.speed", ["rate -> speed"], '"hypot'),
+    "attribute access": ('length = "l1"', 'length = "().__class__"', "bodies.crank.length", ["unexpected character"], ".__class__"),
+    "call": ('length = "l1"', "length = \"__import__('os')\"", "bodies.crank.length", ["expression holds no text"], "'os'"),
+    "unknown function": ('length = "l1"', 'length = "l1 + eval(l2)"', "bodies.crank.length", ["there is no function 'eval'"], "eval(l2)"),
+    "huge power": ('length = "l1"', 'length = "9**9**9**9"', "bodies.crank.length", ["not a finite number"], "**"),
+    "deep nesting": ('length = "l1"', f'length = "{300 * "("}l1{300 * ")"}"', "bodies.crank.length", ["nested more than"], "(("),
+    "very long expression": ('length = "l1"', f'length = "l1{3000 * " + l1"}"', "bodies.crank.length", ["at most 2000"], "l1 + l1"),
+    "deep table": ('name = "Four', f"x = {40 * '['}{40 * ']'}\nname = \"Four", "x", ["nested more than"], "[[["),
+    "time where it may not be": ('length = "l1"', 'length = "l1*t"', "bodies.crank.length", ["'t' changes during the run"], 't"'),
+    "state in a driver": ('angle = "omega*t"', 'angle = "reach/l1"', "drivers.motor.angle", ["'reach' depends on the motion"], '"reach'),
+    "position of a revolute joint": ('angle = "omega*t"', 'position = "0.1*t"', "drivers.motor.position", ["by 'angle', not by 'position'"], "position"),
+    "three coordinates": ("O1 = [0, 0]", "O1 = [0, 0, 0]", "ground.points.O1", ["wanted [x, y] in m"], "[0, 0, 0]"),
+    "truth for a number": ("mass = 0.5", "mass = true", "bodies.crank.mass", ["wanted kg", "true"], "true"),
+    "date for a number": ("mass = 0.5", "mass = 1979-05-27", "bodies.crank.mass", ["wanted kg"], "1979"),
+    "list for a joint": ('joint = "O1"', 'joint = ["O1"]', "drivers.motor.joint", ["no joint"], '["O1"]'),
+    "number for a table": ("[bodies.crank]", "[bodies]\nlink = 3\n[bodies.crank]", "bodies.link", ["wanted a table, got 3"], "3"),
+    "wrong frame": ('frame = "body"', 'frame = "bdoy"', "loads.push.frame", ["ground, body", "'body'"], '"bdoy"'),
+    "offset without clearance": ("O3 = { offset", "O2 = { offset", "initial.O2", ["no clearance"], "O2"),
+    "step of nothing": ("rtol = 1e-9", "rtol = 0", "simulate.rtol", ["must be positive"], "0"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_problem_is_named_with_its_line_a_caret_and_what_is_wanted(case):
+    old, new, path, words, under = CASES[case]
+    text = changed(old, new)
+    error = refusal(text)
+    found = [one for one in error.problems if one.key == path]
+    assert found, str(error)
+    problem = found[0]
+    for word in words:
+        assert word in problem.message
+    line, caret = problem.caret.split("\n")
+    assert line.lstrip(".")[:40] in text
+    assert line[caret.index("^") :].startswith(under)
+    assert f"model:{problem.line}: {path}: " in str(error)
+    source = text.split("\n")[problem.line - 1]
+    assert under[:5] in source
+
+
+def test_one_mistake_makes_one_problem():
+    several = {
+        "unknown key",
+        "name of a function",
+        "name that is none",
+        "body called like a joint",
+        "no mass",
+        "missing body in the start",
+        "unknown table",
+    }
+    for case, (old, new, *_rest) in CASES.items():
+        if case not in several:
+            error = refusal(changed(old, new))
+            assert len(error.problems) == 1, f"{case}: {error}"
+
+
+def test_all_problems_are_reported_at_once_in_the_order_of_the_file():
+    text = TEXT.replace('clearance = "r3"', 'clearence = "r3"').replace("mass = 0.5", 'mass = "2 mm"')
+    lines = [one.line for one in refusal(text).problems]
+    assert len(lines) >= 2
+    assert lines == sorted(lines)
+
+
+def test_a_file_with_endless_problems_is_answered_at_once():
+    text = "format = 1\n" + "".join(f"[bodies.b{n}]\nmas = 1\n" for n in range(30_000))
+    error = refusal(text)
+    assert len(error.problems) == MOST
+    assert "there may be more" in str(error)
+
+
+# ---------------------------------------------------------------- text that is no model
+@pytest.mark.parametrize(
+    ("text", "words", "line"),
+    [
+        ("format = 1\nmass = 5 kg\n", ["not valid TOML", "quotes"], 2),
+        ("format = 1\n[bodies\n", ["not valid TOML"], 2),
+        ('format = 1\nname = "open\n', ["not valid TOML"], 2),
+        ("format = 1\nformat = 1\n", ["used twice", "format"], 2),
+        ("[bodies.a]\nmass = 1\n[bodies.a]\n", ["used twice", "bodies.a"], 3),
+        ("[ground]\npoints = { O = [0, 0], O = [1, 0] }\n", ["used twice"], 2),
+        ('{"format": 1,\n "name": }', ["not valid JSON"], 2),
+        ('{"format": 1, "format": 1}', ["'format' is used twice"], None),
+        ("x = " + 5000 * "9", ["cannot read"], None),
+        ("x = " + 5000 * "[", ["deep"], None),
+        ('{"x": ' + 100_000 * "[", ["deep"], None),
+        ("", ["format = 1"], None),
+    ],
+)
+def test_text_that_cannot_be_read_says_why_and_where(text, words, line):
+    error = refusal(text)
+    for word in words:
+        assert word in str(error)
+    if line:
+        assert error.problems[0].line == line
+        assert error.problems[0].caret
+
+
+def test_file_that_is_no_text(tmp_path):
+    file = tmp_path / "latin.toml"
+    file.write_bytes('format = 1\nname = "Kurbelschwinge für"\n'.encode("latin-1"))
+    with pytest.raises(ModelError, match=r"latin.toml:2: not UTF-8 text \(byte 35\); save the file as UTF-8"):
+        rt.load(file)
+
+
+def test_file_that_is_missing_or_a_folder(tmp_path):
+    with pytest.raises(ModelError, match=r"none.toml: cannot read the file: No such file"):
+        rt.load(tmp_path / "none.toml")
+    with pytest.raises(ModelError, match="cannot read the file: Is a directory"):
+        rt.load(tmp_path)
+    with pytest.raises(ModelError, match="not the name of a file"):
+        rt.load("a\0b")
+
+
+def test_file_of_50_megabytes_is_refused_without_reading_it(tmp_path):
+    file = tmp_path / "large.toml"
+    with file.open("wb") as out:
+        out.truncate(50_000_000)
+    with pytest.raises(ModelError, match="the file has 50 MB; a model has at most 8 MB"):
+        rt.load(file)
+    with pytest.raises(ModelError, match="the text has 50 MB"):
+        rt.loads(" " * 50_000_000)
+
+
+def test_file_without_end_is_refused():
+    with pytest.raises(ModelError, match="a model has at most 8 MB"):
+        rt.load("/dev/zero")
+
+
+def test_file_name_stands_before_every_problem(tmp_path):
+    file = tmp_path / "bad.toml"
+    file.write_text(changed('clearance = "r3"', 'clearence = "r3"'))
+    with pytest.raises(ModelError) as caught:
+        rt.load(file)
+    line = TEXT.split('clearance = "r3"')[0].count("\n") + 1
+    assert str(caught.value).startswith(f"{file}:{line}: joints.O3.clearence: unknown key; did you mean 'clearance'?\n")
+
+
+@pytest.mark.parametrize("place", ["missing/out.toml", "file.txt/out.toml", "."])
+def test_folder_that_cannot_be_written_is_named(tmp_path, place):
+    (tmp_path / "file.txt").write_text("")
+    with pytest.raises(OSError, match="cannot write") as caught:
+        rt.loads(TEXT).save(tmp_path / place)
+    assert str(tmp_path) in str(caught.value)
+
+
+# ---------------------------------------------------------------- drivers
+def test_two_drivers_on_one_joint():
+    error = refusal(changed("[loads.M]", '[drivers.second]\njoint = "O1"\nangle = "t"\n\n[loads.M]'))
+    assert "drivers.second: joint 'O1' is driven by 'motor' already: two drivers on one freedom" in str(error)
+
+
+def crank_and_rocker(**second):
+    m = rt.Mechanism("four-bar")
+    m.ground(A=[0, 0], D=[0.5, 0])
+    m.bar("crank", "A", "B", length=0.1, mass=1).bar("coupler", "B", "C", length=0.5, mass=1)
+    m.bar("rocker", "C", "D", length=0.3, mass=1)
+    m.revolute("A", "ground.A", "crank.A").revolute("B", "crank.B", "coupler.B")
+    m.revolute("C", "coupler.C", "rocker.C").revolute("D", "rocker.D", "ground.D")
+    return m.driver("motor", "A", angle="1 + 10*t").driver("brake", **second)
+
+
+@pytest.mark.parametrize(
+    "second",
+    [
+        {"joint": "D", "angle": "2 + t"},  # two functions that do not go together
+        {"joint": "B", "angle": 0.1},
+        {"body": "rocker", "coordinate": "angle", "angle": "-1"},
+    ],
+)
+def test_two_drivers_on_the_one_freedom_of_a_linkage_are_named(second):
+    with pytest.raises(rt.AssemblyError, match="drivers 'motor' and 'brake' drive the same freedom"):
+        _ = crank_and_rocker(**second).start
+
+
+def test_two_drivers_that_agree_still_drive_the_same_freedom():
+    single = crank_and_rocker(joint="B", angle=0.0)
+    single._document["drivers"].pop("brake")
+    single._forget()
+    q = single.start.q
+    agreeing = crank_and_rocker(joint="B", angle=float(q[5] - q[2]))
+    with pytest.raises(rt.AssemblyError, match="drivers 'motor' and 'brake' drive the same freedom"):
+        _ = agreeing.start
+
+
+def test_position_that_a_driver_cannot_reach_names_the_loop_and_the_position():
+    m = rt.Mechanism("slider-crank")
+    m.ground(O=[0, 0])
+    m.bar("crank", "O", "A", length=0.1, mass=1).bar("rod", "A", "B", length=0.3, mass=1)
+    m.body("slider", mass=1, inertia=1, points={"B": [0, 0]})
+    m.revolute("O", "ground.O", "crank.O").revolute("A", "crank.A", "rod.A").revolute("B", "rod.B", "slider.B")
+    m.prismatic("guide", "ground.O", "slider.B").driver("push", "guide", position=0.5)
+    with pytest.raises(rt.AssemblyError) as caught:
+        _ = m.start
+    message = str(caught.value)
+    for word in ("loop", "guide", "stays open by 0.1 m", "push = 0.5 m", "at t = 0 s"):
+        assert word in message
+
+
+# ---------------------------------------------------------------- while running
+def spinning(**fields):
+    m = rt.Mechanism("disc")
+    m.ground(O=[0, 0]).body("disc", mass=1, inertia=1, points={"O": [0, 0]}).revolute("O", "ground.O", "disc.O")
+    return m
+
+
+def moment(**options):
+    return spinning().load("M", "torque", body="disc", torque="sqrt(0.1 - t)").simulate(0.3, **options)
+
+
+@pytest.mark.parametrize("options", [{"method": "dop853"}, {"method": "rk4", "step": 1e-3}])
+def test_load_that_loses_its_value_is_named_with_the_instant(options):
+    r = moment(**options)
+    assert not r.success
+    assert "loads.M" in r.message
+    assert "no finite value at t = 0.1" in r.message
+    assert "square root" in r.message
+    assert r.t[-1] == pytest.approx(0.1, abs=2e-3)
+
+
+def test_driver_that_loses_its_value_is_named_with_the_instant():
+    r = spinning().driver("motor", "O", angle="log(0.2 - t)").simulate(0.3)
+    assert not r.success
+    assert "drivers.motor.angle" in r.message
+    assert "no finite value at t = 0.2" in r.message
+    assert r.t[-1] < 0.2
+
+
+def test_signal_that_loses_its_value_is_named():
+    m = spinning().signal("s", "1/(0.1 - t) if t < 0.1 else sqrt(0.1 - t)")
+    r = m.load("M", "torque", body="disc", torque="s*1e-3").simulate(0.3)
+    assert not r.success
+    assert "signals.s" in r.message
+
+
+def test_start_without_a_value_is_named():
+    with pytest.raises(rt.AssemblyError, match="the function of driver 'motor' has no finite value at t = 0 s"):
+        _ = spinning().driver("motor", "O", angle="log(t - 1)").start
+
+
+def test_strict_run_raises_with_the_result():
+    with pytest.raises(rt.SolverError, match="no finite value") as caught:
+        moment(strict=True)
+    assert len(caught.value.result.t) > 10
+
+
+# ---------------------------------------------------------------- anything at all
+LINES = TEXT.split("\n")
+VALUES = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(),
+    st.floats(),
+    st.text(max_size=8),
+    st.sampled_from(["t", "l1", "5 mm", "crank.x", "ground.O1", "crank", "ground", "-1", "1/0", "massless-link", "rod"]),
+    st.lists(st.one_of(st.integers(-3, 3), st.text(max_size=3), st.floats()), max_size=3),
+    st.dictionaries(st.sampled_from(["value", "x", "model", "offset", "O1", ""]), st.one_of(st.integers(), st.text()), max_size=2),
+)  # fmt: skip
+SWAPS = ["0", "-1", "nan", '"l1"', '"t"', "[]", "{}", "true", '"crank.O1"', '"1e308*10"', "1e-320", "1e300", '"rod"']
+FUZZ = settings(suppress_health_check=[HealthCheck.too_slow], max_examples=300)
+
+
+def tried(text):
+    """Read, put together, and move a little: only the errors of this package may come out."""
+    with suppress(ModelError, rt.AssemblyError):
+        m = rt.loads(text)
+        m.simulate(1e-4, rtol=1e-3)
+        assert rt.loads(m.to_toml()).parameters == m.parameters
+
+
+def paths(table, path=()):
+    for key, value in table.items() if isinstance(table, dict) else enumerate(table):
+        yield (*path, key)
+        if isinstance(value, dict | list):
+            yield from paths(value, (*path, key))
+
+
+PATHS = list(paths(DOCUMENT))
+
+
+@FUZZ
+@given(
+    st.lists(
+        st.tuples(st.sampled_from(["drop", "double", "swap", "cut"]), st.integers(0), st.integers(0)),
+        max_size=3,
+        min_size=1,
+    )
+)
+def test_lines_lost_doubled_and_changed(changes):
+    lines = list(LINES)
+    for what, one, other in changes:
+        n = one % len(lines)
+        if what == "drop":
+            del lines[n]
+        elif what == "double":
+            lines.insert(other % len(lines), lines[n])
+        elif what == "swap" and " = " in lines[n]:
+            lines[n] = lines[n].split(" = ")[0] + " = " + SWAPS[other % len(SWAPS)]
+        elif what == "cut":
+            lines[n] = lines[n][: other % (len(lines[n]) + 1)]
+    tried("\n".join(lines))
+
+
+@FUZZ
+@given(st.lists(st.tuples(st.sampled_from(PATHS), VALUES), min_size=1, max_size=2))
+@example([(("bodies", "crank", "length"), 1e200)])
+@example([(("bodies", "crank", "mass"), 5e-324)])
+@example([(("drivers", "motor", "joint"), [1])])
+def test_values_of_any_type_anywhere(changes):
+    document = copy.deepcopy(DOCUMENT)
+    for path, value in changes:
+        table = document
+        for key in path[:-1]:
+            if not isinstance(table, dict) or key not in table:
+                break
+            table = table[key]
+        else:
+            if isinstance(table, dict if isinstance(path[-1], str) else list) and table:
+                table[path[-1] if isinstance(path[-1], str) else path[-1] % len(table)] = value
+    with suppress(ModelError):
+        read(document)
+
+
+@FUZZ
+@given(st.text(max_size=200))
+def test_any_text(text):
+    with pytest.raises(ModelError):
+        rt.loads(text)
+
+
+@FUZZ
+@given(st.recursive(VALUES, lambda inner: st.dictionaries(st.text(max_size=5), inner, max_size=3), max_leaves=5))
+def test_any_json(value):
+    with pytest.raises(ModelError):
+        rt.loads(json.dumps({"bodies": value}))
+
+
+def test_keys_that_are_no_text_are_refused():
+    with pytest.raises(ModelError, match="is not a text"):
+        read({"format": 1, "bodies": {3: {}}})
+
+
+def test_nothing_in_a_file_reads_another_file(tmp_path, caplog):
+    secret = tmp_path / "secret"
+    secret.write_text("42")
+    with caplog.at_level(logging.DEBUG), pytest.raises(ModelError):
+        rt.loads(changed('length = "l1"', f"length = \"open('{secret}')\""))
+    assert modelfile.LARGEST < 50_000_000
