@@ -136,13 +136,13 @@ def analyse(
     sweep = begin(ready, start, motors)
     if times[0] != start.t:  # what the user says about the start holds at t = 0: go from there
         if not len(sweep.go(times[:1], False)):
-            raise AssemblyError(f"the first position cannot be reached: {_why_stuck(sweep)}")
+            raise AssemblyError(f"the first position cannot be reached: {why_stuck(sweep)}")
         sweep.tally[:] = 0
         sweep.clock[swept.GAP] = 0.0
     first = sweep.fork()
     raw = sweep.go(times, forces)
     reached = times[: len(raw)]
-    message = _why_stuck(sweep) if len(raw) < len(times) else ""
+    message = why_stuck(sweep) if len(raw) < len(times) else ""
     events, notes = _branch_points(first, sweep, times, raw, bool(message))
     if message:
         ends = float(sweep.clock[swept.NOW])
@@ -188,7 +188,7 @@ def _motors(ready: Compiled, effort_at: str | Mapping[str, str] | None) -> list[
 
 
 # ---------------------------------------------------------------- what went on
-def _why_stuck(sweep: Sweep) -> str:
+def why_stuck(sweep: Sweep) -> str:
     ready, memory = sweep.ready, sweep.memory
     t = float(sweep.clock[swept.NOW])
     for ahead in (0.0, 1e-12, 1e-9, 1e-6):

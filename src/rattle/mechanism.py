@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 from rattle import modelfile
 from rattle.errors import ModelError, Problem, suggest
@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
     from rattle.assembly import Assembled
     from rattle.checking import Check
+    from rattle.modes import Modes
+    from rattle.play import Play
     from rattle.result import Result
+    from rattle.statics import Equilibrium
     from rattle.system import Compiled
 
 Pair = Sequence[float | str]
@@ -283,6 +286,65 @@ class Mechanism:
         return kinematics.analyse(
             self.ready, self._start_or_none(), t_eval, forces=True, effort_at=effort_at, strict=strict
         )
+
+    @overload
+    def equilibrium(self, t: float = 0.0, *, branches: str = "near") -> list[Equilibrium]: ...
+    @overload
+    def equilibrium(self, t: Sequence[float] | np.ndarray, *, branches: str = "near") -> Result: ...
+    def equilibrium(
+        self, t: float | Sequence[float] | np.ndarray = 0.0, *, branches: str = "near"
+    ) -> list[Equilibrium] | Result:
+        """Positions of rest with the drivers held where they are at time t [s]; loads are taken at rest.
+
+        Returns a list: admissible (no bush has to pull) and stable ones first, then by their distance from the
+        initial guess.  A clearance pin is a massless link; its partners on the other side (n and -n at every pin)
+        are in the list too.  A compliant pin sinks in by its law, an impact pin is taken as hard; friction is left
+        out.  branches: "near" keeps the way in which the mechanism is put together, "all" looks for others too.
+
+        With an array of times: the slow motion over them as a Result, with the drivers' efforts, the mechanical
+        advantage `<load>.advantage` (force or moment held at the load per unit of effort), `equilibrium.stiffness`
+        (smallest eigenvalue of the reduced Hessian [N/m]), `.stable` and `.admissible` (1 or 0); where N of a pin
+        goes through zero it changes sides, which is an event "side".  Raises AssemblyError, ModelError.
+
+        Source: THEORY section 7; Nocedal, Wright, Numerical Optimization (2006), section 16.2 (reduced Hessian).
+        """
+        import numpy as np
+
+        if np.ndim(t) == 0:
+            from rattle.statics import equilibria
+
+            return equilibria(self.ready, float(t), branches)  # type: ignore[arg-type]
+        from rattle.quasistatic import quasistatic
+
+        return quasistatic(self.ready, np.asarray(t, dtype=float))
+
+    def modes(self, t: float = 0.0, equilibrium: Equilibrium | None = None) -> Modes:
+        """Natural frequencies, damping and shapes about a position of rest (default: the first of `equilibrium(t)`).
+
+        Clearance pins are massless links that press.  Raises ValueError when there is no position of rest.
+        """
+        from rattle.modes import modes
+        from rattle.statics import rest_of
+
+        found = [equilibrium] if equilibrium is not None else self.equilibrium(t)
+        if not found:
+            raise ValueError(f"no position of rest was found at t = {t:g} s")
+        return modes(rest_of(self.ready, found[0]), found[0])
+
+    def play(self, output: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool = True, loaded: bool = True) -> Play:
+        """How far the play of the joints lets one output stray, at any times [s].
+
+        output: a name of a result of `inverse_dynamics`, such as "rocker.angle" or "coupler.P.x", or a signal.
+        extremes: also the exact extremes over all positions of the pins in their circles.
+        loaded: also where the loads press the pins (equilibrium), for comparison.
+        Raises ModelError when the mechanism without play is not fully driven or has no clearance, UnknownName.
+
+        Source: THEORY section 7; Ting, Zhu, Watkins, The effects of joint clearance on position and orientation
+        deviation of linkages and manipulators, Mech. Mach. Theory 35 (2000) 391-401.
+        """
+        from rattle.play import play
+
+        return play(self.ready, output, t_eval, extremes=extremes, loaded=loaded)
 
     def _start_or_none(self) -> Assembled | None:
         """The start at t = 0, or None when the mechanism cannot be put together there."""

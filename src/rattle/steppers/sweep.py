@@ -17,8 +17,26 @@ import math
 from rattle.catalog import call_joint, compiled
 from rattle.equations import constraints, correct, drive, loads, place, rate_residual, residual
 from rattle.memory import (
-    ACCELERATION, BODY, CHANGE, FORCE, JOINT_TABLE, MASS, MULTIPLIER, PLACE, POWER, ROW_BODY, ROWS, SIGNAL, SIGNALS,
-    SOLUTION, VALUES, WEIGHT, imat, ivec, mat, vec,
+    ACCELERATION,
+    BODY,
+    CHANGE,
+    FORCE,
+    JOINT_TABLE,
+    MASS,
+    MULTIPLIER,
+    PLACE,
+    POWER,
+    ROW_BODY,
+    ROWS,
+    SIGNAL,
+    SIGNALS,
+    SOLUTION,
+    VALUES,
+    WEIGHT,
+    imat,
+    ivec,
+    mat,
+    vec,
 )  # fmt: skip
 from rattle.plane import AX, BX, GAMMA, VX
 from rattle.schur import factorise, solve

@@ -1,0 +1,145 @@
+"""Small free vibrations about a position of rest.
+
+    Z^T M Z ddz + Z^T C Z dz + Z^T K Z z = 0,     shapes Z z, normed so that the largest displacement is the
+    mechanism's size;  K as in `statics`, C = -dQ/dv by differences
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rattle.equations import loads, place
+from rattle.result import Result, Trust
+from rattle.statics import Equilibrium, Rest
+from rattle.steppers.rest import force_at
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FRAMES = 61
+
+
+@dataclass
+class Modes:
+    """Natural frequencies about an equilibrium, lowest first, and their shapes."""
+
+    equilibrium: Equilibrium
+    omega: np.ndarray  # (f,) natural circular frequencies [rad/s]; nan where the motion does not swing (see growth)
+    growth: np.ndarray  # (f,) rate at which an unstable mode grows [1/s], 0 for those that swing
+    damping: np.ndarray  # (f,) share of critical damping (of the mode alone)
+    shapes: np.ndarray  # (f, 3 nb) x, y, angle of every body [m, m, rad] at the largest displacement
+    rest: Rest = field(repr=False)
+
+    @property
+    def frequency(self) -> np.ndarray:
+        """(f,) natural frequencies [Hz]."""
+        return np.asarray(self.omega / (2 * math.pi))
+
+    def __len__(self) -> int:
+        return len(self.omega)
+
+    def __str__(self) -> str:
+        bodies = self.rest.ready.bodies
+        lines = []
+        for k in range(len(self)):
+            share = np.abs(self.shapes[k] / self.rest.scale).reshape(-1, 3).max(axis=1)
+            movers = ", ".join(bodies[int(n)] for n in np.argsort(-share)[:3] if share[n] > 0.1 * share.max())
+            if math.isnan(self.omega[k]):
+                lines.append(f"mode {k + 1}: unstable, grows at {self.growth[k]:.6g} 1/s ({movers})")
+            else:
+                lines.append(f"mode {k + 1}: {self.frequency[k]:.6g} Hz, damping {100 * self.damping[k]:.3g} % ({movers})")
+        return "\n".join(lines) or "no freedom is left that could vibrate"
+
+    def motion(self, mode: int, amplitude: float = 0.1) -> Result:
+        """One cycle of a mode (0 = lowest) as a result that can be plotted and animated.
+
+        amplitude: largest displacement as a share of the mechanism's size; every position is put together anew,
+        so that joints stay closed. An unstable mode is shown over one unit of time.
+        """
+        if not 0 <= mode < len(self):
+            raise ValueError(f"mode {mode}: there are {len(self)}, counted from 0")
+        rest, q0 = self.rest, self.equilibrium.q
+        omega = 2 * math.pi if math.isnan(self.omega[mode]) or self.omega[mode] == 0.0 else self.omega[mode]
+        t = np.linspace(0.0, 2 * math.pi / omega, FRAMES)
+        names = [name for name in self.equilibrium.result.stored if name.endswith((".x", ".y", ".angle", ".ex", ".ey"))]
+        table = []
+        rest.at(self.equilibrium.t)
+        steps = 8
+        swing = {0: q0.copy()}
+        for sign in (1, -1):  # outwards in small steps, so that clearance pins keep their side
+            q = q0.copy()
+            for n in range(1, steps + 1):
+                q = q + sign * amplitude / steps * self.shapes[mode]
+                rest.close(q)
+                swing[sign * n] = q.copy()
+        keys = np.array(sorted(swing), dtype=float)
+        known = np.array([swing[int(k)] for k in keys])
+        for instant in t:
+            level = steps * math.cos(omega * instant)
+            q = np.array([np.interp(level, keys, known[:, k]) for k in range(len(q0))])
+            rest.close(q)
+            one = rest.finish(q, 0)
+            table.append([one[name] for name in names])
+        base = self.equilibrium.result
+        return Result(
+            t=t, data=np.array(table), names=names, units={name: base.unit(name) for name in names}, geometry=base.geometry,
+            trust=Trust(drift=0.0, t_end=float(t[-1]), horizon=float(t[-1])), stats={}, provenance=dict(base.provenance, analysis=f"mode {mode + 1}"),
+        )  # fmt: skip
+
+    def plot(self, mode: int, amplitude: float = 0.1) -> Figure:
+        """The mechanism at rest and at both ends of a mode's swing; see `rattle.plot_statics.plot_mode`."""
+        from rattle.plot_statics import plot_mode
+
+        return plot_mode(self, mode, amplitude)
+
+    def animate(self, mode: int, path: str, amplitude: float = 0.1, **options: Any) -> None:
+        """The mode as a moving picture; see `Result.animate`."""
+        self.motion(mode, amplitude).animate(path, **options)
+
+
+def modes(rest: Rest, one: Equilibrium) -> Modes:
+    """Natural modes about a position of rest found with `rest`; see `Mechanism.modes`."""
+    rest.at(one.t)
+    g, null = rest.look(one.q)
+    if not len(g):
+        empty = np.zeros(0)
+        return Modes(one, empty, empty, empty, np.zeros((0, len(one.q))), rest)
+    h = rest.hessian(one.q, null)
+    h = 0.5 * (h + h.T)
+    mass = null.T @ (rest.ready.arrays["mass"][1:].ravel()[:, None] * null)
+    c = null.T @ _damping(rest, one.q) @ null
+    lower = np.linalg.inv(np.linalg.cholesky(mass))
+    squares, vectors = np.linalg.eigh(lower @ h @ lower.T)
+    vectors = lower.T @ vectors
+    neutral = np.abs(squares) < 1e-10 * np.abs(squares).max(initial=0.0)
+    squares = np.where(neutral, 0.0, squares)
+    omega = np.sqrt(np.where(squares >= 0, squares, np.nan))
+    growth = np.sqrt(np.where(squares < 0, -squares, 0.0))
+    critical = np.where(omega > 0, 2 * omega, np.nan)
+    damping = np.einsum("ik,ij,jk->k", vectors, c, vectors) / critical
+    shapes = (null @ vectors).T
+    largest = np.abs(shapes / rest.scale).max(axis=1, keepdims=True)
+    return Modes(one, omega, growth, np.nan_to_num(damping), shapes / largest * rest.ready.size, rest)
+
+
+def _damping(rest: Rest, q: np.ndarray) -> np.ndarray:
+    """C = -dQ/dv at rest (3 nb, 3 nb)."""
+    memory, n = rest.memory, len(q)
+    result = np.zeros((n, n))
+    for k in range(n):
+        sides = []
+        for sign in (1.0, -1.0):
+            v = np.zeros(n)
+            v[k] = sign * 1e-4 * rest.scale[k] * rest.ready.size
+            place(memory.handle, q, v)
+            loads(memory.handle, rest.t)
+            sides.append(memory["force"][1:].ravel().copy())
+        result[:, k] = -(sides[0] - sides[1]) / (2e-4 * rest.scale[k] * rest.ready.size)
+    force_at(memory.handle, rest.t, q, rest.out)
+    return result
+
+

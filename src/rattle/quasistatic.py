@@ -1,0 +1,237 @@
+"""A slow motion: one position of rest after the other while the drivers go on.
+
+At each instant equilibrium (see `statics`); from it the efforts of the drivers and how much force a unit of effort
+holds at each load (mechanical advantage), from the linearised balance
+
+    [K  Phi_q^T; Phi_q  0] [dq; dlambda] = [dQ; 0]
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from rattle import catalog
+from rattle.assembly import dense_rows, ideal_model
+from rattle.kinematics import instants
+from rattle.result import Event, Result, Trust
+from rattle.statics import Equilibrium, Rest, _rigid, equilibria, opened
+from rattle.steppers.rest import stiffness
+from rattle.system import Compiled, compile_system
+
+SMALLEST = 1e-7  # share of an interval below which no step is tried
+PLAIN = 200  # positions up to which starting machine code is not worth it
+
+
+@dataclass
+class Path:
+    """A path in the making: the last position of rest and the one before it."""
+
+    rest: Rest
+    ideal: Rest | None  # of the mechanism without play
+    last: Equilibrium
+    before: Equilibrium | None = None
+
+    def step(self, t: float) -> Equilibrium | None:
+        """The position of rest at t that follows smoothly from the last, or None."""
+        last, before = self.last, self.before
+        guesses = [last.q]
+        if before is not None and last.t != before.t:
+            guesses.insert(0, last.q + (last.q - before.q) * (t - last.t) / (last.t - before.t))
+        self.rest.at(t)
+        for guess in guesses:
+            settled = self.rest.settle(guess)
+            if settled is not None and self._near(settled[0]):
+                return self.rest.finish(*settled)
+        return None
+
+    def _near(self, q: np.ndarray) -> bool:
+        """Whether a position is so close to the last that it belongs to the same branch."""
+        if np.abs((q - self.last.q) / self.rest.scale).max() > 0.3 * self.rest.ready.size:
+            return False
+        one, other = self.rest.offsets(self.last.q), self.rest.offsets(q)
+        cosine = (one * other).sum(axis=1) / (np.linalg.norm(one, axis=1) * np.linalg.norm(other, axis=1) + 1e-300)
+        return bool((cosine > 0.7).all())
+
+    def go(self, one: Equilibrium) -> None:
+        """Take a step that was found."""
+        self.before, self.last = self.last, one
+
+
+def quasistatic(ready: Compiled, t_eval: np.ndarray) -> Result:
+    """Positions of rest over the times; see `Mechanism.equilibrium`."""
+    began = time.perf_counter()
+    times = instants(t_eval)
+    if len(times) > PLAIN:
+        catalog.start()
+    first = equilibria(ready, float(times[0]))
+    if not first:
+        raise ValueError(f"no position of rest was found at t = {times[0]:g} s")
+    rigid = _rigid(ready)
+    ideal = Rest(compile_system(ideal_model(ready.model)), float(times[0])) if rigid is not None else None
+    path = Path(Rest(rigid or ready, float(times[0])), ideal, first[0])
+    if rigid is not None and path.last.result.geometry["joints"] != {}:
+        path.last = _on_links(path, first[0])
+    kept = [path.last]
+    events: list[Event] = []
+    message = ""
+    for t in times[1:]:
+        message = _lead(path, float(t), events)
+        if message:
+            break
+        kept.append(path.last)
+    return _result(path.rest, kept, events, message, time.perf_counter() - began)
+
+
+def _on_links(path: Path, start: Equilibrium) -> Equilibrium:
+    """The start with its pins on rigid walls (compliant ones are followed as if they were hard)."""
+    settled = path.rest.settle(start.q)
+    return path.rest.finish(*settled) if settled is not None else start
+
+
+def _lead(path: Path, t: float, events: list[Event]) -> str:
+    """Go to time t in as many steps as needed; returns why not, if not."""
+    while path.last.t < t:
+        whole = t - path.last.t
+        share, found = 1.0, None
+        while found is None and share > SMALLEST:
+            found = path.step(path.last.t + share * whole if share < 1.0 else t)
+            share *= 0.5
+        if found is None:
+            found = _snap(path, t)
+            if found is None:
+                return f"no position of rest beyond t = {path.last.t:.8g} s near the last one"
+            events.append(Event(path.last.t, "", "snap"))
+            path.last, path.before = found, None
+            continue
+        pulled = [name for name in found.pulled if name not in path.last.pulled]
+        if pulled and path.ideal is not None:
+            _change_sides(path, found, pulled, events)
+        else:
+            path.go(found)
+    return ""
+
+
+def _snap(path: Path, t: float) -> Equilibrium | None:
+    """The stable position of rest downhill of the last one, when that has ceased to exist."""
+    ahead = min(t, path.last.t + 1e-3 * (t - path.last.t)) if t - path.last.t > 1e-9 else t
+    path.rest.at(ahead)
+    settled = path.rest.settle(path.last.q, downhill=True)
+    return path.rest.finish(*settled) if settled is not None else None
+
+
+def _change_sides(path: Path, found: Equilibrium, pulled: list[str], events: list[Event]) -> None:
+    """N of some pins went through zero on the way to `found`: locate it, put them on the other side."""
+    for name in pulled:
+        low, high, n_low, n_high = path.last.t, found.t, path.last[f"{name}.normal"], found[f"{name}.normal"]
+        t = high
+        for _ in range(60):
+            t = low + (high - low) * (n_low / (n_low - n_high)) if n_low > 0.0 else low
+            t = min(max(t, low + 0.01 * (high - low)), high - 0.01 * (high - low))
+            if high - low < 1e-10 * max(abs(high), 1e-3):
+                break
+            middle = path.step(t)
+            if middle is None:
+                break
+            n = middle[f"{name}.normal"]
+            low, high, n_low, n_high = (t, high, n, n_high) if n > 0.0 else (low, t, n_low, n)
+        events.append(Event(t, name, "side"))
+    events.sort(key=lambda event: event.t)
+    assert path.ideal is not None
+    path.ideal.at(found.t)
+    offsets = dict(zip(path.rest.links, path.rest.offsets(found.q), strict=True))
+    turned = {name: -e if name in found.pulled else e for name, e in offsets.items()}
+    path.rest.at(found.t)
+    settled = path.rest.settle(opened(path.ideal, found.q, turned))
+    other = path.rest.finish(*settled) if settled is not None else None
+    path.go(found)
+    if other is not None and len(other.pulled) < len(found.pulled):
+        path.last, path.before = other, None
+
+
+# ---------------------------------------------------------------- mechanical advantage
+def advantage(rest: Rest, one: Equilibrium) -> dict[tuple[str, str], float]:
+    """(load, driver) -> force or moment held at the load per unit of the driver's effort, both with their signs.
+
+    Loads with a constant direction only (force, torque); inf where no effort is needed (a toggle).
+    """
+    ready, memory = rest.ready, rest.memory
+    drivers = [name for name in ready.joints if name in ready.model.drivers]
+    acting = [name for name, load in ready.model.loads.items() if load.kind in ("force", "torque")]
+    if not drivers or not acting:
+        return {}
+    n, nr = 3 * ready.body_count, ready.row_count
+    rest.look(one.q)
+    tangent = np.zeros((n, n))
+    stiffness(memory.handle, rest.t, one.q, rest.step, rest.out, tangent)
+    rows = dense_rows(ready, memory)
+    whole = np.block([[tangent, rows.T], [rows, np.zeros((nr, nr))]])
+    scale = np.concatenate([rest.scale, np.ones(nr)])
+    found = {}
+    for name in acting:
+        right = np.zeros(n + nr)
+        right[:n] = _direction(rest, one, name)
+        answer = np.linalg.lstsq(whole * scale[:, None] * scale, right * scale, rcond=1e-13)[0] * scale
+        for driver in drivers:
+            row = int(ready.arrays["joint"][ready.joints.index(driver), 4])
+            effort = -float(answer[n + row])  # effort for one unit of the load
+            found[name, driver] = -1.0 / effort if abs(effort) > 1e-12 * np.abs(answer[n:]).max() else math.inf
+    return found
+
+
+def _direction(rest: Rest, one: Equilibrium, name: str) -> np.ndarray:
+    """(3 nb,) generalised force of one unit of a load in its present direction."""
+    ready, memory = rest.ready, rest.memory
+    load = ready.model.loads[name]
+    unit = np.zeros(3 * ready.body_count)
+    if load.b.body == "ground":
+        return unit
+    k = 3 * ready.bodies.index(load.b.body)
+    if load.kind == "torque":
+        unit[k + 2] = 1.0
+        return unit
+    at = int(ready.arrays["load"][list(ready.model.loads).index(name), 3])
+    px, py, fx, fy, turning = memory["values"][at : at + 5]
+    c, s = math.cos(one.q[k + 2]), math.sin(one.q[k + 2])
+    if turning == 1.0:
+        fx, fy = c * fx - s * fy, s * fx + c * fy
+    size = math.hypot(fx, fy)
+    if size > 0.0:
+        fx, fy = fx / size, fy / size
+        unit[k : k + 3] = fx, fy, (c * px - s * py) * fy - (s * px + c * py) * fx
+    return unit
+
+
+ADVANTAGE_UNITS = {("torque", "N*m"): "", ("force", "N"): "", ("force", "N*m"): "1/m", ("torque", "N"): "m"}
+
+
+def _result(rest: Rest, kept: list[Equilibrium], events: list[Event], message: str, wall: float) -> Result:
+    from rattle import __version__
+
+    ready, first = rest.ready, kept[0].result
+    names, units = list(first.stored), {name: first.unit(name) for name in first.stored}
+    table = [[one[name] for name in names] for one in kept]
+    extra = {"equilibrium.stiffness": "N/m", "equilibrium.stable": "", "equilibrium.admissible": ""}
+    for line, one in zip(table, kept, strict=True):
+        line += [one.eigenvalue, float(one.stable), float(one.admissible)]
+        rest.at(one.t)
+        for (load, driver), value in advantage(rest, one).items():
+            effort = catalog.kinds("driver")[ready.model.drivers[driver].kind].leaf.effort[1]
+            name = f"{load}.advantage" if len(ready.model.drivers) == 1 else f"{load}.advantage_{driver}"
+            extra[name] = ADVANTAGE_UNITS[ready.model.loads[load].kind, effort]
+            line.append(value)
+    pulled = {name: float(np.mean([name in one.pulled for one in kept])) for name in kept[0].normals}
+    first_pull = {name: next((one.t for one in kept if name in one.pulled), None) for name in pulled}
+    trust = Trust(
+        drift=max(one.gap for one in kept), t_end=kept[-1].t, horizon=kept[-1].t, pulled=pulled, first_pull=first_pull,
+        nonunique=kept[0].nonunique,
+    )  # fmt: skip
+    return Result(
+        t=[one.t for one in kept], data=np.array(table, dtype=float), names=[*names, *extra], units=units | extra,
+        geometry=first.geometry, trust=trust, events=events, success=not message, message=message,
+        stats={"positions": len(kept), "residual": max(one.residual for one in kept), "wall_time": wall},
+        provenance={"model": ready.model.name, "program": f"rattle {__version__}", "analysis": "quasi-static path"},
+    )  # fmt: skip

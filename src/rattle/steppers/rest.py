@@ -1,0 +1,53 @@
+"""A mechanism at rest: the forces on it and how they change with position."""
+
+from __future__ import annotations
+
+from rattle.catalog import compiled
+from rattle.closing import place_only
+from rattle.equations import constraints, loads
+from rattle.memory import BODY, FORCE, MULTIPLIER, ROW_BODY, ROWS, imat, mat, vec
+from rattle.plane import AX, BX, VX
+
+
+@compiled
+def force_at(m, t, q, out):
+    """Q - Phi_q^T lambda at rest at q, into out (3 nb,); drivers as they stand, lambda as in the memory."""
+    body, rows, force = mat(m, BODY), mat(m, ROWS), mat(m, FORCE)
+    multiplier, row_body = vec(m, MULTIPLIER), imat(m, ROW_BODY)
+    for i in range(1, body.shape[0]):
+        for k in range(3):
+            body[i, VX + k] = 0.0
+    place_only(m, q)
+    constraints(m)
+    loads(m, t)
+    for i in range(1, body.shape[0]):
+        for k in range(3):
+            out[3 * i - 3 + k] = force[i, k]
+    for r in range(rows.shape[0]):
+        i, j = 3 * row_body[r, 0] - 3, 3 * row_body[r, 1] - 3
+        for k in range(3):
+            if i >= 0:
+                out[i + k] -= rows[r, AX + k] * multiplier[r]
+            if j >= 0:
+                out[j + k] -= rows[r, BX + k] * multiplier[r]
+
+
+@compiled
+def stiffness(m, t, q, step, out, result):
+    """K = -d(Q - Phi_q^T lambda)/dq (3 nb, 3 nb) with lambda held, by differences of fourth order.
+
+    step (3 nb,): of every coordinate; out (3 nb,): scratch.  q is left as it was.
+    """
+    for c in range(q.shape[0]):
+        at = q[c]
+        for r in range(q.shape[0]):
+            result[r, c] = 0.0
+        for n in range(4):
+            shift = (-2.0, -1.0, 1.0, 2.0)[n]
+            factor = (-1.0, 8.0, -8.0, 1.0)[n] / (12.0 * step[c])
+            q[c] = at + shift * step[c]
+            force_at(m, t, q, out)
+            for r in range(q.shape[0]):
+                result[r, c] += factor * out[r]
+        q[c] = at
+    force_at(m, t, q, out)
