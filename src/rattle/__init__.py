@@ -16,12 +16,14 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from rattle.errors import AssemblyError, ModelError, SolverError
     from rattle.mechanism import Mechanism, example, examples, load, loads
+    from rattle.pythonlaw import load_law
     from rattle.result import Event, Result, Trust, load_result
 
 _HOME = {
-    "Mechanism": "mechanism", "load": "mechanism", "loads": "mechanism", "example": "mechanism", "examples": "mechanism",
+    "Mechanism": "mechanism", "load": "mechanism", "loads": "mechanism", "example": "mechanism",
+    "examples": "mechanism",
     "ModelError": "errors", "AssemblyError": "errors", "SolverError": "errors",
-    "Result": "result", "Event": "result", "Trust": "result", "load_result": "result",
+    "Result": "result", "Event": "result", "Trust": "result", "load_result": "result", "load_law": "pythonlaw",
 }  # fmt: skip
 
 __all__ = [
@@ -35,6 +37,7 @@ __all__ = [
     "example",
     "examples",
     "load",
+    "load_law",
     "load_result",
     "loads",
 ]

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle import catalog
+from rattle import catalog, pythonlaw
 from rattle.assembly import Assembled
 from rattle.equations import DONE, NOT_FINITE, PAUSED
 from rattle.errors import SolverError
@@ -50,6 +50,7 @@ class Run:
         """March to the end, or to where it cannot go on (then `message` says why)."""
         m, clock, tally = self.memory, self.clock, self.tally
         began = time.perf_counter()
+        pythonlaw.forget()
         h_max = self.step or math.inf
         status = march.begin(m.handle, self.start.t, self.t_end, self.rtol, self.atol, h_max)
         if self.method == "rk4":
@@ -85,7 +86,7 @@ class Run:
 
     def _trouble(self, status: int) -> str:
         t = float(self.clock[march.T])
-        what = self._not_finite()
+        what = pythonlaw.complaint(t) or self._not_finite()
         if what:
             return what
         nq = 3 * self.ready.body_count
@@ -117,6 +118,10 @@ class Run:
                 found = m["jets"][row[2]] if table == "jet_signal" else m["signals"][row[2]] if table == "signal" else m["values"][row[2] : row[2] + (3 if table == "jet" else 1)]
                 if not np.isfinite(found).all():
                     return f"{self._program(int(row[0]))} has no finite value at t = {t:.6g} s ({np.ravel(found)[0]:g}); check its domain (square root, logarithm, division by zero)"
+            for (name, load), row in zip(ready.model.loads.items(), ready.arrays["load"], strict=True):
+                what = pythonlaw.failure(load.kind, t, m["body"][row[2]], m["values"][row[3] :])
+                if what:
+                    return f"loads.{name}: {what}"
         return ""
 
     def _program(self, first: int) -> str:

@@ -1,0 +1,204 @@
+"""Loads written in Python: `@rt.load_law` makes a kind of load of a function.
+
+    @rt.load_law("drag", c="N*s^2/m^2")
+    def drag(t, state, p):
+        x, y, angle, vx, vy, omega = state      # of the body's mass centre
+        speed = math.hypot(vx, vy)
+        return -p.c * speed * vx, -p.c * speed * vy, 0.0
+
+    m.load("air", "drag", body="ball", c=0.02)
+
+The function is compiled by Numba and runs at the speed of the built-in loads.  Where Numba cannot compile it,
+or with compiled=False, it runs as it is: slower, since every evaluation then goes through the interpreter.
+Its power is work done from outside.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import math
+import threading
+from collections import namedtuple
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from rattle import catalog
+from rattle.catalog import Compiled, Field
+from rattle.plane import OUTSIDE, PHI, VX, VY, W, X, Y
+from rattle.quantity import dimension_of
+
+log = logging.getLogger("rattle")
+
+Law = Callable[..., Any]  # (t, state, p) -> (fx, fy, torque)
+FIELDS = ("type", "body")  # keys of every load that a law cannot take for itself
+_raised = threading.local()  # what laws raised while machine code called them
+
+
+def load_law(name: str, *, compiled: bool = True, **fields: str) -> Callable[[Law], Law]:
+    """Decorator: enter a function as a kind of load on one body.
+
+    law(t, state, p) -> (fx, fy, torque): force at the mass centre in the ground frame [N], moment [N*m], from the
+    time [s], state = (x, y, angle, vx, vy, omega) of the body [SI] and p, a named tuple of the fields [SI].
+    name: what the model file calls it.  fields: name and unit of every number that the user gives; their values may
+    be expressions over t, state and signals.  compiled: False runs the function as plain Python, slower.
+
+    Raises ValueError for a name in use, a field that is no name, and an unknown unit.
+    """
+    for key, unit in fields.items():
+        if key in FIELDS or key.startswith("_"):
+            raise ValueError(f"load law '{name}': a field cannot be called '{key}'")
+        dimension_of(unit)
+
+    def enter(law: Law) -> Law:
+        text = (law.__doc__ or f"The load '{name}', written in Python.").strip()
+        if "Source:" not in text:
+            text += f"\n\nSource: {law.__module__}.{law.__qualname__}"
+        own = {key: Field(unit, key.replace("_", " "), live=True) for key, unit in fields.items()}
+        place = Field("", "body the load acts on", shape="body")
+        leaf = type(law.__name__, (), {"__doc__": text, "__module__": law.__module__, "body": place, **own})
+        catalog.kind("load", name, LawKernel(name, law, tuple(fields), compiled))(leaf)
+        return law
+
+    if name in catalog.kinds("load") and not isinstance(catalog.kinds("load")[name].kernel, LawKernel):
+        raise ValueError(f"load law '{name}': a load of the program has this name; choose another")
+    return enter
+
+
+class LawKernel(Compiled):
+    """The kernel of a law: the function between the arrays of the load family."""
+
+    def __init__(self, name: str, law: Law, keys: Sequence[str], compiled: bool) -> None:
+        self.name, self.law, self.keys, self.compiled = name, law, tuple(keys), compiled
+        self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
+        super().__init__(_plain(self), "load", cache=False)
+        self._native: Compiled | None = None
+        self._callback: Any = None  # lives as long as machine code may call it
+
+    @property
+    def dispatcher(self) -> Any:
+        """The Numba dispatcher, made when first asked for."""
+        if self._native is None:
+            self._native = self._make()
+        return self._native.dispatcher
+
+    def _make(self) -> Compiled:
+        if self.compiled:
+            try:
+                made = Compiled(_native(self), "load", cache=False)
+                _ = made.dispatcher
+                return made
+            except Exception as error:  # Numba has many kinds of error, and plain Python is the remedy for all
+                reason = next((line for line in str(error).splitlines() if line.strip()), type(error).__name__)
+                log.warning(f"load law '{self.name}' runs as plain Python, slower: Numba cannot compile it ({reason})")
+        else:
+            log.info(f"load law '{self.name}' runs as plain Python, slower (compiled=False)")
+        self._callback = _callback(self)
+        return Compiled(_through(self._callback), "load", cache=False)
+
+    def evaluate(self, t: float, state: Sequence[float], values: Sequence[float]) -> tuple[float, float, float]:
+        """Force and moment; nan after an exception, which is kept."""
+        if isinstance(getattr(_raised, "error", None), KeyboardInterrupt):  # let the run come to its end
+            return math.nan, math.nan, math.nan
+        try:
+            fx, fy, torque = self.law(t, tuple(state), self.pack(*values))
+            return float(fx), float(fy), float(torque)
+        except BaseException as error:  # nothing may pass through machine code, not even Ctrl-C
+            _raised.law, _raised.t, _raised.error = self.name, t, error
+            return math.nan, math.nan, math.nan
+
+
+def forget() -> None:
+    """Forget what laws raised before in this thread."""
+    _raised.error = None
+
+
+def complaint(since: float) -> str:
+    """What a law raised last in this thread, from time `since` [s] on; "" if none did.  Ctrl-C is raised again."""
+    error = getattr(_raised, "error", None)
+    if error is None or _raised.t < since:
+        return ""
+    if not isinstance(error, Exception):
+        forget()
+        raise error
+    return f"load law '{_raised.law}' raised {type(error).__name__}: {error} at t = {_raised.t:.6g} s"
+
+
+def failure(kind: str, t: float, body: np.ndarray, values: np.ndarray) -> str:
+    """Why the law of a kind of load has no finite value, by running it as plain Python; "" where it has one."""
+    kernel = catalog.kinds("load")[kind].kernel
+    if not isinstance(kernel, LawKernel):
+        return ""
+    forget()
+    found = kernel.evaluate(t, [float(one) for one in body[:6]], [float(one) for one in values[: len(kernel.keys)]])
+    if all(math.isfinite(one) for one in found):
+        return ""
+    return complaint(t) or f"load law '{kernel.name}' gives {found} at t = {t:.6g} s"
+
+
+# ---------------------------------------------------------------- the kernel in its three forms
+def _plain(kernel: LawKernel) -> Callable[..., None]:
+    """For plain Python."""
+    count = len(kernel.keys)
+
+    def run(t, body, a, b, p, k, force, energy):  # type: ignore[no-untyped-def]
+        values = [float(one) for one in p[k : k + count]]
+        fx, fy, torque = kernel.evaluate(float(t), [float(one) for one in body[b, :6]], values)
+        force[b, X] += fx
+        force[b, Y] += fy
+        force[b, PHI] += torque
+        energy[OUTSIDE] += fx * body[b, VX] + fy * body[b, VY] + torque * body[b, W]
+
+    return run
+
+
+def _native(kernel: LawKernel) -> Callable[..., None]:
+    """For machine code, with the law compiled into it."""
+    import numba
+    from numba.np.unsafe.ndarray import to_fixed_tuple
+
+    law = kernel.law
+    if not isinstance(law, numba.core.dispatcher.Dispatcher):
+        law = numba.njit(nogil=True, error_model="numpy")(law)
+    pack, count = kernel.pack, len(kernel.keys)
+
+    def run(t, body, a, b, p, k, force, energy):  # type: ignore[no-untyped-def]
+        kept = force[b, X]
+        force[b, X] = math.nan  # stays if the law raises: machine code would go on as if nothing had happened
+        state = (body[b, X], body[b, Y], body[b, PHI], body[b, VX], body[b, VY], body[b, W])
+        fx, fy, torque = law(t, state, pack(*to_fixed_tuple(p[k : k + count], count)))
+        force[b, X] = kept + fx
+        force[b, Y] += fy
+        force[b, PHI] += torque
+        energy[OUTSIDE] += fx * body[b, VX] + fy * body[b, VY] + torque * body[b, W]
+
+    return run
+
+
+def _callback(kernel: LawKernel) -> Any:
+    """The law as a C function of pointers to state, field values and result."""
+    number = ctypes.POINTER(ctypes.c_double)
+    count = len(kernel.keys)
+
+    def call(t: float, row: int, values: int, force: int, energy: int) -> None:
+        state = ctypes.cast(row, number)[:6]
+        # an empty run of values has no address
+        given = ctypes.cast(values, number)[:count] if count else []
+        on_body, rate = ctypes.cast(force, number), ctypes.cast(energy, number)
+        for n, part in enumerate(kernel.evaluate(t, state, given)):
+            on_body[n] += part
+            rate[OUTSIDE] += part * state[VX + n]
+
+    address = ctypes.c_void_p
+    return ctypes.CFUNCTYPE(None, ctypes.c_double, address, address, address, address)(call)
+
+
+def _through(callback: Any) -> Callable[..., None]:
+    """For machine code that calls back into Python."""
+
+    def run(t, body, a, b, p, k, force, energy):  # type: ignore[no-untyped-def]
+        callback(t, body[b].ctypes, p[k:].ctypes, force[b].ctypes, energy.ctypes)
+
+    return run

@@ -1,0 +1,179 @@
+"""Loads written in Python are loads like the built-in ones, compiled or not."""
+
+import logging
+import math
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from rattle import catalog
+from rattle.pythonlaw import LawKernel
+
+pytestmark = pytest.mark.nojit
+
+
+def turn_back(t, state, p):
+    """A torsion spring and damper to the ground.
+
+    Source: test.
+    """
+    _x, _y, angle, _vx, _vy, omega = state
+    return 0.0, 0.0, -p.stiffness * angle - p.damping * omega
+
+
+def turn_back_slowly(t, state, p):
+    import json  # Numba compiles no imports
+
+    json.dumps([])
+    return turn_back(t, state, p)
+
+
+def wind(t, state, p):
+    return p.strength * math.cos(3.0 * t), -p.drag * state[4], 0.0
+
+
+def unsteady(t, state, p):
+    if t > 0.05:
+        raise ValueError("no wind any more")
+    return 1.0, 0.0, 0.0
+
+
+def lost(t, state, p):
+    return math.nan if t > 0.05 else 1.0, 0.0, 0.0
+
+
+def constant(t, state, p):
+    return 2.0, 0.0, 0.0
+
+
+UNITS = {"stiffness": "N*m/rad", "damping": "N*m*s/rad"}
+rt.load_law("turn back", **UNITS)(turn_back)
+rt.load_law("turn back plainly", compiled=False, **UNITS)(turn_back)
+rt.load_law("turn back slowly", **UNITS)(turn_back_slowly)
+rt.load_law("wind", strength="N", drag="N*s/m")(wind)
+rt.load_law("wind in Python", compiled=False, strength="N", drag="N*s/m")(wind)
+rt.load_law("unsteady")(unsteady)
+rt.load_law("unsteady in Python", compiled=False)(unsteady)
+rt.load_law("lost")(lost)
+rt.load_law("constant")(constant)
+rt.load_law("constant in Python", compiled=False)(constant)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def afterwards():
+    """The laws of this file stay in this file."""
+    yield
+    entries = catalog.kinds("load")
+    for name in [name for name, one in entries.items() if isinstance(one.kernel, LawKernel)]:
+        del entries[name]
+
+
+def disc():
+    m = rt.Mechanism("disc").ground(O=[0, 0])
+    return m.body("disc", mass=1, inertia=0.5, points={"O": [0, 0]}).revolute("O", "ground.O", "disc.O")
+
+
+def block():
+    return rt.Mechanism("block").body("block", mass=2, inertia=1, points={}).initial("block", vx=1, vy=2)
+
+
+@pytest.mark.parametrize("kind", ["turn back", "turn back plainly", "turn back slowly"])
+def test_spring_written_in_python_moves_like_the_built_in_one(kind):
+    fields = {"stiffness": 10, "damping": 0.2}
+    own = disc().initial("disc", angle=1).load("L", kind, body="disc", **fields)
+    built_in = disc().initial("disc", angle=1).load("L", "torsion-spring", connect=["ground", "disc"], **fields)
+    one, other = (m.simulate(0.5, rtol=1e-10) for m in (own, built_in))
+    np.testing.assert_allclose(one["disc.angle"], other["disc.angle"], atol=1e-12)
+    # the built-in spring stores and dissipates, the law's power comes from outside: both balance
+    assert np.abs(one["energy.balance"]).max() < 1e-8
+    stored = other["energy.potential"] - other["energy.potential"][0] + other["energy.dissipated"]
+    np.testing.assert_allclose(one["energy.work"], -stored, atol=1e-8)
+
+
+@pytest.mark.parametrize("kind", ["wind", "wind in Python"])
+def test_force_and_work_of_a_law_follow_from_momentum(kind):
+    r = block().load("w", kind, body="block", strength=4, drag="0.5 N*s/m").simulate(1.0, rtol=1e-10)
+    np.testing.assert_allclose(r["block.vx"], 1 + 2 / 3 * np.sin(3 * r.t), atol=1e-9)
+    np.testing.assert_allclose(r["block.vy"], 2 * np.exp(-0.25 * r.t), atol=1e-9)
+    gained = r["energy.kinetic"] - r["energy.kinetic"][0]
+    np.testing.assert_allclose(r["energy.work"], gained, atol=1e-8)
+
+
+def test_fields_of_a_law_may_change_in_time_and_are_checked():
+    r = block().load("w", "wind", body="block", strength="6*t/cos(3*t)", drag=0).simulate(0.4, rtol=1e-10)
+    np.testing.assert_allclose(r["block.vx"], 1 + 1.5 * r.t**2, atol=1e-9)
+    with pytest.raises(rt.ModelError, match=r"loads.w.strength: '5 kg' is not a force; wanted N"):
+        _ = block().load("w", "wind", body="block", strength="5 kg", drag=0).model
+    with pytest.raises(rt.ModelError, match=r"loads.w: needs drag"):
+        _ = block().load("w", "wind", body="block", strength=1).model
+
+
+def test_law_stands_in_model_files_and_in_the_schema():
+    from rattle.schema import schema
+
+    m = block().load("w", "wind", body="block", strength="5 N", drag=0.1)
+    assert rt.loads(m.to_toml()).model.loads == m.model.loads
+    assert '"wind"' in str(schema()).replace("'", '"')
+
+
+@pytest.mark.parametrize("kind", ["constant", "constant in Python"])
+def test_law_without_fields(kind):
+    r = block().load("push", kind, body="block").simulate(1.0)
+    assert r["block.vx"][-1] == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("kind", ["unsteady", "unsteady in Python"])
+@pytest.mark.parametrize("method", ["dop853", "rk4"])
+def test_exception_in_a_law_ends_the_run_and_is_told(kind, method):
+    r = block().load("w", kind, body="block").simulate(0.1, method=method, step=1e-3)
+    assert not r.success
+    assert f"load law '{kind}' raised ValueError: no wind any more at t = 0.05" in r.message
+    assert r.t[-1] == pytest.approx(0.05, abs=1.1e-3)
+
+
+def test_law_that_gives_no_number_is_named():
+    r = block().load("w", "lost", body="block").simulate(0.1)
+    assert not r.success
+    assert "loads.w: load law 'lost' gives (nan, 0.0, 0.0) at t = 0.05" in r.message
+
+
+def test_interrupt_in_a_law_stops_the_run():
+    def interrupted(t, state, p):
+        if t > 0.05:
+            raise KeyboardInterrupt
+        return 1.0, 0.0, 0.0
+
+    rt.load_law("interrupted", compiled=False)(interrupted)
+    r = block().load("w", "interrupted", body="block").simulate(0.1)
+    assert "stopped by the user" in r.message
+    assert block().simulate(0.1).success  # and is over then
+
+
+def test_log_says_what_runs_slower(caplog):
+    if not catalog.start():
+        pytest.skip("machine code is switched off: everything is plain Python")
+    catalog.kinds("load")["turn back slowly"].kernel._native = None
+    catalog.kinds("load")["turn back plainly"].kernel._native = None
+    with caplog.at_level(logging.INFO, logger="rattle"):
+        catalog.table("load")
+    text = caplog.text
+    assert "load law 'turn back plainly' runs as plain Python, slower (compiled=False)" in text
+    assert "load law 'turn back slowly' runs as plain Python, slower: Numba cannot compile it" in text
+    assert "'turn back'" not in text
+
+
+def test_name_and_units_of_a_law_are_checked_at_once():
+    with pytest.raises(ValueError, match=r"'torque'.*has this name"):
+        rt.load_law("torque")
+    with pytest.raises(ValueError, match="cannot be called 'body'"):
+        rt.load_law("x", body="kg")
+    with pytest.raises(ValueError, match="unknown unit 'newton'"):
+        rt.load_law("x", force="newton")
+
+
+def test_law_describes_itself_in_the_catalogue():
+    kind = catalog.kinds("load")["turn back"]
+    assert kind.summary == "A torsion spring and damper to the ground."
+    assert kind.source == "test."
+    assert catalog.kinds("load")["wind"].source.endswith("test_pythonlaw.wind")
