@@ -6,7 +6,6 @@ iteration closes everything with the least mass-weighted change, and rates likew
 
 from __future__ import annotations
 
-import heapq
 import itertools
 import math
 from collections.abc import Iterator
@@ -22,6 +21,7 @@ from rattle.errors import AssemblyError
 from rattle.loops import describe_loop, tree_path
 from rattle.memory import Memory
 from rattle.model import Contact, Joint, Model, driven_ends
+from rattle.placing import given_rates, outward, passed_angles, place_positions, place_rates, turned
 from rattle.plane import GAP, OWNER
 from rattle.system import Compiled, compile_system, has_contacts, is_link
 
@@ -43,7 +43,9 @@ class Assembled:
 
 def ideal_model(model: Model) -> Model:
     """The same mechanism with every clearance closed."""
-    joints = {name: replace(one, contact=Contact("ideal", {})) if one.contact else one for name, one in model.joints.items()}
+    joints = {
+        name: replace(one, contact=Contact("ideal", {})) if one.contact else one for name, one in model.joints.items()
+    }
     return replace(model, joints=joints)
 
 
@@ -72,12 +74,12 @@ def assemble(ready: Compiled, t: float = 0.0, ideal: Assembled | None = None) ->
     else:
         q, iterations = _positions(ready, memory, t, offsets, ideal)
     _refuse_two_drivers(ready, memory)
-    given = _given_rates(ready)
+    given = given_rates(ready)
     if ideal is None:
         v = _free_rates(ready, memory, t, q, given)
     else:
         v = np.where(np.isnan(given), ideal.v, given)
-        _place_rates(ready, q, v, given, ideal.v)
+        place_rates(ready, q, v, given, ideal.v)
         close_rate(memory.handle, t, q, v)
     residual = float(open_by(memory.handle, t, q, v))
     _pins_inside(ready, memory)
@@ -112,7 +114,7 @@ def _hold_offsets(ready: Compiled, t: float, offsets: dict[str, Any], ideal: Ass
         for name, offset in offsets.items():
             joint = joints[name]
             angle = 0.0 if joint.a.body == "ground" else float(q[3 * ready.bodies.index(joint.a.body) + 2])
-            shift = _turned(-angle, offset)
+            shift = turned(-angle, offset)
             at = (joint.a.at[0] + float(shift[0]), joint.a.at[1] + float(shift[1]))
             joints[name] = replace(joint, a=replace(joint.a, at=at), contact=None)
         shifted = compile_system(replace(model, joints=joints))
@@ -186,7 +188,9 @@ def _refuse_two_drivers(ready: Compiled, memory: Memory) -> None:
     names = on_one_freedom(ready, memory)
     if len(names) > 1:
         listed = ", ".join(f"'{one}'" for one in names[:-1]) + f" and '{names[-1]}'"
-        raise AssemblyError(f"drivers {listed} drive the same freedom; take {'one' if len(names) == 2 else 'some'} of them out")
+        raise AssemblyError(
+            f"drivers {listed} drive the same freedom; take {'one' if len(names) == 2 else 'some'} of them out"
+        )
 
 
 def _guesses(
@@ -196,11 +200,11 @@ def _guesses(
     model = ready.model
     drive(memory.handle, t)
     functions = {name: memory["values"][ready.arrays["joint"][n, 3] :] for n, name in enumerate(ready.joints)}
-    angles, free = _angles(model, functions)
+    angles, free = passed_angles(model, functions)
     if ideal is not None:  # the ideal mechanism has found the angles that were not given
         angles.update({name: float(ideal.q[3 * ready.bodies.index(name) + 2]) for name in free})
         free = []
-    yield _place_positions(ready, angles, offsets, functions)
+    yield place_positions(ready, angles, offsets, functions)
     if not free:
         return
     turns = [math.radians(x) for x in (60, -60, 120, -120, 180, 30, -30)]
@@ -209,97 +213,7 @@ def _guesses(
         random = np.random.default_rng(0)
         tried = iter([tuple(random.uniform(-math.pi, math.pi, len(free))) for _ in range(STARTS)])
     for turn in itertools.islice(tried, STARTS):
-        yield _place_positions(ready, {**angles, **dict(zip(free, turn, strict=True))}, offsets, functions)
-
-
-def _angles(model: Model, functions: dict[str, np.ndarray]) -> tuple[dict[str, float], list[str]]:
-    """Angle of every body: given, or passed on by joints that fix it; and the bodies left to a guess."""
-    angles = {name: values["angle"] for name, values in model.initial.bodies.items() if "angle" in values}
-    angles["ground"] = 0.0
-    passed: list[tuple[str, str, float]] = []
-    for joint in model.joints.values():
-        if "angle" in joint.fields:
-            passed.append((joint.a.body, joint.b.body, joint.fields["angle"]))
-    for name, driver in model.drivers.items():
-        if driver.kind in ("angle", "body-angle"):
-            a, b, _ = driven_ends(model, driver)
-            passed.append((a.body, b.body, float(functions[name][4])))
-    for _ in range(len(passed)):
-        for a, b, angle in passed:
-            if a in angles and b not in angles:
-                angles[b] = angles[a] + angle
-            elif b in angles and a not in angles:
-                angles[a] = angles[b] - angle
-    free = [name for name in model.bodies if name not in angles]
-    return {**dict.fromkeys(free, 0.0), **angles}, free
-
-
-def outward(model: Model) -> list[tuple[str, str, Joint]]:
-    """(body, body it hangs on, joint) from the ground outwards: few loose joints first, then few joints.
-
-    A joint is loose where it does not say where B is: a clearance, a line to slide along, a rod.
-    """
-    driven = {driver.joint for driver in model.drivers.values()}
-    near: dict[str, list[Joint]] = {}
-    for joint in model.joints.values():
-        near.setdefault(joint.a.body, []).append(joint)
-        near.setdefault(joint.b.body, []).append(joint)
-    order = []
-    done = set()
-    number = itertools.count()
-    queue: list[Any] = [(0, 0, next(number), "ground", "", None)]
-    while queue:
-        slack, depth, _, body, parent, via = heapq.heappop(queue)
-        if body in done:
-            continue
-        done.add(body)
-        if via is not None:
-            order.append((body, parent, via))
-        for joint in near.get(body, ()):
-            other = joint.b.body if joint.a.body == body else joint.a.body
-            if other not in done:
-                loose = joint.contact is not None and joint.contact.model != "ideal"
-                loose |= joint.name not in driven and ("axis" in joint.fields or "length" in joint.fields)
-                heapq.heappush(queue, (slack + loose, depth + 1, next(number), other, body, joint))
-    return order
-
-
-def _turned(angle: float, at: tuple[float, float]) -> np.ndarray:
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([c * at[0] - s * at[1], s * at[0] + c * at[1]])
-
-
-def _place_positions(ready: Compiled, angles: dict[str, float], offsets: dict[str, Any], functions: dict[str, np.ndarray]) -> np.ndarray:
-    model = ready.model
-    at: dict[str, np.ndarray] = {"ground": np.zeros(2)}
-    driven = {driver.joint: name for name, driver in model.drivers.items() if driver.joint}
-    given = {name: np.array([one.get("x", math.nan), one.get("y", math.nan)]) for name, one in model.initial.bodies.items()}
-    for body, parent, joint in outward(model):
-        wanted = given.get(body, np.full(2, math.nan))
-        arm_a, arm_b = _turned(angles[joint.a.body], joint.a.at), _turned(angles[joint.b.body], joint.b.at)
-        gap = np.array(offsets.get(joint.name, (0.0, 0.0)))  # point of B minus point of A
-        sign = 1.0 if body == joint.b.body else -1.0
-        own, other = (arm_b, arm_a) if body == joint.b.body else (arm_a, arm_b)
-        if "axis" in joint.fields:
-            axis = angles[joint.a.body] + joint.fields["axis"]
-            u = np.array([math.cos(axis), math.sin(axis)])
-            where = wanted + own - at[parent] - other
-            known = ~np.isnan(wanted)
-            along = float(u[known] @ where[known]) * sign if known.all() else 0.0
-            if known.sum() == 1 and abs(u[known][0]) > 1e-6:
-                along = float(where[known][0] / u[known][0]) * sign
-            gap = u * (float(functions[driven[joint.name]][6]) if joint.name in driven else along)
-        elif "length" in joint.fields and not is_link(joint):
-            where = (wanted + own - at[parent] - other) * sign
-            distance = float(np.hypot(*where))
-            gap = joint.fields["length"] * (where / distance if distance > 0.0 else np.array([0.0, -1.0]))
-        place_at = at[parent] + other + sign * gap - own
-        at[body] = np.where(np.isnan(wanted), place_at, wanted)
-    q = np.zeros(3 * ready.body_count)
-    for n, name in enumerate(ready.bodies):
-        x, y = at[name] if name in at else np.nan_to_num(given.get(name, np.zeros(2)))
-        q[3 * n : 3 * n + 3] = x, y, angles[name]
-    return q
+        yield place_positions(ready, {**angles, **dict(zip(free, turn, strict=True))}, offsets, functions)
 
 
 def dense_rows(ready: Compiled, memory: Memory) -> np.ndarray:
@@ -359,7 +273,7 @@ def _why_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> str:
         _least_open(ready, memory, t, q)
     place_only(memory.handle, q)
     constraints(memory.handle)
-    gaps = {name: 0.0 for name in model.joints}
+    gaps = dict.fromkeys(model.joints, 0.0)
     for row, value in zip(ready.rows, memory["rows"][:, 0], strict=True):
         name = (model.drivers[row.owner].joint or row.owner) if row.driver else row.owner
         gaps.setdefault(name, 0.0)
@@ -404,42 +318,10 @@ def _along_reactions(ideal_ready: Compiled, ideal: Assembled, missing: list[str]
 
 
 # ---------------------------------------------------------------- rates
-def _given_rates(ready: Compiled) -> np.ndarray:
-    """(3 nb,) rates the user gave, nan where none was."""
-    given = np.full(3 * ready.body_count, math.nan)
-    for n, name in enumerate(ready.bodies):
-        for k, key in enumerate(("vx", "vy", "omega")):
-            given[3 * n + k] = ready.model.initial.bodies.get(name, {}).get(key, math.nan)
-    return given
-
-
-def _place_rates(ready: Compiled, q: np.ndarray, v: np.ndarray, given: np.ndarray, otherwise: np.ndarray) -> None:
-    """With all angular rates in v, let the joints place vx and vy from the ground outwards."""
-    model = ready.model
-    number = {name: 3 * n for n, name in enumerate(ready.bodies)}
-
-    def rate_of(point: Any) -> np.ndarray:
-        if point.body == "ground":
-            return np.zeros(2)
-        k = number[point.body]
-        x, y = _turned(q[k + 2], point.at)
-        return v[k : k + 2] + v[k + 2] * np.array([-y, x])
-
-    for body, _, joint in outward(model):
-        k = number[body]
-        if "axis" in joint.fields or ("length" in joint.fields and not is_link(joint)):
-            v[k : k + 2] = otherwise[k : k + 2]
-        else:
-            own, other = (joint.b, joint.a) if joint.b.body == body else (joint.a, joint.b)
-            v[k : k + 2] = 0.0
-            v[k : k + 2] = rate_of(other) - rate_of(own)
-        v[k : k + 2] = np.where(np.isnan(given[k : k + 2]), v[k : k + 2], given[k : k + 2])
-
-
 def _free_rates(ready: Compiled, memory: Memory, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Rates of an ideal mechanism: those given are kept where the joints allow, the others follow."""
-    v = np.nan_to_num(given)
-    _place_rates(ready, q, v, given, v.copy())
+    v: np.ndarray = np.nan_to_num(given)
+    place_rates(ready, q, v, given, v.copy())
     known = ~np.isnan(given)
     if known.any():
         weight = ready.arrays["weight"].copy()

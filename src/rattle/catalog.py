@@ -28,7 +28,7 @@ import numpy as np
 
 log = logging.getLogger("rattle")
 
-# one line per family: the argument types of its kernels, m = float64[:, ::1], v = float64[::1]
+# one line per family: the argument types of its kernels, m = float64[:, ::1], v = float64[::1], h = int64[::1]
 SIGNATURE = {
     "joint": ("void", "m", "i", "i", "v", "i", "i", "m"),  # body, a, b, p, k, row, rows
     "load": ("void", "f", "m", "i", "i", "v", "i", "m", "v"),  # t, body, a, b, p, k, force, energy
@@ -36,6 +36,7 @@ SIGNATURE = {
     "stiffness": ("f", "f", "v", "i"),  # delta, p, k -> F
     "normal": ("f", "f", "f", "f", "f", "v", "i"),  # F_static, delta, ddelta, v0, p, k -> F
     "friction": ("f", "f", "f", "f", "v", "i", "v"),  # u, N, z, p, k, dz -> T
+    "hold": ("void", "h"),  # m, see rattle.impact
 }
 REQUIRED: Any = object()
 _lock = threading.RLock()
@@ -72,7 +73,7 @@ class Kind:
     name: str
     tag: int
     kernel: Compiled | None
-    leaf: type
+    leaf: Any  # the class; what it holds depends on the family
     fields: Mapping[str, Field]
 
     @property
@@ -183,6 +184,7 @@ def _signature(family: str) -> Any:
         "f": types.float64,
         "v": types.float64[::1],
         "m": types.float64[:, ::1],
+        "h": types.int64[::1],
     }
     result, *arguments = (letter[x] for x in SIGNATURE[family])
     return result(*arguments)
@@ -260,6 +262,11 @@ def call_friction(entry: Any, arguments: Any) -> Any:
     return entry(*arguments)
 
 
+def call_hold(entry: Any, arguments: Any) -> None:
+    """Call the kernel that adds the forces of lasting set-valued contacts."""
+    entry(*arguments)
+
+
 _CALLERS: dict[str, Callable[..., Any]] = {
     "joint": call_joint,
     "load": call_load,
@@ -267,6 +274,7 @@ _CALLERS: dict[str, Callable[..., Any]] = {
     "stiffness": call_stiffness,
     "normal": call_normal,
     "friction": call_friction,
+    "hold": call_hold,
 }
 
 

@@ -35,13 +35,19 @@ class Check:
     residual: float  # largest gap after assembly [m or rad]
 
     def __str__(self) -> str:
-        freedoms = "moves as driven" if self.mobility == 0 else f"{self.mobility} freedom{'s' if self.mobility > 1 else ''} left"
+        freedoms = (
+            "moves as driven"
+            if self.mobility == 0
+            else f"{self.mobility} freedom{'s' if self.mobility > 1 else ''} left"
+        )
         lines = [
-            f"{self.name or 'mechanism'}: {self.bodies} bodies, {self.joints} joints, mobility {self.mobility} ({freedoms})",
+            f"{self.name or 'mechanism'}: {self.bodies} bodies, {self.joints} joints,"
+            f" mobility {self.mobility} ({freedoms})",
             f"put together to {self.residual:.1g} m",
         ]
         if self.redundant:
-            lines.append(f"{self.redundant} redundant row{'s' if self.redundant > 1 else ''}: reactions of {', '.join(self.redundant_joints)} are not unique")
+            rows = "1 redundant row" if self.redundant == 1 else f"{self.redundant} redundant rows"
+            lines.append(f"{rows}: reactions of {', '.join(self.redundant_joints)} are not unique")
         lines += [f"loop: {one}" for one in self.loops[:8]]
         if len(self.loops) > 8:
             lines.append(f"... and {len(self.loops) - 8} more loops")
@@ -102,7 +108,12 @@ def _branches(ready: Compiled, start: Assembled) -> list[str]:
         for k in range(len(ring)):
             one, two, three = ring[k - 1], ring[k], ring[(k + 1) % len(ring)]
             pins = all(model.joints[name].kind == "revolute" for name in (one, two, three))
-            if not pins or len({one, two, three}) < 3 or two in driven or "ground" in (model.joints[two].a.body, model.joints[two].b.body):
+            if (
+                not pins
+                or len({one, two, three}) < 3
+                or two in driven
+                or "ground" in (model.joints[two].a.body, model.joints[two].b.body)
+            ):
                 continue
             first, second = at[two] - at[one], at[three] - at[one]
             side = first[1] * second[0] - first[0] * second[1]
@@ -152,11 +163,15 @@ def _hold_drivers(ready: Compiled, t: float) -> tuple[Memory, dict[str, int], di
         if name in ready.model.drivers:
             slots[name] = int(ready.arrays["joint"][n, 3]) + driver_slot(ready, n)
     none = np.zeros((0, 3), np.int64)
-    frozen = replace(ready, arrays={**ready.arrays, "jet": none, "jet_signal": none, "values": running["values"]}).memory()
+    frozen = replace(
+        ready, arrays={**ready.arrays, "jet": none, "jet_signal": none, "values": running["values"]}
+    ).memory()
     return frozen, slots, {name: float(running["values"][slot]) for name, slot in slots.items()}
 
 
-def _far(memory: Memory, start: np.ndarray, scratch: np.ndarray, slot: int, value: float, step: float, tolerance: float) -> float | None:
+def _far(
+    memory: Memory, start: np.ndarray, scratch: np.ndarray, slot: int, value: float, step: float, tolerance: float
+) -> float | None:
     """Last value of a driver that can be reached in steps from `value`; None when nothing stops it."""
     q, good = start.copy(), start.copy()
     reached = value

@@ -15,6 +15,11 @@ COMMANDS = {
     "example": "files",
     "check": "files",
     "run": "run",
+    "kinematics": "analyses",
+    "inverse-dynamics": "analyses",
+    "equilibrium": "analyses",
+    "modes": "analyses",
+    "play": "analyses",
     "plot": "show",
     "animate": "show",
     "export": "files",
@@ -27,6 +32,11 @@ HELP = {
     "example": "List the shipped examples, or print one as a model file.",
     "check": "Bodies, joints, mobility, redundant joints, loops, reach of the driver.",
     "run": "Motion in time: joint forces, energy, and how far the result can be trusted.",
+    "kinematics": "Driven motion: position, velocity, acceleration, dead centres.",
+    "inverse-dynamics": "Driven motion with all reactions, torque and power of the drivers.",
+    "equilibrium": "Positions of rest, or a slow motion through them.",
+    "modes": "Natural frequencies about a position of rest.",
+    "play": "How far the play of the joints lets an output stray, and which joint to tighten first.",
     "plot": "Plot curves or pin orbits of a saved result.",
     "animate": "Make a moving picture of a saved result.",
     "export": "Write a saved result as CSV.",
@@ -71,7 +81,9 @@ class Lazy(click.Group):
         except Exception as error:
             from rattle.errors import AssemblyError, ModelError
 
-            if isinstance(error, ModelError | AssemblyError | OSError | KeyError | ValueError) and not _ours_is_broken(error):
+            if isinstance(error, ModelError | AssemblyError | OSError | KeyError | ValueError) and not _ours_is_broken(
+                error
+            ):
                 click.secho("error: ", fg="red", nl=False, err=True)
                 click.echo(str(error), err=True)
                 ctx.exit(2)

@@ -1,27 +1,77 @@
 """Compliant contacts at one instant: geometry, normal and friction force, and what they store and lose.
 
-    force on B  = -N n - T t   at the contact point (t = n turned by 90 degrees)
-    force on A  = +N n + T t
-    power taken from the motion = N ddelta + T u = (stored: F_static ddelta) + (lost: the rest)
+force on B  = -N n - T t   at the contact point (t = n turned by 90 degrees)
+force on A  = +N n + T t
+power taken from the motion = N ddelta + T u = (stored: F_static ddelta) + (lost: the rest)
 """
 
 from __future__ import annotations
 
 from rattle.catalog import call_clearance, call_friction, call_normal, call_stiffness, compiled
 from rattle.memory import (
-    BODY, BRISTLE_RATE, CLEARANCE_TABLE, CONTACT, FORCE, FRICTION_TABLE, GRIP, NORMAL_TABLE, STIFFNESS_TABLE, TOUCH, VALUES,
-    imat, ivec, mat, vec,
+    BODY,
+    BRISTLE_RATE,
+    CLEARANCE_TABLE,
+    CONTACT,
+    FORCE,
+    FRICTION_TABLE,
+    GRIP,
+    NORMAL_TABLE,
+    STIFFNESS_TABLE,
+    TOUCH,
+    VALUES,
+    imat,
+    ivec,
+    mat,
+    vec,
 )  # fmt: skip
 from rattle.plane import (
-    A_BODY, B_BODY, BRISTLE, CLOSED, CORNER, DBRISTLE, DGAP, FRICTION, FRICTION_P, GAP, IMPACT, LOSS, NORMAL, NORMAL_LAW, NORMAL_P,
-    NX, NY, OPEN, PAX, PAY, PBX, PBY, PHI, SHAPE, SHAPE_P, SLIP, SPEED, STATIC, STATIC_P, STORE, TANGENT, X, Y,
+    A_BODY,
+    B_BODY,
+    BRISTLE,
+    CLOSED,
+    CORNER,
+    DBRISTLE,
+    DGAP,
+    FRICTION,
+    FRICTION_P,
+    GAP,
+    IMPACT,
+    LOSS,
+    NORMAL,
+    NORMAL_LAW,
+    NORMAL_P,
+    NX,
+    NY,
+    OPEN,
+    PAX,
+    PAY,
+    PBX,
+    PBY,
+    PHI,
+    SHAPE,
+    SHAPE_P,
+    SLIP,
+    SPEED,
+    STATIC,
+    STATIC_P,
+    STORE,
+    TANGENT,
+    X,
+    Y,
 )  # fmt: skip
 
 
 @compiled
 def touch_all(m):
     """Geometry of every contact at the state in `body`."""
-    contact, body, values, touch, table = imat(m, CONTACT), mat(m, BODY), vec(m, VALUES), mat(m, TOUCH), ivec(m, CLEARANCE_TABLE)
+    contact, body, values, touch, table = (
+        imat(m, CONTACT),
+        mat(m, BODY),
+        vec(m, VALUES),
+        mat(m, TOUCH),
+        ivec(m, CLEARANCE_TABLE),
+    )
     for n in range(contact.shape[0]):
         call_clearance(
             table[contact[n, SHAPE]],
@@ -33,12 +83,22 @@ def touch_all(m):
 def press(m):
     """Forces of all compliant contacts on their bodies, added to Q; N, T and rates go to `touch`."""
     contact, values, touch, grip, force = imat(m, CONTACT), vec(m, VALUES), mat(m, TOUCH), mat(m, GRIP), mat(m, FORCE)
-    static_table, normal_table, friction_table = ivec(m, STIFFNESS_TABLE), ivec(m, NORMAL_TABLE), ivec(m, FRICTION_TABLE)
+    static_table, normal_table, friction_table = (
+        ivec(m, STIFFNESS_TABLE),
+        ivec(m, NORMAL_TABLE),
+        ivec(m, FRICTION_TABLE),
+    )
     rate = vec(m, BRISTLE_RATE)
     for n in range(contact.shape[0]):
         if contact[n, IMPACT] == 1:
             continue
-        touch[n, NORMAL], touch[n, TANGENT], touch[n, DBRISTLE], touch[n, LOSS], touch[n, STORE] = 0.0, 0.0, 0.0, 0.0, 0.0
+        touch[n, NORMAL], touch[n, TANGENT], touch[n, DBRISTLE], touch[n, LOSS], touch[n, STORE] = (
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+        )
         delta, ddelta = -touch[n, GAP], -touch[n, DGAP]
         if delta <= 0.0 or grip[n, CLOSED] == OPEN:
             continue

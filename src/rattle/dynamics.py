@@ -14,12 +14,14 @@ from rattle import catalog, pythonlaw
 from rattle.assembly import Assembled
 from rattle.equations import DONE, NOT_FINITE, PAUSED
 from rattle.errors import SolverError
-from rattle.recording import columns, geometry, width
 from rattle.happenings import contact_events, contact_notes
+from rattle.recording import columns, geometry, width
 from rattle.result import Result, Trust
-from rattle.singular import describe_rank_loss, nonunique_reactions
+from rattle.singular import nonunique_reactions
 from rattle.steppers import march
+from rattle.steppers.writing import record
 from rattle.system import Compiled
+from rattle.trouble import explain
 
 log = logging.getLogger("rattle")
 
@@ -32,7 +34,15 @@ class Run:
     """One march from start to end with fixed settings."""
 
     def __init__(
-        self, ready: Compiled, start: Assembled, t_eval: np.ndarray, t_end: float, method: str, rtol: float, atol: float, step: float | None
+        self,
+        ready: Compiled,
+        start: Assembled,
+        t_eval: np.ndarray,
+        t_end: float,
+        method: str,
+        rtol: float,
+        atol: float,
+        step: float | None,
     ) -> None:
         self.ready, self.start, self.t_eval, self.t_end = ready, start, t_eval, t_end
         self.method, self.rtol, self.atol, self.step = method, rtol, atol, step
@@ -57,12 +67,12 @@ class Run:
             clock[march.H] = (self.t_end - self.start.t) / max(1, math.ceil((self.t_end - self.start.t) / h_max - 1e-9))
         self.first_sign[:] = m["sign"]
         if len(self.t_eval) and self.t_eval[0] <= self.start.t:
-            march.record(m.handle, self.start.t, m["y"], self.raw[0])
+            record(m.handle, self.start.t, m["y"], self.raw[0])
             tally[march.OUTPUTS] = 1
         bar = _bar(self.t_end) if progress else None
         try:
             if status == NOT_FINITE:
-                self.message = self._trouble(status)
+                self.message = explain(self.ready, self.memory, self.t_end, status)
                 return
             status = PAUSED
             while status == PAUSED:
@@ -76,57 +86,15 @@ class Run:
                 if bar is not None:
                     bar.update(clock[march.T] - bar.n)
             if status != DONE:
-                self.message = self._trouble(status)
+                self.message = explain(self.ready, self.memory, self.t_end, status)
         except KeyboardInterrupt:
-            self.message = f"stopped by the user at t = {clock[march.T]:.6g} s; the result holds what was computed before"
+            self.message = (
+                f"stopped by the user at t = {clock[march.T]:.6g} s; the result holds what was computed before"
+            )
         finally:
             if bar is not None:
                 bar.close()
             self.wall = time.perf_counter() - began
-
-    def _trouble(self, status: int) -> str:
-        t = float(self.clock[march.T])
-        what = pythonlaw.complaint(t) or self._not_finite()
-        if what:
-            return what
-        nq = 3 * self.ready.body_count
-        march.record(self.memory.handle, t, self.memory["y"], np.zeros(width(self.ready)))
-        rank = describe_rank_loss(self.ready, self.memory)
-        if rank:
-            return f"cannot go on at t = {t:.6g} s: {rank}"
-        if status == NOT_FINITE:
-            return f"the motion ran away at t = {t:.6g} s with the step of {self.clock[march.H]:.3g} s; try a smaller step or method dop853"
-        fastest = int(np.argmax(np.abs(self.memory["f"][nq : 2 * nq])))
-        return (
-            f"cannot go on at t = {t:.6g} s: the step fell below {self.clock[march.H]:.1g} s (worst at body '{self.ready.bodies[fastest // 3]}');"
-            " try a larger rtol, and look for a position that cannot be passed"
-        )
-
-    def _not_finite(self) -> str:
-        """Which expression has no finite value near the last state, and when."""
-        ready, m = self.ready, self.memory
-        t0, y, f = float(self.clock[march.T]), m["y"], m["f"]
-        spans = [0.0, *(max(self.clock[march.TROUBLE] - t0, 1e-12) * np.array([0.25, 0.5, 1.0, 2.0, 10.0, 1e3, 1e6]))]
-        programs = [(row, signal_or_value) for signal_or_value in ("jet_signal", "jet", "signal", "live") for row in ready.arrays[signal_or_value]]
-        for span in spans:
-            t = t0 + float(span)
-            if t > self.t_end * (1 + 1e-12) and span:
-                break
-            state = y + (t - t0) * np.where(np.isfinite(f), f, 0.0)
-            march.record(m.handle, t, state, np.zeros(width(ready)))
-            for row, table in programs:
-                found = m["jets"][row[2]] if table == "jet_signal" else m["signals"][row[2]] if table == "signal" else m["values"][row[2] : row[2] + (3 if table == "jet" else 1)]
-                if not np.isfinite(found).all():
-                    return f"{self._program(int(row[0]))} has no finite value at t = {t:.6g} s ({np.ravel(found)[0]:g}); check its domain (square root, logarithm, division by zero)"
-            for (name, load), row in zip(ready.model.loads.items(), ready.arrays["load"], strict=True):
-                what = pythonlaw.failure(load.kind, t, m["body"][row[2]], m["values"][row[3] :])
-                if what:
-                    return f"loads.{name}: {what}"
-        return ""
-
-    def _program(self, first: int) -> str:
-        starts = self.ready.program_starts
-        return self.ready.live_names[starts.index(first)]
 
 
 def start_state(ready: Compiled, start: Assembled) -> np.ndarray:
@@ -135,8 +103,10 @@ def start_state(ready: Compiled, start: Assembled) -> np.ndarray:
 
 
 def simulate(
-    ready: Compiled, start: Assembled, *, t_end: float | None = None, t_eval: Sequence[float] | np.ndarray | None = None, method: str | None = None,
-    rtol: float | None = None, atol: float | None = None, step: float | None = None, progress: bool = False, strict: bool = False, horizon: bool = False,
+    ready: Compiled, start: Assembled, *, t_end: float | None = None,
+    t_eval: Sequence[float] | np.ndarray | None = None, method: str | None = None, rtol: float | None = None,
+    atol: float | None = None, step: float | None = None, progress: bool = False, strict: bool = False,
+    horizon: bool = False,
 ) -> Result:  # fmt: skip
     """Integrate the equations of motion; see `Mechanism.simulate`."""
     catalog.start()
@@ -158,7 +128,8 @@ def simulate(
     run.go(progress)
     reach = None
     if horizon and run.tally[march.OUTPUTS] > 1:
-        second = Run(ready, start, times, end, method, rtol / 10, atol / 10, None if step is None else step / 10 ** (1 / march.ORDERS[method]))
+        finer = None if step is None else step / 10 ** (1 / march.ORDERS[method])
+        second = Run(ready, start, times, end, method, rtol / 10, atol / 10, finer)
         second.go(progress)
         reach = agreement(run, second)
     result = _result(run, reach)
@@ -170,11 +141,19 @@ def simulate(
     return result
 
 
-def output_times(settings: Any, t_end: float | None, t_eval: Sequence[float] | np.ndarray | None) -> tuple[float, np.ndarray]:
+def output_times(
+    settings: Any, t_end: float | None, t_eval: Sequence[float] | np.ndarray | None
+) -> tuple[float, np.ndarray]:
     """End of a run and its output instants, from what was asked and what the model says."""
     if t_eval is not None:
         times = np.ascontiguousarray(t_eval, dtype=float)
-        if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any() or times[0] < 0:
+        if (
+            times.ndim != 1
+            or len(times) == 0
+            or not np.isfinite(times).all()
+            or (np.diff(times) <= 0).any()
+            or times[0] < 0
+        ):
             raise ValueError("t_eval must be increasing finite times in s, from 0 on")
         end = float(times[-1]) if t_end is None else _positive("t_end", t_end)
         if times[-1] > end * (1 + 1e-12):
@@ -216,7 +195,9 @@ def agreement(run: Run, second: Run) -> float:
 def _bar(t_end: float) -> Any:
     from tqdm import tqdm
 
-    return tqdm(total=t_end, unit="s", desc="simulate", bar_format="{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]")
+    return tqdm(
+        total=t_end, unit="s", desc="simulate", bar_format="{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]"
+    )
 
 
 def _result(run: Run, reach: float | None) -> Result:
@@ -232,7 +213,7 @@ def _result(run: Run, reach: float | None) -> Result:
     nonunique: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     if tally[march.LOST]:
-        march.record(run.memory.handle, run.start.t, start_state(ready, run.start), np.zeros(width(ready)))
+        record(run.memory.handle, run.start.t, start_state(ready, run.start), np.zeros(width(ready)))
         nonunique = nonunique_reactions(ready, run.memory)
         if not nonunique:
             notes = ("the run passed through a position where the joints lose independence (a singular position)",)
@@ -240,22 +221,49 @@ def _result(run: Run, reach: float | None) -> Result:
     notes += contact_notes(ready, events, float(clock[march.FEWEST]))
     owner = ready.rows[tally[march.DRIFT_ROW]].owner if ready.rows else ""
     trust = Trust(
-        drift=float(clock[march.DRIFT]), drift_joint=owner, energy_balance=float(np.abs(balance).max()) if n else math.nan,
-        t_end=reached, horizon=reach, pulled=pulled, first_pull=first, intervals=intervals, nonunique=nonunique, notes=notes,
-    )  # fmt: skip
+        drift=float(clock[march.DRIFT]),
+        drift_joint=owner,
+        energy_balance=float(np.abs(balance).max()) if n else math.nan,
+        t_end=reached,
+        horizon=reach,
+        pulled=pulled,
+        first_pull=first,
+        intervals=intervals,
+        nonunique=nonunique,
+        notes=notes,
+    )
     stats = {
-        "steps": int(tally[march.STEPS]), "rejected": int(tally[march.REJECTED]), "evaluations": int(tally[march.EVALUATIONS]),
-        "smallest_step": float(clock[march.H_MIN]), "wall_time": run.wall, "contacts": int(tally[march.CONTACTS]),
+        "steps": int(tally[march.STEPS]),
+        "rejected": int(tally[march.REJECTED]),
+        "evaluations": int(tally[march.EVALUATIONS]),
+        "smallest_step": float(clock[march.H_MIN]) if tally[march.STEPS] else 0.0,
+        "wall_time": run.wall,
+        "contacts": int(tally[march.CONTACTS]),
         "singular_positions_leapt": int(tally[march.LEAPS]),
-    }  # fmt: skip
+    }
     provenance = {
-        "model": ready.model.name, "program": f"rattle {__version__}", "analysis": "simulate", "method": run.method, "rtol": run.rtol, "atol": run.atol,
-        "step": run.step, "parameters": {name: one.value for name, one in ready.model.parameters.items()},
-    }  # fmt: skip
+        "model": ready.model.name,
+        "program": f"rattle {__version__}",
+        "analysis": "simulate",
+        "method": run.method,
+        "rtol": run.rtol,
+        "atol": run.atol,
+        "step": run.step,
+        "parameters": {name: one.value for name, one in ready.model.parameters.items()},
+    }
     return Result(
-        t=t, data=data, names=names, units=units, geometry=geometry(ready.model), trust=trust, stats=stats, provenance=provenance,
-        success=not run.message, message=run.message, events=events,
-    )  # fmt: skip
+        t=t,
+        data=data,
+        names=names,
+        units=units,
+        geometry=geometry(ready.model),
+        trust=trust,
+        stats=stats,
+        provenance=provenance,
+        success=not run.message,
+        message=run.message,
+        events=events,
+    )
 
 
 def pulls(run: Run, reached: float) -> tuple[dict[str, float], dict[str, float | None], dict[str, np.ndarray]]:

@@ -10,16 +10,70 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_joint, call_load, compiled
+from rattle.catalog import call_hold, call_joint, call_load, compiled
 from rattle.contact import press, touch_all
 from rattle.memory import (
-    ACCELERATION, BODY, CHANGE, CODE, CONST, CONTACT, ENERGY, FORCE, GRAVITY, JET, JETS, JET_OUT, JET_SIGNAL,
-    JET_STACK, JOINT, JOINT_TABLE, LIVE, LOAD, LOAD_TABLE, MASS, MULTIPLIER, PLACE, POWER, ROWS, ROW_BODY,
-    SIGNAL, SIGNALS, SOLUTION, STACK, TOUCH, VALUES, WEIGHT, imat, ivec, mat, vec,
+    ACCELERATION,
+    BODY,
+    CHANGE,
+    CODE,
+    CONST,
+    CONTACT,
+    ENERGY,
+    FORCE,
+    GRAVITY,
+    HOLD_TABLE,
+    JET,
+    JET_OUT,
+    JET_SIGNAL,
+    JET_STACK,
+    JETS,
+    JOINT,
+    JOINT_TABLE,
+    LIVE,
+    LOAD,
+    LOAD_TABLE,
+    MASS,
+    MULTIPLIER,
+    PLACE,
+    POWER,
+    ROW_BODY,
+    ROWS,
+    SIGNAL,
+    SIGNALS,
+    SOLUTION,
+    STACK,
+    TOUCH,
+    VALUES,
+    WEIGHT,
+    imat,
+    ivec,
+    mat,
+    vec,
 )  # fmt: skip
 from rattle.plane import (
-    AX, BRISTLE, BX, COS, DBRISTLE, DISSIPATED, ELASTIC, GAMMA, LOSS, NORMAL, NU, OUTSIDE, PHI, POTENTIAL, RES, SIN,
-    STORE, VX, VY, W, X, Y,
+    AX,
+    BRISTLE,
+    BX,
+    COS,
+    DBRISTLE,
+    DISSIPATED,
+    ELASTIC,
+    GAMMA,
+    LOSS,
+    NORMAL,
+    NU,
+    OUTSIDE,
+    PHI,
+    POTENTIAL,
+    RES,
+    SIN,
+    STORE,
+    VX,
+    VY,
+    W,
+    X,
+    Y,
 )  # fmt: skip
 from rattle.programs import evaluate, evaluate_jet
 from rattle.schur import WEAK, factorise, solve
@@ -72,7 +126,13 @@ def constraints(m):
 def loads(m, t):
     """Applied forces Q, potential energy, work rate and dissipation at the state in `body`."""
     force, body, energy, power = mat(m, FORCE), mat(m, BODY), vec(m, ENERGY), vec(m, POWER)
-    mass, gravity, load, table, values = mat(m, MASS), vec(m, GRAVITY), imat(m, LOAD), ivec(m, LOAD_TABLE), vec(m, VALUES)
+    mass, gravity, load, table, values = (
+        mat(m, MASS),
+        vec(m, GRAVITY),
+        imat(m, LOAD),
+        ivec(m, LOAD_TABLE),
+        vec(m, VALUES),
+    )
     signal, live, signals = imat(m, SIGNAL), imat(m, LIVE), vec(m, SIGNALS)
     code, const, stack = imat(m, CODE), vec(m, CONST), vec(m, STACK)
     potential, rate, lost = 0.0, 0.0, 0.0
@@ -197,12 +257,18 @@ def solve_motion(m, t, q, v):
     loads(m, t)
     lost = factorise(m)
     accelerate(m)
+    hold = ivec(m, HOLD_TABLE)
+    if len(hold) > 0:  # lasting set-valued contacts
+        call_hold(hold[0], (m,))
     return lost
 
 
 @compiled
 def collect(m, v, dy):
-    """dy/dt of y from what has just been solved; y = [q, v, work, dissipated, then per contact z, impulse, loss, stored]."""
+    """dy/dt of y from what has just been solved.
+
+    y = [q, v, work done on the mechanism, energy dissipated, then per contact z, impulse, loss, stored energy].
+    """
     rows, multiplier, acceleration, power = mat(m, ROWS), vec(m, MULTIPLIER), mat(m, ACCELERATION), vec(m, POWER)
     touch = mat(m, TOUCH)
     nq = v.shape[0]

@@ -10,7 +10,15 @@ import numpy as np
 from rattle import catalog
 from rattle.memory import Memory
 from rattle.plane import (
-    CLOSED, CONTACT_EVENT, IMPULSE_0, LOSS_0, OWNER, PEAK, SHUT, SINCE, SPEED,
+    CLOSED,
+    CONTACT_EVENT,
+    IMPULSE_0,
+    LOSS_0,
+    OWNER,
+    PEAK,
+    SHUT,
+    SINCE,
+    SPEED,
 )  # fmt: skip
 from rattle.result import Event
 from rattle.system import Compiled
@@ -32,13 +40,9 @@ def contact_events(ready: Compiled, rows: Sequence[np.ndarray], memory: Memory, 
     grip, y = memory["grip"], memory["y"]
     for n in np.flatnonzero(grip[:, CLOSED] == SHUT):
         k = len(y) - 4 * len(grip) + 4 * n
-        mine = grip[n]
-        found.append(
-            Event(
-                float(mine[SINCE]), ready.joints[owner[n]], "contact", float(mine[SPEED]), t - float(mine[SINCE]), float(mine[PEAK]),
-                float(y[k + 1] - mine[IMPULSE_0]), float(y[k + 2] - mine[LOSS_0]),
-            )  # fmt: skip
-        )
+        since, speed, peak = (float(grip[n, c]) for c in (SINCE, SPEED, PEAK))
+        impulse, lost = float(y[k + 1] - grip[n, IMPULSE_0]), float(y[k + 2] - grip[n, LOSS_0])
+        found.append(Event(since, ready.joints[owner[n]], "contact", speed, t - since, peak, impulse, lost))
     return tuple(sorted(found, key=lambda event: event.t))
 
 
@@ -54,7 +58,7 @@ def contact_notes(ready: Compiled, events: Sequence[Event], fewest: float) -> tu
             continue
         peak = max((event.peak_force for event in events if event.joint == name), default=0.0)
         static, normal = catalog.kinds("stiffness")[contact.static.kind], catalog.kinds("normal")[contact.normal.kind]
-        found += [f"{name}, {contact.static.kind}: {one}" for one in static.leaf.notes(contact.static.values, peak)]  # type: ignore[attr-defined]
+        found += [f"{name}, {contact.static.kind}: {one}" for one in static.leaf.notes(contact.static.values, peak)]
         if contact.normal.values.get("effective_mass", 1.0) > 0.0:
-            found += [f"{name}, {contact.normal.kind}: {one}" for one in normal.leaf.notes(contact.normal.values)]  # type: ignore[attr-defined]
+            found += [f"{name}, {contact.normal.kind}: {one}" for one in normal.leaf.notes(contact.normal.values)]
     return tuple(found)

@@ -65,6 +65,20 @@ FIELDS = {
     "touch": "f2",  # (nc, 17) geometry and forces of every contact, see plane
     "grip": "f2",  # (nc, 13) its memory, see plane
     "rate": "f1",  # (1,) rate of a bristle
+    # set-valued contacts, see impact; two lines (normal, tangential) for each contact that takes part
+    "mode": "i1",  # (nc,) what each contact does: OFF, STICK, FORWARD, BACKWARD
+    "chosen": "i1",  # (nc,) contacts that take part
+    "trial": "i1",  # (nc,) their modes while the problem is being solved
+    "slide": "i1",  # (nc,) sign of their slip where it is known beforehand, else 0
+    "pivot": "i1",  # (2 nc,) scratch
+    "arm": "f2",  # (2 nc, 6) w: rates of A, then of B, to normal or tangential velocity
+    "direction": "f2",  # (2 nc, 3 nb) M^-1 (w - Phi_q^T z): what a unit force changes
+    "reply": "f2",  # (2 nc, nr) z: multipliers that a unit force calls up
+    "delassus": "f2",  # (2 nc, 2 nc) G
+    "side": "f2",  # (4, 2 nc) b, f, a of a = G f + b, and another solution
+    "system": "f2",  # (2 nc, 2 nc + 1) scratch
+    "held": "f1",  # (2,) sign of the determinant of the last solution, size of the mechanism [m]
+    "hold_table": "i1",  # the kernel that adds the forces of lasting contacts, if there may be any
     # the march in time
     "y": "f1",  # (6 nb + 2,) q, v, work done, energy dissipated at clock[T]
     "f": "f1",  # its derivative
@@ -81,10 +95,12 @@ FIELDS = {
 }
 
 (
-    MASS, WEIGHT, GRAVITY, JOINT, LOAD, CONTACT, CODE, CONST, JET, JET_SIGNAL, SIGNAL, LIVE, WATCH, PLACE, FIRST, BELOW, TARGET, PAIRS,
-    ROW_BODY, JOINT_TABLE, LOAD_TABLE, CLEARANCE_TABLE, STIFFNESS_TABLE, NORMAL_TABLE, FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER,
-    SCHUR, INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES,
-    DENSE, CLOCK, TALLY, SIGN, CROSSINGS, EVENTS,
+    MASS, WEIGHT, GRAVITY, JOINT, LOAD, CONTACT, CODE, CONST, JET, JET_SIGNAL, SIGNAL, LIVE, WATCH, PLACE, FIRST,
+    BELOW, TARGET, PAIRS, ROW_BODY, JOINT_TABLE, LOAD_TABLE, CLEARANCE_TABLE, STIFFNESS_TABLE, NORMAL_TABLE,
+    FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER, SCHUR,
+    INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, MODE, CHOSEN, TRIAL,
+    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, HELD, HOLD_TABLE, STATE, RATE, STATE_NEW, RATE_NEW,
+    STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN, CROSSINGS, EVENTS,
 ) = range(len(FIELDS))  # fmt: skip
 
 
@@ -139,7 +155,7 @@ def teach_numba() -> None:
     from numba.extending import intrinsic, overload
 
     def pointer_to(element: Any) -> Any:
-        @intrinsic
+        @intrinsic  # type: ignore[untyped-decorator]  # Numba has no types
         def cast(typing_context: Any, address: Any) -> Any:
             def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
                 return builder.inttoptr(values[0], context.get_value_type(signature.return_type))
@@ -149,12 +165,17 @@ def teach_numba() -> None:
         return cast
 
     def shaped(cast: Any, dimensions: int) -> Any:
-        def one(m, k):  # type: ignore[no-untyped-def]  # noqa: ANN001  Numba compares the argument lists
+        def one(m, k):  # type: ignore[no-untyped-def]
             if dimensions == 1:
                 return lambda m, k: carray(cast(m[3 * k]), (m[3 * k + 1],))
             return lambda m, k: carray(cast(m[3 * k]), (m[3 * k + 1], m[3 * k + 2]))
 
         return one
 
-    for function, element, dimensions in ((vec, types.float64, 1), (mat, types.float64, 2), (ivec, types.int64, 1), (imat, types.int64, 2)):
+    for function, element, dimensions in (
+        (vec, types.float64, 1),
+        (mat, types.float64, 2),
+        (ivec, types.int64, 1),
+        (imat, types.int64, 2),
+    ):
         overload(function)(shaped(pointer_to(element), dimensions))

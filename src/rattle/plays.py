@@ -19,7 +19,7 @@ GEOMETRY = ("bush_material", "pin_material", "length", "geometry")
 
 def contact_models(joint: str = "") -> list[str]:
     """Every name that may stand in `contact`, for a kind of joint or for any."""
-    plain = [name for name, one in catalog.kinds("contact").items() if not joint or joint in one.leaf.joints]  # type: ignore[attr-defined]
+    plain = [name for name, one in catalog.kinds("contact").items() if not joint or joint in one.leaf.joints]
     laws = list(catalog.kinds("normal")) if joint in ("", "revolute", "prismatic") else []
     return [*plain, *laws]
 
@@ -55,7 +55,9 @@ def _radius(parts: Parts, table: Mapping[str, Any], joint: str, clearance: float
         return 0.0
     if "bush_radius" not in table:
         if needed:
-            parts.values.wrong(path, f"needs bush_radius in m: {needed} depends on it (pin radius = bush_radius - clearance)")
+            parts.values.wrong(
+                path, f"needs bush_radius in m: {needed} depends on it (pin radius = bush_radius - clearance)"
+            )
         return 0.0
     radius = float(parts.values.value(table["bush_radius"], "m", (*path, "bush_radius"), "positive"))
     if not math.isnan(radius) and not radius > clearance:
@@ -65,8 +67,10 @@ def _radius(parts: Parts, table: Mapping[str, Any], joint: str, clearance: float
 
 def _plain(parts: Parts, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path) -> Contact:
     kind = catalog.kinds("contact")[model]
-    contacts = kind.leaf.contacts  # type: ignore[attr-defined]
-    parts.values.keys(table, ["model", *kind.fields, *(["bush_radius"] if contacts and joint == "revolute" else [])], path)
+    contacts = kind.leaf.contacts
+    parts.values.keys(
+        table, ["model", *kind.fields, *(["bush_radius"] if contacts and joint == "revolute" else [])], path
+    )
     given = dict(table)
     if isinstance(given.get("friction"), Mapping):
         rest = dict(given["friction"])
@@ -86,7 +90,9 @@ def _unit_interval(parts: Parts, fields: Mapping[str, Any], path: Path) -> None:
             parts.values.wrong((*path, key), f"{fields[key]:g} is outside [0, 1]")
 
 
-def _compliant(parts: Parts, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path) -> Contact | None:
+def _compliant(
+    parts: Parts, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path
+) -> Contact | None:
     values = parts.values
     law = catalog.kinds("normal")[model]
     statics = catalog.kinds("stiffness")
@@ -110,8 +116,17 @@ def _compliant(parts: Parts, table: Mapping[str, Any], model: str, joint: str, c
     static = statics[name]
     own = [key for key in static.fields if key != "bush_radius"]
     radius_key = ["bush_radius"] if joint == "revolute" else []
-    values.keys(table, ["model", "friction", "geometry" if by_geometry else "stiffness", *radius_key, *law.fields, *own], path)
-    radius = _radius(parts, table, joint, clearance, "friction" if "friction" in table else "the stiffness" if by_geometry else "", path)
+    values.keys(
+        table, ["model", "friction", "geometry" if by_geometry else "stiffness", *radius_key, *law.fields, *own], path
+    )
+    radius = _radius(
+        parts,
+        table,
+        joint,
+        clearance,
+        "friction" if "friction" in table else "the stiffness" if by_geometry else "",
+        path,
+    )
     elastic: dict[str, Any] = {"clearance": clearance, "bush_radius": radius}
     for key in own:
         elastic[key] = _elastic(parts, static.fields[key], key, table, elastic, path)
@@ -123,7 +138,9 @@ def _compliant(parts: Parts, table: Mapping[str, Any], model: str, joint: str, c
     return found
 
 
-def _elastic(parts: Parts, field: catalog.Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path) -> Any:
+def _elastic(
+    parts: Parts, field: catalog.Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path
+) -> Any:
     if field.shape == "material":
         given = table.get(key, field.default(read) if callable(field.default) else field.default)
         if isinstance(given, Mapping):
@@ -143,7 +160,9 @@ def _friction(parts: Parts, given: Any, path: Path) -> Choice | None:
     laws = catalog.kinds("friction")
     if isinstance(given, Mapping):
         if given.get("model") not in laws:
-            parts.values.wrong((*path, "model"), f"unknown friction {said(given.get('model'))}{suggest(str(given.get('model')), laws)}")
+            parts.values.wrong(
+                (*path, "model"), f"unknown friction {said(given.get('model'))}{suggest(str(given.get('model')), laws)}"
+            )
             return None
         kind = laws[given["model"]]
         parts.values.keys(given, ["model", *kind.fields], path)
@@ -160,6 +179,6 @@ def _pack(parts: Parts, contact: Contact, path: Path) -> None:
     for family, choice in (("stiffness", contact.static), ("friction", contact.friction)):
         if choice is not None:
             try:
-                catalog.kinds(family)[choice.kind].leaf.pack(choice.values)  # type: ignore[attr-defined]
+                catalog.kinds(family)[choice.kind].leaf.pack(choice.values)
             except ValueError as error:
                 parts.values.wrong(path, str(error))

@@ -10,7 +10,10 @@ from rattle import catalog
 from rattle.model import Joint, Model
 from rattle.system import Compiled, joint_rows
 
-BODY = (("x", "m"), ("y", "m"), ("angle", "rad"), ("vx", "m/s"), ("vy", "m/s"), ("omega", "rad/s"), ("ax", "m/s^2"), ("ay", "m/s^2"), ("alpha", "rad/s^2"))  # fmt: skip
+BODY = (
+    ("x", "m"), ("y", "m"), ("angle", "rad"), ("vx", "m/s"), ("vy", "m/s"), ("omega", "rad/s"),
+    ("ax", "m/s^2"), ("ay", "m/s^2"), ("alpha", "rad/s^2"),
+)  # fmt: skip
 JOINT = 8  # force x, y, moment on B about its point, e_x, e_y; effort, power, 0 or N, T, penetration
 ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
 
@@ -41,7 +44,7 @@ def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], di
         fx, fy, moment, ex, ey, effort, power, deep = raw[:, c : c + JOINT].T
         c += JOINT
         if name in model.drivers:
-            effort_name, unit = catalog.kinds("driver")[model.drivers[name].kind].leaf.effort  # type: ignore[attr-defined]
+            effort_name, unit = catalog.kinds("driver")[model.drivers[name].kind].leaf.effort
             add(f"{name}.{effort_name}", unit, effort)
             add(f"{name}.power", "W", power)
             continue
@@ -49,7 +52,7 @@ def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], di
         add(f"{name}.fx", "N", fx)
         add(f"{name}.fy", "N", fy)
         kind = joint_rows(joint)[0]
-        if kind is None or kind.leaf.moment:  # type: ignore[attr-defined]
+        if kind is None or kind.leaf.moment:
             add(f"{name}.moment", "N*m", moment)
         if joint.contact is not None:
             if kind is None:  # contacts alone act on it
@@ -79,7 +82,9 @@ def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], di
     return np.ascontiguousarray(np.array(parts).T), names, units
 
 
-def _across(ready: Compiled, joint: Joint, raw: np.ndarray, ex: np.ndarray, ey: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _across(
+    ready: Compiled, joint: Joint, raw: np.ndarray, ex: np.ndarray, ey: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """The part of a guide's offset that is across its line: the way along it is motion, not play."""
     turned = 0.0 if joint.a.body == "ground" else raw[:, 9 * ready.bodies.index(joint.a.body) + 2]
     axis = turned + joint.fields["axis"]
@@ -96,7 +101,9 @@ def geometry(model: Model) -> dict[str, Any]:
             "bodies": [joint.a.body, joint.b.body],
             "points": [list(joint.a.at), list(joint.b.at)],
             "clearance": joint.clearance,
-            "contact": (joint.contact.normal.kind if joint.contact.normal else joint.contact.model) if joint.contact else "",
+            "contact": (joint.contact.normal.kind if joint.contact.normal else joint.contact.model)
+            if joint.contact
+            else "",
         }
         if "axis" in joint.fields:
             joints[name]["axis"] = joint.fields["axis"]
@@ -107,7 +114,9 @@ def geometry(model: Model) -> dict[str, Any]:
         for name, load in model.loads.items()
     }
     return {
-        "bodies": {name: {"points": {key: list(at) for key, at in body.points.items()}} for name, body in model.bodies.items()},
+        "bodies": {
+            name: {"points": {key: list(at) for key, at in body.points.items()}} for name, body in model.bodies.items()
+        },
         "ground": {"points": {key: list(at) for key, at in model.ground.items()}},
         "joints": joints,
         "loads": loads,

@@ -15,7 +15,23 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.catalog import compiled
-from rattle.memory import BELOW, FIRST, INVERSE, PAIRS, POWER, REDUNDANT, ROWS, SCHUR, SOLUTION, TARGET, WEIGHT, imat, ivec, mat, vec
+from rattle.memory import (
+    BELOW,
+    FIRST,
+    INVERSE,
+    PAIRS,
+    POWER,
+    REDUNDANT,
+    ROWS,
+    SCHUR,
+    SOLUTION,
+    TARGET,
+    WEIGHT,
+    imat,
+    ivec,
+    mat,
+    vec,
+)
 from rattle.plane import AX, BX
 
 PIVOT = 1e-13  # a pivot below this share of its diagonal is a redundant row
@@ -58,17 +74,19 @@ def analyse(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> P
     first = np.zeros(nr + 1, np.int64)
     first[1:] = np.cumsum([len(one) for one in under])
     below = np.array([row for one in under for row in sorted(one)], np.int64)
-    entry = [{row: nr + int(first[column]) + n for n, row in enumerate(sorted(one))} for column, one in enumerate(under)]
+    entry = [
+        {row: nr + int(first[column]) + n for n, row in enumerate(sorted(one))} for column, one in enumerate(under)
+    ]
     target: list[int] = []
     for column in range(nr):
-        rows = sorted(under[column])
-        for n, one in enumerate(rows):
+        lower = sorted(under[column])
+        for n, one in enumerate(lower):
             target.append(one)
-            target += [entry[one][other] for other in rows[n + 1 :]]
+            target += [entry[one][other] for other in lower[n + 1 :]]
     pairs = []
-    for body, rows in touching.items():
-        for n, (row, column) in enumerate(rows):
-            for other, other_column in rows[: n + 1]:
+    for body, members in touching.items():
+        for n, (row, column) in enumerate(members):
+            for other, other_column in members[: n + 1]:
                 low, high = sorted((int(place[row]), int(place[other])))
                 pairs.append((low if low == high else entry[low][high], row, column, other, other_column, body))
     return Pattern(place, first, below, np.array(target, np.int64), np.array(pairs, np.int64).reshape(-1, 6))

@@ -98,7 +98,7 @@ def joint_rows(joint: Joint) -> tuple[catalog.Kind | None, tuple[float, ...]]:
     if has_contacts(joint):
         return None, ()
     if joint.contact is not None and joint.clearance > 0.0:
-        replaces: Mapping[str, str] = catalog.kinds("contact")[joint.contact.model].leaf.replaces  # type: ignore[attr-defined]
+        replaces: Mapping[str, str] = catalog.kinds("contact")[joint.contact.model].leaf.replaces
         if joint.kind in replaces:
             return catalog.kinds("joint")[replaces[joint.kind]], (joint.clearance,)
     return own, tuple(joint.fields.values())
@@ -109,7 +109,7 @@ def has_contacts(joint: Joint) -> bool:
     if joint.contact is None or joint.clearance <= 0.0:
         return False
     known = catalog.kinds("contact")
-    return joint.contact.model not in known or bool(known[joint.contact.model].leaf.contacts)  # type: ignore[attr-defined]
+    return joint.contact.model not in known or bool(known[joint.contact.model].leaf.contacts)
 
 
 def is_link(joint: Joint) -> bool:
@@ -154,7 +154,7 @@ def compile_system(model: Model) -> Compiled:
         else:
             jets.append((programs.add(driver.value, f"drivers.{name}.{driver.kind}"), len(values)))
             values += [0.0, 0.0, 0.0]
-        for unit in one.leaf.rows:  # type: ignore[attr-defined]
+        for unit in one.leaf.rows:
             rows.append(Row(name, unit, True))
             row_body.append((a, b))
     contact = _contacts(model, number, values)
@@ -192,7 +192,9 @@ def compile_system(model: Model) -> Compiled:
     )  # fmt: skip
 
 
-def _joints(model: Model, number: Mapping[str, int], values: list[float]) -> tuple[list[Any], list[Row], list[Any], list[int], list[str]]:
+def _joints(
+    model: Model, number: Mapping[str, int], values: list[float]
+) -> tuple[list[Any], list[Row], list[Any], list[int], list[str]]:
     joint: list[Any] = []
     rows: list[Row] = []
     row_body: list[Any] = []
@@ -206,7 +208,7 @@ def _joints(model: Model, number: Mapping[str, int], values: list[float]) -> tup
             watch.append(len(rows))
             watched.append(name)
         values += [*one.a.at, *one.b.at, *fields]
-        for unit in found.leaf.rows if found else ():  # type: ignore[attr-defined]
+        for unit in found.leaf.rows if found else ():
             rows.append(Row(name, unit, False))
             row_body.append((a, b))
     return joint, rows, row_body, watch, watched
@@ -215,7 +217,7 @@ def _joints(model: Model, number: Mapping[str, int], values: list[float]) -> tup
 def _contacts(model: Model, number: Mapping[str, int], values: list[float]) -> list[tuple[int, ...]]:
     """One entry per contact point, see `plane`: geometry and laws with their parameters."""
     found: list[tuple[int, ...]] = []
-    shapes = {one.leaf.joint: one for one in catalog.kinds("clearance").values()}  # type: ignore[attr-defined]
+    shapes = {one.leaf.joint: one for one in catalog.kinds("clearance").values()}
     for n, joint in enumerate(model.joints.values()):
         contact = joint.contact
         if contact is None or not has_contacts(joint):
@@ -223,7 +225,14 @@ def _contacts(model: Model, number: Mapping[str, int], values: list[float]) -> l
         shape = shapes[joint.kind]
         a, b = number[joint.a.body], number[joint.b.body]
         place = len(values)
-        values += [*joint.a.at, *joint.b.at, joint.clearance, contact.bush_radius, *joint.fields.values(), *(joint.block or ())]
+        values += [
+            *joint.a.at,
+            *joint.b.at,
+            joint.clearance,
+            contact.bush_radius,
+            *joint.fields.values(),
+            *(joint.block or ()),
+        ]
         laws: tuple[int, ...]
         if contact.normal is None:
             laws = (-1, -1, -1, len(values), -1, -1)
@@ -234,7 +243,7 @@ def _contacts(model: Model, number: Mapping[str, int], values: list[float]) -> l
                 *_law("normal", _with_mass(contact.normal, model, joint), values),
                 *_law("friction", contact.friction, values),
             )
-        for corner in range(shape.leaf.corners):  # type: ignore[attr-defined]
+        for corner in range(shape.leaf.corners):
             found.append((shape.tag, a, b, place, corner, *laws, n, int(contact.normal is None)))
     return found
 
@@ -244,7 +253,7 @@ def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, 
         return -1, -1
     kind = catalog.kinds(family)[choice.kind]
     place = len(values)
-    values += kind.leaf.pack(choice.values)  # type: ignore[attr-defined]
+    values += kind.leaf.pack(choice.values)
     return kind.tag, place
 
 
@@ -256,7 +265,9 @@ def _with_mass(choice: Choice, model: Model, joint: Joint) -> Choice:
     return Choice(choice.kind, {**choice.values, "effective_mass": 1.0 / light})
 
 
-def _loads(model: Model, number: Mapping[str, int], values: list[float], programs: _Programs) -> tuple[list[Any], list[tuple[int, int]]]:
+def _loads(
+    model: Model, number: Mapping[str, int], values: list[float], programs: _Programs
+) -> tuple[list[Any], list[tuple[int, int]]]:
     load = []
     live: list[tuple[int, int]] = []
     for name, one in model.loads.items():
@@ -291,6 +302,7 @@ def _table(entries: Sequence[Sequence[int]], width: int) -> np.ndarray:
 def _size(model: Model) -> float:
     """Largest distance of a point from its body's mass centre, or of a ground point from the origin."""
     points = [p for body in model.bodies.values() for p in body.points.values()] + list(model.ground.values())
-    lengths = [abs(x) + abs(y) for x, y in points] + [one.fields["length"] for one in model.joints.values() if "length" in one.fields]
+    lengths = [abs(x) + abs(y) for x, y in points] + [
+        one.fields["length"] for one in model.joints.values() if "length" in one.fields
+    ]
     return max([*lengths, 1e-9])
-

@@ -1,6 +1,6 @@
 """Spring and damper along the line between two points.
 
-    F = stiffness (l - free_length) + damping l'      pulls the points together when positive
+F = stiffness (l - free_length) + damping l'      pulls the points together when positive
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Torsion spring and damper between two bodies.
 
-    T = stiffness (phi_B - phi_A - free_angle) + damping (w_B - w_A)      turns B back when positive
+T = stiffness (phi_B - phi_A - free_angle) + damping (w_B - w_A)      turns B back when positive
 """
 
 from __future__ import annotations

@@ -1,14 +1,14 @@
 """A block in a guide with play: four corners against two walls.
 
-    The walls lie at +-(b + c) beside the line of direction u through the point of A; the block on B has the
-    length 2a and the height 2b and is centred on the point of B.  Corners 0 and 1 face the upper wall
-    (n = u turned by +90 degrees), corners 2 and 3 the lower one (n = u turned by -90 degrees).
+The walls lie at +-(b + c) beside the line of direction u through the point of A; the block on B has the
+length 2a and the height 2b and is centred on the point of B.  Corners 0 and 1 face the upper wall
+(n = u turned by +90 degrees), corners 2 and 3 the lower one (n = u turned by -90 degrees).
 
-    d = corner - point of A, p_A and p_B its arms from the mass centres, r its velocity against A's material there
-        g = b + c - n . d,  slip = t . r
-        n . r = -g'        d/dt = J_n dv - gamma_n
-        t . r = slip       d/dt = J_t dv - gamma_t
-        gamma = p_B w_B^2 - p_A w_A^2 + 2 w_A (-r_y, r_x), along n and t
+d = corner - point of A, p_A and p_B its arms from the mass centres, r its velocity against A's material there
+    g = b + c - n . d,  slip = t . r
+    n . r = -g'        d/dt = J_n dv - gamma_n
+    t . r = slip       d/dt = J_t dv - gamma_t
+    gamma = p_B w_B^2 - p_A w_A^2 + 2 w_A (-r_y, r_x), along n and t
 """
 
 from __future__ import annotations
@@ -17,7 +17,26 @@ import math
 
 from rattle.catalog import kernel, kind
 from rattle.plane import (
-    COS, DGAP, GAMMA_N, GAMMA_T, GAP, NX, NY, PAX, PAY, PBX, PBY, SIN, SLIP, VX, VY, W, X, Y, turn_x, turn_y,
+    COS,
+    DGAP,
+    GAMMA_N,
+    GAMMA_T,
+    GAP,
+    NX,
+    NY,
+    PAX,
+    PAY,
+    PBX,
+    PBY,
+    SIN,
+    SLIP,
+    VX,
+    VY,
+    W,
+    X,
+    Y,
+    turn_x,
+    turn_y,
 )  # fmt: skip
 
 

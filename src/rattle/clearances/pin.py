@@ -1,14 +1,14 @@
 """A pin in a bush with play: one contact.
 
-    e = (r_B + s_B) - (r_A + s_A)     pin centre minus bush centre, bush (bore radius R) on A, pin (R - c) on B
-    n = e / |e|                       from the bush centre outwards
-    g = c - |e|                       gap; the contact points are s_A + R n on A and s_B + (R - c) n on B
+e = (r_B + s_B) - (r_A + s_A)     pin centre minus bush centre, bush (bore radius R) on A, pin (R - c) on B
+n = e / |e|                       from the bush centre outwards
+g = c - |e|                       gap; the contact points are s_A + R n on A and s_B + (R - c) n on B
 
-    Relative velocity u of the two material points, t = n turned by 90 degrees:
-        n . u = n . e' = -g'                               d/dt = J_n dv - gamma_n
-        t . u = t . e' + w_B (R - c) - w_A R  (slip)       d/dt = J_t dv - gamma_t
-        gamma_n = n . (s_B w_B^2 - s_A w_A^2) - (t . e')^2 / |e|
-        gamma_t = t . (s_B w_B^2 - s_A w_A^2) + (t . e')(n . e') / |e|
+Relative velocity u of the two material points, t = n turned by 90 degrees:
+    n . u = n . e' = -g'                               d/dt = J_n dv - gamma_n
+    t . u = t . e' + w_B (R - c) - w_A R  (slip)       d/dt = J_t dv - gamma_t
+    gamma_n = n . (s_B w_B^2 - s_A w_A^2) - (t . e')^2 / |e|
+    gamma_t = t . (s_B w_B^2 - s_A w_A^2) + (t . e')(n . e') / |e|
 """
 
 from __future__ import annotations
@@ -17,7 +17,24 @@ import math
 
 from rattle.catalog import kernel, kind
 from rattle.plane import (
-    DGAP, GAMMA_N, GAMMA_T, GAP, NX, NY, PAX, PAY, PBX, PBY, SLIP, VX, VY, W, X, Y, turn_x, turn_y,
+    DGAP,
+    GAMMA_N,
+    GAMMA_T,
+    GAP,
+    NX,
+    NY,
+    PAX,
+    PAY,
+    PBX,
+    PBY,
+    SLIP,
+    VX,
+    VY,
+    W,
+    X,
+    Y,
+    turn_x,
+    turn_y,
 )  # fmt: skip
 
 

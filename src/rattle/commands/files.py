@@ -111,7 +111,9 @@ def _default(spec: Any) -> str:
     more = ", may use t, state and signals" if spec.live else ""
     if spec.default is REQUIRED or callable(spec.default):
         return more
-    return f" (default {spec.default:g}){more}" if isinstance(spec.default, float) else f" (default {spec.default}){more}"
+    return (
+        f" (default {spec.default:g}){more}" if isinstance(spec.default, float) else f" (default {spec.default}){more}"
+    )
 
 
 @click.command()

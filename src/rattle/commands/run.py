@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from rattle.commands.options import model_options, read_model
+
+if TYPE_CHECKING:
+    from rattle.result import Result
 
 
 @click.command()
@@ -16,12 +21,18 @@ from rattle.commands.options import model_options, read_model
 @click.option("--rtol", type=float, help="Relative tolerance of dop853.")
 @click.option("--atol", type=float, help="Absolute tolerance of dop853 [m, rad, m/s, rad/s].")
 @click.option("--step", type=float, help="Step of rk4, largest step of dop853 [s].")
-@click.option("--horizon/--no-horizon", default=True, show_default=True, help="Run twice to say how long the curves can be trusted.")
+@click.option(
+    "--horizon/--no-horizon",
+    default=True,
+    show_default=True,
+    help="Run twice to say how long the curves can be trusted.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Table and trust as JSON.")
 @click.pass_context
 def run(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str | None, csv: str | None, t_end: float | None,
-    method: str | None, rtol: float | None, atol: float | None, step: float | None, horizon: bool, as_json: bool,
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str | None, csv: str | None,
+    t_end: float | None, method: str | None, rtol: float | None, atol: float | None, step: float | None,
+    horizon: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Motion in time: peak and RMS force of every joint, energy, and how far the result can be trusted.
 
@@ -45,7 +56,13 @@ def run(
     if as_json:
         import json
 
-        record = {"success": result.success, "message": result.message, "trust": result.trust.to_dict(), "stats": result.stats, "peaks": _peaks(result)}
+        record = {
+            "success": result.success,
+            "message": result.message,
+            "trust": result.trust.to_dict(),
+            "stats": result.stats,
+            "peaks": _peaks(result),
+        }
         click.echo(json.dumps(record, indent=2))
     else:
         click.echo(joint_table(result))
@@ -61,11 +78,18 @@ def _can_write(path: str) -> None:
     writable(path)
 
 
-def _peaks(result):  # type: ignore[no-untyped-def]
+def _peaks(result: Result) -> dict[str, dict[str, float | str]]:
     import numpy as np
 
     names = [name for name in result.names if name.endswith((".force", ".torque", ".normal"))]
-    return {name: {"peak": float(np.abs(result[name]).max()), "rms": float(np.sqrt(np.mean(result[name] ** 2))), "unit": result.unit(name)} for name in names}
+    return {
+        name: {
+            "peak": float(np.abs(result[name]).max()),
+            "rms": float(np.sqrt(np.mean(result[name] ** 2))),
+            "unit": result.unit(name),
+        }
+        for name in names
+    }
 
 
 @click.command()

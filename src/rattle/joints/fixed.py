@@ -1,8 +1,8 @@
 """Fixed joint: two bodies share a point and keep their angle, as if welded.
 
-    d     = (r_B + s_B) - (r_A + s_A)
-    Phi   = d, phi_B - phi_A - angle = 0            [m, m, rad]
-    gamma = s_B w_B^2 - s_A w_A^2, 0                [m/s^2, m/s^2, rad/s^2]
+d     = (r_B + s_B) - (r_A + s_A)
+Phi   = d, phi_B - phi_A - angle = 0            [m, m, rad]
+gamma = s_B w_B^2 - s_A w_A^2, 0                [m/s^2, m/s^2, rad/s^2]
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Prismatic joint: a point of B slides along a line fixed in A; B keeps its angle to A.
 
-    u = direction of the line (fixed in A), n = u turned by 90 degrees, d = (r_B + s_B) - (r_A + s_A)
-    Phi_1   = n . d = 0                                                         [m]
-    Phi_2   = phi_B - phi_A - angle = 0                                         [rad]
-    gamma_1 = n . (s_B w_B^2 - s_A w_A^2) + 2 w_A (u . d') + w_A^2 (n . d)      [m/s^2]
-    gamma_2 = 0                                                                 [rad/s^2]
+u = direction of the line (fixed in A), n = u turned by 90 degrees, d = (r_B + s_B) - (r_A + s_A)
+Phi_1   = n . d = 0                                                         [m]
+Phi_2   = phi_B - phi_A - angle = 0                                         [rad]
+gamma_1 = n . (s_B w_B^2 - s_A w_A^2) + 2 w_A (u . d') + w_A^2 (n . d)      [m/s^2]
+gamma_2 = 0                                                                 [rad/s^2]
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Revolute joint: two bodies share a point and turn freely about it.
 
-    d     = (r_B + s_B) - (r_A + s_A)
-    Phi   = d = 0                                   [m, m]
-    gamma = s_B w_B^2 - s_A w_A^2                   [m/s^2]
+d     = (r_B + s_B) - (r_A + s_A)
+Phi   = d = 0                                   [m, m]
+gamma = s_B w_B^2 - s_A w_A^2                   [m/s^2]
 """
 
 from __future__ import annotations

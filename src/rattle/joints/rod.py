@@ -35,9 +35,7 @@ def rod(body, a, b, p, k, row, rows):
 
     rows[row, RES] = d - p[k + 4]
     rows[row, NU] = 0.0
-    rows[row, GAMMA] = (
-        -slip * slip * inv + nx * (sbx * wb * wb - sax * wa * wa) + ny * (sby * wb * wb - say * wa * wa)
-    )
+    rows[row, GAMMA] = -slip * slip * inv + nx * (sbx * wb * wb - sax * wa * wa) + ny * (sby * wb * wb - say * wa * wa)
     rows[row, AX], rows[row, AY], rows[row, AP] = -nx, -ny, nx * say - ny * sax
     rows[row, BX], rows[row, BY], rows[row, BP] = nx, ny, ny * sbx - nx * sby
 

@@ -30,10 +30,30 @@ from rattle.equations import (
     solve_motion,
 )
 from rattle.memory import (
-    CHANGE, CLOCK, CONTACT, CROSSINGS, DENSE, GRIP, MULTIPLIER, POWER, RATE, RATE_NEW, ROWS, SIGN, SLOPES, STAGE, STATE,
-    STATE_NEW, TALLY, WATCH, imat, ivec, mat, vec,
+    CHANGE,
+    CLOCK,
+    CONTACT,
+    CROSSINGS,
+    DENSE,
+    GRIP,
+    MULTIPLIER,
+    POWER,
+    RATE,
+    RATE_NEW,
+    ROWS,
+    SIGN,
+    SLOPES,
+    STAGE,
+    STATE,
+    STATE_NEW,
+    TALLY,
+    WATCH,
+    imat,
+    ivec,
+    mat,
+    vec,
 )  # fmt: skip
-from rattle.plane import CLOSED, NU, RES, SHUT, STEPS_IN
+from rattle.plane import CLOSED, RES, SHUT, STEPS_IN
 from rattle.schur import WEAK, factorise
 from rattle.steppers import dop853, rk4
 from rattle.steppers.dop853 import prepare_dense as prepare_dop853
@@ -91,7 +111,7 @@ def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
 
 @compiled
 def project(m, t, y):
-    """Bring y onto Phi = 0 and Phi_q v = nu with the least mass-weighted change; leaves rows and factor of the result."""
+    """Bring y onto Phi = 0 and Phi_q v = nu with the least mass-weighted change; leaves its rows and factor."""
     change, rows, clock, tally = vec(m, CHANGE), mat(m, ROWS), vec(m, CLOCK), ivec(m, TALLY)
     nq = change.shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
@@ -154,7 +174,7 @@ def force_at(m, t, h, theta, n):
 
 @compiled
 def find_crossings(m, t, h, until):
-    """Locate every change of sign of the watched forces up to the share `until` of the step; the dense output is ready."""
+    """Locate every change of sign of the watched forces up to the share `until` of the step (dense output ready)."""
     sign, crossings, tally = vec(m, SIGN), mat(m, CROSSINGS), ivec(m, TALLY)
     for n in range(sign.shape[0]):
         left = 0.0
@@ -184,7 +204,13 @@ def find_crossings(m, t, h, until):
 def begin(m, t, t_end, rtol, atol, h_max):
     """Derivative at the start, signs of the watched forces, a first step size."""
     y, f, stage, k1 = vec(m, STATE), vec(m, RATE), vec(m, STAGE), mat(m, SLOPES)[1]
-    clock, tally, sign, watch, multiplier = vec(m, CLOCK), ivec(m, TALLY), vec(m, SIGN), ivec(m, WATCH), vec(m, MULTIPLIER)
+    clock, tally, sign, watch, multiplier = (
+        vec(m, CLOCK),
+        ivec(m, TALLY),
+        vec(m, SIGN),
+        ivec(m, WATCH),
+        vec(m, MULTIPLIER),
+    )
     clock[T] = t
     start_contacts(m, t, y)
     tally[LOST] = derivative(m, t, y, f)

@@ -13,12 +13,53 @@ from rattle.catalog import call_clearance, call_stiffness, compiled
 from rattle.contact import press, touch_all
 from rattle.equations import place, set_bristles
 from rattle.memory import (
-    BODY, CHANGE, CLEARANCE_TABLE, CONTACT, DENSE, EVENTS, GRIP, MASS, STAGE, STATE, STIFFNESS_TABLE, TOUCH, VALUES,
-    imat, ivec, mat, vec,
+    BODY,
+    CHANGE,
+    CLEARANCE_TABLE,
+    CONTACT,
+    DENSE,
+    EVENTS,
+    GRIP,
+    MASS,
+    STAGE,
+    STATE,
+    STIFFNESS_TABLE,
+    TOUCH,
+    VALUES,
+    imat,
+    ivec,
+    mat,
+    vec,
 )  # fmt: skip
 from rattle.plane import (
-    A_BODY, B_BODY, CLOSED, CONTACT_EVENT, CORNER, DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT, IMPULSE_0, LOSS_0, N_0, N_1,
-    NORMAL, OPEN, PEAK, RELEASE_EVENT, SHAPE, SHAPE_P, SHUT, SINCE, SPEED, STATIC, STATIC_P, STEPS_IN,
+    A_BODY,
+    B_BODY,
+    CLOSED,
+    CONTACT_EVENT,
+    CORNER,
+    DGAP,
+    DGAP_0,
+    DGAP_1,
+    GAP,
+    GAP_0,
+    GAP_1,
+    IMPACT,
+    IMPULSE_0,
+    LOSS_0,
+    N_0,
+    N_1,
+    NORMAL,
+    OPEN,
+    PEAK,
+    RELEASE_EVENT,
+    SHAPE,
+    SHAPE_P,
+    SHUT,
+    SINCE,
+    SPEED,
+    STATIC,
+    STATIC_P,
+    STEPS_IN,
 )  # fmt: skip
 
 PARTS = 16  # pieces of a step that are searched
@@ -45,7 +86,16 @@ def gap_at(m, theta, n):
     place(m, stage[:nq], stage[nq : 2 * nq])
     call_clearance(
         ivec(m, CLEARANCE_TABLE)[contact[n, SHAPE]],
-        (mat(m, BODY), contact[n, A_BODY], contact[n, B_BODY], vec(m, VALUES), contact[n, SHAPE_P], contact[n, CORNER], n, touch),
+        (
+            mat(m, BODY),
+            contact[n, A_BODY],
+            contact[n, B_BODY],
+            vec(m, VALUES),
+            contact[n, SHAPE_P],
+            contact[n, CORNER],
+            n,
+            touch,
+        ),
     )
     return touch[n, GAP], touch[n, DGAP]
 
@@ -101,7 +151,9 @@ def contact_time(m, n):
         return 0.0
     delta = 1e-15
     for _ in range(60):
-        force = call_stiffness(ivec(m, STIFFNESS_TABLE)[contact[n, STATIC]], (delta, vec(m, VALUES), contact[n, STATIC_P]))
+        force = call_stiffness(
+            ivec(m, STIFFNESS_TABLE)[contact[n, STATIC]], (delta, vec(m, VALUES), contact[n, STATIC_P])
+        )
         if force * delta > light * speed * speed:
             break
         delta *= 2.0
@@ -193,7 +245,7 @@ def change_of(m, n, h):
 
 @compiled
 def first_change(m, h):
-    """Share of the step at which the first contact starts or ends (NONE if none does), and which; the dense output is ready."""
+    """Share of the step at which the first contact starts or ends (NONE if none does), and which."""
     best, who = NONE, -1
     for n in range(mat(m, GRIP).shape[0]):
         if may_change(m, n, h):
@@ -255,7 +307,7 @@ def find_peaks(m, until, sampled):
 
 @compiled
 def change_contacts(m, who, t, y, found):
-    """Contact `who` starts or ends at (t, y), and others that do so at the same instant; returns the number of events."""
+    """Contact `who` starts or ends at (t, y), others with it; returns the number of events."""
     contact, touch, grip, nq = imat(m, CONTACT), mat(m, TOUCH), mat(m, GRIP), vec(m, CHANGE).shape[0]
     place(m, y[:nq], y[nq : 2 * nq])
     touch_all(m)

@@ -5,11 +5,43 @@ from __future__ import annotations
 from rattle.catalog import compiled
 from rattle.equations import set_bristles, solve_motion
 from rattle.memory import (
-    ACCELERATION, BODY, CHANGE, CONTACT, JOINT, MASS, MULTIPLIER, POWER, ROWS, SIGNAL, SIGNALS, TOUCH, VALUES,
-    imat, mat, vec,
+    ACCELERATION,
+    BODY,
+    CHANGE,
+    CONTACT,
+    JOINT,
+    MASS,
+    MULTIPLIER,
+    POWER,
+    ROWS,
+    SIGNAL,
+    SIGNALS,
+    TOUCH,
+    VALUES,
+    imat,
+    mat,
+    vec,
 )  # fmt: skip
 from rattle.plane import (
-    B_BODY, BP, BX, BY, CORNER, COS, GAP, NORMAL, NU, NX, NY, OWNER, PBX, PBY, SIN, TANGENT, VX, X, Y,
+    B_BODY,
+    BP,
+    BX,
+    BY,
+    CORNER,
+    COS,
+    GAP,
+    NORMAL,
+    NU,
+    NX,
+    NY,
+    OWNER,
+    PBX,
+    PBY,
+    SIN,
+    TANGENT,
+    VX,
+    X,
+    Y,
 )  # fmt: skip
 
 
@@ -30,7 +62,13 @@ def record(m, t, y, row):
 def write(m, work_done, dissipated, row):
     """Copy what the memory holds at this instant into one output row."""
     body, rows, values, joint, signal = mat(m, BODY), mat(m, ROWS), vec(m, VALUES), imat(m, JOINT), imat(m, SIGNAL)
-    mass, acceleration, multiplier, power, signals = mat(m, MASS), mat(m, ACCELERATION), vec(m, MULTIPLIER), vec(m, POWER), vec(m, SIGNALS)
+    mass, acceleration, multiplier, power, signals = (
+        mat(m, MASS),
+        mat(m, ACCELERATION),
+        vec(m, MULTIPLIER),
+        vec(m, POWER),
+        vec(m, SIGNALS),
+    )
     c = 0
     kinetic = 0.0
     for i in range(1, body.shape[0]):

@@ -1,0 +1,285 @@
+"""Commands that need no steps in time: kinematics, inverse-dynamics, equilibrium, modes, play."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rattle.commands.options import model_options, read_model
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from rattle.mechanism import Mechanism
+    from rattle.result import Result
+    from rattle.statics import Equilibrium
+
+DEGREES = 180 / math.pi
+
+
+def span_options(points: int) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """--t-end and --points."""
+
+    def add(function: Callable[..., Any]) -> Callable[..., Any]:
+        function = click.option("--points", type=click.IntRange(2), default=points, show_default=True, help="Positions.")(function)
+        return click.option("--t-end", type=float, help="Up to this time [s]; default: what the model says.")(function)
+
+    return add
+
+
+def _times(m: Mechanism, t_end: float | None, points: int) -> np.ndarray:
+    import numpy as np
+
+    end = m.model.settings.t_end if t_end is None else t_end
+    if not 0.0 < end < math.inf:
+        raise click.UsageError(f"--t-end must be positive, got {end}")
+    return np.linspace(0.0, end, points)
+
+
+def _writable(*paths: str | None) -> None:
+    from rattle.files import writable
+
+    for path in paths:
+        if path is not None:
+            writable(path)
+
+
+def _finish(ctx: click.Context, result: Result, output: str | None, csv: str | None) -> None:
+    if output is not None:
+        result.save(output)
+    if csv is not None:
+        result.to_csv(csv)
+    if not result.success:
+        click.echo(f"stopped: {result.message}", err=True)
+        ctx.exit(1)
+
+
+def _shown(value: float, unit: str) -> tuple[float, str]:
+    """Angles in degrees, everything else as it is."""
+    changed = {"rad": "deg", "rad/s": "deg/s"}
+    return (value * DEGREES, changed[unit]) if unit in changed else (value, unit)
+
+
+def _ranges(result: Result, names: list[str]) -> str:
+    """Least and greatest value of curves and when."""
+    wide = max([len(name) for name in names] + [8]) + 2
+    lines = [f"{'':{wide}s}{'least':>14s} at t{'greatest':>22s} at t"]
+    for name in names:
+        curve = result[name]
+        low, high = int(curve.argmin()), int(curve.argmax())
+        (least, unit), (most, _) = _shown(float(curve[low]), result.unit(name)), _shown(float(curve[high]), result.unit(name))
+        lines.append(f"{name:{wide}s}{least:12.5g} {unit:6s}{result.t[low]:8.4g} s{most:12.5g} {unit:6s}{result.t[high]:8.4g} s")
+    return "\n".join(lines)
+
+
+def _notes(result: Result) -> str:
+    lines = [f"joints closed to {result.trust.drift:.1g} m at {len(result.t)} positions"]
+    if result.trust.nonunique:
+        lines.append(f"reactions not unique (redundant constraints) at {', '.join(result.trust.nonunique)}; the motion is right")
+    return "\n".join([*lines, *result.trust.notes])
+
+
+def _record(result: Result) -> str:
+    import numpy as np
+
+    curves = {n: {"min": float(np.min(result[n])), "max": float(np.max(result[n])), "unit": result.unit(n)} for n in result.names if len(result.t)}
+    events = [{"t": float(e.t), "joint": e.joint, "kind": e.kind} for e in result.events]
+    record = {"success": result.success, "message": result.message, "trust": result.trust.to_dict(), "events": events, "curves": curves}
+    return json.dumps(record, indent=2, default=float)
+
+
+@click.command()
+@model_options
+@span_options(1001)
+@click.option("-o", "--output", help="Save the result (.nc), for plot, animate and export.")
+@click.option("--csv", help="Also write all curves as CSV.")
+@click.option("--json", "as_json", is_flag=True, help="Ranges, events and trust as JSON.")
+@click.pass_context
+def kinematics(
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t_end: float | None, points: int,
+    output: str | None, csv: str | None, as_json: bool,
+) -> None:  # fmt: skip
+    """Driven motion: position, velocity and acceleration, dead centres and branch points.
+
+    FILE is a model file or the name of a shipped example. Clearances must be closed (--ideal).
+
+    \b
+    Example:  rattle kinematics path_generator --ideal --points 361
+    """
+    m = read_model(file, settings, ideal)
+    _writable(output, csv)
+    result = m.kinematics(_times(m, t_end, points))
+    if as_json:
+        click.echo(_record(result))
+    elif len(result.t):
+        bodies = list(result.geometry["bodies"])
+        click.echo(_ranges(result, [f"{body}.{key}" for body in bodies for key in ("x", "y", "angle", "omega")]))
+        click.echo(_notes(result))
+    _finish(ctx, result, output, csv)
+
+
+@click.command()
+@model_options
+@span_options(1001)
+@click.option("--effort-at", metavar="JOINT", help="A motor on this joint does the work of the driver.")
+@click.option("-o", "--output", help="Save the result (.nc), for plot, animate and export.")
+@click.option("--csv", help="Also write all curves as CSV.")
+@click.option("--json", "as_json", is_flag=True, help="Ranges, events and trust as JSON.")
+@click.pass_context
+def inverse_dynamics(
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t_end: float | None, points: int,
+    effort_at: str | None, output: str | None, csv: str | None, as_json: bool,
+) -> None:  # fmt: skip
+    """Driven motion with all reactions, and torque and power of the drivers.
+
+    FILE is a model file or the name of a shipped example. Clearances must be closed (--ideal).
+
+    \b
+    Example:  rattle inverse-dynamics slider_crank
+    """
+    from rattle.result import joint_table
+
+    m = read_model(file, settings, ideal)
+    _writable(output, csv)
+    result = m.inverse_dynamics(_times(m, t_end, points), effort_at=effort_at)
+    if as_json:
+        click.echo(_record(result))
+    elif len(result.t):
+        efforts = [name for name in result.stored if name.endswith((".torque", ".thrust", ".power", ".force"))]
+        click.echo(joint_table(result))
+        click.echo(_ranges(result, efforts))
+        click.echo(_notes(result))
+    _finish(ctx, result, output, csv)
+
+
+@click.command()
+@model_options
+@click.option("--at", "t", type=float, default=0.0, show_default=True, help="Time at which the drivers are held [s].")
+@click.option("--branches", type=click.Choice(["near", "all"]), default="near", show_default=True, help="Also other ways to put it together.")
+@click.option("--path", "path", is_flag=True, help="A slow motion over the drivers' time instead of one position.")
+@span_options(181)
+@click.option("-o", "--output", help="With --path: save the result (.nc).")
+@click.option("--csv", help="With --path: write all curves as CSV.")
+@click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
+@click.pass_context
+def equilibrium(
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t: float, branches: str, path: bool,
+    t_end: float | None, points: int, output: str | None, csv: str | None, as_json: bool,
+) -> None:  # fmt: skip
+    """Positions of rest: admissible (no bush has to pull) and stable ones first.
+
+    FILE is a model file or the name of a shipped example.
+
+    \b
+    Examples: rattle equilibrium balanced_arm
+              rattle equilibrium toggle_clamp --path -o clamp.nc
+    """
+    m = read_model(file, settings, ideal)
+    if path:
+        _writable(output, csv)
+        result = m.equilibrium(_times(m, t_end, points))
+        if as_json:
+            click.echo(_record(result))
+        else:
+            wanted = (".torque", ".thrust", ".normal", ".advantage", ".stiffness")
+            efforts = [n for n in result.stored if n.endswith(wanted) or (n.endswith(".force") and n.partition(".")[0] in m.model.drivers)]
+            click.echo(_ranges(result, efforts))
+            for event in result.events:
+                click.echo(f"t = {event.t:.8g} s: " + (f"{event.joint} changes sides (N through zero)" if event.kind == "side" else "snaps over"))
+            click.echo(_notes(result))
+        _finish(ctx, result, output, csv)
+        return
+    found = m.equilibrium(t, branches=branches)
+    if as_json:
+        click.echo(json.dumps([_entry(one) for one in found], indent=2, default=float))
+    else:
+        for n, one in enumerate(found):
+            click.echo(f"{n + 1}. {one}")
+        if found:
+            click.echo(_position(m, found[0]))
+    if not found:
+        click.echo(f"no position of rest was found at t = {t:g} s; try other angles in [initial] or --branches all", err=True)
+        ctx.exit(1)
+
+
+def _position(m: Mechanism, one: Equilibrium) -> str:
+    """Where the bodies are in the first position, and what holds it."""
+    lines = ["position 1:"]
+    for body in m.model.bodies:
+        lines.append(f"  {body}: x {one[f'{body}.x']:.6g} m, y {one[f'{body}.y']:.6g} m, angle {one[f'{body}.angle'] * DEGREES:.6g} deg")
+    for driver in m.model.drivers:
+        name = next(n for n in one.names if n.startswith(f"{driver}.") and not n.endswith(".power"))
+        lines.append(f"  {name}: {one[name]:.6g} {one.unit(name)}")
+    if one.nonunique:
+        lines.append(f"  reactions not unique (redundant constraints) at {', '.join(one.nonunique)}")
+    return "\n".join(lines)
+
+
+def _entry(one: Equilibrium) -> dict[str, Any]:
+    values = {name: {"value": one[name], "unit": one.unit(name)} for name in one.names}
+    facts = {"admissible": one.admissible, "stable": one.stable, "eigenvalue": one.eigenvalue, "residual": one.residual, "gap": one.gap}
+    return {**facts, "reactions_unique": one.reactions_unique, "nonunique": list(one.nonunique), "values": values}
+
+
+@click.command()
+@model_options
+@click.option("--at", "t", type=float, default=0.0, show_default=True, help="Time at which the drivers are held [s].")
+@click.option("--mode", type=click.IntRange(1), default=1, show_default=True, help="Which mode to draw.")
+@click.option("-o", "--output", help="Draw the mode: .svg, .png or .pdf; .html, .gif or .mp4 moves.")
+def modes(file: str, settings: tuple[str, ...], ideal: bool, t: float, mode: int, output: str | None) -> None:
+    """Natural frequencies about the first position of rest.
+
+    FILE is a model file or the name of a shipped example.
+
+    \b
+    Example:  rattle modes balanced_arm -o mode.svg
+    """
+    from rattle.plot import SUFFIXES, save_figure
+
+    _writable(output)
+    found = read_model(file, settings, ideal).modes(t)
+    click.echo(f"about: {found.equilibrium}")
+    click.echo(str(found))
+    if output is not None:
+        if output.endswith(SUFFIXES):
+            save_figure(found.plot(mode - 1), output)
+        else:
+            found.animate(mode - 1, output)
+
+
+@click.command()
+@model_options
+@click.option("--output", "name", required=True, metavar="NAME", help="What may stray, e.g. rocker.angle, coupler.P.x or a signal.")
+@span_options(73)
+@click.option("--extremes/--no-extremes", default=True, show_default=True, help="Also the exact extremes.")
+@click.option("-o", "--figure", help="Draw band and contributions: .svg, .png or .pdf.")
+@click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
+def play(
+    file: str, settings: tuple[str, ...], ideal: bool, name: str, t_end: float | None, points: int, extremes: bool,
+    figure: str | None, as_json: bool,
+) -> None:  # fmt: skip
+    """What the play of the joints does to the accuracy of an output, and which joint to tighten first.
+
+    FILE is a model file or the name of a shipped example.
+
+    \b
+    Example:  rattle play path_generator --output coupler.P.y -o play.svg
+    """
+    from rattle.plot import save_figure
+
+    m = read_model(file, settings, False)
+    _writable(figure)
+    found = m.play(name, _times(m, t_end, points), extremes=extremes)
+    if as_json:
+        arrays = {key: getattr(found, key).tolist() for key in ("t", "nominal", "worst", "rss", "low", "high", "loaded", "pressed", "rule")}
+        contributions = dict(zip(found.joints, found.contributions.T.tolist(), strict=True))
+        record = {"output": found.output, "unit": found.unit, "share": found.share, "tighten": found.tighten}
+        click.echo(json.dumps({**record, **arrays, "contributions": contributions}, indent=2))
+    else:
+        click.echo(str(found))
+    if figure is not None:
+        save_figure(found.plot(), figure)

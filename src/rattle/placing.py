@@ -1,0 +1,139 @@
+"""Placing bodies by their joints, from the ground outwards: positions from angles, rates from angular rates."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+
+from rattle.model import Joint, Model, driven_ends
+from rattle.system import Compiled, is_link
+
+
+def outward(model: Model) -> list[tuple[str, str, Joint]]:
+    """(body, body it hangs on, joint) from the ground outwards: few loose joints first, then few joints.
+
+    A joint is loose where it does not say where B is: a clearance, a line to slide along, a rod.
+    """
+    driven = {driver.joint for driver in model.drivers.values()}
+    near: dict[str, list[Joint]] = {}
+    for joint in model.joints.values():
+        near.setdefault(joint.a.body, []).append(joint)
+        near.setdefault(joint.b.body, []).append(joint)
+    order = []
+    done = set()
+    number = itertools.count()
+    queue: list[Any] = [(0, 0, next(number), "ground", "", None)]
+    while queue:
+        slack, depth, _, body, parent, via = heapq.heappop(queue)
+        if body in done:
+            continue
+        done.add(body)
+        if via is not None:
+            order.append((body, parent, via))
+        for joint in near.get(body, ()):
+            other = joint.b.body if joint.a.body == body else joint.a.body
+            if other not in done:
+                loose = joint.contact is not None and joint.contact.model != "ideal"
+                loose |= joint.name not in driven and ("axis" in joint.fields or "length" in joint.fields)
+                heapq.heappush(queue, (slack + loose, depth + 1, next(number), other, body, joint))
+    return order
+
+
+def turned(angle: float, at: tuple[float, float]) -> np.ndarray:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * at[0] - s * at[1], s * at[0] + c * at[1]])
+
+
+def passed_angles(model: Model, functions: dict[str, np.ndarray]) -> tuple[dict[str, float], list[str]]:
+    """Angle of every body: given, or passed on by joints that fix it; and the bodies left to a guess."""
+    angles = {name: values["angle"] for name, values in model.initial.bodies.items() if "angle" in values}
+    angles["ground"] = 0.0
+    passed: list[tuple[str, str, float]] = []
+    for joint in model.joints.values():
+        if "angle" in joint.fields:
+            passed.append((joint.a.body, joint.b.body, joint.fields["angle"]))
+    for name, driver in model.drivers.items():
+        if driver.kind in ("angle", "body-angle"):
+            a, b, _ = driven_ends(model, driver)
+            passed.append((a.body, b.body, float(functions[name][4])))
+    for _ in range(len(passed)):
+        for one, other, angle in passed:
+            if one in angles and other not in angles:
+                angles[other] = angles[one] + angle
+            elif other in angles and one not in angles:
+                angles[one] = angles[other] - angle
+    free = [name for name in model.bodies if name not in angles]
+    return {**dict.fromkeys(free, 0.0), **angles}, free
+
+
+def place_positions(
+    ready: Compiled, angles: dict[str, float], offsets: dict[str, Any], functions: dict[str, np.ndarray]
+) -> np.ndarray:
+    model = ready.model
+    at: dict[str, np.ndarray] = {"ground": np.zeros(2)}
+    driven = {driver.joint: name for name, driver in model.drivers.items() if driver.joint}
+    given = {
+        name: np.array([one.get("x", math.nan), one.get("y", math.nan)]) for name, one in model.initial.bodies.items()
+    }
+    for body, parent, joint in outward(model):
+        wanted = given.get(body, np.full(2, math.nan))
+        arm_a, arm_b = turned(angles[joint.a.body], joint.a.at), turned(angles[joint.b.body], joint.b.at)
+        gap = np.array(offsets.get(joint.name, (0.0, 0.0)))  # point of B minus point of A
+        sign = 1.0 if body == joint.b.body else -1.0
+        own, other = (arm_b, arm_a) if body == joint.b.body else (arm_a, arm_b)
+        if "axis" in joint.fields:
+            axis = angles[joint.a.body] + joint.fields["axis"]
+            u = np.array([math.cos(axis), math.sin(axis)])
+            where = wanted + own - at[parent] - other
+            known = ~np.isnan(wanted)
+            along = float(u[known] @ where[known]) * sign if known.all() else 0.0
+            if known.sum() == 1 and abs(u[known][0]) > 1e-6:
+                along = float(where[known][0] / u[known][0]) * sign
+            gap = u * (float(functions[driven[joint.name]][6]) if joint.name in driven else along)
+        elif "length" in joint.fields and not is_link(joint):
+            where = (wanted + own - at[parent] - other) * sign
+            distance = float(np.hypot(*where))
+            gap = joint.fields["length"] * (where / distance if distance > 0.0 else np.array([0.0, -1.0]))
+        place_at = at[parent] + other + sign * gap - own
+        at[body] = np.where(np.isnan(wanted), place_at, wanted)
+    q = np.zeros(3 * ready.body_count)
+    for n, name in enumerate(ready.bodies):
+        x, y = at[name] if name in at else np.nan_to_num(given.get(name, np.zeros(2)))
+        q[3 * n : 3 * n + 3] = x, y, angles[name]
+    return q
+
+
+def given_rates(ready: Compiled) -> np.ndarray:
+    """(3 nb,) rates the user gave, nan where none was."""
+    given = np.full(3 * ready.body_count, math.nan)
+    for n, name in enumerate(ready.bodies):
+        for k, key in enumerate(("vx", "vy", "omega")):
+            given[3 * n + k] = ready.model.initial.bodies.get(name, {}).get(key, math.nan)
+    return given
+
+
+def place_rates(ready: Compiled, q: np.ndarray, v: np.ndarray, given: np.ndarray, otherwise: np.ndarray) -> None:
+    """With all angular rates in v, let the joints place vx and vy from the ground outwards."""
+    model = ready.model
+    number = {name: 3 * n for n, name in enumerate(ready.bodies)}
+
+    def rate_of(point: Any) -> np.ndarray:
+        if point.body == "ground":
+            return np.zeros(2)
+        k = number[point.body]
+        x, y = turned(q[k + 2], point.at)
+        return np.array([v[k] - v[k + 2] * y, v[k + 1] + v[k + 2] * x])
+
+    for body, _, joint in outward(model):
+        k = number[body]
+        if "axis" in joint.fields or ("length" in joint.fields and not is_link(joint)):
+            v[k : k + 2] = otherwise[k : k + 2]
+        else:
+            own, other = (joint.b, joint.a) if joint.b.body == body else (joint.a, joint.b)
+            v[k : k + 2] = 0.0
+            v[k : k + 2] = rate_of(other) - rate_of(own)
+        v[k : k + 2] = np.where(np.isnan(given[k : k + 2]), v[k : k + 2], given[k : k + 2])

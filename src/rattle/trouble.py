@@ -1,0 +1,81 @@
+"""Why a run cannot go on, in words: what, when, where, and what to try."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rattle import pythonlaw
+from rattle.equations import NOT_FINITE
+from rattle.memory import Memory
+from rattle.plane import CLOSED, OWNER, SHUT
+from rattle.recording import width
+from rattle.singular import describe_rank_loss
+from rattle.steppers import march
+from rattle.steppers.writing import record
+from rattle.system import Compiled
+
+TINY = 1e-12  # a contact that wants shorter steps is too stiff [s]
+
+
+def explain(ready: Compiled, memory: Memory, t_end: float, status: int) -> str:
+    """One or two sentences on why a run stopped at memory["clock"][T]."""
+    clock, nq = memory["clock"], 3 * ready.body_count
+    t, h = float(clock[march.T]), float(clock[march.H])
+    what = pythonlaw.complaint(t) or _not_finite(ready, memory, t_end)
+    if what:
+        return what
+    record(memory.handle, t, memory["y"], np.zeros(width(ready)))
+    rank = describe_rank_loss(ready, memory)
+    if rank:
+        return f"cannot go on at t = {t:.6g} s: {rank}"
+    shut = np.flatnonzero(memory["grip"][:, CLOSED] == SHUT)
+    if len(shut) and h < TINY:
+        joint = ready.joints[ready.arrays["contact"][shut[0], OWNER]]
+        return (
+            f"cannot go on at t = {t:.6g} s: the contact of joint '{joint}' is so stiff that it wants steps below"
+            f' {TINY:g} s. Lower its stiffness, or use contact = {{ model = "impact" }}'
+        )
+    if status == NOT_FINITE:
+        return f"the motion ran away at t = {t:.6g} s with the step of {h:.3g} s; try a smaller step or method dop853"
+    fastest = ready.bodies[int(np.argmax(np.abs(memory["f"][nq : 2 * nq]))) // 3]
+    return (
+        f"cannot go on at t = {t:.6g} s: the step fell below {h:.1g} s (worst at body '{fastest}');"
+        " try a larger rtol, and look for a position that cannot be passed"
+    )
+
+
+def _not_finite(ready: Compiled, memory: Memory, t_end: float) -> str:
+    """Which expression has no finite value near the last state, and when; empty if none."""
+    clock, y, f = memory["clock"], memory["y"], memory["f"]
+    start = float(clock[march.T])
+    reach = max(float(clock[march.TROUBLE]) - start, 1e-12)
+    for share in (0.0, 0.25, 0.5, 1.0, 2.0, 10.0, 1e3, 1e6):
+        t = start + share * reach
+        if t > t_end * (1 + 1e-12) and share:
+            break
+        state = y + (t - start) * np.where(np.isfinite(f), f, 0.0)
+        record(memory.handle, t, state, np.zeros(width(ready)))
+        for first, values in _evaluated(ready, memory):
+            if not np.isfinite(values).all():
+                name = ready.live_names[ready.program_starts.index(first)]
+                seen = values[~np.isfinite(values)][0]
+                return (
+                    f"{name} has no finite value at t = {t:.6g} s ({seen:g}); check its domain"
+                    " (square root, logarithm, division by zero)"
+                )
+        for (name, load), row in zip(ready.model.loads.items(), ready.arrays["load"], strict=True):
+            why = pythonlaw.failure(load.kind, t, memory["body"][row[2]], memory["values"][row[3] :])
+            if why:
+                return f"loads.{name}: {why}"
+    return ""
+
+
+def _evaluated(ready: Compiled, memory: Memory) -> Iterator[tuple[int, np.ndarray]]:
+    """First code row and present values of every expression."""
+    where = {"jet_signal": ("jets", 0), "jet": ("values", 3), "signal": ("signals", 1), "live": ("values", 1)}
+    for table, (array, count) in where.items():
+        for first, _, place in ready.arrays[table]:
+            found = memory[array][place] if count == 0 else memory[array][place : place + count]
+            yield int(first), np.atleast_1d(found)
