@@ -124,24 +124,22 @@ class Values:
     def dimension(self, node: Node, unit: str | None = None) -> Dimension | None:
         """Dimension of an expression. Raises ExpressionError for one that makes no sense.
 
-        `t` is a time, but also the plain number of seconds where only that makes sense: "A*sin(t)".  Beside nothing
-        but numbers it may be anything, as they may: "sqrt(0.1 - t)".
+        Of plain numbers and `t` alone it cannot be known: "sin(3*t)" may be any SI formula.  Beside names that have
+        a dimension `t` is a time, or the plain number of seconds where only that makes sense: "A*sin(t)".
         """
+        used = names(node)
+        if all(self.dimensions.get(one) is None for one in used):
+            return None
         try:
             seen = dimension(node, self.dimensions.get)
         except ExpressionError:
-            if "t" not in names(node):
+            if "t" not in used:
                 raise
-            return dimension(node, self.dimensions.get, self._loosely(node))
-        if unit is None or seen is None or seen == dimension_of(unit) or "t" not in names(node):
+            return dimension(node, self.dimensions.get, DIMENSIONLESS)
+        if unit is None or seen is None or seen == dimension_of(unit) or "t" not in used:
             return seen
-        again = dimension(node, self.dimensions.get, self._loosely(node))
+        again = dimension(node, self.dimensions.get, DIMENSIONLESS)
         return again if again in (None, dimension_of(unit)) else seen
-
-    def _loosely(self, node: Node) -> Dimension | None:
-        """What `t` may be besides a time."""
-        others = [self.dimensions.get(one) for one in names(node)]
-        return DIMENSIONLESS if any(one is not None for one in others) else None
 
     # ------------------------------------------------------------ numbers
     def value(self, given: Any, unit: str, path: Path, least: str = "", live: bool = False) -> Any:

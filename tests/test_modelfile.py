@@ -1,0 +1,204 @@
+"""Model files: what is written is what is read; comments survive; changes hit exactly what they name."""
+
+import json
+import tomllib
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import rattle as rt
+from rattle.syntax import Apply, Name, Number
+
+pytestmark = pytest.mark.nojit
+
+TEXT = (Path(__file__).parent / "data" / "full.toml").read_text()
+EXAMPLES = sorted((Path(rt.__file__).parent / "examples").glob("*.toml"))
+
+
+def plain(value):
+    """A model as nested plain data, so that two models can be compared."""
+    if isinstance(value, Number):
+        return value.value
+    if isinstance(value, Name):
+        return value.name
+    if isinstance(value, Apply):
+        return (value.name, *(plain(one) for one in value.operands))
+    if is_dataclass(value):
+        return {one.name: plain(getattr(value, one.name)) for one in fields(value)}
+    if isinstance(value, dict):
+        return {key: plain(one) for key, one in value.items()}
+    return [plain(one) for one in value] if isinstance(value, list | tuple) else value
+
+
+def same(one, other):
+    return plain(one.model) == plain(other.model)
+
+
+# ---------------------------------------------------------------- there and back
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_example_survives_being_written_and_read(path):
+    m = rt.load(path)
+    assert m.to_toml() == path.read_text()
+    assert same(rt.loads(m.to_toml()), m)
+
+
+def test_model_text_is_written_as_it_was_read():
+    assert rt.loads(TEXT).to_toml() == TEXT
+
+
+def test_json_is_the_same_model():
+    m = rt.loads(json.dumps(tomllib.loads(TEXT)))
+    assert same(m, rt.loads(TEXT))
+    assert same(rt.loads(m.to_toml()), m)  # and is written as TOML
+
+
+def test_byte_order_mark_and_windows_line_ends_are_no_matter(tmp_path):
+    file = tmp_path / "windows.toml"
+    file.write_bytes(b"\xef\xbb\xbf" + TEXT.replace("\n", "\r\n").encode())
+    assert same(rt.load(file), rt.loads(TEXT))
+
+
+def test_saved_file_is_the_model(tmp_path):
+    m = rt.loads(TEXT).set(r3="2 mm")
+    m.save(tmp_path / "m.toml")
+    assert same(rt.load(tmp_path / "m.toml"), m)
+
+
+def in_code():
+    m = rt.Mechanism("built in code", gravity=[0, "-9.81 m/s^2"])
+    m.parameter("l", "0.2 m").parameter("c", "1 mm", min="0.1 mm", max=0.01, tol="10 um", dist="normal")
+    m.signal("reach", "rod.x + l").ground(A=[0, 0], D=["3*l", 0])
+    m.bar("crank", "A", "B", length="l", mass=1)
+    m.bar("rod", "B", "C", length="3*l", mass="500 g", inertia=0.01, points={"P": ["l", 0.1]})
+    m.body("slider", mass=2, inertia=0.1, points={"C": (0, 0)}, center=(0.01, 0))
+    m.revolute("A", "ground.A", "crank.A").revolute("B", "crank.B", "rod.B", clearance="c", contact="massless-link")
+    m.revolute("C", "rod.C", "slider.C").prismatic("guide", "ground.A", "slider.C", axis="0 deg")
+    m.driver("motor", "A", angle="10*t").driver("push", body="slider", coordinate="angle", angle=0)
+    m.load("spring", "spring", connect=["ground.D", "slider.C"], stiffness="1 N/mm", free_length="l")
+    m.load("gust", "force", at="rod.P", force=["sin(t)", 0], frame="body")
+    m.load("brake", "torque", body="crank", torque="-0.1*crank.omega")
+    return m.initial("rod", angle=-0.1).initial("B", offset=["c", 0]).settings(t_end="1 s", method="rk4", step=1e-4)
+
+
+def test_model_built_in_code_survives_being_written_and_read():
+    m = in_code()
+    again = rt.loads(m.to_toml())
+    assert same(again, m)
+    assert again.to_toml() == m.to_toml()
+
+
+def test_written_model_is_made_for_reading():
+    text = in_code().to_toml()
+    assert "[bodies.crank]\n" in text
+    assert "points = {P = " in text  # innermost tables in one line
+
+
+# ---------------------------------------------------------------- changes
+def test_comments_survive_a_change():
+    text = rt.loads(TEXT).set({"r3": "2 mm", "joints.O4.contact": "ideal", "bodies.crank.mass": 0.7}).to_toml()
+    kept = [line for line in TEXT.split("\n") if "#" in line]
+    assert kept
+    assert all(line in text.split("\n") for line in kept)
+    differ = [(a, b) for a, b in zip(TEXT.split("\n"), text.split("\n"), strict=True) if a != b]
+    assert [b for _, b in differ] == [
+        'r3 = { value = "2 mm", min = "0.5 mm", max = "10 mm", tol = "0.5 mm" }',
+        "mass = 0.7",
+        'contact = "ideal"',
+    ]
+
+
+def test_change_makes_a_new_model_and_leaves_the_old_one():
+    m = rt.loads(TEXT)
+    changed = m.set(r3="2 mm", r4=0.003)
+    assert changed.parameters["r3"] == 0.002
+    assert changed.model.joints["O4"].clearance == 0.003
+    assert m.parameters["r3"] == 0.005
+    assert m.to_toml() == TEXT
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "seen"),
+    [
+        ("l1", "30 cm", lambda m: m.parameters["l1"] == 0.3 and m.parameters["twice"] == 0.6),
+        ("r3", np.float64(0.004), lambda m: m.model.joints["O3"].clearance == 0.004),
+        ("r3", np.float32(0.5) / 100, lambda m: m.model.joints["O3"].clearance == pytest.approx(0.005)),
+        ("bodies.crank.mass", "700 g", lambda m: m.model.bodies["crank"].mass == 0.7),
+        ("joints.O3.contact", "ideal", lambda m: m.model.joints["O3"].contact.model == "ideal"),
+        ("joints.O3.contact.model", "ideal", lambda m: m.model.joints["O3"].contact.model == "ideal"),
+        ("joints.O4.contact.model", "ideal", lambda m: m.model.joints["O4"].contact.model == "ideal"),
+        ("ground.points.O4", (1.4, 0), lambda m: m.model.ground["O4"] == (1.4, 0)),
+        ("ground.points.O4", np.array([1.4, 0]), lambda m: m.model.ground["O4"] == (1.4, 0)),
+        ("ground.points.O4.0", 1.4, lambda m: m.model.ground["O4"] == (1.4, 0)),
+        ("gravity", [0, -9.81], lambda m: m.model.gravity == (0, -9.81)),
+        ("simulate.t_end", "3 s", lambda m: m.model.settings.t_end == 3),
+        ("initial.crank.angle", "10 deg", lambda m: m.model.initial.bodies["crank"]["angle"] == np.pi / 18),
+        ("drivers.motor.angle", "2*omega*t", lambda m: plain(m.model.drivers["motor"].value)[0] == "*"),
+        ("name", "other", lambda m: m.name == "other"),
+    ],
+)
+def test_paths_lead_to_what_they_name_in_model_and_text(path, value, seen):
+    changed = rt.loads(TEXT).set({path: value})
+    assert seen(changed)
+    assert same(rt.loads(changed.to_toml()), changed)
+
+
+def test_settings_may_be_given_where_there_were_none():
+    text = TEXT[: TEXT.index("[initial]")]
+    changed = rt.loads(text).set({"simulate.t_end": "3 s", "initial.rocker.omega": 1})
+    assert changed.model.settings.t_end == 3
+    assert same(rt.loads(changed.to_toml()), changed)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"r33": 1}, ["no parameter 'r33'", "'r3'"]),
+        ({"joints.O33.clearance": 1}, ["no 'joints.O33'", "'O3'"]),
+        ({"joint.O3.clearance": 1}, ["no 'joint'", "'joints'"]),
+        ({"joints.O3.clearence": "1 mm"}, ["joints.O3.clearence: unknown key", "'clearance'"]),
+        ({"joints.O1.contact": "ideal"}, ["joints.O1.contact", "needs a clearance"]),
+        ({"joints.O3.contact.modle": "ideal"}, ["joints.O3.contact.modle", "'model'"]),
+        ({"bodies.crank.mass.value": 1}, ["no 'bodies.crank.mass'", "not a table"]),
+        ({"ground.points.O4.2": 1}, ["index from 0 to 1"]),
+        ({"r3": "2 kg"}, ["parameters.r3", "length"]),
+        ({"r3": -0.002}, ["parameters.r3"]),
+        ({"bodies.crank.mass": float("nan")}, ["not a finite number"]),
+        ({"bodies.crank.mass": None}, ["wanted kg"]),
+    ],
+)
+def test_change_that_cannot_be_says_why(change, words):
+    with pytest.raises(rt.ModelError) as caught:
+        rt.loads(TEXT).set(change)
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_ideal_closes_every_clearance():
+    ideal = rt.loads(TEXT).ideal()
+    assert {one.contact.model for one in ideal.model.joints.values() if one.contact} == {"ideal"}
+    assert same(rt.loads(ideal.to_toml()), ideal)
+
+
+def test_name_given_twice_in_code_is_refused():
+    with pytest.raises(rt.ModelError, match="there is a 'A' already"):
+        in_code().revolute("A", "ground.A", "rod.B")
+
+
+def test_unknown_example_has_a_suggestion():
+    with pytest.raises(ValueError, match="did you mean 'fourbar'"):
+        rt.example("fourbat")
+
+
+# ---------------------------------------------------------------- text of every kind
+@given(st.text(st.characters(exclude_categories=["Cs"]), max_size=30), st.floats(0.001, 1e6))
+def test_any_title_and_number_survive(title, mass):
+    m = rt.Mechanism(title).ground(O=[0, 0]).bar("a", "A", "B", length=1, mass=mass)
+    again = rt.loads(m.to_toml())
+    assert again.name == title
+    assert again.model.bodies["a"].mass == mass
+    renamed = again.set({"name": title + "!", "bodies.a.mass": mass / 2})
+    assert rt.loads(renamed.to_toml()).name == title + "!"
