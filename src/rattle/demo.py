@@ -26,7 +26,7 @@ from rattle.plot import (
     save_figure,
     shade_after_horizon,
 )
-from rattle.result import joint_table
+from rattle.summary import joint_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

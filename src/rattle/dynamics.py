@@ -14,7 +14,7 @@ from rattle import catalog, pythonlaw
 from rattle.assembly import Assembled
 from rattle.equations import DONE, NOT_FINITE, PAUSED
 from rattle.errors import SolverError
-from rattle.happenings import contact_events, contact_notes
+from rattle.happenings import contact_counts, contact_events, contact_notes
 from rattle.recording import columns, geometry, width
 from rattle.result import Result, Trust
 from rattle.singular import nonunique_reactions
@@ -218,7 +218,7 @@ def _result(run: Run, reach: float | None) -> Result:
         if not nonunique:
             notes = ("the run passed through a position where the joints lose independence (a singular position)",)
     events = contact_events(ready, run.contacts, run.memory, reached)
-    notes += contact_notes(ready, events, float(clock[march.FEWEST]))
+    notes += contact_notes(ready, events)
     owner = ready.rows[tally[march.DRIFT_ROW]].owner if ready.rows else ""
     trust = Trust(
         drift=float(clock[march.DRIFT]),
@@ -231,6 +231,7 @@ def _result(run: Run, reach: float | None) -> Result:
         intervals=intervals,
         nonunique=nonunique,
         notes=notes,
+        **contact_counts(ready, events, float(clock[march.FEWEST])),
     )
     stats = {
         "steps": int(tally[march.STEPS]),

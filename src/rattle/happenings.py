@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -22,8 +23,6 @@ from rattle.plane import (
 )  # fmt: skip
 from rattle.result import Event
 from rattle.system import Compiled
-
-FEW = 8  # steps in the shortest contact below which its forces are coarse
 
 
 def contact_events(ready: Compiled, rows: Sequence[np.ndarray], memory: Memory, t: float) -> tuple[Event, ...]:
@@ -46,12 +45,20 @@ def contact_events(ready: Compiled, rows: Sequence[np.ndarray], memory: Memory, 
     return tuple(sorted(found, key=lambda event: event.t))
 
 
-def contact_notes(ready: Compiled, events: Sequence[Event], fewest: float) -> tuple[str, ...]:
-    """Remarks on contacts: laws outside their range, contacts with few steps."""
+def contact_counts(ready: Compiled, events: Sequence[Event], fewest: float) -> dict[str, Any]:
+    """What `Trust` says of contacts: how many, impacts, steps of the shortest."""
+    if not len(ready.arrays["contact"]):
+        return {}
+    return {
+        "contacts": sum(event.kind == "contact" for event in events),
+        "impacts": sum(event.kind == "impact" for event in events),
+        "fewest_steps": fewest if fewest < math.inf else None,
+    }
+
+
+def contact_notes(ready: Compiled, events: Sequence[Event]) -> tuple[str, ...]:
+    """Remarks on contacts: laws outside their range."""
     found = []
-    if fewest < math.inf:
-        coarse = ": few, tighten rtol" if fewest < FEW else ""
-        found.append(f"the shortest contact took {fewest:.0f} steps{coarse}")
     for name, joint in ready.model.joints.items():
         contact = joint.contact
         if contact is None or contact.normal is None or contact.static is None:

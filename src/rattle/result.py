@@ -26,8 +26,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rattle.summary import ContactSummary
+
 Array = NDArray[np.float64]
 FORMAT = 1  # of the files that `Result.save` writes
+FEW = 6  # steps in the shortest contact below which its forces are coarse
 RECORD = "rattle.record"  # their variable with everything that is not a curve
 
 
@@ -64,6 +67,9 @@ class Trust:
     pulled: Mapping[str, float] = field(default_factory=dict)  # massless-link joint -> share of time with N < 0
     first_pull: Mapping[str, float | None] = field(default_factory=dict)  # ... -> first such time [s]
     intervals: Mapping[str, Array] = field(default_factory=dict)  # ... -> (k, 2) times with N < 0 [s]
+    contacts: int | None = None  # contacts that started; None: no joint can touch and let go
+    impacts: int = 0  # impacts without duration
+    fewest_steps: float | None = None  # steps in the shortest contact
     nonunique: tuple[str, ...] = ()  # joints whose reactions are not unique
     notes: tuple[str, ...] = ()
 
@@ -82,7 +88,25 @@ class Trust:
             return f"the curves can be trusted over the whole run, to t = {self.t_end:.4g} s"
         return f"the curves can be trusted up to t = {self.horizon:.3g} s (horizon), after it statistics only"
 
+    def _touching(self) -> str:
+        """Contacts and impacts, in words; empty where no joint can touch and let go."""
+        if self.contacts is None:
+            return ""
+        counts = [f"{n} {what}{'s' if n != 1 else ''}" for n, what in ((self.contacts, "contact"), (self.impacts, "impact")) if n]
+        if not counts:
+            return "no contact in the whole run"
+        if self.fewest_steps is None:
+            return " and ".join(counts)
+        coarse = ": too few for its peak, tighten rtol" if self.fewest_steps < FEW else ""
+        return f"{' and '.join(counts)}, the shortest contact took {self.fewest_steps:.0f} steps{coarse}"
+
     def _pulling(self) -> str:
+        touching = self._touching()
+        if not self.pulled and touching:
+            return touching
+        return "; ".join([self._links(), *([touching] if touching else [])])
+
+    def _links(self) -> str:
         pulling = sorted((j for j, share in self.pulled.items() if share > 0), key=lambda j: -self.pulled[j])
         if not self.pulled:
             return "no pin is held by a massless link, so none can be asked to pull"
@@ -197,6 +221,13 @@ class Result:
         hint = f"did you mean {' or '.join(repr(n) for n in near)}?" if near else "r.names lists all there are"
         return f"the result has no {name!r}; {hint}"
 
+    @property
+    def contacts(self) -> dict[str, ContactSummary]:
+        """Per joint with play: share of time in contact, contacts, impacts, peak and RMS force, energy lost."""
+        from rattle import summary
+
+        return summary.contacts(self)
+
     # ------------------------------------------------------------ to other programs
     def to_dataframe(self) -> Any:
         """pandas.DataFrame of all names, index t [s], units in `.attrs["units"]`."""
@@ -305,26 +336,6 @@ def load_result(path: str | os.PathLike[str]) -> Result:
         success=record["success"],
         message=record["message"],
     )
-
-
-def joint_table(result: Result) -> str:
-    """Per joint: peak and RMS force, share of time the pin presses on its bush, number of impacts."""
-    span = float(result.t[-1] - result.t[0]) if len(result.t) else 0.0
-    wide = max([10, *(len(joint) for joint in result.geometry["joints"])]) + 2
-    lines = [f"{'joint':{wide}s}{'peak force':>14s}{'RMS force':>14s}{'pressing':>10s}{'impacts':>9s}"]
-    for joint, form in result.geometry["joints"].items():
-        if f"{joint}.fx" not in result or not len(result.t):
-            continue
-        force = result[f"{joint}.force"]
-        rms = math.sqrt(np.trapezoid(force**2, result.t) / span) if span else float(force[0])
-        pressing = impacts = "-"
-        if form["clearance"] and form["contact"] != "ideal" and f"{joint}.normal" in result:
-            share = np.trapezoid(result[f"{joint}.normal"] > 0, result.t) / span if span else float("nan")
-            share = 1 - result.trust.pulled[joint] if joint in result.trust.pulled else share
-            pressing = f"{100 * share:.0f} %"
-            impacts = str(sum(e.joint == joint and e.kind in ("contact", "impact") for e in result.events))
-        lines.append(f"{joint:{wide}s}{force.max():12.4g} N{rms:12.4g} N{pressing:>10s}{impacts:>9s}")
-    return "\n".join(lines)
 
 
 # ---------------------------------------------------------------- pieces

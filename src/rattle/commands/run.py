@@ -41,7 +41,7 @@ def run(
     \b
     Example:  rattle run fourbar --t-end 0.2 --set r3="2 mm" -o out.nc
     """
-    from rattle.result import joint_table
+    from rattle.summary import joint_table
 
     m = read_model(file, settings, ideal)
     if output is not None:
