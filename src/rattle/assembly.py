@@ -205,6 +205,9 @@ def _guesses(
         angles.update({name: float(ideal.q[3 * ready.bodies.index(name) + 2]) for name in free})
         free = []
     yield place_positions(ready, angles, offsets, functions)
+    if ideal is not None:  # the angles given may have been rough: those of the ideal mechanism close to within the play
+        closed = {name: float(ideal.q[3 * n + 2]) for n, name in enumerate(ready.bodies)}
+        yield place_positions(ready, {**angles, **closed}, offsets, functions)
     if not free:
         return
     turns = [math.radians(x) for x in (60, -60, 120, -120, 180, 30, -30)]
