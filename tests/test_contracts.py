@@ -1,0 +1,265 @@
+"""What every kind in the catalogue promises; a new kind is tested here without an edit.
+
+A joint or driver: its Jacobian is the derivative of Phi, nu and gamma are its time derivatives along a path.
+A load: its power is accounted for, its elastic force is the slope of its potential, between two bodies it is
+action and reaction.  All in plain Python and in machine code.
+"""
+
+import math
+import zlib
+
+import numpy as np
+import pytest
+
+from rattle import catalog
+from rattle.plane import BX, DISSIPATED, ELASTIC, GAMMA, NU, OUTSIDE, POTENTIAL, RES
+from rattle.pythonlaw import LawKernel
+from rattle.quantity import dimension_of
+
+pytestmark = pytest.mark.nojit
+
+H = 1e-5  # step of central differences: error H**2 / 6 times third derivatives of order 10, rounding 1e-16 / H
+FIRST, SECOND = 1e-8, 1e-4  # error allowed in first and (1e-16 / H**2) second differences
+A, B = 1, 2
+BUILT_IN = ("joint", "driver", "load", "contact", "normal", "stiffness", "friction", "clearance")
+JOINTS = [(family, name) for family in ("joint", "driver") for name in catalog.kinds(family)]
+LOADS = [name for name, one in catalog.kinds("load").items() if not isinstance(one.kernel, LawKernel)]
+
+
+@pytest.fixture(params=["python", "machine"])
+def mode(request, monkeypatch):
+    """Every contract holds as plain Python and as machine code."""
+    if request.param == "python":
+        monkeypatch.setattr(catalog, "_jit", False)
+    elif not catalog.start():
+        pytest.skip("machine code is switched off")
+
+
+def rng_for(*words):
+    return np.random.default_rng(zlib.crc32(" ".join(words).encode()))
+
+
+def field_values(kind, rng):
+    """One possible value of every field, in the order in which the kernel wants them."""
+    found = {}
+    for key, one in kind.fields.items():
+        if one.shape == "number":
+            found[key] = [rng.uniform(0.5, 2.0)]
+        elif one.shape == "pair":
+            found[key] = list(rng.uniform(-2, 2, 2))
+        elif one.shape == "choice":
+            found[key] = [float(rng.integers(len(one.choices)))]
+        elif one.shape == "point":
+            found[key] = list(rng.uniform(-1, 1, 2))
+        elif one.shape == "connect":
+            found[key] = list(rng.uniform(-1, 1, 4))
+        else:
+            assert one.shape == "body", f"tell the contracts how a {one.shape} is made"
+            found[key] = []
+    return [x for part in found.values() for x in part]
+
+
+class Path:
+    """A smooth motion of two bodies: q(t) with its exact rates, and a function of time f(t) for drivers."""
+
+    def __init__(self, rng):
+        self.q0 = rng.uniform(-2, 2, (3, 3))
+        self.a = rng.uniform(-1, 1, (3, 3))
+        self.w = rng.uniform(0.5, 2, (3, 3))
+        self.q0[0] = self.a[0] = 0.0  # the ground
+
+    def q(self, t):
+        return self.q0 + self.a * np.sin(self.w * t)
+
+    def v(self, t):
+        return self.a * self.w * np.cos(self.w * t)
+
+    def dv(self, t):
+        return -self.a * self.w**2 * np.sin(self.w * t)
+
+    @staticmethod
+    def f(t):
+        return [math.sin(1.3 * t), 1.3 * math.cos(1.3 * t), -1.69 * math.sin(1.3 * t)]
+
+
+def body_at(q, v):
+    return np.ascontiguousarray(np.column_stack([q, v, np.cos(q[:, 2]), np.sin(q[:, 2])]))
+
+
+def parameters(family, kind, rng, f):
+    """Points of A and B, the fields of the joint, then the function and its derivatives for a driver."""
+    points = list(rng.uniform(-1, 1, 4))
+    if family == "joint":
+        return np.array(points + field_values(kind, rng))
+    drives = kind.leaf.drives
+    held = field_values(catalog.kinds("joint")[drives], rng) if drives in catalog.kinds("joint") else []
+    return np.array(points + held + f)
+
+
+def evaluate(kind, q, v, p):
+    rows = np.zeros((len(kind.leaf.rows) + 1, 9))
+    kind.kernel(body_at(q, v), A, B, p, 0, 1, rows)
+    assert not rows[0].any(), "a kernel writes its own rows only"
+    return rows[1:]
+
+
+@pytest.mark.usefixtures("mode")
+@pytest.mark.parametrize(("family", "name"), JOINTS)
+def test_jacobian_is_the_derivative_of_the_residual(family, name):
+    kind, path = catalog.kinds(family)[name], Path(rng_for(name))
+    p = parameters(family, kind, rng_for(name, "p"), path.f(0.3))
+    q, v = path.q(0.3), path.v(0.3)
+    rows = evaluate(kind, q, v, p)
+    for body, first in ((A, 3), (B, 6)):
+        for k in range(3):
+            ahead, behind = q.copy(), q.copy()
+            ahead[body, k] += H
+            behind[body, k] -= H
+            slope = (evaluate(kind, ahead, v, p)[:, RES] - evaluate(kind, behind, v, p)[:, RES]) / (2 * H)
+            np.testing.assert_allclose(rows[:, first + k], slope, atol=FIRST)
+
+
+def along(family, kind, name, t):
+    path = Path(rng_for(name))
+    return evaluate(kind, path.q(t), path.v(t), parameters(family, kind, rng_for(name, "p"), path.f(t)))
+
+
+@pytest.mark.usefixtures("mode")
+@pytest.mark.parametrize(("family", "name"), JOINTS)
+def test_nu_and_gamma_are_time_derivatives_along_a_path(family, name):
+    kind, path, t = catalog.kinds(family)[name], Path(rng_for(name)), 0.3
+    here, ahead, behind = (along(family, kind, name, t + dt) for dt in (0.0, H, -H))
+    v, dv = path.v(t), path.dv(t)
+    jacobian = np.hstack([here[:, 3:6], here[:, 6:9]])
+    # d Phi / dt = Phi_q v - nu,   d (Phi_q v - nu) / dt = Phi_q dv - gamma
+    rate = jacobian @ np.concatenate([v[A], v[B]]) - here[:, NU]
+    np.testing.assert_allclose(rate, (ahead[:, RES] - behind[:, RES]) / (2 * H), atol=FIRST)
+    second = jacobian @ np.concatenate([dv[A], dv[B]]) - here[:, GAMMA]
+    curvature = (ahead[:, RES] - 2 * here[:, RES] + behind[:, RES]) / H**2
+    np.testing.assert_allclose(second, curvature, atol=SECOND)
+
+
+@pytest.mark.parametrize(("family", "name"), JOINTS)
+def test_force_of_a_joint_does_no_work_on_rigid_motion_of_both_bodies(family, name):
+    """Action and reaction: shifting everything changes no residual, nor does turning it where A carries the frame."""
+    kind, path = catalog.kinds(family)[name], Path(rng_for(name))
+    if family == "driver" and kind.leaf.drives == "body":
+        pytest.skip("held from the ground")
+    q, v = path.q(0.3), path.v(0.3)
+    rows = evaluate(kind, q, v, parameters(family, kind, rng_for(name, "p"), path.f(0.3)))
+    np.testing.assert_allclose(rows[:, 3:5] + rows[:, BX : BX + 2], 0.0, atol=1e-14)
+    turning = np.array([-q[A, 1], q[A, 0], 1.0, -q[B, 1], q[B, 0], 1.0])
+    if kind.leaf.rows != ("m", "m") and name != "fixed":  # rows in the frame of A, or of no frame
+        np.testing.assert_allclose(rows[:, 3:9] @ turning, 0.0, atol=1e-13)
+
+
+# ---------------------------------------------------------------- loads
+def load_at(kind, q, v, p, t=0.3):
+    force, energy = np.zeros((3, 3)), np.zeros(4)
+    kind.kernel(t, body_at(q, v), A, B, p, 0, force, energy)
+    return force, energy
+
+
+def load_of(name):
+    kind, path = catalog.kinds("load")[name], Path(rng_for(name))
+    return kind, path.q(0.3), path.v(0.3), np.array([*field_values(kind, rng_for(name, "p")), 0.0])
+
+
+@pytest.mark.usefixtures("mode")
+@pytest.mark.parametrize("name", LOADS)
+def test_power_of_a_load_is_accounted_for(name):
+    kind, q, v, p = load_of(name)
+    force, energy = load_at(kind, q, v, p)
+    power = float((force * v).sum())
+    assert power == pytest.approx(energy[ELASTIC] + energy[OUTSIDE] - energy[DISSIPATED], abs=1e-12)
+    assert abs(power) > 1e-3, "the case is too special to show anything"
+
+
+@pytest.mark.usefixtures("mode")
+@pytest.mark.parametrize("name", LOADS)
+def test_elastic_power_is_the_rate_at_which_the_potential_falls(name):
+    kind, q, v, p = load_of(name)
+    _, here = load_at(kind, q, v, p)
+    ahead, behind = (load_at(kind, q + dt * v, v, p)[1][POTENTIAL] for dt in (H, -H))
+    assert here[ELASTIC] == pytest.approx(-(ahead - behind) / (2 * H), abs=1e-7)
+
+
+@pytest.mark.usefixtures("mode")
+@pytest.mark.parametrize("name", LOADS)
+def test_load_at_rest_that_stores_is_the_slope_of_its_potential(name):
+    kind, q, v, p = load_of(name)
+    rest = np.zeros_like(v)
+    force, energy = load_at(kind, q, rest, p)
+    assert energy[[ELASTIC, OUTSIDE, DISSIPATED]] == pytest.approx(0.0)
+    if energy[POTENTIAL] == 0.0:
+        return
+    for body in (A, B):
+        for k in range(3):
+            ahead, behind = q.copy(), q.copy()
+            ahead[body, k] += H
+            behind[body, k] -= H
+            slope = load_at(kind, ahead, rest, p)[1][POTENTIAL] - load_at(kind, behind, rest, p)[1][POTENTIAL]
+            assert force[body, k] == pytest.approx(-slope / (2 * H), abs=1e-7)
+
+
+@pytest.mark.usefixtures("mode")
+@pytest.mark.parametrize("name", LOADS)
+def test_load_between_two_bodies_is_action_and_reaction(name):
+    kind, q, v, p = load_of(name)
+    force, _ = load_at(kind, q, v, p)
+    two = any(one.shape == "connect" for one in kind.fields.values())
+    if not two:
+        assert not force[A].any(), "a load on one body leaves the other alone"
+        return
+    np.testing.assert_allclose(force[A, :2] + force[B, :2], 0.0, atol=1e-14)
+    moment = force[:, 2] + q[:, 0] * force[:, 1] - q[:, 1] * force[:, 0]  # about the origin
+    assert moment[A] + moment[B] == pytest.approx(0.0, abs=1e-13)
+
+
+@pytest.mark.parametrize("name", LOADS)
+def test_damping_never_gives_energy(name):
+    kind, q, _, p = load_of(name)
+    rng = rng_for(name, "v")
+    assert all(load_at(kind, q, rng.uniform(-2, 2, (3, 3)), p)[1][DISSIPATED] >= 0.0 for _ in range(50))
+
+
+@pytest.mark.usefixtures("mode")
+@pytest.mark.parametrize("name", LOADS)
+def test_loads_add_up(name):
+    kind, q, v, p = load_of(name)
+    force, _ = load_at(kind, q, v, p)
+    twice, energy = np.zeros((3, 3)), np.zeros(4)
+    for _ in range(2):
+        kind.kernel(0.3, body_at(q, v), A, B, p, 0, twice, energy)
+    np.testing.assert_allclose(twice, 2 * force)
+
+
+# ---------------------------------------------------------------- what a kind says about itself
+EVERY = [(family, name) for family in BUILT_IN for name in catalog.kinds(family)]
+
+
+@pytest.mark.parametrize(("family", "name"), EVERY)
+def test_kind_says_what_it_is_and_where_it_comes_from(family, name):
+    kind = catalog.kinds(family)[name]
+    assert len(kind.summary) > 10
+    assert kind.summary.endswith((".", ")"))
+    assert kind.source
+    assert name == name.lower()
+    for key, one in kind.fields.items():
+        assert key.isidentifier()
+        assert one.meaning or one.shape in ("body", "joint")
+        dimension_of(one.unit)  # a unit the program can read
+        assert one.least in ("", "positive", "not negative")
+        if one.shape == "choice":
+            assert one.choices
+            assert one.default in one.choices
+
+
+@pytest.mark.parametrize(("family", "name"), JOINTS)
+def test_rows_have_units(family, name):
+    assert set(catalog.kinds(family)[name].leaf.rows) <= {"m", "rad"}
+
+
+def test_tags_are_places_in_the_table():
+    for family in BUILT_IN:
+        assert [one.tag for one in catalog.kinds(family).values()] == list(range(len(catalog.kinds(family))))
