@@ -44,7 +44,11 @@ class Sweep:
 
     def go(self, times: np.ndarray, forces: bool) -> np.ndarray:
         """Rows (k, width) at the times that can be reached, in their order."""
-        columns_ = (width(self.ready) + 2 * len(self.probe)) if forces else 9 * self.ready.body_count + len(self.ready.model.signals)
+        columns_ = (
+            (width(self.ready) + 2 * len(self.probe))
+            if forces
+            else 9 * self.ready.body_count + len(self.ready.model.signals)
+        )
         raw = np.zeros((len(times), columns_))
         self.tally[swept.COUNT] = 0
         swept.sweep(
@@ -55,16 +59,22 @@ class Sweep:
 
     def fork(self) -> Sweep:
         """A sweep from the same place that leaves this one as it is."""
-        return replace(self, node=self.node.copy(), clock=self.clock.copy(), tally=np.zeros(4, np.int64), spots=np.zeros((0, 2)))
+        return replace(
+            self, node=self.node.copy(), clock=self.clock.copy(), tally=np.zeros(4, np.int64), spots=np.zeros((0, 2))
+        )
 
 
-def begin(ready: Compiled, start: Assembled, motors: Sequence[tuple[int, str]] = (), shift: np.ndarray | None = None) -> Sweep:
+def begin(
+    ready: Compiled, start: Assembled, motors: Sequence[tuple[int, str]] = (), shift: np.ndarray | None = None
+) -> Sweep:
     """A sweep that stands at an assembled start.
 
     motors: (row of a driver, joint whose motor does its work).  shift: other values of the joints' parameters.
     Raises ModelError where freedoms are left.
     """
-    radius = np.array([max([math.hypot(*at) for at in body.points.values()] + [0.0]) for body in ready.model.bodies.values()])
+    radius = np.array(
+        [max([math.hypot(*at) for at in body.points.values()] + [0.0]) for body in ready.model.bodies.values()]
+    )
     weight = np.ones_like(ready.arrays["weight"])
     weight[0] = 0.0
     weight[1:, 2] = 1.0 / np.where(radius > 0.0, radius, ready.size) ** 2
@@ -80,8 +90,8 @@ def begin(ready: Compiled, start: Assembled, motors: Sequence[tuple[int, str]] =
     memory = replace(ready, arrays=arrays).memory()
     node = np.zeros((9, 3 * ready.body_count))
     made = Sweep(
-        ready, memory, node, np.array([start.t, math.inf, 0.0, 1.0, 1.0, start.t]), np.zeros(4, np.int64), np.zeros((SPOTS, 2)),
-        np.array(probe, np.int64).reshape(-1, 5), np.zeros((1, 9)),
+        ready, memory, node, np.array([start.t, math.inf, 0.0, 1.0, 1.0, start.t]), np.zeros(4, np.int64),
+        np.zeros((SPOTS, 2)), np.array(probe, np.int64).reshape(-1, 5), np.zeros((1, 9)),
     )  # fmt: skip
     node[swept.Q_NEW], node[swept.V_NEW] = start.q, start.v
     for _ in range(2):  # the second round takes the rates as they are now
@@ -101,21 +111,30 @@ def require_driven(ready: Compiled, start: Assembled, what: str) -> None:
     left = 3 * ready.body_count - independent
     if left == 0:
         return
-    if ready.row_count >= 3 * ready.body_count and left_null(ready, memory).shape[1] <= 1 + ready.row_count - 3 * ready.body_count:
+    if (
+        ready.row_count >= 3 * ready.body_count
+        and left_null(ready, memory).shape[1] <= 1 + ready.row_count - 3 * ready.body_count
+    ):
         where = describe_rank_loss(ready, memory)
         raise ModelError([Problem(("initial",), f"{what} cannot start at t = {start.t:g} s: {where}")])
     free = np.abs(right[independent:]).reshape(left, -1, 3).max(axis=(0, 2))
     movers = [name for name, share in zip(ready.bodies, free, strict=True) if share > 1e-6]
-    loose = [name for name, one in ready.model.joints.items() if one.contact and one.clearance and one.contact.model != "ideal"]
+    loose = _loose(ready)
     text = (
-        f"{what} wants a mechanism whose drivers fix every position; {left} freedom{'s are' if left > 1 else ' is'} left"
-        f" (can still move: {', '.join(movers[:8])}{' ...' if len(movers) > 8 else ''})."
+        f"{what} wants a mechanism whose drivers fix every position;"
+        f" {left} freedom{'s are' if left > 1 else ' is'} left (can still move: {', '.join(movers[:8])}{' ...' if len(movers) > 8 else ''})."
     )
     if loose:
-        text += f" {', '.join(loose)} {'has' if len(loose) == 1 else 'have'} play: close it with ideal() or --ideal."
+        text += f" There is play in {loose}: close it with ideal() or --ideal."
     else:
         text += f" Add {'a driver' if left == 1 else f'{left} drivers'}, or use simulate or equilibrium."
     raise ModelError([Problem(("drivers",), text)])
+
+
+def _loose(ready: Compiled) -> str:
+    """Names of the joints with play."""
+    joints = ready.model.joints.items()
+    return ", ".join(name for name, one in joints if one.contact and one.clearance and one.contact.model != "ideal")
 
 
 def analyse(
@@ -129,7 +148,12 @@ def analyse(
     if len(times) * max(1, ready.row_count) > PLAIN:
         catalog.start()
     if start is None:
-        start = assemble(ready, float(times[0]))
+        try:
+            start = assemble(ready, float(times[0]))
+        except AssemblyError as error:
+            loose = _loose(ready)
+            hint = f" There is play in {loose}: close it with ideal() or --ideal." if loose else ""
+            raise AssemblyError(f"{error}{hint}") from None
     if ready.row_count <= LARGE:
         require_driven(ready, start, what)
     motors = _motors(ready, effort_at)
@@ -180,7 +204,9 @@ def _motors(ready: Compiled, effort_at: str | Mapping[str, str] | None) -> list[
         if joint not in joints:
             raise ValueError(f"effort_at: no joint '{joint}'{suggest(joint, joints)}")
         if joints[joint].kind not in MOTORS:
-            raise ValueError(f"effort_at: a {joints[joint].kind} joint has no freedom for a motor; wanted revolute or prismatic")
+            raise ValueError(
+                f"effort_at: a {joints[joint].kind} joint has no freedom for a motor; wanted revolute or prismatic"
+            )
         found.append((int(ready.arrays["joint"][ready.joints.index(driver), 4]), joint))
     if len({joint for _, joint in found}) < len(found):
         raise ValueError("effort_at: one joint cannot do the work of two drivers")
@@ -200,7 +226,7 @@ def why_stuck(sweep: Sweep) -> str:
     where = describe_rank_loss(ready, memory)
     if where:
         return f"no position beyond t = {t:.10g} s: {where}"
-    return f"no way on at t = {t:.10g} s: a driver's function jumps there or moves too fast to be followed; make it continuous"
+    return f"no way on at t = {t:.10g} s: a driver's function jumps there or is too fast to be followed; smooth it"
 
 
 def _blocking(sweep: Sweep) -> str:
@@ -212,7 +238,9 @@ def _blocking(sweep: Sweep) -> str:
     return sweep.ready.rows[int(np.abs(free).max(axis=1).argmax())].owner
 
 
-def _branch_points(first: Sweep, sweep: Sweep, times: np.ndarray, raw: np.ndarray, stuck: bool) -> tuple[list[Event], list[str]]:
+def _branch_points(
+    first: Sweep, sweep: Sweep, times: np.ndarray, raw: np.ndarray, stuck: bool
+) -> tuple[list[Event], list[str]]:
     """Where the motion passed a position from which it could also have gone on another way."""
     ready = sweep.ready
     events: list[Event] = []
@@ -233,8 +261,8 @@ def _branch_points(first: Sweep, sweep: Sweep, times: np.ndarray, raw: np.ndarra
         owners = list(dict.fromkeys(ready.rows[int(r)].owner for r in np.argsort(-share) if share[r] > 0.05))
         events.append(Event(found, owners[0] if owners else "", "branch point"))
         notes.append(
-            f"branch point at t = {found:.9g} s: rows of {', '.join(owners[:6])} lose rank, another motion starts there;"
-            " the smooth one was followed, forces are not determined at that instant"
+            f"branch point at t = {found:.9g} s: rows of {', '.join(owners[:6])} lose rank,"
+            " another motion starts there; the smooth one was followed, forces are not determined at that instant"
         )
     return events, notes
 
@@ -270,7 +298,9 @@ def _at(first: Sweep, times: np.ndarray, raw: np.ndarray, t: float) -> Sweep:
     return made
 
 
-def _locate(first: Sweep, times: np.ndarray, raw: np.ndarray, rows: np.ndarray, low: float, high: float) -> float | None:
+def _locate(
+    first: Sweep, times: np.ndarray, raw: np.ndarray, rows: np.ndarray, low: float, high: float
+) -> float | None:
     """Root of the determinant of the independent rows between two times, by false position (Illinois)."""
 
     def determinant(t: float) -> float:
@@ -333,12 +363,18 @@ def _result(
         drift=float(sweep.clock[swept.GAP]), energy_balance=math.nan, t_end=float(t[-1]) if len(t) else 0.0,
         horizon=float(t[-1]) if len(t) else 0.0, nonunique=nonunique, notes=tuple(notes),
     )  # fmt: skip
-    stats = {"positions": len(t), "steps": int(sweep.tally[swept.STEPS]), "iterations": int(sweep.tally[swept.NEWTON]), "wall_time": wall}
+    stats = {
+        "positions": len(t),
+        "steps": int(sweep.tally[swept.STEPS]),
+        "iterations": int(sweep.tally[swept.NEWTON]),
+        "wall_time": wall,
+    }
     provenance = {
-        "model": model.name, "program": f"rattle {__version__}", "analysis": "inverse dynamics" if forces else "kinematics",
+        "model": model.name, "program": f"rattle {__version__}",
+        "analysis": "inverse dynamics" if forces else "kinematics",
         "parameters": {name: one.value for name, one in model.parameters.items()},
     }  # fmt: skip
     return Result(
-        t=t, data=data, names=names, units=units, geometry=geometry(model), trust=trust, stats=stats, provenance=provenance,
-        events=events, success=not message, message=message,
+        t=t, data=data, names=names, units=units, geometry=geometry(model), trust=trust, stats=stats,
+        provenance=provenance, events=events, success=not message, message=message,
     )  # fmt: skip

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from rattle.checking import Check
     from rattle.modes import Modes
     from rattle.play import Play
+    from rattle.resting import Equilibrium
     from rattle.result import Result
-    from rattle.statics import Equilibrium
     from rattle.system import Compiled
 
 Pair = Sequence[float | str]
@@ -127,7 +127,9 @@ class Mechanism:
             return ("parameters", name, "value") if isinstance(value, Mapping) else ("parameters", name)
         if "." in name or name in document:
             return tuple(name.split("."))
-        raise ModelError([Problem((), f"no parameter '{name}'{suggest(name, table)}, and not a path like joints.O3.clearance")])
+        raise ModelError(
+            [Problem((), f"no parameter '{name}'{suggest(name, table)}, and not a path like joints.O3.clearance")]
+        )
 
     def ideal(self) -> Mechanism:
         """The same mechanism with all clearances closed; lengths stay as given."""
@@ -172,11 +174,19 @@ class Mechanism:
     ) -> Mechanism:  # fmt: skip
         """A uniform bar between two named ends; more points in its frame (origin at the mass centre)."""
         return self._enter(
-            "bodies", name, {"bar": [first, second], "length": length, "mass": mass, "inertia": inertia, "points": points}
+            "bodies",
+            name,
+            {"bar": [first, second], "length": length, "mass": mass, "inertia": inertia, "points": points},
         )
 
     def body(
-        self, name: str, *, mass: float | str, inertia: float | str, points: Mapping[str, Pair], center: Pair = (0.0, 0.0)
+        self,
+        name: str,
+        *,
+        mass: float | str,
+        inertia: float | str,
+        points: Mapping[str, Pair],
+        center: Pair = (0.0, 0.0),
     ) -> Mechanism:
         """A rigid body; points and mass centre in any frame of it."""
         named = {key: list(at) for key, at in points.items()}
@@ -271,7 +281,11 @@ class Mechanism:
         return kinematics.analyse(self.ready, self._start_or_none(), t_eval, forces=False, strict=strict)
 
     def inverse_dynamics(
-        self, t_eval: float | Sequence[float] | np.ndarray, *, effort_at: str | Mapping[str, str] | None = None, strict: bool = False
+        self,
+        t_eval: float | Sequence[float] | np.ndarray,
+        *,
+        effort_at: str | Mapping[str, str] | None = None,
+        strict: bool = False,
     ) -> Result:
         """Kinematics with all reactions [N, N*m] and the effort and power of the drivers.
 
@@ -331,7 +345,9 @@ class Mechanism:
             raise ValueError(f"no position of rest was found at t = {t:g} s")
         return modes(rest_of(self.ready, found[0]), found[0])
 
-    def play(self, output: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool = True, loaded: bool = True) -> Play:
+    def play(
+        self, output: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool = True, loaded: bool = True
+    ) -> Play:
         """How far the play of the joints lets one output stray, at any times [s].
 
         output: a name of a result of `inverse_dynamics`, such as "rocker.angle" or "coupler.P.x", or a signal.

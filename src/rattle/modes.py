@@ -1,7 +1,7 @@
 """Small free vibrations about a position of rest.
 
-    Z^T M Z ddz + Z^T C Z dz + Z^T K Z z = 0,     shapes Z z, normed so that the largest displacement is the
-    mechanism's size;  K as in `statics`, C = -dQ/dv by differences
+Z^T M Z ddz + Z^T C Z dz + Z^T K Z z = 0,     shapes Z z, normed so that the largest displacement is the
+mechanism's size;  K as in `statics`, C = -dQ/dv by differences
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle.equations import loads, place
+from rattle.resting import Equilibrium, Rest
 from rattle.result import Result, Trust
-from rattle.statics import Equilibrium, Rest
 from rattle.steppers.rest import force_at
 
 if TYPE_CHECKING:
@@ -51,7 +51,9 @@ class Modes:
             if math.isnan(self.omega[k]):
                 lines.append(f"mode {k + 1}: unstable, grows at {self.growth[k]:.6g} 1/s ({movers})")
             else:
-                lines.append(f"mode {k + 1}: {self.frequency[k]:.6g} Hz, damping {100 * self.damping[k]:.3g} % ({movers})")
+                lines.append(
+                    f"mode {k + 1}: {self.frequency[k]:.6g} Hz, damping {100 * self.damping[k]:.3g} % ({movers})"
+                )
         return "\n".join(lines) or "no freedom is left that could vibrate"
 
     def motion(self, mode: int, amplitude: float = 0.1) -> Result:
@@ -86,9 +88,15 @@ class Modes:
             table.append([one[name] for name in names])
         base = self.equilibrium.result
         return Result(
-            t=t, data=np.array(table), names=names, units={name: base.unit(name) for name in names}, geometry=base.geometry,
-            trust=Trust(drift=0.0, t_end=float(t[-1]), horizon=float(t[-1])), stats={}, provenance=dict(base.provenance, analysis=f"mode {mode + 1}"),
-        )  # fmt: skip
+            t=t,
+            data=np.array(table),
+            names=names,
+            units={name: base.unit(name) for name in names},
+            geometry=base.geometry,
+            trust=Trust(drift=0.0, t_end=float(t[-1]), horizon=float(t[-1])),
+            stats={},
+            provenance=dict(base.provenance, analysis=f"mode {mode + 1}"),
+        )
 
     def plot(self, mode: int, amplitude: float = 0.1) -> Figure:
         """The mechanism at rest and at both ends of a mode's swing; see `rattle.plot_statics.plot_mode`."""
@@ -141,5 +149,3 @@ def _damping(rest: Rest, q: np.ndarray) -> np.ndarray:
         result[:, k] = -(sides[0] - sides[1]) / (2e-4 * rest.scale[k] * rest.ready.size)
     force_at(memory.handle, rest.t, q, rest.out)
     return result
-
-

@@ -234,7 +234,7 @@ class Parts:
                 self.values.wrong(here, f"no joint {said(joint)}{suggest(str(joint), self.joints)}")
             return None
         driven = self.joints[joint].kind
-        drives = {one.leaf.drives: one for one in catalog.kinds("driver").values()}  # type: ignore[attr-defined]
+        drives = {one.leaf.drives: one for one in catalog.kinds("driver").values()}
         if driven in drives:
             return drives[driven], joint, None, f"joint '{joint}'"
         drivable = " or ".join(sorted(drives.keys() & catalog.kinds("joint").keys()))

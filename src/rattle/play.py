@@ -21,22 +21,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle import catalog
-from rattle.assembly import Assembled, assemble, dense_rows, ideal_model
-from rattle.closing import open_by
-from rattle.equations import loads
+from rattle.assembly import assemble, ideal_model
+from rattle.displaced import Displaced, widest
 from rattle.errors import ModelError, Problem
 from rattle.kinematics import Sweep, begin, instants, require_driven, why_stuck
 from rattle.model import Joint
-from rattle.recording import columns, width
-from rattle.result import Result, UnknownName
+from rattle.resting import Rest
+from rattle.statics import opened, rigid_model
 from rattle.steppers import sweep as swept
 from rattle.system import Compiled, compile_system
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SMALL = 1e-4  # of a clearance: displacement for differences
 ROUNDS = 12
+RATES = ("vx", "vy", "omega", "ax", "ay", "alpha", "power")  # nothing to compare at rest
 PLAIN = 4000  # positions times unknowns below which machine code is not worth its start
 
 
@@ -54,7 +53,9 @@ class Play:
     high: np.ndarray = field(repr=False)  # (n,) exact greatest value, or nan
     loaded: np.ndarray = field(repr=False)  # (n,) deviation in equilibrium under the loads, or nan
     pressed: np.ndarray = field(repr=False)  # (n,) the same to first order: all pins displaced along their reactions
-    rule: np.ndarray = field(repr=False)  # (n,) sum r_i |R_i| / |load| where one load is conjugate to the output, or nan
+    rule: np.ndarray = field(
+        repr=False
+    )  # (n,) sum r_i |R_i| / |load| where one load is conjugate to the output, or nan
     clearances: dict[str, float]  # [m]
     stats: dict[str, Any] = field(repr=False, default_factory=dict)
 
@@ -82,28 +83,33 @@ class Play:
 
     def __str__(self) -> str:
         k = int(np.argmax(self.worst))
-        factor, unit = (180 / math.pi, "deg") if self.unit == "rad" else (1e3, "mm") if self.unit == "m" else (1.0, self.unit)
+        factor, unit = {"rad": (180 / math.pi, "deg"), "m": (1e3, "mm")}.get(self.unit, (1.0, self.unit))
+
+        def said(value: float) -> str:
+            return f"+-{factor * value:.4g} {unit}".rstrip()
+
         lines = [
-            f"{self.output} over t = {self.t[0]:.4g} to {self.t[-1]:.4g} s ({len(self.t)} positions), every pin anywhere in its play:",
-            f"worst case      +-{factor * self.worst[k]:.4g} {unit} at t = {self.t[k]:.4g} s (first order)",
-            f"root sum square +-{factor * self.rss[k]:.4g} {unit} there; mean of the worst case over all positions +-{factor * self.worst.mean():.4g} {unit}",
+            f"{self.output} with every pin anywhere in its play, {len(self.t)} positions to t = {self.t[-1]:.4g} s:",
+            f"worst case      {said(self.worst[k])} at t = {self.t[k]:.4g} s, {said(self.worst.mean())} on average",
+            f"root sum square {said(self.rss[k])} there",
         ]
         if not np.isnan(self.low).all():
             down, up = np.nanmin(self.low - self.nominal), np.nanmax(self.high - self.nominal)
-            lines.append(f"exact extremes  {factor * down:+.4g} {unit} and {factor * up:+.4g} {unit} over all positions")
+            lines.append(f"exact extremes  {factor * down:+.4g} and {factor * up:+.4g} {unit}")
         if not np.isnan(self.loaded).all():
             n = int(np.nanargmax(np.abs(self.loaded)))
-            lines.append(
-                f"under the loads {factor * self.loaded[n]:+.4g} {unit} at most, at t = {self.t[n]:.4g} s (at rest there)"
-                + (f"; rule sum r|R|/|load|: {factor * self.rule[n]:.4g} {unit}" if not math.isnan(self.rule[n]) else "")
-            )
+            rule = "" if math.isnan(self.rule[n]) else f" (rule sum r|R|/|load|: {factor * self.rule[n]:.4g} {unit})"
+            at = f"at rest at t = {self.t[n]:.4g} s"
+            lines.append(f"under the loads {factor * self.loaded[n]:+.4g} {unit} at most, {at}{rule}")
         wide = max(len(name) for name in self.joints)
         for name, share in sorted(self.share.items(), key=lambda item: -item[1]):
-            mine = factor * self.contributions[k, self.joints.index(name)]
-            lines.append(f"  {name:{wide}s}  {self.clearances[name] * 1e3:8.4g} mm  +-{mine:.4g} {unit}  {100 * share:3.0f} %")
+            mine = said(self.contributions[k, self.joints.index(name)])
+            lines.append(f"  {name:{wide}s}  {self.clearances[name] * 1e3:8.4g} mm  {mine}  {100 * share:3.0f} %")
         first = self.tighten
+        equal = [name for name in self.joints if self.share[name] > 0.99 * self.share[first] and name != first]
+        also = f" (or {' or '.join(equal)}: as much)" if equal else ""
         half = self.worst[k] - 0.5 * self.contributions[k, self.joints.index(first)]
-        lines.append(f"tighten {first} first: half its clearance makes the worst case +-{factor * half:.4g} {unit}")
+        lines.append(f"tighten {first} first{also}: half its clearance makes the worst case {said(half)}")
         return "\n".join(lines)
 
     def plot(self) -> Figure:
@@ -113,165 +119,23 @@ class Play:
         return plot_play(self)
 
 
-class Displaced:
-    """The mechanism without play, with its pins displaced in their bushes by given amounts."""
-
-    def __init__(self, ready: Compiled, start: Assembled, joints: Sequence[Joint], output: str) -> None:
-        self.ready, self.start, self.joints, self.output = ready, start, joints, output
-        self.sweep = begin(ready, start)
-        self.place = [int(ready.arrays["joint"][ready.joints.index(one.name), 3]) for one in joints]
-        self.values = self.sweep.memory["values"]
-        self.base = self.values.copy()
-        self.names: list[str] = []
-
-    def shift(self, e: np.ndarray) -> None:
-        """Displace joint i by e[i] (in the frame of its A; guides: across [m] and turn [rad])."""
-        for k, (joint, p) in enumerate(zip(self.joints, self.place, strict=True)):
-            if joint.kind == "prismatic":
-                axis = joint.fields["axis"]
-                self.values[p] = self.base[p] - math.sin(axis) * e[k, 0]
-                self.values[p + 1] = self.base[p + 1] + math.cos(axis) * e[k, 0]
-                self.values[p + 5] = self.base[p + 5] + e[k, 1]
-            else:
-                self.values[p : p + 2] = self.base[p : p + 2] + e[k]
-
-    def row(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray:
-        """Everything at t with the pins displaced by e, from a node nearby (nan where it cannot be closed)."""
-        self.shift(e)
-        sweep = self.sweep
-        sweep.node[:] = node
-        sweep.node[swept.Q_NEW : swept.Q_OLD] = node[: swept.Q_NEW]
-        moved, root, _, _ = swept.closed_at(sweep.memory.handle, t, sweep.node, self.ready.size)
-        raw = np.full(width(self.ready), math.nan)
-        if moved < math.inf:
-            sweep.node[: swept.Q_NEW] = sweep.node[swept.Q_NEW : swept.Q_OLD]
-            sweep.clock[:] = t, math.inf, 0.0, root, root, t
-            got = sweep.go(np.array([t]), True)
-            if len(got):
-                raw = got[0]
-        self.shift(np.zeros_like(e))
-        return raw
-
-    def value(self, t: float, node: np.ndarray, e: np.ndarray) -> float:
-        """The output with the pins displaced by e."""
-        return float(self.read(self.row(t, node, e)[None])[0])
-
-    def read(self, raw: np.ndarray) -> np.ndarray:
-        """The output of raw rows. Raises UnknownName."""
-        data, names, units = columns(self.ready, raw)
-        from rattle.recording import geometry
-        from rattle.result import Trust
-
-        result = Result(
-            t=np.arange(len(raw)), data=data, names=names, units=units, geometry=geometry(self.ready.model),
-            trust=Trust(drift=0.0), stats={}, provenance={},
-        )  # fmt: skip
-        self.names, self.unit = list(result.names), result.unit(self.output)
-        return np.asarray(result[self.output])
-
-    def gradient(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray:
-        """(k, 2) d output / d e at displacement e: one solve for positions, differences for everything else."""
-        q_slope = self._slope(t, node, e)
-        if q_slope is None:
-            return self._differences(t, node, e)
-        memory = self.sweep.memory
-        rows = dense_rows(self.ready, memory)
-        y = np.linalg.lstsq(rows.T, q_slope, rcond=1e-12)[0]
-        found = np.zeros((len(self.joints), 2))
-        for k, joint in enumerate(self.joints):
-            first = int(self.ready.arrays["joint"][self.ready.joints.index(joint.name), 4])
-            found[k] = y[first : first + 2]
-            if joint.kind != "prismatic":  # rows are in the ground frame, e in that of A
-                angle = 0.0 if joint.a.body == "ground" else memory["body"][1 + self.ready.bodies.index(joint.a.body), 2]
-                c, s = math.cos(angle), math.sin(angle)
-                found[k] = c * found[k, 0] + s * found[k, 1], -s * found[k, 0] + c * found[k, 1]
-        return found
-
-    def _slope(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray | None:
-        """(3 nb,) d output / dq for outputs that depend on positions alone, with the rows of this place in the memory."""
-        owner, _, last = self.output.rpartition(".")
-        body, _, point = owner.partition(".")
-        bodies = self.ready.model.bodies
-        signal = self.output in self.ready.model.signals
-        if not signal and (body not in bodies or last not in ("x", "y", "angle") or (point and point not in bodies[body].points)):
-            return None
-        self.row(t, node, e)
-        memory = self.sweep.memory
-        q = self.sweep.node[swept.Q].copy()
-        v = self.sweep.node[swept.V].copy()
-        self.shift(e)
-        open_by(memory.handle, t, q, v)
-        slope = np.zeros(len(q))
-        if not signal:
-            k = 3 * self.ready.bodies.index(body)
-            c, s = math.cos(q[k + 2]), math.sin(q[k + 2])
-            x, y = bodies[body].points[point] if point else (0.0, 0.0)
-            slope[k + ("x", "y", "angle").index(last)] = 1.0
-            if point:
-                slope[k + 2] = -(s * x + c * y) if last == "x" else c * x - s * y
-        else:
-            slope_v = self._signal_slopes(t, q, v, slope)
-            if slope_v:
-                self.shift(np.zeros_like(e))
-                return None
-        open_by(memory.handle, t, q, v)
-        self.shift(np.zeros_like(e))
-        return slope
-
-    def _signal_slopes(self, t: float, q: np.ndarray, v: np.ndarray, slope: np.ndarray) -> bool:
-        """Fill in d signal / dq by differences; True when the signal depends on rates as well."""
-        memory, k = self.sweep.memory, list(self.ready.model.signals).index(self.output)
-
-        def at(q: np.ndarray, v: np.ndarray) -> float:
-            open_by(memory.handle, t, q, v)
-            loads(memory.handle, t)
-            return float(memory["signals"][k])
-
-        base = at(q, v)
-        for n in range(len(q)):
-            step = 1e-5 * (self.ready.size if n % 3 < 2 else 1.0)
-            up, down = q.copy(), q.copy()
-            up[n] += step
-            down[n] -= step
-            slope[n] = (at(up, v) - at(down, v)) / (2 * step)
-        return any(at(q, v + np.eye(len(v))[n]) != base for n in range(len(v)))
-
-    def _differences(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray:
-        found = np.zeros_like(e)
-        for k, joint in enumerate(self.joints):
-            for n in range(2):
-                step = SMALL * joint.clearance / (half_length(joint) if n and joint.kind == "prismatic" else 1.0)
-                change = np.zeros_like(e)
-                change[k, n] = step
-                found[k, n] = (self.value(t, node, e + change) - self.value(t, node, e - change)) / (2 * step)
-        return found
-
-
-def half_length(joint: Joint) -> float:
-    """Half the length of a guide's block [m]: how far its corners are from its point."""
-    return 0.5 * joint.block[0] if joint.block else math.inf
-
-
-def widest(joint: Joint, y: np.ndarray) -> tuple[float, np.ndarray]:
-    """Largest of y . e over what the play of one joint allows, and the e where it is reached."""
-    if joint.kind != "prismatic":
-        size = float(np.hypot(*y))
-        return joint.clearance * size, (joint.clearance / size * y if size > 0.0 else np.zeros(2))
-    turn = joint.clearance / half_length(joint)  # corners |e_0 +- a e_1| <= c: a rhombus, its tips are the extremes
-    ends = (joint.clearance * abs(float(y[0])), turn * abs(float(y[1])))
-    if ends[0] >= ends[1]:
-        return ends[0], np.array([math.copysign(joint.clearance, y[0]), 0.0])
-    return ends[1], np.array([0.0, math.copysign(turn, y[1])])
-
-
-def play(ready: Compiled, output: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool, loaded: bool) -> Play:
+def play(
+    ready: Compiled, output: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool, loaded: bool
+) -> Play:
     """Band of an output; see `Mechanism.play`."""
     began = time.perf_counter()
     times = instants(t_eval)
     ideal = compile_system(ideal_model(ready.model))
     joints = [one for one in ready.model.joints.values() if one.clearance > 0.0 and one.contact is not None]
     if not joints:
-        raise ModelError([Problem(("joints",), "no joint has a clearance, so nothing can stray; give one, such as clearance = \"0.1 mm\"")])
+        raise ModelError(
+            [
+                Problem(
+                    ("joints",),
+                    'no joint has a clearance, so nothing can stray; give one, such as clearance = "0.1 mm"',
+                )
+            ]
+        )
     start = assemble(ideal)
     require_driven(ideal, start, "play")
     if len(times) * len(joints) * (3 if extremes else 1) * ideal.row_count > PLAIN:
@@ -294,10 +158,12 @@ def play(ready: Compiled, output: str, t_eval: float | Sequence[float] | np.ndar
         part[i] = [widest(one, y)[0] for one, y in zip(joints, slopes[i], strict=True)]
         if extremes:
             low[i], high[i] = (_extreme(shown, t, node, sign, slopes[i]) for sign in (-1.0, 1.0))
+    nothing = np.full(n, math.nan)
+    at_rest = _loaded(ready, ideal, shown, times, nodes, slopes) if loaded else [nothing] * 3
     record = Play(
-        output, shown.unit, times, nominal, tuple(one.name for one in joints), part, low, high,
-        *(_loaded(ready, ideal, shown, times, nodes, nominal, slopes) if loaded else [np.full(n, math.nan)] * 3),
-        {one.name: one.clearance for one in joints}, {"wall_time": time.perf_counter() - began},
+        output=output, unit=shown.unit, t=times, nominal=nominal, joints=tuple(one.name for one in joints),
+        contributions=part, low=low, high=high, loaded=at_rest[0], pressed=at_rest[1], rule=at_rest[2],
+        clearances={one.name: one.clearance for one in joints}, stats={"wall_time": time.perf_counter() - began},
     )  # fmt: skip
     catalog.mark_compiled()
     return record
@@ -328,17 +194,21 @@ def _extreme(shown: Displaced, t: float, node: np.ndarray, sign: float, slope: n
 
 
 def _loaded(
-    ready: Compiled, ideal: Compiled, shown: Displaced, times: np.ndarray, nodes: list[np.ndarray], nominal: np.ndarray, slopes: np.ndarray
+    ready: Compiled,
+    ideal: Compiled,
+    shown: Displaced,
+    times: np.ndarray,
+    nodes: list[np.ndarray],
+    slopes: np.ndarray,
 ) -> list[np.ndarray]:
     """Deviation in equilibrium, its first order, and the virtual-work rule, at every instant."""
-    from rattle.statics import Rest, _rigid, opened
 
     n = len(times)
     found = [np.full(n, math.nan) for _ in range(3)]
     model = ready.model
-    rigid = _rigid(ready)
+    rigid = rigid_model(ready)
     pins = [one for one in shown.joints if one.kind == "revolute"]
-    if rigid is None or not (model.loads or any(model.gravity)):
+    if rigid is None or not (model.loads or any(model.gravity)) or shown.output.rpartition(".")[2] in RATES:
         return found
     rest, hard = Rest(ideal, times[0]), Rest(rigid, times[0])
     conjugate = _conjugate(shown)
@@ -350,7 +220,9 @@ def _loaded(
         if min(size.values()) <= 1e-9 * max([*size.values(), 1e-9]):
             continue  # a pin that nothing presses may be anywhere
         e = {pin.name: -pin.clearance / size[pin.name] * force[pin.name] for pin in pins}
-        found[1][i] = sum(_in_frame(shown, nodes[i], pin, e[pin.name]) @ slopes[i][shown.joints.index(pin)] for pin in pins)
+        found[1][i] = sum(
+            _in_frame(shown, nodes[i], pin, e[pin.name]) @ slopes[i][shown.joints.index(pin)] for pin in pins
+        )
         hard.at(t)
         settled = hard.settle(opened(rest, nodes[i][swept.Q], e))
         at_rest = hard.finish(*settled) if settled is not None else None
@@ -380,9 +252,6 @@ def _conjugate(shown: Displaced) -> str:
     return name if load.kind == "torque" and shown.output == f"{load.b.body}.angle" else ""
 
 
-def _moment(rest: Any, name: str) -> float:
+def _moment(rest: Rest, name: str) -> float:
     at = int(rest.ready.arrays["load"][list(rest.ready.model.loads).index(name), 3])
     return float(rest.memory["values"][at])
-
-
-__all__ = ["Play", "UnknownName", "play"]

@@ -17,8 +17,9 @@ import numpy as np
 from rattle import catalog
 from rattle.assembly import dense_rows, ideal_model
 from rattle.kinematics import instants
+from rattle.resting import Equilibrium, Rest
 from rattle.result import Event, Result, Trust
-from rattle.statics import Equilibrium, Rest, _rigid, equilibria, opened
+from rattle.statics import equilibria, opened, rigid_model
 from rattle.steppers.rest import stiffness
 from rattle.system import Compiled, compile_system
 
@@ -70,7 +71,7 @@ def quasistatic(ready: Compiled, t_eval: np.ndarray) -> Result:
     first = equilibria(ready, float(times[0]))
     if not first:
         raise ValueError(f"no position of rest was found at t = {times[0]:g} s")
-    rigid = _rigid(ready)
+    rigid = rigid_model(ready)
     ideal = Rest(compile_system(ideal_model(ready.model)), float(times[0])) if rigid is not None else None
     path = Path(Rest(rigid or ready, float(times[0])), ideal, first[0])
     if rigid is not None and path.last.result.geometry["joints"] != {}:

@@ -16,7 +16,7 @@ from rattle.values import Path, TooManyProblems, Values, said
 
 STATE_UNITS = {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 SETTING_UNITS = {"t_end": "s", "rtol": "", "atol": "", "step": "s", "output": "s"}
-METHODS = ("dop853", "rk4")
+METHODS = ("dop853", "rk4", "event", "moreau")
 NAMED = ("bodies", "joints", "drivers", "loads")
 TABLES = (
     "format", "name", "gravity", "parameters", "signals", "ground", "bodies", "joints", "drivers", "loads", "initial",

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     import numpy as np
 
     from rattle.mechanism import Mechanism
+    from rattle.resting import Equilibrium
     from rattle.result import Result
-    from rattle.statics import Equilibrium
 
 DEGREES = 180 / math.pi
 
@@ -25,7 +25,9 @@ def span_options(points: int) -> Callable[[Callable[..., Any]], Callable[..., An
     """--t-end and --points."""
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
-        function = click.option("--points", type=click.IntRange(2), default=points, show_default=True, help="Positions.")(function)
+        function = click.option(
+            "--points", type=click.IntRange(2), default=points, show_default=True, help="Positions."
+        )(function)
         return click.option("--t-end", type=float, help="Up to this time [s]; default: what the model says.")(function)
 
     return add
@@ -71,24 +73,41 @@ def _ranges(result: Result, names: list[str]) -> str:
     for name in names:
         curve = result[name]
         low, high = int(curve.argmin()), int(curve.argmax())
-        (least, unit), (most, _) = _shown(float(curve[low]), result.unit(name)), _shown(float(curve[high]), result.unit(name))
-        lines.append(f"{name:{wide}s}{least:12.5g} {unit:6s}{result.t[low]:8.4g} s{most:12.5g} {unit:6s}{result.t[high]:8.4g} s")
+        (least, unit), (most, _) = (
+            _shown(float(curve[low]), result.unit(name)),
+            _shown(float(curve[high]), result.unit(name)),
+        )
+        lines.append(
+            f"{name:{wide}s}{least:12.5g} {unit:6s}{result.t[low]:8.4g} s{most:12.5g} {unit:6s}{result.t[high]:8.4g} s"
+        )
     return "\n".join(lines)
 
 
 def _notes(result: Result) -> str:
     lines = [f"joints closed to {result.trust.drift:.1g} m at {len(result.t)} positions"]
     if result.trust.nonunique:
-        lines.append(f"reactions not unique (redundant constraints) at {', '.join(result.trust.nonunique)}; the motion is right")
+        lines.append(
+            f"reactions not unique (redundant constraints) at {', '.join(result.trust.nonunique)}; the motion is right"
+        )
     return "\n".join([*lines, *result.trust.notes])
 
 
 def _record(result: Result) -> str:
     import numpy as np
 
-    curves = {n: {"min": float(np.min(result[n])), "max": float(np.max(result[n])), "unit": result.unit(n)} for n in result.names if len(result.t)}
+    curves = {
+        n: {"min": float(np.min(result[n])), "max": float(np.max(result[n])), "unit": result.unit(n)}
+        for n in result.names
+        if len(result.t)
+    }
     events = [{"t": float(e.t), "joint": e.joint, "kind": e.kind} for e in result.events]
-    record = {"success": result.success, "message": result.message, "trust": result.trust.to_dict(), "events": events, "curves": curves}
+    record = {
+        "success": result.success,
+        "message": result.message,
+        "trust": result.trust.to_dict(),
+        "events": events,
+        "curves": curves,
+    }
     return json.dumps(record, indent=2, default=float)
 
 
@@ -141,7 +160,7 @@ def inverse_dynamics(
     \b
     Example:  rattle inverse-dynamics slider_crank
     """
-    from rattle.result import joint_table
+    from rattle.summary import joint_table
 
     m = read_model(file, settings, ideal)
     _writable(output, csv)
@@ -159,7 +178,13 @@ def inverse_dynamics(
 @click.command()
 @model_options
 @click.option("--at", "t", type=float, default=0.0, show_default=True, help="Time at which the drivers are held [s].")
-@click.option("--branches", type=click.Choice(["near", "all"]), default="near", show_default=True, help="Also other ways to put it together.")
+@click.option(
+    "--branches",
+    type=click.Choice(["near", "all"]),
+    default="near",
+    show_default=True,
+    help="Also other ways to put it together.",
+)
 @click.option("--path", "path", is_flag=True, help="A slow motion over the drivers' time instead of one position.")
 @span_options(181)
 @click.option("-o", "--output", help="With --path: save the result (.nc).")
@@ -186,10 +211,17 @@ def equilibrium(
             click.echo(_record(result))
         else:
             wanted = (".torque", ".thrust", ".normal", ".advantage", ".stiffness")
-            efforts = [n for n in result.stored if n.endswith(wanted) or (n.endswith(".force") and n.partition(".")[0] in m.model.drivers)]
-            click.echo(_ranges(result, efforts))
+            efforts = [
+                n
+                for n in result.stored
+                if n.endswith(wanted) or (n.endswith(".force") and n.partition(".")[0] in m.model.drivers)
+            ]
+            click.echo(_ranges(result, [name for name in efforts if abs(result[name]).max() < math.inf]))
             for event in result.events:
-                click.echo(f"t = {event.t:.8g} s: " + (f"{event.joint} changes sides (N through zero)" if event.kind == "side" else "snaps over"))
+                click.echo(
+                    f"t = {event.t:.8g} s: "
+                    + (f"{event.joint} changes sides (N through zero)" if event.kind == "side" else "snaps over")
+                )
             click.echo(_notes(result))
         _finish(ctx, result, output, csv)
         return
@@ -202,7 +234,9 @@ def equilibrium(
         if found:
             click.echo(_position(m, found[0]))
     if not found:
-        click.echo(f"no position of rest was found at t = {t:g} s; try other angles in [initial] or --branches all", err=True)
+        click.echo(
+            f"no position of rest was found at t = {t:g} s; try other angles in [initial] or --branches all", err=True
+        )
         ctx.exit(1)
 
 
@@ -210,7 +244,8 @@ def _position(m: Mechanism, one: Equilibrium) -> str:
     """Where the bodies are in the first position, and what holds it."""
     lines = ["position 1:"]
     for body in m.model.bodies:
-        lines.append(f"  {body}: x {one[f'{body}.x']:.6g} m, y {one[f'{body}.y']:.6g} m, angle {one[f'{body}.angle'] * DEGREES:.6g} deg")
+        x, y, angle = (one[f"{body}.{key}"] for key in ("x", "y", "angle"))
+        lines.append(f"  {body}: x {x:.6g} m, y {y:.6g} m, angle {angle * DEGREES:.6g} deg")
     for driver in m.model.drivers:
         name = next(n for n in one.names if n.startswith(f"{driver}.") and not n.endswith(".power"))
         lines.append(f"  {name}: {one[name]:.6g} {one.unit(name)}")
@@ -221,7 +256,13 @@ def _position(m: Mechanism, one: Equilibrium) -> str:
 
 def _entry(one: Equilibrium) -> dict[str, Any]:
     values = {name: {"value": one[name], "unit": one.unit(name)} for name in one.names}
-    facts = {"admissible": one.admissible, "stable": one.stable, "eigenvalue": one.eigenvalue, "residual": one.residual, "gap": one.gap}
+    facts = {
+        "admissible": one.admissible,
+        "stable": one.stable,
+        "eigenvalue": one.eigenvalue,
+        "residual": one.residual,
+        "gap": one.gap,
+    }
     return {**facts, "reactions_unique": one.reactions_unique, "nonunique": list(one.nonunique), "values": values}
 
 
@@ -253,7 +294,13 @@ def modes(file: str, settings: tuple[str, ...], ideal: bool, t: float, mode: int
 
 @click.command()
 @model_options
-@click.option("--output", "name", required=True, metavar="NAME", help="What may stray, e.g. rocker.angle, coupler.P.x or a signal.")
+@click.option(
+    "--output",
+    "name",
+    required=True,
+    metavar="NAME",
+    help="What may stray, e.g. rocker.angle, coupler.P.x or a signal.",
+)
 @span_options(73)
 @click.option("--extremes/--no-extremes", default=True, show_default=True, help="Also the exact extremes.")
 @click.option("-o", "--figure", help="Draw band and contributions: .svg, .png or .pdf.")
@@ -275,7 +322,10 @@ def play(
     _writable(figure)
     found = m.play(name, _times(m, t_end, points), extremes=extremes)
     if as_json:
-        arrays = {key: getattr(found, key).tolist() for key in ("t", "nominal", "worst", "rss", "low", "high", "loaded", "pressed", "rule")}
+        arrays = {
+            key: getattr(found, key).tolist()
+            for key in ("t", "nominal", "worst", "rss", "low", "high", "loaded", "pressed", "rule")
+        }
         contributions = dict(zip(found.joints, found.contributions.T.tolist(), strict=True))
         record = {"output": found.output, "unit": found.unit, "share": found.share, "tighten": found.tighten}
         click.echo(json.dumps({**record, **arrays, "contributions": contributions}, indent=2))

@@ -1,0 +1,177 @@
+"""The mechanism without play, its pins displaced in their bushes: what an output is there, and its slope.
+
+A displacement e_i of a pin moves the bush point of A in A's frame, so that the ordinary rows close the loops:
+
+    Phi_i(q) = e_i,   Phi_q^T y = do/dq,   do/de_i = y_i     (one linear solve for every output of positions)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from rattle.assembly import Assembled, dense_rows
+from rattle.closing import open_by
+from rattle.equations import loads
+from rattle.kinematics import begin
+from rattle.model import Joint
+from rattle.recording import columns, geometry, width
+from rattle.result import Result, Trust
+from rattle.steppers import sweep as swept
+from rattle.system import Compiled
+
+SMALL = 1e-4  # of a clearance: displacement for differences
+
+
+class Displaced:
+    """The mechanism without play, with its pins displaced in their bushes by given amounts."""
+
+    def __init__(self, ready: Compiled, start: Assembled, joints: Sequence[Joint], output: str) -> None:
+        self.ready, self.start, self.joints, self.output = ready, start, joints, output
+        self.sweep = begin(ready, start)
+        self.place = [int(ready.arrays["joint"][ready.joints.index(one.name), 3]) for one in joints]
+        self.values = self.sweep.memory["values"]
+        self.base = self.values.copy()
+        self.names: list[str] = []
+
+    def shift(self, e: np.ndarray) -> None:
+        """Displace joint i by e[i] (in the frame of its A; guides: across [m] and turn [rad])."""
+        for k, (joint, p) in enumerate(zip(self.joints, self.place, strict=True)):
+            if joint.kind == "prismatic":
+                axis = joint.fields["axis"]
+                self.values[p] = self.base[p] - math.sin(axis) * e[k, 0]
+                self.values[p + 1] = self.base[p + 1] + math.cos(axis) * e[k, 0]
+                self.values[p + 5] = self.base[p + 5] + e[k, 1]
+            else:
+                self.values[p : p + 2] = self.base[p : p + 2] + e[k]
+
+    def row(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray:
+        """Everything at t with the pins displaced by e, from a node nearby (nan where it cannot be closed)."""
+        self.shift(e)
+        sweep = self.sweep
+        sweep.node[:] = node
+        sweep.node[swept.Q_NEW : swept.Q_OLD] = node[: swept.Q_NEW]
+        moved, root, _, _ = swept.closed_at(sweep.memory.handle, t, sweep.node, self.ready.size)
+        raw = np.full(width(self.ready), math.nan)
+        if moved < math.inf:
+            sweep.node[: swept.Q_NEW] = sweep.node[swept.Q_NEW : swept.Q_OLD]
+            sweep.clock[:] = t, math.inf, 0.0, root, root, t
+            got = sweep.go(np.array([t]), True)
+            if len(got):
+                raw = got[0]
+        self.shift(np.zeros_like(e))
+        return raw
+
+    def value(self, t: float, node: np.ndarray, e: np.ndarray) -> float:
+        """The output with the pins displaced by e."""
+        return float(self.read(self.row(t, node, e)[None])[0])
+
+    def read(self, raw: np.ndarray) -> np.ndarray:
+        """The output of raw rows. Raises UnknownName."""
+        data, names, units = columns(self.ready, raw)
+        result = Result(
+            t=np.arange(len(raw)), data=data, names=names, units=units, geometry=geometry(self.ready.model),
+            trust=Trust(drift=0.0), stats={}, provenance={},
+        )  # fmt: skip
+        self.names, self.unit = list(result.names), result.unit(self.output)
+        return np.asarray(result[self.output])
+
+    def gradient(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray:
+        """(k, 2) d output / d e at displacement e: one solve for positions, differences for everything else."""
+        q_slope = self._slope(t, node, e)
+        if q_slope is None:
+            return self._differences(t, node, e)
+        memory = self.sweep.memory
+        rows = dense_rows(self.ready, memory)
+        y = np.linalg.lstsq(rows.T, q_slope, rcond=1e-12)[0]
+        found = np.zeros((len(self.joints), 2))
+        for k, joint in enumerate(self.joints):
+            first = int(self.ready.arrays["joint"][self.ready.joints.index(joint.name), 4])
+            found[k] = y[first : first + 2]
+            if joint.kind != "prismatic":  # rows are in the ground frame, e in that of A
+                angle = (
+                    0.0 if joint.a.body == "ground" else memory["body"][1 + self.ready.bodies.index(joint.a.body), 2]
+                )
+                c, s = math.cos(angle), math.sin(angle)
+                found[k] = c * found[k, 0] + s * found[k, 1], -s * found[k, 0] + c * found[k, 1]
+        return found
+
+    def _slope(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray | None:
+        """(3 nb,) d output / dq, the rows of this place in the memory; None unless it depends on positions alone."""
+        owner, _, last = self.output.rpartition(".")
+        body, _, point = owner.partition(".")
+        bodies = self.ready.model.bodies
+        signal = self.output in self.ready.model.signals
+        if not signal and (
+            body not in bodies or last not in ("x", "y", "angle") or (point and point not in bodies[body].points)
+        ):
+            return None
+        self.row(t, node, e)
+        memory = self.sweep.memory
+        q = self.sweep.node[swept.Q].copy()
+        v = self.sweep.node[swept.V].copy()
+        self.shift(e)
+        open_by(memory.handle, t, q, v)
+        slope = np.zeros(len(q))
+        if not signal:
+            k = 3 * self.ready.bodies.index(body)
+            c, s = math.cos(q[k + 2]), math.sin(q[k + 2])
+            x, y = bodies[body].points[point] if point else (0.0, 0.0)
+            slope[k + ("x", "y", "angle").index(last)] = 1.0
+            if point:
+                slope[k + 2] = -(s * x + c * y) if last == "x" else c * x - s * y
+        else:
+            slope_v = self._signal_slopes(t, q, v, slope)
+            if slope_v:
+                self.shift(np.zeros_like(e))
+                return None
+        open_by(memory.handle, t, q, v)
+        self.shift(np.zeros_like(e))
+        return slope
+
+    def _signal_slopes(self, t: float, q: np.ndarray, v: np.ndarray, slope: np.ndarray) -> bool:
+        """Fill in d signal / dq by differences; True when the signal depends on rates as well."""
+        memory, k = self.sweep.memory, list(self.ready.model.signals).index(self.output)
+
+        def at(q: np.ndarray, v: np.ndarray) -> float:
+            open_by(memory.handle, t, q, v)
+            loads(memory.handle, t)
+            return float(memory["signals"][k])
+
+        base = at(q, v)
+        for n in range(len(q)):
+            step = 1e-5 * (self.ready.size if n % 3 < 2 else 1.0)
+            up, down = q.copy(), q.copy()
+            up[n] += step
+            down[n] -= step
+            slope[n] = (at(up, v) - at(down, v)) / (2 * step)
+        return any(at(q, v + np.eye(len(v))[n]) != base for n in range(len(v)))
+
+    def _differences(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray:
+        found = np.zeros_like(e)
+        for k, joint in enumerate(self.joints):
+            for n in range(2):
+                step = SMALL * joint.clearance / (half_length(joint) if n and joint.kind == "prismatic" else 1.0)
+                change = np.zeros_like(e)
+                change[k, n] = step
+                found[k, n] = (self.value(t, node, e + change) - self.value(t, node, e - change)) / (2 * step)
+        return found
+
+
+def half_length(joint: Joint) -> float:
+    """Half the length of a guide's block [m]: how far its corners are from its point."""
+    return 0.5 * joint.block[0] if joint.block else math.inf
+
+
+def widest(joint: Joint, y: np.ndarray) -> tuple[float, np.ndarray]:
+    """Largest of y . e over what the play of one joint allows, and the e where it is reached."""
+    if joint.kind != "prismatic":
+        size = float(np.hypot(*y))
+        return joint.clearance * size, (joint.clearance / size * y if size > 0.0 else np.zeros(2))
+    turn = joint.clearance / half_length(joint)  # corners |e_0 +- a e_1| <= c: a rhombus, its tips are the extremes
+    ends = (joint.clearance * abs(float(y[0])), turn * abs(float(y[1])))
+    if ends[0] >= ends[1]:
+        return ends[0], np.array([math.copysign(joint.clearance, y[0]), 0.0])
+    return ends[1], np.array([0.0, math.copysign(turn, y[1])])

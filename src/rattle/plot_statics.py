@@ -1,0 +1,130 @@
+"""Pictures of what needs no time stepping: the band of an output under play, a mode of vibration."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rattle.plot import BLACK, BLUE, GREY, ORANGE, QUANTITY, RED, axis_label, new_figure, tidy
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rattle.modes import Modes
+    from rattle.play import Play
+    from rattle.result import Result
+
+BAND = "#BBD7EA"
+
+
+def plot_play(play: Play) -> Figure:
+    """The output with its worst-case band, the deviation alone, and who contributes how much to it."""
+    figure = new_figure(8.6, 6.6)
+    top, middle, bar = figure.subplots(3, 1, height_ratios=(1.0, 1.3, 0.35 + 0.16 * len(play.joints)))
+    factor, unit = _handy(play.unit, 1.0)
+    small, small_unit = _handy(play.unit, float(play.worst.max()))
+    kind = QUANTITY.get(play.unit, play.output)
+    _band(tidy(top), play, factor)
+    top.set_ylabel(axis_label(kind, unit))
+    _deviation(tidy(middle), play, small)
+    middle.set_ylabel(axis_label("deviation", small_unit))
+    middle.set_xlabel("time [s]")
+    top.sharex(middle)
+    top.tick_params(labelbottom=False)
+    top.set_title(f"{play.output}: how far the play of the joints lets it stray", loc="left", fontsize=11)
+    for ax in (top, middle):
+        ax.margins(x=0.0)
+        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize=9)
+    _contributions(tidy(bar), play, small, small_unit)
+    return figure
+
+
+def _band(ax: Axes, play: Play, factor: float) -> None:
+    low, high = factor * (play.nominal - play.worst), factor * (play.nominal + play.worst)
+    ax.fill_between(play.t, low, high, color=BAND, linewidth=0, label="worst case")
+    ax.plot(play.t, factor * play.nominal, color=BLUE, linewidth=1.2, label="without play")
+
+
+def _deviation(ax: Axes, play: Play, factor: float) -> None:
+    worst, rss = factor * play.worst, factor * play.rss
+    ax.fill_between(play.t, -worst, worst, color=BAND, linewidth=0, label="worst case,\nfirst order")
+    ax.plot(play.t, rss, color=BLUE, linewidth=1.0, label="root sum square")
+    ax.plot(play.t, -rss, color=BLUE, linewidth=1.0)
+    for n, curve in enumerate((play.low, play.high)):
+        if np.isfinite(curve).any():
+            label = None if n else "exact extremes"
+            ax.plot(
+                play.t, factor * (curve - play.nominal), color=BLACK, linewidth=0.9, linestyle=(0, (4, 2)), label=label
+            )
+    if np.isfinite(play.loaded).any():
+        ax.plot(play.t, factor * play.loaded, color=RED, linewidth=1.4, label="under the loads,\nat rest")
+    ax.axhline(0.0, color=GREY, linewidth=0.6)
+
+
+def _contributions(ax: Axes, play: Play, factor: float, unit: str) -> None:
+    k = int(np.argmax(play.worst))
+    order = sorted(range(len(play.joints)), key=lambda n: play.contributions[k, n])
+    sizes = [factor * play.contributions[k, n] for n in order]
+    names = [f"{play.joints[n]} ({play.clearances[play.joints[n]] * 1e3:.3g} mm)" for n in order]
+    colours = [ORANGE if play.joints[n] == play.tighten else BLUE for n in order]
+    ax.barh(names, sizes, color=colours, height=0.6)
+    for n, size in enumerate(sizes):
+        share = 100 * size / max(sum(sizes), 1e-300)
+        ax.annotate(f"{share:.0f} %", (size, n), (4, 0), textcoords="offset points", va="center", fontsize=9)
+    ax.grid(axis="y", visible=False)
+    ax.set_xlim(0, 1.15 * max([*sizes, 1e-300]))
+    ax.set_xlabel(axis_label(f"contribution at the widest place, t = {play.t[k]:.3g} s", unit))
+    ax.set_title(f"tighten {play.tighten} first", loc="left", fontsize=10)
+
+
+def _handy(unit: str, size: float) -> tuple[float, str]:
+    """A factor and unit in which a quantity of this size is easy to read."""
+    if unit == "rad":
+        return 180 / math.pi, "deg"
+    if unit == "m" and size < 0.1:
+        return (1e3, "mm") if size >= 1e-4 else (1e6, "µm")
+    return 1.0, unit
+
+
+def plot_mode(modes: Modes, mode: int, amplitude: float = 0.1) -> Figure:
+    """The mechanism at rest (black) and at both ends of its swing."""
+    motion = modes.motion(mode, amplitude)
+    figure = new_figure(6.4, 5.4)
+    ax = tidy(figure.subplots())
+    half = len(motion.t) // 2
+    for k, colour, label in (
+        (0, BLUE, "one end of the swing"),
+        (half, ORANGE, "the other"),
+        (half // 2, BLACK, "at rest"),
+    ):
+        _draw(ax, motion, k, colour, label)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_xlabel("x [m]")
+    ax.set_ylabel("y [m]")
+    omega = modes.omega[mode]
+    said = f"grows at {modes.growth[mode]:.4g} 1/s" if math.isnan(omega) else f"{modes.frequency[mode]:.4g} Hz"
+    ax.set_title(f"mode {mode + 1}: {said}", loc="left", fontsize=11)
+    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize=9)
+    return figure
+
+
+def _draw(ax: Axes, result: Result, k: int, colour: str, label: str) -> None:
+    """Every body as lines between its points; a body with one point as a dot."""
+    shown: str | None = label
+    for body, form in result.geometry["bodies"].items():
+        points = list(form["points"])
+        x = [float(result[f"{body}.{p}.x"][k]) for p in points]
+        y = [float(result[f"{body}.{p}.y"][k]) for p in points]
+        if len(points) < 2:  # its mass centre is all there is besides
+            x, y = [*x, float(result[f"{body}.x"][k])], [*y, float(result[f"{body}.y"][k])]
+        closed = [*range(len(x)), 0] if len(x) > 2 else list(range(len(x)))
+        ax.plot(
+            [x[n] for n in closed], [y[n] for n in closed], "o-", color=colour, linewidth=1.6, markersize=4, label=shown
+        )
+        shown = None
+    if label == "at rest":
+        ground = result.geometry["ground"]["points"].values()
+        ax.plot([p[0] for p in ground], [p[1] for p in ground], "^", color=GREY, markersize=9, zorder=0)

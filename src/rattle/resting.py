@@ -1,0 +1,293 @@
+"""One mechanism brought to rest: Q(q) - Phi_q^T lambda = 0, Phi(q, t) = 0.
+
+Newton on the freedoms that the joints leave, with positions kept closed:
+
+    Z = null space of Phi_q,   g = Z^T Q,   H = Z^T K Z,   K = -d(Q - Phi_q^T lambda)/dq,   q += Z H^-1 g
+
+Coordinates are scaled (angles as arc lengths at the size of the mechanism), so that g is in N and H in N/m.
+H > 0 is stability against small displacements (THEORY section 7).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from rattle.assembly import dense_rows
+from rattle.closing import close_position
+from rattle.equations import drive
+from rattle.plane import AUTO, CLOSED, SPEED
+from rattle.recording import columns, geometry, width
+from rattle.result import Result, Trust
+from rattle.singular import RANK, nonunique_reactions
+from rattle.steppers.rest import force_at, stiffness
+from rattle.steppers.writing import write
+from rattle.system import Compiled, has_contacts, is_link
+
+ROUNDS = 60  # Newton steps before a start is given up
+
+
+@dataclass
+class Equilibrium:
+    """One position of rest. `E["coupler.angle"]` gives any result name [SI]."""
+
+    t: float  # [s], of the drivers' functions
+    q: np.ndarray = field(repr=False)  # (3 nb,)
+    multiplier: np.ndarray = field(repr=False)  # (nr,)
+    eigenvalue: float  # smallest of the reduced Hessian [N/m]; inf where no freedom is left
+    residual: float  # largest force out of balance [N]
+    gap: float  # largest constraint residual [m or rad]
+    iterations: int
+    nonunique: tuple[str, ...]  # joints whose reactions are not unique
+    freedoms: int  # that the joints and drivers leave
+    result: Result = field(repr=False)
+
+    def __getitem__(self, name: str) -> float:
+        """Any quantity by its result name, in SI units. Raises UnknownName."""
+        return float(self.result[name][0])
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All names that `E[...]` answers to."""
+        return self.result.names
+
+    def unit(self, name: str) -> str:
+        """SI unit of a quantity."""
+        return self.result.unit(name)
+
+    @cached_property
+    def normals(self) -> dict[str, float]:
+        """Normal force of every clearance pin [N], negative where the bush would have to pull."""
+        found = {
+            name: self[f"{name}.normal"] for name in self.result.geometry["joints"] if f"{name}.normal" in self.result
+        }
+        joints = self.result.geometry["joints"]
+        return {name: value for name, value in found.items() if joints[name]["contact"] not in ("", "ideal")}
+
+    @property
+    def pulled(self) -> tuple[str, ...]:
+        """Pins at which the bush would have to pull."""
+        scale = max([abs(n) for n in self.normals.values()] + [1e-300])
+        return tuple(name for name, n in self.normals.items() if n < -1e-9 * scale)
+
+    @property
+    def admissible(self) -> bool:
+        """True when no bush would have to pull (all N >= 0)."""
+        return not self.pulled
+
+    @property
+    def stable(self) -> bool:
+        """True when every small displacement is driven back (all eigenvalues positive)."""
+        return self.eigenvalue > 0.0
+
+    @property
+    def reactions_unique(self) -> bool:
+        """False where constraints are redundant; `nonunique` names the joints."""
+        return not self.nonunique
+
+    def __str__(self) -> str:
+        kind = "stable" if self.stable else "unstable"
+        sides = f", {', '.join(self.pulled)} would have to pull" if self.pulled else ""
+        pins = "".join(f", {name} presses with {n:.4g} N" for name, n in self.normals.items() if n >= 0)
+        hold = f", stiffness {self.eigenvalue:.3g} N/m" if math.isfinite(self.eigenvalue) else ""
+        return f"{kind}{hold}{sides}{pins}; balanced to {self.residual:.1g} N, closed to {self.gap:.1g} m"
+
+
+class Rest:
+    """One mechanism to be brought to rest at one position of its drivers."""
+
+    def __init__(self, ready: Compiled, t: float) -> None:
+        self.ready, self.memory = ready, ready.memory()
+        if len(self.memory["grip"]):
+            self.memory["grip"][:, CLOSED] = AUTO
+            self.memory["grip"][:, SPEED] = 1.0
+        self.scale = np.ones(3 * ready.body_count)
+        self.scale[2::3] = 1.0 / ready.size
+        joints = ready.model.joints.values()
+        arms = [one.clearance for one in joints if is_link(one)] + [
+            one.fields["length"] for one in joints if "length" in one.fields
+        ]
+        length = min([1e-4 * ready.size] + [3e-3 * one for one in arms])
+        if len(self.memory["grip"]):  # penetrations are small
+            length = min([length] + [1e-5 * one.clearance for one in joints if has_contacts(one)])
+        self.step = length * self.scale
+        self.out = np.zeros(3 * ready.body_count)
+        self.links = [name for name, one in ready.model.joints.items() if is_link(one)]
+        self.at(t)
+
+    def at(self, t: float) -> None:
+        """Set the drivers to time t."""
+        self.t = t
+        drive(self.memory.handle, t)
+
+    def close(self, q: np.ndarray) -> float:
+        """Put the joints together in place; returns the largest residual."""
+        gap, _ = close_position(self.memory.handle, self.t, q, np.empty_like(q), 1e-13 * self.ready.size, 60)
+        return float(gap)
+
+    def look(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Reduced force g [N] and the scaled null space Z at q; leaves the least-squares multipliers."""
+        self.memory["multiplier"][:] = 0.0
+        force_at(self.memory.handle, self.t, q, self.out)
+        applied = self.out * self.scale
+        if not self.ready.row_count:
+            return applied, np.diag(self.scale)
+        rows = dense_rows(self.ready, self.memory) * self.scale
+        norm = np.linalg.norm(rows, axis=1)
+        _, values, right = np.linalg.svd(rows / norm[:, None])
+        count = int((values > RANK * values[0]).sum())
+        self.memory["multiplier"][:] = np.linalg.lstsq((rows / norm[:, None]).T, applied, rcond=RANK)[0] / norm
+        null = right[count:].T
+        return null.T @ applied, self.scale[:, None] * null
+
+    def hessian(self, q: np.ndarray, null: np.ndarray) -> np.ndarray:
+        """Reduced Hessian H [N/m]; the multipliers of `look` are in the memory."""
+        tangent = np.zeros((len(q), len(q)))
+        stiffness(self.memory.handle, self.t, q, self.step, self.out, tangent)
+        return np.asarray(null.T @ tangent @ null)
+
+    def offsets(self, q: np.ndarray) -> np.ndarray:
+        """(k, 2) pin centre minus bush centre of every link, at q."""
+        found = []
+        for name in self.links:
+            joint = self.ready.model.joints[name]
+            ends = []
+            for point in (joint.a, joint.b):
+                if point.body == "ground":
+                    ends.append(np.array(point.at))
+                    continue
+                x, y, phi = q[3 * self.ready.bodies.index(point.body) :][:3]
+                c, s = math.cos(phi), math.sin(phi)
+                ends.append(np.array([x + c * point.at[0] - s * point.at[1], y + s * point.at[0] + c * point.at[1]]))
+            found.append(ends[1] - ends[0])
+        return np.array(found).reshape(-1, 2)
+
+    def _too_far(self, before: np.ndarray, after: np.ndarray) -> bool:
+        """A pin that turned by more than 0.8 rad may have changed sides."""
+        if not len(before):
+            return False
+        cosine = (before * after).sum(axis=1) / (
+            np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1) + 1e-300
+        )
+        return bool((cosine < 0.7).any())
+
+    def settle(self, start: np.ndarray, downhill: bool = False) -> tuple[np.ndarray, int] | None:
+        """A position of rest near a start, or None; downhill: a stable one."""
+        q = start.copy()
+        if not self.close(q) < 1e-9 * self.ready.size:
+            return None
+        g, null = self.look(q)
+        size = self.force_scale()
+        small = 0
+        for iteration in range(ROUNDS):
+            if not len(g) or not np.isfinite(g).all():
+                return (q, iteration) if not len(g) else None
+            h = self.hessian(q, null)
+            if downhill:
+                values, vectors = np.linalg.eigh(0.5 * (h + h.T))
+                dz = vectors @ ((vectors.T @ g) / np.maximum(np.abs(values), 1e-9 * np.abs(values).max() + 1e-300))
+            else:
+                dz = np.linalg.lstsq(h, g, rcond=1e-13)[0]
+            far = float(np.abs(null @ dz / self.scale).max())
+            dz *= min(1.0, 0.3 * self.ready.size / max(far, 1e-300))
+            if far < 1e-13 * self.ready.size or (np.abs(g).max() <= 1e-12 * size and far < 1e-10 * self.ready.size):
+                return q, iteration
+            taken = self._advance(q, g, null, dz, downhill)
+            if taken is None:
+                done = np.abs(g).max() <= 1e-8 * size
+                return (q, iteration) if done else None
+            before = float(np.abs(g).max())
+            q, g, null = taken
+            small = small + 1 if np.abs(g).max() <= 1e-11 * size and np.abs(g).max() > 0.1 * before else 0
+            if small == 2:
+                return q, iteration + 1
+        return (q, ROUNDS) if np.abs(g).max() <= 1e-8 * size else None
+
+    def force_scale(self) -> float:
+        """A force typical of what acts [N]."""
+        rows = np.abs(self.memory["rows"][:, 3:]).max(axis=1, initial=0.0)
+        acting = np.abs(self.memory["multiplier"] * rows).max(initial=0.0)
+        return float(
+            max(
+                acting,
+                np.abs(self.memory["force"][:, :2]).max(),
+                np.abs(self.memory["force"][:, 2]).max() / self.ready.size,
+                1e-12,
+            )
+        )
+
+    def _advance(
+        self, q: np.ndarray, g: np.ndarray, null: np.ndarray, dz: np.ndarray, downhill: bool
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+        """One step, halved until it is safe and helps."""
+        offsets = self.offsets(q)
+        share = 1.0
+        for _ in range(30):
+            trial = q + share * (null @ dz)
+            if self.close(trial) < 1e-9 * self.ready.size and not self._too_far(offsets, self.offsets(trial)):
+                g_new, null_new = self.look(trial)
+                if len(g_new) == len(g) and np.isfinite(g_new).all():
+                    if downhill:  # not beyond the point where the force along the way turns round
+                        along = float(self.out_along(null @ dz))
+                        better = along > -0.5 * float(g @ dz) or np.linalg.norm(g_new) < np.linalg.norm(g)
+                    else:
+                        better = float(np.linalg.norm(g_new)) < float(np.linalg.norm(g)) * (1 - 1e-4 * share)
+                    if better:
+                        return trial, g_new, null_new
+            share *= 0.5
+        return None
+
+    def out_along(self, direction: np.ndarray) -> float:
+        """Work of the applied forces per step in a direction, at the position looked at last."""
+        return (
+            float(self.out @ direction)
+            if not self.ready.row_count
+            else float(self.memory["force"][1:].ravel() @ direction)
+        )
+
+    def finish(self, q: np.ndarray, iterations: int) -> Equilibrium:
+        """Everything about a position of rest."""
+        from rattle import __version__
+
+        memory, ready = self.memory, self.ready
+        g, null = self.look(q)
+        eigenvalue = math.inf
+        if len(g):
+            h = self.hessian(q, null)
+            values = np.linalg.eigvals(h).real
+            eigenvalue = float(values.min())
+            if abs(eigenvalue) < 1e-8 * max(float(np.abs(values).max()), self.force_scale() / ready.size):
+                eigenvalue = 0.0  # neutral
+        force_at(memory.handle, self.t, q, self.out)
+        gap = float(np.abs(memory["rows"][:, 0]).max(initial=0.0))
+        residual = float(np.abs(self.out * self.scale).max(initial=0.0))
+        memory["acceleration"][:] = 0.0
+        memory["rows"][:, 1] = 0.0  # at rest
+        raw = np.zeros((1, width(ready)))
+        write(memory.handle, 0.0, 0.0, raw[0])
+        data, names, units = columns(ready, raw)
+        keep = [k for k, name in enumerate(names) if name not in ("energy.work", "energy.dissipated", "energy.balance")]
+        names = [names[k] for k in keep]
+        nonunique = nonunique_reactions(ready, memory)
+        result = Result(
+            t=[self.t], data=np.ascontiguousarray(data[:, keep]),
+            names=names, units={name: units[name] for name in names},
+            geometry=geometry(ready.model), stats={"iterations": iterations},
+            trust=Trust(drift=gap, t_end=self.t, horizon=self.t, nonunique=nonunique),
+            provenance={"model": ready.model.name, "program": f"rattle {__version__}", "analysis": "equilibrium"},
+        )  # fmt: skip
+        return Equilibrium(
+            self.t,
+            q.copy(),
+            memory["multiplier"].copy(),
+            eigenvalue,
+            residual,
+            gap,
+            iterations,
+            nonunique,
+            len(g),
+            result,
+        )
