@@ -15,6 +15,7 @@ from rattle.assembly import Assembled
 from rattle.equations import DONE, NOT_FINITE, PAUSED
 from rattle.errors import SolverError
 from rattle.happenings import contact_counts, contact_events, contact_notes
+from rattle.memory import Memory
 from rattle.recording import columns, geometry, width
 from rattle.result import Result, Trust
 from rattle.singular import nonunique_reactions
@@ -25,6 +26,7 @@ from rattle.trouble import explain
 
 log = logging.getLogger("rattle")
 
+METHODS = (*march.METHODS, "event", "moreau")
 RTOL = 1e-8
 POINTS = 1000  # output intervals when nothing is said
 CHUNK = 2000  # steps between two looks at the clock and the keyboard
@@ -46,8 +48,7 @@ class Run:
     ) -> None:
         self.ready, self.start, self.t_eval, self.t_end = ready, start, t_eval, t_end
         self.method, self.rtol, self.atol, self.step = method, rtol, atol, step
-        y = start_state(ready, start)
-        self.memory = ready.memory(**march.march_arrays(y, len(ready.watched)))
+        self.memory = self.prepare()
         self.clock, self.tally = self.memory["clock"], self.memory["tally"]
         self.raw = np.zeros((len(t_eval), width(ready)))
         self.crossings: list[np.ndarray] = []
@@ -55,6 +56,10 @@ class Run:
         self.first_sign = np.ones(len(ready.watched))
         self.message = ""
         self.wall = 0.0
+
+    def prepare(self) -> Memory:
+        """Memory of the run."""
+        return self.ready.memory(**march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched)))
 
     def go(self, progress: bool = False) -> None:
         """March to the end, or to where it cannot go on (then `message` says why)."""
@@ -69,7 +74,7 @@ class Run:
         if len(self.t_eval) and self.t_eval[0] <= self.start.t:
             record(m.handle, self.start.t, m["y"], self.raw[0])
             tally[march.OUTPUTS] = 1
-        bar = _bar(self.t_end) if progress else None
+        bar = progress_bar(self.t_end) if progress else None
         try:
             if status == NOT_FINITE:
                 self.message = explain(self.ready, self.memory, self.t_end, status)
@@ -113,8 +118,8 @@ def simulate(
     settings = ready.model.settings
     end, times = output_times(settings, t_end, t_eval)
     method = method or settings.method
-    if method not in march.METHODS:
-        raise ValueError(f"unknown method '{method}'; wanted {' or '.join(march.METHODS)}")
+    if method not in METHODS:
+        raise ValueError(f"unknown method '{method}'; wanted {' or '.join(METHODS)}")
     rtol = _positive("rtol", rtol or settings.rtol or RTOL)
     atol = _positive("atol", atol or settings.atol or 1e-2 * rtol)
     step = step or settings.step
@@ -122,14 +127,13 @@ def simulate(
         _positive("step", step)
     if method == "rk4" and any(one.contact and one.contact.model == "compliant" for one in ready.model.joints.values()):
         raise ValueError("rk4 takes fixed steps, which contacts do not allow; use method dop853")
-    if step is None and method == "rk4":
-        step = min(1e-4, end / POINTS)
-    run = Run(ready, start, times, end, method, rtol, atol, step)
+    one_run, method, step = _kind_of_run(ready, method, step, end)
+    run = one_run(ready, start, times, end, method, rtol, atol, step)
     run.go(progress)
     reach = None
     if horizon and run.tally[march.OUTPUTS] > 1:
-        finer = None if step is None else step / 10 ** (1 / march.ORDERS[method])
-        second = Run(ready, start, times, end, method, rtol / 10, atol / 10, finer)
+        finer = None if step is None else step / 10 ** (1 / march.ORDERS.get(method, 1))
+        second = one_run(ready, start, times, end, method, rtol / 10, atol / 10, finer)
         second.go(progress)
         reach = agreement(run, second)
     result = _result(run, reach)
@@ -139,6 +143,17 @@ def simulate(
         if strict:
             raise SolverError(result.message, result)
     return result
+
+
+def _kind_of_run(ready: Compiled, method: str, step: float | None, span: float) -> tuple[type[Run], str, float | None]:
+    """What runs this model: set-valued contacts have methods of their own, which other models do not need."""
+    from rattle import impact_run
+
+    if impact_run.has_impacts(ready):
+        return impact_run.ImpactRun, *impact_run.choose_method(ready, method, step, span)
+    if method not in march.METHODS:
+        method = "dop853"
+    return Run, method, min(1e-4, span / POINTS) if method == "rk4" and step is None else step
 
 
 def output_times(
@@ -192,7 +207,8 @@ def agreement(run: Run, second: Run) -> float:
     return float(run.t_eval[n - 1])
 
 
-def _bar(t_end: float) -> Any:
+def progress_bar(t_end: float) -> Any:
+    """A bar on stderr that fills up to t_end."""
     from tqdm import tqdm
 
     return tqdm(

@@ -12,7 +12,6 @@ from rattle import catalog
 from rattle.memory import Memory
 from rattle.plane import (
     CLOSED,
-    CONTACT_EVENT,
     IMPULSE_0,
     LOSS_0,
     OWNER,
@@ -24,18 +23,18 @@ from rattle.plane import (
 from rattle.result import Event
 from rattle.system import Compiled
 
+KINDS = ("contact", "release", "impact", "stick", "slip")  # in the order of their numbers in `plane`
+
 
 def contact_events(ready: Compiled, rows: Sequence[np.ndarray], memory: Memory, t: float) -> tuple[Event, ...]:
     """Events in order of time; contacts still going on at the end (time t) come with what they have so far."""
     owner = ready.arrays["contact"][:, OWNER]
     found = []
     for row in np.concatenate(rows) if rows else np.zeros((0, 8)):
-        kind = "contact" if row[2] == CONTACT_EVENT else "release"
         joint = ready.joints[owner[int(row[1])]]
-        if kind == "contact":
-            found.append(Event(float(row[0]), joint, kind, *(float(x) for x in row[3:8])))
-        else:
-            found.append(Event(float(row[0]), joint, kind, float(row[3])))
+        kind = KINDS[int(row[2])]
+        values = row[3:8] if kind in ("contact", "impact") else row[3:4]
+        found.append(Event(float(row[0]), joint, kind, *(float(x) for x in values)))
     grip, y = memory["grip"], memory["y"]
     for n in np.flatnonzero(grip[:, CLOSED] == SHUT):
         k = len(y) - 4 * len(grip) + 4 * n

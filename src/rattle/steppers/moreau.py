@@ -1,0 +1,325 @@
+"""Moreau-Jean time stepping: contacts as percussions over a step, no events to locate.
+
+    q_M  = q + h/2 v                                 contacts with g(q_M) <= 0 take part
+    M (v+ - v) = h Q(q_M, v, t_M) - Phi_q^T Lambda - W P,   Phi_q v+ = nu
+    0 <= g'+ + e_N g'-,  0 <= P_N,  complementary;   P_T in -mu P_N Sgn(-(u_t+ + e_T u_t-))
+    q+   = q_M + h/2 v+
+
+The contact problem is solved by `impact.solve_contacts`, started from the modes of the step before.  Then
+positions are corrected: contacts that pressed and lie too deep, and the joints, with the least mass-weighted
+change; rates only along the joints.  The force of a contact is its percussion divided by h.
+
+The order is one where contacts close, and the energy balance closes to O(h).  An impact counts as one when it is
+faster than what two steps of free motion bring about; a contact lasts from LASTING pressed steps in a row on and
+ends with as many free ones.
+
+Source: Jean, The non-smooth contact dynamics method, Comput. Methods Appl. Mech. Eng. 177 (1999) 235-257; Moreau,
+Unilateral contact and dry friction in finite freedom dynamics (1988); position correction as in Acary, Projected
+event-capturing time-stepping schemes for nonsmooth mechanical systems, ibid. 256 (2013) 224-250.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import compiled
+from rattle.contact import touch_all
+from rattle.equations import (
+    DONE,
+    NOT_FINITE,
+    PAUSED,
+    accelerate,
+    constraints,
+    correct,
+    drive,
+    loads,
+    place,
+    rate_residual,
+    residual,
+)
+from rattle.impact import FORWARD, OFF, STICK, A, B, F, along, contact_rows, friction_of, solve_contacts, solve_modes
+from rattle.memory import (
+    ACCELERATION,
+    BODY,
+    CHANGE,
+    CHOSEN,
+    CLOCK,
+    CONTACT,
+    DIRECTION,
+    EVENTS,
+    GRIP,
+    MODE,
+    MULTIPLIER,
+    POWER,
+    REPLY,
+    ROWS,
+    SIDE,
+    SLIDE,
+    STAGE,
+    STATE,
+    STATE_NEW,
+    TALLY,
+    TOUCH,
+    TRIAL,
+    VALUES,
+    imat,
+    ivec,
+    mat,
+    vec,
+)  # fmt: skip
+from rattle.plane import (
+    CLOSED,
+    CONTACT_EVENT,
+    DGAP,
+    GAP,
+    IMPACT_EVENT,
+    IMPULSE_0,
+    LOSS_0,
+    NORMAL,
+    NORMAL_P,
+    NU,
+    OPEN,
+    PEAK,
+    RELEASE_EVENT,
+    SHAPE_P,
+    SHUT,
+    SINCE,
+    SLIP,
+    SLIP_EVENT,
+    SPEED,
+    STEPS_IN,
+    STICK_EVENT,
+    TANGENT,
+)  # fmt: skip
+from rattle.schur import factorise
+from rattle.steppers.event import NO_SOLUTION, note
+from rattle.steppers.march import DRIFT, EVALUATIONS, EVENT_COUNT, H_MIN, OUTPUTS, STEPS, H, T, project
+from rattle.steppers.writing import write
+
+ACTIVE = 1e-8  # share of the clearance within which a contact takes part
+LASTING = 3  # steps in a row after which a contact counts as lasting, or as released
+
+
+@compiled
+def start(m, t):
+    """Bring the start onto its constraints."""
+    y = vec(m, STATE)
+    project(m, t, y)
+    touch_all(m)
+    for n in range(mat(m, GRIP).shape[0]):
+        mat(m, GRIP)[n, CLOSED] = OPEN
+    vec(m, CLOCK)[T] = t
+
+
+@compiled
+def choose_active(m):
+    """Choose the contacts that are closed, starting from the modes of the step before; the others are off."""
+    contact, touch, mode, values = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), vec(m, VALUES)
+    chosen, trial, slide = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE)
+    count = 0
+    for n in range(contact.shape[0]):
+        touch[n, NORMAL], touch[n, TANGENT] = 0.0, 0.0
+        if touch[n, GAP] <= ACTIVE * values[contact[n, SHAPE_P] + 4]:
+            chosen[count], trial[count], slide[count] = n, mode[n], 0
+            count += 1
+    return count
+
+
+@compiled
+def impact_side(m, count, h):
+    """b of the active contacts: what g'+ + e_N g'- and -(u_t+ + e_T u_t-) would be without percussions."""
+    contact, touch, chosen, side = imat(m, CONTACT), mat(m, TOUCH), ivec(m, CHOSEN), mat(m, SIDE)
+    acceleration, values = mat(m, ACCELERATION), vec(m, VALUES)
+    for k in range(count):
+        n, p = chosen[k], contact[chosen[k], NORMAL_P]
+        hits = touch[n, DGAP] < 0.0
+        e_n, e_t = values[p] if hits else 0.0, values[p + 1] if hits else 0.0
+        side[B, 2 * k] = (1.0 + e_n) * touch[n, DGAP] - h * along(m, 2 * k, n, acceleration, 0)
+        side[B, 2 * k + 1] = -(1.0 + e_t) * touch[n, SLIP] - h * along(m, 2 * k + 1, n, acceleration, 0)
+
+
+@compiled
+def take_percussions(m, t, count, h, y):
+    """Percussions into rates, multipliers, forces and accounts; y holds q_M and the rates without percussions."""
+    contact, touch, chosen, trial = imat(m, CONTACT), mat(m, TOUCH), ivec(m, CHOSEN), ivec(m, TRIAL)
+    side, direction, reply, multiplier = mat(m, SIDE), mat(m, DIRECTION), mat(m, REPLY), vec(m, MULTIPLIER)
+    values, mode, nq = vec(m, VALUES), ivec(m, MODE), vec(m, CHANGE).shape[0]
+    rows, power = mat(m, ROWS), vec(m, POWER)
+    for r in range(2 * count):
+        f = side[F, r]
+        if f != 0.0:
+            for c in range(nq):
+                y[nq + c] -= direction[r, c] * f
+            for row in range(multiplier.shape[0]):
+                multiplier[row] -= reply[r, row] * f / h
+    y[2 * nq] += h * power[1]
+    y[2 * nq + 1] += h * power[2]
+    for row in range(multiplier.shape[0]):
+        y[2 * nq] -= h * multiplier[row] * rows[row, NU]
+    k, nc = 0, contact.shape[0]
+    for n in range(nc):
+        old, pull = mode[n], 0.0
+        mode[n] = OFF
+        if k < count and chosen[k] == n:
+            pressed, held, p = side[F, 2 * k], side[F, 2 * k + 1], contact[n, NORMAL_P]
+            if pressed > 0.0:
+                mode[n] = trial[k]
+                hits = touch[n, DGAP] < 0.0
+                gap_rate = side[A, 2 * k] - (values[p] if hits else 0.0) * touch[n, DGAP]
+                slip = -side[A, 2 * k + 1] - (values[p + 1] if hits else 0.0) * touch[n, SLIP]
+                if friction_of(m, n) == 0.0:
+                    slip = touch[n, SLIP]
+                lost = 0.5 * (held * (touch[n, SLIP] + slip) - pressed * (touch[n, DGAP] + gap_rate))
+                j = y.shape[0] - 4 * nc + 4 * n
+                y[j + 1] += pressed
+                y[j + 2] += lost
+                touch[n, NORMAL], touch[n, TANGENT] = pressed / h, held / h
+                pull = abs(along(m, 2 * k, n, mat(m, ACCELERATION), 0))
+                if old == OFF and -touch[n, DGAP] > 2.0 * h * pull:
+                    note(m, IMPACT_EVENT, n, t, y, -touch[n, DGAP], 0.0, pressed, lost)
+                    mat(m, GRIP)[n, SPEED] = -touch[n, DGAP]
+            k += 1
+        watch_contact(m, n, old, t, h, y)
+
+
+@compiled
+def watch_contact(m, n, old, t, h, y):
+    """Count pressed and free steps of contact n; note where it starts or ends to last, sticks or slips."""
+    mode, grip, touch = ivec(m, MODE), mat(m, GRIP), mat(m, TOUCH)
+    steps = grip[n, STEPS_IN]
+    j = y.shape[0] - 4 * grip.shape[0] + 4 * n
+    if mode[n] != OFF:
+        steps = max(steps, 0.0) + 1.0
+        if grip[n, CLOSED] == OPEN and steps >= LASTING:
+            grip[n, CLOSED], grip[n, SINCE], grip[n, PEAK] = SHUT, t + h - steps * h, 0.0
+            grip[n, IMPULSE_0], grip[n, LOSS_0] = y[j + 1], y[j + 2]
+            if mode[n] == STICK and friction_of(m, n) > 0.0:
+                note(m, STICK_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+        elif grip[n, CLOSED] == SHUT and old != OFF and (old == STICK) != (mode[n] == STICK) and friction_of(m, n) > 0.0:
+            note(m, STICK_EVENT if mode[n] == STICK else SLIP_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+        grip[n, PEAK] = max(grip[n, PEAK], touch[n, NORMAL])
+    else:
+        steps = min(steps, 0.0) - 1.0
+        if grip[n, CLOSED] == SHUT and steps <= -LASTING:
+            note(m, CONTACT_EVENT, n, t + (steps + 1.0) * h, y, 0.0, 0.0, 0.0, 0.0)
+            note(m, RELEASE_EVENT, n, t + (steps + 1.0) * h, y, 0.0, 0.0, 0.0, 0.0)
+            grip[n, CLOSED], grip[n, SPEED] = OPEN, 0.0
+    grip[n, STEPS_IN] = steps
+
+
+@compiled
+def lift(m, count, y):
+    """Take pressed contacts that lie too deep back to the wall, along the joints as they are at the middle of the step."""
+    touch, chosen, trial, side, direction = mat(m, TOUCH), ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), mat(m, DIRECTION)
+    nq = vec(m, CHANGE).shape[0]
+    deep = False
+    for k in range(count):
+        n = chosen[k]
+        trial[k] = OFF
+        side[B, 2 * k], side[B, 2 * k + 1] = 0.0, 0.0
+        if touch[n, NORMAL] > 0.0 and touch[n, GAP] < 0.0:
+            trial[k] = FORWARD
+            side[B, 2 * k] = -touch[n, GAP]
+            deep = True
+    if not deep:
+        return
+    solve_modes(m, count, 0.0)
+    for k in range(count):
+        for c in range(nq):
+            y[c] += direction[2 * k, c] * side[F, 2 * k]
+
+
+@compiled
+def close_joints(m, t, y):
+    """One correction of positions and of rates onto the joints; leaves rows, factor and touch of the end of the step."""
+    change, clock, nq = vec(m, CHANGE), vec(m, CLOCK), vec(m, CHANGE).shape[0]
+    q, v = y[:nq], y[nq : 2 * nq]
+    drive(m, t)
+    constraints(m)
+    factorise(m)
+    residual(m)
+    correct(m)
+    for c in range(nq):
+        q[c] += change[c]
+    place(m, q, v)
+    constraints(m)
+    clock[DRIFT] = max(clock[DRIFT], residual(m))
+    rate_residual(m)
+    correct(m)
+    for c in range(nq):
+        v[c] += change[c]
+
+
+@compiled
+def write_until(m, t, h, t_out, out):
+    """Outputs up to t + h: positions between those of both ends, rates of the end, forces of this step."""
+    tally, y, y_new, stage = ivec(m, TALLY), vec(m, STATE), vec(m, STATE_NEW), vec(m, STAGE)
+    acceleration, nq, nc = mat(m, ACCELERATION), vec(m, CHANGE).shape[0], mat(m, TOUCH).shape[0]
+    while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t + 1.0000001 * h:
+        k = tally[OUTPUTS]
+        share = min(max((t_out[k] - t) / h, 0.0), 1.0)
+        for c in range(y.shape[0]):
+            stage[c] = y[c] + share * (y_new[c] - y[c])
+        for c in range(nq):
+            stage[nq + c] = y[nq + c] if share == 0.0 else y_new[nq + c]
+            acceleration[1 + c // 3, c % 3] = (y_new[nq + c] - y[nq + c]) / h
+        place(m, stage[:nq], stage[nq : 2 * nq])
+        drive(m, t_out[k])
+        constraints(m)
+        loads(m, t_out[k])
+        lost = stage[2 * nq + 1]
+        for n in range(nc):
+            lost += stage[2 * nq + 4 + 4 * n]
+        write(m, stage[2 * nq], lost, out[k])
+        tally[OUTPUTS] = k + 1
+
+
+@compiled
+def advance(m, t_start, h, count, t_out, out, most_steps):
+    """Take up to `most_steps` of the `count` steps of length h from t_start on; writes outputs on the way.
+
+    Returns DONE, PAUSED, NOT_FINITE or NO_SOLUTION.
+    """
+    y, y_new, clock, tally, body = vec(m, STATE), vec(m, STATE_NEW), vec(m, CLOCK), ivec(m, TALLY), mat(m, BODY)
+    acceleration, nq, most_found = mat(m, ACCELERATION), vec(m, CHANGE).shape[0], mat(m, EVENTS).shape[0] // 2
+    begun = tally[STEPS]
+    clock[H] = clock[H_MIN] = h
+    while tally[STEPS] < begun + most_steps and tally[STEPS] < count and tally[EVENT_COUNT] < most_found:
+        t = t_start + tally[STEPS] * h
+        for c in range(y.shape[0]):
+            y_new[c] = y[c]
+        for c in range(nq):
+            y_new[c] += 0.5 * h * y[nq + c]
+        place(m, y_new[:nq], y[nq : 2 * nq])
+        drive(m, t + 0.5 * h)
+        constraints(m)
+        loads(m, t + 0.5 * h)
+        vec(m, POWER)[3] = 1.0
+        factorise(m)
+        accelerate(m)
+        active = choose_active(m)
+        contact_rows(m, active)
+        impact_side(m, active, h)
+        for c in range(nq):
+            y_new[nq + c] += h * acceleration[1 + c // 3, c % 3]
+        if active > 0 and not solve_contacts(m, active):
+            return NO_SOLUTION
+        take_percussions(m, t, active, h, y_new)
+        for c in range(nq):
+            y_new[c] += 0.5 * h * y_new[nq + c]
+        place(m, y_new[:nq], y_new[nq : 2 * nq])
+        if active > 0:
+            touch_all(m)
+            lift(m, active, y_new)
+            place(m, y_new[:nq], y_new[nq : 2 * nq])
+        close_joints(m, t + h, y_new)
+        for i in range(1, body.shape[0]):
+            if not abs(y_new[nq + 3 * i - 1]) + abs(y_new[nq + 3 * i - 2]) + abs(y_new[nq + 3 * i - 3]) < math.inf:
+                return NOT_FINITE
+        tally[EVALUATIONS] += 1
+        write_until(m, t, h, t_out, out)
+        for c in range(y.shape[0]):
+            y[c] = y_new[c]
+        tally[STEPS] += 1
+        clock[T] = t_start + tally[STEPS] * h
+    return DONE if tally[STEPS] >= count else PAUSED
