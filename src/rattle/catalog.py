@@ -19,7 +19,7 @@ import pkgutil
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -37,6 +37,8 @@ SIGNATURE = {
     "normal": ("f", "f", "f", "f", "f", "v", "i"),  # F_static, delta, ddelta, v0, p, k -> F
     "friction": ("f", "f", "f", "f", "v", "i", "v"),  # u, N, z, p, k, dz -> T
     "hold": ("void", "h"),  # m, see rattle.impact
+    "state": ("i", "h", "f", "v", "v"),  # m, t, and two vectors: parts of the march that many others call
+    "look_back": ("i", "h", "f", "f", "i", "i", "v", "m"),  # m, t, h, changed, method, t_out, out
 }
 REQUIRED: Any = object()
 _lock = threading.RLock()
@@ -262,6 +264,16 @@ def call_friction(entry: Any, arguments: Any) -> Any:
     return entry(*arguments)
 
 
+def call_state(entry: Any, arguments: Any) -> int:
+    """Call a part of the march; returns what it returns."""
+    return int(entry(*arguments))
+
+
+def call_look_back(entry: Any, arguments: Any) -> int:
+    """Call the search of a step just taken; returns the contact that changes, or -1."""
+    return int(entry(*arguments))
+
+
 def call_hold(entry: Any, arguments: Any) -> None:
     """Call the kernel that adds the forces of lasting set-valued contacts."""
     entry(*arguments)
@@ -275,6 +287,8 @@ _CALLERS: dict[str, Callable[..., Any]] = {
     "normal": call_normal,
     "friction": call_friction,
     "hold": call_hold,
+    "state": call_state,
+    "look_back": call_look_back,
 }
 
 
@@ -338,6 +352,13 @@ def table(*names: str) -> Any:
     if _jit:
         return np.array([one.address for one in found], dtype=np.int64)
     return tuple(one.python for one in found)
+
+
+def entries(functions: Iterable[Compiled]) -> Any:
+    """The same for given functions. Called this way a function is not linked into its callers again and again."""
+    if _jit:
+        return np.array([one.address for one in functions], dtype=np.int64)
+    return tuple(one.python for one in functions)
 
 
 def jit_runs() -> bool:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_hold, call_joint, call_load, compiled
+from rattle.catalog import call_hold, call_joint, call_load, compiled, kernel
 from rattle.contact import press, touch_all
 from rattle.memory import (
     ACCELERATION,
@@ -248,7 +248,7 @@ def accelerate(m):
                 acceleration[b, k] -= weight[b, k] * rows[r, BX + k] * value
 
 
-@compiled
+@kernel("state")
 def solve_motion(m, t, q, v):
     """Everything at (t, q, v): rows, forces, multipliers, accelerations. Returns the number of redundant rows."""
     place(m, q, v)
@@ -299,7 +299,7 @@ def set_bristles(m, y):
         touch[n, BRISTLE] = y[first + 4 * n]
 
 
-@compiled
+@kernel("state")
 def derivative(m, t, y, dy):
     """dy/dt of y (6 nb + 2 + 4 nc,), see `collect`. Returns the number of redundant rows."""
     nq = vec(m, CHANGE).shape[0]

@@ -80,6 +80,7 @@ FIELDS = {
     "held": "f1",  # (2,) sign of the determinant of the last solution, size of the mechanism [m]
     "hold_table": "i1",  # the kernel that adds the forces of lasting contacts, if there may be any
     # the march in time
+    "links": "i1",  # addresses of its parts: see steppers.march
     "y": "f1",  # (6 nb + 2,) q, v, work done, energy dissipated at clock[T]
     "f": "f1",  # its derivative
     "y_new": "f1",
@@ -99,9 +100,10 @@ FIELDS = {
     BELOW, TARGET, PAIRS, ROW_BODY, JOINT_TABLE, LOAD_TABLE, CLEARANCE_TABLE, STIFFNESS_TABLE, NORMAL_TABLE,
     FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER, SCHUR,
     INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, MODE, CHOSEN, TRIAL,
-    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, HELD, HOLD_TABLE, STATE, RATE, STATE_NEW, RATE_NEW,
-    STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN, CROSSINGS, EVENTS,
+    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, HELD, HOLD_TABLE, LINKS, STATE, RATE, STATE_NEW,
+    RATE_NEW, STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN, CROSSINGS, EVENTS,
 ) = range(len(FIELDS))  # fmt: skip
+DERIVATIVE, MOTION, FINISH, LOOK_BACK = range(4)  # places in `links`
 
 
 class Memory:

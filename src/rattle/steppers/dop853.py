@@ -7,9 +7,22 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled
-from rattle.equations import derivative
-from rattle.memory import CHANGE, DENSE, RATE, RATE_NEW, SLOPES, STAGE, STATE, STATE_NEW, mat, vec
+from rattle.catalog import call_state, compiled
+from rattle.memory import (
+    CHANGE,
+    DENSE,
+    DERIVATIVE,
+    LINKS,
+    RATE,
+    RATE_NEW,
+    SLOPES,
+    STAGE,
+    STATE,
+    STATE_NEW,
+    ivec,
+    mat,
+    vec,
+)  # fmt: skip
 from rattle.steppers.tableau import E3, E5, A, B, C, D
 from rattle.steppers.watch import watched_change
 
@@ -24,7 +37,7 @@ def step(m, t, h, rtol, atol):
     Returns the error relative to the tolerance, and True when a watched force changed its sign on the way.
     """
     y, f, k, stage, y_new = vec(m, STATE), vec(m, RATE), mat(m, SLOPES), vec(m, STAGE), vec(m, STATE_NEW)
-    ny = y.shape[0]
+    ny, derivative = y.shape[0], ivec(m, LINKS)[DERIVATIVE]
     nq = 2 * vec(m, CHANGE).shape[0]
     changed = False
     for n in range(ny):
@@ -39,7 +52,7 @@ def step(m, t, h, rtol, atol):
                     stage[n] += a * k[j, n]
         for n in range(ny):
             stage[n] = y[n] + h * stage[n]
-        derivative(m, t + C[s] * h, stage, k[s])
+        call_state(derivative, (m, t + C[s] * h, stage, k[s]))
         changed |= watched_change(m)
     error3, error5 = 0.0, 0.0
     for n in range(ny):
@@ -63,7 +76,7 @@ def step(m, t, h, rtol, atol):
 def prepare_dense(m, t, h):
     """Three more stages and the upper rows of the dense output for the step from (t, y) to (t + h, y_new)."""
     y, k, stage, dense, f_new = vec(m, STATE), mat(m, SLOPES), vec(m, STAGE), mat(m, DENSE), vec(m, RATE_NEW)
-    ny = y.shape[0]
+    ny, derivative = y.shape[0], ivec(m, LINKS)[DERIVATIVE]
     for n in range(ny):
         k[12, n] = f_new[n]
     for s in range(13, 16):
@@ -72,7 +85,7 @@ def prepare_dense(m, t, h):
             for j in range(s):
                 value += A[s, j] * k[j, n]
             stage[n] = y[n] + h * value
-        derivative(m, t + C[s] * h, stage, k[s])
+        call_state(derivative, (m, t + C[s] * h, stage, k[s]))
     for row in range(4):
         for n in range(ny):
             value = 0.0

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from rattle.catalog import compiled
+from rattle.catalog import call_look_back, call_state, compiled, entries, kernel
 from rattle.equations import (
     DONE,
     NOT_FINITE,
@@ -35,7 +35,12 @@ from rattle.memory import (
     CONTACT,
     CROSSINGS,
     DENSE,
+    DERIVATIVE,
+    FINISH,
     GRIP,
+    LINKS,
+    LOOK_BACK,
+    MOTION,
     MULTIPLIER,
     POWER,
     RATE,
@@ -79,8 +84,8 @@ from rattle.steppers.writing import record
 METHODS = {"dop853": 0, "rk4": 1}
 ORDERS = {"dop853": dop853.ORDER, "rk4": rk4.ORDER}
 # clock: time, next step, largest drift, smallest step, time of a failed step, last step with sound pivots, step of
-# free flight, fewest steps in a contact
-T, H, DRIFT, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST = range(8)
+# free flight, fewest steps in a contact, share of the step at which a contact changes
+T, H, DRIFT, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, SHARE = range(9)
 # tally; FOUND: crossings, LOST: redundant rows, LEAPS: steps across singular positions, STREAK: tries at
 # one, EVENT_COUNT: contact events waiting, CONTACTS: contacts that started
 STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK, EVENT_COUNT, CONTACTS = range(11)
@@ -93,10 +98,11 @@ MOST_TRIES = 20
 def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     """What a run that starts at y needs besides the arrays of one instant."""
     ny = y.shape[0]
-    clock = np.zeros(8)
+    clock = np.zeros(9)
     clock[H_MIN] = math.inf
     clock[FEWEST] = math.inf
     return {
+        "links": entries((derivative, solve_motion, finish_step, look_back)),
         "y": y.copy(),
         **{name: np.zeros(ny) for name in ("f", "y_new", "f_new", "stage")},
         "k": np.zeros((16, ny)),
@@ -168,7 +174,7 @@ def force_at(m, t, h, theta, n):
     stage, multiplier, watch = vec(m, STAGE), vec(m, MULTIPLIER), ivec(m, WATCH)
     nq = vec(m, CHANGE).shape[0]
     interpolate(m, theta, stage)
-    solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
+    call_state(ivec(m, LINKS)[MOTION], (m, t + theta * h, stage[:nq], stage[nq : 2 * nq]))
     return multiplier[watch[n]]
 
 
@@ -213,7 +219,8 @@ def begin(m, t, t_end, rtol, atol, h_max):
     )
     clock[T] = t
     start_contacts(m, t, y)
-    tally[LOST] = derivative(m, t, y, f)
+    derivative = ivec(m, LINKS)[DERIVATIVE]
+    tally[LOST] = call_state(derivative, (m, t, y, f))
     remember_end(m)
     pass_on(m)
     for n in range(watch.shape[0]):
@@ -230,7 +237,7 @@ def begin(m, t, t_end, rtol, atol, h_max):
     h = min(h, h_max, t_end - t)
     for n in range(y.shape[0]):
         stage[n] = y[n] + h * f[n]
-    derivative(m, t + h, stage, k1)
+    call_state(derivative, (m, t + h, stage, k1))
     bend = 0.0
     for n in range(ny):
         bend += ((k1[n] - f[n]) / (atol + rtol * abs(y[n]))) ** 2
@@ -241,21 +248,22 @@ def begin(m, t, t_end, rtol, atol, h_max):
     return OK
 
 
-@compiled
-def finish_step(m, t, y_new):
+@kernel("state")
+def finish_step(m, t, y_new, f_new):
     """Projection and derivative at the end of a step."""
     project(m, t, y_new)
     loads(m, t)
     accelerate(m)
     nq = vec(m, CHANGE).shape[0]
-    collect(m, y_new[nq : 2 * nq], vec(m, RATE_NEW))
+    collect(m, y_new[nq : 2 * nq], f_new)
+    return 0
 
 
-@compiled
+@kernel("look_back")
 def look_back(m, t, h, changed, method, t_out, out):
     """Contacts, changes of sign and outputs inside the step from (t, y) to (t + h, y_new).
 
-    Returns the share of the step at which the first contact starts or ends (NONE if none does), and which.
+    Returns the contact that starts or ends first (-1 if none does); its share of the step goes to clock[SHARE].
     """
     tally, stage = ivec(m, TALLY), vec(m, STAGE)
     share, who = NONE, -1
@@ -278,7 +286,8 @@ def look_back(m, t, h, changed, method, t_out, out):
         project(m, t_out[k], stage)
         record(m, t_out[k], stage, out[k])
         tally[OUTPUTS] = k + 1
-    return share, who
+    vec(m, CLOCK)[SHARE] = share
+    return who
 
 
 @compiled
@@ -292,7 +301,7 @@ def turn_contact(m, t, y, who):
         tally[CONTACTS] += 1
         clock[H_FREE] = max(clock[H], 0.5 * clock[H_FREE])
     tally[EVENT_COUNT] = change_contacts(m, who, t, y, tally[EVENT_COUNT])
-    finish_step(m, t, y)
+    call_state(ivec(m, LINKS)[FINISH], (m, t, y, vec(m, RATE_NEW)))
     remember_end(m)
     if was_shut:
         clock[H] = max(clock[H], 0.3 * clock[H_FREE])
@@ -315,7 +324,7 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, power, most_found = vec(m, CLOCK), ivec(m, TALLY), vec(m, POWER), mat(m, CROSSINGS).shape[0] // 2
     start = tally[STEPS]
-    contacts = imat(m, CONTACT).shape[0] > 0
+    links, contacts = ivec(m, LINKS), imat(m, CONTACT).shape[0] > 0
     while tally[STEPS] < start + most_steps and tally[FOUND] < most_found and tally[EVENT_COUNT] < most_found:
         t = clock[T]
         if t >= t_end:
@@ -354,15 +363,15 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
                     clock[TROUBLE] = t + h
                     return NOT_FINITE
         t_new = t_end if last else t + h
-        finish_step(m, t_new, y_new)
+        call_state(links[FINISH], (m, t_new, y_new, f_new))
         tally[EVALUATIONS] += 2
         changed |= watched_change(m)
         if contacts:
             remember_end(m)
-        share, who = look_back(m, t, t_new - t, changed, method, t_out, out)
+        who = call_look_back(links[LOOK_BACK], (m, t, t_new - t, changed, method, t_out, out))
         if who >= 0:
-            interpolate(m, share, y_new)
-            t_new = t + share * (t_new - t)
+            interpolate(m, clock[SHARE], y_new)
+            t_new = t + clock[SHARE] * (t_new - t)
             turn_contact(m, t_new, y_new, who)
         if contacts:
             pass_on(m)

@@ -5,9 +5,8 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993
 
 from __future__ import annotations
 
-from rattle.catalog import compiled
-from rattle.equations import derivative
-from rattle.memory import DENSE, RATE, SLOPES, STAGE, STATE, STATE_NEW, mat, vec
+from rattle.catalog import call_state, compiled
+from rattle.memory import DENSE, DERIVATIVE, LINKS, RATE, SLOPES, STAGE, STATE, STATE_NEW, ivec, mat, vec
 from rattle.steppers.watch import watched_change
 
 ORDER = 4
@@ -17,7 +16,7 @@ ORDER = 4
 def step(m, t, h):
     """One step from (t, y) into y_new; returns True when a watched force changed its sign on the way."""
     y, f, k, stage, y_new = vec(m, STATE), vec(m, RATE), mat(m, SLOPES), vec(m, STAGE), vec(m, STATE_NEW)
-    ny = y.shape[0]
+    ny, derivative = y.shape[0], ivec(m, LINKS)[DERIVATIVE]
     changed = False
     for n in range(ny):
         k[0, n] = f[n]
@@ -25,7 +24,7 @@ def step(m, t, h):
         share = 1.0 if s == 3 else 0.5
         for n in range(ny):
             stage[n] = y[n] + share * h * k[s - 1, n]
-        derivative(m, t + share * h, stage, k[s])
+        call_state(derivative, (m, t + share * h, stage, k[s]))
         changed |= watched_change(m)
     for n in range(ny):
         y_new[n] = y[n] + h / 6.0 * (k[0, n] + 2.0 * k[1, n] + 2.0 * k[2, n] + k[3, n])

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from rattle.catalog import compiled
-from rattle.equations import set_bristles, solve_motion
+from rattle.catalog import call_state, compiled
+from rattle.equations import set_bristles
 from rattle.memory import (
     ACCELERATION,
     BODY,
     CHANGE,
     CONTACT,
     JOINT,
+    LINKS,
     MASS,
+    MOTION,
     MULTIPLIER,
     POWER,
     ROWS,
@@ -19,6 +21,7 @@ from rattle.memory import (
     TOUCH,
     VALUES,
     imat,
+    ivec,
     mat,
     vec,
 )  # fmt: skip
@@ -50,7 +53,7 @@ def record(m, t, y, row):
     """Write one output row for the state y; the columns are laid out in `recording`."""
     nq = vec(m, CHANGE).shape[0]
     set_bristles(m, y)
-    solve_motion(m, t, y[:nq], y[nq : 2 * nq])
+    call_state(ivec(m, LINKS)[MOTION], (m, t, y[:nq], y[nq : 2 * nq]))
     lost = y[2 * nq + 1]
     for k in range(2 * nq + 2, y.shape[0], 4):
         lost += y[k + 2]
