@@ -104,7 +104,7 @@ def test_rates_that_fit_the_ideal_mechanism_keep_the_forces_bounded():
 
 
 # ---------------------------------------------------------------- the paper's four-bar without play
-IDEAL = [  # t; theta2, theta3, their rates; force on coupler at O2, on rocker at O3, on rocker at O4; torque on the crank
+IDEAL = [  # t; theta2, theta3, their rates; force on coupler at O2, on rocker at O3 and O4; torque on the crank
     (0.0, 1.03754802, -1.03754802, -3.27868852, -3.27868852,
      6.77044468, 35.24026882, 36.77044468, 48.63291030, -46.77044468, -62.02555178, 7.04805376),
     (0.1, 0.69007084, -1.16069930, -2.88220764, 1.05782617,
