@@ -61,7 +61,7 @@ class Run:
         """Memory of the run."""
         return self.ready.memory(**march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched)))
 
-    def go(self, progress: bool = False) -> None:
+    def go(self, progress: bool = False, what: str = "simulate") -> None:
         """March to the end, or to where it cannot go on (then `message` says why)."""
         m, clock, tally = self.memory, self.clock, self.tally
         began = time.perf_counter()
@@ -74,7 +74,7 @@ class Run:
         if len(self.t_eval) and self.t_eval[0] <= self.start.t:
             record(m.handle, self.start.t, m["y"], self.raw[0])
             tally[march.OUTPUTS] = 1
-        bar = progress_bar(self.t_end) if progress else None
+        bar = progress_bar(self.t_end, what) if progress else None
         try:
             if status == NOT_FINITE:
                 self.message = explain(self.ready, self.memory, self.t_end, status)
@@ -134,7 +134,7 @@ def simulate(
     if horizon and run.tally[march.OUTPUTS] > 1:
         finer = None if step is None else step / 10 ** (1 / march.ORDERS.get(method, 1))
         second = one_run(ready, start, times, end, method, rtol / 10, atol / 10, finer)
-        second.go(progress)
+        second.go(progress, "once more, tighter")
         reach = agreement(run, second)
     result = _result(run, reach)
     catalog.mark_compiled()
@@ -207,13 +207,12 @@ def agreement(run: Run, second: Run) -> float:
     return float(run.t_eval[n - 1])
 
 
-def progress_bar(t_end: float) -> Any:
-    """A bar on stderr that fills up to t_end."""
+def progress_bar(t_end: float, what: str = "simulate") -> Any:
+    """A progress bar that appears when a run takes longer than a second."""
     from tqdm import tqdm
 
-    return tqdm(
-        total=t_end, unit="s", desc="simulate", bar_format="{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]"
-    )
+    form = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]"
+    return tqdm(total=t_end, unit="s", desc=what, bar_format=form, delay=1.0)
 
 
 def _result(run: Run, reach: float | None) -> Result:
