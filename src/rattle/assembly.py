@@ -59,13 +59,14 @@ def assemble(ready: Compiled, t: float = 0.0, ideal: Assembled | None = None) ->
     open_ = {name: one for name, one in model.joints.items() if has_contacts(one)}
     offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
     ideal_ready = compile_system(ideal_model(model)) if offsets else ready
+    held = [name for name in open_ if not _placed(model, open_[name])]
     if offsets:
         ideal = assemble(ideal_ready, t)
         missing = [name for name in links if math.hypot(*offsets[name]) < 1e-9 * links[name].clearance]
         if missing:
             offsets.update(_along_reactions(ideal_ready, ideal, missing))
+            held = [*links, *held]  # closing would turn the pins away from where the reactions press them
     memory = ready.memory()
-    held = [name for name in open_ if not _placed(model, open_[name])]
     if held and ideal is not None:
         q, iterations = _hold_offsets(ready, t, {name: offsets[name] for name in held}, ideal)
         gap = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * ready.size, 60)[0]
