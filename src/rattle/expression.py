@@ -66,8 +66,8 @@ _OPS = {
 def dimension(node: Node, lookup: Callable[[str], Dimension | None], time: Dimension | None = TIME) -> Dimension | None:
     """Dimension of an expression, None where it cannot be known.
 
-    lookup: dimension of a name, None if unknown.  time: that of `t`.  Numbers written in the expression may have any unit,
-    so that "9.81*m" raises no false alarm.  Raises ExpressionError for "m + kg", "sin(m)" and the like.
+    lookup: dimension of a name, None if unknown.  time: that of `t`.  Numbers written in the expression may have
+    any unit, so that "9.81*m" raises no false alarm.  Raises ExpressionError for "m + kg", "sin(m)" and the like.
     """
     stack: list[Dimension | None] = []
     for part in walk(node):

@@ -205,7 +205,7 @@ def _friction() -> Schema:
 def _drivers() -> list[Schema]:
     made = []
     for kind in catalog.kinds("driver").values():
-        where: dict[str, Schema] = {"joint": {"type": "string", "description": f"a {kind.leaf.drives} joint"}}  # type: ignore[attr-defined]
+        where: dict[str, Schema] = {"joint": {"type": "string", "description": f"a {kind.leaf.drives} joint"}}
         if kind.name.startswith("body-"):
             where = {
                 "body": {"type": "string", "description": 'a body, or a point of it: "body.point"'},
