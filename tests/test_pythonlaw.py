@@ -48,21 +48,21 @@ def constant(t, state, p):
 
 
 UNITS = {"stiffness": "N*m/rad", "damping": "N*m*s/rad"}
-rt.load_law("turn back", **UNITS)(turn_back)
-rt.load_law("turn back plainly", compiled=False, **UNITS)(turn_back)
-rt.load_law("turn back slowly", **UNITS)(turn_back_slowly)
-rt.load_law("wind", strength="N", drag="N*s/m")(wind)
-rt.load_law("wind in Python", compiled=False, strength="N", drag="N*s/m")(wind)
-rt.load_law("unsteady")(unsteady)
-rt.load_law("unsteady in Python", compiled=False)(unsteady)
-rt.load_law("lost")(lost)
-rt.load_law("constant")(constant)
-rt.load_law("constant in Python", compiled=False)(constant)
 
 
 @pytest.fixture(autouse=True, scope="module")
-def afterwards():
+def laws():
     """The laws of this file stay in this file."""
+    rt.load_law("turn back", **UNITS)(turn_back)
+    rt.load_law("turn back plainly", compiled=False, **UNITS)(turn_back)
+    rt.load_law("turn back slowly", **UNITS)(turn_back_slowly)
+    rt.load_law("wind", strength="N", drag="N*s/m")(wind)
+    rt.load_law("wind in Python", compiled=False, strength="N", drag="N*s/m")(wind)
+    rt.load_law("unsteady")(unsteady)
+    rt.load_law("unsteady in Python", compiled=False)(unsteady)
+    rt.load_law("lost")(lost)
+    rt.load_law("constant")(constant)
+    rt.load_law("constant in Python", compiled=False)(constant)
     yield
     entries = catalog.kinds("load")
     for name in [name for name, one in entries.items() if isinstance(one.kernel, LawKernel)]:

@@ -79,8 +79,8 @@ def describe_rank_loss(ready: Compiled, memory: Memory) -> str:
     if drivers:
         driver = ready.model.drivers[drivers[0]]
         return (
-            f"driver '{drivers[0]}' on {driver.on} is at a dead centre (its force no longer moves the"
-            f" mechanism; rows of {', '.join(names[:6])} lose rank). Drive another joint, or keep the driver short of it."
+            f"driver '{drivers[0]}' on {driver.on} is at a dead centre (its force no longer moves the mechanism;"
+            f" rows of {', '.join(names[:6])} lose rank). Drive another joint, or keep the driver short of it."
         )
     return (
         f"a singular position: rows of {', '.join(names[:6])} lose rank."
