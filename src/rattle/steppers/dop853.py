@@ -15,6 +15,7 @@ from rattle.memory import (
     LINKS,
     RATE,
     RATE_NEW,
+    SETTLE,
     SLOPES,
     STAGE,
     STATE,
@@ -31,8 +32,8 @@ STAGES = 12
 
 
 @compiled
-def step(m, t, h, rtol, atol):
-    """One step from (t, y) into y_new.
+def step(m, t, h, rtol, atol, tame):
+    """One step from (t, y) into y_new; with `tame` the stages are brought onto the constraints first.
 
     Returns the error relative to the tolerance, and True when a watched force changed its sign on the way.
     """
@@ -52,6 +53,8 @@ def step(m, t, h, rtol, atol):
                     stage[n] += a * k[j, n]
         for n in range(ny):
             stage[n] = y[n] + h * stage[n]
+        if tame == 1:
+            call_state(ivec(m, LINKS)[SETTLE], (m, t + C[s] * h, stage, stage))
         call_state(derivative, (m, t + C[s] * h, stage, k[s]))
         changed |= watched_change(m)
     error3, error5 = 0.0, 0.0

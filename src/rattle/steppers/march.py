@@ -19,13 +19,8 @@ from rattle.equations import (
     STEP_TOO_SMALL,
     accelerate,
     collect,
-    constraints,
-    correct,
     derivative,
-    drive,
     loads,
-    place,
-    rate_residual,
     residual,
     solve_motion,
 )
@@ -46,6 +41,7 @@ from rattle.memory import (
     RATE,
     RATE_NEW,
     ROWS,
+    SETTLE,
     SIGN,
     SLOPES,
     STAGE,
@@ -59,12 +55,13 @@ from rattle.memory import (
     vec,
 )  # fmt: skip
 from rattle.plane import CLOSED, RES, SHUT, STEPS_IN
-from rattle.schur import WEAK, factorise
+from rattle.schur import WEAK
 from rattle.steppers import dop853, rk4
 from rattle.steppers.dop853 import prepare_dense as prepare_dop853
 from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.rk4 import prepare_dense as prepare_rk4
 from rattle.steppers.rk4 import step as step_rk4
+from rattle.steppers.settling import settle
 from rattle.steppers.touching import (
     NONE,
     change_contacts,
@@ -87,8 +84,8 @@ ORDERS = {"dop853": dop853.ORDER, "rk4": rk4.ORDER}
 # free flight, fewest steps in a contact, share of the step at which a contact changes
 T, H, DRIFT, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, SHARE = range(9)
 # tally; FOUND: crossings, LOST: redundant rows, LEAPS: steps across singular positions, STREAK: tries at
-# one, EVENT_COUNT: contact events waiting, CONTACTS: contacts that started
-STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK, EVENT_COUNT, CONTACTS = range(11)
+# one, EVENT_COUNT: contact events waiting, CONTACTS: contacts that started, TAME: stages are projected
+STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK, EVENT_COUNT, CONTACTS, TAME = range(12)
 SCAN = 8  # parts of a step searched for changes of sign
 LEAP = 0.1  # share of the last sound step below which a step is not cut further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is let pass [units of the state]; it doubles with every try
@@ -102,13 +99,13 @@ def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     clock[H_MIN] = math.inf
     clock[FEWEST] = math.inf
     return {
-        "links": entries((derivative, solve_motion, finish_step, look_back)),
+        "links": entries((derivative, solve_motion, finish_step, look_back, settle)),
         "y": y.copy(),
         **{name: np.zeros(ny) for name in ("f", "y_new", "f_new", "stage")},
         "k": np.zeros((16, ny)),
         "dense": np.zeros((7, ny)),
         "clock": clock,
-        "tally": np.zeros(11, np.int64),
+        "tally": np.zeros(12, np.int64),
         "sign": np.zeros(watched),
         "crossings": np.zeros((4096, 3)),
         "events": np.zeros((4096, 8)),
@@ -117,33 +114,10 @@ def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
 
 @compiled
 def project(m, t, y):
-    """Bring y onto Phi = 0 and Phi_q v = nu with the least mass-weighted change; leaves its rows and factor."""
-    change, rows, clock, tally = vec(m, CHANGE), mat(m, ROWS), vec(m, CLOCK), ivec(m, TALLY)
-    nq = change.shape[0]
-    q, v = y[:nq], y[nq : 2 * nq]
-    place(m, q, v)
-    drive(m, t)
-    constraints(m)
-    lost = factorise(m)
+    """Bring y onto the constraints, see `settle`; the largest drift left and lost rows are remembered."""
+    rows, clock, tally = mat(m, ROWS), vec(m, CLOCK), ivec(m, TALLY)
+    lost = call_state(ivec(m, LINKS)[SETTLE], (m, t, y, y))
     drift = residual(m)
-    if drift > 1e-15:
-        for _ in range(3):
-            correct(m)
-            for k in range(nq):
-                q[k] += change[k]
-            place(m, q, v)
-            constraints(m)
-            before = drift
-            drift = residual(m)
-            if before < 1e-9 or not drift < before:
-                break
-        lost = factorise(m)
-    rate_residual(m)
-    correct(m)
-    for k in range(nq):
-        v[k] += change[k]
-    place(m, q, v)
-    constraints(m)  # gamma at the corrected rates
     if drift > clock[DRIFT]:
         clock[DRIFT] = drift
         for r in range(rows.shape[0]):
@@ -315,9 +289,9 @@ def turn_contact(m, t, y, who):
 def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
     """Take up to `most_steps` steps towards t_end; writes every output with t_out <= the time reached.
 
-    Next to a singular position accelerations are ill-conditioned across the constraints, which the projection
-    repairs after the step.  Cutting the step would only creep closer, so a step well below the last sound one
-    leaps across.
+    Next to a singular position a stage slightly off the constraints has a wildly wrong acceleration.  There the
+    stages are projected too ("tame" steps).  Cutting the step would only creep closer, so a step well below the
+    last sound one leaps across even if its error is above the tolerance.
 
     Returns DONE, PAUSED, NOT_FINITE or STEP_TOO_SMALL.
     """
@@ -337,7 +311,7 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
             return STEP_TOO_SMALL
         if method == 0:
             power[3] = 1.0
-            error, changed = step_dop853(m, t, h, rtol, atol)
+            error, changed = step_dop853(m, t, h, rtol, atol, tally[TAME])
             tally[EVALUATIONS] += 12
             weak = power[3] < WEAK and h <= LEAP * clock[H_SOUND]
             if weak and error > 1.0 and error * rtol <= LEAP_ERROR * 2.0 ** tally[STREAK]:
@@ -346,11 +320,16 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
             if not error <= 1.0:
                 tally[REJECTED] += 1
                 clock[TROUBLE] = t + h
+                if power[3] < WEAK and tally[TAME] == 0:
+                    tally[TAME] = 1
+                    continue
                 clock[H] = h * (max(0.2, 0.9 * error ** (-0.125)) if error < math.inf else 0.1)
                 if weak and tally[STREAK] < MOST_TRIES:
                     tally[STREAK] += 1
                     clock[H] = LEAP * clock[H_SOUND] * 0.9 ** tally[STREAK]
                 continue
+            if power[3] > WEAK:
+                tally[TAME] = 0
             if not weak:
                 tally[STREAK] = 0
                 clock[H_SOUND] = max(h, 0.7 * clock[H_SOUND])
