@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -164,6 +164,20 @@ def scene(result: Result, frames: int = 120, trace: Iterable[str] = ()) -> tuple
     return figure, update, len(pick)
 
 
+def draw_at(ax: Axes, result: Result, k: int) -> None:
+    """The mechanism at one instant of a result, without frame or labels."""
+    stage = Scene(result, np.array([k]), 1.0)
+    low, high = _extent(stage)
+    stage = stage._replace(size=float(max(high - low)) or 1.0)
+    low, high = low - 0.12 * stage.size, high + 0.12 * stage.size
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    tidy(ax).grid(False)
+    ax.spines[["left", "bottom"]].set_color(LINES)
+    ax.tick_params(colors=GREY, labelsize=8)
+    for move in _guides(ax, stage) + _springs(ax, stage) + _bodies(ax, stage, (GREY,)) + _joints(ax, stage):
+        move(0)
+
+
 def _stage(extent: Array, pins: int) -> tuple[Figure, Axes, list[Axes]]:
     """One large axis for the mechanism; beside it a square one per pin, two in a column."""
     rows, columns = min(2, pins), (pins + 1) // 2
@@ -224,7 +238,7 @@ def _traces(ax: Axes, stage: Scene, points: Iterable[str]) -> list[Update]:
     return updates
 
 
-def _bodies(ax: Axes, stage: Scene) -> list[Update]:
+def _bodies(ax: Axes, stage: Scene, colours: Sequence[str] = BODIES) -> list[Update]:
     """A bar through two points, a plate through more; a single point is tied to the mass centre."""
     updates = []
     for n, (body, form) in enumerate(stage.result.geometry["bodies"].items()):
@@ -236,7 +250,7 @@ def _bodies(ax: Axes, stage: Scene) -> list[Update]:
             points = points[np.argsort(np.arctan2(middle[:, 1], middle[:, 0]))]
             points = np.vstack([points, points[:1]])
         path = np.stack([stage.path(body, p) for p in points], axis=1)
-        colour = BODIES[n % len(BODIES)]
+        colour = colours[n % len(colours)]
         updates.append(_line(ax, path, color=colour, linewidth=5, alpha=0.75, solid_capstyle="round", zorder=3))
         if len(points) > 2:
             updates.append(_plate(ax, path, colour))

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 from rattle import modelfile
+from rattle.building import Building
 from rattle.errors import ModelError, Problem, suggest
 from rattle.model import Model
 
@@ -16,17 +17,17 @@ if TYPE_CHECKING:
     import numpy as np
 
     from rattle.assembly import Assembled
+    from rattle.chaos import Bifurcation, Lyapunov, Section
     from rattle.checking import Check
+    from rattle.compare import Comparison
     from rattle.modes import Modes
     from rattle.play import Play
     from rattle.resting import Equilibrium
     from rattle.result import Result
     from rattle.system import Compiled
 
-Pair = Sequence[float | str]
 
-
-class Mechanism:
+class Mechanism(Building):
     """A planar mechanism: read from a model file, or built in code.
 
         m = rt.load("fourbar.toml")
@@ -38,12 +39,6 @@ class Mechanism:
     Numbers are SI; texts are quantities ("5 mm") or expressions over parameters, as in a model file.
     Every analysis checks the model first and raises ModelError with all problems at once.
     """
-
-    def __init__(self, name: str = "", gravity: Pair = (0.0, 0.0)) -> None:
-        self._document: dict[str, Any] = {"format": 1, "name": name, "gravity": list(gravity)}
-        self._text: str | None = None
-        self._file = ""
-        self._changes: list[modelfile.Change] = []
 
     @classmethod
     def from_text(cls, text: str, file: str = "") -> Mechanism:
@@ -133,108 +128,28 @@ class Mechanism:
 
     def ideal(self) -> Mechanism:
         """The same mechanism with all clearances closed; lengths stay as given."""
-        joints = self._document.get("joints", {})
-        return self.set({f"joints.{name}.contact": "ideal" for name, one in joints.items() if "clearance" in one})
+        return self.with_contact("ideal")
 
-    # ------------------------------------------------------------ building in code
-    def _enter(self, table: str, name: str, entry: dict[str, Any]) -> Mechanism:
-        entries = self._document.setdefault(table, {})
-        if name in entries:
-            raise ModelError([Problem((table, name), f"there is a '{name}' already")])
-        entries[name] = {key: value for key, value in entry.items() if value is not None}
-        self._forget()
-        return self
+    def with_contact(self, model: str, joint: str | None = None) -> Mechanism:
+        """The same mechanism with another contact model in every joint with clearance, or in one.
 
-    def _forget(self) -> None:
-        self._text = None
-        for key in ("model", "ready", "start"):
-            self.__dict__.pop(key, None)
-
-    def parameter(self, name: str, value: float | str, **more: Any) -> Mechanism:
-        """A named number; more: min, max, tol, dist."""
-        self._document.setdefault("parameters", {})[name] = {"value": value, **more} if more else value
-        self._forget()
-        return self
-
-    def signal(self, name: str, expression: str) -> Mechanism:
-        """A named quantity over parameters, t and state."""
-        self._document.setdefault("signals", {})[name] = expression
-        self._forget()
-        return self
-
-    def ground(self, **points: Pair) -> Mechanism:
-        """Points of the ground [m]: `m.ground(O=[0, 0], A=[1, 0])`."""
-        self._document.setdefault("ground", {}).setdefault("points", {}).update({k: list(v) for k, v in points.items()})
-        self._forget()
-        return self
-
-    def bar(
-        self, name: str, first: str, second: str, *, length: float | str, mass: float | str,
-        inertia: float | str | None = None, points: Mapping[str, Pair] | None = None,
-    ) -> Mechanism:  # fmt: skip
-        """A uniform bar between two named ends; more points in its frame (origin at the mass centre)."""
-        return self._enter(
-            "bodies",
-            name,
-            {"bar": [first, second], "length": length, "mass": mass, "inertia": inertia, "points": points},
-        )
-
-    def body(
-        self,
-        name: str,
-        *,
-        mass: float | str,
-        inertia: float | str,
-        points: Mapping[str, Pair],
-        center: Pair = (0.0, 0.0),
-    ) -> Mechanism:
-        """A rigid body; points and mass centre in any frame of it."""
-        named = {key: list(at) for key, at in points.items()}
-        return self._enter("bodies", name, {"points": named, "center": list(center), "mass": mass, "inertia": inertia})
-
-    def joint(self, name: str, type: str, a: str, b: str, **fields: Any) -> Mechanism:
-        """A joint of any kind between "body.point" a (bush side) and b (pin side); see `rattle kinds`."""
-        return self._enter("joints", name, {"type": type, "connect": [a, b], **fields})
-
-    def revolute(self, name: str, a: str, b: str, **fields: Any) -> Mechanism:
-        """A revolute joint; fields: clearance, contact."""
-        return self.joint(name, "revolute", a, b, **fields)
-
-    def prismatic(self, name: str, a: str, b: str, **fields: Any) -> Mechanism:
-        """A prismatic joint; fields: axis, angle."""
-        return self.joint(name, "prismatic", a, b, **fields)
-
-    def fixed(self, name: str, a: str, b: str, **fields: Any) -> Mechanism:
-        """A rigid connection; fields: angle."""
-        return self.joint(name, "fixed", a, b, **fields)
-
-    def rod(self, name: str, a: str, b: str, *, length: float | str) -> Mechanism:
-        """A massless rigid link between two points."""
-        return self.joint(name, "rod", a, b, length=length)
-
-    def driver(self, name: str, joint: str | None = None, **function: Any) -> Mechanism:
-        """Drive a joint or a coordinate of a body.
-
-        `m.driver("motor", "O1", angle="10*t")`, position=... on a prismatic joint,
-        `m.driver("push", body="slider", coordinate="x", position="0.1*t")`; coordinate "y" or "angle" likewise.
+        model: a name of `rattle kinds`, such as "massless-link", "impact" or "exact".  What the joint says and the
+        new model knows is kept: restitution, friction, bush radius, stiffness or materials.
+        Raises ModelError where something is missing (a compliant model wants a stiffness) or nothing has play.
         """
-        return self._enter("drivers", name, {"joint": joint, **function})
+        from rattle.recontact import recontact
 
-    def load(self, name: str, type: str, **fields: Any) -> Mechanism:
-        """A load of any kind: `m.load("M", "torque", body="rocker", torque="40 N*m")`; see `rattle kinds`."""
-        return self._enter("loads", name, {"type": type, **fields})
+        joints = self._document.get("joints", {})
+        loose = [name for name, one in joints.items() if "clearance" in one and joint in (None, name)]
+        if joint is not None and not loose:
+            what = "has no clearance" if joint in joints else f"is not there{suggest(joint, joints)}"
+            raise ModelError([Problem(("joints", joint), what)])
+        return self.set({f"joints.{name}.contact": recontact(joints[name].get("contact"), model) for name in loose})
 
-    def initial(self, name: str, **values: Any) -> Mechanism:
-        """Start of a body (x, y, angle, vx, vy, omega) or of a clearance joint (offset)."""
-        self._document.setdefault("initial", {}).setdefault(name, {}).update(values)
-        self._forget()
-        return self
-
-    def settings(self, **values: Any) -> Mechanism:
-        """Defaults of `simulate`: t_end, method, rtol, atol, step, output."""
-        self._document.setdefault("simulate", {}).update(values)
-        self._forget()
-        return self
+    def contact_of(self, joint: str) -> dict[str, Any]:
+        """What the model says about the contact of a joint, as a table."""
+        written = self._document["joints"][joint].get("contact", "massless-link")
+        return {"model": written} if isinstance(written, str) else dict(written)
 
     # ------------------------------------------------------------ analyses
     def check(self) -> Check:
@@ -265,6 +180,35 @@ class Mechanism:
             self.ready, self.start, t_end=t_end, t_eval=t_eval, method=method, rtol=rtol, atol=atol, step=step,
             progress=progress, strict=strict, horizon=horizon,
         )  # fmt: skip
+
+    def compare(
+        self, *, joint: str | None = None, curve: str | None = None, t_end: float | None = None, law: str | None = None,
+        progress: bool = False,
+    ) -> Comparison:  # fmt: skip
+        """The mechanism ideal, with massless links, one-sided impact and compliant contacts; see `rattle.compare`."""
+        from rattle.compare import compare
+
+        return compare(self, joint=joint, curve=curve, t_end=t_end, law=law, progress=progress)
+
+    def lyapunov(self, t_end: float | None = None, *, stretch: float | None = None, rtol: float = 1e-10) -> Lyapunov:
+        """Largest Lyapunov exponent [1/s] with its uncertainty: the reason behind the horizon; see `rattle.chaos`."""
+        from rattle.chaos import lyapunov
+
+        return lyapunov(self, t_end, stretch=stretch, rtol=rtol)
+
+    def poincare(self, *names: str, **options: Any) -> Section:
+        """Values once per turn of the driver, or whenever a curve rises through a level; see `rattle.chaos.section`."""
+        from rattle.chaos import section
+
+        return section(self, names, **options)
+
+    def bifurcation(
+        self, parameter: str, values: Sequence[float] | np.ndarray, output: str, **options: Any
+    ) -> Bifurcation:
+        """What an output does once per turn, over the values of a parameter; see `rattle.chaos.bifurcation`."""
+        from rattle.chaos import bifurcation
+
+        return bifurcation(self, parameter, values, output, **options)
 
     def kinematics(self, t_eval: float | Sequence[float] | np.ndarray, *, strict: bool = False) -> Result:
         """Position, velocity and acceleration of a fully driven mechanism at any increasing times [s].

@@ -94,7 +94,8 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure:
     """Path of the pin centre in the clearance circle of a joint, coloured by the normal force.
 
     Larger forces lie on top of smaller ones.  Ticks outside the circle show where N < 0, that is,
-    where the bush would have to pull.  Raises ValueError where the joint has no clearance.
+    where the bush would have to pull; dots on the circle are contacts that start and impacts, their area
+    as the impulse.  Raises ValueError where the joint has no clearance.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import Normalize
@@ -128,8 +129,9 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure:
     ax.plot(x[:1], y[:1], "o", markerfacecolor="white", markeredgecolor=BLACK, markersize=7, label="start")
     pulls = normal < 0
     if pulls.any():
-        _mark_pulling(ax, np.arctan2(y[pulls], x[pulls]), c)
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False, fontsize=9)
+        mark_pulling(ax, np.arctan2(y[pulls], x[pulls]), c)
+    mark_impacts(ax, result, joint, scale)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False, fontsize=9)
     limit = 1.22 * max(c, float(np.hypot(x, y).max()))
     ax.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
     ax.set_xlabel(f"pin centre from bush centre, x [{length}]")
@@ -140,7 +142,7 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure:
     return figure_of(ax)
 
 
-def _mark_pulling(ax: Axes, direction: Array, c: float) -> None:
+def mark_pulling(ax: Axes, direction: Array, c: float) -> None:
     """A tick outside the circle for every instant; many ticks at one place make it dark."""
     from matplotlib.collections import LineCollection
 
@@ -149,6 +151,26 @@ def _mark_pulling(ax: Axes, direction: Array, c: float) -> None:
     alpha = float(np.clip(100 / len(ticks), 0.06, 1))
     ax.add_collection(LineCollection(list(ticks), colors=RED, linewidths=1.2, alpha=alpha))
     ax.plot([], [], color=RED, linewidth=2, label="N < 0: the bush would have to pull")
+
+
+def mark_impacts(ax: Axes, result: Result, joint: str, scale: float, colour: str = RED, largest: float = 60.0) -> None:
+    """A dot on the circle for every impact and start of a contact, its area as the impulse.
+
+    scale: of lengths, from metres.  largest: area of the largest dot [points^2].
+    """
+    hits = [e for e in result.events if e.joint == joint and e.kind in ("impact", "contact") and e.impulse > 0.0]
+    if not hits or len(result.t) < 2:
+        return
+    t = np.array([e.t for e in hits])
+    x, y = (np.interp(t, result.t, result[f"{joint}.{what}"]) for what in ("ex", "ey"))
+    c = result.geometry["joints"][joint]["clearance"]
+    reach = np.hypot(x, y)
+    reach[reach == 0.0] = 1.0
+    strength = np.array([e.impulse for e in hits])
+    area = np.maximum(largest * strength / strength.max(), 1.0)
+    style = {"color": colour, "alpha": 0.45, "linewidths": 0, "zorder": 4}
+    label = f"{len(hits)} impacts, up to {strength.max():.2g} N·s"
+    ax.scatter(scale * c * x / reach, scale * c * y / reach, s=area, label=label, **style)  # type: ignore[arg-type]
 
 
 def pin_path(result: Result, joint: str) -> tuple[Array, Array, Array]:

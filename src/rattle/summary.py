@@ -60,7 +60,7 @@ def _summary(result: Result, joint: str) -> ContactSummary:
         contacts=len(lasting),
         impacts=sum(event.kind == "impact" for event in events),
         peak=max([float(normal.max()), *(event.peak_force for event in lasting)]),
-        rms=_rms(t, normal),
+        rms=rms(t, normal),
         longest_flight=flight,
         energy_lost=lost,
         power_lost=lost / span if span else 0.0,
@@ -85,7 +85,7 @@ def _longest_gap(t: np.ndarray, pressing: np.ndarray, span: float) -> float:
     return float(max(times[0] - t[0], t[-1] - times[-1], np.diff(times).max(initial=0.0)))
 
 
-def _rms(t: np.ndarray, values: np.ndarray) -> float:
+def rms(t: np.ndarray, values: np.ndarray) -> float:
     """Root mean square over time of a sampled curve."""
     span = float(t[-1] - t[0])
     return math.sqrt(float(np.trapezoid(values**2, t)) / span) if span else abs(float(values[0]))
@@ -107,7 +107,7 @@ def joint_table(result: Result) -> str:
             continue
         force, one = result[f"{joint}.force"], loose.get(joint)
         peak = max(float(force.max()), one.peak) if one else float(force.max())
-        line = f"{joint:{wide}s}{peak:12.4g} N{_rms(result.t, force):12.4g} N"
+        line = f"{joint:{wide}s}{peak:12.4g} N{rms(result.t, force):12.4g} N"
         if one:
             line += f"{100 * one.share:8.0f} %{one.contacts + one.impacts:9d}"
             line += f"{one.energy_lost:12.4g} J{one.power_lost:11.4g} W"

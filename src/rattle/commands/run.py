@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 @model_options
 @click.option("-o", "--output", help="Save the result (.nc), for plot, animate and export.")
 @click.option("--csv", help="Also write all curves as CSV.")
+@click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance, e.g. impact or exact.")
 @click.option("--t-end", type=float, help="Duration [s]; default: what the model says.")
 @click.option("--method", help="dop853 (adaptive, default) or rk4 (fixed step).")
 @click.option("--rtol", type=float, help="Relative tolerance of dop853.")
@@ -31,8 +32,8 @@ if TYPE_CHECKING:
 @click.pass_context
 def run(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str | None, csv: str | None,
-    t_end: float | None, method: str | None, rtol: float | None, atol: float | None, step: float | None,
-    horizon: bool, as_json: bool,
+    contact: str | None, t_end: float | None, method: str | None, rtol: float | None, atol: float | None,
+    step: float | None, horizon: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Motion in time: peak and RMS force of every joint, energy, and how far the result can be trusted.
 
@@ -44,6 +45,8 @@ def run(
     from rattle.summary import joint_table
 
     m = read_model(file, settings, ideal)
+    if contact is not None:
+        m = m.with_contact(contact)
     if output is not None:
         _can_write(output)
     result = m.simulate(

@@ -1,0 +1,120 @@
+"""Building a mechanism in code: one call per part, the same names and values as in a model file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Self
+
+from rattle import modelfile
+from rattle.errors import ModelError, Problem
+
+Pair = Sequence[float | str]
+
+
+class Building:
+    """A document as in a model file that grows part by part; every call returns the mechanism itself."""
+
+    def __init__(self, name: str = "", gravity: Pair = (0.0, 0.0)) -> None:
+        self._document: dict[str, Any] = {"format": 1, "name": name, "gravity": list(gravity)}
+        self._text: str | None = None
+        self._file = ""
+        self._changes: list[modelfile.Change] = []
+
+    def _enter(self, table: str, name: str, entry: dict[str, Any]) -> Self:
+        entries = self._document.setdefault(table, {})
+        if name in entries:
+            raise ModelError([Problem((table, name), f"there is a '{name}' already")])
+        entries[name] = {key: value for key, value in entry.items() if value is not None}
+        self._forget()
+        return self
+
+    def _forget(self) -> None:
+        self._text = None
+        for key in ("model", "ready", "start"):
+            self.__dict__.pop(key, None)
+
+    def parameter(self, name: str, value: float | str, **more: Any) -> Self:
+        """A named number; more: min, max, tol, dist."""
+        self._document.setdefault("parameters", {})[name] = {"value": value, **more} if more else value
+        self._forget()
+        return self
+
+    def signal(self, name: str, expression: str) -> Self:
+        """A named quantity over parameters, t and state."""
+        self._document.setdefault("signals", {})[name] = expression
+        self._forget()
+        return self
+
+    def ground(self, **points: Pair) -> Self:
+        """Points of the ground [m]: `m.ground(O=[0, 0], A=[1, 0])`."""
+        self._document.setdefault("ground", {}).setdefault("points", {}).update({k: list(v) for k, v in points.items()})
+        self._forget()
+        return self
+
+    def bar(
+        self, name: str, first: str, second: str, *, length: float | str, mass: float | str,
+        inertia: float | str | None = None, points: Mapping[str, Pair] | None = None,
+    ) -> Self:  # fmt: skip
+        """A uniform bar between two named ends; more points in its frame (origin at the mass centre)."""
+        return self._enter(
+            "bodies",
+            name,
+            {"bar": [first, second], "length": length, "mass": mass, "inertia": inertia, "points": points},
+        )
+
+    def body(
+        self,
+        name: str,
+        *,
+        mass: float | str,
+        inertia: float | str,
+        points: Mapping[str, Pair],
+        center: Pair = (0.0, 0.0),
+    ) -> Self:
+        """A rigid body; points and mass centre in any frame of it."""
+        named = {key: list(at) for key, at in points.items()}
+        return self._enter("bodies", name, {"points": named, "center": list(center), "mass": mass, "inertia": inertia})
+
+    def joint(self, name: str, type: str, a: str, b: str, **fields: Any) -> Self:
+        """A joint of any kind between "body.point" a (bush side) and b (pin side); see `rattle kinds`."""
+        return self._enter("joints", name, {"type": type, "connect": [a, b], **fields})
+
+    def revolute(self, name: str, a: str, b: str, **fields: Any) -> Self:
+        """A revolute joint; fields: clearance, contact."""
+        return self.joint(name, "revolute", a, b, **fields)
+
+    def prismatic(self, name: str, a: str, b: str, **fields: Any) -> Self:
+        """A prismatic joint; fields: axis, angle."""
+        return self.joint(name, "prismatic", a, b, **fields)
+
+    def fixed(self, name: str, a: str, b: str, **fields: Any) -> Self:
+        """A rigid connection; fields: angle."""
+        return self.joint(name, "fixed", a, b, **fields)
+
+    def rod(self, name: str, a: str, b: str, *, length: float | str) -> Self:
+        """A massless rigid link between two points."""
+        return self.joint(name, "rod", a, b, length=length)
+
+    def driver(self, name: str, joint: str | None = None, **function: Any) -> Self:
+        """Drive a joint or a coordinate of a body.
+
+        `m.driver("motor", "O1", angle="10*t")`, position=... on a prismatic joint,
+        `m.driver("push", body="slider", coordinate="x", position="0.1*t")`; coordinate "y" or "angle" likewise.
+        """
+        return self._enter("drivers", name, {"joint": joint, **function})
+
+    def load(self, name: str, type: str, **fields: Any) -> Self:
+        """A load of any kind: `m.load("M", "torque", body="rocker", torque="40 N*m")`; see `rattle kinds`."""
+        return self._enter("loads", name, {"type": type, **fields})
+
+    def initial(self, name: str, **values: Any) -> Self:
+        """Start of a body (x, y, angle, vx, vy, omega) or of a clearance joint (offset)."""
+        self._document.setdefault("initial", {}).setdefault(name, {}).update(values)
+        self._forget()
+        return self
+
+    def settings(self, **values: Any) -> Self:
+        """Defaults of `simulate`: t_end, method, rtol, atol, step, output."""
+        self._document.setdefault("simulate", {}).update(values)
+        self._forget()
+        return self

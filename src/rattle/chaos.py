@@ -1,0 +1,302 @@
+"""Tools for chaotic motion: Poincare section, bifurcation over a parameter, largest Lyapunov exponent.
+
+Sources: Wolf, Swift, Swinney, Vastano, Determining Lyapunov exponents from a time series, Physica D 16 (1985)
+285-317; Benettin, Galgani, Strelcyn, Kolmogorov entropy and numerical experiments, Phys. Rev. A 14 (1976) 2338.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from rattle import catalog
+from rattle.assembly import driver_slot
+from rattle.equations import DONE, PAUSED, drive
+from rattle.plane import CLOSED, IMPACT, SHUT, SPEED
+from rattle.steppers import march
+from rattle.steppers.touching import pass_on, remember_end
+from rattle.system import Compiled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rattle.mechanism import Mechanism
+
+APART = 1e-7  # distance at which the second run of a Lyapunov exponent starts anew, positions in mechanism lengths
+LARGEST_GROWTH = 1e4  # of that distance between two renewals; beyond it the growth is no longer linear
+BLOCKS = 10  # parts of the run from whose scatter the uncertainty follows
+STUDENT = 2.262  # 95 % of Student's t with BLOCKS - 1 degrees of freedom
+
+
+# ---------------------------------------------------------------- period of the driver
+def driver_period(ready: Compiled) -> float | None:
+    """Time of one turn [s] of the first driver that turns a joint at constant rate; None where there is none."""
+    memory = ready.memory()
+    for n, name in enumerate(ready.joints):
+        if name not in ready.model.drivers or ready.rows[ready.arrays["joint"][n, 4]].unit != "rad":
+            continue
+        slot = int(ready.arrays["joint"][n, 3]) + driver_slot(ready, n)
+        rates = []
+        for t in (0.0, 0.0137, 0.171, 1.93):
+            drive(memory.handle, t)
+            rates.append(float(memory["values"][slot + 1]))
+        if rates[0] and max(rates) - min(rates) <= 1e-9 * abs(rates[0]):
+            return 2.0 * math.pi / abs(rates[0])
+    return None
+
+
+def _period(m: Mechanism, period: float | None) -> float:
+    found = period if period is not None else driver_period(m.ready)
+    if found is None:
+        raise ValueError("no driver turns at constant rate; give the period in s, or a crossing")
+    if not 0.0 < found < math.inf:
+        raise ValueError(f"period must be positive and finite, got {found}")
+    return found
+
+
+# ---------------------------------------------------------------- Poincare section
+@dataclass(frozen=True)
+class Section:
+    """Points of a Poincare section."""
+
+    t: np.ndarray  # (n,) [s]
+    values: Mapping[str, np.ndarray]  # name -> (n,)
+    units: Mapping[str, str]
+    rule: str  # when the points were taken
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.values[name]
+
+    def plot(self, x: str, y: str, ax: Axes | None = None) -> Figure:
+        """The points of two of the names, coloured by time."""
+        from rattle.plot_chaos import plot_section
+
+        return plot_section(self, x, y, ax)
+
+
+def section(
+    m: Mechanism, names: Sequence[str], *, period: float | None = None, crossing: str | None = None, level: float = 0.0,
+    skip: int = 50, count: int = 500, **settings: Any,
+) -> Section:  # fmt: skip
+    """Values of some names of a result once per period, or whenever a curve rises through a level.
+
+    period: [s] (default: one turn of the driver).  crossing: a name; its rises through `level` [SI] are located on
+    a cubic spline of the output, of which there are then at least 200 per period or mean distance of crossings.
+    skip: points left out at the start.  count: points wanted (a crossing may come less often than that).
+    settings: of `simulate`.  Raises ValueError, UnknownName.
+    """
+    if crossing is None:
+        T = _period(m, period)
+        times = T * (skip + np.arange(count))
+        r = m.simulate(float(times[-1]), t_eval=times, **settings)
+        return Section(r.t, {n: r[n] for n in names}, {n: r.unit(n) for n in names}, f"every {T:.4g} s")
+    from scipy.interpolate import CubicSpline
+
+    span = (skip + count) * period if period is not None else m.model.settings.t_end
+    r = m.simulate(span, t_eval=np.linspace(0.0, span, 200 * (skip + count) + 1), **settings)
+    curve = r[crossing] - level
+    roots = CubicSpline(r.t, curve).solve(0.0, extrapolate=False)
+    rate = CubicSpline(r.t, curve).derivative()
+    times = np.array([t for t in np.ravel(roots) if rate(t) > 0.0])[skip:][:count]
+    values = {n: CubicSpline(r.t, r[n])(times) if len(times) else np.zeros(0) for n in names}
+    return Section(times, values, {n: r.unit(n) for n in names}, f"{crossing} rises through {level:g}")
+
+
+# ---------------------------------------------------------------- bifurcation
+@dataclass(frozen=True)
+class Bifurcation:
+    """Points of a Poincare section over a parameter."""
+
+    parameter: str
+    values: np.ndarray  # (k,) of the parameter [SI]
+    parameter_unit: str
+    output: str
+    output_unit: str
+    points: np.ndarray  # (k, count) of the output [SI]; nan where a run ended early
+    rule: str
+
+    def plot(self, ax: Axes | None = None) -> Figure:
+        """Points over the parameter."""
+        from rattle.plot_chaos import plot_bifurcation
+
+        return plot_bifurcation(self, ax)
+
+
+def bifurcation(
+    m: Mechanism, parameter: str, values: Sequence[float] | np.ndarray, output: str, *, period: float | None = None,
+    skip: int = 100, count: int = 100, threads: int | None = None, progress: bool = False, **settings: Any,
+) -> Bifurcation:  # fmt: skip
+    """What an output does once per period, over the values of a parameter: bands, branches, chaos.
+
+    Every run starts as the model says; `skip` periods go by before `count` points are taken.  period: [s] (default:
+    one turn of the driver, anew for every value).  threads: runs at the same time (default: as many as cores);
+    the result does not depend on it.  settings: of `simulate`.  Raises ModelError, ValueError, UnknownName.
+    """
+    from rattle.result import UnknownName
+
+    given = np.asarray(values, dtype=float)
+    changed = [m.set({parameter: float(value)}) for value in given]
+
+    def run(one: Mechanism) -> tuple[np.ndarray, str]:
+        times = _period(one, period) * (skip + np.arange(count))
+        r = one.simulate(float(times[-1]), t_eval=times, **settings)
+        if output not in r:
+            raise UnknownName(f"the result has no {output!r}")
+        found = np.full(count, np.nan)
+        found[: len(r.t)] = r[output]
+        return found, r.unit(output)
+
+    bar = _bar(len(changed)) if progress else None
+    rows: list[np.ndarray] = []
+    unit = ""
+    try:
+        with ThreadPoolExecutor(threads) as pool:
+            for k in range(len(changed)):
+                if k == 0:  # compiles what is not compiled yet, alone
+                    row, unit = run(changed[0])
+                    waiting = [pool.submit(run, one) for one in changed[1:]]
+                else:
+                    row, _ = waiting[k - 1].result()
+                rows.append(row)
+                if bar is not None:
+                    bar.update()
+    finally:
+        if bar is not None:
+            bar.close()
+    what = m.model.parameters.get(parameter)
+    rule = f"once every {period:.4g} s" if period is not None else "once per turn of the driver"
+    return Bifurcation(parameter, given, what.unit if what else "", output, unit, np.array(rows), rule)
+
+
+def _bar(total: int) -> Any:
+    from tqdm import tqdm
+
+    return tqdm(total=total, desc="bifurcation", unit="run")
+
+
+# ---------------------------------------------------------------- Lyapunov exponent
+class Lyapunov(NamedTuple):
+    """Largest Lyapunov exponent: small differences grow like exp(exponent t)."""
+
+    exponent: float  # [1/s]
+    uncertainty: float  # 95 %, from the scatter of 10 parts of the run [1/s]
+    span: float  # time over which it was measured [s]
+    growth: np.ndarray  # (n,) logarithm of the growth of every stretch
+    stretch: float  # length of a stretch [s]
+
+    @property
+    def chaotic(self) -> bool:
+        """True where the exponent is positive beyond its uncertainty."""
+        return self.exponent > self.uncertainty
+
+    def horizon(self, error: float = 1e-9, seen: float = 1e-2) -> float:
+        """Time [s] in which a relative error grows to what is seen; inf without growth."""
+        return math.log(seen / error) / self.exponent if self.exponent > 0.0 else math.inf
+
+    def __str__(self) -> str:
+        said = f"largest Lyapunov exponent {self.exponent:.3g} +- {self.uncertainty:.2g} 1/s over {self.span:.4g} s"
+        if not self.chaotic:
+            return f"{said}: no exponential growth of errors beyond the uncertainty"
+        tenfold = math.log(10.0) / self.exponent
+        return f"{said}: an error grows tenfold every {tenfold:.2g} s, from 1e-9 to 1 % in {self.horizon():.2g} s"
+
+
+def lyapunov(
+    m: Mechanism, t_end: float | None = None, *, stretch: float | None = None, skip: float = 0.2, rtol: float = 1e-10
+) -> Lyapunov:
+    """Largest Lyapunov exponent, from two runs next to each other.
+
+    The second run starts 1e-7 away in a direction that is the same in every call; after every stretch of time the
+    difference is measured, scaled back to 1e-7 and brought onto the constraints again, contact memory included.
+
+    t_end: duration [s] (default: what the model says).  stretch: [s] (default: t_end/400, shorter where growth is
+    too fast).  skip: share of the run left out at the start, until the difference has turned to the direction that
+    grows most.  rtol: of both runs.
+    Raises ValueError for set-valued contacts (differences jump there) and where the run cannot go on.
+    """
+    catalog.start()
+    if (m.ready.arrays["contact"][:, IMPACT] == 1).any():
+        raise ValueError("the exponent is measured on smooth motion; name a compliant contact instead of impact")
+    span = m.model.settings.t_end if t_end is None else t_end
+    length = stretch or span / 400
+    for _ in range(6):
+        growth = _growths(m, span, length, rtol)
+        if growth is not None:
+            break
+        length /= 4.0
+    else:
+        raise ValueError(f"differences grow too fast even over {length:.3g} s; give a shorter stretch")
+    kept = growth[int(skip * len(growth)) :]
+    blocks = np.array([part.mean() for part in np.array_split(kept, BLOCKS)]) / length
+    error = STUDENT * float(blocks.std(ddof=1)) / math.sqrt(BLOCKS)
+    return Lyapunov(float(kept.mean()) / length, error, len(kept) * length, growth, length)
+
+
+def _growths(m: Mechanism, span: float, length: float, rtol: float) -> np.ndarray | None:
+    """Logarithm of the growth in every stretch; None when one grows beyond linearity."""
+    from rattle.dynamics import Run
+
+    none = np.zeros(0)
+    one, two = (Run(m.ready, m.start, none, span, "dop853", rtol, 1e-2 * rtol, None) for _ in range(2))
+    nq = 3 * m.ready.body_count
+    weight = np.concatenate([np.tile([1.0 / m.ready.size, 1.0 / m.ready.size, 1.0], m.ready.body_count)] * 2)
+    weight[nq:] *= length
+    for run in (one, two):
+        march.begin(run.memory.handle, m.start.t, span, rtol, 1e-2 * rtol, math.inf)
+    offset = np.random.default_rng(1).normal(size=2 * nq) / weight
+    two.memory["y"][: 2 * nq] += APART / math.sqrt(2 * nq) * offset
+    _settle(one, two)
+    apart = _distance(one, two, weight)
+    count = max(BLOCKS * 2, round(span / length))
+    growth = np.zeros(count)
+    for k in range(count):
+        t = m.start.t + (k + 1) * length
+        for run in (one, two):
+            _go(run, t, rtol)
+        now = _distance(one, two, weight)
+        if not now < LARGEST_GROWTH * APART:
+            return None
+        growth[k] = math.log(now / apart) if now > 0.0 < apart else 0.0
+        y, other = one.memory["y"], two.memory["y"]
+        other[:] = y + (APART / now if now > 0.0 else 1.0) * (other - y)
+        _settle(one, two, APART / now if now > 0.0 else 1.0)
+        apart = _distance(one, two, weight)
+    return growth
+
+
+def _distance(one: Any, two: Any, weight: np.ndarray) -> float:
+    n = len(weight)
+    return float(np.linalg.norm(weight * (two.memory["y"][:n] - one.memory["y"][:n])))
+
+
+def _settle(one: Any, two: Any, share: float = 1.0) -> None:
+    """Bring the second run onto its constraints, with the contact memory of the first and its own approach speeds."""
+    t = float(one.clock[march.T])
+    grip, other = one.memory["grip"], two.memory["grip"]
+    both = (grip[:, CLOSED] == SHUT) & (other[:, CLOSED] == SHUT)
+    speed = np.where(both, grip[:, SPEED] + share * (other[:, SPEED] - grip[:, SPEED]), grip[:, SPEED])
+    other[:] = grip
+    other[:, SPEED] = speed
+    y = two.memory["y"]
+    handle = two.memory.handle
+    march.finish_step(handle, t, y)
+    two.memory["f"][:] = two.memory["f_new"]
+    remember_end(handle)
+    pass_on(handle)
+    two.clock[:] = one.clock
+
+
+def _go(run: Any, t: float, rtol: float) -> None:
+    handle, tally = run.memory.handle, run.tally
+    status = PAUSED
+    while status == PAUSED:
+        status = march.advance(handle, t, rtol, 1e-2 * rtol, math.inf, 0, run.t_eval, run.raw, 2000)
+        tally[march.FOUND] = tally[march.EVENT_COUNT] = 0
+    if status != DONE:
+        raise ValueError(f"the run cannot go on at t = {run.clock[march.T]:.6g} s, so there is no exponent")

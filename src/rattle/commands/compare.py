@@ -1,0 +1,99 @@
+"""Commands that look at play as such: compare, poincare."""
+
+from __future__ import annotations
+
+import click
+
+from rattle.commands.options import model_options, read_model
+
+
+@click.command()
+@model_options
+@click.option("--joint", help="The joint to show; default: the first with clearance.")
+@click.option("--curve", help="The motion to show, such as rocker.angle; default: that of the last body.")
+@click.option("--law", help="Law of the compliant run; default: the joint's own, else exact.")
+@click.option("--t-end", type=float, help="Duration [s]; default: one turn of the driver.")
+@click.option("-o", "--output", default="compare.png", show_default=True, help="Picture (.png, .svg, .pdf).")
+@click.pass_context
+def compare(
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, joint: str | None, curve: str | None,
+    law: str | None, t_end: float | None, output: str,
+) -> None:  # fmt: skip
+    """Ideal, massless link, one-sided impact and compliant play on one page: motion, force, orbit, events, energy.
+
+    FILE is a model file or the name of a shipped example.  What a compliant contact needs and the file does not say
+    is taken for granted and stated on the page.
+
+    \b
+    Example:  rattle compare fourbar -o play.png
+    """
+    from rattle.plot import save_figure
+
+    found = read_model(file, settings, ideal).compare(
+        joint=joint, curve=curve, t_end=t_end, law=law, progress=not ctx.obj["quiet"]
+    )
+    click.echo(str(found))
+    save_figure(found.figure(), output)
+    click.echo(output)
+    if not all(r.success for r in found.results.values()):
+        ctx.exit(1)
+
+
+@click.command()
+@model_options
+@click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance.")
+@click.option("--output", "names", multiple=True, metavar="NAME", help="Curve to look at; two of them: a section.")
+@click.option("--parameter", help="Parameter to go over; then a bifurcation diagram.")
+@click.option("--from", "first", type=float, help="First value of the parameter [SI].")
+@click.option("--to", "last", type=float, help="Last value [SI].")
+@click.option("--count", default=100, show_default=True, help="Values of the parameter.")
+@click.option("--period", type=float, help="Time between two points [s]; default: one turn of the driver.")
+@click.option("--crossing", help="Instead: points where this curve rises through zero.")
+@click.option("--skip", default=50, show_default=True, help="Points left out at the start.")
+@click.option("--points", default=200, show_default=True, help="Points taken per run.")
+@click.option("--lyapunov", is_flag=True, help="Also the largest Lyapunov exponent (compliant or smooth models).")
+@click.option("-o", "picture", default="poincare.png", show_default=True, help="Picture (.png, .svg, .pdf).")
+@click.pass_context
+def poincare(
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, contact: str | None, names: tuple[str, ...],
+    parameter: str | None, first: float | None, last: float | None, count: int, period: float | None,
+    crossing: str | None, skip: int, points: int, lyapunov: bool, picture: str,
+) -> None:  # fmt: skip
+    """Poincare section of two curves, or bifurcation diagram of one over a parameter.
+
+    FILE is a model file or the name of a shipped example.  Without --output it is the pin of the first joint with
+    clearance, ex against ey.
+
+    \b
+    Example:  rattle poincare slider_crank --contact exact --lyapunov
+              rattle poincare fourbar --parameter r3 --from 0.0005 --to 0.005 --output O3.ex
+    """
+    import numpy as np
+
+    from rattle.plot import save_figure
+
+    m = read_model(file, settings, ideal)
+    if contact is not None:
+        m = m.with_contact(contact)
+    loose = [name for name, one in m.model.joints.items() if one.clearance > 0.0]
+    curves = names or tuple(f"{loose[0]}.{what}" for what in ("ex", "ey")) if loose or names else ()
+    if not curves:
+        raise click.UsageError("name the curves to look at: --output NAME --output NAME")
+    if parameter is not None:
+        if first is None or last is None:
+            raise click.UsageError("--parameter wants --from and --to")
+        found = m.bifurcation(
+            parameter, np.linspace(first, last, count), curves[0], period=period, skip=skip, count=points,
+            progress=not ctx.obj["quiet"],
+        )  # fmt: skip
+        figure = found.plot()
+    else:
+        if len(curves) < 2:
+            raise click.UsageError("a section wants two curves: --output NAME --output NAME, or --parameter")
+        section = m.poincare(*curves[:2], period=period, crossing=crossing, skip=skip, count=points)
+        figure = section.plot(curves[0], curves[1])
+        click.echo(f"{len(section.t)} points, {section.rule}")
+    if lyapunov:
+        click.echo(str(m.lyapunov()))
+    save_figure(figure, picture)
+    click.echo(picture)

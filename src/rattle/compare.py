@@ -1,0 +1,173 @@
+"""One mechanism under every model of its play, on one page: motion, joint force, orbit, events, energy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rattle import catalog
+from rattle.errors import ModelError, Problem, suggest
+from rattle.recontact import recontact
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from rattle.mechanism import Mechanism
+    from rattle.result import Result
+
+IDEAL, LINK, IMPACT, COMPLIANT = "ideal", "massless link", "one-sided impact", "compliant"
+DEFAULT_LAW, DEFAULT_RESTITUTION = "exact", 0.5
+RADII = 10.0  # bush radius taken where none is given, in clearances
+POINTS = 4000  # output intervals
+CORNER = 1e9  # stiffness of a guide's corner where none is given [N/m^1.5]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Results of one mechanism by model of play; `str()` is a table, `figure()` the page."""
+
+    name: str
+    results: Mapping[str, Result]  # model -> result
+    skipped: Mapping[str, str]  # model -> why there is no result
+    joint: str  # the joint that is shown
+    curve: str  # the motion that is shown
+    assumed: tuple[str, ...]  # what the model file does not say and the page takes for granted
+
+    def __str__(self) -> str:
+        rows = [HEAD, *self.rows()]
+        wide = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
+        lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, wide, strict=True)).rstrip() for row in rows]
+        lines += [f"{model}: {why}" for model, why in self.skipped.items()]
+        return "\n".join([f"{self.name}: joint {self.joint}", *lines, *self.assumed])
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """The table: one row per model, cells as in HEAD."""
+        return [_row(model, result, self.joint) for model, result in self.results.items()]
+
+    def figure(self) -> Figure:
+        """The page."""
+        from rattle.comparison_page import page
+
+        return page(self)
+
+
+HEAD = ("model", "peak force", "RMS force", "pressing", "contacts", "impacts", "energy lost", "trusted up to")
+
+
+def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
+    from rattle.summary import rms
+
+    force = result[f"{joint}.force"]
+    found = result.contacts.get(joint)
+    peak = max(float(force.max()), found.peak if found else 0.0)
+    horizon = result.trust.horizon
+    end = result.trust.t_end
+    reach = "-" if horizon is None else "the end" if horizon >= end else f"{horizon:.3g} s"
+    if not found or model == LINK:
+        touched = (f"{100 * found.share:.0f} %" if found else "-", "-", "-", "-")
+    else:
+        lost = f"{found.energy_lost:.3g} J"
+        touched = (f"{100 * found.share:.0f} %", str(found.contacts), str(found.impacts), lost)
+    return (model, f"{peak:.4g} N", f"{rms(result.t, force):.4g} N", *touched, reach)
+
+
+def compare(
+    m: Mechanism, *, joint: str | None = None, curve: str | None = None, t_end: float | None = None,
+    law: str | None = None, progress: bool = False,
+) -> Comparison:  # fmt: skip
+    """Run a mechanism ideal, with massless links, with one-sided impact and with compliant contacts.
+
+    joint: the joint to show (default: the first with clearance).  curve: the motion to show (default: the angle or
+    position of the last body).  t_end: duration [s] (default: one turn of the driver if it turns steadily, else
+    what the model says).  law: the compliant law (default: that of the joint, else "exact").
+
+    What a compliant contact needs and the model does not say is taken for granted and stated in `.assumed`: a
+    steel pin in a steel bush of 10 clearances radius, a sphere in its socket, restitution 0.5.
+    Raises ModelError when no joint has play.
+    """
+    from rattle.chaos import driver_period
+
+    loose = [name for name, one in m.model.joints.items() if one.clearance > 0.0]
+    if not loose:
+        raise ModelError([Problem((), "no joint has a clearance, so there is nothing to compare")])
+    if joint is not None and joint not in loose:
+        raise ModelError([Problem(("joints", joint), f"has no clearance{suggest(joint, loose)}")])
+    end = t_end if t_end is not None else min(driver_period(m.ready) or math.inf, m.model.settings.t_end)
+    times = np.linspace(0.0, end, POINTS + 1)
+    compliant, assumed = _compliant(m, loose, law)
+    models: dict[str, Callable[[], Mechanism]] = {
+        IDEAL: m.ideal,
+        LINK: lambda: m.with_contact("massless-link"),
+        IMPACT: lambda: m.with_contact("impact"),
+    }
+    results: dict[str, Result] = {}
+    skipped: dict[str, str] = {}
+    models[COMPLIANT] = lambda: compliant
+    for model, make in models.items():
+        try:
+            results[model] = make().simulate(end, t_eval=times, method=_method(m), horizon=True, progress=progress)
+        except ModelError as error:
+            skipped[model] = error.problems[0].message
+    shown = curve or _motion(m, results[IDEAL])
+    _ = results[IDEAL].unit(shown)  # raises UnknownName
+    return Comparison(m.name or "mechanism", results, skipped, joint or loose[0], shown, tuple(assumed))
+
+
+def _method(m: Mechanism) -> str | None:
+    """The model's own method where every run can have it."""
+    return None if m.model.settings.method == "dop853" else "dop853"
+
+
+def _motion(m: Mechanism, ideal: Result) -> str:
+    """The angle of the last body, or its position where it does not turn."""
+    body = list(m.model.bodies)[-1]
+    turned = ideal[f"{body}.angle"]
+    if float(turned.max() - turned.min()) > 1e-6:
+        return f"{body}.angle"
+    return max((f"{body}.x", f"{body}.y"), key=lambda name: float(ideal[name].max() - ideal[name].min()))
+
+
+def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechanism, list[str]]:
+    """The mechanism with compliant contacts, and what had to be taken for granted for them."""
+    made, assumed = m, []
+    for name in loose:
+        one = m.model.joints[name]
+        own = one.contact.normal.kind if one.contact and one.contact.normal else ""
+        given = recontact(m.contact_of(name), law or own or DEFAULT_LAW)
+        written = {"model": given} if isinstance(given, str) else given
+        fields = catalog.kinds("normal")[written["model"]].fields
+        more: dict[str, Any] = {}
+        said = []
+        if "stiffness" not in written and not any(key.endswith("material") for key in written):
+            if one.kind == "revolute":
+                radius = written.get("bush_radius")
+                if radius is None:
+                    more["bush_radius"] = RADII * one.clearance
+                    said.append(f"bush radius {1e3 * RADII * one.clearance:.3g} mm")
+                more |= {"bush_material": "steel", "pin_material": "steel"}
+                said.append("steel on steel, sphere in socket")
+            else:
+                more |= {"stiffness": CORNER, "exponent": 1.5}
+                said.append(f"corner stiffness {CORNER:.1e} N/m^1.5")
+        if (
+            "friction" in written
+            and "bush_radius" not in written
+            and "bush_radius" not in more
+            and one.kind == "revolute"
+        ):
+            more["bush_radius"] = RADII * one.clearance
+        if (
+            "restitution" in fields
+            and fields["restitution"].default is catalog.REQUIRED
+            and "restitution" not in written
+        ):
+            more["restitution"] = DEFAULT_RESTITUTION
+            said.append(f"restitution {DEFAULT_RESTITUTION:g}")
+        made = made.set({f"joints.{name}.contact": {**written, **more}})
+        if said:
+            assumed.append(f"{name}, compliant: {', '.join(said)} (assumed)")
+    return made, assumed

@@ -1,0 +1,265 @@
+"""The page of `rattle compare`: one mechanism under every model of its play."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rattle.compare import COMPLIANT, HEAD, IDEAL, IMPACT, LINK, Comparison
+from rattle.plot import (
+    BLACK,
+    BLUE,
+    BORE,
+    GREEN,
+    GREY,
+    ORANGE,
+    QUANTITY,
+    RED,
+    SHADE,
+    axis_label,
+    length_unit,
+    mark_impacts,
+    mark_pulling,
+    new_figure,
+    note,
+    pin_path,
+    tidy,
+)  # fmt: skip
+from rattle.summary import pressing_spans
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rattle.result import Result
+
+COLOURS = {IDEAL: BLACK, LINK: BLUE, IMPACT: ORANGE, COMPLIANT: GREEN}
+SAYS = {
+    LINK: "Massless link: the pin cannot leave the bush wall",
+    IMPACT: "One-sided impact: the pin flies, hits, stays while it presses",
+    COMPLIANT: "Compliant: pin and bush are elastic, with damping",
+}
+WIDTH = 13.0  # of the page [inches]
+
+
+def page(found: Comparison) -> Figure:
+    """Motion, its deviation from the ideal one, joint force and orbit per model, energy lost, and a table."""
+    loose = [model for model in (LINK, IMPACT, COMPLIANT) if model in found.results and _has_orbit(found, model)]
+    heights = [1.9, 1.5, *[2.15] * len(loose), 1.5, 0.42 + 0.26 * len(found.results)]
+    figure = new_figure(WIDTH, sum(heights) + 1.4)
+    grid = figure.add_gridspec(len(heights), 2, width_ratios=[2.9, 1.0], height_ratios=heights)
+    left = [tidy(figure.add_subplot(grid[0, 0]))]
+    left += [tidy(figure.add_subplot(grid[k, 0], sharex=left[0])) for k in range(1, len(heights) - 1)]
+    scale, unit = _time_unit(found)
+    _motion(left[0], left[1], found, scale)
+    _sketch(figure.add_subplot(grid[0:2, 1]), found)
+    floor = _force_floor(found)
+    for k, model in enumerate(loose):
+        _force(left[2 + k], found, model, floor, scale)
+        _orbit(figure.add_subplot(grid[2 + k, 1]), found, model)
+    _energy(left[-1], found, scale)
+    _legend(figure.add_subplot(grid[len(heights) - 2, 1]), found)
+    for ax in left[:-1]:
+        ax.tick_params(labelbottom=False)
+    left[-1].set_xlabel(f"time [{unit}]")
+    left[0].set_xlim(0.0, scale * max(r.trust.t_end for r in found.results.values()))
+    _table(figure.add_subplot(grid[-1, :]), found)
+    figure.align_ylabels(left)
+    title = f"{found.name}: what its play does, by model"
+    figure.suptitle(title, x=0.012, ha="left", fontsize=15, fontweight="bold")
+    return figure
+
+
+def _has_orbit(found: Comparison, model: str) -> bool:
+    return f"{found.joint}.ex" in found.results[model] and len(found.results[model].t) > 1
+
+
+def _time_unit(found: Comparison) -> tuple[float, str]:
+    end = max(r.trust.t_end for r in found.results.values())
+    return (1.0, "s") if end >= 0.5 else (1e3, "ms") if end >= 5e-4 else (1e6, "µs")
+
+
+# ---------------------------------------------------------------- panels
+def _motion(top: Axes, below: Axes, found: Comparison, scale: float) -> None:
+    """The curve under every model, and how far each is from the ideal one."""
+    ideal = found.results[IDEAL]
+    unit = ideal.unit(found.curve)
+    turn, shown = (math.degrees(1.0), "deg") if unit == "rad" else (1.0, unit)
+    for model, r in found.results.items():
+        wide = 2.2 if model == IDEAL else 1.0
+        style: dict[str, Any] = {"color": COLOURS[model], "linewidth": wide, "alpha": 0.35 if model == IDEAL else 0.9}
+        top.plot(scale * r.t, turn * r[found.curve], **style)
+    top.set_ylabel(axis_label(QUANTITY.get(unit, ""), shown))
+    _title(top, f"Motion: {found.curve}")
+    small = {"m": (1e3, "mm")}.get(shown, (1.0, shown))
+    worst = 0.0
+    for model, r in found.results.items():
+        if model == IDEAL:
+            continue
+        n = min(len(r.t), len(ideal.t))
+        off = small[0] * turn * (r[found.curve][:n] - ideal[found.curve][:n])
+        worst = max(worst, float(np.abs(off).max(initial=0.0)))
+        below.plot(scale * r.t[:n], off, color=COLOURS[model], linewidth=1.0, alpha=0.9)
+        _mark_horizon(below, r, COLOURS[model], scale)
+    below.axhline(0.0, color=GREY, linewidth=0.8)
+    below.set_ylabel(axis_label("deviation", small[1]))
+    _title(below, f"Deviation of {found.curve} from the mechanism without play")
+    note(below, f"up to {worst:.3g} {small[1]}; dotted: the model's horizon, after it statistics only")
+
+
+def _mark_horizon(ax: Axes, r: Result, colour: str, scale: float) -> None:
+    if r.trust.horizon is not None and r.trust.horizon < r.trust.t_end:
+        ax.axvline(scale * r.trust.horizon, color=colour, linewidth=1.1, linestyle=":")
+
+
+def _force_floor(found: Comparison) -> float:
+    """Where the scale of forces turns from linear to logarithmic [N]: the size of the ideal reaction, rounded."""
+    typical = float(np.median(found.results[IDEAL][f"{found.joint}.force"])) or 1.0
+    return float(10.0 ** math.floor(math.log10(typical)))
+
+
+def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) -> None:
+    """Normal force on a scale that shows both the reaction without play and the peaks, with a strip of events."""
+    r, joint, ideal = found.results[model], found.joint, found.results[IDEAL]
+    normal = r[f"{joint}.normal"]
+    ax.set_yscale("symlog", linthresh=floor, linscale=0.7)
+    ax.axhline(0.0, color=GREY, linewidth=0.8)
+    ax.plot(scale * ideal.t, ideal[f"{joint}.force"], color=BLACK, linewidth=2.0, alpha=0.3)
+    ax.plot(scale * r.t, normal, color=COLOURS[model], linewidth=0.9)
+    peaks = [(e.t + 0.5 * e.duration, e.peak_force) for e in r.events if e.joint == joint and e.kind == "contact"]
+    if peaks:  # located inside the contacts, most of which are shorter than the time between two outputs
+        ax.vlines([scale * t for t, _ in peaks], 0.0, [peak for _, peak in peaks], color=COLOURS[model], linewidth=0.7)
+    curves = [one[f"{joint}.normal"] for one in found.results.values() if f"{joint}.normal" in one]
+    top = max(float(one.max()) for one in curves)
+    top = max(top, *(c.peak for one in found.results.values() if (c := one.contacts.get(joint))))
+    least = min(
+        0.0, *(float(one[f"{joint}.normal"].min()) for one in found.results.values() if f"{joint}.normal" in one)
+    )
+    ax.set_ylim(min(1.6 * least, -3.0 * floor), 2.0 * top)
+    ax.set_ylabel(axis_label(f"{joint}, N", "N"))
+    if model == LINK:
+        for a, b in r.trust.intervals.get(joint, ()):
+            ax.axvspan(scale * a, scale * b, color=RED, alpha=0.16, linewidth=0)
+        share = 100 * r.trust.pulled.get(joint, 0.0)
+        note(ax, f"red: N < 0 for {share:.0f} % of the time, where the bush would have to pull")
+    else:
+        _events(ax, r, joint, scale)
+    if r.trust.horizon is not None and r.trust.horizon < r.trust.t_end:
+        ax.axvspan(scale * r.trust.horizon, scale * r.trust.t_end, color=SHADE, linewidth=0, zorder=0)
+    _title(ax, SAYS[model])
+
+
+def _events(ax: Axes, r: Result, joint: str, scale: float) -> None:
+    """Along the foot of the panel: bars while the pin presses, ticks at impacts."""
+    mine = [event for event in r.events if event.joint == joint]
+    place: dict[str, Any] = {"transform": ax.get_xaxis_transform(), "clip_on": True}
+    for a, b in pressing_spans(mine):
+        ax.fill_between([scale * a, scale * b], 0.02, 0.09, color=GREY, alpha=0.55, linewidth=0, **place)
+    hits = [event for event in mine if event.kind == "impact"]
+    if hits:
+        ax.vlines([scale * event.t for event in hits], 0.02, 0.16, color=RED, linewidth=0.7, **place)
+    parts = ["grey bars: pin presses on the bush"] if any(e.kind == "contact" for e in mine) else []
+    if hits:
+        parts.append(f"red ticks: {len(hits)} impacts, up to {max(e.impulse for e in hits):.2g} N·s")
+    elif mine:
+        peak = max(e.peak_force for e in mine)
+        parts.append(f"{sum(e.kind == 'contact' for e in mine)} contacts, peak {peak:.3g} N")
+    note(ax, "; ".join(parts))
+
+
+def _orbit(ax: Axes, found: Comparison, model: str) -> None:
+    """Path of the pin in its clearance circle (or of the block across its guide)."""
+    from matplotlib.patches import Circle
+
+    r, joint = found.results[model], found.joint
+    form = r.geometry["joints"][joint]
+    scale, unit = length_unit(form["clearance"])
+    c = scale * form["clearance"]
+    x, y, normal = pin_path(r, joint)
+    tidy(ax).grid(False)
+    ax.spines[["left", "bottom"]].set_visible(False)
+    ax.add_patch(Circle((0, 0), c, facecolor=BORE, edgecolor=GREY, linewidth=1.0, zorder=0))
+    dense = max(0.15, min(0.9, 3000 / max(len(x), 1)))
+    ax.plot(scale * x, scale * y, color=COLOURS[model], linewidth=0.7 if model != LINK else 2.2, alpha=dense, zorder=2)
+    pulls = normal < 0.0
+    if model == LINK and pulls.any():
+        mark_pulling(ax, np.arctan2(y[pulls], x[pulls]), c)
+    mark_impacts(ax, r, joint, scale, largest=90.0)
+    ax.plot([0], [0], "+", color=GREY, markersize=7)
+    limit = 1.18 * max(c, float(np.hypot(x, y).max()) * scale)
+    ax.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal", xticks=[-c, 0, c], yticks=[-c, 0, c])
+    ax.set_xticklabels([f"{-c:.3g}", "0", f"{c:.3g} {unit}"], fontsize=8)
+    ax.set_yticklabels([])
+    ax.tick_params(length=0)
+    said = {LINK: "red: N < 0"}.get(model, "dots: impacts, by impulse")
+    ax.set_title(f"{joint}: pin in its bush; {said}", fontsize=8.5, color=GREY, pad=3)
+
+
+def _energy(ax: Axes, found: Comparison, scale: float) -> None:
+    """Energy lost in the contacts and elsewhere."""
+    top = 0.0
+    for model, r in found.results.items():
+        lost = r["energy.dissipated"]
+        top = max(top, float(lost.max(initial=0.0)))
+        ax.plot(scale * r.t, lost, color=COLOURS[model], linewidth=2.0 if model == IDEAL else 1.2)
+    ax.set_ylabel(axis_label("energy lost", "J"))
+    _title(ax, "Energy lost (impacts, contact damping, friction, dampers)")
+    audit = max(r.trust.energy_balance for r in found.results.values())
+    note(ax, f"energy audit of all runs closes to {audit:.1g} J")
+
+
+def _legend(ax: Axes, found: Comparison) -> None:
+    """What the colours mean, and what was taken for granted."""
+    from textwrap import fill
+
+    ax.axis("off")
+    for k, model in enumerate(COLOURS):
+        y = 0.92 - 0.17 * k
+        why = found.skipped.get(model, "")
+        if model in found.results:
+            ax.plot(
+                [0.0, 0.1],
+                [y, y],
+                color=COLOURS[model],
+                linewidth=3,
+                alpha=0.5 if model == IDEAL else 1.0,
+                transform=ax.transAxes,
+            )
+        name = "no play" if model == IDEAL else model
+        text = f"{name}: {why[:60]}" if why else name
+        ax.text(0.13, y, text, va="center", fontsize=9.5, color=GREY if why else BLACK, transform=ax.transAxes)
+    if found.assumed:
+        said = "\n".join(fill(one, 46) for one in found.assumed)
+        ax.text(0.0, 0.22, said, va="top", fontsize=7.5, color=GREY, transform=ax.transAxes)
+
+
+def _sketch(ax: Axes, found: Comparison) -> None:
+    """The mechanism at the start."""
+    from rattle.animate import draw_at
+
+    draw_at(ax, found.results[LINK if LINK in found.results else IMPACT], 0)
+    ax.set_title("at the start [m]", fontsize=8.5, color=GREY, pad=3)
+
+
+def _table(ax: Axes, found: Comparison) -> None:
+    """The figures of the joint, model by model."""
+    ax.axis("off")
+    rows = found.rows()
+    at = [0.0, 0.17, 0.29, 0.41, 0.51, 0.60, 0.69, 0.82]
+    step = 1.0 / (len(rows) + 1)
+    for k, head in enumerate(HEAD):
+        text = f"joint {found.joint}" if k == 0 else head
+        ax.text(at[k], 1.0 - 0.5 * step, text, fontsize=9.5, fontweight="bold", va="center", transform=ax.transAxes)
+    for n, row in enumerate(rows):
+        y = 1.0 - (n + 1.5) * step
+        for k, cell in enumerate(row):
+            colour = COLOURS[row[0]] if k == 0 else BLACK
+            weight = "bold" if k == 0 else "normal"
+            ax.text(at[k], y, cell, fontsize=9.5, color=colour, fontweight=weight, va="center", transform=ax.transAxes)
+    ax.plot([0, 1], [1.0 - step] * 2, color=GREY, linewidth=0.8, transform=ax.transAxes)
+
+
+def _title(ax: Axes, text: str) -> None:
+    ax.set_title(text, loc="left", fontsize=10.5, pad=4)

@@ -1,0 +1,31 @@
+"""Another contact model for a joint by one word, with everything kept that still applies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rattle import catalog
+
+ELASTIC = ("stiffness", "exponent", "bush_material", "pin_material", "length", "geometry")
+
+
+def recontact(written: Any, model: str) -> str | dict[str, Any]:
+    """What to write as `contact` for another model, from what is written for the present one.
+
+    Kept where the new model knows it: restitution, friction (set-valued Coulomb keeps mu of a friction law),
+    bush radius, stiffness or materials, and the fields of the same law.
+    """
+    old: Mapping[str, Any] = written if isinstance(written, Mapping) else {"model": written}
+    plain, laws = catalog.kinds("contact"), catalog.kinds("normal")
+    if model in plain and not getattr(plain[model].leaf, "contacts", False):
+        return model
+    keys = ["bush_radius", "friction"]
+    keys += [*plain[model].fields] if model in plain else [*ELASTIC, *(laws[model].fields if model in laws else ())]
+    made = {"model": model, **{key: value for key, value in old.items() if key in keys}}
+    friction = made.get("friction")
+    if model in plain and isinstance(friction, Mapping):
+        made["friction"] = friction.get("mu", 0.0)
+    if "restitution" in made and model in laws and laws[model].fields["restitution"].default == 1.0:
+        del made["restitution"]  # a law without loss
+    return made if len(made) > 1 else model
