@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from rattle.contactlaw import friction_law, normal_law
     from rattle.errors import AssemblyError, ModelError, SolverError
     from rattle.mechanism import Mechanism, example, examples, load, loads
     from rattle.pythonlaw import load_law
@@ -24,6 +25,7 @@ _HOME = {
     "examples": "mechanism",
     "ModelError": "errors", "AssemblyError": "errors", "SolverError": "errors",
     "Result": "result", "Event": "result", "Trust": "result", "load_result": "result", "load_law": "pythonlaw",
+    "normal_law": "contactlaw", "friction_law": "contactlaw",
 }  # fmt: skip
 
 __all__ = [
@@ -36,10 +38,12 @@ __all__ = [
     "Trust",
     "example",
     "examples",
+    "friction_law",
     "load",
     "load_law",
     "load_result",
     "loads",
+    "normal_law",
 ]
 
 

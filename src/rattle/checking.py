@@ -12,6 +12,7 @@ from rattle.closing import close_position, open_by
 from rattle.loops import describe_loop, loops
 from rattle.memory import Memory
 from rattle.model import Model
+from rattle.passivity import law_faults
 from rattle.singular import nonunique_reactions, rank
 from rattle.system import Compiled, compile_system, is_link
 
@@ -32,6 +33,7 @@ class Check:
     branches: tuple[str, ...]  # which way each pair of links was put together
     clearances: tuple[str, ...]
     reach: tuple[str, ...]  # how far each driver can go
+    laws: tuple[str, ...]  # contact laws of the user that pull or give energy back
     residual: float  # largest gap after assembly [m or rad]
 
     def __str__(self) -> str:
@@ -54,6 +56,7 @@ class Check:
         lines += [f"branch: {one}" for one in self.branches[:8]]
         lines += [f"play: {one}" for one in self.clearances]
         lines += [f"driver: {one}" for one in self.reach]
+        lines += [f"law: {one}" for one in self.laws]
         return "\n".join(lines)
 
 
@@ -79,6 +82,7 @@ def check(ready: Compiled, start: Assembled) -> Check:
         branches=tuple(_branches(ready, start)),
         clearances=tuple(_clearances(model)),
         reach=tuple(_reach(ready, start)),
+        laws=tuple(law_faults(model)),
         residual=start.residual,
     )
 

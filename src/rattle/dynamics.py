@@ -14,8 +14,9 @@ from rattle import catalog, pythonlaw
 from rattle.assembly import Assembled
 from rattle.equations import DONE, NOT_FINITE, PAUSED
 from rattle.errors import SolverError
-from rattle.happenings import contact_counts, contact_events, contact_notes
+from rattle.happenings import contact_counts, contact_events, contact_notes, require_workable
 from rattle.memory import Memory
+from rattle.passivity import law_faults
 from rattle.recording import columns, geometry, width
 from rattle.result import Result, Trust
 from rattle.singular import nonunique_reactions
@@ -127,6 +128,9 @@ def simulate(
         _positive("step", step)
     if method == "rk4" and any(one.contact and one.contact.model == "compliant" for one in ready.model.joints.values()):
         raise ValueError("rk4 takes fixed steps, which contacts do not allow; use method dop853")
+    require_workable(ready)
+    for fault in law_faults(ready.model):
+        log.warning(fault)
     one_run, method, step = _kind_of_run(ready, method, step, end)
     run = one_run(ready, start, times, end, method, rtol, atol, step)
     run.go(progress)

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from rattle import catalog
+from rattle.errors import ModelError, Problem
 from rattle.memory import Memory
+from rattle.passivity import law_faults
 from rattle.plane import (
     CLOSED,
     IMPULSE_0,
@@ -23,6 +25,8 @@ from rattle.plane import (
 from rattle.result import Event
 from rattle.system import Compiled
 
+SHORTEST = 1e-12  # a step that is taken for impossible [s]
+STEPS_WANTED = 10  # in the shortest contact
 KINDS = ("contact", "release", "impact", "stick", "slip")  # in the order of their numbers in `plane`
 
 
@@ -44,6 +48,39 @@ def contact_events(ready: Compiled, rows: Sequence[np.ndarray], memory: Memory, 
     return tuple(sorted(found, key=lambda event: event.t))
 
 
+def require_workable(ready: Compiled) -> None:
+    """Refuse contacts so stiff that no step could resolve them; ModelError names the joint."""
+    problems = []
+    for name, joint in ready.model.joints.items():
+        contact = joint.contact
+        if contact is None or contact.static is None or joint.clearance <= 0.0:
+            continue
+        lasting = contact_duration(ready, name)
+        if lasting < STEPS_WANTED * SHORTEST:
+            said = (
+                f"so stiff that a contact at 1 m/s would last {lasting:.1g} s and steps fall below {SHORTEST:g} s;"
+                ' wanted a smaller stiffness, or contact = "impact" for rigid bodies'
+            )
+            problems.append(Problem(("joints", name, "contact"), said))
+    if problems:
+        raise ModelError(problems)
+
+
+def contact_duration(ready: Compiled, joint: str, speed: float = 1.0) -> float:
+    """Rough time [s] that an impact of the two bodies at `speed` [m/s] lasts, at the stiffness of a joint's contact."""
+    one = ready.model.joints[joint]
+    static = one.contact.static if one.contact else None
+    if static is None:
+        raise ValueError(f"joint '{joint}' has no compliant contact")
+    inverse = sum(1.0 / ready.model.bodies[b].mass for b in (one.a.body, one.b.body) if b in ready.model.bodies)
+    kind = catalog.kinds("stiffness")[static.kind]
+    p = np.array([*kind.leaf.pack(static.values), 0.0])
+    delta = 1e-30
+    while kind.kernel(delta, p, 0) * delta * inverse < speed * speed and delta < 1.0:  # type: ignore[misc]
+        delta *= 2.0
+    return 3.0 * delta / speed
+
+
 def contact_counts(ready: Compiled, events: Sequence[Event], fewest: float) -> dict[str, Any]:
     """What `Trust` says of contacts: how many, impacts, steps of the shortest."""
     if not len(ready.arrays["contact"]):
@@ -56,8 +93,8 @@ def contact_counts(ready: Compiled, events: Sequence[Event], fewest: float) -> d
 
 
 def contact_notes(ready: Compiled, events: Sequence[Event]) -> tuple[str, ...]:
-    """Remarks on contacts: laws outside their range."""
-    found = []
+    """Remarks on contacts: laws outside their range, laws of the user that give energy back."""
+    found = law_faults(ready.model)
     for name, joint in ready.model.joints.items():
         contact = joint.contact
         if contact is None or contact.normal is None or contact.static is None:

@@ -1,0 +1,162 @@
+"""Contact laws written in Python: `@rt.normal_law` and `@rt.friction_law` make kinds of functions.
+
+    @rt.normal_law("stiffening", c="s/m")
+    def stiffening(static, delta, ddelta, v0, p):        # F [N]; static: the force of the stiffness at this depth
+        return static * (1.0 + p.c * ddelta)
+
+    @rt.friction_law("plateau", mu="", v1="m/s")
+    def plateau(u, N, p):                                # T [N] against the slip u [m/s]
+        return p.mu * N * min(1.0, abs(u) / p.v1) * math.copysign(1.0, u)
+
+    contact = { model = "stiffening", c = "2 s/m", stiffness = 1e9, bush_radius = "1 cm",
+                friction = { model = "plateau", mu = 0.1, v1 = "1 mm/s" } }
+
+The functions are compiled by Numba and run at the speed of the laws that come with the package; one that Numba
+cannot compile is refused.  A law that pulls or gives energy back is found by `rattle.passivity` and named.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import namedtuple
+from collections.abc import Callable
+from typing import Any
+
+from rattle import catalog
+from rattle.catalog import Compiled, Field
+from rattle.quantity import dimension_of
+
+Law = Callable[..., Any]
+TAKEN = {
+    "normal": (
+        "model", "friction", "stiffness", "exponent", "bush_radius", "bush_material", "pin_material", "geometry",
+        "length",
+    ),
+    "friction": ("model",),
+}  # fmt: skip
+
+
+def normal_law(name: str, **fields: str) -> Callable[[Law], Law]:
+    """Decorator: enter a function as a normal force law of compliant contacts.
+
+    law(static, delta, ddelta, v0, p) -> F: normal force [N], from the static force of the joint's stiffness [N],
+    penetration [m], its rate [m/s], approach speed of this contact [m/s] and p, a named tuple of the fields [SI].
+    What is below zero counts as zero: a contact never pulls.
+    name: what the model file calls it.  fields: name and unit of every number that the user gives.
+
+    Raises ValueError for a name in use, a field that is no name or belongs to every contact, an unknown unit.
+    """
+    return _enter("normal", name, fields, False)
+
+
+def friction_law(name: str, *, memory: bool = False, **fields: str) -> Callable[[Law], Law]:
+    """Decorator: enter a function as a friction law of compliant contacts.
+
+    law(u, N, p) -> T: friction force [N] against the slip u [m/s] under the normal force N [N]; with memory=True
+    law(u, N, z, p) -> (T, dz): z is a state that is zero when a contact starts, dz its rate.
+    name, fields: as for `normal_law`.  Raises what `normal_law` raises.
+    """
+    return _enter("friction", name, fields, memory)
+
+
+def _enter(family: str, name: str, fields: dict[str, str], memory: bool) -> Callable[[Law], Law]:
+    for key, unit in fields.items():
+        if key in TAKEN[family] or key.startswith("_"):
+            raise ValueError(f"{family} law '{name}': a field cannot be called '{key}'")
+        dimension_of(unit)
+    known = catalog.kinds(family)
+    if name in known and not isinstance(known[name].kernel, ContactLaw):
+        raise ValueError(f"{family} law '{name}': a law of the program has this name; choose another")
+    if family == "normal" and name in catalog.kinds("contact"):
+        raise ValueError(f"normal law '{name}': a contact model of the program has this name; choose another")
+
+    def enter(law: Law) -> Law:
+        text = (law.__doc__ or f"The {family} law '{name}', written in Python.").strip()
+        if "Source:" not in text:
+            text += f"\n\nSource: {law.__module__}.{law.__qualname__}"
+        own = {key: Field(unit, key.replace("_", " ")) for key, unit in fields.items()}
+        keys = tuple(fields)
+        pack = staticmethod(lambda values: tuple(float(values[key]) for key in keys))
+        notes: Any = staticmethod(lambda values: [])
+        common = {"__doc__": text, "__module__": law.__module__, "pack": pack, "notes": notes, "memory": memory}
+        leaf = type(law.__name__, (), {**common, **own})
+        catalog.kind(family, name, ContactLaw(family, name, law, keys, memory))(leaf)
+        return law
+
+    return enter
+
+
+class ContactLaw(Compiled):
+    """The kernel of a law: the function behind the signature of its family."""
+
+    def __init__(self, family: str, name: str, law: Law, keys: tuple[str, ...], memory: bool) -> None:
+        self.name, self.law, self.memory = name, law, memory
+        self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
+        make = _normal if family == "normal" else _friction
+        super().__init__(make(self, law, _slice(len(keys))), family, cache=False)
+        self._make = make
+        self._native: Compiled | None = None
+
+    @property
+    def dispatcher(self) -> Any:
+        """The Numba dispatcher, made when first asked for.  Raises ValueError where Numba cannot compile the law."""
+        if self._native is None:
+            import numba
+            from numba.np.unsafe.ndarray import to_fixed_tuple
+
+            law, count = self.law, len(self.pack._fields)
+            if not isinstance(law, numba.core.dispatcher.Dispatcher):
+                law = numba.njit(nogil=True, error_model="numpy")(law)
+            part = numba.njit(lambda p, k: to_fixed_tuple(p[k : k + count], count))
+            made = Compiled(self._make(self, law, part), self.family, cache=False)
+            try:
+                _ = made.dispatcher
+            except Exception as error:  # Numba has many kinds of error
+                reason = next((line for line in str(error).splitlines() if line.strip()), type(error).__name__)
+                raise ValueError(f"{self.family} law '{self.name}': Numba cannot compile it ({reason})") from error
+            self._native = made
+        return self._native.dispatcher
+
+
+def _slice(count: int) -> Callable[..., Any]:
+    return lambda p, k: tuple(float(one) for one in p[k : k + count])
+
+
+def _normal(kernel: ContactLaw, law: Law, part: Callable[..., Any]) -> Callable[..., Any]:
+    pack = kernel.pack
+
+    def run(static, delta, ddelta, v0, p, k):  # type: ignore[no-untyped-def]
+        if delta <= 0.0:
+            return 0.0
+        try:  # an exception does not pass through machine code: nan ends the run with a message
+            return max(0.0, float(law(static, delta, ddelta, v0, pack(*part(p, k)))))
+        except Exception:
+            return math.nan
+
+    return run
+
+
+def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any]) -> Callable[..., Any]:
+    pack = kernel.pack
+
+    def with_memory(u, N, z, p, k, dz):  # type: ignore[no-untyped-def]
+        dz[0] = 0.0
+        if N <= 0.0:
+            return 0.0
+        try:
+            force, rate = law(u, N, z, pack(*part(p, k)))
+            dz[0] = rate
+            return float(force)
+        except Exception:
+            return math.nan
+
+    def without(u, N, z, p, k, dz):  # type: ignore[no-untyped-def]
+        dz[0] = 0.0
+        if N <= 0.0:
+            return 0.0
+        try:
+            return float(law(u, N, pack(*part(p, k))))
+        except Exception:
+            return math.nan
+
+    return with_memory if kernel.memory else without

@@ -1,0 +1,125 @@
+"""Does a contact law pull, or give energy back?  Found on random paths, for laws written by the user.
+
+From the unloaded state the energy put into a contact can never be negative, whatever the path:
+
+    W(t) = integral of F ddelta dt >= 0      and for friction      W(t) = integral of T u dt >= 0,  z(0) = 0
+
+which is passivity (Willems, Dissipative dynamical systems, Arch. Rational Mech. Anal. 45 (1972) 321-351).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from rattle import catalog
+from rattle.contactlaw import ContactLaw
+from rattle.model import Choice, Contact, Model
+
+PATHS = 40
+POINTS = 400  # of a path
+ALLOWED = 2e-3  # of the work moved to and fro: error of the quadrature
+_known: dict[Any, str] = {}
+
+
+def law_faults(model: Model) -> list[str]:
+    """What is wrong with the users' laws of a model, joint by joint; empty if nothing is."""
+    found = []
+    for name, joint in model.joints.items():
+        contact = joint.contact
+        if contact is None or contact.normal is None:
+            continue
+        laws = (("normal", contact.normal), ("friction", contact.friction))
+        for family, choice in laws:
+            if choice is not None and isinstance(catalog.kinds(family)[choice.kind].kernel, ContactLaw):
+                fault = _fault(family, choice, contact)
+                if fault:
+                    found.append(f"{name}: {family} law '{choice.kind}' {fault}")
+    return found
+
+
+def _fault(family: str, choice: Choice, contact: Contact) -> str:
+    kernel = catalog.kinds(family)[choice.kind].kernel
+    key = (kernel, tuple(choice.values.items()), repr(contact.static) if family == "normal" else "")
+    if key not in _known:
+        p = np.array([*catalog.kinds(family)[choice.kind].leaf.pack(choice.values), 0.0])
+        _known[key] = normal_fault(kernel, p, contact) if family == "normal" else friction_fault(kernel, p)
+    return _known[key]
+
+
+def normal_fault(kernel: Any, p: np.ndarray, contact: Contact) -> str:
+    """What is wrong with a normal law under the stiffness of a contact, in words; empty if nothing is."""
+    assert contact.static is not None
+    stiffness = catalog.kinds("stiffness")[contact.static.kind]
+    q = np.array([*stiffness.leaf.pack(contact.static.values), 0.0])
+    rng = np.random.default_rng(7)
+    s = np.linspace(0.0, 1.0, POINTS + 1)
+    for _ in range(PATHS):
+        shape = np.sin(np.pi * s) * (1.0 + 0.4 * sum(rng.uniform(-1, 1) * np.sin(k * np.pi * s) for k in (1, 2, 3)))
+        depth, v0 = 10.0 ** rng.uniform(-7, -4), 10.0 ** rng.uniform(-2, 1)
+        delta = depth * np.maximum(shape, 0.0)
+        duration = depth * (shape[1] - shape[0]) * POINTS / v0
+        middle, step = 0.5 * (delta[1:] + delta[:-1]), np.diff(delta)
+        rate = step * POINTS / duration
+        force = np.array(
+            [
+                kernel(stiffness.kernel(float(d), q, 0), float(d), float(r), v0, p, 0)  # type: ignore[misc]
+                for d, r in zip(middle, rate, strict=True)
+            ]
+        )
+        if not np.isfinite(force).all():
+            return f"has no finite value (penetration {middle[~np.isfinite(force)][0]:.3g} m, approach at {v0:.3g} m/s)"
+        raw = getattr(kernel, "law", None)
+        if raw is not None:
+            least = _least(raw, kernel, stiffness, p, q, middle, rate, v0)
+            if least[0] < -1e-9 * float(force.max()):
+                return f"pulls while the pin goes in: {least[0]:.3g} N at a penetration of {least[1]:.3g} m"
+        fault = _given_back(force * step)
+        if fault:
+            return f"gives energy back: {fault}, going {depth * 1e3:.2g} mm deep from {v0:.2g} m/s"
+    return ""
+
+
+def _least(law: Any, kernel: Any, stiffness: Any, p: np.ndarray, q: np.ndarray, deep: Any, rate: Any, v0: float) -> Any:
+    """Smallest value of the law itself while the pin goes in, and where it is."""
+    values = kernel.pack(*p[: len(kernel.pack._fields)])
+    going = [(float(d), float(r)) for d, r in zip(deep, rate, strict=True) if r >= 0.0][:: max(1, POINTS // 40)]
+    found = [(float(law(stiffness.kernel(d, q, 0), d, r, v0, values)), d) for d, r in going]
+    return min(found, default=(0.0, 0.0))
+
+
+def friction_fault(kernel: Any, p: np.ndarray) -> str:
+    """What is wrong with a friction law, in words; empty if nothing is."""
+    rng = np.random.default_rng(8)
+    s = np.linspace(0.0, 1.0, POINTS + 1)
+    dz = np.zeros(1)
+    for _ in range(PATHS):
+        wave = sum(rng.uniform(-1, 1) * np.sin(2 * np.pi * (k * s + rng.uniform())) for k in (1, 2, 3))
+        speed, press = 10.0 ** rng.uniform(-4, 0.5), 10.0 ** rng.uniform(0, 4)
+        u = speed * (wave + rng.uniform(-0.3, 0.3))
+        swing = np.sin(2 * np.pi * (s * rng.integers(1, 4) + rng.uniform()))
+        normal = press * (1.0 + 0.8 * swing)
+        h = 1e-3 / speed / POINTS  # about a millimetre of slip in all
+        z, powers = 0.0, np.zeros(POINTS + 1)
+        for k in range(POINTS + 1):
+            powers[k] = kernel(float(u[k]), float(normal[k]), z, p, 0, dz) * u[k]
+            if k < POINTS:
+                first = dz[0]
+                kernel(float(u[k + 1]), float(normal[k + 1]), z + h * first, p, 0, dz)
+                z += 0.5 * h * (first + dz[0])
+        if not np.isfinite(powers).all():
+            return "has no finite value"
+        fault = _given_back(0.5 * h * (powers[1:] + powers[:-1]))
+        if fault:
+            return f"gives energy back: {fault}, sliding at up to {np.abs(u).max():.2g} m/s under {press:.2g} N"
+    return ""
+
+
+def _given_back(work: np.ndarray) -> str:
+    """Whether more comes out than was put in, at any time, in words."""
+    moved, least = float(np.abs(work).sum()), float(np.cumsum(work).min())
+    if not math.isfinite(least) or least >= -ALLOWED * moved:
+        return ""
+    return f"{-least:.2g} J more than was put in, of {moved:.2g} J moved"

@@ -1,0 +1,202 @@
+"""Contact laws written in Python: as good and as fast as those of the package, and found out when they cheat."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from rattle import catalog
+from rattle.contactlaw import friction_law, normal_law
+from rattle.errors import ModelError
+
+BUSH = """
+format = 1
+[ground.points]
+O = [0, 0]
+[bodies.pin]
+points = {{ P = [0, 0] }}
+mass = 1
+inertia = 1e-3
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "pin.P"]
+clearance = "1 mm"
+contact = {contact}
+[initial]
+pin = {{ x = 0, y = 0.0003, angle = 0, vx = 0.5, vy = {vy}, omega = 0 }}
+"""
+
+
+@pytest.fixture
+def laws():
+    """Laws of a test leave the catalogue after it."""
+    before = {family: dict(catalog.kinds(family)) for family in ("normal", "friction")}
+    yield
+    for family, kinds in before.items():
+        entries = catalog._families[family]
+        entries.clear()
+        entries.update(kinds)
+
+
+def free_pin(contact, vy=0.0):
+    return rt.loads(BUSH.format(contact=contact, vy=vy))
+
+
+@pytest.mark.usefixtures("laws")
+def test_a_law_of_ones_own_is_the_law_of_the_package():
+    @normal_law("mine", a="")
+    def mine(static, delta, ddelta, v0, p):
+        return static * (1.0 + p.a * ddelta / v0)
+
+    @friction_law("smooth", mu="", v1="m/s")
+    def smooth(u, N, p):
+        return p.mu * N * math.tanh(u / p.v1)
+
+    given = 'stiffness = 1e9, bush_radius = "10 mm", '
+    friction = '{ model = "smooth", mu = 0.2, v1 = "1 mm/s" }'
+    own = free_pin(f'{{ model = "mine", a = 0.75, {given} friction = {friction} }}', 0.4)
+    theirs = free_pin(
+        f'{{ model = "hunt-crossley", restitution = 0.5, {given} friction = {{ model = "coulomb-smooth", mu = 0.2 }} }}',
+        0.4,
+    )
+    times = np.linspace(0, 0.01, 50)
+    one, two = own.simulate(t_eval=times), theirs.simulate(t_eval=times)
+    for name in ("pin.x", "pin.y", "pin.angle", "O.normal", "energy.dissipated"):
+        assert one[name] == pytest.approx(two[name], rel=1e-9, abs=1e-12)  # rounding only: the same formula
+    assert one.trust.notes == tuple(note for note in two.trust.notes if "restitution" not in note)
+
+
+@pytest.mark.usefixtures("laws")
+def test_a_friction_law_may_have_a_memory():
+    @friction_law("bristle", memory=True, mu="", sigma="1/m")
+    def bristle(u, N, z, p):  # Dahl's law with the exponent 1, see laws/friction.py
+        root = math.sqrt(N)
+        held = math.copysign(p.sigma * z / p.mu, u * z)
+        rate = root - held
+        return min(max(root * p.sigma * z, -p.mu * N), p.mu * N), u * rate
+
+    given = 'model = "exact", restitution = 0.5, stiffness = 1e9, bush_radius = "10 mm"'
+    own = free_pin(f'{{ {given}, friction = {{ model = "bristle", mu = 0.2, sigma = 1e4 }} }}', 0.4).simulate(0.003)
+    theirs = free_pin(f'{{ {given}, friction = {{ model = "dahl", mu = 0.2, sigma = 1e4 }} }}', 0.4).simulate(0.003)
+    assert own["pin.omega"][-1] == pytest.approx(theirs["pin.omega"][-1], rel=1e-5)
+    assert abs(own["pin.omega"][-1]) > 1.0
+
+
+@pytest.mark.usefixtures("laws")
+def test_a_law_runs_at_the_speed_of_the_built_in_ones():
+    @normal_law("quick", a="")
+    def quick(static, delta, ddelta, v0, p):
+        return static * (1.0 + p.a * ddelta / v0)
+
+    if not catalog.start():
+        pytest.skip("runs without machine code")
+    own = free_pin('{ model = "quick", a = 0.1, stiffness = 1e9 }')
+    theirs = free_pin('{ model = "hunt-crossley", restitution = 0.93333333, stiffness = 1e9 }')
+    took = {}
+    for name, m in (("own", own), ("theirs", theirs)):
+        m.simulate(0.2)
+        samples = []
+        for _ in range(5):
+            start = time.perf_counter()
+            m.simulate(0.2)
+            samples.append(time.perf_counter() - start)
+        took[name] = min(samples)
+    assert took["own"] < 1.5 * took["theirs"]  # the interpreter would be a hundred times slower
+
+
+@pytest.mark.usefixtures("laws")
+def test_a_law_that_gives_energy_back_is_named():
+    @normal_law("lively")
+    def lively(static, delta, ddelta, v0, p):
+        return static * (1.0 if ddelta > 0.0 else 1.2)
+
+    m = free_pin('{ model = "lively", stiffness = 1e9 }')
+    assert "O: normal law 'lively' gives energy back" in str(m.check())
+    r = m.simulate(0.004)
+    assert any("'lively' gives energy back" in note for note in r.trust.notes)
+    assert len(str(r.trust).splitlines()) == 2
+
+
+@pytest.mark.usefixtures("laws")
+def test_a_law_that_pulls_is_named():
+    @normal_law("sticky")
+    def sticky(static, delta, ddelta, v0, p):
+        return static - 50.0
+
+    assert "pulls" in str(free_pin('{ model = "sticky", stiffness = 1e9 }').check())
+
+
+@pytest.mark.usefixtures("laws")
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_friction_that_pushes_is_named(sign):
+    @friction_law("pusher", mu="", s="")
+    def pusher(u, N, p):
+        return p.s * p.mu * N * math.tanh(u / 1e-3)
+
+    friction = f'{{ model = "pusher", mu = 0.1, s = {sign} }}'
+    contact = f'{{ model = "exact", restitution = 0.5, stiffness = 1e9, bush_radius = 0.01, friction = {friction} }}'
+    found = free_pin(contact).check().laws
+    assert bool(found) == (sign < 0)
+    assert all("friction law 'pusher' gives energy back" in one for one in found)
+
+
+@pytest.mark.parametrize("name", sorted(catalog.kinds("friction")))
+def test_every_friction_law_of_the_package_passes_the_same_check(name):
+    from rattle.passivity import friction_fault
+
+    kind = catalog.kinds("friction")[name]
+    values = {}
+    for key, entry in kind.fields.items():
+        default = entry.default(values) if callable(entry.default) else entry.default
+        values[key] = {"mu": 0.2, "mu_static": 0.3, "viscosity": 5.0}.get(key, default)
+    assert friction_fault(kind.kernel.python, np.array([*kind.leaf.pack(values), 0.0])) == ""
+
+
+@pytest.mark.parametrize("e", [0.1, 0.5, 1.0])
+@pytest.mark.parametrize("name", sorted(catalog.kinds("normal")))
+def test_every_normal_law_of_the_package_passes_the_same_check(name, e):
+    from rattle.passivity import normal_fault
+
+    kind = catalog.kinds("normal")[name]
+    p = np.array([*kind.leaf.pack({"restitution": e, "least_speed": 1e-3, "effective_mass": 1.0}), 0.0])
+    m = free_pin('{ model = "exact", restitution = 0.5, stiffness = 1e9 }')
+    assert normal_fault(kind.kernel.python, p, m.model.joints["O"].contact) == ""
+
+
+@pytest.mark.usefixtures("laws")
+def test_bad_laws_are_refused():
+    with pytest.raises(ValueError, match="a law of the program has this name"):
+        normal_law("hertz")
+    with pytest.raises(ValueError, match="a contact model of the program"):
+        normal_law("impact")
+    with pytest.raises(ValueError, match="cannot be called 'stiffness'"):
+        normal_law("x", stiffness="N/m")
+    with pytest.raises(ValueError, match="unknown unit"):
+        friction_law("x", mu="furlong")
+
+    @normal_law("python only")
+    def only(static, delta, ddelta, v0, p):
+        return {"F": static}["F"] + len(str(delta)) * 0.0 + float(__import__("os").getpid()) * 0.0
+
+    m = free_pin('{ model = "python only", stiffness = 1e9 }')
+    if catalog.start():
+        with pytest.raises(ValueError, match="'python only': Numba cannot compile it"):
+            m.simulate(0.001)
+    normal_law("wants", a="")(lambda static, delta, ddelta, v0, p: static)
+    with pytest.raises(ModelError, match="needs a: a"):
+        free_pin('{ model = "wants", stiffness = 1e9 }')
+
+
+@pytest.mark.usefixtures("laws")
+def test_a_law_that_raises_ends_the_run_with_a_message():
+    @normal_law("raises")
+    def raises(static, delta, ddelta, v0, p):
+        if delta > 1e-6:
+            raise ValueError("too deep")
+        return static
+
+    r = free_pin('{ model = "raises", stiffness = 1e9 }').simulate(0.01)
+    assert not r.success
+    assert "law" in r.message or "contact" in r.message or "O" in r.message
