@@ -1,6 +1,6 @@
 """Speed of rattle as ratios to yardsticks measured in the same run.
 
-    python benchmarks/run.py [fourbar exudyn chain startup] [--repeats 7]
+    python benchmarks/run.py [fourbar exudyn chain kinematics startup] [--repeats 7]
 
 A ratio is rattle's time divided by the yardstick's; the aim is a time, a ratio or both.
 """
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 
+import kinematics
 import measure
 import rhs
 import startup
@@ -18,6 +19,7 @@ SECTIONS = {
     "fourbar": rhs.fourbar_rows,
     "exudyn": versus_exudyn.rows,
     "chain": rhs.chain_rows,
+    "kinematics": kinematics.kinematics_rows,
     "startup": startup.rows,
 }
 

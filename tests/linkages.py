@@ -1,7 +1,9 @@
 """Mechanisms of the tests that need no steps in time, as model texts."""
 
 
-def fourbar_text(drive: str, a: float, b: float, c: float, d: float, start: str, loads: str = "", joints: str = "") -> str:
+def fourbar_text(
+    drive: str, a: float, b: float, c: float, d: float, start: str, loads: str = "", joints: str = ""
+) -> str:
     """Crank a from (0, 0), coupler b, rocker c from (d, 0); uniform bars of 1, 2 and 3 kg."""
     return f"""
 format = 1

@@ -24,6 +24,7 @@ from rattle.steppers.rest import stiffness
 from rattle.system import Compiled, compile_system
 
 SMALLEST = 1e-7  # share of an interval below which no step is tried
+MOST_SNAPS = 5  # in one interval
 PLAIN = 200  # positions up to which starting machine code is not worth it
 
 
@@ -95,6 +96,7 @@ def _on_links(path: Path, start: Equilibrium) -> Equilibrium:
 
 def _lead(path: Path, t: float, events: list[Event]) -> str:
     """Go to time t in as many steps as needed; returns why not, if not."""
+    snaps = 0
     while path.last.t < t:
         whole = t - path.last.t
         share, found = 1.0, None
@@ -102,7 +104,8 @@ def _lead(path: Path, t: float, events: list[Event]) -> str:
             found = path.step(path.last.t + share * whole if share < 1.0 else t)
             share *= 0.5
         if found is None:
-            found = _snap(path, t)
+            snaps += 1
+            found = _snap(path, t) if snaps <= MOST_SNAPS else None
             if found is None:
                 return f"no position of rest beyond t = {path.last.t:.8g} s near the last one"
             events.append(Event(path.last.t, "", "snap"))

@@ -300,9 +300,9 @@ def _table(entries: Sequence[Sequence[int]], width: int) -> np.ndarray:
 
 
 def _size(model: Model) -> float:
-    """Largest distance of a point from its body's mass centre, or of a ground point from the origin."""
+    """Largest distance of a point from its body's mass centre, or of a ground point from the origin; 1 m if none."""
     points = [p for body in model.bodies.values() for p in body.points.values()] + list(model.ground.values())
     lengths = [abs(x) + abs(y) for x, y in points] + [
         one.fields["length"] for one in model.joints.values() if "length" in one.fields
     ]
-    return max([*lengths, 1e-9])
+    return max([*lengths, 0.0]) or 1.0

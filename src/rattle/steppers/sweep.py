@@ -56,8 +56,9 @@ LEAPS = 12  # doublings of a step that tries to get across
 
 @compiled
 def acceleration_residual(m, a):
-    """Put Phi_q a - gamma on the right side."""
+    """Put Phi_q a - gamma on the right side; returns the largest [m/s^2 or rad/s^2]."""
     rows, x, place_of, row_body = mat(m, ROWS), vec(m, SOLUTION), ivec(m, PLACE), imat(m, ROW_BODY)
+    most = 0.0
     for r in range(rows.shape[0]):
         i, j = 3 * row_body[r, 0] - 3, 3 * row_body[r, 1] - 3
         value = -rows[r, GAMMA]
@@ -67,6 +68,9 @@ def acceleration_residual(m, a):
             if j >= 0:
                 value += rows[r, BX + k] * a[j + k]
         x[place_of[r]] = value
+        if not abs(value) <= most:
+            most = abs(value)
+    return most
 
 
 @compiled
@@ -120,13 +124,15 @@ def closed_at(m, t, node, size):
             break  # the factor at hand is exact enough
     if not gap < 1e-12 * size:
         return math.inf, 0.0, gap, rounds
-    rate_residual(m)
+    if not rate_residual(m) < math.inf:
+        return math.inf, 0.0, gap, rounds
     correct(m)
     for k in range(q.shape[0]):
         v[k] += change[k]
     place(m, q, v)
     constraints(m)
-    acceleration_residual(m, a)
+    if not acceleration_residual(m, a) < math.inf:
+        return math.inf, 0.0, gap, rounds
     correct(m)
     for k in range(q.shape[0]):
         a[k] += change[k]
