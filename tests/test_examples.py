@@ -15,6 +15,7 @@ from rattle.result import Result
 G = 9.81
 NAMES = {
     "chain", "double_pendulum", "five_bar", "fourbar", "quick_return", "slider_crank", "squeezer", "toggle", "windows",
+    "slider_crank_play", "door_hinge",
 }  # fmt: skip
 
 

@@ -56,7 +56,8 @@ def pin(body, a, b, p, k, corner, row, touch):
     ny = ey * inv
     along = nx * dex + ny * dey
     across = nx * dey - ny * dex  # t . e'
-    journal = bore - c
+    on_a = bore - 0.5 * (c - e)  # h; from the pin centre it is h - |e|
+    on_b = on_a - e
     turning = across * inv  # rate at which n turns
     rx = sbx * wb * wb - sax * wa * wa
     ry = sby * wb * wb - say * wa * wa
@@ -64,12 +65,12 @@ def pin(body, a, b, p, k, corner, row, touch):
     touch[row, GAP] = c - e
     touch[row, DGAP] = -along
     touch[row, NX], touch[row, NY] = nx, ny
-    touch[row, PAX], touch[row, PAY] = sax + bore * nx, say + bore * ny
-    touch[row, PBX], touch[row, PBY] = sbx + journal * nx, sby + journal * ny
-    # slip = t . e' + w_B (R - c) - w_A R; its rate is t . e'' - turning (n . e') + alpha_B (R - c) - alpha_A R
-    touch[row, SLIP] = across + wb * journal - wa * bore
+    touch[row, PAX], touch[row, PAY] = sax + on_a * nx, say + on_a * ny
+    touch[row, PBX], touch[row, PBY] = sbx + on_b * nx, sby + on_b * ny
+    # its rate is t . e'' - turning (n . e') + alpha_B (h - |e|) - alpha_A h - (w_A + w_B) (n . e')/2
+    touch[row, SLIP] = across + wb * on_b - wa * on_a
     touch[row, GAMMA_N] = nx * rx + ny * ry - across * turning
-    touch[row, GAMMA_T] = -ny * rx + nx * ry + turning * along
+    touch[row, GAMMA_T] = -ny * rx + nx * ry + turning * along + 0.5 * (wa + wb) * along
 
 
 @kind("clearance", "pin", pin)
