@@ -37,6 +37,7 @@ SIGNATURE = {
     "normal": ("f", "f", "f", "f", "f", "v", "i"),  # F_static, delta, ddelta, v0, p, k -> F
     "friction": ("f", "f", "f", "f", "v", "i", "v"),  # u, N, z, p, k, dz -> T
     "hold": ("void", "h"),  # m, see rattle.impact
+    "problem": ("i", "h", "i"),  # m, number of contacts, see rattle.impact
     "state": ("i", "h", "f", "v", "v"),  # m, t, and two vectors: parts of the march that many others call
     "look_back": ("i", "h", "f", "f", "i", "i", "v", "m"),  # m, t, h, changed, method, t_out, out
 }
@@ -200,9 +201,23 @@ def _compile(wanted: Compiled) -> Any:
     before = numba.config.CACHE_DIR
     try:
         numba.config.CACHE_DIR = str(cache_folder())
-        return numba.njit(*arguments, **options)(wanted.python)
+        return _one_version(numba.njit(*arguments, **options)(wanted.python))
     finally:
         numba.config.CACHE_DIR = before
+
+
+def _one_version(dispatcher: Any) -> Any:
+    """Compile for the types of arguments alone: Numba would make a version for every constant that is passed."""
+    from numba import types
+
+    resolve = dispatcher.get_call_template
+
+    def without_constants(arguments: Any, named: Any) -> Any:
+        plain = tuple(types.unliteral(one) for one in arguments)
+        return resolve(plain, {name: types.unliteral(one) for name, one in named.items()})
+
+    dispatcher.get_call_template = without_constants
+    return dispatcher
 
 
 def cache_folder() -> Path:
@@ -279,6 +294,11 @@ def call_hold(entry: Any, arguments: Any) -> None:
     entry(*arguments)
 
 
+def call_problem(entry: Any, arguments: Any) -> Any:
+    """Call one part of the solution of contact problems; by its address, so that callers need not compile it again."""
+    return entry(*arguments)
+
+
 _CALLERS: dict[str, Callable[..., Any]] = {
     "joint": call_joint,
     "load": call_load,
@@ -287,6 +307,7 @@ _CALLERS: dict[str, Callable[..., Any]] = {
     "normal": call_normal,
     "friction": call_friction,
     "hold": call_hold,
+    "problem": call_problem,
     "state": call_state,
     "look_back": call_look_back,
 }

@@ -16,9 +16,7 @@ Non-Smooth Mechanical Systems (2004), chapter 5.
 
 from __future__ import annotations
 
-import math
-
-from rattle.catalog import compiled, kernel
+from rattle.catalog import call_problem, compiled, kernel
 from rattle.memory import (
     ACCELERATION,
     ARM,
@@ -32,6 +30,7 @@ from rattle.memory import (
     MULTIPLIER,
     PIVOTS,
     PLACE,
+    PROBLEM_TABLE,
     REPLY,
     ROW_BODY,
     ROWS,
@@ -86,8 +85,8 @@ def friction_of(m, n):
     return vec(m, VALUES)[imat(m, CONTACT)[n, NORMAL_P] + 2]
 
 
-@compiled
-def contact_rows(m, count):
+@kernel("problem")
+def rows_kernel(m, count):
     """Rows w of the chosen contacts, what a unit force on each of them changes, and G; touch and factor are at hand."""
     contact, touch, chosen, row_body = imat(m, CONTACT), mat(m, TOUCH), ivec(m, CHOSEN), imat(m, ROW_BODY)
     arm, direction, reply, delassus = mat(m, ARM), mat(m, DIRECTION), mat(m, REPLY), mat(m, DELASSUS)
@@ -144,6 +143,7 @@ def contact_rows(m, count):
                             value += arm[r, 3 + q] * direction[s, 3 * b - 3 + q]
                 delassus[r, s] = value
                 delassus[s, r] = value
+    return 0
 
 
 @compiled
@@ -179,7 +179,7 @@ def lasting_side(m, count):
 
 
 @compiled
-def solve_modes(m, count, rough):
+def linear(m, count, rough):
     """Forces f and a = G f + b for the modes in `trial`; rough = 0 leaves friction of sliding out.
 
     Returns the sign of the determinant: +1 as without friction, -1 when friction locks, 0 for dependent contacts.
@@ -202,7 +202,7 @@ def solve_modes(m, count, rough):
                 value = delassus[2 * k + d, 2 * j]
                 if trial[j] == STICK:
                     system[row, column + 1] = delassus[2 * k + d, 2 * j + 1]
-                elif rough > 0.0:
+                elif rough == 1:
                     mu = friction_of(m, chosen[j])
                     value += (mu if trial[j] == FORWARD else -mu) * delassus[2 * k + d, 2 * j + 1]
                 system[row, column] = value
@@ -210,7 +210,7 @@ def solve_modes(m, count, rough):
             system[row, size] = -side[B, 2 * k + d]
             scale = max(scale, delassus[2 * k + d, 2 * k + d])
             row += 1
-    sign = 1.0
+    sign = 1
     top = 0
     for c in range(size):
         best = top
@@ -219,7 +219,7 @@ def solve_modes(m, count, rough):
                 best = r
         pivot[c] = -1
         if top == size or not abs(system[best, c]) > EXACT * scale:
-            sign = 0.0
+            sign = 0
             continue
         if best != top:
             sign = -sign
@@ -239,12 +239,13 @@ def solve_modes(m, count, rough):
         side[F, 2 * k], side[F, 2 * k + 1] = 0.0, 0.0
         if trial[k] == OFF:
             continue
-        side[F, 2 * k] = system[pivot[column], size] / system[pivot[column], column] if pivot[column] >= 0 else 0.0
-        column += 1
-        if trial[k] == STICK:
-            side[F, 2 * k + 1] = system[pivot[column], size] / system[pivot[column], column] if pivot[column] >= 0 else 0.0
+        for d in range(2 if trial[k] == STICK else 1):
+            r = pivot[column]
+            side[F, 2 * k + d] = system[r, size] / system[r, column] if r >= 0 else 0.0
             column += 1
-        elif rough > 0.0:
+        if trial[k] == STICK:
+            continue
+        if rough == 1:
             mu = friction_of(m, chosen[k])
             side[F, 2 * k + 1] = (mu if trial[k] == FORWARD else -mu) * side[F, 2 * k]
     for r in range(2 * count):
@@ -302,12 +303,12 @@ def settled(m, count):
     return True
 
 
-@compiled
-def solve_contacts(m, count):
-    """Find modes, f and a of the chosen contacts, starting from the modes in `trial`; False when there is no solution."""
+@kernel("problem")
+def contacts_kernel(m, count):
+    """Find modes, f and a of the chosen contacts, starting from those in `trial`; 0 when there is no solution."""
     trial = ivec(m, TRIAL)
     for sweep in range(12 + 6 * count):
-        solve_modes(m, count, 1.0)
+        linear(m, count, 1)
         force, rate = resolution(m, count)
         changed = False
         for k in range(count):
@@ -316,12 +317,12 @@ def solve_contacts(m, count):
                 trial[k] = mode
                 changed = True
         if not changed:
-            return settled(m, count)
-    return count_solutions(m, count, 1) > 0
+            return 1 if settled(m, count) else 0
+    return all_modes(m, count, 1)
 
 
 @compiled
-def count_solutions(m, count, most):
+def all_modes(m, count, most):
     """Try all modes; returns the number of solutions with different a, up to `most`, and leaves the first one."""
     side, trial, slide, chosen = mat(m, SIDE), ivec(m, TRIAL), ivec(m, SLIDE), ivec(m, CHOSEN)
     found, first = 0, 0
@@ -337,7 +338,7 @@ def count_solutions(m, count, most):
                 fits = fits and trial[k] == (BACKWARD if slide[k] < 0 else FORWARD)
         if not fits:
             continue
-        solve_modes(m, count, 1.0)
+        linear(m, count, 1)
         if not settled(m, count):
             continue
         new = found == 0
@@ -357,8 +358,53 @@ def count_solutions(m, count, most):
         for k in range(count):
             trial[k] = first % 4
             first //= 4
-        solve_modes(m, count, 1.0)
+        linear(m, count, 1)
     return found
+
+
+@kernel("problem")
+def count_kernel(m, count):
+    """Number of different solutions of the problem, at most 2."""
+    return all_modes(m, count, 2)
+
+
+@kernel("problem")
+def rough_kernel(m, count):
+    """`linear` with friction of sliding."""
+    return linear(m, count, 1)
+
+
+@kernel("problem")
+def smooth_kernel(m, count):
+    """`linear` without friction of sliding."""
+    return linear(m, count, 0)
+
+
+KERNELS = (rows_kernel, contacts_kernel, count_kernel, rough_kernel, smooth_kernel)
+
+
+@compiled
+def contact_rows(m, count):
+    """Rows w of the chosen contacts, what a unit force on each of them changes, and G."""
+    call_problem(ivec(m, PROBLEM_TABLE)[0], (m, count))
+
+
+@compiled
+def solve_contacts(m, count):
+    """Find modes, f and a of the chosen contacts, from those in `trial` on; False when there is no solution."""
+    return call_problem(ivec(m, PROBLEM_TABLE)[1], (m, count)) > 0
+
+
+@compiled
+def count_solutions(m, count):
+    """Number of different solutions of the problem, at most 2."""
+    return call_problem(ivec(m, PROBLEM_TABLE)[2], (m, count))
+
+
+@compiled
+def solve_modes(m, count, rough):
+    """Forces f and a for the modes in `trial`, rough = 0: without friction of sliding. See `linear`."""
+    return call_problem(ivec(m, PROBLEM_TABLE)[4 - rough], (m, count))
 
 
 @compiled
@@ -394,7 +440,8 @@ def hold(m):
     count = 0
     for n in range(contact.shape[0]):
         if contact[n, IMPACT] == 1:
-            touch[n, NORMAL], touch[n, TANGENT], touch[n, LOSS], touch[n, STORE], touch[n, DBRISTLE] = 0.0, 0.0, 0.0, 0.0, 0.0
+            for column in (NORMAL, TANGENT, LOSS, STORE, DBRISTLE):
+                touch[n, column] = 0.0
             if mode[n] != OFF:
                 chosen[count], trial[count] = n, mode[n]
                 count += 1
@@ -402,18 +449,10 @@ def hold(m):
         return
     contact_rows(m, count)
     lasting_side(m, count)
-    vec(m, HELD)[DETERMINANT] = solve_modes(m, count, 1.0)
+    vec(m, HELD)[DETERMINANT] = solve_modes(m, count, 1)
     add_forces(m, count, mat(m, ACCELERATION), vec(m, MULTIPLIER))
     for k in range(count):
         n = chosen[k]
         touch[n, NORMAL], touch[n, TANGENT] = side[F, 2 * k], side[F, 2 * k + 1]
         touch[n, LOSS] = 0.0 if mode[n] == STICK else side[F, 2 * k + 1] * touch[n, SLIP]
 
-
-@compiled
-def finite(values, count):
-    """True when the first `count` numbers are finite."""
-    for k in range(count):
-        if not abs(values[k]) < math.inf:
-            return False
-    return True

@@ -34,7 +34,7 @@ def choose_method(ready: Compiled, method: str, step: float | None, span: float)
     if not (ready.arrays["contact"][:, IMPACT] == 1).all():
         laws = {ready.joints[row[OWNER]]: "impact" if row[IMPACT] else "compliant" for row in ready.arrays["contact"]}
         listed = ", ".join(f"{name}: {law}" for name, law in laws.items())
-        raise ValueError(f"impact and compliant contacts cannot be mixed in one run ({listed}); give all joints one kind")
+        raise ValueError(f"impact and compliant contacts do not go together ({listed}); give all joints one kind")
     if method == "moreau":
         return method, step or min(1e-4, span / STEPS)
     return "event", step
@@ -44,7 +44,8 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
     """What set-valued contacts need besides the arrays of one instant; lasting: their forces are part of the motion."""
     nc, nr, nb = len(ready.arrays["contact"]), ready.row_count, ready.body_count
     held = np.array([1.0, ready.size])
-    kernel = np.array([impact.hold.address], np.int64) if catalog.jit_runs() else (impact.hold.python,)
+    jit = catalog.jit_runs()
+    hold, *problem = (one.address if jit else one.python for one in (impact.hold, *impact.KERNELS))
     return {
         **{name: np.zeros(nc, np.int64) for name in ("mode", "chosen", "trial", "slide")},
         "pivot": np.zeros(2 * nc, np.int64),
@@ -55,7 +56,8 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "side": np.zeros((4, 2 * nc)),
         "system": np.zeros((2 * nc, 2 * nc + 1)),
         "held": held,
-        **({"hold_table": kernel} if lasting else {}),
+        "problem_table": np.array(problem, np.int64) if jit else tuple(problem),
+        **({"hold_table": np.array([hold], np.int64) if jit else (hold,)} if lasting else {}),
     }
 
 
@@ -67,11 +69,11 @@ class ImpactRun(Run):
         arrays = march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched))
         return self.ready.memory(**arrays, **contact_arrays(self.ready, self.method == "event"))
 
-    def go(self, progress: bool = False) -> None:
+    def go(self, progress: bool = False, what: str = "simulate") -> None:
         """March to the end, or to where it cannot go on (then `message` says why)."""
         began = time.perf_counter()
         pythonlaw.forget()
-        bar = progress_bar(self.t_end) if progress else None
+        bar = progress_bar(self.t_end, what) if progress else None
         try:
             status = self._event(bar) if self.method == "event" else self._moreau(bar)
             if status != DONE:
@@ -121,7 +123,8 @@ class ImpactRun(Run):
         moreau.start(m.handle, self.start.t)
         status = PAUSED
         while status == PAUSED:
-            status = moreau.advance(m.handle, self.start.t, h, count, self.t_eval, self.raw, CHUNK if catalog.jit_runs() else 20)
+            chunk = CHUNK if catalog.jit_runs() else 20
+            status = moreau.advance(m.handle, self.start.t, h, count, self.t_eval, self.raw, chunk)
             self._take_events(bar)
         return int(status)
 
@@ -130,18 +133,18 @@ class ImpactRun(Run):
         names = ", ".join(self._closed()) or "the contacts"
         if status == event.NO_SOLUTION:
             return (
-                f"the contact problem at {names} has no solution at t = {t:.9g} s (Painleve: friction would have to jam the"
-                " joint); less friction, or a compliant contact, goes on"
+                f"the contact problem at {names} has no solution at t = {t:.9g} s (Painleve: friction would have to jam"
+                " the joint); less friction, or a compliant contact, goes on"
             )
         if status == event.NOT_UNIQUE:
             return (
-                f"the contact problem at {names} has several solutions at t = {t:.9g} s (Painleve: rigid bodies with this"
-                " friction do not say which); less friction, a compliant contact or method moreau goes on"
+                f"the contact problem at {names} has several solutions at t = {t:.9g} s (Painleve: rigid bodies with"
+                " this friction do not say which); less friction, a compliant contact or method moreau goes on"
             )
         if status == event.LOCKED:
             return (
-                f"friction locks {names} at t = {t:.9g} s: the normal force grows beyond all bounds (Painleve); less friction,"
-                " or a compliant contact, goes on"
+                f"friction locks {names} at t = {t:.9g} s: the normal force grows beyond all bounds (Painleve); less"
+                " friction, or a compliant contact, goes on"
             )
         if status == event.CHATTER:
             joint = self.ready.joints[self.ready.arrays["contact"][int(self.stuck[2]), OWNER]]

@@ -79,6 +79,7 @@ FIELDS = {
     "system": "f2",  # (2 nc, 2 nc + 1) scratch
     "held": "f1",  # (2,) sign of the determinant of the last solution, size of the mechanism [m]
     "hold_table": "i1",  # the kernel that adds the forces of lasting contacts, if there may be any
+    "problem_table": "i1",  # kernels that solve contact problems, see impact
     # the march in time
     "links": "i1",  # addresses of its parts: see steppers.march
     "y": "f1",  # (6 nb + 2,) q, v, work done, energy dissipated at clock[T]
@@ -100,7 +101,7 @@ FIELDS = {
     BELOW, TARGET, PAIRS, ROW_BODY, JOINT_TABLE, LOAD_TABLE, CLEARANCE_TABLE, STIFFNESS_TABLE, NORMAL_TABLE,
     FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER, SCHUR,
     INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, MODE, CHOSEN, TRIAL,
-    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, HELD, HOLD_TABLE, LINKS, STATE, RATE, STATE_NEW,
+    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, HELD, HOLD_TABLE, PROBLEM_TABLE, LINKS, STATE, RATE, STATE_NEW,
     RATE_NEW, STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN, CROSSINGS, EVENTS,
 ) = range(len(FIELDS))  # fmt: skip
 DERIVATIVE, MOTION, FINISH, LOOK_BACK, SETTLE = range(5)  # places in `links`

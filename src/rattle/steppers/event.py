@@ -172,7 +172,7 @@ def held_contacts(m):
 
 @compiled
 def settle(m, t, y):
-    """Bring y onto the constraints and onto its lasting contacts, positions and rates; leaves rows, factor and touch."""
+    """Bring y onto the constraints and onto its lasting contacts, positions and rates; leaves rows and factor."""
     project(m, t, y)
     touch_all(m)
     count = held_contacts(m)
@@ -192,7 +192,7 @@ def settle(m, t, y):
         for k in range(count):
             side[B, 2 * k] = -touch[chosen[k], GAP]
             trial[k] = FORWARD
-        solve_modes(m, count, 0.0)
+        solve_modes(m, count, 0)
         for k in range(count):
             for c in range(nq):
                 q[c] += direction[2 * k, c] * side[F, 2 * k]
@@ -203,7 +203,7 @@ def settle(m, t, y):
         n = chosen[k]
         side[B, 2 * k], side[B, 2 * k + 1] = touch[n, DGAP], -touch[n, SLIP]
         trial[k] = STICK if ivec(m, MODE)[n] == STICK else FORWARD
-    solve_modes(m, count, 0.0)
+    solve_modes(m, count, 0)
     for r in range(2 * count):
         for c in range(nq):
             v[c] -= direction[r, c] * side[F, r]
@@ -250,7 +250,7 @@ def regroup(m, t, y, apart, kind):
     Returns OK, NO_SOLUTION or NOT_UNIQUE.
     """
     contact, touch, mode, body = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, BODY)
-    chosen, trial, slide, side = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE)
+    chosen, trial, slide = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE)
     grip, pulling = mat(m, GRIP), touch[apart, TANGENT] if apart >= 0 else 0.0
     motion_without(m, t, y)
     for attempt in range(2):
@@ -284,7 +284,7 @@ def regroup(m, t, y, apart, kind):
         lasting_side(m, closed)
         if not solve_contacts(m, closed):
             return NO_SOLUTION
-        if is_rough(m, closed) and count_solutions(m, closed, 2) > 1:
+        if is_rough(m, closed) and count_solutions(m, closed) > 1:
             return NOT_UNIQUE
         if kind != LET_GO or attempt == 1:
             break
@@ -325,8 +325,8 @@ def at_rest(m, r, n, u, before):
 @compiled
 def change_modes(m, t, y, count):
     """Take over the modes in `trial` of the chosen contacts (all others are off) and note what has changed."""
-    contact, mode, grip, touch = imat(m, CONTACT), ivec(m, MODE), mat(m, GRIP), mat(m, TOUCH)
-    chosen, trial, slide, side = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE)
+    contact, mode, grip = imat(m, CONTACT), ivec(m, MODE), mat(m, GRIP)
+    chosen, trial, side = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE)
     for n in range(contact.shape[0]):
         if contact[n, IMPACT] == 0:
             continue
@@ -359,7 +359,7 @@ def collide(m, t, y, who):
     Bounces that are too low to follow are closed (restitution 0).  Returns OK, NO_SOLUTION or NOT_UNIQUE.
     """
     contact, touch, mode, grip, values = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP), vec(m, VALUES)
-    chosen, trial, slide, side, body = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE), mat(m, BODY)
+    chosen, trial, slide, side = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE)
     direction, nq = mat(m, DIRECTION), vec(m, CHANGE).shape[0]
     v, before = y[nq : 2 * nq], vec(m, RATE_NEW)
     count = 0
@@ -370,7 +370,7 @@ def collide(m, t, y, who):
             count += 1
     for c in range(nq):
         before[c] = v[c]
-    for attempt in range(count + 1):
+    for _ in range(count + 1):
         contact_rows(m, count)
         for k in range(count):
             n, p = chosen[k], contact[chosen[k], NORMAL_P]
@@ -383,7 +383,7 @@ def collide(m, t, y, who):
             trial[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
         if not solve_contacts(m, count):
             return NO_SOLUTION
-        if is_rough(m, count) and count_solutions(m, count, 2) > 1:
+        if is_rough(m, count) and count_solutions(m, count) > 1:
             return NOT_UNIQUE
         for r in range(2 * count):
             for c in range(nq):
@@ -410,7 +410,7 @@ def low_bounce(m, t, y, count):
     for k in range(count):
         trial[k] = mode[chosen[k]]
     lasting_side(m, count)
-    solve_modes(m, count, 1.0)
+    solve_modes(m, count, 1)
     add_forces(m, count, mat(m, ACCELERATION), vec(m, MULTIPLIER))
     for r in range(2 * count):
         side[F, r] = side[OTHER, r]
@@ -420,7 +420,8 @@ def low_bounce(m, t, y, count):
         if side[F, 2 * k] <= 0.0 or grip[n, STEPS_IN] != 0.0 or speed <= STILL * swing(m, 2 * k, n):
             continue
         pull = touch[n, GAMMA_N] - along(m, 2 * k, n, mat(m, ACCELERATION), 0)
-        if pull < 0.0 and speed * speed < -2.0 * pull * max(LOW * clearance_of(m, n), 64.0 * 2e-16 * vec(m, HELD)[SIZE]):
+        least = max(LOW * clearance_of(m, n), 1e-14 * vec(m, HELD)[SIZE])
+        if pull < 0.0 and speed * speed < -2.0 * pull * least:
             grip[n, STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
             found = True
     return found
@@ -623,7 +624,7 @@ def remember(m):
 @compiled
 def happen(m, t, y, who, what):
     """Event at (t, y): impact if contacts hit, then new modes; leaves y on its constraints. Returns a status."""
-    if what == LET_GO or what == BREAK_AWAY or what == TURN:
+    if what != HIT:
         nq = vec(m, CHANGE).shape[0]
         settle(m, t, y)
         solve_motion(m, t, y[:nq], y[nq : 2 * nq])
@@ -689,7 +690,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             return STEP_TOO_SMALL
         vec(m, POWER)[3] = 1.0
         vec(m, HELD)[DETERMINANT] = 1.0
-        error, _ = step_dop853(m, t, h, rtol, atol)
+        error, _ = step_dop853(m, t, h, rtol, atol, 0)
         tally[EVALUATIONS] += 12
         if not error <= 1.0:
             tally[REJECTED] += 1

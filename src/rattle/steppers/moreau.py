@@ -97,6 +97,7 @@ from rattle.steppers.march import DRIFT, EVALUATIONS, EVENT_COUNT, H_MIN, OUTPUT
 from rattle.steppers.writing import write
 
 ACTIVE = 1e-8  # share of the clearance within which a contact takes part
+KEPT = 1e-4  # the same for one that pressed in the step before: curved paths part by O(h^2) without letting go
 LASTING = 3  # steps in a row after which a contact counts as lasting, or as released
 
 
@@ -119,7 +120,7 @@ def choose_active(m):
     count = 0
     for n in range(contact.shape[0]):
         touch[n, NORMAL], touch[n, TANGENT] = 0.0, 0.0
-        if touch[n, GAP] <= ACTIVE * values[contact[n, SHAPE_P] + 4]:
+        if touch[n, GAP] <= (ACTIVE if mode[n] == OFF else KEPT) * values[contact[n, SHAPE_P] + 4]:
             chosen[count], trial[count], slide[count] = n, mode[n], 0
             count += 1
     return count
@@ -195,7 +196,7 @@ def watch_contact(m, n, old, t, h, y):
             grip[n, IMPULSE_0], grip[n, LOSS_0] = y[j + 1], y[j + 2]
             if mode[n] == STICK and friction_of(m, n) > 0.0:
                 note(m, STICK_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
-        elif grip[n, CLOSED] == SHUT and old != OFF and (old == STICK) != (mode[n] == STICK) and friction_of(m, n) > 0.0:
+        elif grip[n, CLOSED] == SHUT and (old == STICK) != (mode[n] == STICK) and friction_of(m, n) > 0.0:
             note(m, STICK_EVENT if mode[n] == STICK else SLIP_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
         grip[n, PEAK] = max(grip[n, PEAK], touch[n, NORMAL])
     else:
@@ -209,21 +210,21 @@ def watch_contact(m, n, old, t, h, y):
 
 @compiled
 def lift(m, count, y):
-    """Take pressed contacts that lie too deep back to the wall, along the joints as they are at the middle of the step."""
-    touch, chosen, trial, side, direction = mat(m, TOUCH), ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), mat(m, DIRECTION)
-    nq = vec(m, CHANGE).shape[0]
+    """Take pressed contacts that lie too deep back to the wall, and lasting ones onto it, along the joints."""
+    touch, chosen, trial, side = mat(m, TOUCH), ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE)
+    direction, nq = mat(m, DIRECTION), vec(m, CHANGE).shape[0]
     deep = False
     for k in range(count):
         n = chosen[k]
         trial[k] = OFF
         side[B, 2 * k], side[B, 2 * k + 1] = 0.0, 0.0
-        if touch[n, NORMAL] > 0.0 and touch[n, GAP] < 0.0:
+        if touch[n, NORMAL] > 0.0 and (touch[n, GAP] < 0.0 or mat(m, GRIP)[n, CLOSED] == SHUT):
             trial[k] = FORWARD
             side[B, 2 * k] = -touch[n, GAP]
             deep = True
     if not deep:
         return
-    solve_modes(m, count, 0.0)
+    solve_modes(m, count, 0)
     for k in range(count):
         for c in range(nq):
             y[c] += direction[2 * k, c] * side[F, 2 * k]
@@ -231,7 +232,7 @@ def lift(m, count, y):
 
 @compiled
 def close_joints(m, t, y):
-    """One correction of positions and of rates onto the joints; leaves rows, factor and touch of the end of the step."""
+    """One correction of positions and of rates onto the joints."""
     change, clock, nq = vec(m, CHANGE), vec(m, CLOCK), vec(m, CHANGE).shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
     drive(m, t)
