@@ -285,8 +285,7 @@ def _settle(one: Any, two: Any, share: float = 1.0) -> None:
     other[:, SPEED] = speed
     y = two.memory["y"]
     handle = two.memory.handle
-    march.finish_step(handle, t, y)
-    two.memory["f"][:] = two.memory["f_new"]
+    march.finish_step(handle, t, y, two.memory["f"])
     remember_end(handle)
     pass_on(handle)
     two.clock[:] = one.clock

@@ -1,0 +1,179 @@
+"""Chaos tools against what is known of their own: exponents by the variational equations, period doubling, threads."""
+
+import math
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.integrate import solve_ivp
+
+import rattle as rt
+from rattle.chaos import driver_period
+from rattle.cli import main
+
+DUFFING = """
+format = 1
+[parameters]
+F = "{F} N"
+k = "1 N/m^3"
+d = "0.1 N*s/m"
+w = "1 rad/s"
+[ground.points]
+O = [0, 0]
+[bodies.mass]
+points = {{ P = [0, 0] }}
+mass = 1
+inertia = 1
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "mass.P"]
+axis = 0
+[loads.all]
+type = "force"
+at = "mass.P"
+force = ["F*cos(w*t) - k*mass.x**3 - d*mass.vx", 0]
+[initial]
+mass = {{ x = 3, vx = 4, angle = 0 }}
+[simulate]
+t_end = "1000 s"
+"""
+
+
+def duffing(F):
+    """Ueda's form of Duffing's equation, x'' + 0.1 x' + x^3 = F cos t, of our own loads."""
+    return rt.loads(DUFFING.format(F=F))
+
+
+def exponent_by_variation(F, t_end, skip):
+    """The same exponent from the linearised equations along the motion: written down apart from the package."""
+
+    def rate(t, y):
+        x, v, dx, dv = y
+        return [v, F * math.cos(t) - x**3 - 0.1 * v, dv, -3 * x * x * dx - 0.1 * dv]
+
+    y, total = np.array([3.0, 4.0, 1.0, 0.0]), 0.0
+    for k in range(int(t_end)):
+        y = solve_ivp(rate, (k, k + 1), y, "DOP853", rtol=1e-10, atol=1e-12).y[:, -1]
+        size = math.hypot(y[2], y[3])
+        y[2:] /= size
+        total += math.log(size) if k >= skip else 0.0
+    return total / (t_end - skip)
+
+
+def test_exponent_of_a_chaotic_oscillator_is_that_of_its_linearised_equations():
+    found = duffing(12.0).lyapunov(1000.0)
+    assert found.chaotic
+    assert found.exponent == pytest.approx(exponent_by_variation(12.0, 600, 100), abs=found.uncertainty + 0.02)
+    assert 0.08 < found.exponent < 0.16  # about 0.11 to 0.12 in the literature on Ueda's attractor
+    assert found.uncertainty < 0.04
+    assert "tenfold every" in str(found)
+
+
+def test_exponent_of_a_periodic_oscillator_is_negative():
+    # F = 1: one period, a damped oscillation about it: errors shrink like exp(-0.05 t)
+    found = duffing(1.0).lyapunov(400.0)
+    assert found.exponent == pytest.approx(-0.05, abs=0.005)
+    assert not found.chaotic
+    assert found.horizon() == math.inf
+
+
+def test_exponent_of_an_integrable_pendulum_is_nothing_and_of_a_double_one_positive():
+    m = rt.Mechanism("pendulum", gravity=[0, -9.81])
+    m.ground(O=[0, 0])
+    m.bar("rod", "A", "B", length=1, mass=1)
+    m.revolute("O", "ground.O", "rod.A")
+    m.initial("rod", angle=0.3)
+    one = m.lyapunov(400.0)
+    assert abs(one.exponent) < one.uncertainty + 0.02
+    assert not one.chaotic
+    assert "no exponential growth" in str(one)
+    two = rt.example("double_pendulum").lyapunov(60.0)
+    assert two.chaotic
+    assert two.exponent > 0.5
+
+
+def test_exponent_is_the_reason_behind_the_horizon():
+    # play held by massless links: an error of 1e-12 or so per step is 1 % after ln(1e10)/exponent
+    m = rt.example("fourbar")
+    found = m.lyapunov(2.0)
+    assert found.chaotic
+    assert 20 < found.exponent < 200  # ten-billion-fold between 0.05 and 0.4 s: 66 1/s
+    horizon = m.simulate(0.6, horizon=True).trust.horizon
+    assert found.horizon(1e-9) == pytest.approx(horizon, rel=0.7)
+
+
+def test_exponent_with_contacts_carries_their_memory():
+    found = rt.example("slider_crank_play").lyapunov(0.1)
+    assert found.chaotic
+    again = rt.example("slider_crank_play").lyapunov(0.1)
+    assert again.exponent == found.exponent
+
+
+def test_exponent_is_refused_where_differences_jump():
+    with pytest.raises(ValueError, match="compliant contact instead of impact"):
+        rt.example("fourbar").with_contact("impact").lyapunov(0.1)
+
+
+def test_stroboscope_sees_one_point_of_a_periodic_motion_and_two_after_doubling():
+    period = 2 * math.pi
+    single = duffing(1.0).poincare("mass.x", "mass.vx", period=period, skip=100, count=20)
+    assert np.ptp(single["mass.x"]) < 1e-4
+    assert single["mass.x"][0] == pytest.approx(_strobe(1.0), abs=1e-4)
+    chaotic = duffing(12.0).poincare("mass.x", "mass.vx", period=period, skip=50, count=100)
+    assert np.ptp(chaotic["mass.x"]) > 1.0
+    figure = chaotic.plot("mass.x", "mass.vx")
+    assert figure.axes[0].get_xlabel() == "mass.x [m]"
+
+
+def _strobe(F):
+    end = 110 * 2 * math.pi
+
+    def rate(t, y):
+        return [y[1], F * math.cos(t) - y[0] ** 3 - 0.1 * y[1]]
+
+    return solve_ivp(rate, (0, end), [3, 4], "DOP853", rtol=1e-10, atol=1e-12).y[0, -1]
+
+
+def test_crossings_are_those_of_the_curve():
+    m = rt.Mechanism("pendulum", gravity=[0, -9.81])
+    m.ground(O=[0, 0])
+    m.bar("rod", "A", "B", length=1, mass=1)
+    m.revolute("O", "ground.O", "rod.A")
+    m.initial("rod", angle=-math.pi / 2 - 0.01, omega=0)
+    found = m.settings(t_end=20).poincare("rod.angle", "rod.omega", crossing="rod.omega", skip=0, count=5)
+    # at its turning points on one side: omega rises through 0; small swings have the period 2 pi sqrt(2 l/(3 g))
+    period = 2 * math.pi * math.sqrt(2 / (3 * 9.81)) * (1 + 0.01**2 / 16)
+    assert np.diff(found.t) == pytest.approx(np.full(len(found.t) - 1, period), rel=1e-6)
+    assert found["rod.angle"] == pytest.approx(np.full(len(found.t), -math.pi / 2 - 0.01), abs=1e-6)
+
+
+def test_bifurcation_does_not_depend_on_threads_and_shows_period_doubling():
+    values = np.linspace(5.5, 12.0, 6)
+    runs = [
+        duffing(1.0).bifurcation("F", values, "mass.x", period=2 * math.pi, skip=60, count=16, threads=n)
+        for n in (1, 4)
+    ]
+    assert np.array_equal(runs[0].points, runs[1].points)
+    assert runs[0].points.shape == (6, 16)
+    assert np.ptp(runs[0].points[-1]) > 1.0  # chaos at F = 12
+    assert runs[0].plot().axes[0].get_xlabel() == "F [N]"
+
+
+def test_driver_period_is_one_turn():
+    assert driver_period(rt.example("slider_crank").ready) == pytest.approx(0.012)
+    assert driver_period(rt.example("double_pendulum").ready) is None
+    with pytest.raises(ValueError, match="give the period"):
+        rt.example("double_pendulum").poincare("upper.x")
+
+
+def test_poincare_on_the_command_line(tmp_path):
+    out = tmp_path / "p.png"
+    words = ["poincare", "slider_crank_play", "--skip", "2", "--points", "5", "-o", str(out)]
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code == 0, done.output
+    assert "5 points, every 0.012 s" in done.output
+    more = ["--parameter", "c", "--from", "2e-4", "--to", "3e-4", "--count", "2", "--output", "B.ex"]
+    done = CliRunner().invoke(main, ["-q", *words, *more])
+    assert done.exit_code == 0, done.output
+    assert out.stat().st_size > 5_000
+    assert CliRunner().invoke(main, [*words, "--parameter", "c"]).exit_code == 2
