@@ -58,6 +58,9 @@ class Comparison:
 HEAD = ("model", "peak force", "RMS force", "pressing", "contacts", "impacts", "energy lost", "trusted up to")
 
 
+# forces of rigid impacts are infinite: the peak is that of the contacts, the impulse stands beside the impacts
+
+
 def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
     from rattle.summary import rms
 
@@ -71,7 +74,10 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
         touched = (f"{100 * found.share:.0f} %" if found else "-", "-", "-", "-")
     else:
         lost = f"{found.energy_lost:.3g} J"
-        touched = (f"{100 * found.share:.0f} %", str(found.contacts), str(found.impacts), lost)
+        mine = [event for event in result.events if event.joint == joint and event.kind == "impact"]
+        hardest = max((event.impulse for event in mine), default=0.0)
+        hits = f"{found.impacts}, to {hardest:.2g} N*s" if found.impacts else "0"
+        touched = (f"{100 * found.share:.0f} %", str(found.contacts), hits, lost)
     return (model, f"{peak:.4g} N", f"{rms(result.t, force):.4g} N", *touched, reach)
 
 
@@ -133,7 +139,8 @@ def _motion(m: Mechanism, ideal: Result) -> str:
 
 def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechanism, list[str]]:
     """The mechanism with compliant contacts, and what had to be taken for granted for them."""
-    made, assumed = m, []
+    made = m
+    assumed: dict[str, list[str]] = {}
     for name in loose:
         one = m.model.joints[name]
         own = one.contact.normal.kind if one.contact and one.contact.normal else ""
@@ -169,5 +176,5 @@ def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechani
             said.append(f"restitution {DEFAULT_RESTITUTION:g}")
         made = made.set({f"joints.{name}.contact": {**written, **more}})
         if said:
-            assumed.append(f"{name}, compliant: {', '.join(said)} (assumed)")
-    return made, assumed
+            assumed.setdefault(", ".join(said), []).append(name)
+    return made, [f"assumed for the compliant {', '.join(names)}: {said}" for said, names in assumed.items()]

@@ -137,7 +137,7 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
     least = min(
         0.0, *(float(one[f"{joint}.normal"].min()) for one in found.results.values() if f"{joint}.normal" in one)
     )
-    ax.set_ylim(min(1.6 * least, -3.0 * floor), 2.0 * top)
+    ax.set_ylim(min(1.6 * least, -floor) if model == LINK else -1.3 * floor, 2.0 * top)
     ax.set_ylabel(axis_label(f"{joint}, N", "N"))
     if model == LINK:
         for a, b in r.trust.intervals.get(joint, ()):
@@ -247,7 +247,7 @@ def _table(ax: Axes, found: Comparison) -> None:
     """The figures of the joint, model by model."""
     ax.axis("off")
     rows = found.rows()
-    at = [0.0, 0.17, 0.29, 0.41, 0.51, 0.60, 0.69, 0.82]
+    at = [0.0, 0.16, 0.28, 0.40, 0.50, 0.59, 0.75, 0.88]
     step = 1.0 / (len(rows) + 1)
     for k, head in enumerate(HEAD):
         text = f"joint {found.joint}" if k == 0 else head
