@@ -56,7 +56,7 @@ def test_with_contact_says_what_is_missing(model, joint, said):
 
 @pytest.fixture(scope="module")
 def comparison():
-    return rt.example("slider_crank").compare(t_end=2e-3)
+    return rt.example("slider_crank").compare(t_end=6e-3)
 
 
 def test_compare_has_every_model_with_the_same_instants(comparison):

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 COLOURS = {IDEAL: BLACK, LINK: BLUE, IMPACT: ORANGE, COMPLIANT: GREEN}
 SAYS = {
     LINK: "Massless link: the pin cannot leave the bush wall",
-    IMPACT: "One-sided impact: the pin flies, hits, stays while it presses",
+    IMPACT: "One-sided impact: the pin flies, hits, stays or leaves",
     COMPLIANT: "Compliant: pin and bush are elastic, with damping",
 }
 WIDTH = 13.0  # of the page [inches]
@@ -138,17 +138,29 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
         0.0, *(float(one[f"{joint}.normal"].min()) for one in found.results.values() if f"{joint}.normal" in one)
     )
     ax.set_ylim(min(1.6 * least, -floor) if model == LINK else -1.3 * floor, 2.0 * top)
-    ax.set_ylabel(axis_label(f"{joint}, N", "N"))
+    low, high = ax.get_ylim()
+    powers = [floor * 10.0**k for k in range(8)]
+    ticks = [-p for p in powers if -p >= low][::-1] + [0.0] + [p for p in powers if p <= high]
+    ax.set_yticks(ticks, [_force_label(tick) for tick in ticks])
+    ax.minorticks_off()
+    ax.set_ylabel(f"N at {joint} [N]")
     if model == LINK:
         for a, b in r.trust.intervals.get(joint, ()):
             ax.axvspan(scale * a, scale * b, color=RED, alpha=0.16, linewidth=0)
         share = 100 * r.trust.pulled.get(joint, 0.0)
-        note(ax, f"red: N < 0 for {share:.0f} % of the time, where the bush would have to pull")
+        note(ax, f"red: N < 0 for {share:.0f} % of the time, the bush would have to pull")
     else:
         _events(ax, r, joint, scale)
     if r.trust.horizon is not None and r.trust.horizon < r.trust.t_end:
         ax.axvspan(scale * r.trust.horizon, scale * r.trust.t_end, color=SHADE, linewidth=0, zorder=0)
     _title(ax, SAYS[model])
+
+
+def _force_label(force: float) -> str:
+    """1000 -> "1 k", the usual short form."""
+    size = abs(force)
+    text = f"{size / 1e6:g} M" if size >= 1e6 else f"{size / 1e3:g} k" if size >= 1e3 else f"{size:g}"
+    return text if force >= 0.0 else f"\N{MINUS SIGN}{text}"
 
 
 def _events(ax: Axes, r: Result, joint: str, scale: float) -> None:
@@ -160,9 +172,9 @@ def _events(ax: Axes, r: Result, joint: str, scale: float) -> None:
     hits = [event for event in mine if event.kind == "impact"]
     if hits:
         ax.vlines([scale * event.t for event in hits], 0.02, 0.16, color=RED, linewidth=0.7, **place)
-    parts = ["grey bars: pin presses on the bush"] if any(e.kind == "contact" for e in mine) else []
+    parts = ["grey: pin presses"] if any(e.kind == "contact" for e in mine) else []
     if hits:
-        parts.append(f"red ticks: {len(hits)} impacts, up to {max(e.impulse for e in hits):.2g} N·s")
+        parts.append(f"red: {len(hits)} impacts, up to {max(e.impulse for e in hits):.2g} N·s")
     elif mine:
         peak = max(e.peak_force for e in mine)
         parts.append(f"{sum(e.kind == 'contact' for e in mine)} contacts, peak {peak:.3g} N")
