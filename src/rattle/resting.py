@@ -27,7 +27,8 @@ from rattle.steppers.rest import force_at, stiffness
 from rattle.steppers.writing import write
 from rattle.system import Compiled, has_contacts, is_link
 
-ROUNDS = 60  # Newton steps before a start is given up
+MOST_TURN = 0.4  # of a body in one step [rad]; shifts as a share of the mechanism's extent
+ROUNDS = 150  # Newton steps before a start is given up
 
 
 @dataclass
@@ -89,9 +90,11 @@ class Equilibrium:
         return not self.nonunique
 
     def __str__(self) -> str:
-        kind = "stable" if self.stable else "unstable"
+        kind = "stable" if self.stable else "neutral" if self.eigenvalue == 0.0 else "unstable"
         sides = f", {', '.join(self.pulled)} would have to pull" if self.pulled else ""
-        pins = "".join(f", {name} presses with {n:.4g} N" for name, n in self.normals.items() if n >= 0)
+        pins = "".join(
+            f", {name} presses with {abs(n):.4g} N" for name, n in self.normals.items() if name not in self.pulled
+        )
         hold = f", stiffness {self.eigenvalue:.3g} N/m" if math.isfinite(self.eigenvalue) else ""
         return f"{kind}{hold}{sides}{pins}; balanced to {self.residual:.1g} N, closed to {self.gap:.1g} m"
 
@@ -181,6 +184,7 @@ class Rest:
             return None
         g, null = self.look(q)
         size = self.force_scale()
+        extent = max(self.ready.size, float(np.abs(np.delete(q, np.s_[2::3])).max()))
         small = 0
         for iteration in range(ROUNDS):
             if not len(g) or not np.isfinite(g).all():
@@ -191,8 +195,10 @@ class Rest:
                 dz = vectors @ ((vectors.T @ g) / np.maximum(np.abs(values), 1e-9 * np.abs(values).max() + 1e-300))
             else:
                 dz = np.linalg.lstsq(h, g, rcond=1e-13)[0]
-            far = float(np.abs(null @ dz / self.scale).max())
-            dz *= min(1.0, 0.3 * self.ready.size / max(far, 1e-300))
+            move = null @ dz
+            far = float(np.abs(move / self.scale).max())
+            turn, shift = float(np.abs(move[2::3]).max()), float(np.abs(np.delete(move, np.s_[2::3])).max())
+            dz *= min(1.0, MOST_TURN / max(turn, 1e-300), MOST_TURN * extent / max(shift, 1e-300))
             if far < 1e-13 * self.ready.size or (np.abs(g).max() <= 1e-12 * size and far < 1e-10 * self.ready.size):
                 return q, iteration
             taken = self._advance(q, g, null, dz, downhill)

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rattle import catalog
 from rattle.assembly import assemble, dense_rows, ideal_model
 from rattle.closing import merit_at
 from rattle.equations import drive
@@ -24,12 +25,16 @@ from rattle.system import Compiled, compile_system, has_contacts, is_link
 
 MOST_PINS = 6  # up to so many clearance pins all combinations of sides are tried
 RANDOM_STARTS = 48
+PLAIN = 8  # bodies up to which machine code is not worth its start
+MANY = 12  # bodies from which on only the assembled position is a start
 
 
 def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near") -> list[Equilibrium]:
     """All positions of rest found; see `Mechanism.equilibrium`."""
     if branches not in ("near", "all"):
         raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
+    if ready.body_count > PLAIN:
+        catalog.start()
     rigid = rigid_model(ready)
     ideal_ready = compile_system(ideal_model(ready.model)) if rigid is not None else ready
     start = position_at(ideal_ready, t)
@@ -93,6 +98,8 @@ def position_at(ready: Compiled, t: float) -> np.ndarray:
 def _starts(rest: Rest, start: np.ndarray, everywhere: bool) -> Iterator[np.ndarray]:
     """The assembled position, others along its freedoms, and with `everywhere` other ways to put it together."""
     yield start
+    if rest.ready.body_count > MANY:
+        return
     _, null = rest.look(start)
     count = null.shape[1]
     directions = [sign * null[:, k] for k in range(min(count, 4)) for sign in (1.0, -1.0)]

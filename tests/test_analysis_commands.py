@@ -1,0 +1,88 @@
+"""The commands without time steps: what they print, where, and with which exit status."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from linkages import fourbar_text, slider_crank
+from rattle.cli import main
+
+pytestmark = pytest.mark.nojit
+
+
+def run(*words: str):
+    return CliRunner().invoke(main, ["-q", *words])
+
+
+def test_equilibrium_lists_positions_with_units():
+    seen = run("equilibrium", "fourbar")
+    assert seen.exit_code == 0
+    assert seen.stdout.startswith("1. stable, stiffness")
+    assert "O3 presses with" in seen.stdout
+    assert "motor.torque: " in seen.stdout
+    assert " N*m" in seen.stdout
+    entries = json.loads(run("equilibrium", "fourbar", "--json").stdout)
+    assert [one["admissible"] for one in entries] == [True, False, False, False]
+    assert entries[0]["values"]["O3.normal"]["unit"] == "N"
+
+
+def test_slow_motion_of_the_clamp_shows_its_advantage():
+    seen = run("equilibrium", "toggle_clamp", "--path", "--points", "5")
+    assert seen.exit_code == 0
+    assert "work.advantage" in seen.stdout
+    assert "286.49 1/m" in seen.stdout
+
+
+def test_kinematics_with_play_is_bad_input_and_says_what_to_do(tmp_path):
+    seen = run("kinematics", "fourbar")
+    assert seen.exit_code == 2
+    assert "2 freedoms are left" in seen.stderr
+    assert "--ideal" in seen.stderr
+    out = tmp_path / "out.csv"
+    seen = run("kinematics", "fourbar", "--ideal", "--points", "5", "--t-end", "0.1", "--csv", str(out))
+    assert seen.exit_code == 0
+    assert "rocker.omega" in seen.stdout
+    assert out.read_text().startswith("t [s],crank.x [m]")
+
+
+def test_a_dead_centre_fails_the_run_and_keeps_what_was_found(tmp_path):
+    start = "crank = { angle = 1.5 }\ncoupler = { angle = 0.1 }"
+    file = tmp_path / "rocker.toml"
+    file.write_text(fourbar_text('joint = "D"\nangle = "2 - 1.0*t"', 0.3, 1.0, 0.5, 1.0, start))
+    seen = run("inverse-dynamics", str(file), "--t-end", "3", "--points", "31")
+    assert seen.exit_code == 1
+    assert "dead centre" in seen.stderr
+    assert "motor.torque" in seen.stdout
+
+
+def test_output_to_input_in_one_call(tmp_path):
+    file = tmp_path / "pushed.toml"
+    push = 'body = "slider"\ncoordinate = "x"\nposition = "0.3 + 0.01*sin(5*t)"'
+    file.write_text(slider_crank(push, crank="{ angle = 1.5 }"))
+    seen = run("inverse-dynamics", str(file), "--effort-at", "O", "--points", "11")
+    assert seen.exit_code == 0
+    assert "O.torque" in seen.stdout
+    assert "N*m" in seen.stdout
+
+
+def test_play_prints_the_band_and_draws_it(tmp_path):
+    figure = tmp_path / "play.svg"
+    seen = run("play", "path_generator", "--output", "coupler.P.y", "--points", "5", "-o", str(figure))
+    assert seen.exit_code == 0
+    for words in ("worst case", "root sum square", "tighten", " mm", " %"):
+        assert words in seen.stdout
+    assert "deviation" in figure.read_text()
+    entry = json.loads(run("play", "path_generator", "--output", "coupler.P.y", "--points", "3", "--json").stdout)
+    assert entry["unit"] == "m"
+    assert set(entry["share"]) == {"A", "B", "Q"}
+    assert run("play", "path_generator", "--output", "coupler.Z").exit_code == 2
+
+
+def test_modes_name_frequencies_and_draw_a_shape(tmp_path):
+    figure = tmp_path / "mode.svg"
+    seen = run("modes", "balanced_arm", "-o", str(figure))
+    assert seen.exit_code == 0
+    assert "mode 1: 0.251" in seen.stdout
+    assert "Hz" in seen.stdout
+    assert figure.stat().st_size > 1000
