@@ -29,6 +29,8 @@ log = logging.getLogger("rattle")
 
 METHODS = (*march.METHODS, "event", "moreau")
 RTOL = 1e-8
+STILL = 1e-7  # a curve whose range is below this share of the widest of its unit does not move
+LIKE = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N", "N*m"))
 POINTS = 1000  # output intervals when nothing is said
 CHUNK = 2000  # steps between two looks at the clock and the keyboard
 
@@ -203,8 +205,12 @@ def agreement(run: Run, second: Run) -> float:
     widest: dict[str, float] = {}
     for k, width_ in zip(keep, span, strict=True):
         widest[units[names[k]]] = max(widest.get(units[names[k]], 0.0), float(width_))
-    # a curve that stays put beside others of its unit has no range of its own
-    floor = np.array([1e-6 * widest[units[names[k]]] for k in keep])
+    for linear, angular in LIKE:  # a length at the mechanism's size is worth an angle of one
+        arm = 1.0 / run.ready.size if angular == "N*m" else run.ready.size
+        wide = max(widest.get(linear, 0.0), widest.get(angular, 0.0) * arm)
+        widest[linear], widest[angular] = wide, wide / arm
+    # a curve that stays put beside others of its unit has no range of its own, only rounding
+    floor = np.array([STILL * widest[units[names[k]]] for k in keep])
     apart = (np.abs(one - other) > np.maximum(0.01 * span, floor)).any(axis=1)
     if apart.any():
         return float(run.t_eval[max(0, int(np.argmax(apart)) - 1)])
