@@ -75,7 +75,7 @@ def test_trust_says_pulling_in_plain_words():
     [
         ({"horizon": None}, "was not asked (horizon=True"),
         ({"horizon": 2.0}, "over the whole run"),
-        ({}, "no pin is held by a massless link"),
+        ({}, "no joint has play"),
         ({"pulled": {"A": 0.0, "B": 0.0}}, "A and B would never have to pull"),
         (
             {"pulled": {"A": 0.002, "B": 0.3}, "first_pull": {"A": 1.5, "B": 0.1}},

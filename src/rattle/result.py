@@ -109,7 +109,7 @@ class Trust:
     def _links(self) -> str:
         pulling = sorted((j for j, share in self.pulled.items() if share > 0), key=lambda j: -self.pulled[j])
         if not self.pulled:
-            return "no pin is held by a massless link, so none can be asked to pull"
+            return "no joint has play: there is no pin that could lift off"
         if not pulling:
             return f"{' and '.join(self.pulled)} would never have to pull: the pin stays on its bush all the time"
         said = [f"{j} {'would have to pull ' if n == 0 else ''}{self._how_much(j)}" for n, j in enumerate(pulling[:3])]
