@@ -90,6 +90,7 @@ SCAN = 8  # parts of a step searched for changes of sign
 LEAP = 0.1  # share of the last sound step below which a step is not cut further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is let pass [units of the state]; it doubles with every try
 MOST_TRIES = 20
+FIRST_STEP = 0.01  # first step in a contact as a share of how long it will last: its force starts like a broken power
 
 
 def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
@@ -282,7 +283,7 @@ def turn_contact(m, t, y, who):
     else:
         lasting = contact_time(m, who)
         if lasting > 0.0:
-            clock[H] = min(clock[H], 0.1 * lasting)
+            clock[H] = min(clock[H], FIRST_STEP * lasting)
 
 
 @compiled
