@@ -61,9 +61,13 @@ def assemble(ready: Compiled, t: float = 0.0, ideal: Assembled | None = None) ->
     ideal_ready = compile_system(ideal_model(model)) if offsets else ready
     held = [name for name in open_ if not _placed(model, open_[name])]
     if offsets:
-        ideal = assemble(ideal_ready, t)
+        try:
+            ideal = assemble(ideal_ready, t)
+        except AssemblyError:  # nor need it close where the user's numbers say everything
+            if links or held:
+                raise
         missing = [name for name in links if math.hypot(*offsets[name]) < 1e-9 * links[name].clearance]
-        if missing:
+        if missing and ideal is not None:
             offsets.update(_along_reactions(ideal_ready, ideal, missing))
             held = [*links, *held]  # closing would turn the pins away from where the reactions press them
     memory = ready.memory()

@@ -455,4 +455,3 @@ def hold(m):
         n = chosen[k]
         touch[n, NORMAL], touch[n, TANGENT] = side[F, 2 * k], side[F, 2 * k + 1]
         touch[n, LOSS] = 0.0 if mode[n] == STICK else side[F, 2 * k + 1] * touch[n, SLIP]
-

@@ -10,7 +10,8 @@ forces `impact.hold` adds.  Each step is searched on its dense output for the fi
 
 An infinite sequence of bounces is closed when a bounce would rise less than LOW clearances: the contact is then
 taken as lasting, and its start is put at the end of the geometric series, t + 2 v / (|g''| (1 - e)).
-LOW is 1e-11, which is some 1e5 times what a bounce of 1 m/s loses, and well above the rounding of positions.
+LOW is 1e-11 (but never less than the rounding of positions, 4e-15 of the size of the mechanism): in a clearance of
+1 mm that is a bounce of a few 1e-6 m/s.
 
 Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapters 5 to 9.
 """
@@ -171,29 +172,33 @@ def held_contacts(m):
 
 
 @compiled
-def settle(m, t, y):
-    """Bring y onto the constraints and onto its lasting contacts, positions and rates; leaves rows and factor."""
+def settle(m, t, y, who):
+    """Bring y onto the constraints and onto its lasting contacts, positions and rates; leaves rows and factor.
+
+    who: a contact that hits now (or -1); it and all that are as near come onto their walls too, with their rates.
+    """
     project(m, t, y)
     touch_all(m)
     count = held_contacts(m)
-    if count == 0:
+    closed = add_hitting(m, count, who)
+    if closed == 0:
         return
     chosen, trial, side, touch, clock = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), mat(m, TOUCH), vec(m, CLOCK)
     direction, nq = mat(m, DIRECTION), vec(m, CHANGE).shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
     for attempt in range(4):
         worst = 0.0
-        for k in range(count):
+        for k in range(closed):
             worst = max(worst, abs(touch[chosen[k], GAP]))
         if worst < 1e-16 * vec(m, HELD)[SIZE] or attempt == 3:
             clock[DRIFT] = max(clock[DRIFT], worst)
             break
-        contact_rows(m, count)
-        for k in range(count):
+        contact_rows(m, closed)
+        for k in range(closed):
             side[B, 2 * k] = -touch[chosen[k], GAP]
             trial[k] = FORWARD
-        solve_modes(m, count, 0)
-        for k in range(count):
+        solve_modes(m, closed, 0)
+        for k in range(closed):
             for c in range(nq):
                 q[c] += direction[2 * k, c] * side[F, 2 * k]
         project(m, t, y)
@@ -210,6 +215,20 @@ def settle(m, t, y):
     place(m, q, v)
     constraints(m)
     touch_all(m)
+
+
+@compiled
+def add_hitting(m, count, who):
+    """Choose contact `who` and all free ones as near to their walls after the `count` lasting ones; returns how many."""
+    contact, mode, touch, chosen = imat(m, CONTACT), ivec(m, MODE), mat(m, TOUCH), ivec(m, CHOSEN)
+    closed = count
+    for n in range(contact.shape[0]):
+        if who < 0 or contact[n, IMPACT] == 0 or mode[n] != OFF:
+            continue
+        if n == who or abs(touch[n, GAP]) <= NEAR * clearance_of(m, n):
+            chosen[closed] = n
+            closed += 1
+    return closed
 
 
 @compiled
@@ -275,6 +294,8 @@ def regroup(m, t, y, apart, kind):
                     slide[closed] = 1 if u > 0.0 else -1
                 if n == apart and kind == BREAK_AWAY:
                     slide[closed] = 1 if pulling > 0.0 else -1
+                elif kind == BREAK_AWAY and kept and mode[n] != STICK:  # it had reached its limit before: goes along
+                    slide[closed] = 1 if mode[n] == FORWARD else -1
                 trial[closed] = mode[n]
                 if mode[n] == OFF or slide[closed] != 0:
                     trial[closed] = FORWARD if slide[closed] >= 0 else BACKWARD
@@ -420,7 +441,7 @@ def low_bounce(m, t, y, count):
         if side[F, 2 * k] <= 0.0 or grip[n, STEPS_IN] != 0.0 or speed <= STILL * swing(m, 2 * k, n):
             continue
         pull = touch[n, GAMMA_N] - along(m, 2 * k, n, mat(m, ACCELERATION), 0)
-        least = max(LOW * clearance_of(m, n), 1e-14 * vec(m, HELD)[SIZE])
+        least = max(LOW * clearance_of(m, n), 4e-15 * vec(m, HELD)[SIZE])
         if pull < 0.0 and speed * speed < -2.0 * pull * least:
             grip[n, STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
             found = True
@@ -545,7 +566,7 @@ def hit_between(m, t, h, n, left, right, gap, rate):
         if min(grip[GAP_0], gap) < slope * h * (right - left):
             low = turning_point(m, t, h, n, left, right, False)
             at_share(m, t, h, low, False)
-            if mat(m, TOUCH)[n, GAP] < -deep:
+            if mat(m, TOUCH)[n, GAP] < min(grip[GAP_0], 0.0) - deep:
                 return locate(m, t, h, n, HIT, left, low)
     return NONE
 
@@ -626,16 +647,16 @@ def happen(m, t, y, who, what):
     """Event at (t, y): impact if contacts hit, then new modes; leaves y on its constraints. Returns a status."""
     if what != HIT:
         nq = vec(m, CHANGE).shape[0]
-        settle(m, t, y)
+        settle(m, t, y, -1)
         solve_motion(m, t, y[:nq], y[nq : 2 * nq])
         status = regroup(m, t, y, who, what)
     else:
-        settle(m, t, y)
+        settle(m, t, y, who)
         status = collide(m, t, y, who)
         if status == OK:
             status = regroup(m, t, y, -1, HIT)
     if status == OK:
-        settle(m, t, y)
+        settle(m, t, y, -1)
     return status
 
 
@@ -643,7 +664,7 @@ def happen(m, t, y, who, what):
 def start(m, t):
     """Modes at the start of a run: contacts that are closed and hit take their impact at once. Returns a status."""
     contact, touch, y = imat(m, CONTACT), mat(m, TOUCH), vec(m, STATE)
-    settle(m, t, y)
+    settle(m, t, y, -1)
     for n in range(contact.shape[0]):
         near = max(NEAR * clearance_of(m, n), 4.0 * noise(m, n))
         if contact[n, IMPACT] == 1 and touch[n, GAP] <= near and touch[n, DGAP] < 0.0:
@@ -652,7 +673,7 @@ def start(m, t):
                 return status
             break
     status = regroup(m, t, y, -1, NOTHING)
-    settle(m, t, y)
+    settle(m, t, y, -1)
     remember(m)
     return status
 
@@ -664,7 +685,7 @@ def write_until(m, t, h, t_until, t_out, out):
     while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_until:
         k = tally[OUTPUTS]
         interpolate(m, (t_out[k] - t) / h, stage)
-        settle(m, t_out[k], stage)
+        settle(m, t_out[k], stage, -1)
         record(m, t_out[k], stage, out[k])
         tally[OUTPUTS] = k + 1
 
@@ -699,7 +720,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             continue
         clock[H] = min(h_max, h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-0.125))))
         t_new = t_end if last else t + h
-        settle(m, t_new, y_new)
+        settle(m, t_new, y_new, -1)
         derivative(m, t_new, y_new, f_new)
         for n in range(touch.shape[0]):
             grip[n, GAP_1], grip[n, DGAP_1] = touch[n, GAP], touch[n, DGAP]
