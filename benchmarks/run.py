@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 
+import contact
 import kinematics
 import measure
 import rhs
@@ -18,6 +19,7 @@ import versus_exudyn
 SECTIONS = {
     "fourbar": rhs.fourbar_rows,
     "exudyn": versus_exudyn.rows,
+    "contact": contact.rows,
     "chain": rhs.chain_rows,
     "kinematics": kinematics.kinematics_rows,
     "startup": startup.rows,

@@ -200,3 +200,18 @@ def test_a_law_that_raises_ends_the_run_with_a_message():
     r = free_pin('{ model = "raises", stiffness = 1e9 }').simulate(0.01)
     assert not r.success
     assert "law" in r.message or "contact" in r.message or "O" in r.message
+
+
+@pytest.mark.usefixtures("laws")
+def test_the_law_in_the_docs_runs():
+    import re
+    from pathlib import Path
+
+    text = (Path(__file__).parents[1] / "docs" / "contact.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", text, re.S)
+    scope = {}
+    exec(code, scope)
+    r = scope["m"].simulate(1e-3)
+    assert r.success
+    assert r.contacts["B"].contacts >= 2
+    assert scope["m"].check().laws == ()

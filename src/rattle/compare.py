@@ -78,7 +78,11 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
         hardest = max((event.impulse for event in mine), default=0.0)
         hits = f"{found.impacts}, to {hardest:.2g} N*s" if found.impacts else "0"
         touched = (f"{100 * found.share:.0f} %", str(found.contacts), hits, lost)
-    return (model, f"{peak:.4g} N", f"{rms(result.t, force):.4g} N", *touched, reach)
+    return (model, _newton(peak), _newton(rms(result.t, force)), *touched, reach)
+
+
+def _newton(force: float) -> str:
+    return f"{force:.4g} N" if force < 1e4 else f"{force / 1e3:.4g} kN"
 
 
 def compare(

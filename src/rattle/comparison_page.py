@@ -140,7 +140,7 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
     ax.set_ylim(min(1.6 * least, -floor) if model == LINK else -1.3 * floor, 2.0 * top)
     low, high = ax.get_ylim()
     powers = [floor * 10.0**k for k in range(8)]
-    ticks = [-p for p in powers if -p >= low][::-1] + [0.0] + [p for p in powers if p <= high]
+    ticks = [-p for p in powers if -p >= low and model == LINK][::-1] + [0.0] + [p for p in powers if p <= high]
     ax.set_yticks(ticks, [_force_label(tick) for tick in ticks])
     ax.minorticks_off()
     ax.set_ylabel(f"N at {joint} [N]")
