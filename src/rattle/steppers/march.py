@@ -61,7 +61,7 @@ from rattle.steppers.dop853 import prepare_dense as prepare_dop853
 from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.rk4 import prepare_dense as prepare_rk4
 from rattle.steppers.rk4 import step as step_rk4
-from rattle.steppers.settling import settle
+from rattle.steppers.projecting import settle
 from rattle.steppers.touching import (
     NONE,
     change_contacts,

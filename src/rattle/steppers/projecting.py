@@ -1,0 +1,46 @@
+"""Bringing a state onto the constraints."""
+
+from __future__ import annotations
+
+from rattle.catalog import kernel
+from rattle.equations import constraints, correct, drive, place, rate_residual, residual
+from rattle.memory import CHANGE, vec
+from rattle.schur import factorise
+
+CLOSE_ENOUGH = 1e-15  # residual below which positions are left alone [m or rad]
+QUADRATIC = 1e-9  # a correction from below this residual needs no second one
+
+
+@kernel("state")
+def settle(m, t, y, unused):
+    """Bring y onto Phi = 0 and Phi_q v = nu with the least mass-weighted change; leaves its rows and factor.
+
+    Returns the number of redundant rows.
+    """
+    change = vec(m, CHANGE)
+    nq = change.shape[0]
+    q, v = y[:nq], y[nq : 2 * nq]
+    place(m, q, v)
+    drive(m, t)
+    constraints(m)
+    lost = factorise(m)
+    drift = residual(m)
+    if drift > CLOSE_ENOUGH:
+        for _ in range(3):
+            correct(m)
+            for k in range(nq):
+                q[k] += change[k]
+            place(m, q, v)
+            constraints(m)
+            before = drift
+            drift = residual(m)
+            if before < QUADRATIC or not drift < before:
+                break
+        lost = factorise(m)
+    rate_residual(m)
+    correct(m)
+    for k in range(nq):
+        v[k] += change[k]
+    place(m, q, v)
+    constraints(m)  # gamma at the corrected rates
+    return lost
