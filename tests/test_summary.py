@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from circling import T_END, circling
 
+from circling import T_END, circling
 from rattle.result import Event, Result, Trust
 from rattle.summary import joint_table, pressing_spans
 

@@ -159,8 +159,8 @@ class Mechanism(Building):
         return check(self.ready, self.start)
 
     def simulate(
-        self, t_end: float | None = None, *, t_eval: Sequence[float] | np.ndarray | None = None, method: str | None = None,
-        rtol: float | None = None, atol: float | None = None, step: float | None = None,
+        self, t_end: float | None = None, *, t_eval: Sequence[float] | np.ndarray | None = None,
+        method: str | None = None, rtol: float | None = None, atol: float | None = None, step: float | None = None,
         progress: bool = False, strict: bool = False, horizon: bool = False,
     ) -> Result:  # fmt: skip
         """Motion in time from the assembled start.

@@ -92,7 +92,11 @@ class Trust:
         """Contacts and impacts, in words; empty where no joint can touch and let go."""
         if self.contacts is None:
             return ""
-        counts = [f"{n} {what}{'s' if n != 1 else ''}" for n, what in ((self.contacts, "contact"), (self.impacts, "impact")) if n]
+        counts = [
+            f"{n} {what}{'s' if n != 1 else ''}"
+            for n, what in ((self.contacts, "contact"), (self.impacts, "impact"))
+            if n
+        ]
         if not counts:
             return "no contact in the whole run"
         if self.fewest_steps is None:
