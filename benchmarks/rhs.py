@@ -13,22 +13,30 @@ import numpy as np
 
 import rattle as rt
 from measure import Row, interleave, timed
+from rattle import catalog
+from rattle.catalog import Compiled
+from rattle.dynamics import start_state
+from rattle.equations import derivative
 
 LINKS = (10, 30, 100, 300, 1000, 3000, 10_000)
 C_OPTIONS = ("-O3", "-march=native")
 
 
-def seconds_per_rhs(mechanism: rt.Mechanism, step: float, steps: int) -> float:
-    """Time of one right-hand side [s]: extra time of 5 n over n steps of RK4, divided by 4 per step.
+def _many(m, t, y, dy, n):  # type: ignore[no-untyped-def]
+    for _ in range(n):
+        derivative(m, t, y, dy)
 
-    What every step does besides, such as the projection onto the constraints, is counted in.
-    """
 
-    def run(n: int) -> float:
-        end = n * step
-        return timed(lambda: mechanism.simulate(end, t_eval=[0.0, end], method="rk4", step=step))()
+many = Compiled(_many, cache=False)
 
-    return (run(5 * steps) - run(steps)) / (4 * 4 * steps)
+
+def seconds_per_rhs(mechanism: rt.Mechanism, calls: int) -> float:
+    """Time of one right-hand side at the start of the mechanism [s], called in a compiled loop."""
+    catalog.start()
+    y = start_state(mechanism.ready, mechanism.start)
+    memory, dy = mechanism.ready.memory(), np.zeros_like(y)
+    many(memory.handle, 0.0, y, dy, 1)
+    return timed(lambda: many(memory.handle, 0.0, y, dy, calls))() / calls
 
 
 def handwritten(folder: Path) -> Path | None:
@@ -53,7 +61,7 @@ def fourbar_rows(repeats: int) -> list[Row]:
     mechanism = rt.example("fourbar")
     with tempfile.TemporaryDirectory() as folder:
         program = handwritten(Path(folder))
-        samplers = {"rattle": partial(seconds_per_rhs, mechanism, 2.5e-6, 4000)}
+        samplers = {"rattle": partial(seconds_per_rhs, mechanism, 100_000)}
         if program is not None:
             samplers["C"] = partial(seconds_per_rhs_in_c, program)
         median = interleave(samplers, repeats)
@@ -78,8 +86,7 @@ def chain_rows(repeats: int) -> list[Row]:
     """Chains of growing length, and the exponent p of cost ~ links^p."""
     samplers = {}
     for links in LINKS:
-        steps = max(2, 40_000 // links)
-        samplers[str(links)] = partial(seconds_per_rhs, rt.loads(chain(links)), 1e-6, steps)
+        samplers[str(links)] = partial(seconds_per_rhs, rt.loads(chain(links)), max(5, 400_000 // links))
     median = interleave(samplers, repeats)
     cost = np.array([median[str(links)] for links in LINKS])
     exponent = np.polyfit(np.log(LINKS), np.log(cost), 1)[0]

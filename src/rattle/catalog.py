@@ -141,6 +141,7 @@ class Compiled:
         self.family = family
         self.cache = cache
         self._dispatcher: Any = None
+        self._address = 0
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
         self.__module__ = function.__module__
@@ -164,8 +165,10 @@ class Compiled:
     @property
     def address(self) -> int:
         """Native address of a kernel compiled for its family's signature."""
-        result = self.dispatcher.get_compile_result(self.dispatcher.nopython_signatures[0])
-        return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+        if self._address == 0:
+            result = self.dispatcher.get_compile_result(self.dispatcher.nopython_signatures[0])
+            self._address = int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+        return self._address
 
 
 def compiled(function: Callable[..., Any]) -> Compiled:
