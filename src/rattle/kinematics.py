@@ -120,10 +120,9 @@ def require_driven(ready: Compiled, start: Assembled, what: str) -> None:
     free = np.abs(right[independent:]).reshape(left, -1, 3).max(axis=(0, 2))
     movers = [name for name, share in zip(ready.bodies, free, strict=True) if share > 1e-6]
     loose = _loose(ready)
-    text = (
-        f"{what} wants a mechanism whose drivers fix every position;"
-        f" {left} freedom{'s are' if left > 1 else ' is'} left (can still move: {', '.join(movers[:8])}{' ...' if len(movers) > 8 else ''})."
-    )
+    freedoms = f"{left} freedoms are left" if left > 1 else "1 freedom is left"
+    names = ", ".join(movers[:8]) + (" ..." if len(movers) > 8 else "")
+    text = f"{what} wants a mechanism whose drivers fix every position; {freedoms} (can still move: {names})."
     if loose:
         text += f" There is play in {loose}: close it with ideal() or --ideal."
     else:

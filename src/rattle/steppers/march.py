@@ -59,9 +59,9 @@ from rattle.schur import WEAK
 from rattle.steppers import dop853, rk4
 from rattle.steppers.dop853 import prepare_dense as prepare_dop853
 from rattle.steppers.dop853 import step as step_dop853
+from rattle.steppers.projecting import settle
 from rattle.steppers.rk4 import prepare_dense as prepare_rk4
 from rattle.steppers.rk4 import step as step_rk4
-from rattle.steppers.projecting import settle
 from rattle.steppers.touching import (
     NONE,
     change_contacts,
