@@ -1,149 +1,37 @@
-"""Set-valued contacts at one instant: which forces, or percussions, they take.
+"""Set-valued contacts as the equations of motion see them: rows, right sides, and the forces of lasting contacts.
 
-    a = G f + b,      G = J M^-1 J^T on the motions that the joints allow, f = (N, T) of every contact
-    0 <= a_n,  0 <= N,  a_n N = 0,      T in -mu N Sgn(a_t)                     (Coulomb, planar: an exact LCP)
-
-    lasting contact:  a_n = g'',               a_t = -(rate of slip)            f forces
-    impact:           a_n = g'+ + e_N g'-,     a_t = -(u_t+ + e_T u_t-)         f percussions
-
-Every contact is in one of four modes: off (f = 0), sticking (a_n = a_t = 0), sliding forward (T = mu N) or
-backward (T = -mu N).  For given modes the problem is linear.  Modes are changed where a condition is broken
-(a Newton iteration on the piecewise linear problem); all of them are tried where that does not settle.
-
-Source: Glocker, Set-Valued Force Laws (2001), chapters 6 and 8; Leine, Nijmeijer, Dynamics and Bifurcations of
-Non-Smooth Mechanical Systems (2004), chapter 5.
+The problem itself is solved in `complementarity`, whose kernels are called by their addresses: what calls them need
+not compile them again.
 """
 
 from __future__ import annotations
 
 from rattle.catalog import call_problem, compiled, kernel
+from rattle.complementarity import OFF, STICK, B, F, friction_of
 from rattle.memory import (
     ACCELERATION,
     ARM,
     BODY,
     CHOSEN,
     CONTACT,
-    DELASSUS,
     DIRECTION,
     HELD,
     MODE,
     MULTIPLIER,
-    PIVOTS,
-    PLACE,
     PROBLEM_TABLE,
     REPLY,
-    ROW_BODY,
-    ROWS,
     SIDE,
-    SLIDE,
-    SOLUTION,
-    SYSTEM,
     TOUCH,
     TRIAL,
-    VALUES,
-    WEIGHT,
     imat,
     ivec,
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import (
-    A_BODY,
-    AX,
-    B_BODY,
-    BX,
-    DBRISTLE,
-    GAMMA_N,
-    GAMMA_T,
-    IMPACT,
-    LOSS,
-    NORMAL,
-    NORMAL_P,
-    NX,
-    NY,
-    PAX,
-    PAY,
-    PBX,
-    PBY,
-    SLIP,
-    STORE,
-    TANGENT,
-    VX,
-)  # fmt: skip
-from rattle.schur import solve
+from rattle.plane import A_BODY, B_BODY, DBRISTLE, GAMMA_N, GAMMA_T, IMPACT, LOSS, NORMAL, SLIP, STORE, TANGENT, VX
 
-OFF, STICK, FORWARD, BACKWARD = range(4)
-B, F, A, OTHER = range(4)  # rows of `side`
 DETERMINANT, SIZE = range(2)  # entries of `held`
-EXACT = 1e-12  # share of the largest value below which a value counts as zero
-MOST_TRIED = 5  # contacts up to which all combinations of modes are tried
-
-
-@compiled
-def friction_of(m, n):
-    """Coefficient of friction of contact n."""
-    return vec(m, VALUES)[imat(m, CONTACT)[n, NORMAL_P] + 2]
-
-
-@kernel("problem")
-def rows_kernel(m, count):
-    """Rows w of the chosen contacts, what a unit force on each of them changes, and G; touch and factor are at hand."""
-    contact, touch, chosen, row_body = imat(m, CONTACT), mat(m, TOUCH), ivec(m, CHOSEN), imat(m, ROW_BODY)
-    arm, direction, reply, delassus = mat(m, ARM), mat(m, DIRECTION), mat(m, REPLY), mat(m, DELASSUS)
-    rows, weight, x, place_of = mat(m, ROWS), mat(m, WEIGHT), vec(m, SOLUTION), ivec(m, PLACE)
-    for k in range(count):
-        n = chosen[k]
-        a, b = contact[n, A_BODY], contact[n, B_BODY]
-        rough = friction_of(m, n) > 0.0
-        for d in range(2):
-            r = 2 * k + d
-            for c in range(direction.shape[1]):
-                direction[r, c] = 0.0
-            ux = touch[n, NX] if d == 0 else -touch[n, NY]
-            uy = touch[n, NY] if d == 0 else touch[n, NX]
-            arm[r, 0], arm[r, 1], arm[r, 2] = -ux, -uy, -(touch[n, PAX] * uy - touch[n, PAY] * ux)
-            arm[r, 3], arm[r, 4], arm[r, 5] = ux, uy, touch[n, PBX] * uy - touch[n, PBY] * ux
-            if d == 0 or rough:
-                for row in range(rows.shape[0]):
-                    value = 0.0
-                    for side in range(2):
-                        i, c = row_body[row, side], AX + 3 * side
-                        if i == a:
-                            for q in range(3):
-                                value += rows[row, c + q] * weight[i, q] * arm[r, q]
-                        if i == b:
-                            for q in range(3):
-                                value += rows[row, c + q] * weight[i, q] * arm[r, 3 + q]
-                    x[place_of[row]] = value
-                solve(m)
-                for q in range(3):
-                    if a > 0:
-                        direction[r, 3 * a - 3 + q] += weight[a, q] * arm[r, q]
-                    if b > 0:
-                        direction[r, 3 * b - 3 + q] += weight[b, q] * arm[r, 3 + q]
-                for row in range(rows.shape[0]):
-                    z = x[place_of[row]]
-                    reply[r, row] = z
-                    i, j = row_body[row, 0], row_body[row, 1]
-                    for q in range(3):
-                        if i > 0:
-                            direction[r, 3 * i - 3 + q] -= weight[i, q] * rows[row, AX + q] * z
-                        if j > 0:
-                            direction[r, 3 * j - 3 + q] -= weight[j, q] * rows[row, BX + q] * z
-            else:
-                for row in range(rows.shape[0]):
-                    reply[r, row] = 0.0
-            for s in range(r + 1):
-                value = 0.0
-                if d == 0 or rough:
-                    for q in range(3):
-                        if a > 0:
-                            value += arm[r, q] * direction[s, 3 * a - 3 + q]
-                        if b > 0:
-                            value += arm[r, 3 + q] * direction[s, 3 * b - 3 + q]
-                delassus[r, s] = value
-                delassus[s, r] = value
-    return 0
+NO_SOLUTION, NOT_UNIQUE, LOCKED, CHATTER = range(10, 14)  # endings of a run that only set-valued contacts have
 
 
 @compiled
@@ -176,211 +64,6 @@ def lasting_side(m, count):
         n = chosen[k]
         side[B, 2 * k] = touch[n, GAMMA_N] - along(m, 2 * k, n, acceleration, 0)
         side[B, 2 * k + 1] = touch[n, GAMMA_T] - along(m, 2 * k + 1, n, acceleration, 0)
-
-
-@compiled
-def linear(m, count, rough):
-    """Forces f and a = G f + b for the modes in `trial`; rough = 0 leaves friction of sliding out.
-
-    Returns the sign of the determinant: +1 as without friction, -1 when friction locks, 0 for dependent contacts.
-    """
-    delassus, side, system, trial = mat(m, DELASSUS), mat(m, SIDE), mat(m, SYSTEM), ivec(m, TRIAL)
-    chosen, pivot = ivec(m, CHOSEN), ivec(m, PIVOTS)
-    size = 0
-    for k in range(count):
-        size += 0 if trial[k] == OFF else (2 if trial[k] == STICK else 1)
-    row = 0
-    scale = 0.0
-    for k in range(count):
-        for d in range(2):
-            if trial[k] == OFF or (d == 1 and trial[k] != STICK):
-                continue
-            column = 0
-            for j in range(count):
-                if trial[j] == OFF:
-                    continue
-                value = delassus[2 * k + d, 2 * j]
-                if trial[j] == STICK:
-                    system[row, column + 1] = delassus[2 * k + d, 2 * j + 1]
-                elif rough == 1:
-                    mu = friction_of(m, chosen[j])
-                    value += (mu if trial[j] == FORWARD else -mu) * delassus[2 * k + d, 2 * j + 1]
-                system[row, column] = value
-                column += 2 if trial[j] == STICK else 1
-            system[row, size] = -side[B, 2 * k + d]
-            scale = max(scale, delassus[2 * k + d, 2 * k + d])
-            row += 1
-    sign = 1
-    top = 0
-    for c in range(size):
-        best = top
-        for r in range(top + 1, size):
-            if abs(system[r, c]) > abs(system[best, c]):
-                best = r
-        pivot[c] = -1
-        if top == size or not abs(system[best, c]) > EXACT * scale:
-            sign = 0
-            continue
-        if best != top:
-            sign = -sign
-            for j in range(size + 1):
-                system[top, j], system[best, j] = system[best, j], system[top, j]
-        sign = sign if system[top, c] > 0.0 else -sign
-        inverse = 1.0 / system[top, c]
-        for r in range(size):
-            if r != top and system[r, c] != 0.0:
-                factor = system[r, c] * inverse
-                for j in range(c, size + 1):
-                    system[r, j] -= factor * system[top, j]
-        pivot[c] = top
-        top += 1
-    column = 0
-    for k in range(count):
-        side[F, 2 * k], side[F, 2 * k + 1] = 0.0, 0.0
-        if trial[k] == OFF:
-            continue
-        for d in range(2 if trial[k] == STICK else 1):
-            r = pivot[column]
-            side[F, 2 * k + d] = system[r, size] / system[r, column] if r >= 0 else 0.0
-            column += 1
-        if trial[k] == STICK:
-            continue
-        if rough == 1:
-            mu = friction_of(m, chosen[k])
-            side[F, 2 * k + 1] = (mu if trial[k] == FORWARD else -mu) * side[F, 2 * k]
-    for r in range(2 * count):
-        value = side[B, r]
-        for s in range(2 * count):
-            value += delassus[r, s] * side[F, s]
-        side[A, r] = value
-    return sign
-
-
-@compiled
-def resolution(m, count):
-    """Values of f and of a that count as zero."""
-    side, delassus = mat(m, SIDE), mat(m, DELASSUS)
-    force, rate = 0.0, 0.0
-    for r in range(2 * count):
-        force = max(force, abs(side[F, r]))
-        rate = max(rate, abs(side[B, r]))
-        for s in range(2 * count):
-            rate = max(rate, abs(delassus[r, s] * side[F, s]))
-    return EXACT * force, EXACT * rate
-
-
-@compiled
-def better_mode(m, k, force, rate):
-    """The mode that contact k should have, seen from the solution at hand; its present one if that is right."""
-    side, trial, slide = mat(m, SIDE), ivec(m, TRIAL), ivec(m, SLIDE)
-    mu = friction_of(m, ivec(m, CHOSEN)[k])
-    mode, pressed, held = trial[k], side[F, 2 * k], side[F, 2 * k + 1]
-    if mode == OFF:
-        if side[A, 2 * k] >= -rate:
-            return OFF
-        if slide[k] != 0 or mu == 0.0:
-            return BACKWARD if slide[k] < 0 else FORWARD
-        return STICK
-    if pressed < -force:
-        return OFF
-    if mode == STICK and abs(held) > mu * pressed + force:
-        return FORWARD if held > 0.0 else BACKWARD
-    if mode == FORWARD and slide[k] == 0 and mu > 0.0 and side[A, 2 * k + 1] > rate:
-        return STICK
-    if mode == BACKWARD and slide[k] == 0 and side[A, 2 * k + 1] < -rate:
-        return STICK
-    return mode
-
-
-@compiled
-def settled(m, count):
-    """True when the solution at hand meets all conditions of the modes in `trial`."""
-    side, trial = mat(m, SIDE), ivec(m, TRIAL)
-    force, rate = resolution(m, count)
-    for k in range(count):
-        if better_mode(m, k, force, rate) != trial[k] or (trial[k] != OFF and not abs(side[A, 2 * k]) <= 1e3 * rate):
-            return False
-    return True
-
-
-@kernel("problem")
-def contacts_kernel(m, count):
-    """Find modes, f and a of the chosen contacts, starting from those in `trial`; 0 when there is no solution."""
-    trial = ivec(m, TRIAL)
-    for sweep in range(12 + 6 * count):
-        linear(m, count, 1)
-        force, rate = resolution(m, count)
-        changed = False
-        for k in range(count):
-            mode = better_mode(m, k, force, rate)
-            if mode != trial[k] and not (changed and sweep > 6 + 2 * count):  # later one at a time, lest it goes round
-                trial[k] = mode
-                changed = True
-        if not changed:
-            return 1 if settled(m, count) else 0
-    return all_modes(m, count, 1)
-
-
-@compiled
-def all_modes(m, count, most):
-    """Try all modes; returns the number of solutions with different a, up to `most`, and leaves the first one."""
-    side, trial, slide, chosen = mat(m, SIDE), ivec(m, TRIAL), ivec(m, SLIDE), ivec(m, CHOSEN)
-    found, first = 0, 0
-    if count > MOST_TRIED:
-        return 0
-    for code in range(4**count):
-        rest = code
-        fits = True
-        for k in range(count):
-            trial[k] = rest % 4
-            rest //= 4
-            if trial[k] != OFF and (slide[k] != 0 or friction_of(m, chosen[k]) == 0.0):
-                fits = fits and trial[k] == (BACKWARD if slide[k] < 0 else FORWARD)
-        if not fits:
-            continue
-        linear(m, count, 1)
-        if not settled(m, count):
-            continue
-        new = found == 0
-        largest, apart = 0.0, 0.0
-        for r in range(2 * count):
-            largest = max(largest, abs(side[B, r]))
-            apart = max(apart, abs(side[A, r] - side[OTHER, r]))
-        if found > 0 and apart > 1e-6 * largest:
-            found += 1
-        if new:
-            found, first = 1, code
-            for r in range(2 * count):
-                side[OTHER, r] = side[A, r]
-        if found >= most:
-            break
-    if found > 0:
-        for k in range(count):
-            trial[k] = first % 4
-            first //= 4
-        linear(m, count, 1)
-    return found
-
-
-@kernel("problem")
-def count_kernel(m, count):
-    """Number of different solutions of the problem, at most 2."""
-    return all_modes(m, count, 2)
-
-
-@kernel("problem")
-def rough_kernel(m, count):
-    """`linear` with friction of sliding."""
-    return linear(m, count, 1)
-
-
-@kernel("problem")
-def smooth_kernel(m, count):
-    """`linear` without friction of sliding."""
-    return linear(m, count, 0)
-
-
-KERNELS = (rows_kernel, contacts_kernel, count_kernel, rough_kernel, smooth_kernel)
 
 
 @compiled

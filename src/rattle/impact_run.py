@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle import catalog, impact, pythonlaw
+from rattle import catalog, complementarity, impact, pythonlaw
 from rattle.dynamics import CHUNK, Run, progress_bar, start_state
 from rattle.equations import DONE, NOT_FINITE, OK, PAUSED
 from rattle.memory import Memory
@@ -45,7 +45,7 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
     nc, nr, nb = len(ready.arrays["contact"]), ready.row_count, ready.body_count
     held = np.array([1.0, ready.size])
     jit = catalog.jit_runs()
-    hold, *problem = (one.address if jit else one.python for one in (impact.hold, *impact.KERNELS))
+    hold, *problem = (one.address if jit else one.python for one in (impact.hold, *complementarity.KERNELS))
     return {
         **{name: np.zeros(nc, np.int64) for name in ("mode", "chosen", "trial", "slide")},
         "pivot": np.zeros(2 * nc, np.int64),
@@ -131,22 +131,22 @@ class ImpactRun(Run):
     def _trouble(self, status: int) -> str:
         t = float(self.clock[march.T])
         names = ", ".join(self._closed()) or "the contacts"
-        if status == event.NO_SOLUTION:
+        if status == impact.NO_SOLUTION:
             return (
                 f"the contact problem at {names} has no solution at t = {t:.9g} s (Painleve: friction would have to jam"
                 " the joint); less friction, or a compliant contact, goes on"
             )
-        if status == event.NOT_UNIQUE:
+        if status == impact.NOT_UNIQUE:
             return (
                 f"the contact problem at {names} has several solutions at t = {t:.9g} s (Painleve: rigid bodies with"
                 " this friction do not say which); less friction, a compliant contact or method moreau goes on"
             )
-        if status == event.LOCKED:
+        if status == impact.LOCKED:
             return (
                 f"friction locks {names} at t = {t:.9g} s: the normal force grows beyond all bounds (Painleve); less"
                 " friction, or a compliant contact, goes on"
             )
-        if status == event.CHATTER:
+        if status == impact.CHATTER:
             joint = self.ready.joints[self.ready.arrays["contact"][int(self.stuck[2]), OWNER]]
             return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; method moreau goes on"
         if status == NOT_FINITE and self.method == "moreau":
@@ -155,5 +155,5 @@ class ImpactRun(Run):
 
     def _closed(self) -> list[str]:
         owner, mode = self.ready.arrays["contact"][:, OWNER], self.memory["mode"]
-        touching = (mode != impact.OFF) | (self.memory["touch"][:, 0] < 1e-6 * self.ready.size)
+        touching = (mode != complementarity.OFF) | (self.memory["touch"][:, 0] < 1e-6 * self.ready.size)
         return [f"'{name}'" for name in dict.fromkeys(self.ready.joints[n] for n in owner[touching])]

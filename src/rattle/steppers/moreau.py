@@ -23,6 +23,7 @@ from __future__ import annotations
 import math
 
 from rattle.catalog import compiled
+from rattle.complementarity import FORWARD, OFF, STICK, A, B, F, friction_of
 from rattle.contact import touch_all
 from rattle.equations import (
     DONE,
@@ -36,8 +37,8 @@ from rattle.equations import (
     place,
     rate_residual,
     residual,
-)
-from rattle.impact import FORWARD, OFF, STICK, A, B, F, along, contact_rows, friction_of, solve_contacts, solve_modes
+)  # fmt: skip
+from rattle.impact import NO_SOLUTION, along, contact_rows, solve_contacts, solve_modes
 from rattle.memory import (
     ACCELERATION,
     BODY,
@@ -92,8 +93,8 @@ from rattle.plane import (
     TANGENT,
 )  # fmt: skip
 from rattle.schur import factorise
-from rattle.steppers.event import NO_SOLUTION, note
 from rattle.steppers.march import DRIFT, EVALUATIONS, EVENT_COUNT, H_MIN, OUTPUTS, STEPS, H, T, project
+from rattle.steppers.walls import note
 from rattle.steppers.writing import write
 
 ACTIVE = 1e-8  # share of the clearance within which a contact takes part

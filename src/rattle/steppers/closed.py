@@ -1,0 +1,155 @@
+"""New modes of set-valued contacts at an event, from the problem for the accelerations."""
+
+from __future__ import annotations
+
+from rattle.catalog import compiled
+from rattle.complementarity import BACKWARD, FORWARD, OFF, STICK, F, friction_of
+from rattle.equations import OK
+from rattle.impact import (
+    NO_SOLUTION,
+    NOT_UNIQUE,
+    add_forces,
+    along,
+    contact_rows,
+    count_solutions,
+    is_rough,
+    lasting_side,
+    solve_contacts,
+)  # fmt: skip
+from rattle.memory import (
+    ACCELERATION,
+    BODY,
+    CHOSEN,
+    CONTACT,
+    GRIP,
+    MODE,
+    MULTIPLIER,
+    SIDE,
+    SLIDE,
+    TOUCH,
+    TRIAL,
+    imat,
+    ivec,
+    mat,
+    vec,
+)  # fmt: skip
+from rattle.plane import (
+    CLOSED,
+    CONTACT_EVENT,
+    GAMMA_N,
+    GAP,
+    IMPACT,
+    IMPULSE_0,
+    LOSS_0,
+    N_1,
+    OPEN,
+    PEAK,
+    RELEASE_EVENT,
+    SHUT,
+    SINCE,
+    SLIP_EVENT,
+    SPEED,
+    STEPS_IN,
+    STICK_EVENT,
+    TANGENT,
+    VX,
+)  # fmt: skip
+from rattle.steppers.walls import NEAR, at_rest, clearance_of, largest_acceleration, motion_without, note
+
+NOTHING, HIT, LET_GO, BREAK_AWAY, TURN = range(5)  # what an event is
+
+
+@compiled
+def regroup(m, t, y, apart, kind):
+    """Modes of all closed contacts from the problem for the accelerations; `apart` is the contact of the event, or -1.
+
+    A contact that has just let go or broken away keeps to that unless the others then press it back.
+    Returns OK, NO_SOLUTION or NOT_UNIQUE.
+    """
+    contact, touch, mode, body = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, BODY)
+    chosen, trial, slide = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE)
+    grip, pulling = mat(m, GRIP), touch[apart, TANGENT] if apart >= 0 else 0.0
+    motion_without(m, t, y)
+    for attempt in range(2):
+        count = 0
+        for n in range(contact.shape[0]):
+            if contact[n, IMPACT] == 0 or (attempt == 0 and n == apart and kind == LET_GO):
+                continue
+            if mode[n] != OFF or n == apart or touch[n, GAP] <= NEAR * clearance_of(m, n):
+                chosen[count] = n
+                count += 1
+        contact_rows(m, count)
+        closed = 0
+        for k in range(count):
+            n = chosen[k]
+            kept = mode[n] != OFF and kind != HIT
+            if kept or at_rest(m, 2 * k, n, along(m, 2 * k, n, body, VX), grip[n, N_1]):
+                chosen[closed] = n
+                u = along(m, 2 * k + 1, n, body, VX)
+                slide[closed] = 0
+                still = (kept and mode[n] == STICK) or (n == apart and kind == TURN)
+                if not still and not at_rest(m, 2 * k + 1, n, u, grip[n, N_1]):
+                    slide[closed] = 1 if u > 0.0 else -1
+                if n == apart and kind == BREAK_AWAY:
+                    slide[closed] = 1 if pulling > 0.0 else -1
+                elif kind == BREAK_AWAY and kept and mode[n] != STICK:  # it had reached its limit before: goes along
+                    slide[closed] = 1 if mode[n] == FORWARD else -1
+                trial[closed] = mode[n]
+                if mode[n] == OFF or slide[closed] != 0:
+                    trial[closed] = FORWARD if slide[closed] >= 0 else BACKWARD
+                closed += 1
+        if closed < count:
+            contact_rows(m, closed)
+        lasting_side(m, closed)
+        if not solve_contacts(m, closed):
+            return NO_SOLUTION
+        if is_rough(m, closed) and count_solutions(m, closed) > 1:
+            return NOT_UNIQUE
+        if kind != LET_GO or attempt == 1:
+            break
+        # the contact that let go: is its gap going to open?
+        add_forces(m, closed, mat(m, ACCELERATION), vec(m, MULTIPLIER))
+        contact_rows_of_one(m, closed, apart)
+        opening = touch[apart, GAMMA_N] - along(m, 2 * closed, apart, mat(m, ACCELERATION), 0)
+        if opening >= -1e-9 * (abs(touch[apart, GAMMA_N]) + largest_acceleration(m)):
+            break
+        motion_without(m, t, y)
+    change_modes(m, t, y, closed)
+    return OK
+
+
+@compiled
+def contact_rows_of_one(m, k, n):
+    """Put contact n after k chosen ones, with its rows."""
+    ivec(m, CHOSEN)[k] = n
+    contact_rows(m, k + 1)
+
+
+@compiled
+def change_modes(m, t, y, count):
+    """Take over the modes in `trial` of the chosen contacts (all others are off) and note what has changed."""
+    contact, mode, grip = imat(m, CONTACT), ivec(m, MODE), mat(m, GRIP)
+    chosen, trial, side = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE)
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 0:
+            continue
+        new, pressed = OFF, 0.0
+        for k in range(count):
+            if chosen[k] == n:
+                new, pressed = trial[k], side[F, 2 * k]
+        old = mode[n]
+        k = y.shape[0] - 4 * grip.shape[0] + 4 * n
+        if old == OFF and new != OFF:
+            grip[n, CLOSED], grip[n, SINCE], grip[n, PEAK] = SHUT, max(t, grip[n, STEPS_IN]), pressed
+            grip[n, IMPULSE_0], grip[n, LOSS_0] = y[k + 1], y[k + 2]
+        if old != OFF and new == OFF:
+            note(m, CONTACT_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+            note(m, RELEASE_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+            grip[n, CLOSED], grip[n, SPEED] = OPEN, 0.0
+        if friction_of(m, n) > 0.0 and new != OFF and new != old:
+            if new == STICK:
+                note(m, STICK_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+            elif old != OFF:
+                note(m, SLIP_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+        mode[n] = new
+        grip[n, STEPS_IN] = 0.0

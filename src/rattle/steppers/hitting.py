@@ -1,0 +1,177 @@
+"""Impacts of set-valued contacts: percussions, what they lose, and the end of infinite sequences of bounces.
+
+A bounce that would rise less than LOW clearances (but never less than the rounding of positions, 4e-15 of the size
+of the mechanism) is not followed: restitution is taken as zero, and the lasting contact that follows is put at the
+end of the geometric series of bounces, t + 2 v / (|g''| (1 - e)).  In a clearance of 1 mm such a bounce has a few
+1e-6 m/s.
+"""
+
+from __future__ import annotations
+
+from rattle.catalog import compiled
+from rattle.complementarity import FORWARD, OFF, OTHER, STICK, B, F, friction_of
+from rattle.contact import touch_all
+from rattle.equations import OK, constraints, place
+from rattle.impact import (
+    NO_SOLUTION,
+    NOT_UNIQUE,
+    SIZE,
+    add_forces,
+    along,
+    contact_rows,
+    count_solutions,
+    is_rough,
+    lasting_side,
+    solve_contacts,
+    solve_modes,
+    swing,
+)  # fmt: skip
+from rattle.memory import (
+    ACCELERATION,
+    CHANGE,
+    CHOSEN,
+    CONTACT,
+    DIRECTION,
+    GRIP,
+    HELD,
+    MODE,
+    MULTIPLIER,
+    RATE_NEW,
+    ROWS,
+    SIDE,
+    SLIDE,
+    TOUCH,
+    TRIAL,
+    VALUES,
+    imat,
+    ivec,
+    mat,
+    vec,
+)  # fmt: skip
+from rattle.plane import (
+    DGAP,
+    DGAP_1,
+    GAMMA_N,
+    GAP,
+    GAP_1,
+    IMPACT,
+    IMPACT_EVENT,
+    N_1,
+    NORMAL_P,
+    NU,
+    SLIP,
+    SPEED,
+    STEPS_IN,
+)  # fmt: skip
+from rattle.steppers.walls import NEAR, STILL, clearance_of, motion_without, note
+
+LOW = 1e-11  # bounces that rise less than this share of the clearance are closed
+
+
+@compiled
+def collide(m, t, y, who):
+    """Impact at (t, y): contact `who` and all others that are closed, in one problem; rates in y jump.
+
+    Bounces that are too low to follow are closed (restitution 0).  Returns OK, NO_SOLUTION or NOT_UNIQUE.
+    """
+    contact, touch, mode, grip, values = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP), vec(m, VALUES)
+    chosen, trial, slide, side = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE)
+    direction, nq = mat(m, DIRECTION), vec(m, CHANGE).shape[0]
+    v, before = y[nq : 2 * nq], vec(m, RATE_NEW)
+    count = 0
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 1 and (n == who or mode[n] != OFF or touch[n, GAP] <= NEAR * clearance_of(m, n)):
+            chosen[count] = n
+            grip[n, STEPS_IN], grip[n, N_1] = 0.0, 0.0
+            count += 1
+    for c in range(nq):
+        before[c] = v[c]
+    for _ in range(count + 1):
+        contact_rows(m, count)
+        for k in range(count):
+            n, p = chosen[k], contact[chosen[k], NORMAL_P]
+            grip[n, N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
+            hits = touch[n, DGAP] < -STILL * grip[n, N_1]
+            e = values[p] if hits and grip[n, STEPS_IN] == 0.0 else 0.0
+            side[B, 2 * k] = (1.0 + e) * touch[n, DGAP]
+            side[B, 2 * k + 1] = -(1.0 + (values[p + 1] if hits else 0.0)) * touch[n, SLIP]
+            slide[k] = 0
+            trial[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
+        if not solve_contacts(m, count):
+            return NO_SOLUTION
+        if is_rough(m, count) and count_solutions(m, count) > 1:
+            return NOT_UNIQUE
+        for r in range(2 * count):
+            for c in range(nq):
+                v[c] -= direction[r, c] * side[F, r]
+        if not low_bounce(m, t, y, count):
+            break
+        for c in range(nq):
+            v[c] = before[c]
+        motion_without(m, t, y)
+    # rows and touch belong to the rates before the impact again, to tell what it did
+    settle_accounts(m, t, y, count, before)
+    return OK
+
+
+@compiled
+def low_bounce(m, t, y, count):
+    """Mark hitting contacts whose bounce would be too low to follow; True when there is a new one."""
+    touch, grip, chosen, side = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), mat(m, SIDE)
+    values, contact, mode, trial = vec(m, VALUES), imat(m, CONTACT), ivec(m, MODE), ivec(m, TRIAL)
+    found = False
+    motion_without(m, t, y)
+    for r in range(2 * count):
+        side[OTHER, r] = side[F, r]
+    for k in range(count):
+        trial[k] = mode[chosen[k]]
+    lasting_side(m, count)
+    solve_modes(m, count, 1)
+    add_forces(m, count, mat(m, ACCELERATION), vec(m, MULTIPLIER))
+    for r in range(2 * count):
+        side[F, r] = side[OTHER, r]
+    for k in range(count):
+        n = chosen[k]
+        speed, e = touch[n, DGAP], values[contact[n, NORMAL_P]]
+        if side[F, 2 * k] <= 0.0 or grip[n, STEPS_IN] != 0.0 or speed <= STILL * swing(m, 2 * k, n):
+            continue
+        pull = touch[n, GAMMA_N] - along(m, 2 * k, n, mat(m, ACCELERATION), 0)
+        least = max(LOW * clearance_of(m, n), 4e-15 * vec(m, HELD)[SIZE])
+        if pull < 0.0 and speed * speed < -2.0 * pull * least:
+            grip[n, STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
+            found = True
+    return found
+
+
+@compiled
+def settle_accounts(m, t, y, count, before):
+    """Impulses, losses and work of an impact into y, and its events; v in y is after, `before` (3 nb,) is before."""
+    touch, grip, chosen, side, rows = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), mat(m, SIDE), mat(m, ROWS)
+    multiplier, work, nq = vec(m, MULTIPLIER), 0.0, vec(m, CHANGE).shape[0]
+    place(m, y[:nq], before[:nq])
+    constraints(m)
+    touch_all(m)
+    for row in range(multiplier.shape[0]):
+        multiplier[row] = 0.0
+    acceleration = mat(m, ACCELERATION)
+    add_forces(m, count, acceleration, multiplier)
+    for row in range(multiplier.shape[0]):
+        work -= multiplier[row] * rows[row, NU]
+    y[2 * nq] += work
+    for k in range(count):
+        n = chosen[k]
+        grip[n, GAP_1], grip[n, DGAP_1] = touch[n, DGAP], touch[n, SLIP]
+    place(m, y[:nq], y[nq : 2 * nq])
+    constraints(m)
+    touch_all(m)
+    for k in range(count):
+        n = chosen[k]
+        pressed, held = side[F, 2 * k], side[F, 2 * k + 1]
+        if pressed == 0.0 and held == 0.0:
+            continue
+        lost = 0.5 * (held * (grip[n, DGAP_1] + touch[n, SLIP]) - pressed * (grip[n, GAP_1] + touch[n, DGAP]))
+        j = y.shape[0] - 4 * grip.shape[0] + 4 * n
+        y[j + 1] += pressed
+        y[j + 2] += lost
+        grip[n, SPEED] = max(-grip[n, GAP_1], 0.0)
+        note(m, IMPACT_EVENT, n, t, y, grip[n, SPEED], 0.0, pressed, lost)

@@ -1,0 +1,166 @@
+"""States with set-valued contacts brought back onto joints and walls; what counts as near and as rest."""
+
+from __future__ import annotations
+
+from rattle.catalog import compiled
+from rattle.complementarity import FORWARD, OFF, STICK, B, F
+from rattle.contact import touch_all
+from rattle.equations import accelerate, constraints, drive, loads, place
+from rattle.impact import SIZE, contact_rows, solve_modes, swing
+from rattle.memory import (
+    ACCELERATION,
+    CHANGE,
+    CHOSEN,
+    CLOCK,
+    CONTACT,
+    DIRECTION,
+    EVENTS,
+    GRIP,
+    HELD,
+    MODE,
+    SIDE,
+    TALLY,
+    TOUCH,
+    TRIAL,
+    VALUES,
+    imat,
+    ivec,
+    mat,
+    vec,
+)  # fmt: skip
+from rattle.plane import CONTACT_EVENT, DGAP, GAP, IMPACT, IMPULSE_0, LOSS_0, PEAK, SHAPE_P, SINCE, SLIP, SPEED
+from rattle.schur import factorise
+from rattle.steppers.march import DRIFT, EVENT_COUNT, project
+
+NEAR = 1e-9  # share of the clearance within which contacts hit at the same instant
+STILL = 1e-12  # share of the terms of a contact velocity that counts as rest
+
+
+@compiled
+def clearance_of(m, n):
+    """Clearance of contact n [m]."""
+    return vec(m, VALUES)[imat(m, CONTACT)[n, SHAPE_P] + 4]
+
+
+@compiled
+def noise(m, n):
+    """Depth that rounding may give to contact n [m]."""
+    return 1e-12 * clearance_of(m, n) + 1e-15 * vec(m, HELD)[SIZE]
+
+
+@compiled
+def held_contacts(m):
+    """Choose all contacts that last, with their modes; returns how many there are."""
+    contact, mode, chosen, trial = imat(m, CONTACT), ivec(m, MODE), ivec(m, CHOSEN), ivec(m, TRIAL)
+    count = 0
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 1 and mode[n] != OFF:
+            chosen[count], trial[count] = n, mode[n]
+            count += 1
+    return count
+
+
+@compiled
+def add_hitting(m, count, who):
+    """Choose contact `who` and all free ones as near, after the `count` lasting ones; returns how many there are."""
+    contact, mode, touch, chosen = imat(m, CONTACT), ivec(m, MODE), mat(m, TOUCH), ivec(m, CHOSEN)
+    closed = count
+    for n in range(contact.shape[0]):
+        if who < 0 or contact[n, IMPACT] == 0 or mode[n] != OFF:
+            continue
+        if n == who or abs(touch[n, GAP]) <= NEAR * clearance_of(m, n):
+            chosen[closed] = n
+            closed += 1
+    return closed
+
+
+@compiled
+def settle(m, t, y, who):
+    """Bring y onto the constraints and onto its lasting contacts, positions and rates; leaves rows and factor.
+
+    who: a contact that hits now (or -1); it and all that are as near come onto their walls too, with their rates.
+    """
+    project(m, t, y)
+    touch_all(m)
+    count = held_contacts(m)
+    closed = add_hitting(m, count, who)
+    if closed == 0:
+        return
+    chosen, trial, side, touch, clock = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), mat(m, TOUCH), vec(m, CLOCK)
+    direction, nq = mat(m, DIRECTION), vec(m, CHANGE).shape[0]
+    q, v = y[:nq], y[nq : 2 * nq]
+    for attempt in range(4):
+        worst = 0.0
+        for k in range(closed):
+            worst = max(worst, abs(touch[chosen[k], GAP]))
+        if worst < 1e-16 * vec(m, HELD)[SIZE] or attempt == 3:
+            clock[DRIFT] = max(clock[DRIFT], worst)
+            break
+        contact_rows(m, closed)
+        for k in range(closed):
+            side[B, 2 * k] = -touch[chosen[k], GAP]
+            trial[k] = FORWARD
+        solve_modes(m, closed, 0)
+        for k in range(closed):
+            for c in range(nq):
+                q[c] += direction[2 * k, c] * side[F, 2 * k]
+        project(m, t, y)
+        touch_all(m)
+    contact_rows(m, count)
+    for k in range(count):
+        n = chosen[k]
+        side[B, 2 * k], side[B, 2 * k + 1] = touch[n, DGAP], -touch[n, SLIP]
+        trial[k] = STICK if ivec(m, MODE)[n] == STICK else FORWARD
+    solve_modes(m, count, 0)
+    for r in range(2 * count):
+        for c in range(nq):
+            v[c] -= direction[r, c] * side[F, r]
+    place(m, q, v)
+    constraints(m)
+    touch_all(m)
+
+
+@compiled
+def note(m, kind, n, t, y, speed, peak, impulse, lost):
+    """Write one event row; a contact that ends says what it was from its memory."""
+    tally, events = ivec(m, TALLY), mat(m, EVENTS)
+    if tally[EVENT_COUNT] == events.shape[0]:
+        return
+    event = events[tally[EVENT_COUNT]]
+    for k in range(8):
+        event[k] = 0.0
+    event[0], event[1], event[2], event[3] = t, n, kind, speed
+    event[5], event[6], event[7] = peak, impulse, lost
+    if kind == CONTACT_EVENT:
+        grip, k = mat(m, GRIP)[n], y.shape[0] - 4 * mat(m, GRIP).shape[0] + 4 * n
+        event[0], event[3], event[4], event[5] = grip[SINCE], grip[SPEED], max(t - grip[SINCE], 0.0), grip[PEAK]
+        event[6], event[7] = y[k + 1] - grip[IMPULSE_0], y[k + 2] - grip[LOSS_0]
+    tally[EVENT_COUNT] += 1
+
+
+@compiled
+def motion_without(m, t, y):
+    """Everything at y but without forces of lasting contacts."""
+    nq = vec(m, CHANGE).shape[0]
+    place(m, y[:nq], y[nq : 2 * nq])
+    drive(m, t)
+    constraints(m)
+    loads(m, t)
+    factorise(m)
+    accelerate(m)
+
+
+@compiled
+def largest_acceleration(m):
+    """Largest acceleration of a mass centre along x or y [m/s^2]."""
+    acceleration = mat(m, ACCELERATION)
+    total = 0.0
+    for i in range(1, acceleration.shape[0]):
+        total = max(total, abs(acceleration[i, 0]), abs(acceleration[i, 1]))
+    return total
+
+
+@compiled
+def at_rest(m, r, n, u, before):
+    """True when the velocity u of line r of contact n is rounding; before: size of its terms before an impact [m/s]."""
+    return abs(u) <= STILL * max(swing(m, r, n), before) + 1e-14 * vec(m, HELD)[SIZE]
