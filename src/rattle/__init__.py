@@ -1,9 +1,9 @@
 """rattle: planar mechanisms whose joints have play.
 
-    import rattle as rt
-    m = rt.load("fourbar.toml")
-    r = m.simulate(0.5)
-    r.plot("O3.normal", "O4.normal")
+import rattle as rt
+m = rt.load("fourbar.toml")
+r = m.simulate(0.5)
+r.plot("O3.normal", "O4.normal")
 """
 
 from __future__ import annotations

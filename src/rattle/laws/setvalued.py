@@ -1,6 +1,6 @@
 """Set-valued contact: no penetration, restitution at impacts, Coulomb friction with true sticking.
 
-    g >= 0, N >= 0, g N = 0;     impact: u_n+ = -e_N u_n-, u_t+ = -e_T u_t- within |P_t| <= mu P_n
+g >= 0, N >= 0, g N = 0;     impact: u_n+ = -e_N u_n-, u_t+ = -e_T u_t- within |P_t| <= mu P_n
 """
 
 from __future__ import annotations
