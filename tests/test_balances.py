@@ -25,8 +25,10 @@ def runs() -> dict[str, Result]:
 def test_energy_audit_closes(runs, name):
     r = runs[name]
     turned_over = r["energy.kinetic"].max() + np.ptp(r["energy.potential"]) + np.abs(r["energy.work"]).max()
-    # tolerances are 1e-8 and finer per step, steps up to 1e4; in metres and radians, so small energies need a floor
-    assert r.trust.energy_balance < 1e-6 * turned_over + 1e-7
+    # tolerances are 1e-8 and finer per step, steps up to 1e4; in metres and radians, so small energies need a floor;
+    # Moreau-Jean has order one: its step of 1e-4 of the run leaves a few times that
+    share = 1e-3 if r.provenance["method"] == "moreau" else 1e-6
+    assert r.trust.energy_balance < share * turned_over + 1e-7
     total = r["energy.kinetic"] + r["energy.potential"] - r["energy.work"] + r["energy.dissipated"]
     assert r["energy.balance"] == pytest.approx(total - total[0], abs=1e-12 * turned_over)
 

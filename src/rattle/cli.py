@@ -125,5 +125,6 @@ def main(ctx: click.Context, quiet: bool) -> None:
     handler.setFormatter(_Colours("%(message)s") if sys.stderr.isatty() else logging.Formatter("%(message)s"))
     log = logging.getLogger("rattle")
     log.handlers[:] = [handler]
-    log.setLevel(logging.ERROR if quiet else logging.INFO)
+    log.setLevel(logging.INFO)
+    handler.setLevel(logging.ERROR if quiet else logging.INFO)
     ctx.obj = {"quiet": quiet}
