@@ -104,6 +104,8 @@ def warmup() -> None:
     """
     import time
 
+    import numpy as np
+
     from rattle import catalog
     from rattle.mechanism import example
 
@@ -112,8 +114,11 @@ def warmup() -> None:
         click.echo("NUMBA_DISABLE_JIT is set: kernels run as plain Python, there is nothing to compile")
         return
     m = example("fourbar")
-    for method in ("dop853", "rk4"):
-        m.simulate(0.001, method=method)
-    catalog.table("joint", "driver")
-    catalog.table("load")
+    m.simulate(1e-3)  # motion, links, compliant contacts: one set of kernels
+    m.ideal().kinematics(np.linspace(0.0, 0.1, 2000))
+    impact = example("bouncing_pin")
+    impact.simulate(1e-3, method="event")
+    impact.simulate(1e-3, method="moreau", step=1e-4)
+    for families in (("joint", "driver"), ("load",), ("clearance",), ("stiffness",), ("normal",), ("friction",)):
+        catalog.table(*families)
     click.echo(f"kernels are ready in {catalog.cache_folder()} ({time.perf_counter() - start:.1f} s)")
