@@ -42,6 +42,7 @@ from rattle.plane import (
     IMPULSE_0,
     LOSS_0,
     N_1,
+    NORMAL,
     OPEN,
     PEAK,
     RELEASE_EVENT,
@@ -57,13 +58,15 @@ from rattle.plane import (
 from rattle.steppers.walls import NEAR, at_rest, clearance_of, largest_acceleration, motion_without, note
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN = range(5)  # what an event is
+SLIGHT = 1e-7  # share of its largest force at which a contact lets go together with another one
 
 
 @compiled
 def regroup(m, t, y, apart, kind):
     """Modes of all closed contacts from the problem for the accelerations; `apart` is the contact of the event, or -1.
 
-    A contact that has just let go or broken away keeps to that unless the others then press it back.
+    A contact that has just let go or broken away keeps to that unless the others then press it back; contacts that
+    are about to let go do so with it, so that a block that is parallel to its wall leaves it parallel.
     Returns OK, NO_SOLUTION or NOT_UNIQUE.
     """
     contact, touch, mode, body = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, BODY)
@@ -73,7 +76,8 @@ def regroup(m, t, y, apart, kind):
     for attempt in range(2):
         count = 0
         for n in range(contact.shape[0]):
-            if contact[n, IMPACT] == 0 or (attempt == 0 and n == apart and kind == LET_GO):
+            lets_go = n == apart or (mode[n] != OFF and touch[n, NORMAL] <= SLIGHT * grip[n, PEAK])
+            if contact[n, IMPACT] == 0 or (attempt == 0 and kind == LET_GO and lets_go):
                 continue
             if mode[n] != OFF or n == apart or touch[n, GAP] <= NEAR * clearance_of(m, n):
                 chosen[count] = n

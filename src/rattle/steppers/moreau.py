@@ -1,17 +1,20 @@
 """Moreau-Jean time stepping: contacts as percussions over a step, no events to locate.
 
     q_M  = q + h/2 v                                 contacts with g(q_M) <= 0 take part
-    M (v+ - v) = h Q(q_M, v, t_M) - Phi_q^T Lambda - W P,   Phi_q v+ = nu
+    v_M  = v + h/2 (change of v in the step before)  for the forces
+    M (v+ - v) = h Q(q_M, v_M, t_M) - Phi_q^T Lambda - W P,   Phi_q v+ = nu
     0 <= g'+ + e_N g'-,  0 <= P_N,  complementary;   P_T in -mu P_N Sgn(-(u_t+ + e_T u_t-))
     q+   = q_M + h/2 v+
 
-The contact problem is solved by `impact.solve_contacts`, started from the modes of the step before.  Then
-positions are corrected: contacts that pressed and lie too deep, and the joints, with the least mass-weighted
-change; rates only along the joints.  The force of a contact is its percussion divided by h.
+The contact problem is solved by `impact.solve_contacts`, started from the modes of the step before.  A bounce takes
+its approach speed where it hits, at the time that g(q_M) says, and the motion without contact before and after it.
+Then positions are corrected with the least mass-weighted change: a contact that hit at the depth d, having come with
+v- and leaving with v+, by d (1 + v+/v-), which it lost by turning too late; lasting contacts onto the wall; the
+joints.  The force of a contact is its percussion divided by h.
 
-The order is one where contacts close, and the energy balance closes to O(h).  An impact counts as one when it is
-faster than what two steps of free motion bring about; a contact lasts from LASTING pressed steps in a row on and
-ends with as many free ones.
+The order is one where contacts close, and the energy balance closes to O(h).  An approach counts as an impact, with
+restitution and as an event, when it is faster than what two steps of free motion bring about; a contact lasts from
+LASTING pressed steps in a row on and ends with as many free ones.
 
 Source: Jean, The non-smooth contact dynamics method, Comput. Methods Appl. Mech. Eng. 177 (1999) 235-257; Moreau,
 Unilateral contact and dry friction in finite freedom dynamics (1988); position correction as in Acary, Projected
@@ -52,6 +55,7 @@ from rattle.memory import (
     MODE,
     MULTIPLIER,
     POWER,
+    RATE,
     REPLY,
     ROWS,
     SIDE,
@@ -72,10 +76,15 @@ from rattle.plane import (
     CLOSED,
     CONTACT_EVENT,
     DGAP,
+    DGAP_1,
+    GAMMA_N,
     GAP,
+    GAP_1,
     IMPACT_EVENT,
     IMPULSE_0,
     LOSS_0,
+    N_0,
+    N_1,
     NORMAL,
     NORMAL_P,
     NU,
@@ -91,6 +100,7 @@ from rattle.plane import (
     STEPS_IN,
     STICK_EVENT,
     TANGENT,
+    VX,
 )  # fmt: skip
 from rattle.schur import factorise
 from rattle.steppers.march import DRIFT, EVALUATIONS, EVENT_COUNT, H_MIN, OUTPUTS, STEPS, H, T, project
@@ -98,6 +108,9 @@ from rattle.steppers.walls import note
 from rattle.steppers.writing import write
 
 ACTIVE = 1e-8  # share of the clearance within which a contact takes part
+# columns of `grip` as they are used here: 1 for an impact, its tangential restitution, the rate of the gap that it is
+# to leave with, by how much its gap comes out too small
+HITS, E_T, AFTER, SHIFT = N_0, N_1, DGAP_1, GAP_1
 KEPT = 1e-4  # the same for one that pressed in the step before: curved paths part by O(h^2) without letting go
 LASTING = 3  # steps in a row after which a contact counts as lasting, or as released
 
@@ -129,23 +142,37 @@ def choose_active(m):
 
 @compiled
 def impact_side(m, count, h):
-    """b of the active contacts: what g'+ + e_N g'- and -(u_t+ + e_T u_t-) would be without percussions."""
+    """b of the active contacts, without percussions: g'+ minus the rate a bounce is to have, and -(u_t+ + e_T u_t-).
+
+    Rates are those of the end of the step at the place of its middle.
+    """
     contact, touch, chosen, side = imat(m, CONTACT), mat(m, TOUCH), ivec(m, CHOSEN), mat(m, SIDE)
-    acceleration, values = mat(m, ACCELERATION), vec(m, VALUES)
+    acceleration, values, grip, body = mat(m, ACCELERATION), vec(m, VALUES), mat(m, GRIP), mat(m, BODY)
     for k in range(count):
         n, p = chosen[k], contact[chosen[k], NORMAL_P]
-        hits = touch[n, DGAP] < 0.0
-        e_n, e_t = values[p] if hits else 0.0, values[p + 1] if hits else 0.0
-        side[B, 2 * k] = (1.0 + e_n) * touch[n, DGAP] - h * along(m, 2 * k, n, acceleration, 0)
-        side[B, 2 * k + 1] = -(1.0 + e_t) * touch[n, SLIP] - h * along(m, 2 * k + 1, n, acceleration, 0)
+        touch[n, DGAP], touch[n, SLIP] = -along(m, 2 * k, n, body, VX), along(m, 2 * k + 1, n, body, VX)
+        pull, bend = along(m, 2 * k, n, acceleration, 0), touch[n, GAMMA_N]
+        least = 2.0 * h * abs(bend - pull)
+        hits = touch[n, DGAP] < -least
+        grip[n, HITS], grip[n, E_T], grip[n, AFTER] = 1.0 if hits else 0.0, values[p + 1] if hits else 0.0, 0.0
+        if hits:
+            when = 0.5 * h - touch[n, GAP] / touch[n, DGAP]  # after the start of the step
+            speed = touch[n, DGAP] - pull * when + bend * (when - 0.5 * h)
+            if -values[p] * speed > least:  # it bounces: free before and after
+                grip[n, AFTER] = -values[p] * speed - bend * (when - 0.5 * h) - pull * (h - when)
+        side[B, 2 * k] = touch[n, DGAP] - h * pull - grip[n, AFTER]
+        side[B, 2 * k + 1] = -(1.0 + grip[n, E_T]) * touch[n, SLIP] - h * along(m, 2 * k + 1, n, acceleration, 0)
 
 
 @compiled
 def take_percussions(m, t, count, h, y):
-    """Percussions into rates, multipliers, forces and accounts; y holds q_M and the rates without percussions."""
+    """Percussions into rates, multipliers, forces and accounts; y holds q_M and the rates without percussions.
+
+    Returns True when there was an impact.
+    """
     contact, touch, chosen, trial = imat(m, CONTACT), mat(m, TOUCH), ivec(m, CHOSEN), ivec(m, TRIAL)
     side, direction, reply, multiplier = mat(m, SIDE), mat(m, DIRECTION), mat(m, REPLY), vec(m, MULTIPLIER)
-    values, mode, nq = vec(m, VALUES), ivec(m, MODE), vec(m, CHANGE).shape[0]
+    grip, mode, nq = mat(m, GRIP), ivec(m, MODE), vec(m, CHANGE).shape[0]
     rows, power = mat(m, ROWS), vec(m, POWER)
     for r in range(2 * count):
         f = side[F, r]
@@ -158,17 +185,16 @@ def take_percussions(m, t, count, h, y):
     y[2 * nq + 1] += h * power[2]
     for row in range(multiplier.shape[0]):
         y[2 * nq] -= h * multiplier[row] * rows[row, NU]
-    k, nc = 0, contact.shape[0]
+    k, nc, impact = 0, contact.shape[0], False
     for n in range(nc):
-        old, pull = mode[n], 0.0
+        old = mode[n]
         mode[n] = OFF
         if k < count and chosen[k] == n:
-            pressed, held, p = side[F, 2 * k], side[F, 2 * k + 1], contact[n, NORMAL_P]
+            pressed, held = side[F, 2 * k], side[F, 2 * k + 1]
             if pressed > 0.0:
                 mode[n] = trial[k]
-                hits = touch[n, DGAP] < 0.0
-                gap_rate = side[A, 2 * k] - (values[p] if hits else 0.0) * touch[n, DGAP]
-                slip = -side[A, 2 * k + 1] - (values[p + 1] if hits else 0.0) * touch[n, SLIP]
+                gap_rate = side[A, 2 * k] + grip[n, AFTER]
+                slip = -side[A, 2 * k + 1] - grip[n, E_T] * touch[n, SLIP]
                 if friction_of(m, n) == 0.0:
                     slip = touch[n, SLIP]
                 lost = 0.5 * (held * (touch[n, SLIP] + slip) - pressed * (touch[n, DGAP] + gap_rate))
@@ -176,12 +202,15 @@ def take_percussions(m, t, count, h, y):
                 y[j + 1] += pressed
                 y[j + 2] += lost
                 touch[n, NORMAL], touch[n, TANGENT] = pressed / h, held / h
-                pull = abs(along(m, 2 * k, n, mat(m, ACCELERATION), 0))
-                if old == OFF and -touch[n, DGAP] > 2.0 * h * pull:
-                    note(m, IMPACT_EVENT, n, t, y, -touch[n, DGAP], 0.0, pressed, lost)
-                    mat(m, GRIP)[n, SPEED] = -touch[n, DGAP]
+                if old == OFF and grip[n, HITS] == 1.0:
+                    speed = -touch[n, DGAP]
+                    note(m, IMPACT_EVENT, n, t + 0.5 * h + touch[n, GAP] / speed, y, speed, 0.0, pressed, lost)
+                    grip[n, SPEED] = speed
+                    grip[n, SHIFT] = -touch[n, GAP] * (1.0 + gap_rate / speed)
+                    impact = True
             k += 1
         watch_contact(m, n, old, t, h, y)
+    return impact
 
 
 @compiled
@@ -211,18 +240,19 @@ def watch_contact(m, n, old, t, h, y):
 
 @compiled
 def lift(m, count, y):
-    """Take pressed contacts that lie too deep back to the wall, and lasting ones onto it, along the joints."""
+    """Move contacts along the joints: bounces to where they belong had they hit in time, lasting ones onto the wall."""
     touch, chosen, trial, side = mat(m, TOUCH), ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE)
-    direction, nq = mat(m, DIRECTION), vec(m, CHANGE).shape[0]
+    direction, grip, nq = mat(m, DIRECTION), mat(m, GRIP), vec(m, CHANGE).shape[0]
     deep = False
     for k in range(count):
         n = chosen[k]
         trial[k] = OFF
         side[B, 2 * k], side[B, 2 * k + 1] = 0.0, 0.0
-        if touch[n, NORMAL] > 0.0 and (touch[n, GAP] < 0.0 or mat(m, GRIP)[n, CLOSED] == SHUT):
+        if touch[n, NORMAL] > 0.0 and (touch[n, GAP] < 0.0 or grip[n, CLOSED] == SHUT or grip[n, SHIFT] > 0.0):
             trial[k] = FORWARD
-            side[B, 2 * k] = -touch[n, GAP]
+            side[B, 2 * k] = grip[n, SHIFT] if grip[n, SHIFT] > 0.0 else -touch[n, GAP]
             deep = True
+        grip[n, SHIFT] = 0.0
     if not deep:
         return
     solve_modes(m, count, 0)
@@ -284,7 +314,7 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
     """
     y, y_new, clock, tally, body = vec(m, STATE), vec(m, STATE_NEW), vec(m, CLOCK), ivec(m, TALLY), mat(m, BODY)
     acceleration, nq, most_found = mat(m, ACCELERATION), vec(m, CHANGE).shape[0], mat(m, EVENTS).shape[0] // 2
-    begun = tally[STEPS]
+    begun, rate = tally[STEPS], vec(m, RATE)
     clock[H] = clock[H_MIN] = h
     while tally[STEPS] < begun + most_steps and tally[STEPS] < count and tally[EVENT_COUNT] < most_found:
         t = t_start + tally[STEPS] * h
@@ -292,7 +322,8 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
             y_new[c] = y[c]
         for c in range(nq):
             y_new[c] += 0.5 * h * y[nq + c]
-        place(m, y_new[:nq], y[nq : 2 * nq])
+            y_new[nq + c] += 0.5 * h * rate[c]
+        place(m, y_new[:nq], y_new[nq : 2 * nq])
         drive(m, t + 0.5 * h)
         constraints(m)
         loads(m, t + 0.5 * h)
@@ -301,13 +332,15 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
         accelerate(m)
         active = choose_active(m)
         contact_rows(m, active)
+        place(m, y_new[:nq], y[nq : 2 * nq])
         impact_side(m, active, h)
         for c in range(nq):
-            y_new[nq + c] += h * acceleration[1 + c // 3, c % 3]
+            y_new[nq + c] = y[nq + c] + h * acceleration[1 + c // 3, c % 3]
         if active > 0 and not solve_contacts(m, active):
             return NO_SOLUTION
-        take_percussions(m, t, active, h, y_new)
+        impact = take_percussions(m, t, active, h, y_new)
         for c in range(nq):
+            rate[c] = acceleration[1 + c // 3, c % 3] if impact else (y_new[nq + c] - y[nq + c]) / h
             y_new[c] += 0.5 * h * y_new[nq + c]
         place(m, y_new[:nq], y_new[nq : 2 * nq])
         if active > 0:

@@ -32,7 +32,7 @@ from rattle.plane import CONTACT_EVENT, DGAP, GAP, IMPACT, IMPULSE_0, LOSS_0, PE
 from rattle.schur import factorise
 from rattle.steppers.march import DRIFT, EVENT_COUNT, project
 
-NEAR = 1e-9  # share of the clearance within which contacts hit at the same instant
+NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above what integration leaves
 STILL = 1e-12  # share of the terms of a contact velocity that counts as rest
 
 
