@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from rattle import catalog, complementarity, impact, pythonlaw
+from rattle.complementarity import BACKWARD, FORWARD
 from rattle.dynamics import CHUNK, Run, progress_bar, start_state
-from rattle.equations import DONE, NOT_FINITE, OK, PAUSED
+from rattle.equations import DONE, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from rattle.memory import Memory
-from rattle.plane import IMPACT, OWNER
+from rattle.plane import IMPACT, NORMAL_P, OWNER
 from rattle.steppers import event, march, moreau
 from rattle.steppers.writing import record
 from rattle.system import Compiled
@@ -35,6 +36,9 @@ def choose_method(ready: Compiled, method: str, step: float | None, span: float)
         laws = {ready.joints[row[OWNER]]: "impact" if row[IMPACT] else "compliant" for row in ready.arrays["contact"]}
         listed = ", ".join(f"{name}: {law}" for name, law in laws.items())
         raise ValueError(f"impact and compliant contacts do not go together ({listed}); give all joints one kind")
+    settings = ready.model.settings
+    if method != "moreau" and settings.method == "moreau" and step == settings.step:
+        step = None  # it was meant for the other method
     if method == "moreau":
         return method, step or min(1e-4, span / STEPS)
     return "event", step
@@ -141,7 +145,9 @@ class ImpactRun(Run):
                 f"the contact problem at {names} has several solutions at t = {t:.9g} s (Painleve: rigid bodies with"
                 " this friction do not say which); less friction, a compliant contact or method moreau goes on"
             )
-        if status == impact.LOCKED:
+        sliding = (self.memory["mode"] == FORWARD) | (self.memory["mode"] == BACKWARD)
+        rough = self.memory["values"][self.ready.arrays["contact"][:, NORMAL_P] + 2] > 0.0
+        if status == impact.LOCKED or (status == STEP_TOO_SMALL and (sliding & rough).any()):
             return (
                 f"friction locks {names} at t = {t:.9g} s: the normal force grows beyond all bounds (Painleve); less"
                 " friction, or a compliant contact, goes on"
