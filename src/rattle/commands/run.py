@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @click.option("--csv", help="Also write all curves as CSV.")
 @click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance, e.g. impact or exact.")
 @click.option("--t-end", type=float, help="Duration [s]; default: what the model says.")
-@click.option("--method", help="dop853 (adaptive, default) or rk4 (fixed step).")
+@click.option("--method", help="dop853 (adaptive, default), rk4 (fixed step); event or moreau for impact contacts.")
 @click.option("--rtol", type=float, help="Relative tolerance of dop853.")
 @click.option("--atol", type=float, help="Absolute tolerance of dop853 [m, rad, m/s, rad/s].")
 @click.option("--step", type=float, help="Step of rk4, largest step of dop853 [s].")
