@@ -166,8 +166,9 @@ class Mechanism(Building):
         """Motion in time from the assembled start.
 
         t_end: duration [s].  t_eval: output instants [s] (default: the model's output interval, or 1000).
-        method: "dop853" (adaptive), "rk4" (fixed step); for impact contacts "event" (default) or "moreau".  rtol, atol: tolerances per step of dop853 on
-        positions and rates [m, rad, m/s, rad/s].  step: step of rk4, largest step of dop853 [s].
+        method: "dop853" (adaptive) or "rk4" (fixed step); for impact contacts "event" (default) or "moreau".
+        rtol, atol: tolerances per step of dop853 and event on positions and rates [m, rad, m/s, rad/s].
+        step: step of rk4 and moreau, largest step of dop853 [s].
         progress: show a bar.  horizon: run once more with a ten times tighter tolerance and report how long
         both agree within 1 % of every curve's range.
 
