@@ -20,6 +20,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -147,7 +148,12 @@ class Compiled:
         self.__module__ = function.__module__
 
     def __call__(self, *args: Any) -> Any:
-        return self.dispatcher(*args) if _jit else self.python(*args)
+        if not _jit:
+            return self.python(*args)
+        if self.dispatcher.signatures:
+            return self.dispatcher(*args)
+        with _compiler_settings():
+            return self.dispatcher(*args)
 
     @property
     def dispatcher(self) -> Any:
@@ -201,12 +207,21 @@ def _compile(wanted: Compiled) -> Any:
 
     options = {"nogil": True, "error_model": "numpy", "cache": wanted.cache}
     arguments = (_signature(wanted.family),) if wanted.family else ()
-    before = numba.config.CACHE_DIR
-    try:
-        numba.config.CACHE_DIR = str(cache_folder())
+    with _compiler_settings():
         return _one_version(numba.njit(*arguments, **options)(wanted.python))
+
+
+@contextmanager
+def _compiler_settings() -> Iterator[None]:
+    """Our cache folder, and an optimiser level that compiles a tenth faster to code that runs as fast."""
+    import numba
+
+    before = numba.config.CACHE_DIR, numba.config.OPT
+    try:
+        numba.config.CACHE_DIR, numba.config.OPT = str(cache_folder()), type(before[1])(1)
+        yield
     finally:
-        numba.config.CACHE_DIR = before
+        numba.config.CACHE_DIR, numba.config.OPT = before
 
 
 def _one_version(dispatcher: Any) -> Any:
