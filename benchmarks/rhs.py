@@ -27,7 +27,7 @@ def _many(m, t, y, dy, n):  # type: ignore[no-untyped-def]
         derivative(m, t, y, dy)
 
 
-many = Compiled(_many, cache=False)
+many = Compiled(_many)
 
 
 def seconds_per_rhs(mechanism: rt.Mechanism, calls: int) -> float:

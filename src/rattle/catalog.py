@@ -29,7 +29,8 @@ import numpy as np
 
 log = logging.getLogger("rattle")
 
-# one line per family: the argument types of its kernels, m = float64[:, ::1], v = float64[::1], h = int64[::1]
+# one line per family: result and arguments of its kernels; i: int64, f: float64, v: (n,) and m: (n, k) of float64,
+# h: (n,) of int64
 SIGNATURE = {
     "joint": ("void", "m", "i", "i", "v", "i", "i", "m"),  # body, a, b, p, k, row, rows
     "load": ("void", "f", "m", "i", "i", "v", "i", "m", "v"),  # t, body, a, b, p, k, force, energy
@@ -135,13 +136,17 @@ def _discover() -> None:
 
 # ---------------------------------------------------------------- compiled functions
 class Compiled:
-    """A function that Numba compiles on first use after `start()`; plain Python before."""
+    """A function that Numba compiles on first use after `start()`; plain Python before.
 
-    def __init__(self, function: Callable[..., Any], family: str = "", cache: bool = True) -> None:
+    ours: follows the rules of `compiling` and `arrays`; a function with anything of the user's in it does not.
+    """
+
+    def __init__(self, function: Callable[..., Any], family: str = "", ours: bool = True) -> None:
         self.python = function
         self.family = family
-        self.cache = cache
-        self._dispatcher: Any = None
+        self.ours = ours
+        self._whole: Any = None
+        self._part: Any = None
         self._address = 0
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
@@ -152,28 +157,33 @@ class Compiled:
             return self.python(*args)
         if self.dispatcher.signatures:
             return self.dispatcher(*args)
-        with _compiler_settings():
+        with _compiling():
             return self.dispatcher(*args)
 
     @property
     def dispatcher(self) -> Any:
-        """The Numba dispatcher, made when first asked for."""
-        if self._dispatcher is None:
-            with _lock:
-                if self._dispatcher is None:
-                    self._dispatcher = _compile(self)
-        return self._dispatcher
+        """The Numba dispatcher for calls from outside, made when first asked for."""
+        if self._whole is None:
+            with _compiling() as compiling:
+                if self._whole is None:
+                    make = compiling.whole if self.ours else compiling.foreign
+                    self._whole = make(self.python, SIGNATURE.get(self.family, ()))
+        return self._whole
 
     @property
     def _numba_type_(self) -> Any:  # how Numba finds the dispatcher when one compiled function calls another
-        return self.dispatcher._numba_type_
+        if self._part is None:
+            with _compiling() as compiling:
+                if self._part is None:
+                    self._part = compiling.part(self.python)
+        return self._part._numba_type_
 
     @property
     def address(self) -> int:
         """Native address of a kernel compiled for its family's signature."""
         if self._address == 0:
-            result = self.dispatcher.get_compile_result(self.dispatcher.nopython_signatures[0])
-            self._address = int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+            with _compiling() as compiling:
+                self._address = compiling.address(self.dispatcher)
         return self._address
 
 
@@ -182,60 +192,17 @@ def compiled(function: Callable[..., Any]) -> Compiled:
     return Compiled(function)
 
 
-def kernel(family: str, cache: bool = True) -> Callable[[Callable[..., Any]], Compiled]:
+def kernel(family: str) -> Callable[[Callable[..., Any]], Compiled]:
     """Decorator for the kernel of a kind: compiled for the family's one signature."""
-    return lambda function: Compiled(function, family, cache)
-
-
-def _signature(family: str) -> Any:
-    from numba import types
-
-    letter = {
-        "void": types.void,
-        "i": types.int64,
-        "f": types.float64,
-        "v": types.float64[::1],
-        "m": types.float64[:, ::1],
-        "h": types.int64[::1],
-    }
-    result, *arguments = (letter[x] for x in SIGNATURE[family])
-    return result(*arguments)
-
-
-def _compile(wanted: Compiled) -> Any:
-    import numba
-
-    options = {"nogil": True, "error_model": "numpy", "cache": wanted.cache}
-    arguments = (_signature(wanted.family),) if wanted.family else ()
-    with _compiler_settings():
-        return _one_version(numba.njit(*arguments, **options)(wanted.python))
+    return lambda function: Compiled(function, family)
 
 
 @contextmanager
-def _compiler_settings() -> Iterator[None]:
-    """Our cache folder, and an optimiser level that compiles a tenth faster to code that runs as fast."""
-    import numba
-
-    before = numba.config.CACHE_DIR, numba.config.OPT
-    try:
-        numba.config.CACHE_DIR, numba.config.OPT = str(cache_folder()), type(before[1])(1)
-        yield
-    finally:
-        numba.config.CACHE_DIR, numba.config.OPT = before
-
-
-def _one_version(dispatcher: Any) -> Any:
-    """Compile for the types of arguments alone: Numba would make a version for every constant that is passed."""
-    from numba import types
-
-    resolve = dispatcher.get_call_template
-
-    def without_constants(arguments: Any, named: Any) -> Any:
-        plain = tuple(types.unliteral(one) for one in arguments)
-        return resolve(plain, {name: types.unliteral(one) for name, one in named.items()})
-
-    dispatcher.get_call_template = without_constants
-    return dispatcher
+def _compiling() -> Iterator[Any]:
+    """Our compiler, with its settings; one thread at a time."""
+    compiling: Any = importlib.import_module("rattle.compiling")  # imports Numba
+    with compiling.lock, compiling.settings(cache_folder()):
+        yield compiling
 
 
 def cache_folder() -> Path:
@@ -247,7 +214,7 @@ def cache_folder() -> Path:
         here = Path(__file__).parent
         packages = ("joints", "clearances", "laws", "applied", "steppers")
         sources = sorted(here.glob("*.py")) + [f for p in packages for f in sorted((here / p).glob("*.py"))]
-        digest = hashlib.sha256(f"{numba.__version__} {sys.version} {here}".encode())
+        digest = hashlib.sha256(f"{numba.__version__} {numba.config.BOUNDSCHECK} {sys.version} {here}".encode())
         for source in sources:
             digest.update(source.read_bytes())
         root = Path(os.environ.get("RATTLE_CACHE", Path.home() / ".cache" / "rattle"))
@@ -331,41 +298,6 @@ _CALLERS: dict[str, Callable[..., Any]] = {
 }
 
 
-def _make_callable(family: str, call: Callable[..., Any]) -> None:
-    """Teach Numba that `call(address, arguments)` jumps to a native address of this family.
-
-    A tuple of first-class functions as argument costs 60 us per function and call to unbox
-    (Numba 0.68); an address in an integer array costs nothing.
-    """
-    from numba.core import types
-    from numba.extending import intrinsic, overload
-
-    signature = _signature(family)
-
-    @intrinsic
-    def jump(typing_context: Any, address: Any, arguments: Any) -> Any:
-        def generate(context: Any, builder: Any, given: Any, values: Any) -> Any:
-            packed = given.args[1]
-            parts = [
-                context.cast(builder, builder.extract_value(values[1], n), packed[n], want)
-                for n, want in enumerate(signature.args)
-            ]
-            convention = context.call_conv
-            pointer = convention.get_function_type(signature.return_type, signature.args).as_pointer()
-            target = builder.inttoptr(values[0], pointer)
-            _, result = convention.call_function(builder, target, signature.return_type, signature.args, parts)
-            return context.get_dummy_value() if signature.return_type == types.void else result
-
-        return signature.return_type(address, arguments), generate
-
-    @overload(call)
-    def through(address: Any, arguments: Any) -> Any:
-        def implementation(address: Any, arguments: Any) -> Any:
-            return jump(address, arguments)
-
-        return implementation
-
-
 def start() -> bool:
     """Switch from Python to machine code (no effect with NUMBA_DISABLE_JIT=1); True if it runs now."""
     global _jit
@@ -375,9 +307,10 @@ def start() -> bool:
                 marker = cache_folder() / "compiled"
                 if not marker.exists():
                     log.info("compiling kernels (once)")
-                for family, call in _CALLERS.items():
-                    _make_callable(family, call)
-                importlib.import_module("rattle.memory").teach_numba()
+                with _compiling() as compiling:
+                    for family, call in _CALLERS.items():
+                        compiling.jumps(call, SIGNATURE[family])
+                    importlib.import_module("rattle.memory").teach_numba()
                 _jit = True
     return _jit
 

@@ -93,7 +93,7 @@ class ContactLaw(Compiled):
         self.name, self.law, self.memory = name, law, memory
         self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
         make = _normal if family == "normal" else _friction
-        super().__init__(make(self, law, _slice(len(keys))), family, cache=False)
+        super().__init__(make(self, law, _slice(len(keys))), family, ours=False)
         self._make = make
         self._native: Compiled | None = None
 
@@ -108,7 +108,7 @@ class ContactLaw(Compiled):
             if not isinstance(law, numba.core.dispatcher.Dispatcher):
                 law = numba.njit(nogil=True, error_model="numpy")(law)
             part = numba.njit(lambda p, k: to_fixed_tuple(p[k : k + count], count))
-            made = Compiled(self._make(self, law, part), self.family, cache=False)
+            made = Compiled(self._make(self, law, part), self.family, ours=False)
             try:
                 _ = made.dispatcher
             except Exception as error:  # Numba has many kinds of error

@@ -154,31 +154,9 @@ def imat(m: Any, k: int) -> Any:
 
 def teach_numba() -> None:
     """Let Numba make arrays of the addresses and shapes in a handle."""
-    from numba import carray, types
-    from numba.extending import intrinsic, overload
+    from rattle import arrays
 
-    def pointer_to(element: Any) -> Any:
-        @intrinsic  # type: ignore[untyped-decorator]  # Numba has no types
-        def cast(typing_context: Any, address: Any) -> Any:
-            def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-                return builder.inttoptr(values[0], context.get_value_type(signature.return_type))
-
-            return types.CPointer(element)(types.int64), generate
-
-        return cast
-
-    def shaped(cast: Any, dimensions: int) -> Any:
-        def one(m, k):  # type: ignore[no-untyped-def]
-            if dimensions == 1:
-                return lambda m, k: carray(cast(m[3 * k]), (m[3 * k + 1],))
-            return lambda m, k: carray(cast(m[3 * k]), (m[3 * k + 1], m[3 * k + 2]))
-
-        return one
-
-    for function, element, dimensions in (
-        (vec, types.float64, 1),
-        (mat, types.float64, 2),
-        (ivec, types.int64, 1),
-        (imat, types.int64, 2),
-    ):
-        overload(function)(shaped(pointer_to(element), dimensions))
+    arrays.views(vec, arrays.VECTOR)
+    arrays.views(mat, arrays.MATRIX)
+    arrays.views(ivec, arrays.WHOLES)
+    arrays.views(imat, arrays.WHOLE_ROWS)

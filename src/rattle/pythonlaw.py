@@ -73,7 +73,7 @@ class LawKernel(Compiled):
     def __init__(self, name: str, law: Law, keys: Sequence[str], compiled: bool) -> None:
         self.name, self.law, self.keys, self.compiled = name, law, tuple(keys), compiled
         self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
-        super().__init__(_plain(self), "load", cache=False)
+        super().__init__(_plain(self), "load", ours=False)
         self._native: Compiled | None = None
         self._callback: Any = None  # lives as long as machine code may call it
 
@@ -87,7 +87,7 @@ class LawKernel(Compiled):
     def _make(self) -> Compiled:
         if self.compiled:
             try:
-                made = Compiled(_native(self), "load", cache=False)
+                made = Compiled(_native(self), "load", ours=False)
                 _ = made.dispatcher
                 return made
             except Exception as error:  # Numba has many kinds of error, and plain Python is the remedy for all
@@ -96,7 +96,7 @@ class LawKernel(Compiled):
         else:
             log.info(f"load law '{self.name}' runs as plain Python, slower (compiled=False)")
         self._callback = _callback(self)
-        return Compiled(_through(self._callback), "load", cache=False)
+        return Compiled(_through(self._callback), "load", ours=False)
 
     def evaluate(self, t: float, state: Sequence[float], values: Sequence[float]) -> tuple[float, float, float]:
         """Force and moment; nan after an exception, which is kept."""

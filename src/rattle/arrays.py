@@ -1,0 +1,141 @@
+"""Arrays as our compiled functions see them: a place in memory and a shape, with nothing around them.
+
+A `Block` lies in memory as Numba's own array does, so that the two change into each other for nothing.  But its
+elements are read and written straight away: no owner is counted, no index is looked at for a negative sign, which
+halves the time to compile and saves a quarter of the time to run.  So a compiled function must not count from the end.
+With NUMBA_BOUNDSCHECK=1 every index is checked, as in other arrays of Numba.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+from numba import config, types
+from numba.core import cgutils
+from numba.core.datamodel import models
+from numba.core.typeconv import Conversion
+from numba.core.typing import signature
+from numba.core.typing.templates import AbstractTemplate, infer_global
+from numba.extending import lower_builtin, lower_cast, register_model, type_callable
+from numba.np.arrayobj import make_array, populate_array
+
+# Numba has no types: its classes and decorators are unknown
+# mypy: disable-error-code="untyped-decorator, misc"
+
+
+class Block(types.Array):
+    """C-contiguous array of numbers that somebody else keeps alive."""
+
+    def __init__(self, element: Any, dimensions: int) -> None:
+        super().__init__(element, dimensions, "C", name=f"Block({element}, {dimensions})")
+
+    def can_convert_from(self, typing_context: Any, other: Any) -> Any:
+        """Any contiguous array of these numbers will do."""
+        return Conversion.safe if block(other) == self else None
+
+
+register_model(Block)(models.ArrayModel)
+VECTOR, MATRIX = Block(types.float64, 1), Block(types.float64, 2)
+WHOLES, WHOLE_ROWS = Block(types.int64, 1), Block(types.int64, 2)
+
+
+def block(kind: Any) -> Any:
+    """The block for a contiguous array; any other type as it is."""
+    if isinstance(kind, types.Array) and kind.layout == "C" and kind.ndim in (1, 2):
+        return Block(kind.dtype, kind.ndim)
+    return kind
+
+
+@lower_cast(types.Array, Block)
+@lower_cast(Block, types.Array)
+def _as_it_is(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
+    return value
+
+
+# ---------------------------------------------------------------- elements
+def _index(array: Any, index: Any) -> Any:
+    """Type of an index that names one element, else None."""
+    if not isinstance(array, Block) or config.BOUNDSCHECK:
+        return None
+    if array.ndim == 1:
+        return types.intp if isinstance(index, types.Integer) else None
+    two = isinstance(index, types.BaseTuple) and len(index) == 2
+    return types.UniTuple(types.intp, 2) if two and all(isinstance(one, types.Integer) for one in index) else None
+
+
+class _Element(AbstractTemplate):
+    """How an element is found; asked before Numba's own ways, being for one target only."""
+
+    metadata = {"target": "cpu"}
+    how = ""  # key of the code that does it
+
+    def get_impl_key(self, sig: Any) -> Any:
+        return self.how
+
+
+@infer_global(operator.getitem)
+class _Read(_Element):
+    how = "read an element of a block"
+
+    def generic(self, args: Any, kws: Any) -> Any:
+        index = _index(*args)
+        return None if index is None else signature(args[0].dtype, args[0], index)
+
+
+@infer_global(operator.setitem)
+class _Write(_Element):
+    how = "write an element of a block"
+
+    def generic(self, args: Any, kws: Any) -> Any:
+        index = _index(*args[:2])
+        return None if index is None else signature(types.none, args[0], index, args[0].dtype)
+
+
+def _place(context: Any, builder: Any, kind: Any, value: Any, index: Any) -> Any:
+    array = make_array(kind)(context, builder, value)
+    if kind.ndim == 2:
+        row, column = cgutils.unpack_tuple(builder, index, 2)
+        width = builder.extract_value(array.shape, 1)
+        index = builder.add(builder.mul(row, width), column)
+    return builder.gep(array.data, [index])
+
+
+@lower_builtin(_Read.how, types.Any, types.Any)
+def _read(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.load(_place(context, builder, sig.args[0], *args))
+
+
+@lower_builtin(_Write.how, types.Any, types.Any, types.Any)
+def _write(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    builder.store(args[2], _place(context, builder, sig.args[0], *args[:2]))
+
+
+# ---------------------------------------------------------------- arrays behind a handle
+def views(function: Callable[[Any, int], Any], array: Block) -> None:
+    """Teach Numba that `function(handle, k)` is the array whose address and shape stand at 3 k in the handle."""
+
+    @type_callable(function)
+    def result(context: Any) -> Any:
+        return lambda handle, k: array
+
+    @lower_builtin(function, types.Array, types.Integer)
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        handle = make_array(sig.args[0])(context, builder, args[0])
+        k = args[1]
+        first = builder.mul(k, k.type(3))
+        place, *shape = (
+            builder.load(builder.gep(handle.data, [builder.add(first, k.type(n))])) for n in range(1 + array.ndim)
+        )
+        size = k.type(array.dtype.bitwidth // 8)
+        made = make_array(array)(context, builder)
+        populate_array(
+            made,
+            data=builder.inttoptr(place, made.data.type),
+            shape=cgutils.pack_array(builder, shape),
+            strides=cgutils.pack_array(builder, [builder.mul(one, size) for one in shape[1:]] + [size]),
+            itemsize=size,
+            meminfo=None,
+        )
+        return made._getvalue()
