@@ -37,4 +37,4 @@ def rows(repeats: int) -> list[Row]:
         median = interleave({name: timed(partial(quiet, words)) for name, words in commands.items()}, repeats)
     bare = median.pop(BARE)
     table = [Row(name, time, BARE, bare, aim) for (name, time), aim in zip(median.items(), aims, strict=True)]
-    return [*table, Row("rattle warmup, nothing compiled yet", cold, BARE, bare, "20 s")]
+    return [*table, Row("rattle warmup, nothing compiled yet", cold, BARE, bare, "25 s")]

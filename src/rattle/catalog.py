@@ -41,6 +41,7 @@ SIGNATURE = {
     "hold": ("void", "h"),  # m, see rattle.impact
     "problem": ("i", "h", "i"),  # m, number of contacts, see rattle.impact
     "state": ("i", "h", "f", "v", "v"),  # m, t, and two vectors: parts of the march that many others call
+    "event": ("i", "h", "f", "v", "i", "i"),  # m, t, y, contact, what happens to it -> status, see steppers.event
     "look_back": ("i", "h", "f", "f", "i", "i", "v", "m"),  # m, t, h, changed, method, t_out, out
 }
 REQUIRED: Any = object()
@@ -269,6 +270,11 @@ def call_state(entry: Any, arguments: Any) -> int:
     return int(entry(*arguments))
 
 
+def call_event(entry: Any, arguments: Any) -> int:
+    """Call what follows an event; returns a status."""
+    return int(entry(*arguments))
+
+
 def call_look_back(entry: Any, arguments: Any) -> int:
     """Call the search of a step just taken; returns the contact that changes, or -1."""
     return int(entry(*arguments))
@@ -294,6 +300,7 @@ _CALLERS: dict[str, Callable[..., Any]] = {
     "hold": call_hold,
     "problem": call_problem,
     "state": call_state,
+    "event": call_event,
     "look_back": call_look_back,
 }
 

@@ -22,7 +22,7 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import PassManager, register_pass
-from numba.extending import intrinsic, overload
+from numba.extending import lower_builtin, type_callable
 
 from rattle.arrays import MATRIX, VECTOR, WHOLES, block
 
@@ -67,10 +67,6 @@ class _Library(JITCodeLibrary):
 
     def _optimize_functions(self, module: Any) -> None:
         module.data_layout = self._codegen._data_layout
-
-    def _optimize_final_module(self) -> None:
-        passes, builder = self._codegen._module_pass_manager(loop_vectorize=False)
-        passes.run(self._final_module, builder)
 
 
 class _Part(_Library):
@@ -202,25 +198,18 @@ def jumps(call: Callable[..., Any], letters: Sequence[str]) -> None:
     """
     wanted = signature(letters)
 
-    @intrinsic
-    def jump(typing_context: Any, address: Any, arguments: Any) -> Any:
-        def generate(context: Any, builder: Any, given: Any, values: Any) -> Any:
-            packed = given.args[1]
-            parts = [
-                context.cast(builder, builder.extract_value(values[1], n), packed[n], want)
-                for n, want in enumerate(wanted.args)
-            ]
-            convention = context.call_conv
-            pointer = convention.get_function_type(wanted.return_type, wanted.args).as_pointer()
-            target = builder.inttoptr(values[0], pointer)
-            _, result = convention.call_function(builder, target, wanted.return_type, wanted.args, parts)
-            return context.get_dummy_value() if wanted.return_type == types.void else result
+    @type_callable(call)
+    def result(context: Any) -> Any:
+        return lambda address, arguments: wanted.return_type
 
-        return wanted.return_type(address, arguments), generate
-
-    @overload(call)
-    def through(address: Any, arguments: Any) -> Any:
-        def implementation(address: Any, arguments: Any) -> Any:
-            return jump(address, arguments)
-
-        return implementation
+    @lower_builtin(call, types.Integer, types.BaseTuple)
+    def jump(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        packed, convention = sig.args[1], context.call_conv
+        parts = [
+            context.cast(builder, builder.extract_value(args[1], n), packed[n], want)
+            for n, want in enumerate(wanted.args)
+        ]
+        pointer = convention.get_function_type(wanted.return_type, wanted.args).as_pointer()
+        target = builder.inttoptr(args[0], pointer)
+        _, result = convention.call_function(builder, target, wanted.return_type, wanted.args, parts)
+        return context.get_dummy_value() if wanted.return_type == types.void else result

@@ -249,14 +249,21 @@ def accelerate(m):
 
 
 @kernel("state")
-def solve_motion(m, t, q, v):
-    """Everything at (t, q, v): rows, forces, multipliers, accelerations. Returns the number of redundant rows."""
+def free_motion(m, t, q, v):
+    """Everything at (t, q, v) as if no set-valued contact lasted. Returns the number of redundant rows."""
     place(m, q, v)
     drive(m, t)
     constraints(m)
     loads(m, t)
     lost = factorise(m)
     accelerate(m)
+    return lost
+
+
+@kernel("state")
+def solve_motion(m, t, q, v):
+    """Everything at (t, q, v): rows, forces, multipliers, accelerations. Returns the number of redundant rows."""
+    lost = free_motion(m, t, q, v)
     hold = ivec(m, HOLD_TABLE)
     if len(hold) > 0:  # lasting set-valued contacts
         call_hold(hold[0], (m,))

@@ -48,8 +48,6 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
     """What set-valued contacts need besides the arrays of one instant; lasting: their forces are part of the motion."""
     nc, nr, nb = len(ready.arrays["contact"]), ready.row_count, ready.body_count
     held = np.array([1.0, ready.size])
-    jit = catalog.jit_runs()
-    hold, *problem = (one.address if jit else one.python for one in (impact.hold, *complementarity.KERNELS))
     return {
         **{name: np.zeros(nc, np.int64) for name in ("mode", "chosen", "trial", "slide")},
         "pivot": np.zeros(2 * nc, np.int64),
@@ -60,8 +58,8 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "side": np.zeros((4, 2 * nc)),
         "system": np.zeros((2 * nc, 2 * nc + 1)),
         "held": held,
-        "problem_table": np.array(problem, np.int64) if jit else tuple(problem),
-        **({"hold_table": np.array([hold], np.int64) if jit else (hold,)} if lasting else {}),
+        "problem_table": catalog.entries(complementarity.KERNELS),
+        **({"hold_table": catalog.entries([impact.hold])} if lasting else {}),
     }
 
 
@@ -70,7 +68,8 @@ class ImpactRun(Run):
 
     def prepare(self) -> Memory:
         """Memory of the run."""
-        arrays = march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched))
+        more = [event.happen] if self.method == "event" else []
+        arrays = march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched), *more)
         return self.ready.memory(**arrays, **contact_arrays(self.ready, self.method == "event"))
 
     def go(self, progress: bool = False, what: str = "simulate") -> None:

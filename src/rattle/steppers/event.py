@@ -18,16 +18,21 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled
-from rattle.equations import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
+from rattle.catalog import call_event, call_state, compiled, kernel
+from rattle.contact import touch_all
+from rattle.equations import DONE, OK, PAUSED, STEP_TOO_SMALL
 from rattle.impact import CHATTER, DETERMINANT, LOCKED
 from rattle.memory import (
     CHANGE,
     CLOCK,
     CONTACT,
+    DERIVATIVE,
     EVENTS,
     GRIP,
+    HAPPEN,
     HELD,
+    LINKS,
+    MOTION,
     POWER,
     RATE,
     RATE_NEW,
@@ -57,6 +62,7 @@ from rattle.steppers.march import (
     H,
     T,
     prepare_dense,
+    project,
 )  # fmt: skip
 from rattle.steppers.touching import interpolate
 from rattle.steppers.walls import NEAR, clearance_of, noise, settle
@@ -73,19 +79,23 @@ def remember(m):
         grip[n, GAP_0], grip[n, DGAP_0] = touch[n, GAP], touch[n, DGAP]
 
 
-@compiled
+@kernel("event")
 def happen(m, t, y, who, what):
-    """Event at (t, y): impact if contacts hit, then new modes; leaves y on its constraints. Returns a status."""
-    if what != HIT:
-        nq = vec(m, CHANGE).shape[0]
-        settle(m, t, y, -1)
-        solve_motion(m, t, y[:nq], y[nq : 2 * nq])
-        status = regroup(m, t, y, who, what)
-    else:
+    """Event at (t, y): impact if contacts hit, then new modes; leaves y on its constraints. Returns a status.
+
+    what: HIT, LET_GO, BREAK_AWAY or TURN of contact `who`; or NOTHING: a run starts, `who` hits (-1: none does).
+    """
+    if what == HIT or (what == NOTHING and who >= 0):
         settle(m, t, y, who)
         status = collide(m, t, y, who)
-        if status == OK:
-            status = regroup(m, t, y, -1, HIT)
+        who = -1
+        if status != OK:
+            return status
+    else:
+        nq = vec(m, CHANGE).shape[0]
+        settle(m, t, y, -1)
+        call_state(ivec(m, LINKS)[MOTION], (m, t, y[:nq], y[nq : 2 * nq]))
+    status = regroup(m, t, y, who, what)
     if status == OK:
         settle(m, t, y, -1)
     return status
@@ -95,16 +105,15 @@ def happen(m, t, y, who, what):
 def start(m, t):
     """Modes at the start of a run: contacts that are closed and hit take their impact at once. Returns a status."""
     contact, touch, y = imat(m, CONTACT), mat(m, TOUCH), vec(m, STATE)
-    settle(m, t, y, -1)
+    project(m, t, y)
+    touch_all(m)
+    who = -1
     for n in range(contact.shape[0]):
         near = max(NEAR * clearance_of(m, n), 4.0 * noise(m, n))
         if contact[n, IMPACT] == 1 and touch[n, GAP] <= near and touch[n, DGAP] < 0.0:
-            status = collide(m, t, y, n)
-            if status != OK:
-                return status
+            who = n
             break
-    status = regroup(m, t, y, -1, NOTHING)
-    settle(m, t, y, -1)
+    status = call_event(ivec(m, LINKS)[HAPPEN], (m, t, y, who, NOTHING))
     remember(m)
     return status
 
@@ -130,7 +139,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
     """
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, touch, grip = vec(m, CLOCK), ivec(m, TALLY), mat(m, TOUCH), mat(m, GRIP)
-    begun, most_found = tally[STEPS], mat(m, EVENTS).shape[0] // 2
+    begun, most_found, links = tally[STEPS], mat(m, EVENTS).shape[0] // 2, ivec(m, LINKS)
     while tally[STEPS] < begun + most_steps and tally[EVENT_COUNT] < most_found:
         t, h = clock[T], clock[H]
         if t >= t_end:
@@ -152,7 +161,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         clock[H] = min(h_max, h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-0.125))))
         t_new = t_end if last else t + h
         settle(m, t_new, y_new, -1)
-        derivative(m, t_new, y_new, f_new)
+        call_state(links[DERIVATIVE], (m, t_new, y_new, f_new))
         for n in range(touch.shape[0]):
             grip[n, GAP_1], grip[n, DGAP_1] = touch[n, GAP], touch[n, DGAP]
         prepare_dense(m, t, t_new - t, 0)
@@ -165,12 +174,14 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             stuck[1] = stuck[1] + 1.0 if again else 0.0
             stuck[0] = stuck[0] if again else t_until
             stuck[2] = who
-            status = CHATTER if stuck[1] > MOST_AT_ONCE else happen(m, t_until, y_new, who, what)
+            status = CHATTER
+            if stuck[1] <= MOST_AT_ONCE:
+                status = call_event(links[HAPPEN], (m, t_until, y_new, who, what))
             if status != OK:
                 clock[T] = t_until
                 return status
             clock[H] = max(clock[H], h)
-        derivative(m, t_until, y_new, f_new)
+        call_state(links[DERIVATIVE], (m, t_until, y_new, f_new))
         tally[EVALUATIONS] += 5 + PARTS
         remember(m)
         for n in range(y.shape[0]):

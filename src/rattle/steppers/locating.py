@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from rattle.catalog import compiled
+from rattle.catalog import call_state, compiled
 from rattle.complementarity import FORWARD, OFF, STICK, friction_of
 from rattle.contact import touch_all
-from rattle.equations import place, solve_motion
+from rattle.equations import place
 from rattle.impact import SIZE
-from rattle.memory import CHANGE, CONTACT, GRIP, HELD, MODE, SLIDE, STAGE, TOUCH, imat, ivec, mat, vec
+from rattle.memory import CHANGE, CONTACT, GRIP, HELD, LINKS, MODE, MOTION, SLIDE, STAGE, TOUCH, imat, ivec, mat, vec
 from rattle.plane import DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT, NORMAL, PEAK, SLIP, TANGENT
 from rattle.steppers.closed import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
 from rattle.steppers.touching import NONE, interpolate
@@ -22,7 +22,7 @@ def at_share(m, t, h, theta, full):
     stage, nq = vec(m, STAGE), vec(m, CHANGE).shape[0]
     interpolate(m, theta, stage)
     if full:
-        solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
+        call_state(ivec(m, LINKS)[MOTION], (m, t + theta * h, stage[:nq], stage[nq : 2 * nq]))
     else:
         place(m, stage[:nq], stage[nq : 2 * nq])
         touch_all(m)

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from rattle.catalog import call_look_back, call_state, compiled, entries, kernel
+from rattle.catalog import Compiled, call_look_back, call_state, compiled, entries, kernel
 from rattle.equations import (
     DONE,
     NOT_FINITE,
@@ -20,6 +20,7 @@ from rattle.equations import (
     accelerate,
     collect,
     derivative,
+    free_motion,
     loads,
     residual,
     solve_motion,
@@ -93,14 +94,14 @@ MOST_TRIES = 20
 FIRST_STEP = 0.01  # first step in a contact as a share of how long it will last: its force starts like a broken power
 
 
-def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
-    """What a run that starts at y needs besides the arrays of one instant."""
+def march_arrays(y: np.ndarray, watched: int, *more: Compiled) -> dict[str, np.ndarray]:
+    """What a run that starts at y needs besides the arrays of one instant; `more` come last in `links`."""
     ny = y.shape[0]
     clock = np.zeros(9)
     clock[H_MIN] = math.inf
     clock[FEWEST] = math.inf
     return {
-        "links": entries((derivative, solve_motion, finish_step, look_back, settle)),
+        "links": entries((derivative, solve_motion, free_motion, finish_step, look_back, settle, *more)),
         "y": y.copy(),
         **{name: np.zeros(ny) for name in ("f", "y_new", "f_new", "stage")},
         "k": np.zeros((16, ny)),

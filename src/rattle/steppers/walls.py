@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from rattle.catalog import compiled
+from rattle.catalog import call_state, compiled
 from rattle.complementarity import FORWARD, OFF, STICK, B, F
 from rattle.contact import touch_all
-from rattle.equations import accelerate, constraints, drive, loads, place
+from rattle.equations import constraints, place
 from rattle.impact import SIZE, contact_rows, solve_modes, swing
 from rattle.memory import (
     ACCELERATION,
@@ -15,8 +15,10 @@ from rattle.memory import (
     CONTACT,
     DIRECTION,
     EVENTS,
+    FREE_MOTION,
     GRIP,
     HELD,
+    LINKS,
     MODE,
     SIDE,
     TALLY,
@@ -29,7 +31,6 @@ from rattle.memory import (
     vec,
 )  # fmt: skip
 from rattle.plane import CONTACT_EVENT, DGAP, GAP, IMPACT, IMPULSE_0, LOSS_0, PEAK, SHAPE_P, SINCE, SLIP, SPEED
-from rattle.schur import factorise
 from rattle.steppers.march import DRIFT, EVENT_COUNT, project
 
 NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above what integration leaves
@@ -142,12 +143,7 @@ def note(m, kind, n, t, y, speed, peak, impulse, lost):
 def motion_without(m, t, y):
     """Everything at y but without forces of lasting contacts."""
     nq = vec(m, CHANGE).shape[0]
-    place(m, y[:nq], y[nq : 2 * nq])
-    drive(m, t)
-    constraints(m)
-    loads(m, t)
-    factorise(m)
-    accelerate(m)
+    call_state(ivec(m, LINKS)[FREE_MOTION], (m, t, y[:nq], y[nq : 2 * nq]))
 
 
 @compiled
