@@ -202,3 +202,49 @@ def test_any_title_and_number_survive(title, mass):
     assert again.model.bodies["a"].mass == mass
     renamed = again.set({"name": title + "!", "bodies.a.mass": mass / 2})
     assert rt.loads(renamed.to_toml()).name == title + "!"
+
+
+# ---------------------------------------------------------------- one word changes the contact model
+WORDS = ["ideal", "massless-link", "impact", "exact", "hertz", "flores", "lankarani-nikravesh", "kelvin-voigt"]
+
+
+def with_word(word, extra=""):
+    text = rt.example("slider_crank_play").to_toml()
+    return text.replace('model = "lankarani-nikravesh"', f'model = "{word}"{extra}')
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_one_word_in_the_file_changes_the_contact_model(word):
+    contact = rt.loads(with_word(word)).model.joints["B"].contact
+    assert contact.title == word
+    known = {"restitution", "bush_radius", "bush_material", "pin_material", "geometry"}
+    used = {
+        "ideal": set(),
+        "massless-link": set(),
+        "impact": {"restitution", "bush_radius"},
+    }.get(word, known)
+    assert set(contact.unused) == known - used
+
+
+@pytest.mark.parametrize(
+    ("extra", "path", "words"),
+    [
+        ("\nstifness = 3", "stifness", "did you mean 'stiffness'"),
+        ("\nfriction = { model = 'lugres' }", "friction.model", "did you mean 'lugre'"),
+        ("\nstiffness = '3 kg'", "stiffness", "wanted N/m^1.5"),
+        ("\ntangential_restitution = 1.5", "tangential_restitution", "outside [0, 1]"),
+    ],
+)
+def test_values_of_other_contact_models_are_checked_all_the_same(extra, path, words):
+    with pytest.raises(rt.ModelError) as caught:
+        rt.loads(with_word("massless-link", extra))
+    (problem,) = caught.value.problems
+    assert problem.key == f"joints.B.contact.{path}"
+    assert words in problem.message
+
+
+def test_set_valued_friction_takes_the_coefficient_of_any_law():
+    text = with_word("impact", "\nfriction = { model = 'lugre', mu = 0.1, sigma0 = '2e4 1/m' }")
+    contact = rt.loads(text).model.joints["B"].contact
+    assert contact.fields["friction"] == 0.1
+    assert "friction.sigma0" in contact.unused

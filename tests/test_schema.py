@@ -29,6 +29,13 @@ def test_every_shipped_example_is_accepted(validator, path):
     validator.validate(tomllib.loads(path.read_text()))
 
 
+@pytest.mark.parametrize("word", ["ideal", "massless-link", "impact", "exact", "kelvin-voigt"])
+def test_one_word_may_change_the_contact_model(validator, word):
+    document = tomllib.loads((EXAMPLES[0].parent / "slider_crank_play.toml").read_text())
+    document["joints"]["B"]["contact"] |= {"model": word, "friction": {"model": "lugre", "mu": 0.1}}
+    validator.validate(document)
+
+
 def test_the_full_model_is_accepted(validator):
     validator.validate(FOURBAR)
 

@@ -11,6 +11,7 @@ import numpy as np
 from rattle import catalog
 from rattle.errors import ModelError, Problem
 from rattle.memory import Memory
+from rattle.model import Model
 from rattle.passivity import law_faults
 from rattle.plane import (
     CLOSED,
@@ -92,9 +93,19 @@ def contact_counts(ready: Compiled, events: Sequence[Event], fewest: float) -> d
     }
 
 
+def _unused(model: Model) -> list[str]:
+    """What is written for contact models other than the one a joint has."""
+    joints: dict[str, list[str]] = {}
+    for name, joint in model.joints.items():
+        if joint.contact is not None and joint.contact.unused and joint.clearance > 0.0:
+            what = f"{joint.contact.title} does not use {', '.join(joint.contact.unused)}"
+            joints.setdefault(what, []).append(name)
+    return [f"{', '.join(names)}: {what}" for what, names in joints.items()]
+
+
 def contact_notes(ready: Compiled, events: Sequence[Event]) -> tuple[str, ...]:
-    """Remarks on contacts: laws outside their range, laws of the user that give energy back."""
-    found = law_faults(ready.model)
+    """Remarks on contacts: values without use, laws outside their range, laws of the user that give energy back."""
+    found = [*_unused(ready.model), *law_faults(ready.model)]
     for name, joint in ready.model.joints.items():
         contact = joint.contact
         if contact is None or contact.normal is None or contact.static is None:

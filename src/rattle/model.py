@@ -56,6 +56,12 @@ class Contact:
     normal: Choice | None = None
     static: Choice | None = None
     friction: Choice | None = None
+    unused: tuple[str, ...] = ()  # what is written for other models
+
+    @property
+    def title(self) -> str:
+        """The word the user writes for it."""
+        return self.normal.kind if self.normal else self.model
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,12 @@
-"""Reading the `contact` of a joint with play: a name or a table -> `Contact` with its laws."""
+"""Reading the `contact` of a joint with play: a name or a table -> `Contact` with its laws.
+
+A table may hold what other models need, so that one word changes the model; it is read, and noted as unused.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rattle import catalog
@@ -65,23 +68,45 @@ def _radius(parts: Parts, table: Mapping[str, Any], joint: str, clearance: float
     return radius
 
 
+def _unused(parts: Parts, table: Mapping[str, Any], used: Collection[str], path: Path) -> tuple[str, ...]:
+    """Keys of a table that other contact models read; they are checked all the same.  Unknown ones are refused."""
+    fields: dict[str, catalog.Field | None] = {"friction": None, "bush_radius": None, "geometry": None}
+    for family in ("stiffness", "normal", "contact"):
+        for kind in catalog.kinds(family).values():
+            for key, one in kind.fields.items():
+                known = fields.setdefault(key, one)
+                if known is not None and known.unit != one.unit:
+                    fields[key] = None  # means another thing in every law
+    parts.values.keys(table, dict.fromkeys(["model", *used, *fields]), path)
+    found = tuple(key for key in table if key not in used and key in fields)
+    for key in found:
+        field = fields[key]
+        if key == "friction":
+            _friction(parts, table[key], (*path, key))
+        elif key == "bush_radius":
+            parts.values.value(table[key], "m", (*path, key), "positive")
+        elif key == "geometry":
+            _geometry(parts, table[key], path)
+        elif field is not None:
+            _unit_interval(parts, {key: _elastic(parts, field, key, table, {}, path)}, path)
+    return found
+
+
 def _plain(parts: Parts, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path) -> Contact:
     kind = catalog.kinds("contact")[model]
     contacts = kind.leaf.contacts
-    parts.values.keys(
-        table, ["model", *kind.fields, *(["bush_radius"] if contacts and joint == "revolute" else [])], path
-    )
+    used = ["model", *kind.fields, *(["bush_radius"] if contacts else [])]
+    unused = _unused(parts, table, used, path)
     given = dict(table)
-    if isinstance(given.get("friction"), Mapping):
-        rest = dict(given["friction"])
-        if rest.pop("model", "coulomb") != "coulomb" or set(rest) - {"mu"}:
-            parts.values.wrong((*path, "friction"), "friction of an impact is set-valued Coulomb: wanted a number mu")
-        given["friction"] = rest.get("mu", 0.0)
+    if "friction" in kind.fields and isinstance(given.get("friction"), Mapping):
+        law = _friction(parts, given["friction"], (*path, "friction"))
+        given["friction"] = law.values.get("mu", 0.0) if law else 0.0  # set-valued Coulomb takes the mu of any law
+        unused += tuple(f"friction.{key}" for key in table["friction"] if key not in ("model", "mu"))
     fields = parts.fields(kind, given, path)
     _unit_interval(parts, fields, path)
     needed = "friction" if fields.get("friction", 0.0) > 0.0 or fields.get("tangential_restitution", 0.0) > 0.0 else ""
     radius = _radius(parts, table, joint, clearance, needed, path) if contacts else 0.0
-    return Contact(model, fields, radius)
+    return Contact(model, fields, radius, unused=unused)
 
 
 def _unit_interval(parts: Parts, fields: Mapping[str, Any], path: Path) -> None:
@@ -105,20 +130,16 @@ def _compliant(
         return None
     name = "power"
     if by_geometry:
-        choices = [one for one in statics if one != "power"]
         name = table.get("geometry", "sphere")
-        if name not in choices:
-            values.wrong((*path, "geometry"), f"unknown geometry {said(name)}{suggest(str(name), choices)}")
+        if not _geometry(parts, name, path):
             return None
         if joint != "revolute":
             values.wrong((*path, "geometry"), "a guide wants stiffness and exponent: these formulas are for pins")
             return None
     static = statics[name]
     own = [key for key in static.fields if key != "bush_radius"]
-    radius_key = ["bush_radius"] if joint == "revolute" else []
-    values.keys(
-        table, ["model", "friction", "geometry" if by_geometry else "stiffness", *radius_key, *law.fields, *own], path
-    )
+    used = ["model", "friction", "bush_radius", "geometry" if by_geometry else "stiffness", *law.fields, *own]
+    unused = _unused(parts, table, used, path)
     radius = _radius(
         parts,
         table,
@@ -133,16 +154,24 @@ def _compliant(
     normal = parts.fields(law, table, path)
     _unit_interval(parts, normal, path)
     friction = _friction(parts, table["friction"], (*path, "friction")) if "friction" in table else None
-    found = Contact("compliant", {}, radius, Choice(model, normal), Choice(name, elastic), friction)
+    found = Contact("compliant", {}, radius, Choice(model, normal), Choice(name, elastic), friction, unused)
     _pack(parts, found, path)
     return found
+
+
+def _geometry(parts: Parts, name: Any, path: Path) -> bool:
+    choices = [one for one in catalog.kinds("stiffness") if one != "power"]
+    if name not in choices:
+        parts.values.wrong((*path, "geometry"), f"unknown geometry {said(name)}{suggest(str(name), choices)}")
+    return name in choices
 
 
 def _elastic(
     parts: Parts, field: catalog.Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path
 ) -> Any:
     if field.shape == "material":
-        given = table.get(key, field.default(read) if callable(field.default) else field.default)
+        default = field.default(read) if key not in table and callable(field.default) else field.default
+        given = table.get(key, default)
         if isinstance(given, Mapping):
             here = (*path, key)
             parts.values.keys(given, ("E", "nu"), here)
@@ -158,6 +187,9 @@ def _elastic(
 
 def _friction(parts: Parts, given: Any, path: Path) -> Choice | None:
     laws = catalog.kinds("friction")
+    if isinstance(given, Mapping) and given.get("model") == "coulomb":  # as good as the contact model can
+        parts.values.keys(given, ["model", "mu"], path)
+        given = given.get("mu", 0.0)
     if isinstance(given, Mapping):
         if given.get("model") not in laws:
             parts.values.wrong(

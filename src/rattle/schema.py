@@ -180,19 +180,19 @@ def _joint(kind: Kind) -> Schema:
 
 
 def _contact() -> Schema:
-    """How play is treated: the name of a model, or a table with its fields."""
+    """How play is treated: the name of a model, or a table with its fields; those of other models may stand in it."""
     plain, laws, statics = catalog.kinds("contact"), catalog.kinds("normal"), catalog.kinds("stiffness")
     radius = {"bush_radius": _number("m", "radius of the bush; the pin's is less by the clearance", "positive")}
     friction = {"friction": _friction()}
-    elastic: dict[str, Schema] = {}
-    for kind in statics.values():
-        elastic |= _fields(kind)
     own = [key for key in statics if key != "power"]
-    geometry = {"geometry": {"enum": own, "description": "formula for the stiffness from materials"}}
-    tables = [_object({"model": _choice(kind), **radius, **_fields(kind)}, ("model",)) for kind in plain.values()]
-    for kind in laws.values():
-        every = {"model": _choice(kind), **geometry, **elastic, **radius, **friction, **_fields(kind)}
-        tables.append(_object(every, ("model", *_needed(kind))))
+    every: dict[str, Schema] = {"geometry": {"enum": own, "description": "formula for the stiffness from materials"}}
+    for kind in (*statics.values(), *laws.values(), *plain.values()):
+        every |= _fields(kind)
+    every |= {**radius, **friction}
+    tables = []
+    for kind in (*plain.values(), *laws.values()):
+        own_fields = {key: value for key, value in _fields(kind).items() if key != "friction"}
+        tables.append(_object({"model": _choice(kind), **every, **own_fields}, ("model", *_needed(kind))))
     return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": "how the play is treated"}
 
 
