@@ -109,9 +109,113 @@ def test_exponent_with_contacts_carries_their_memory():
     assert again.exponent == found.exponent
 
 
-def test_exponent_is_refused_where_differences_jump():
-    with pytest.raises(ValueError, match="compliant contact instead of impact"):
-        rt.example("fourbar").with_contact("impact").lyapunov(0.1)
+def impact_pair(amplitude, restitution):
+    """A mass that slides between the two walls of a driven box, 1 cm to either side."""
+    return rt.loads(f"""
+format = 1
+gravity = [0, 0]
+[ground.points]
+O = [0, 0]
+[bodies.box]
+points = {{ P = [0, 0] }}
+mass = 1
+inertia = 1
+[bodies.mass]
+points = {{ P = [0, 0] }}
+mass = 0.1
+inertia = 1e-3
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "box.P"]
+axis = 0
+[joints.track]
+type = "prismatic"
+connect = ["ground.O", "mass.P"]
+axis = 0
+[joints.walls]
+type = "revolute"
+connect = ["box.P", "mass.P"]
+clearance = 0.01
+contact = {{ model = "impact", restitution = {restitution} }}
+[drivers.shake]
+joint = "guide"
+position = "{amplitude} * sin(10 * pi * t)"
+[initial.mass]
+x = 0.001
+y = 0
+vx = 0.3
+""")
+
+
+def test_exponent_of_a_periodic_impact_pair_is_that_of_its_restitution():
+    # two impacts per period of 0.2 s; each shrinks areas by e^2, and the multipliers are a conjugate pair
+    found = impact_pair(0.004, 0.8).lyapunov(30.0)
+    assert found.exponent == pytest.approx(10.0 * math.log(0.8), abs=0.01)
+    assert not found.chaotic
+
+
+def test_exponent_of_a_chaotic_impact_pair_is_that_of_straight_flights_and_reflections():
+    found = impact_pair(0.02, 0.8).lyapunov(60.0, stretch=0.05)
+    other, impacts = exponent_by_reflection(0.02, 0.8, 100.0, 0.05)
+    assert impacts > 1000
+    assert found.chaotic
+    assert found.exponent == pytest.approx(other, abs=1.5 * found.uncertainty)
+    assert other == pytest.approx(6.6, abs=1.0)
+
+
+def exponent_by_reflection(amplitude, e, t_end, stretch):
+    """The same by two flights next to each other, impacts found by bisection."""
+    omega, c = 10.0 * math.pi, 0.01
+
+    def first_hit(x, v, t, end):
+        def open_by(s, side):
+            return c - side * (x + v * (s - t) - amplitude * math.sin(omega * s))
+
+        a = t + 1e-12
+        while a < end:
+            b = min(a + 1e-3, end)
+            for side in (1, -1):
+                if open_by(b, side) < 0.0:
+                    low, high = a, b
+                    for _ in range(60):
+                        middle = 0.5 * (low + high)
+                        low, high = (low, middle) if open_by(middle, side) < 0.0 else (middle, high)
+                    return low
+            a = b
+        return None
+
+    def fly(x, v, t, end):
+        count = 0
+        while (hit := first_hit(x, v, t, end)) is not None:
+            x, t = x + v * (hit - t), hit
+            v -= (1.0 + e) * (v - amplitude * omega * math.cos(omega * t))
+            count += 1
+        return np.array([x + v * (end - t), v]), count
+
+    weight = np.array([1.0 / c, stretch / c])
+    y, apart, logs, impacts = np.array([0.001, 0.3]), np.array([1e-10, 0.0]), [], 0
+    for k in range(round(t_end / stretch)):
+        before = np.linalg.norm(weight * apart)
+        (one, hits), (two, others) = (fly(*state, k * stretch, (k + 1) * stretch) for state in (y, y + apart))
+        now = np.linalg.norm(weight * (two - one))
+        if hits == others:
+            logs.append(math.log(now / before))
+            apart = (two - one) * 1e-8 / now
+        y, impacts = one, impacts + hits
+    kept = logs[len(logs) // 5 :]
+    return sum(kept) / len(kept) / stretch, impacts
+
+
+def test_growth_in_proportion_to_time_is_not_called_chaos():
+    found = rt.example("bouncing_pin").lyapunov(2.0)  # slides round for ever, the second pin a little faster or slower
+    assert not found.chaotic
+    assert "a longer run tells" in str(found)
+
+
+def test_exponent_with_lasting_set_valued_contacts():
+    found = rt.example("three_plays").lyapunov(1.0)
+    assert math.isfinite(found.exponent)
+    assert found.exponent == rt.example("three_plays").lyapunov(1.0).exponent
 
 
 def test_stroboscope_sees_one_point_of_a_periodic_motion_and_two_after_doubling():

@@ -12,7 +12,7 @@ import numpy as np
 
 from rattle import catalog, pythonlaw
 from rattle.assembly import Assembled
-from rattle.equations import DONE, NOT_FINITE, PAUSED
+from rattle.equations import DONE, OK, PAUSED
 from rattle.errors import SolverError
 from rattle.happenings import contact_counts, contact_events, contact_notes, require_workable
 from rattle.memory import Memory
@@ -64,41 +64,51 @@ class Run:
         """Memory of the run."""
         return self.ready.memory(**march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched)))
 
+    def begin(self, t: float) -> int:
+        """Get ready to march from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
+        h_max, ahead = self.step or math.inf, self.t_end - t
+        status = march.begin(self.memory.handle, t, self.t_end, self.rtol, self.atol, h_max)
+        if self.method == "rk4":
+            self.clock[march.H] = ahead / max(1, math.ceil(ahead / h_max - 1e-9))
+        return PAUSED if status == OK else int(status)
+
+    def advance(self, t: float, chunk: int) -> int:
+        """Some steps towards the time t [s]; returns PAUSED while it is ahead, DONE, or the status of a trouble."""
+        return int(
+            march.advance(
+                self.memory.handle, t, self.rtol, self.atol, self.step or math.inf, march.METHODS[self.method],
+                self.t_eval, self.raw, chunk,
+            )
+        )  # fmt: skip
+
+    def trouble(self, status: int) -> str:
+        """Why the run cannot go on."""
+        return explain(self.ready, self.memory, self.t_end, status)
+
     def go(self, progress: bool = False, what: str = "simulate") -> None:
         """March to the end, or to where it cannot go on (then `message` says why)."""
-        m, clock, tally = self.memory, self.clock, self.tally
+        m, tally = self.memory, self.tally
         began = time.perf_counter()
         pythonlaw.forget()
-        h_max = self.step or math.inf
-        status = march.begin(m.handle, self.start.t, self.t_end, self.rtol, self.atol, h_max)
-        if self.method == "rk4":
-            clock[march.H] = (self.t_end - self.start.t) / max(1, math.ceil((self.t_end - self.start.t) / h_max - 1e-9))
-        self.first_sign[:] = m["sign"]
-        if len(self.t_eval) and self.t_eval[0] <= self.start.t:
-            record(m.handle, self.start.t, m["y"], self.raw[0])
-            tally[march.OUTPUTS] = 1
         bar = progress_bar(self.t_end, what) if progress else None
         try:
-            if status == NOT_FINITE:
-                self.message = explain(self.ready, self.memory, self.t_end, status)
-                return
-            status = PAUSED
+            status = self.begin(self.start.t)
+            self.first_sign[:] = m["sign"]
+            if status == PAUSED and self.method != "moreau" and len(self.t_eval) and self.t_eval[0] <= self.start.t:
+                record(m.handle, self.start.t, m["y"], self.raw[0])
+                tally[march.OUTPUTS] = 1
             while status == PAUSED:
-                status = march.advance(
-                    m.handle, self.t_end, self.rtol, self.atol, h_max, march.METHODS[self.method],
-                    self.t_eval, self.raw, CHUNK if catalog.jit_runs() else 20,
-                )  # fmt: skip
+                status = self.advance(self.t_end, CHUNK if catalog.jit_runs() else 20)
                 self.crossings.append(m["crossings"][: tally[march.FOUND]].copy())
                 self.contacts.append(m["events"][: tally[march.EVENT_COUNT]].copy())
                 tally[march.FOUND] = tally[march.EVENT_COUNT] = 0
                 if bar is not None:
-                    bar.update(clock[march.T] - bar.n)
+                    bar.update(self.clock[march.T] - bar.n)
             if status != DONE:
-                self.message = explain(self.ready, self.memory, self.t_end, status)
+                self.message = self.trouble(status)
         except KeyboardInterrupt:
-            self.message = (
-                f"stopped by the user at t = {clock[march.T]:.6g} s; the result holds what was computed before"
-            )
+            reached = self.clock[march.T]
+            self.message = f"stopped by the user at t = {reached:.6g} s; the result holds what was computed before"
         finally:
             if bar is not None:
                 bar.close()
@@ -133,7 +143,7 @@ def simulate(
     require_workable(ready)
     for fault in law_faults(ready.model):
         log.warning(fault)
-    one_run, method, step = _kind_of_run(ready, method, step, end)
+    one_run, method, step = kind_of_run(ready, method, step, end)
     run = one_run(ready, start, times, end, method, rtol, atol, step)
     run.go(progress)
     reach = None
@@ -151,7 +161,7 @@ def simulate(
     return result
 
 
-def _kind_of_run(ready: Compiled, method: str, step: float | None, span: float) -> tuple[type[Run], str, float | None]:
+def kind_of_run(ready: Compiled, method: str, step: float | None, span: float) -> tuple[type[Run], str, float | None]:
     """What runs this model: set-valued contacts have methods of their own, which other models do not need."""
     from rattle import impact_run
 

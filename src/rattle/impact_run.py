@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-import time
 from typing import Any
 
 import numpy as np
 
-from rattle import catalog, complementarity, impact, pythonlaw
+from rattle import catalog, complementarity, impact
 from rattle.complementarity import BACKWARD, FORWARD
-from rattle.dynamics import CHUNK, Run, progress_bar, start_state
-from rattle.equations import DONE, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
+from rattle.dynamics import Run, start_state
+from rattle.equations import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from rattle.memory import Memory
 from rattle.plane import IMPACT, NORMAL_P, OWNER
 from rattle.steppers import event, march, moreau
-from rattle.steppers.writing import record
 from rattle.system import Compiled
 from rattle.trouble import explain
 
@@ -72,66 +70,28 @@ class ImpactRun(Run):
         arrays = march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched), *more)
         return self.ready.memory(**arrays, **contact_arrays(self.ready, self.method == "event"))
 
-    def go(self, progress: bool = False, what: str = "simulate") -> None:
-        """March to the end, or to where it cannot go on (then `message` says why)."""
-        began = time.perf_counter()
-        pythonlaw.forget()
-        bar = progress_bar(self.t_end, what) if progress else None
-        try:
-            status = self._event(bar) if self.method == "event" else self._moreau(bar)
-            if status != DONE:
-                self.message = self._trouble(status)
-        except KeyboardInterrupt:
-            reached = self.clock[march.T]
-            self.message = f"stopped by the user at t = {reached:.6g} s; the result holds what was computed before"
-        finally:
-            if bar is not None:
-                bar.close()
-            self.wall = time.perf_counter() - began
-
-    def _take_events(self, bar: Any) -> None:
-        m, tally = self.memory, self.tally
-        self.contacts.append(m["events"][: tally[march.EVENT_COUNT]].copy())
-        tally[march.EVENT_COUNT] = 0
-        if bar is not None:
-            bar.update(self.clock[march.T] - bar.n)
-
-    def _event(self, bar: Any) -> int:
-        m, tally = self.memory, self.tally
-        h_max = self.step or math.inf
+    def begin(self, t: float) -> int:
+        """Closed contacts find their modes and those that hit take their impact; see `Run.begin`."""
+        if self.method == "moreau":
+            self.count = max(1, math.ceil((self.t_end - t) / (self.step or self.t_end) * (1 - 1e-12)))
+            moreau.start(self.memory.handle, t)
+            return PAUSED
         self.stuck = np.array([-math.inf, 0.0, -1.0])
-        self.clock[march.T] = self.start.t
-        status = event.start(m.handle, self.start.t)
-        if status == OK:
-            status = march.begin(m.handle, self.start.t, self.t_end, self.rtol, self.atol, h_max)
-        self.first_sign[:] = m["sign"]
-        if status != OK:
-            return int(status)
-        if len(self.t_eval) and self.t_eval[0] <= self.start.t:
-            record(m.handle, self.start.t, m["y"], self.raw[0])
-            tally[march.OUTPUTS] = 1
-        status = PAUSED
-        while status == PAUSED:
-            status = event.advance(
-                m.handle, self.t_end, self.rtol, self.atol, h_max, self.t_eval, self.raw,
-                CHUNK if catalog.jit_runs() else 20, self.stuck,
-            )  # fmt: skip
-            self._take_events(bar)
-        return int(status)
+        self.clock[march.T] = t
+        status = event.start(self.memory.handle, t)
+        return super().begin(t) if status == OK else int(status)
 
-    def _moreau(self, bar: Any) -> int:
-        m = self.memory
-        count = max(1, math.ceil((self.t_end - self.start.t) / (self.step or self.t_end) * (1 - 1e-12)))
-        h = (self.t_end - self.start.t) / count
-        moreau.start(m.handle, self.start.t)
-        status = PAUSED
-        while status == PAUSED:
-            chunk = CHUNK if catalog.jit_runs() else 20
-            status = moreau.advance(m.handle, self.start.t, h, count, self.t_eval, self.raw, chunk)
-            self._take_events(bar)
-        return int(status)
+    def advance(self, t: float, chunk: int) -> int:
+        """Some steps towards the time t [s], which is the end for Moreau-Jean; see `Run.advance`."""
+        handle = self.memory.handle
+        if self.method == "moreau":
+            h = (self.t_end - self.start.t) / self.count
+            return int(moreau.advance(handle, self.start.t, h, self.count, self.t_eval, self.raw, chunk))
+        h_max = self.step or math.inf
+        return int(event.advance(handle, t, self.rtol, self.atol, h_max, self.t_eval, self.raw, chunk, self.stuck))
 
-    def _trouble(self, status: int) -> str:
+    def trouble(self, status: int) -> str:
+        """Why the run cannot go on; contact problems are named."""
         t = float(self.clock[march.T])
         names = ", ".join(self._closed()) or "the contacts"
         if status == impact.NO_SOLUTION:

@@ -51,7 +51,7 @@ def compare(
 @click.option("--crossing", help="Instead: points where this curve rises through zero.")
 @click.option("--skip", default=50, show_default=True, help="Points left out at the start.")
 @click.option("--points", default=200, show_default=True, help="Points taken per run.")
-@click.option("--lyapunov", is_flag=True, help="Also the largest Lyapunov exponent (compliant or smooth models).")
+@click.option("--lyapunov", is_flag=True, help="Also the largest Lyapunov exponent, with its uncertainty.")
 @click.option("-o", "picture", default="poincare.png", show_default=True, help="Picture (.png, .svg, .pdf).")
 @click.pass_context
 def poincare(

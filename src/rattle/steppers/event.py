@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 
 from rattle.catalog import call_event, call_state, compiled, kernel
+from rattle.complementarity import OFF
 from rattle.contact import touch_all
 from rattle.equations import DONE, OK, PAUSED, STEP_TOO_SMALL
 from rattle.impact import CHATTER, DETERMINANT, LOCKED
@@ -32,6 +33,7 @@ from rattle.memory import (
     HAPPEN,
     HELD,
     LINKS,
+    MODE,
     MOTION,
     POWER,
     RATE,
@@ -104,13 +106,13 @@ def happen(m, t, y, who, what):
 @compiled
 def start(m, t):
     """Modes at the start of a run: contacts that are closed and hit take their impact at once. Returns a status."""
-    contact, touch, y = imat(m, CONTACT), mat(m, TOUCH), vec(m, STATE)
+    contact, touch, mode, y = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), vec(m, STATE)
     project(m, t, y)
     touch_all(m)
     who = -1
     for n in range(contact.shape[0]):
         near = max(NEAR * clearance_of(m, n), 4.0 * noise(m, n))
-        if contact[n, IMPACT] == 1 and touch[n, GAP] <= near and touch[n, DGAP] < 0.0:
+        if contact[n, IMPACT] == 1 and mode[n] == OFF and touch[n, GAP] <= near and touch[n, DGAP] < 0.0:
             who = n
             break
     status = call_event(ivec(m, LINKS)[HAPPEN], (m, t, y, who, NOTHING))
