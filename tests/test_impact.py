@@ -347,3 +347,17 @@ def test_mixed_contacts_are_refused_with_the_joints_named():
     m = rt.loads(text).set({"joints.O4.contact": {"model": "exact", "stiffness": 1e8, "restitution": 0.5}})
     with pytest.raises(ValueError, match="O3: impact, O4: compliant"):
         m.simulate(0.01)
+
+
+def test_run_says_that_infinite_series_of_bounces_were_closed():
+    notes = " ".join(rt.example("bouncing_pin").simulate().trust.notes)
+    assert "an infinite series of bounces was closed" in notes
+    elastic = rt.example("bouncing_pin").set(e=1.0).simulate()
+    assert not elastic.trust.notes
+
+
+def test_horizon_of_forces_that_friction_leaves_open_is_not_that_of_the_motion():
+    # a sleeve that jams on two corners: how they share the load is not determined, where the sleeve is is
+    trust = rt.example("woodpecker").simulate(1.0, horizon=True).trust
+    assert trust.horizon < 0.2
+    assert "all positions and rates agree up to t = 1 s" in " ".join(trust.notes)

@@ -6,7 +6,7 @@ import logging
 import math
 import time
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from rattle.recording import columns, geometry, width
 from rattle.result import Result, Trust
 from rattle.singular import nonunique_reactions
 from rattle.steppers import march
+from rattle.steppers.hitting import LOW
 from rattle.steppers.writing import record
 from rattle.system import Compiled
 from rattle.trouble import explain
@@ -30,6 +31,7 @@ log = logging.getLogger("rattle")
 METHODS = (*march.METHODS, "event", "moreau")
 RTOL = 1e-8
 STILL = 1e-7  # a curve whose range is below this share of the widest of its unit does not move
+MOTION = ("m", "rad", "m/s", "rad/s")  # units of positions and rates
 LIKE = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N", "N*m"))
 POINTS = 1000  # output intervals when nothing is said
 CHUNK = 2000  # steps between two looks at the clock and the keyboard
@@ -204,7 +206,21 @@ def _positive(name: str, value: float) -> float:
     return float(value)
 
 
-def agreement(run: Run, second: Run) -> float:
+class Reach(NamedTuple):
+    """How long two runs agree."""
+
+    time: float  # every curve [s]
+    first: str  # the curve that parts first; "" if none does
+    motion: float  # all positions and rates [s]
+
+    def note(self) -> tuple[str, ...]:
+        """What to say where forces part long before the motion does."""
+        if self.motion <= 2.0 * self.time:
+            return ()
+        return (f"the horizon is that of {self.first}; all positions and rates agree up to t = {self.motion:.3g} s",)
+
+
+def agreement(run: Run, second: Run) -> Reach:
     """Time up to which every curve of two runs agrees within 1 % of its range (THEORY section 8)."""
     n = int(min(run.tally[march.OUTPUTS], second.tally[march.OUTPUTS]))
     one, names, units = columns(run.ready, run.raw[:n])
@@ -221,10 +237,15 @@ def agreement(run: Run, second: Run) -> float:
         widest[linear], widest[angular] = wide, wide / arm
     # a curve that stays put beside others of its unit has no range of its own, only rounding
     floor = np.array([STILL * widest[units[names[k]]] for k in keep])
-    apart = (np.abs(one - other) > np.maximum(0.01 * span, floor)).any(axis=1)
-    if apart.any():
-        return float(run.t_eval[max(0, int(np.argmax(apart)) - 1)])
-    return float(run.t_eval[n - 1])
+    apart = np.abs(one - other) > np.maximum(0.01 * span, floor)
+    moving = np.array([units[names[k]] in MOTION for k in keep])
+
+    def until(some: np.ndarray) -> float:
+        parted = some.any(axis=1)
+        return float(run.t_eval[max(0, int(np.argmax(parted)) - 1) if parted.any() else n - 1])
+
+    which = np.argmax(apart[np.argmax(apart.any(axis=1))])
+    return Reach(until(apart), names[keep[which]] if apart.any() else "", until(apart[:, moving]))
 
 
 def progress_bar(t_end: float, what: str = "simulate") -> Any:
@@ -235,7 +256,7 @@ def progress_bar(t_end: float, what: str = "simulate") -> Any:
     return tqdm(total=t_end, unit="s", desc=what, bar_format=form, delay=1.0)
 
 
-def _result(run: Run, reach: float | None) -> Result:
+def _result(run: Run, reach: Reach | None) -> Result:
     from rattle import __version__
 
     ready, clock, tally = run.ready, run.clock, run.tally
@@ -254,13 +275,17 @@ def _result(run: Run, reach: float | None) -> Result:
             notes = ("the run passed through a position where the joints lose independence (a singular position)",)
     events = contact_events(ready, run.contacts, run.memory, reached)
     notes += contact_notes(ready, events)
+    if series := int(tally[march.SERIES]):
+        one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
+        notes += (f"{one} closed: bounces that rise less than {LOW:g} clearances are counted as contact",)
+    notes += reach.note() if reach else ()
     owner = ready.rows[tally[march.DRIFT_ROW]].owner if ready.rows else ""
     trust = Trust(
         drift=float(clock[march.DRIFT]),
         drift_joint=owner,
         energy_balance=float(np.abs(balance).max()) if n else math.nan,
         t_end=reached,
-        horizon=reach,
+        horizon=reach.time if reach else None,
         pulled=pulled,
         first_pull=first,
         intervals=intervals,

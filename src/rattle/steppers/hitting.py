@@ -40,6 +40,7 @@ from rattle.memory import (
     ROWS,
     SIDE,
     SLIDE,
+    TALLY,
     TOUCH,
     TRIAL,
     VALUES,
@@ -63,6 +64,7 @@ from rattle.plane import (
     SPEED,
     STEPS_IN,
 )  # fmt: skip
+from rattle.steppers.march import SERIES
 from rattle.steppers.walls import NEAR, STILL, clearance_of, motion_without, note
 
 LOW = 1e-11  # bounces that rise less than this share of the clearance are closed
@@ -139,6 +141,7 @@ def low_bounce(m, t, y, count):
         least = max(LOW * clearance_of(m, n), 4e-15 * vec(m, HELD)[SIZE])
         if pull < 0.0 and speed * speed < -2.0 * pull * least:
             grip[n, STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
+            ivec(m, TALLY)[SERIES] += 1 if 0.0 < e < 1.0 else 0
             found = True
     return found
 

@@ -85,8 +85,11 @@ ORDERS = {"dop853": dop853.ORDER, "rk4": rk4.ORDER}
 # free flight, fewest steps in a contact, share of the step at which a contact changes
 T, H, DRIFT, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, SHARE = range(9)
 # tally; FOUND: crossings, LOST: redundant rows, LEAPS: steps across singular positions, STREAK: tries at
-# one, EVENT_COUNT: contact events waiting, CONTACTS: contacts that started, TAME: stages are projected
-STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK, EVENT_COUNT, CONTACTS, TAME = range(12)
+# one, EVENT_COUNT: contact events waiting, CONTACTS: contacts that started, TAME: stages are projected,
+# SERIES: infinite series of bounces closed
+(
+    STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK, EVENT_COUNT, CONTACTS, TAME, SERIES,
+) = range(13)  # fmt: skip
 SCAN = 8  # parts of a step searched for changes of sign
 LEAP = 0.1  # share of the last sound step below which a step is not cut further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is let pass [units of the state]; it doubles with every try
@@ -107,7 +110,7 @@ def march_arrays(y: np.ndarray, watched: int, *more: Compiled) -> dict[str, np.n
         "k": np.zeros((16, ny)),
         "dense": np.zeros((7, ny)),
         "clock": clock,
-        "tally": np.zeros(12, np.int64),
+        "tally": np.zeros(13, np.int64),
         "sign": np.zeros(watched),
         "crossings": np.zeros((4096, 3)),
         "events": np.zeros((4096, 8)),
