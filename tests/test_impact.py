@@ -361,3 +361,13 @@ def test_horizon_of_forces_that_friction_leaves_open_is_not_that_of_the_motion()
     trust = rt.example("woodpecker").simulate(1.0, horizon=True).trust
     assert trust.horizon < 0.2
     assert "all positions and rates agree up to t = 1 s" in " ".join(trust.notes)
+
+
+@pytest.mark.parametrize(("method", "step"), [("event", None), ("moreau", 2e-5)])
+def test_massless_link_beside_an_impact_pin_reports_when_it_would_pull(method, step):
+    m = rt.example("fourbar").set({"joints.O3.contact": "impact"})
+    run = m.simulate(0.1, t_eval=np.linspace(0, 0.1, 20001), method=method, step=step)
+    pulls = run["O4.normal"] < 0.0
+    assert 0.0 < pulls.mean() < 0.5
+    assert run.trust.pulled["O4"] == pytest.approx(pulls.mean(), abs=1e-3)
+    assert run.trust.first_pull["O4"] == pytest.approx(run.t[np.argmax(pulls)], abs=1e-4)

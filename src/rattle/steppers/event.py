@@ -56,6 +56,7 @@ from rattle.steppers.locating import PARTS, first_event
 from rattle.steppers.march import (
     EVALUATIONS,
     EVENT_COUNT,
+    FOUND,
     H_MIN,
     OUTPUTS,
     REJECTED,
@@ -63,11 +64,14 @@ from rattle.steppers.march import (
     TROUBLE,
     H,
     T,
+    cross_at_once,
+    find_crossings,
     prepare_dense,
     project,
 )  # fmt: skip
 from rattle.steppers.touching import interpolate
 from rattle.steppers.walls import NEAR, clearance_of, noise, settle
+from rattle.steppers.watch import watched_change
 from rattle.steppers.writing import record
 
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
@@ -142,7 +146,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, touch, grip = vec(m, CLOCK), ivec(m, TALLY), mat(m, TOUCH), mat(m, GRIP)
     begun, most_found, links = tally[STEPS], mat(m, EVENTS).shape[0] // 2, ivec(m, LINKS)
-    while tally[STEPS] < begun + most_steps and tally[EVENT_COUNT] < most_found:
+    while tally[STEPS] < begun + most_steps and max(tally[EVENT_COUNT], tally[FOUND]) < most_found:
         t, h = clock[T], clock[H]
         if t >= t_end:
             return DONE
@@ -153,7 +157,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             return STEP_TOO_SMALL
         vec(m, POWER)[3] = 1.0
         vec(m, HELD)[DETERMINANT] = 1.0
-        error, _ = step_dop853(m, t, h, rtol, atol, 0)
+        error, changed = step_dop853(m, t, h, rtol, atol, 0)
         tally[EVALUATIONS] += 12
         if not error <= 1.0:
             tally[REJECTED] += 1
@@ -164,11 +168,14 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         t_new = t_end if last else t + h
         settle(m, t_new, y_new, -1)
         call_state(links[DERIVATIVE], (m, t_new, y_new, f_new))
+        changed |= watched_change(m)
         for n in range(touch.shape[0]):
             grip[n, GAP_1], grip[n, DGAP_1] = touch[n, GAP], touch[n, DGAP]
         prepare_dense(m, t, t_new - t, 0)
         share, who, what = first_event(m, t, t_new - t)
         t_until = t + share * (t_new - t) if who >= 0 else t_new
+        if changed:
+            find_crossings(m, t, t_new - t, share if who >= 0 else 1.0)
         write_until(m, t, t_new - t, t_until, t_out, out)
         if who >= 0:
             interpolate(m, share, y_new)
@@ -184,6 +191,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
                 return status
             clock[H] = max(clock[H], h)
         call_state(links[DERIVATIVE], (m, t_until, y_new, f_new))
+        cross_at_once(m, t_until)
         tally[EVALUATIONS] += 5 + PARTS
         remember(m)
         for n in range(y.shape[0]):

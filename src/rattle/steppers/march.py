@@ -160,7 +160,7 @@ def force_at(m, t, h, theta, n):
 @compiled
 def find_crossings(m, t, h, until):
     """Locate every change of sign of the watched forces up to the share `until` of the step (dense output ready)."""
-    sign, crossings, tally = vec(m, SIGN), mat(m, CROSSINGS), ivec(m, TALLY)
+    sign = vec(m, SIGN)
     for n in range(sign.shape[0]):
         left = 0.0
         for part in range(1, SCAN + 1):
@@ -175,14 +175,28 @@ def find_crossings(m, t, h, until):
                         high = middle
                     else:
                         low = middle
-                sign[n] = -sign[n]
-                k = tally[FOUND]
-                if k < crossings.shape[0]:
-                    crossings[k, 0] = t + high * h
-                    crossings[k, 1] = n
-                    crossings[k, 2] = sign[n]
-                    tally[FOUND] = k + 1
+                cross(m, t + high * h, n)
             left = right
+
+
+@compiled
+def cross(m, t, n):
+    """Watched force n changes its sign at t."""
+    sign, crossings, tally = vec(m, SIGN), mat(m, CROSSINGS), ivec(m, TALLY)
+    sign[n] = -sign[n]
+    k = tally[FOUND]
+    if k < crossings.shape[0]:
+        crossings[k, 0], crossings[k, 1], crossings[k, 2] = t, n, sign[n]
+        tally[FOUND] = k + 1
+
+
+@compiled
+def cross_at_once(m, t):
+    """Signs of the watched forces at hand are those from t on: after an event they may jump."""
+    watch, sign, multiplier = ivec(m, WATCH), vec(m, SIGN), vec(m, MULTIPLIER)
+    for n in range(watch.shape[0]):
+        if multiplier[watch[n]] * sign[n] < 0.0:
+            cross(m, t, n)
 
 
 @compiled

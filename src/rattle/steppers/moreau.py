@@ -59,6 +59,7 @@ from rattle.memory import (
     REPLY,
     ROWS,
     SIDE,
+    SIGN,
     SLIDE,
     STAGE,
     STATE,
@@ -103,7 +104,19 @@ from rattle.plane import (
     VX,
 )  # fmt: skip
 from rattle.schur import factorise
-from rattle.steppers.march import DRIFT, EVALUATIONS, EVENT_COUNT, H_MIN, OUTPUTS, STEPS, H, T, project
+from rattle.steppers.march import (
+    DRIFT,
+    EVALUATIONS,
+    EVENT_COUNT,
+    FOUND,
+    H_MIN,
+    OUTPUTS,
+    STEPS,
+    H,
+    T,
+    cross_at_once,
+    project,
+)  # fmt: skip
 from rattle.steppers.walls import note
 from rattle.steppers.writing import write
 
@@ -118,9 +131,11 @@ LASTING = 3  # steps in a row after which a contact counts as lasting, or as rel
 @compiled
 def start(m, t):
     """Bring the start onto its constraints."""
-    y = vec(m, STATE)
+    y, sign = vec(m, STATE), vec(m, SIGN)
     project(m, t, y)
     touch_all(m)
+    for n in range(sign.shape[0]):  # what the first step finds
+        sign[n] = 1.0
     for n in range(mat(m, GRIP).shape[0]):
         mat(m, GRIP)[n, CLOSED] = OPEN
     vec(m, CLOCK)[T] = t
@@ -316,7 +331,11 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
     acceleration, nq, most_found = mat(m, ACCELERATION), vec(m, CHANGE).shape[0], mat(m, EVENTS).shape[0] // 2
     begun, rate = tally[STEPS], vec(m, RATE)
     clock[H] = clock[H_MIN] = h
-    while tally[STEPS] < begun + most_steps and tally[STEPS] < count and tally[EVENT_COUNT] < most_found:
+    while (
+        tally[STEPS] < begun + most_steps
+        and tally[STEPS] < count
+        and max(tally[EVENT_COUNT], tally[FOUND]) < most_found
+    ):
         t = t_start + tally[STEPS] * h
         for c in range(y.shape[0]):
             y_new[c] = y[c]
@@ -339,6 +358,7 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
         if active > 0 and not solve_contacts(m, active):
             return NO_SOLUTION
         impact = take_percussions(m, t, active, h, y_new)
+        cross_at_once(m, t)
         for c in range(nq):
             rate[c] = acceleration[1 + c // 3, c % 3] if impact else (y_new[nq + c] - y[nq + c]) / h
             y_new[c] += 0.5 * h * y_new[nq + c]
