@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.files import atomic
+from rattle.movie import Update, write_gif, write_mp4
 from rattle.plot import (
     AFTER,
     BLACK,
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     from rattle.result import Result
 
 Array = NDArray[np.float64]
-Update = Callable[[int], None]  # moves what was drawn to the instant of one frame
 MOST_INSETS = 4
 BODIES = (BLUE, GREEN, ORANGE, PINK, SKY)  # red is kept for what must not be
 
@@ -85,55 +85,13 @@ def animate(
     suffix = Path(path).suffix.lower()
     if suffix == ".html":
         raise ValueError(f"{os.fspath(path)}: .html is not available yet; use .gif or .mp4")
-    writers = {".gif": _write_gif, ".mp4": _write_mp4}
+    writers = {".gif": write_gif, ".mp4": write_mp4}
     if suffix not in writers:
         raise ValueError(f"{os.fspath(path)}: an animation needs a name ending in .gif or .mp4")
     figure, update, count = scene(result, frames, trace)
     figure.set_dpi(dpi)
     with atomic(path) as file:
         writers[suffix](figure, update, count, file, fps)
-
-
-def _write_mp4(figure: Figure, update: Update, count: int, file: Path, fps: int) -> None:
-    from matplotlib.animation import FFMpegWriter
-
-    if not FFMpegWriter.isAvailable():
-        raise RuntimeError("an .mp4 needs the program ffmpeg, which is not found here; install it or use .gif")
-    writer = FFMpegWriter(fps=fps)
-    with writer.saving(figure, str(file), figure.dpi):
-        for k in range(count):
-            update(k)
-            writer.grab_frame()
-
-
-def _write_gif(figure: Figure, update: Update, count: int, file: Path, fps: int) -> None:
-    """One palette for all frames: a third of the time of matplotlib's PillowWriter."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from PIL import Image
-
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(_palette())
-    canvas: Any = FigureCanvasAgg(figure)
-    pictures = []
-    for k in range(count):
-        update(k)
-        canvas.draw()
-        picture = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
-        pictures.append(picture.quantize(palette=palette, dither=Image.Dither.NONE))
-    pictures[0].save(file, save_all=True, append_images=pictures[1:], duration=round(1000 / fps), loop=0)
-
-
-def _palette() -> list[int]:
-    """Every colour of the pictures in steps towards white, and the light greys of the background.
-
-    Coarse enough near white for Pillow, whose nearest colour is good to 4 levels, to keep white white.
-    """
-    from matplotlib.colors import to_rgb
-
-    colours = np.array([to_rgb(colour) for colour in (*CURVES, GREY, "black")])
-    steps = np.linspace(0, 1, 16)[:, None, None]
-    blend = np.vstack([(colours + steps * (1 - colours)).reshape(-1, 3), [to_rgb(grey) for grey in (BORE, LINES)]])
-    return [int(level) for level in np.rint(255 * blend).reshape(-1)]
 
 
 def scene(result: Result, frames: int = 120, trace: Iterable[str] = ()) -> tuple[Figure, Update, int]:

@@ -77,7 +77,7 @@ def contact_duration(ready: Compiled, joint: str, speed: float = 1.0) -> float:
     kind = catalog.kinds("stiffness")[static.kind]
     p = np.array([*kind.leaf.pack(static.values), 0.0])
     delta = 1e-30
-    while kind.kernel(delta, p, 0) * delta * inverse < speed * speed and delta < 1.0:  # type: ignore[misc]
+    while kind.kernel(delta, p, 0) * delta * inverse < speed * speed and delta < 1.0:  # type: ignore[misc]  # it has a kernel
         delta *= 2.0
     return 3.0 * delta / speed
 

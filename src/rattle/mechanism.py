@@ -272,7 +272,7 @@ class Mechanism(Building):
         if np.ndim(t) == 0:
             from rattle.statics import equilibria
 
-            return equilibria(self.ready, float(t), branches)  # type: ignore[arg-type]
+            return equilibria(self.ready, float(t), branches)  # type: ignore[arg-type]  # any str is checked there
         from rattle.quasistatic import quasistatic
 
         return quasistatic(self.ready, np.asarray(t, dtype=float))

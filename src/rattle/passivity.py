@@ -65,7 +65,7 @@ def normal_fault(kernel: Any, p: np.ndarray, contact: Contact) -> str:
         rate = step * POINTS / duration
         force = np.array(
             [
-                kernel(stiffness.kernel(float(d), q, 0), float(d), float(r), v0, p, 0)  # type: ignore[misc]
+                kernel(stiffness.kernel(float(d), q, 0), float(d), float(r), v0, p, 0)  # type: ignore[misc]  # laws have kernels
                 for d, r in zip(middle, rate, strict=True)
             ]
         )

@@ -170,7 +170,7 @@ def mark_impacts(ax: Axes, result: Result, joint: str, scale: float, colour: str
     area = np.maximum(largest * strength / strength.max(), 1.0)
     style = {"color": colour, "alpha": 0.45, "linewidths": 0, "zorder": 4}
     label = f"{len(hits)} impacts, up to {strength.max():.2g} N·s"
-    ax.scatter(scale * c * x / reach, scale * c * y / reach, s=area, label=label, **style)  # type: ignore[arg-type]
+    ax.scatter(scale * c * x / reach, scale * c * y / reach, s=area, label=label, **style)  # type: ignore[arg-type]  # matplotlib takes arrays
 
 
 def pin_path(result: Result, joint: str) -> tuple[Array, Array, Array]:
