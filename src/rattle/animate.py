@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 MOST_INSETS = 4
+SMALL = 0.2  # [m] below which a mechanism is measured in mm
 BODIES = (BLUE, GREEN, ORANGE, PINK, SKY)  # red is kept for what must not be
 
 
@@ -107,7 +108,11 @@ def scene(result: Result, frames: int = 120, trace: Iterable[str] = ()) -> tuple
 
     pins = list(clearance_joints(result))[:MOST_INSETS]
     figure, ax, insets = _stage(high - low, len(pins))
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="y [m]")
+    unit = "mm" if max(high - low) < SMALL else "m"
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
+    if unit == "mm":
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_major_formatter(lambda value, _: f"{1e3 * value:g}")
     updates = [_clock(ax, stage), *_traces(ax, stage, trace)]
     updates += _guides(ax, stage) + _springs(ax, stage) + _bodies(ax, stage) + _joints(ax, stage)
     updates += [_inset(inset, stage, pin) for inset, pin in zip(insets, pins, strict=True)]
