@@ -341,3 +341,27 @@ def test_gravity_on_a_four_bar_agrees_with_the_sum_over_its_loads():
     one = rt.loads(text).equilibrium()[0]
     assert one["A.fy"] + one["D.fy"] == pytest.approx(6 * 9.81, abs=1e-9)
     assert one["A.fx"] + one["D.fx"] == pytest.approx(0, abs=1e-10)
+
+
+def test_free_motion_leads_through_one_rest_not_through_many():
+    # a round pin in its bush may turn as it likes: below it lies, on top it would have to hang
+    low, high = rt.loads("""
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.pin]
+points = { P = [0, 0] }
+mass = 1
+inertia = 1e-3
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "pin.P"]
+clearance = "1 mm"
+contact = "massless-link"
+""").equilibrium()
+    assert (low.neutral, low.falling, low.admissible) == (1, 0, True)
+    assert low["pin.y"] == pytest.approx(-1e-3)
+    assert low["O.normal"] == pytest.approx(9.81)
+    assert (high.neutral, high.falling, high.admissible) == (1, 1, False)
+    assert "neutral (free to move in 1 freedom)" in str(low)

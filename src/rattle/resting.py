@@ -45,6 +45,8 @@ class Equilibrium:
     nonunique: tuple[str, ...]  # joints whose reactions are not unique
     freedoms: int  # that the joints and drivers leave
     result: Result = field(repr=False)
+    neutral: int = 0  # freedoms along which it may be anywhere
+    falling: int = 0  # freedoms along which it is not held
 
     def __getitem__(self, name: str) -> float:
         """Any quantity by its result name, in SI units. Raises UnknownName."""
@@ -95,6 +97,8 @@ class Equilibrium:
         pins = "".join(
             f", {name} presses with {abs(n):.4g} N" for name, n in self.normals.items() if name not in self.pulled
         )
+        if self.neutral:
+            kind += f" (free to move in {self.neutral} freedom{'s' if self.neutral > 1 else ''})"
         hold = f", stiffness {self.eigenvalue:.3g} N/m" if math.isfinite(self.eigenvalue) else ""
         return f"{kind}{hold}{sides}{pins}; balanced to {self.residual:.1g} N, closed to {self.gap:.1g} m"
 
@@ -260,13 +264,13 @@ class Rest:
 
         memory, ready = self.memory, self.ready
         g, null = self.look(q)
-        eigenvalue = math.inf
+        eigenvalue, neutral, falling = math.inf, 0, 0
         if len(g):
             h = self.hessian(q, null)
             values = np.linalg.eigvals(h).real
-            eigenvalue = float(values.min())
-            if abs(eigenvalue) < 1e-8 * max(float(np.abs(values).max()), self.force_scale() / ready.size):
-                eigenvalue = 0.0  # neutral
+            tiny = 1e-8 * max(float(np.abs(values).max()), self.force_scale() / ready.size)
+            neutral, falling = int((np.abs(values) < tiny).sum()), int((values <= -tiny).sum())
+            eigenvalue = float(values.min()) if abs(values.min()) >= tiny else 0.0
         force_at(memory.handle, self.t, q, self.out)
         gap = float(np.abs(memory["rows"][:, 0]).max(initial=0.0))
         residual = float(np.abs(self.out * self.scale).max(initial=0.0))
@@ -296,4 +300,6 @@ class Rest:
             nonunique,
             len(g),
             result,
+            neutral,
+            falling,
         )

@@ -135,10 +135,21 @@ def _settled(rest: Rest, starts: Iterator[np.ndarray] | Sequence[np.ndarray]) ->
             settled = rest.settle(start, downhill)
             if settled is None or any(_same(rest.ready, settled[0], other.q) for other in found):
                 continue
-            found.append(rest.finish(*settled))
-            if not found[-1].freedoms:
+            one = rest.finish(*settled)
+            if any(_one_family(rest, one, other) for other in found):
+                continue
+            found.append(one)
+            if not one.freedoms:
                 break
     return found
+
+
+def _one_family(rest: Rest, one: Equilibrium, other: Equilibrium) -> bool:
+    """True where a free motion leads from one position of rest to the other: it costs no energy."""
+    if not one.neutral or (one.neutral, one.falling, one.pulled) != (other.neutral, other.falling, other.pulled):
+        return False
+    apart = abs(one["energy.potential"] - other["energy.potential"])
+    return apart <= 1e-9 * rest.force_scale() * rest.ready.size
 
 
 def _same(ready: Compiled, one: np.ndarray, other: np.ndarray) -> bool:
@@ -220,10 +231,11 @@ def _pressed(ready: Compiled, t: float, play: Rest, rigid: list[Equilibrium]) ->
 def _sorted(found: list[Equilibrium], start: np.ndarray) -> list[Equilibrium]:
     """Admissible and stable ones first, then by their distance from the initial guess."""
 
-    def key(one: Equilibrium) -> tuple[bool, float]:
+    def key(one: Equilibrium) -> tuple[bool, bool, float]:
         apart = one.q - start
         apart[2::3] = (apart[2::3] + math.pi) % (2 * math.pi) - math.pi
-        return not (one.admissible and one.stable), float(np.linalg.norm(apart))
+        fine = one.admissible and not one.falling
+        return not (fine and one.stable), not fine, float(np.linalg.norm(apart))
 
     return sorted(found, key=key)
 
