@@ -365,3 +365,21 @@ contact = "massless-link"
     assert low["O.normal"] == pytest.approx(9.81)
     assert (high.neutral, high.falling, high.admissible) == (1, 1, False)
     assert "neutral (free to move in 1 freedom)" in str(low)
+
+
+@pytest.mark.parametrize("contact", ["impact", {"model": "exact", "restitution": 0.4, "stiffness": 1e9}])
+def test_guide_with_play_is_closed_at_rest(contact):
+    found = rt.example("guide_play").set({"joints.guide.contact": contact}).equilibrium()
+    assert found[0].stable
+    assert found[0]["crank.angle"] == pytest.approx(-math.pi / 2)
+    assert abs(found[0]["slider.y"]) < 1e-12
+
+
+def test_soft_freedom_beside_a_stiff_contact_is_not_taken_for_a_free_one():
+    m = rt.example("door_hinge")
+    hanging, upright = m.equilibrium()
+    hard = m.with_contact("impact").equilibrium()
+    assert hanging.stable
+    assert upright.falling == 1
+    assert [one.eigenvalue for one in (hanging, upright)] == pytest.approx([one.eigenvalue for one in hard], rel=1e-3)
+    assert "unstable" not in str(m.modes())

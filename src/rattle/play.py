@@ -27,7 +27,7 @@ from rattle.errors import ModelError, Problem
 from rattle.kinematics import Sweep, begin, instants, require_driven, why_stuck
 from rattle.model import Joint
 from rattle.resting import Rest
-from rattle.statics import opened, rigid_model
+from rattle.statics import opened, rigid_model, without_guide_play
 from rattle.steppers import sweep as swept
 from rattle.system import Compiled, compile_system
 
@@ -206,7 +206,7 @@ def _loaded(
     n = len(times)
     found = [np.full(n, math.nan) for _ in range(3)]
     model = ready.model
-    rigid = rigid_model(ready)
+    rigid = rigid_model(without_guide_play(ready))
     pins = [one for one in shown.joints if one.kind == "revolute"]
     if rigid is None or not (model.loads or any(model.gravity)) or shown.output.rpartition(".")[2] in RATES:
         return found

@@ -19,7 +19,7 @@ from rattle.assembly import dense_rows, ideal_model
 from rattle.kinematics import instants
 from rattle.resting import Equilibrium, Rest
 from rattle.result import Event, Result, Trust
-from rattle.statics import equilibria, opened, rigid_model
+from rattle.statics import equilibria, opened, rigid_model, without_guide_play
 from rattle.steppers.rest import stiffness
 from rattle.system import Compiled, compile_system
 
@@ -69,6 +69,7 @@ def quasistatic(ready: Compiled, t_eval: np.ndarray) -> Result:
     times = instants(t_eval)
     if len(times) > PLAIN:
         catalog.start()
+    ready = without_guide_play(ready)
     first = equilibria(ready, float(times[0]))
     if not first:
         raise ValueError(f"no position of rest was found at t = {times[0]:g} s")

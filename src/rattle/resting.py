@@ -268,7 +268,8 @@ class Rest:
         if len(g):
             h = self.hessian(q, null)
             values = np.linalg.eigvals(h).real
-            tiny = 1e-8 * max(float(np.abs(values).max()), self.force_scale() / ready.size)
+            # a soft freedom beside a stiff contact is no free one: what counts as nothing is what rounding leaves
+            tiny = max(1e-8 * self.force_scale() / ready.size, 1e-13 * float(np.abs(values).max()))
             neutral, falling = int((np.abs(values) < tiny).sum()), int((values <= -tiny).sum())
             eigenvalue = float(values.min()) if abs(values.min()) >= tiny else 0.0
         force_at(memory.handle, self.t, q, self.out)

@@ -35,6 +35,7 @@ def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near") -> list[
         raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
     if ready.body_count > PLAIN:
         catalog.start()
+    ready = without_guide_play(ready)
     rigid = rigid_model(ready)
     ideal_ready = compile_system(ideal_model(ready.model)) if rigid is not None else ready
     start = position_at(ideal_ready, t)
@@ -58,14 +59,22 @@ def _compliant(contact: Contact | None) -> bool:
     return contact is not None and contact.normal is not None
 
 
+def without_guide_play(ready: Compiled) -> Compiled:
+    """The mechanism with every guide closed."""
+    joints = dict(ready.model.joints)
+    for name, one in joints.items():
+        if one.kind != "revolute" and has_contacts(one):
+            joints[name] = replace(one, contact=Contact("ideal"))
+    changed = any(joints[name] is not one for name, one in ready.model.joints.items())
+    return compile_system(replace(ready.model, joints=joints)) if changed else ready
+
+
 def rigid_model(ready: Compiled) -> Compiled | None:
     """The mechanism with every open pin held by a massless link; None when no joint has play."""
     joints = dict(ready.model.joints)
     for name, one in joints.items():
         if one.kind == "revolute" and (has_contacts(one) or is_link(one)):
             joints[name] = replace(one, contact=Contact("massless-link"))
-        elif has_contacts(one):  # a guide: closed
-            joints[name] = replace(one, contact=Contact("ideal"))
     model = replace(ready.model, joints=joints)
     return compile_system(model) if any(is_link(one) for one in joints.values()) else None
 
@@ -242,6 +251,7 @@ def _sorted(found: list[Equilibrium], start: np.ndarray) -> list[Equilibrium]:
 
 def rest_of(ready: Compiled, one: Equilibrium) -> Rest:
     """The mechanism as it stands in one of its positions of rest: with rigid or with compliant pins."""
+    ready = without_guide_play(ready)
     rigid = rigid_model(ready)
     if rigid is not None and rigid.row_count == len(one.multiplier):
         return Rest(rigid, one.t)
