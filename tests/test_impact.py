@@ -345,7 +345,7 @@ rod = { x = 0, y = -0.1999, angle = 0, vx = -3, vy = 0, omega = 0 }
 def test_mixed_contacts_are_refused_with_the_joints_named():
     text = rt.example("fourbar_onesided").to_toml()
     m = rt.loads(text).set({"joints.O4.contact": {"model": "exact", "stiffness": 1e8, "restitution": 0.5}})
-    with pytest.raises(ValueError, match="O3: impact, O4: compliant"):
+    with pytest.raises(rt.ModelError, match="O3: impact, O4: compliant"):
         m.simulate(0.01)
 
 
@@ -371,3 +371,37 @@ def test_massless_link_beside_an_impact_pin_reports_when_it_would_pull(method, s
     assert 0.0 < pulls.mean() < 0.5
     assert run.trust.pulled["O4"] == pytest.approx(pulls.mean(), abs=1e-3)
     assert run.trust.first_pull["O4"] == pytest.approx(run.t[np.argmax(pulls)], abs=1e-4)
+
+
+def test_impacts_that_give_energy_are_named():
+    # Newton's restitution with friction may: two free bodies, the second impact
+    pair = rt.loads("""
+format = 1
+gravity = [0, 0]
+[bodies.a]
+points = { P = ["30 mm", "10 mm"] }
+mass = 2
+inertia = 3e-3
+[bodies.b]
+points = { P = ["-20 mm", 0] }
+mass = 0.5
+inertia = 1e-4
+[joints.J]
+type = "revolute"
+connect = ["a.P", "b.P"]
+clearance = "1 mm"
+contact = { model = "impact", restitution = 1, friction = 0.1, bush_radius = "10 mm" }
+[initial]
+a = { x = 0, y = 0, angle = 0, vx = 0.3, vy = 0.1, omega = 2 }
+b = { x = "50.3 mm", y = "10.2 mm", angle = 0, vx = -0.4, vy = 0.2, omega = -15 }
+""")
+    run = pair.simulate(0.003, rtol=1e-9)
+    assert min(event.energy_lost for event in run.events) < -0.01
+    assert "1 impact gave energy" in " ".join(run.trust.notes)
+    smooth = pair.set({"joints.J.contact.friction": 0.0}).simulate(0.003, rtol=1e-9)
+    assert "gave energy" not in " ".join(smooth.trust.notes)
+
+
+def test_step_that_tears_the_joints_open_is_said_to_be_too_long():
+    run = rt.example("guide_play").simulate(0.05, method="moreau", step=1.0)
+    assert "far too long" in " ".join(run.trust.notes)

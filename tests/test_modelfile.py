@@ -233,13 +233,14 @@ def test_one_word_in_the_file_changes_the_contact_model(word):
         ("\nfriction = { model = 'lugres' }", "friction.model", "did you mean 'lugre'"),
         ("\nstiffness = '3 kg'", "stiffness", "wanted N/m^1.5"),
         ("\ntangential_restitution = 1.5", "tangential_restitution", "outside [0, 1]"),
+        ("\nfriction = { model = 'ambrosio', mu = 0.1, v0 = 1, v1 = 0.1 }", "", "needs v0 < v1"),
     ],
 )
 def test_values_of_other_contact_models_are_checked_all_the_same(extra, path, words):
     with pytest.raises(rt.ModelError) as caught:
         rt.loads(with_word("massless-link", extra))
     (problem,) = caught.value.problems
-    assert problem.key == f"joints.B.contact.{path}"
+    assert problem.key == f"joints.B.contact.{path}".rstrip(".")
     assert words in problem.message
 
 
@@ -248,3 +249,24 @@ def test_set_valued_friction_takes_the_coefficient_of_any_law():
     contact = rt.loads(text).model.joints["B"].contact
     assert contact.fields["friction"] == 0.1
     assert "friction.sigma0" in contact.unused
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('bush_radius = "10 mm"', 'bush_radius = "0.1 mm"', "larger than the clearance"),
+        ('bush_material = { E = "207 GPa", nu = 0.3 }', 'bush_material = "bronz"', "did you mean 'bronze'"),
+    ],
+)
+def test_geometry_and_materials_without_use_are_checked_too(old, new, words):
+    text = with_word("massless-link")
+    assert old in text
+    with pytest.raises(rt.ModelError, match=words):
+        rt.loads(text.replace(old, new))
+
+
+def test_friction_law_without_a_coefficient_is_named_as_unused():
+    text = with_word("impact", "\nfriction = { model = 'viscous', viscosity = '5 N*s/m' }")
+    contact = rt.loads(text).model.joints["B"].contact
+    assert contact.fields["friction"] == 0.0
+    assert "friction" in contact.unused

@@ -378,7 +378,7 @@ def test_guide_with_play_is_closed_at_rest(contact):
 def test_soft_freedom_beside_a_stiff_contact_is_not_taken_for_a_free_one():
     m = rt.example("door_hinge")
     hanging, upright = m.equilibrium()
-    hard = m.with_contact("impact").equilibrium()
+    hard = [one for one in m.with_contact("impact").equilibrium() if one.admissible]
     assert hanging.stable
     assert upright.falling == 1
     assert [one.eigenvalue for one in (hanging, upright)] == pytest.approx([one.eigenvalue for one in hard], rel=1e-3)

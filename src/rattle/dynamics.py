@@ -34,6 +34,7 @@ STILL = 1e-7  # a curve whose range is below this share of the widest of its uni
 MOTION = ("m", "rad", "m/s", "rad/s")  # units of positions and rates
 LIKE = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N", "N*m"))
 POINTS = 1000  # output intervals when nothing is said
+COARSE = 1e-3  # opening of a joint beyond which a run says nothing about the mechanism, in mechanism sizes
 CHUNK = 2000  # steps between two looks at the clock and the keyboard
 
 
@@ -275,6 +276,10 @@ def _result(run: Run, reach: Reach | None) -> Result:
             notes = ("the run passed through a position where the joints lose independence (a singular position)",)
     events = contact_events(ready, run.contacts, run.memory, reached)
     notes += contact_notes(ready, events)
+    if n and float(clock[march.DRIFT]) > COARSE * ready.size:
+        notes += (
+            f"joints opened by {float(clock[march.DRIFT]):.2g} m or rad: the step is far too long for this motion",
+        )
     if series := int(tally[march.SERIES]):
         one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
         notes += (f"{one} closed: bounces that rise less than {LOW:g} clearances are counted as contact",)

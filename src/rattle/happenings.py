@@ -106,6 +106,16 @@ def _unused(model: Model) -> list[str]:
 def contact_notes(ready: Compiled, events: Sequence[Event]) -> tuple[str, ...]:
     """Remarks on contacts: values without use, laws outside their range, laws of the user that give energy back."""
     found = [*_unused(ready.model), *law_faults(ready.model)]
+    gains = [
+        -event.energy_lost
+        for event in events
+        if event.kind == "impact" and -event.energy_lost > 1e-9 * event.impulse * event.normal_speed
+    ]
+    if gains:
+        found.append(
+            f"{len(gains)} impact{'s' if len(gains) > 1 else ''} gave energy, {sum(gains):.3g} J in all:"
+            " Newton's restitution with friction can; a smaller restitution or friction, or a compliant law, does not"
+        )
     for name, joint in ready.model.joints.items():
         contact = joint.contact
         if contact is None or contact.normal is None or contact.static is None:

@@ -11,6 +11,7 @@ from rattle import catalog, complementarity, impact
 from rattle.complementarity import BACKWARD, FORWARD
 from rattle.dynamics import Run, start_state
 from rattle.equations import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
+from rattle.errors import ModelError, Problem
 from rattle.memory import Memory
 from rattle.plane import IMPACT, NORMAL_P, OWNER
 from rattle.steppers import event, march, moreau
@@ -28,12 +29,14 @@ def has_impacts(ready: Compiled) -> bool:
 def choose_method(ready: Compiled, method: str, step: float | None, span: float) -> tuple[str, float | None]:
     """Method and step for a model with set-valued contacts over a time [s].
 
-    Methods that know no impact become "event".  Raises ValueError when impact and compliant contacts are mixed.
+    Methods that know no impact become "event".  Raises ModelError when impact and compliant contacts are mixed.
     """
     if not (ready.arrays["contact"][:, IMPACT] == 1).all():
         laws = {ready.joints[row[OWNER]]: "impact" if row[IMPACT] else "compliant" for row in ready.arrays["contact"]}
         listed = ", ".join(f"{name}: {law}" for name, law in laws.items())
-        raise ValueError(f"impact and compliant contacts do not go together ({listed}); give all joints one kind")
+        said = f"impact and compliant contacts do not go together ({listed}); give all joints one kind"
+        first = next(name for name, law in laws.items() if law == "compliant")
+        raise ModelError([Problem(("joints", first, "contact"), said)])
     settings = ready.model.settings
     if method != "moreau" and settings.method == "moreau" and step == settings.step:
         step = None  # it was meant for the other method

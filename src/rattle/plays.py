@@ -68,7 +68,9 @@ def _radius(parts: Parts, table: Mapping[str, Any], joint: str, clearance: float
     return radius
 
 
-def _unused(parts: Parts, table: Mapping[str, Any], used: Collection[str], path: Path) -> tuple[str, ...]:
+def _unused(
+    parts: Parts, table: Mapping[str, Any], used: Collection[str], joint: str, clearance: float, path: Path
+) -> tuple[str, ...]:
     """Keys of a table that other contact models read; they are checked all the same.  Unknown ones are refused."""
     fields: dict[str, catalog.Field | None] = {"friction": None, "bush_radius": None, "geometry": None}
     for family in ("stiffness", "normal", "contact"):
@@ -82,11 +84,18 @@ def _unused(parts: Parts, table: Mapping[str, Any], used: Collection[str], path:
     for key in found:
         field = fields[key]
         if key == "friction":
-            _friction(parts, table[key], (*path, key))
+            _pack(parts, "friction", _friction(parts, table[key], (*path, key)), path)
         elif key == "bush_radius":
-            parts.values.value(table[key], "m", (*path, key), "positive")
+            _radius(parts, table, joint, clearance, "", path)
         elif key == "geometry":
             _geometry(parts, table[key], path)
+        elif field is not None and field.shape == "material":  # the simplest formula says whether it is known
+            given = {
+                "bush_material": _elastic(parts, field, key, table, {}, path),
+                "bush_radius": 1.0,
+                "clearance": 0.1,
+            }
+            _pack(parts, "stiffness", Choice("sphere", given | {"pin_material": given["bush_material"]}), path)
         elif field is not None:
             _unit_interval(parts, {key: _elastic(parts, field, key, table, {}, path)}, path)
     return found
@@ -96,12 +105,14 @@ def _plain(parts: Parts, table: Mapping[str, Any], model: str, joint: str, clear
     kind = catalog.kinds("contact")[model]
     contacts = kind.leaf.contacts
     used = ["model", *kind.fields, *(["bush_radius"] if contacts else [])]
-    unused = _unused(parts, table, used, path)
+    unused = _unused(parts, table, used, joint, clearance, path)
     given = dict(table)
     if "friction" in kind.fields and isinstance(given.get("friction"), Mapping):
         law = _friction(parts, given["friction"], (*path, "friction"))
+        _pack(parts, "friction", law, path)
         given["friction"] = law.values.get("mu", 0.0) if law else 0.0  # set-valued Coulomb takes the mu of any law
-        unused += tuple(f"friction.{key}" for key in table["friction"] if key not in ("model", "mu"))
+        left = [f"friction.{key}" for key in table["friction"] if key not in ("model", "mu")]
+        unused += tuple(left) if law is None or "mu" in law.values else ("friction",)
     fields = parts.fields(kind, given, path)
     _unit_interval(parts, fields, path)
     needed = "friction" if fields.get("friction", 0.0) > 0.0 or fields.get("tangential_restitution", 0.0) > 0.0 else ""
@@ -139,7 +150,7 @@ def _compliant(
     static = statics[name]
     own = [key for key in static.fields if key != "bush_radius"]
     used = ["model", "friction", "bush_radius", "geometry" if by_geometry else "stiffness", *law.fields, *own]
-    unused = _unused(parts, table, used, path)
+    unused = _unused(parts, table, used, joint, clearance, path)
     radius = _radius(
         parts,
         table,
@@ -155,7 +166,8 @@ def _compliant(
     _unit_interval(parts, normal, path)
     friction = _friction(parts, table["friction"], (*path, "friction")) if "friction" in table else None
     found = Contact("compliant", {}, radius, Choice(model, normal), Choice(name, elastic), friction, unused)
-    _pack(parts, found, path)
+    _pack(parts, "stiffness", found.static, path)
+    _pack(parts, "friction", friction, path)
     return found
 
 
@@ -204,13 +216,11 @@ def _friction(parts: Parts, given: Any, path: Path) -> Choice | None:
     return Choice(kind.name, parts.fields(kind, {"mu": mu}, path)) if mu == mu else None
 
 
-def _pack(parts: Parts, contact: Contact, path: Path) -> None:
-    """Let the laws themselves refuse values that do not go together."""
-    if parts.values.problems:
+def _pack(parts: Parts, family: str, choice: Choice | None, path: Path) -> None:
+    """Let a law itself refuse values that do not go together."""
+    if choice is None or parts.values.problems:
         return
-    for family, choice in (("stiffness", contact.static), ("friction", contact.friction)):
-        if choice is not None:
-            try:
-                catalog.kinds(family)[choice.kind].leaf.pack(choice.values)
-            except ValueError as error:
-                parts.values.wrong(path, str(error))
+    try:
+        catalog.kinds(family)[choice.kind].leaf.pack(choice.values)
+    except ValueError as error:
+        parts.values.wrong(path, str(error))
