@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle import catalog
-from rattle.errors import ModelError, Problem, suggest
+from rattle.errors import AssemblyError, ModelError, Problem, suggest
 from rattle.recontact import recontact
 
 if TYPE_CHECKING:
@@ -47,6 +47,11 @@ class Comparison:
     def rows(self) -> list[tuple[str, ...]]:
         """The table: one row per model, cells as in HEAD."""
         return [_row(model, result, self.joint) for model, result in self.results.items()]
+
+    @property
+    def reference(self) -> str:
+        """The model that the others are measured by: the ideal one where it can be put together."""
+        return IDEAL if IDEAL in self.results else next(iter(self.results))
 
     def figure(self) -> Figure:
         """The page."""
@@ -122,8 +127,13 @@ def compare(
             results[model] = make().simulate(end, t_eval=times, method=_method(m), horizon=True, progress=progress)
         except ModelError as error:
             skipped[model] = error.problems[0].message
-    shown = curve or _motion(m, results[IDEAL])
-    _ = results[IDEAL].unit(shown)  # raises UnknownName
+        except AssemblyError as error:
+            skipped[model] = str(error)
+            if len(skipped) == len(models):
+                raise
+    first = next(iter(results.values()))
+    shown = curve or _motion(m, first)
+    _ = first.unit(shown)  # raises UnknownName
     return Comparison(m.name or "mechanism", results, skipped, joint or loose[0], shown, tuple(assumed))
 
 

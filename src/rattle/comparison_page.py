@@ -84,19 +84,21 @@ def _time_unit(found: Comparison) -> tuple[float, str]:
 # ---------------------------------------------------------------- panels
 def _motion(top: Axes, below: Axes, found: Comparison, scale: float) -> None:
     """The curve under every model, and how far each is from the ideal one."""
-    ideal = found.results[IDEAL]
+    reference = found.reference
+    ideal = found.results[reference]
     unit = ideal.unit(found.curve)
     turn, shown = (math.degrees(1.0), "deg") if unit == "rad" else (1.0, unit)
     for model, r in found.results.items():
-        wide = 2.2 if model == IDEAL else 1.0
-        style: dict[str, Any] = {"color": COLOURS[model], "linewidth": wide, "alpha": 0.35 if model == IDEAL else 0.9}
+        first = model == reference
+        style: dict[str, Any] = {"color": COLOURS[model], "linewidth": 2.2 if first else 1.0}
+        style["alpha"] = 0.35 if first else 0.9
         top.plot(scale * r.t, turn * r[found.curve], **style)
     top.set_ylabel(axis_label(QUANTITY.get(unit, ""), shown))
     _title(top, f"Motion: {found.curve}")
     small = {"m": (1e3, "mm")}.get(shown, (1.0, shown))
     worst = 0.0
     for model, r in found.results.items():
-        if model == IDEAL:
+        if model == reference:
             continue
         n = min(len(r.t), len(ideal.t))
         off = small[0] * turn * (r[found.curve][:n] - ideal[found.curve][:n])
@@ -105,7 +107,8 @@ def _motion(top: Axes, below: Axes, found: Comparison, scale: float) -> None:
         _mark_horizon(below, r, COLOURS[model], scale)
     below.axhline(0.0, color=GREY, linewidth=0.8)
     below.set_ylabel(axis_label("deviation", small[1]))
-    _title(below, f"Deviation of {found.curve} from the mechanism without play")
+    what = "the mechanism without play" if reference == IDEAL else f"the run with {reference}"
+    _title(below, f"Deviation of {found.curve} from {what}")
     note(below, f"up to {worst:.3g} {small[1]}; dotted: the model's horizon, after it statistics only")
 
 
@@ -116,17 +119,18 @@ def _mark_horizon(ax: Axes, r: Result, colour: str, scale: float) -> None:
 
 def _force_floor(found: Comparison) -> float:
     """Where the scale of forces turns from linear to logarithmic [N]: the size of the ideal reaction, rounded."""
-    typical = float(np.median(found.results[IDEAL][f"{found.joint}.force"])) or 1.0
+    typical = float(np.median(found.results[found.reference][f"{found.joint}.force"])) or 1.0
     return float(10.0 ** math.floor(math.log10(typical)))
 
 
 def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) -> None:
     """Normal force on a scale that shows both the reaction without play and the peaks, with a strip of events."""
-    r, joint, ideal = found.results[model], found.joint, found.results[IDEAL]
+    r, joint, ideal = found.results[model], found.joint, found.results.get(IDEAL)
     normal = r[f"{joint}.normal"]
     ax.set_yscale("symlog", linthresh=floor, linscale=0.7)
     ax.axhline(0.0, color=GREY, linewidth=0.8)
-    ax.plot(scale * ideal.t, ideal[f"{joint}.force"], color=BLACK, linewidth=2.0, alpha=0.3)
+    if ideal is not None:
+        ax.plot(scale * ideal.t, ideal[f"{joint}.force"], color=BLACK, linewidth=2.0, alpha=0.3)
     ax.plot(scale * r.t, normal, color=COLOURS[model], linewidth=0.9)
     peaks = [(e.t + 0.5 * e.duration, e.peak_force) for e in r.events if e.joint == joint and e.kind == "contact"]
     if peaks:  # located inside the contacts, most of which are shorter than the time between two outputs
@@ -224,7 +228,7 @@ def _energy(ax: Axes, found: Comparison, scale: float) -> None:
 
 def _legend(ax: Axes, found: Comparison) -> None:
     """What the colours mean, and what was taken for granted."""
-    from textwrap import fill
+    from textwrap import fill, shorten
 
     ax.axis("off")
     for k, model in enumerate(COLOURS):
@@ -240,8 +244,16 @@ def _legend(ax: Axes, found: Comparison) -> None:
                 transform=ax.transAxes,
             )
         name = "no play" if model == IDEAL else model
-        text = f"{name}: {why[:60]}" if why else name
-        ax.text(0.13, y, text, va="center", fontsize=9.5, color=GREY if why else BLACK, transform=ax.transAxes)
+        text = shorten(f"{name}: {why}", 44, placeholder=" ...") if why else name
+        ax.text(
+            0.13,
+            y,
+            text,
+            va="center",
+            fontsize=8.5 if why else 9.5,
+            color=GREY if why else BLACK,
+            transform=ax.transAxes,
+        )
     if found.assumed:
         said = "\n".join(fill(one, 46) for one in found.assumed)
         ax.text(0.0, 0.22, said, va="top", fontsize=7.5, color=GREY, transform=ax.transAxes)
@@ -251,7 +263,8 @@ def _sketch(ax: Axes, found: Comparison) -> None:
     """The mechanism at the start."""
     from rattle.animate import draw_at
 
-    draw_at(ax, found.results[LINK if LINK in found.results else IMPACT], 0)
+    shown = next(model for model in (LINK, IMPACT, found.reference) if model in found.results)
+    draw_at(ax, found.results[shown], 0)
     ax.set_title("at the start [m]", fontsize=8.5, color=GREY, pad=3)
 
 

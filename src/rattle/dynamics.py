@@ -276,6 +276,8 @@ def _result(run: Run, reach: Reach | None) -> Result:
             notes = ("the run passed through a position where the joints lose independence (a singular position)",)
     events = contact_events(ready, run.contacts, run.memory, reached)
     notes += contact_notes(ready, events)
+    if run.method == "moreau" and any(event.kind == "impact" for event in events):
+        notes += ("Moreau-Jean: in the step of an impact a force is its impulse over the step",)
     if n and float(clock[march.DRIFT]) > COARSE * ready.size:
         notes += (
             f"joints opened by {float(clock[march.DRIFT]):.2g} m or rad: the step is far too long for this motion",

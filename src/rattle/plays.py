@@ -38,7 +38,9 @@ def read_contact(parts: Parts, written: Any, joint: str, clearance: float, path:
     model = table["model"]
     here: Path = path if isinstance(written, str) else (*path, "model")
     if model not in known:
-        values.wrong(here, f"unknown contact {said(model)}{suggest(str(model), known)}")
+        hint = suggest(str(model), known)
+        near = hint if "did you mean" in hint else f"; wanted {', '.join(known)}"
+        values.wrong(here, f"unknown contact {said(model)}{near}")
         return None
     if model not in contact_models(joint):
         others = contact_models(joint)
