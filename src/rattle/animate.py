@@ -99,6 +99,8 @@ def scene(result: Result, frames: int = 120, trace: Iterable[str] = ()) -> tuple
     """The figure, the function that moves it to frame k, and the number of frames."""
     if not len(result.t):
         raise ValueError("the result has no instant to show")
+    if frames < 1:
+        raise ValueError(f"an animation needs at least one frame, got {frames}")
     instants = np.linspace(result.t[0], result.t[-1], min(frames, len(result.t)))
     pick = np.unique(np.searchsorted(result.t, instants - 1e-12 * (1 + abs(result.t[-1]))).clip(0, len(result.t) - 1))
     stage = Scene(result, pick, 1.0)
