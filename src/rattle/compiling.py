@@ -10,6 +10,7 @@ Written against the compiler pipeline of Numba 0.61 to 0.68 (`CompilerBase`, `Co
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -52,13 +53,19 @@ def signature(letters: Sequence[str], plain: bool = False) -> Any:
 
 @contextmanager
 def settings(folder: Path) -> Iterator[None]:
-    """Our cache folder, and an optimiser level that compiles a tenth faster to code that runs as fast."""
-    before = numba.config.CACHE_DIR, numba.config.OPT
+    """Our cache folder, and an optimiser level that compiles a tenth faster to code that runs as fast.
+
+    The collector of garbage rests: compiling makes millions of objects that live on.
+    """
+    before, collects = (numba.config.CACHE_DIR, numba.config.OPT), gc.isenabled()
     try:
+        gc.disable()
         numba.config.CACHE_DIR, numba.config.OPT = str(folder), type(before[1])(1)
         yield
     finally:
         numba.config.CACHE_DIR, numba.config.OPT = before
+        if collects:
+            gc.enable()
 
 
 # ---------------------------------------------------------------- code libraries
