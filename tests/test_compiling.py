@@ -80,3 +80,10 @@ def test_other_functions_of_numba_still_count_from_the_end():
     numba = pytest.importorskip("numba")
     last = numba.njit(lambda a: a[-1] + a[len(a) - 2] * 2.0)
     assert last(np.array([1.0, 2.0, 4.0])) == 8.0
+
+
+def test_machine_code_is_kept_while_nothing_it_depends_on_changes():
+    """The cache key covers every module that compiled code imports, and no other."""
+    sources = {path.stem for path in catalog.compiled_sources()}
+    assert {"arrays", "compiling", "memory", "plane", "equations", "pin", "tableau", "restitution"} <= sources
+    assert not {"cli", "plot", "compare", "result", "reader", "dynamics"} & sources

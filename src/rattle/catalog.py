@@ -16,6 +16,7 @@ import importlib
 import logging
 import os
 import pkgutil
+import re
 import sys
 import tempfile
 import threading
@@ -206,6 +207,29 @@ def _compiling() -> Iterator[Any]:
         yield compiling
 
 
+def compiled_sources() -> list[Path]:
+    """Files that machine code depends on: those with compiled functions, those that make it, and all they import."""
+    here = Path(__file__).parent
+    text = {path: path.read_text(encoding="utf-8") for path in here.rglob("*.py")}
+    makers = [here / f"{name}.py" for name in ("arrays", "catalog", "compiling", "memory")]
+    found = {path for path, source in text.items() if _DECORATED.search(source)} | set(makers)
+    ahead = list(found)
+    while ahead:
+        for module, names in _IMPORTED.findall(text[ahead.pop()]):
+            parts = module.split(".")[1:]
+            folder = here.joinpath(*parts)
+            for path in (folder.with_suffix(".py"), *(folder / f"{name}.py" for name in _NAME.findall(names))):
+                if path in text and path not in found:
+                    found.add(path)
+                    ahead.append(path)
+    return sorted(found)
+
+
+_DECORATED = re.compile(r"^@(compiled|kernel\()", re.MULTILINE)
+_IMPORTED = re.compile(r"^from (rattle[\w.]*) import (\([^)]*\)|.*)$", re.MULTILINE)
+_NAME = re.compile(r"\w+")
+
+
 def cache_folder() -> Path:
     """Where machine code is kept: one folder for each state of the compiled sources and Numba version."""
     global _cache_folder
@@ -213,10 +237,8 @@ def cache_folder() -> Path:
         import numba
 
         here = Path(__file__).parent
-        packages = ("joints", "clearances", "laws", "applied", "steppers")
-        sources = sorted(here.glob("*.py")) + [f for p in packages for f in sorted((here / p).glob("*.py"))]
         digest = hashlib.sha256(f"{numba.__version__} {numba.config.BOUNDSCHECK} {sys.version} {here}".encode())
-        for source in sources:
+        for source in compiled_sources():
             digest.update(source.read_bytes())
         root = Path(os.environ.get("RATTLE_CACHE", Path.home() / ".cache" / "rattle"))
         folder = root / digest.hexdigest()[:16]
