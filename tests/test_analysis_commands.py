@@ -68,15 +68,15 @@ def test_output_to_input_in_one_call(tmp_path):
 
 def test_play_prints_the_band_and_draws_it(tmp_path):
     figure = tmp_path / "play.svg"
-    seen = run("play", "path_generator", "--output", "coupler.P.y", "--points", "5", "-o", str(figure))
+    seen = run("accuracy", "path_generator", "--of", "coupler.P.y", "--points", "5", "-o", str(figure))
     assert seen.exit_code == 0
     for words in ("worst case", "root sum square", "tighten", " mm", " %"):
         assert words in seen.stdout
     assert "deviation" in figure.read_text()
-    entry = json.loads(run("play", "path_generator", "--output", "coupler.P.y", "--points", "3", "--json").stdout)
+    entry = json.loads(run("accuracy", "path_generator", "--of", "coupler.P.y", "--points", "3", "--json").stdout)
     assert entry["unit"] == "m"
     assert set(entry["share"]) == {"A", "B", "Q"}
-    assert run("play", "path_generator", "--output", "coupler.Z").exit_code == 2
+    assert run("accuracy", "path_generator", "--of", "coupler.Z").exit_code == 2
 
 
 def test_modes_name_frequencies_and_draw_a_shape(tmp_path):

@@ -220,10 +220,10 @@ def test_exponent_with_lasting_set_valued_contacts():
 
 def test_stroboscope_sees_one_point_of_a_periodic_motion_and_two_after_doubling():
     period = 2 * math.pi
-    single = duffing(1.0).poincare("mass.x", "mass.vx", period=period, skip=100, count=20)
+    single = duffing(1.0).poincare("mass.x", "mass.vx", period=period, skip=100, points=20)
     assert np.ptp(single["mass.x"]) < 1e-4
     assert single["mass.x"][0] == pytest.approx(_strobe(1.0), abs=1e-4)
-    chaotic = duffing(12.0).poincare("mass.x", "mass.vx", period=period, skip=50, count=100)
+    chaotic = duffing(12.0).poincare("mass.x", "mass.vx", period=period, skip=50, points=100)
     assert np.ptp(chaotic["mass.x"]) > 1.0
     figure = chaotic.plot("mass.x", "mass.vx")
     assert figure.axes[0].get_xlabel() == "mass.x [m]"
@@ -244,7 +244,7 @@ def test_crossings_are_those_of_the_curve():
     m.bar("rod", "A", "B", length=1, mass=1)
     m.revolute("O", "ground.O", "rod.A")
     m.initial("rod", angle=-math.pi / 2 - 0.01, omega=0)
-    found = m.settings(t_end=20).poincare("rod.angle", "rod.omega", crossing="rod.omega", skip=0, count=5)
+    found = m.settings(t_end=20).poincare("rod.angle", "rod.omega", crossing="rod.omega", skip=0, points=5)
     # at its turning points on one side: omega rises through 0; small swings have the period 2 pi sqrt(2 l/(3 g))
     period = 2 * math.pi * math.sqrt(2 / (3 * 9.81)) * (1 + 0.01**2 / 16)
     assert np.diff(found.t) == pytest.approx(np.full(len(found.t) - 1, period), rel=1e-6)
@@ -254,7 +254,7 @@ def test_crossings_are_those_of_the_curve():
 def test_bifurcation_does_not_depend_on_threads_and_shows_period_doubling():
     values = np.linspace(5.5, 12.0, 6)
     runs = [
-        duffing(1.0).bifurcation("F", values, "mass.x", period=2 * math.pi, skip=60, count=16, threads=n)
+        duffing(1.0).bifurcation("F", values, "mass.x", period=2 * math.pi, skip=60, points=16, threads=n)
         for n in (1, 4)
     ]
     assert np.array_equal(runs[0].points, runs[1].points)
@@ -276,7 +276,7 @@ def test_poincare_on_the_command_line(tmp_path):
     done = CliRunner().invoke(main, words)
     assert done.exit_code == 0, done.output
     assert "5 points, every 0.012 s" in done.output
-    more = ["--parameter", "c", "--from", "2e-4", "--to", "3e-4", "--count", "2", "--output", "B.ex"]
+    more = ["--parameter", "c", "--from", "2e-4", "--to", "3e-4", "--values", "2", "--of", "B.ex"]
     done = CliRunner().invoke(main, ["-q", *words, *more])
     assert done.exit_code == 0, done.output
     assert out.stat().st_size > 5_000

@@ -75,37 +75,44 @@ class Section:
     def __getitem__(self, name: str) -> np.ndarray:
         return self.values[name]
 
-    def plot(self, x: str, y: str, ax: Axes | None = None) -> Figure:
-        """The points of two of the names, coloured by time."""
+    def plot(self, x: str | None = None, y: str | None = None, ax: Axes | None = None) -> Figure:
+        """The points of two of the names (default: the first two), coloured by time."""
         from rattle.plot_chaos import plot_section
 
+        names = list(self.values)
+        if x is None or y is None:
+            if len(names) < 2:
+                raise ValueError(f"a picture of a section wants two curves, this one has {', '.join(names)}")
+            x, y = names[:2]
         return plot_section(self, x, y, ax)
 
 
 def section(
     m: Mechanism, names: Sequence[str], *, period: float | None = None, crossing: str | None = None, level: float = 0.0,
-    skip: int = 50, count: int = 500, **settings: Any,
+    skip: int = 50, points: int = 500, method: str | None = None, rtol: float | None = None, atol: float | None = None,
+    step: float | None = None,
 ) -> Section:  # fmt: skip
     """Values of some names of a result once per period, or whenever a curve rises through a level.
 
     period: [s] (default: one turn of the driver).  crossing: a name; its rises through `level` [SI] are located on
     a cubic spline of the output, of which there are then at least 200 per period or mean distance of crossings.
-    skip: points left out at the start.  count: points wanted (a crossing may come less often than that).
-    settings: of `simulate`.  Raises ValueError, UnknownName.
+    skip: points left out at the start.  points: how many are wanted (a crossing may come less often than that).
+    method, rtol, atol, step: as in `simulate`.  Raises ValueError, UnknownName.
     """
+    settings: dict[str, Any] = {"method": method, "rtol": rtol, "atol": atol, "step": step}
     if crossing is None:
         T = _period(m, period)
-        times = T * (skip + np.arange(count))
+        times = T * (skip + np.arange(points))
         r = m.simulate(float(times[-1]), t_eval=times, **settings)
         return Section(r.t, {n: r[n] for n in names}, {n: r.unit(n) for n in names}, f"every {T:.4g} s")
     from scipy.interpolate import CubicSpline
 
-    span = (skip + count) * period if period is not None else m.model.settings.t_end
-    r = m.simulate(span, t_eval=np.linspace(0.0, span, 200 * (skip + count) + 1), **settings)
+    span = (skip + points) * period if period is not None else m.model.settings.t_end
+    r = m.simulate(span, t_eval=np.linspace(0.0, span, 200 * (skip + points) + 1), **settings)
     curve = r[crossing] - level
     roots = CubicSpline(r.t, curve).solve(0.0, extrapolate=False)
     rate = CubicSpline(r.t, curve).derivative()
-    times = np.array([t for t in np.ravel(roots) if rate(t) > 0.0])[skip:][:count]
+    times = np.array([t for t in np.ravel(roots) if rate(t) > 0.0])[skip:][:points]
     values = {n: CubicSpline(r.t, r[n])(times) if len(times) else np.zeros(0) for n in names}
     return Section(times, values, {n: r.unit(n) for n in names}, f"{crossing} rises through {level:g}")
 
@@ -118,9 +125,9 @@ class Bifurcation:
     parameter: str
     values: np.ndarray  # (k,) of the parameter [SI]
     parameter_unit: str
-    output: str
-    output_unit: str
-    points: np.ndarray  # (k, count) of the output [SI]; nan where a run ended early
+    of: str  # the name of the output
+    of_unit: str
+    points: np.ndarray  # (k, points) of the output [SI]; nan where a run ended early
     rule: str
 
     def plot(self, ax: Axes | None = None) -> Figure:
@@ -131,28 +138,26 @@ class Bifurcation:
 
 
 def bifurcation(
-    m: Mechanism, parameter: str, values: Sequence[float] | np.ndarray, output: str, *, period: float | None = None,
-    skip: int = 100, count: int = 100, threads: int | None = None, progress: bool = False, **settings: Any,
+    m: Mechanism, parameter: str, values: Sequence[float] | np.ndarray, of: str, *, period: float | None = None,
+    skip: int = 100, points: int = 100, method: str | None = None, rtol: float | None = None,
+    atol: float | None = None, step: float | None = None, threads: int | None = None, progress: bool = False,
 ) -> Bifurcation:  # fmt: skip
     """What an output does once per period, over the values of a parameter: bands, branches, chaos.
 
-    Every run starts as the model says; `skip` periods go by before `count` points are taken.  period: [s] (default:
+    Every run starts as the model says; `skip` periods go by before `points` points are taken.  period: [s] (default:
     one turn of the driver, anew for every value).  threads: runs at the same time (default: as many as cores);
-    the result does not depend on it.  settings: of `simulate`.  Raises ModelError, ValueError, UnknownName.
+    the result does not depend on it.  method, rtol, atol, step: as in `simulate`.
+    Raises ModelError, ValueError, UnknownName.
     """
-    from rattle.result import UnknownName
-
     given = np.asarray(values, dtype=float)
     changed = [m.set({parameter: float(value)}) for value in given]
 
     def run(one: Mechanism) -> tuple[np.ndarray, str]:
-        times = _period(one, period) * (skip + np.arange(count))
-        r = one.simulate(float(times[-1]), t_eval=times, **settings)
-        if output not in r:
-            raise UnknownName(f"the result has no {output!r}")
-        found = np.full(count, np.nan)
-        found[: len(r.t)] = r[output]
-        return found, r.unit(output)
+        times = _period(one, period) * (skip + np.arange(points))
+        r = one.simulate(float(times[-1]), t_eval=times, method=method, rtol=rtol, atol=atol, step=step)
+        found = np.full(points, np.nan)
+        found[: len(r.t)] = r[of]
+        return found, r.unit(of)
 
     bar = _bar(len(changed)) if progress else None
     rows: list[np.ndarray] = []
@@ -173,7 +178,7 @@ def bifurcation(
             bar.close()
     what = m.model.parameters.get(parameter)
     rule = f"once every {period:.4g} s" if period is not None else "once per turn of the driver"
-    return Bifurcation(parameter, given, what.unit if what else "", output, unit, np.array(rows), rule)
+    return Bifurcation(parameter, given, what.unit if what else "", of, unit, np.array(rows), rule)
 
 
 def _bar(total: int) -> Any:

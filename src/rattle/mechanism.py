@@ -16,12 +16,12 @@ from rattle.model import Model
 if TYPE_CHECKING:
     import numpy as np
 
+    from rattle.accuracy import Accuracy
     from rattle.assembly import Assembled
     from rattle.chaos import Bifurcation, Lyapunov, Section
     from rattle.checking import Check
     from rattle.compare import Comparison
     from rattle.modes import Modes
-    from rattle.play import Play
     from rattle.resting import Equilibrium
     from rattle.result import Result
     from rattle.system import Compiled
@@ -197,19 +197,39 @@ class Mechanism(Building):
 
         return lyapunov(self, t_end, stretch=stretch, rtol=rtol)
 
-    def poincare(self, *names: str, **options: Any) -> Section:
-        """Values once per turn of the driver, or whenever a curve rises through a level; see `rattle.chaos.section`."""
+    def poincare(
+        self, *names: str, period: float | None = None, crossing: str | None = None, level: float = 0.0,
+        skip: int = 50, points: int = 500, method: str | None = None, rtol: float | None = None,
+        atol: float | None = None, step: float | None = None,
+    ) -> Section:  # fmt: skip
+        """Values once per turn of the driver, or whenever a curve rises through a level; see `rattle.chaos.section`.
+
+        period: time between two points [s].  crossing, level: the curve and the level [SI] that it rises through.
+        skip: points left out at the start.  points: how many are kept.  method, rtol, atol, step: as in `simulate`.
+        """
         from rattle.chaos import section
 
-        return section(self, names, **options)
+        return section(
+            self, names, period=period, crossing=crossing, level=level, skip=skip, points=points, method=method,
+            rtol=rtol, atol=atol, step=step,
+        )  # fmt: skip
 
     def bifurcation(
-        self, parameter: str, values: Sequence[float] | np.ndarray, output: str, **options: Any
-    ) -> Bifurcation:
-        """What an output does once per turn, over the values of a parameter; see `rattle.chaos.bifurcation`."""
+        self, parameter: str, values: Sequence[float] | np.ndarray, of: str, *, period: float | None = None,
+        skip: int = 100, points: int = 100, method: str | None = None, rtol: float | None = None,
+        atol: float | None = None, step: float | None = None, threads: int | None = None, progress: bool = False,
+    ) -> Bifurcation:  # fmt: skip
+        """What an output does once per turn, over the values of a parameter; see `rattle.chaos.bifurcation`.
+
+        parameter, values: the parameter and its values [SI].  of: a name of the result.  period: time between two
+        points [s] (default: a turn of the driver).  skip, points: points left out, points kept, per value.
+        """
         from rattle.chaos import bifurcation
 
-        return bifurcation(self, parameter, values, output, **options)
+        return bifurcation(
+            self, parameter, values, of, period=period, skip=skip, points=points, method=method, rtol=rtol, atol=atol,
+            step=step, threads=threads, progress=progress,
+        )  # fmt: skip
 
     def kinematics(self, t_eval: float | Sequence[float] | np.ndarray, *, strict: bool = False) -> Result:
         """Position, velocity and acceleration of a fully driven mechanism at any increasing times [s].
@@ -290,12 +310,12 @@ class Mechanism(Building):
             raise ValueError(f"no position of rest was found at t = {t:g} s")
         return modes(rest_of(self.ready, found[0]), found[0])
 
-    def play(
-        self, output: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool = True, loaded: bool = True
-    ) -> Play:
+    def accuracy(
+        self, of: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool = True, loaded: bool = True
+    ) -> Accuracy:
         """How far the play of the joints lets one output stray, at any times [s].
 
-        output: a name of a result of `inverse_dynamics`, such as "rocker.angle" or "coupler.P.x", or a signal.
+        of: a name of a result of `inverse_dynamics`, such as "rocker.angle" or "coupler.P.x", or a signal.
         extremes: also the exact extremes over all positions of the pins in their circles.
         loaded: also where the loads press the pins (equilibrium), for comparison.
         Raises ModelError when the mechanism without play is not fully driven or has no clearance, UnknownName.
@@ -303,9 +323,9 @@ class Mechanism(Building):
         Source: THEORY section 7; Ting, Zhu, Watkins, The effects of joint clearance on position and orientation
         deviation of linkages and manipulators, Mech. Mach. Theory 35 (2000) 391-401.
         """
-        from rattle.play import play
+        from rattle.accuracy import accuracy
 
-        return play(self.ready, output, t_eval, extremes=extremes, loaded=loaded)
+        return accuracy(self.ready, of, t_eval, extremes=extremes, loaded=loaded)
 
     def _start_or_none(self) -> Assembled | None:
         """The start at t = 0, or None when the mechanism cannot be put together there."""

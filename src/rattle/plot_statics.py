@@ -13,71 +13,76 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rattle.accuracy import Accuracy
     from rattle.modes import Modes
-    from rattle.play import Play
     from rattle.result import Result
 
 BAND = "#BBD7EA"
 
 
-def plot_play(play: Play) -> Figure:
+def plot_accuracy(found: Accuracy) -> Figure:
     """The output with its worst-case band, the deviation alone, and who contributes how much to it."""
     figure = new_figure(8.6, 6.6)
-    top, middle, bar = figure.subplots(3, 1, height_ratios=(1.0, 1.3, 0.35 + 0.16 * len(play.joints)))
-    factor, unit = _handy(play.unit, 1.0)
-    small, small_unit = _handy(play.unit, float(play.worst.max()))
-    kind = QUANTITY.get(play.unit, play.output)
-    _band(tidy(top), play, factor)
+    top, middle, bar = figure.subplots(3, 1, height_ratios=(1.0, 1.3, 0.35 + 0.16 * len(found.joints)))
+    factor, unit = _handy(found.unit, 1.0)
+    small, small_unit = _handy(found.unit, float(found.worst.max()))
+    kind = QUANTITY.get(found.unit, found.of)
+    _band(tidy(top), found, factor)
     top.set_ylabel(axis_label(kind, unit))
-    _deviation(tidy(middle), play, small)
+    _deviation(tidy(middle), found, small)
     middle.set_ylabel(axis_label("deviation", small_unit))
     middle.set_xlabel("time [s]")
     top.sharex(middle)
     top.tick_params(labelbottom=False)
-    top.set_title(f"{play.output}: how far the play of the joints lets it stray", loc="left", fontsize=11)
+    top.set_title(f"{found.of}: how far the play of the joints lets it stray", loc="left", fontsize=11)
     for ax in (top, middle):
         ax.margins(x=0.0)
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize=9)
-    _contributions(tidy(bar), play, small, small_unit)
+    _contributions(tidy(bar), found, small, small_unit)
     return figure
 
 
-def _band(ax: Axes, play: Play, factor: float) -> None:
-    low, high = factor * (play.nominal - play.worst), factor * (play.nominal + play.worst)
-    ax.fill_between(play.t, low, high, color=BAND, linewidth=0, label="worst case")
-    ax.plot(play.t, factor * play.nominal, color=BLUE, linewidth=1.2, label="without play")
+def _band(ax: Axes, found: Accuracy, factor: float) -> None:
+    low, high = factor * (found.nominal - found.worst), factor * (found.nominal + found.worst)
+    ax.fill_between(found.t, low, high, color=BAND, linewidth=0, label="worst case")
+    ax.plot(found.t, factor * found.nominal, color=BLUE, linewidth=1.2, label="without play")
 
 
-def _deviation(ax: Axes, play: Play, factor: float) -> None:
-    worst, rss = factor * play.worst, factor * play.rss
-    ax.fill_between(play.t, -worst, worst, color=BAND, linewidth=0, label="worst case,\nfirst order")
-    ax.plot(play.t, rss, color=BLUE, linewidth=1.0, label="root sum square")
-    ax.plot(play.t, -rss, color=BLUE, linewidth=1.0)
-    for n, curve in enumerate((play.low, play.high)):
+def _deviation(ax: Axes, found: Accuracy, factor: float) -> None:
+    worst, rss = factor * found.worst, factor * found.rss
+    ax.fill_between(found.t, -worst, worst, color=BAND, linewidth=0, label="worst case,\nfirst order")
+    ax.plot(found.t, rss, color=BLUE, linewidth=1.0, label="root sum square")
+    ax.plot(found.t, -rss, color=BLUE, linewidth=1.0)
+    for n, curve in enumerate((found.low, found.high)):
         if np.isfinite(curve).any():
             label = None if n else "exact extremes"
             ax.plot(
-                play.t, factor * (curve - play.nominal), color=BLACK, linewidth=0.9, linestyle=(0, (4, 2)), label=label
+                found.t,
+                factor * (curve - found.nominal),
+                color=BLACK,
+                linewidth=0.9,
+                linestyle=(0, (4, 2)),
+                label=label,
             )
-    if np.isfinite(play.loaded).any():
-        ax.plot(play.t, factor * play.loaded, color=RED, linewidth=1.4, label="under the loads,\nat rest")
+    if np.isfinite(found.loaded).any():
+        ax.plot(found.t, factor * found.loaded, color=RED, linewidth=1.4, label="under the loads,\nat rest")
     ax.axhline(0.0, color=GREY, linewidth=0.6)
 
 
-def _contributions(ax: Axes, play: Play, factor: float, unit: str) -> None:
-    k = int(np.argmax(play.worst))
-    order = sorted(range(len(play.joints)), key=lambda n: play.contributions[k, n])
-    sizes = [factor * play.contributions[k, n] for n in order]
-    names = [f"{play.joints[n]} ({play.clearances[play.joints[n]] * 1e3:.3g} mm)" for n in order]
-    colours = [ORANGE if play.joints[n] == play.tighten else BLUE for n in order]
+def _contributions(ax: Axes, found: Accuracy, factor: float, unit: str) -> None:
+    k = int(np.argmax(found.worst))
+    order = sorted(range(len(found.joints)), key=lambda n: found.contributions[k, n])
+    sizes = [factor * found.contributions[k, n] for n in order]
+    names = [f"{found.joints[n]} ({found.clearances[found.joints[n]] * 1e3:.3g} mm)" for n in order]
+    colours = [ORANGE if found.joints[n] == found.tighten else BLUE for n in order]
     ax.barh(names, sizes, color=colours, height=0.6)
     for n, size in enumerate(sizes):
         share = 100 * size / max(sum(sizes), 1e-300)
         ax.annotate(f"{share:.0f} %", (size, n), (4, 0), textcoords="offset points", va="center", fontsize=9)
     ax.grid(axis="y", visible=False)
     ax.set_xlim(0, 1.15 * max([*sizes, 1e-300]))
-    ax.set_xlabel(axis_label(f"contribution at the widest place, t = {play.t[k]:.3g} s", unit))
-    ax.set_title(f"tighten {play.tighten} first", loc="left", fontsize=10)
+    ax.set_xlabel(axis_label(f"contribution at the widest place, t = {found.t[k]:.3g} s", unit))
+    ax.set_title(f"tighten {found.tighten} first", loc="left", fontsize=10)
 
 
 def _handy(unit: str, size: float) -> tuple[float, str]:

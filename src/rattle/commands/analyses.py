@@ -1,4 +1,4 @@
-"""Commands that need no steps in time: kinematics, inverse-dynamics, equilibrium, modes, play."""
+"""Commands that need no steps in time: kinematics, inverse-dynamics, equilibrium, modes, accuracy."""
 
 from __future__ import annotations
 
@@ -295,41 +295,41 @@ def modes(file: str, settings: tuple[str, ...], ideal: bool, t: float, mode: int
 @click.command()
 @model_options
 @click.option(
-    "--output",
-    "name",
+    "--of",
+    "of",
     required=True,
     metavar="NAME",
     help="What may stray, e.g. rocker.angle, coupler.P.x or a signal.",
 )
 @span_options(73)
 @click.option("--extremes/--no-extremes", default=True, show_default=True, help="Also the exact extremes.")
-@click.option("-o", "--figure", help="Draw band and contributions: .svg, .png or .pdf.")
+@click.option("-o", "--output", help="Draw band and contributions: .svg, .png or .pdf.")
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
-def play(
-    file: str, settings: tuple[str, ...], ideal: bool, name: str, t_end: float | None, points: int, extremes: bool,
-    figure: str | None, as_json: bool,
+def accuracy(
+    file: str, settings: tuple[str, ...], ideal: bool, of: str, t_end: float | None, points: int, extremes: bool,
+    output: str | None, as_json: bool,
 ) -> None:  # fmt: skip
     """What the play of the joints does to the accuracy of an output, and which joint to tighten first.
 
     FILE is a model file or the name of a shipped example.
 
     \b
-    Example:  rattle play path_generator --output coupler.P.y -o play.svg
+    Example:  rattle accuracy path_generator --of coupler.P.y -o accuracy.svg
     """
     from rattle.plot import save_figure
 
     m = read_model(file, settings, False)
-    _writable(figure)
-    found = m.play(name, _times(m, t_end, points), extremes=extremes)
+    _writable(output)
+    found = m.accuracy(of, _times(m, t_end, points), extremes=extremes)
     if as_json:
         arrays = {
             key: getattr(found, key).tolist()
             for key in ("t", "nominal", "worst", "rss", "low", "high", "loaded", "pressed", "rule")
         }
         contributions = dict(zip(found.joints, found.contributions.T.tolist(), strict=True))
-        record = {"output": found.output, "unit": found.unit, "share": found.share, "tighten": found.tighten}
+        record = {"of": found.of, "unit": found.unit, "share": found.share, "tighten": found.tighten}
         click.echo(json.dumps({**record, **arrays, "contributions": contributions}, indent=2))
     else:
         click.echo(str(found))
-    if figure is not None:
-        save_figure(found.plot(), figure)
+    if output is not None:
+        save_figure(found.plot(), output)

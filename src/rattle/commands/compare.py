@@ -42,17 +42,19 @@ def compare(
 @click.command()
 @model_options
 @click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance.")
-@click.option("--output", "names", multiple=True, metavar="NAME", help="Curve to look at; two of them: a section.")
+@click.option("--of", "names", multiple=True, metavar="NAME", help="Curve to look at; two of them: a section.")
 @click.option("--parameter", help="Parameter to go over; then a bifurcation diagram.")
 @click.option("--from", "first", type=float, help="First value of the parameter [SI].")
 @click.option("--to", "last", type=float, help="Last value [SI].")
-@click.option("--count", default=100, show_default=True, help="Values of the parameter.")
+@click.option("--values", "count", default=100, show_default=True, help="Values of the parameter from --from to --to.")
 @click.option("--period", type=float, help="Time between two points [s]; default: one turn of the driver.")
 @click.option("--crossing", help="Instead: points where this curve rises through zero.")
 @click.option("--skip", default=50, show_default=True, help="Points left out at the start.")
 @click.option("--points", default=200, show_default=True, help="Points taken per run.")
 @click.option("--lyapunov", is_flag=True, help="Also the largest Lyapunov exponent, with its uncertainty.")
-@click.option("-o", "picture", default="poincare.png", show_default=True, help="Picture (.png, .svg, .pdf).")
+@click.option(
+    "-o", "--output", "picture", default="poincare.png", show_default=True, help="Picture (.png, .svg, .pdf)."
+)
 @click.pass_context
 def poincare(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, contact: str | None, names: tuple[str, ...],
@@ -61,12 +63,12 @@ def poincare(
 ) -> None:  # fmt: skip
     """Poincare section of two curves, or bifurcation diagram of one over a parameter.
 
-    FILE is a model file or the name of a shipped example.  Without --output it is the pin of the first joint with
+    FILE is a model file or the name of a shipped example.  Without --of it is the pin of the first joint with
     clearance, ex against ey.
 
     \b
     Example:  rattle poincare slider_crank --contact exact --lyapunov
-              rattle poincare fourbar --parameter r3 --from 0.0005 --to 0.005 --output O3.ex
+              rattle poincare fourbar --parameter r3 --from 0.0005 --to 0.005 --of O3.ex
     """
     import numpy as np
 
@@ -78,19 +80,19 @@ def poincare(
     loose = [name for name, one in m.model.joints.items() if one.clearance > 0.0]
     curves = names or tuple(f"{loose[0]}.{what}" for what in ("ex", "ey")) if loose or names else ()
     if not curves:
-        raise click.UsageError("name the curves to look at: --output NAME --output NAME")
+        raise click.UsageError("name the curves to look at: --of NAME --of NAME")
     if parameter is not None:
         if first is None or last is None:
             raise click.UsageError("--parameter wants --from and --to")
         found = m.bifurcation(
-            parameter, np.linspace(first, last, count), curves[0], period=period, skip=skip, count=points,
+            parameter, np.linspace(first, last, count), curves[0], period=period, skip=skip, points=points,
             progress=not ctx.obj["quiet"],
         )  # fmt: skip
         figure = found.plot()
     else:
         if len(curves) < 2:
-            raise click.UsageError("a section wants two curves: --output NAME --output NAME, or --parameter")
-        section = m.poincare(*curves[:2], period=period, crossing=crossing, skip=skip, count=points)
+            raise click.UsageError("a section wants two curves: --of NAME --of NAME, or --parameter")
+        section = m.poincare(*curves[:2], period=period, crossing=crossing, skip=skip, points=points)
         figure = section.plot(curves[0], curves[1])
         click.echo(f"{len(section.t)} points, {section.rule}")
     if lyapunov:

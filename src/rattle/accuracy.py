@@ -40,10 +40,10 @@ PLAIN = 4000  # positions times unknowns below which machine code is not worth i
 
 
 @dataclass(frozen=True)
-class Play:
+class Accuracy:
     """How far an output may stray, at n instants; SI units."""
 
-    output: str
+    of: str  # the name of the output
     unit: str
     t: np.ndarray  # (n,) [s]
     nominal: np.ndarray  # (n,) the output without play
@@ -89,7 +89,7 @@ class Play:
             return f"+-{factor * value:.4g} {unit}".rstrip()
 
         lines = [
-            f"{self.output} with every pin anywhere in its play, {len(self.t)} positions to t = {self.t[-1]:.4g} s:",
+            f"{self.of} with every pin anywhere in its play, {len(self.t)} positions to t = {self.t[-1]:.4g} s:",
             f"worst case      {said(self.worst[k])} at t = {self.t[k]:.4g} s, {said(self.worst.mean())} on average",
             f"root sum square {said(self.rss[k])} there",
         ]
@@ -113,16 +113,16 @@ class Play:
         return "\n".join(lines)
 
     def plot(self) -> Figure:
-        """Output with its band, and a bar of contributions; see `rattle.plot_statics.plot_play`."""
-        from rattle.plot_statics import plot_play
+        """Output with its band, and a bar of contributions; see `rattle.plot_statics.plot_accuracy`."""
+        from rattle.plot_statics import plot_accuracy
 
-        return plot_play(self)
+        return plot_accuracy(self)
 
 
-def play(
-    ready: Compiled, output: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool, loaded: bool
-) -> Play:
-    """Band of an output; see `Mechanism.play`."""
+def accuracy(
+    ready: Compiled, of: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool, loaded: bool
+) -> Accuracy:
+    """Band of an output; see `Mechanism.accuracy`."""
     began = time.perf_counter()
     times = instants(t_eval)
     ideal = compile_system(ideal_model(ready.model))
@@ -137,10 +137,10 @@ def play(
             ]
         )
     start = assemble(ideal)
-    require_driven(ideal, start, "play")
+    require_driven(ideal, start, "accuracy")
     if len(times) * len(joints) * (3 if extremes else 1) * ideal.row_count > PLAIN:
         catalog.start()
-    shown = Displaced(ideal, start, joints, output)
+    shown = Displaced(ideal, start, joints, of)
     lead = begin(ideal, start)
     n, k = len(times), len(joints)
     nominal = np.full(n, math.nan)
@@ -150,7 +150,7 @@ def play(
     slopes = np.zeros((n, k, 2))
     for i, t in enumerate(times):
         if not len(lead.go(np.array([t]), False)):
-            raise ValueError(f"play: {why_stuck(lead)}")
+            raise ValueError(f"accuracy: {why_stuck(lead)}")
         node = _node(lead)
         nodes.append(node)
         nominal[i] = shown.value(t, node, none)
@@ -160,8 +160,8 @@ def play(
             low[i], high[i] = (_extreme(shown, t, node, sign, slopes[i]) for sign in (-1.0, 1.0))
     nothing = np.full(n, math.nan)
     at_rest = _loaded(ready, ideal, shown, times, nodes, slopes) if loaded else [nothing] * 3
-    record = Play(
-        output=output, unit=shown.unit, t=times, nominal=nominal, joints=tuple(one.name for one in joints),
+    record = Accuracy(
+        of=of, unit=shown.unit, t=times, nominal=nominal, joints=tuple(one.name for one in joints),
         contributions=part, low=low, high=high, loaded=at_rest[0], pressed=at_rest[1], rule=at_rest[2],
         clearances={one.name: one.clearance for one in joints}, stats={"wall_time": time.perf_counter() - began},
     )  # fmt: skip

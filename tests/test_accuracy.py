@@ -31,7 +31,7 @@ def sample(m: rt.Mechanism, output: str, t: float, shifts: np.ndarray) -> np.nda
 @pytest.mark.parametrize("output", ["rocker.angle", "coupler.y", "rocker.omega", "motor.torque"])
 def test_every_sampled_position_lies_inside_and_the_extremes_are_reached(output):
     m = rt.loads(paper())
-    found = m.play(output, [0.11], loaded=False)
+    found = m.accuracy(output, [0.11], loaded=False)
     random = np.random.default_rng(1)
     angles = random.uniform(0, 2 * np.pi, (120, 2))
     radii = 0.005 * np.sqrt(random.uniform(0, 1, (120, 2)))
@@ -56,7 +56,7 @@ def test_every_sampled_position_lies_inside_and_the_extremes_are_reached(output)
 def test_the_bound_of_first_order_becomes_exact_as_the_play_vanishes():
     errors = []
     for r in (4e-3, 2e-3, 1e-3):
-        found = rt.loads(paper(r=r)).play("rocker.angle", TIMES, loaded=False)
+        found = rt.loads(paper(r=r)).accuracy("rocker.angle", TIMES, loaded=False)
         errors.append(np.abs((found.high - found.low) / 2 - found.worst).max() / r)
         assert (found.low < found.nominal).all()
         assert (found.nominal < found.high).all()
@@ -71,7 +71,7 @@ def test_slope_of_a_slider_crank_is_its_closed_form():
             'connect = ["slider.B", "rod.B"]', 'connect = ["slider.B", "rod.B"]\nclearance = "0.2 mm"'
         )
     )
-    found = m.play("slider.x", np.linspace(0, 0.8, 9), loaded=False)
+    found = m.accuracy("slider.x", np.linspace(0, 0.8, 9), loaded=False)
     beta = np.arcsin(0.1 / 0.3 * np.sin(7 * found.t))
     # a pin displaced by e along the rod moves the slider by e/cos(beta): the slider only goes along x
     np.testing.assert_allclose(found.worst, 2e-4 / np.cos(beta), rtol=1e-9)
@@ -85,7 +85,9 @@ def test_one_solve_and_differences_give_the_same_slopes():
         "[loads.M]", '[signals]\ntip = "rocker.angle + 0"\nspin = "rocker.angle + 0*rocker.omega"\n[loads.M]'
     )
     m = rt.loads(text)
-    one, two, three = (m.play(name, TIMES, extremes=False, loaded=False) for name in ("rocker.angle", "tip", "spin"))
+    one, two, three = (
+        m.accuracy(name, TIMES, extremes=False, loaded=False) for name in ("rocker.angle", "tip", "spin")
+    )
     np.testing.assert_allclose(one.contributions, two.contributions, rtol=1e-8)
     np.testing.assert_allclose(one.contributions, three.contributions, rtol=1e-6)
 
@@ -93,7 +95,7 @@ def test_one_solve_and_differences_give_the_same_slopes():
 @nojit
 def test_under_load_the_deviation_is_that_of_the_equilibrium_and_of_the_rule_of_virtual_work():
     m = rt.loads(paper(-40.0))
-    found = m.play("rocker.angle", TIMES)
+    found = m.accuracy("rocker.angle", TIMES)
     for k, t in enumerate(TIMES):
         apart = m.equilibrium(t)[0]["rocker.angle"] - m.ideal().equilibrium(t)[0]["rocker.angle"]
         assert found.loaded[k] == pytest.approx(apart, abs=1e-10)
@@ -107,14 +109,14 @@ def test_under_load_the_deviation_is_that_of_the_equilibrium_and_of_the_rule_of_
 @nojit
 def test_what_a_designer_reads():
     m = rt.example("path_generator")
-    found = m.play("coupler.P.y", np.linspace(0, 1, 13))
+    found = m.accuracy("coupler.P.y", np.linspace(0, 1, 13))
     text = str(found)
     assert found.tighten == "Q"
     assert sum(found.share.values()) == pytest.approx(1)
     assert "tighten Q first" in text
     assert "worst case" in text
     assert "root sum square" in text
-    tighter = m.set(c_q="0.075 mm").play("coupler.P.y", found.t, extremes=False)
+    tighter = m.set(c_q="0.075 mm").accuracy("coupler.P.y", found.t, extremes=False)
     k = int(np.argmax(found.worst))
     assert tighter.worst[k] == pytest.approx(
         found.worst[k] - 0.5 * found.contributions[k, found.joints.index("Q")], rel=1e-9
@@ -134,18 +136,18 @@ block = { length = "40 mm", height = "20 mm" }
 contact = "ideal"
 """
     m = rt.loads(slider_crank().replace('connect = ["ground.O", "slider.B"]', guide))
-    turn = m.play("slider.angle", [0.1], loaded=False)
+    turn = m.accuracy("slider.angle", [0.1], loaded=False)
     assert turn.worst[0] == pytest.approx(1e-4 / 0.02, rel=1e-9)
-    shift = m.play("slider.y", [0.1], loaded=False)
+    shift = m.accuracy("slider.y", [0.1], loaded=False)
     assert shift.worst[0] == pytest.approx(1e-4, rel=1e-9)
 
 
 @nojit
 def test_play_says_what_it_needs():
     with pytest.raises(rt.ModelError, match="no joint has a clearance"):
-        rt.loads(slider_crank()).play("slider.x", [0.0])
+        rt.loads(slider_crank()).accuracy("slider.x", [0.0])
     with pytest.raises(KeyError, match=r"coupler\.O3\.x"):
-        rt.loads(paper()).play("coupler.O3.z", [0.0])
+        rt.loads(paper()).accuracy("coupler.O3.z", [0.0])
     free = paper().replace('[drivers.motor]\njoint = "O1"\nangle = "10*t"', "")
     with pytest.raises(rt.ModelError, match="1 freedom is left"):
-        rt.loads(free).play("rocker.angle", [0.0])
+        rt.loads(free).accuracy("rocker.angle", [0.0])
