@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 
 ROUNDS = 12
 RATES = ("vx", "vy", "omega", "ax", "ay", "alpha", "power")  # nothing to compare at rest
-PLAIN = 4000  # positions times unknowns below which machine code is not worth its start
 
 
 @dataclass(frozen=True)
@@ -125,6 +124,7 @@ def accuracy(
     """Band of an output; see `Mechanism.accuracy`."""
     began = time.perf_counter()
     times = instants(t_eval)
+    catalog.start()
     ideal = compile_system(ideal_model(ready.model))
     joints = [one for one in ready.model.joints.values() if one.clearance > 0.0 and one.contact is not None]
     if not joints:
@@ -138,8 +138,6 @@ def accuracy(
         )
     start = assemble(ideal)
     require_driven(ideal, start, "accuracy")
-    if len(times) * len(joints) * (3 if extremes else 1) * ideal.row_count > PLAIN:
-        catalog.start()
     shown = Displaced(ideal, start, joints, of)
     lead = begin(ideal, start)
     n, k = len(times), len(joints)
@@ -165,7 +163,6 @@ def accuracy(
         contributions=part, low=low, high=high, loaded=at_rest[0], pressed=at_rest[1], rule=at_rest[2],
         clearances={one.name: one.clearance for one in joints}, stats={"wall_time": time.perf_counter() - began},
     )  # fmt: skip
-    catalog.mark_compiled()
     return record
 
 

@@ -49,7 +49,7 @@ REQUIRED: Any = object()
 _lock = threading.RLock()
 _jit = False
 _families: dict[str, dict[str, Kind]] = {}
-_discovered = False
+_discovered = _discovering = False
 
 
 # ---------------------------------------------------------------- what the user writes
@@ -125,15 +125,22 @@ def families() -> Iterator[str]:
 
 
 def _discover() -> None:
-    global _discovered
+    """Search the leaf packages once; other threads wait until the catalogue is whole."""
+    global _discovered, _discovering
     if _discovered:
         return
     with _lock:
-        _discovered = True
-        for package in ("joints", "clearances", "laws", "applied"):
-            found = importlib.import_module(f"{__package__}.{package}")
-            for module in pkgutil.iter_modules(found.__path__):
-                importlib.import_module(f"{found.__name__}.{module.name}")
+        if _discovered or _discovering:  # the second: a leaf asks for the catalogue while it is being made
+            return
+        _discovering = True
+        try:
+            for package in ("joints", "clearances", "laws", "applied"):
+                found = importlib.import_module(f"{__package__}.{package}")
+                for module in pkgutil.iter_modules(found.__path__):
+                    importlib.import_module(f"{found.__name__}.{module.name}")
+            _discovered = True
+        finally:
+            _discovering = False
 
 
 # ---------------------------------------------------------------- compiled functions
@@ -155,7 +162,7 @@ class Compiled:
         self.__module__ = function.__module__
 
     def __call__(self, *args: Any) -> Any:
-        if not _jit:
+        if not _jit or (args and type(args[0]) is tuple):  # a memory made before machine code ran stays plain
             return self.python(*args)
         if self.dispatcher.signatures:
             return self.dispatcher(*args)
@@ -333,9 +340,6 @@ def start() -> bool:
     if not _jit and os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):
         with _lock:
             if not _jit:
-                marker = cache_folder() / "compiled"
-                if not marker.exists():
-                    log.info("compiling kernels (once)")
                 with _compiling() as compiling:
                     for family, call in _CALLERS.items():
                         compiling.jumps(call, SIGNATURE[family])
@@ -344,13 +348,13 @@ def start() -> bool:
     return _jit
 
 
-def table(*names: str) -> Any:
+def table(*names: str, machine: bool | None = None) -> Any:
     """Kernels of the given families in tag order, one family after the other.
 
-    An int64 array of addresses when machine code runs, a tuple of Python functions otherwise.
+    An int64 array of addresses when machine code runs (or is asked for), a tuple of Python functions otherwise.
     """
     found = [entry.kernel for family in names for entry in kinds(family).values() if entry.kernel]
-    if _jit:
+    if _jit if machine is None else machine:
         return np.array([one.address for one in found], dtype=np.int64)
     return tuple(one.python for one in found)
 
@@ -365,9 +369,3 @@ def entries(functions: Iterable[Compiled]) -> Any:
 def jit_runs() -> bool:
     """True once compiled functions run as machine code."""
     return _jit
-
-
-def mark_compiled() -> None:
-    """Remember that the kernels are in the cache, so that nobody is told again that they are compiled."""
-    if _jit:
-        (cache_folder() / "compiled").touch()

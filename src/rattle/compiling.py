@@ -11,6 +11,7 @@ Written against the compiler pipeline of Numba 0.61 to 0.68 (`CompilerBase`, `Co
 from __future__ import annotations
 
 import gc
+import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -30,6 +31,7 @@ from rattle.arrays import MATRIX, VECTOR, WHOLES, block
 # Numba has no types: its classes and decorators are unknown
 # mypy: disable-error-code="untyped-decorator, misc"
 
+log = logging.getLogger("rattle")
 lock = global_compiler_lock
 OPTIONS = {"nogil": True, "error_model": "numpy"}
 OURS = {**OPTIONS, "no_cfunc_wrapper": True, "_nrt": False}  # our functions make no arrays: nothing to count
@@ -103,6 +105,16 @@ class _Whole(_Library):
 
 
 # ---------------------------------------------------------------- compilers
+_said: list[str] = []
+
+
+def _say_once() -> None:
+    """Tell the user, once, that something is compiled and not just read from the cache."""
+    if not _said:
+        _said.append("compiling kernels (once)")
+        log.info(_said[0])
+
+
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _LowerPart(typed_passes.NativeLowering):
     _name = "rattle_part"
@@ -128,6 +140,7 @@ class _Compiler(CompilerBase):
     lower: Any
 
     def define_pipelines(self) -> list[PassManager]:
+        _say_once()
         manager = PassManager("rattle")
         for one in (
             untyped_passes.TranslateByteCode,

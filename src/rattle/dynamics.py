@@ -156,7 +156,6 @@ def simulate(
         second.go(progress, "once more, tighter")
         reach = agreement(run, second)
     result = _result(run, reach)
-    catalog.mark_compiled()
     if not result.success:
         log.warning(result.message)
         if strict:

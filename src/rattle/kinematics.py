@@ -24,7 +24,6 @@ from rattle.system import Compiled
 
 log = logging.getLogger("rattle")
 
-PLAIN = 4000  # rows times positions up to which starting machine code is not worth it
 SPOTS = 256
 MOTORS = {"revolute": ("angle", "torque", "N*m"), "prismatic": ("position", "thrust", "N")}  # driver kind, effort, unit
 
@@ -144,8 +143,7 @@ def analyse(
     began = time.perf_counter()
     times = instants(t_eval)
     what = "inverse dynamics" if forces else "kinematics"
-    if len(times) * max(1, ready.row_count) > PLAIN:
-        catalog.start()
+    catalog.start()
     if start is None:
         try:
             start = assemble(ready, float(times[0]))
@@ -171,7 +169,6 @@ def analyse(
         ends = float(sweep.clock[swept.NOW])
         events.append(Event(ends, _blocking(sweep), "dead centre" if "dead centre" in message else "end"))
     result = _result(sweep, reached, raw, forces, motors, message, events, notes, time.perf_counter() - began)
-    catalog.mark_compiled()
     if message:
         log.warning(message)
         if strict:

@@ -119,7 +119,7 @@ class Memory:
                 if array.dtype != dtype or array.ndim != int(kind[1]) or not array.flags.c_contiguous:
                     raise TypeError(f"array '{name}' is not a contiguous {kind}: {array.dtype}, {array.shape}")
         self.handle: Any = tuple(self._arrays.values())
-        if catalog.jit_runs():
+        if isinstance(self._arrays["joint_table"], np.ndarray) and catalog.jit_runs():
             self.handle = np.array(
                 [(a.ctypes.data, a.shape[0], a.shape[-1]) for a in self._arrays.values()], np.int64
             ).ravel()

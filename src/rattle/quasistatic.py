@@ -25,7 +25,6 @@ from rattle.system import Compiled, compile_system
 
 SMALLEST = 1e-7  # share of an interval below which no step is tried
 MOST_SNAPS = 5  # in one interval
-PLAIN = 200  # positions up to which starting machine code is not worth it
 
 
 @dataclass
@@ -67,8 +66,7 @@ def quasistatic(ready: Compiled, t_eval: np.ndarray) -> Result:
     """Positions of rest over the times; see `Mechanism.equilibrium`."""
     began = time.perf_counter()
     times = instants(t_eval)
-    if len(times) > PLAIN:
-        catalog.start()
+    catalog.start()
     ready = without_guide_play(ready)
     first = equilibria(ready, float(times[0]))
     if not first:

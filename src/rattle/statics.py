@@ -25,7 +25,6 @@ from rattle.system import Compiled, compile_system, has_contacts, is_link
 
 MOST_PINS = 6  # up to so many clearance pins all combinations of sides are tried
 RANDOM_STARTS = 48
-PLAIN = 8  # bodies up to which machine code is not worth its start
 MANY = 12  # bodies from which on only the assembled position is a start
 
 
@@ -33,8 +32,7 @@ def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near") -> list[
     """All positions of rest found; see `Mechanism.equilibrium`."""
     if branches not in ("near", "all"):
         raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
-    if ready.body_count > PLAIN:
-        catalog.start()
+    catalog.start()
     ready = without_guide_play(ready)
     rigid = rigid_model(ready)
     ideal_ready = compile_system(ideal_model(ready.model)) if rigid is not None else ready

@@ -56,6 +56,7 @@ class Compiled:
         """Fresh memory for one run; `more` are arrays of the march."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
         nc = self.arrays["contact"].shape[0]
+        machine = catalog.jit_runs()  # asked once: another thread may switch to machine code at any moment
         grip = np.zeros((nc, 13))
         grip[:, CLOSED] = AUTO
         body = np.zeros((nb, 8))
@@ -63,9 +64,9 @@ class Compiled:
         return Memory(
             {
                 **self.arrays,
-                "joint_table": catalog.table("joint", "driver"),
-                "load_table": catalog.table("load"),
-                **{f"{family}_table": catalog.table(family) for family in CONTACT_FAMILIES if nc},
+                "joint_table": catalog.table("joint", "driver", machine=machine),
+                "load_table": catalog.table("load", machine=machine),
+                **{f"{family}_table": catalog.table(family, machine=machine) for family in CONTACT_FAMILIES if nc},
                 "values": self.arrays["values"].copy(),
                 "signals": np.zeros(ns),
                 "jets": np.zeros((ns, 3)),

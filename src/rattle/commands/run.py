@@ -114,7 +114,6 @@ def warmup() -> None:
         return
     with ProcessPoolExecutor(max_workers=len(WARM), mp_context=get_context("spawn")) as pool:
         list(pool.map(_warm, WARM))
-    catalog.mark_compiled()
     click.echo(f"kernels are ready in {catalog.cache_folder()} ({time.perf_counter() - start:.1f} s)")
 
 
