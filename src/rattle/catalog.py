@@ -18,7 +18,6 @@ import os
 import pkgutil
 import re
 import sys
-import tempfile
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -27,6 +26,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from rattle import codecache
+from rattle.codecache import CodeCache, Folder
 
 log = logging.getLogger("rattle")
 
@@ -174,9 +176,11 @@ class Compiled:
         """The Numba dispatcher for calls from outside, made when first asked for."""
         if self._whole is None:
             with _compiling() as compiling:
-                if self._whole is None:
-                    make = compiling.whole if self.ours else compiling.foreign
-                    self._whole = make(self.python, SIGNATURE.get(self.family, ()))
+                if self._whole is None and self.ours:
+                    kept = CodeCache(self.python, cache_folder) if self.__module__.startswith("rattle.") else None
+                    self._whole = compiling.whole(self.python, SIGNATURE.get(self.family, ()), kept)
+                elif self._whole is None:
+                    self._whole = compiling.foreign(self.python, SIGNATURE.get(self.family, ()))
         return self._whole
 
     @property
@@ -210,7 +214,7 @@ def kernel(family: str) -> Callable[[Callable[..., Any]], Compiled]:
 def _compiling() -> Iterator[Any]:
     """Our compiler, with its settings; one thread at a time."""
     compiling: Any = importlib.import_module("rattle.compiling")  # imports Numba
-    with compiling.lock, compiling.settings(cache_folder()):
+    with compiling.lock, compiling.settings():
         yield compiling
 
 
@@ -237,30 +241,28 @@ _IMPORTED = re.compile(r"^from (rattle[\w.]*) import (\([^)]*\)|.*)$", re.MULTIL
 _NAME = re.compile(r"\w+")
 
 
-def cache_folder() -> Path:
+def code_folder() -> Folder:
     """Where machine code is kept: one folder for each state of the compiled sources and Numba version."""
-    global _cache_folder
-    if _cache_folder is None:
+    global _code_folder
+    if _code_folder is None:
         import numba
 
         here = Path(__file__).parent
         digest = hashlib.sha256(f"{numba.__version__} {numba.config.BOUNDSCHECK} {sys.version} {here}".encode())
         for source in compiled_sources():
             digest.update(source.read_bytes())
-        root = Path(os.environ.get("RATTLE_CACHE", Path.home() / ".cache" / "rattle"))
-        folder = root / digest.hexdigest()[:16]
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=folder):
-                pass
-        except OSError:
-            folder = Path(tempfile.gettempdir()) / f"rattle-{os.getuid() if hasattr(os, 'getuid') else 0}" / folder.name
-            folder.mkdir(parents=True, exist_ok=True)
-        _cache_folder = folder
-    return _cache_folder
+        with _folder_lock:
+            _code_folder = _code_folder or codecache.code_folder(digest.hexdigest()[:16])
+    return _code_folder
 
 
-_cache_folder: Path | None = None
+def cache_folder() -> Path | None:
+    """The folder of kept machine code; None where there is no place for it."""
+    return code_folder().path
+
+
+_code_folder: Folder | None = None
+_folder_lock = threading.Lock()  # of its own: asked for while others are held
 
 
 # ---------------------------------------------------------------- tables of kernels

@@ -14,7 +14,6 @@ import gc
 import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numba
@@ -27,6 +26,7 @@ from numba.core.compiler_machinery import PassManager, register_pass
 from numba.extending import lower_builtin, type_callable
 
 from rattle.arrays import MATRIX, VECTOR, WHOLES, block
+from rattle.codecache import CodeCache
 
 # Numba has no types: its classes and decorators are unknown
 # mypy: disable-error-code="untyped-decorator, misc"
@@ -54,18 +54,18 @@ def signature(letters: Sequence[str], plain: bool = False) -> Any:
 
 
 @contextmanager
-def settings(folder: Path) -> Iterator[None]:
-    """Our cache folder, and an optimiser level that compiles a tenth faster to code that runs as fast.
+def settings() -> Iterator[None]:
+    """An optimiser level that compiles a tenth faster to code that runs as fast.
 
     The collector of garbage rests: compiling makes millions of objects that live on.
     """
-    before, collects = (numba.config.CACHE_DIR, numba.config.OPT), gc.isenabled()
+    before, collects = numba.config.OPT, gc.isenabled()
     try:
         gc.disable()
-        numba.config.CACHE_DIR, numba.config.OPT = str(folder), type(before[1])(1)
+        numba.config.OPT = type(before)(1)
         yield
     finally:
-        numba.config.CACHE_DIR, numba.config.OPT = before
+        numba.config.OPT = before
         if collects:
             gc.enable()
 
@@ -193,10 +193,15 @@ def part(function: Callable[..., Any]) -> Any:
     return dispatcher
 
 
-def whole(function: Callable[..., Any], letters: Sequence[str]) -> Any:
+def whole(function: Callable[..., Any], letters: Sequence[str], cache: CodeCache | None = None) -> Any:
     """A dispatcher for calls from Python; with letters, compiled now for that signature, and callable by address."""
-    options = {**OURS, "cache": True, "pipeline_class": _WholeCompiler}
-    return numba.njit(*([signature(letters)] if letters else []), **options)(function)
+    dispatcher = numba.njit(pipeline_class=_WholeCompiler, **OURS)(function)
+    if cache is not None:
+        dispatcher._cache = cache
+    if letters:
+        dispatcher.compile(signature(letters))
+        dispatcher.disable_compile()
+    return dispatcher
 
 
 def foreign(function: Callable[..., Any], letters: Sequence[str]) -> Any:

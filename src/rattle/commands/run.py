@@ -96,7 +96,8 @@ def _peaks(result: Result) -> dict[str, dict[str, float | str]]:
 
 
 @click.command()
-def warmup() -> None:
+@click.pass_context
+def warmup(ctx: click.Context) -> None:
     """Compile all kernels now, so that the first run is quick.
 
     \b
@@ -112,6 +113,8 @@ def warmup() -> None:
     if not catalog.start():
         click.echo("NUMBA_DISABLE_JIT is set: kernels run as plain Python, there is nothing to compile")
         return
+    if not catalog.code_folder().lasting:
+        ctx.exit(1)  # the warning has said why
     with ProcessPoolExecutor(max_workers=len(WARM), mp_context=get_context("spawn")) as pool:
         list(pool.map(_warm, WARM))
     click.echo(f"kernels are ready in {catalog.cache_folder()} ({time.perf_counter() - start:.1f} s)")

@@ -1,0 +1,204 @@
+"""Kept machine code is only taken from a folder of the user's own, is never needed, and heals itself."""
+
+import os
+import shutil
+import stat
+
+import numpy as np
+import pytest
+
+from rattle import catalog, codecache
+from rattle.codecache import CodeCache, Folder, code_folder
+
+posix = pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders of Windows profiles are private")
+
+
+def mode(path):
+    return stat.S_IMODE(path.stat().st_mode)
+
+
+# ---------------------------------------------------------------- which folder
+@pytest.mark.nojit
+@posix
+def test_a_new_folder_is_private_whatever_the_umask(tmp_path, monkeypatch):
+    monkeypatch.setenv("RATTLE_CACHE", str(tmp_path / "kept"))
+    before = os.umask(0)
+    try:
+        found = code_folder("abc")
+    finally:
+        os.umask(before)
+    assert found == Folder(tmp_path / "kept" / "abc", True)
+    assert mode(tmp_path / "kept") == mode(tmp_path / "kept" / "abc") == 0o700
+
+
+def others_may_write(root):
+    (root / "abc").mkdir(parents=True)
+    (root / "abc").chmod(0o777)
+
+
+def group_may_write_above(root):
+    (root / "abc").mkdir(parents=True)
+    root.chmod(0o770)
+
+
+def link(root):
+    other = root.parent / "other"
+    (other / "abc").mkdir(parents=True, mode=0o700)
+    root.symlink_to(other)
+
+
+def link_inside(root):
+    other = root.parent / "other"
+    other.mkdir(mode=0o700)
+    root.mkdir(mode=0o700)
+    (root / "abc").symlink_to(other)
+
+
+def file_instead(root):
+    root.write_text("")
+
+
+def everybody_may_write_two_above(root):
+    root.mkdir(mode=0o700)
+    root.parent.chmod(0o777)
+
+
+@pytest.mark.nojit
+@posix
+@pytest.mark.parametrize(
+    "prepare",
+    [others_may_write, group_may_write_above, link, link_inside, file_instead, everybody_may_write_two_above],
+)
+def test_code_is_not_taken_from_a_folder_that_others_could_have_filled(tmp_path, monkeypatch, caplog, prepare):
+    root = tmp_path / "place" / "kept"
+    root.parent.mkdir()
+    prepare(root)
+    monkeypatch.setenv("RATTLE_CACHE", str(root))
+    found = code_folder("abc")
+    assert not found.lasting
+    assert root not in found.path.parents
+    assert mode(found.path) == 0o700
+    assert "RATTLE_CACHE" in caplog.text
+    assert list(found.path.iterdir()) == []
+
+
+@pytest.mark.nojit
+@posix
+def test_a_folder_of_another_user_is_not_used(tmp_path, monkeypatch):
+    root = tmp_path / "kept"
+    (root / "abc").mkdir(parents=True, mode=0o700)
+    monkeypatch.setenv("RATTLE_CACHE", str(root))
+    owner = root.stat().st_uid
+    monkeypatch.setattr(codecache.os, "getuid", lambda: owner + 1)
+    found = code_folder("abc")
+    assert not found.lasting
+    assert "belongs to another user" in found.why_not
+
+
+@pytest.mark.nojit
+@posix
+def test_a_place_like_tmp_is_shared_but_its_entries_are_not(tmp_path, monkeypatch):
+    root = tmp_path / "kept"
+    root.mkdir()
+    root.chmod(0o1777)
+    monkeypatch.setenv("RATTLE_CACHE", str(root))
+    assert code_folder("abc") == Folder(root / "abc", True)
+
+
+@pytest.mark.nojit
+def test_an_empty_name_means_home_and_a_tilde_is_the_home(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path / "home"))
+    monkeypatch.setenv("RATTLE_CACHE", "")
+    assert code_folder("abc").path == tmp_path / "home" / ".cache" / "rattle" / "abc"
+    monkeypatch.setenv("RATTLE_CACHE", "~/mine")
+    assert code_folder("abc").path == tmp_path / "home" / "mine" / "abc"
+    assert [one.name for one in tmp_path.iterdir()] == ["home"]
+
+
+@pytest.mark.nojit
+def test_without_a_home_or_any_folder_there_is_just_no_cache(monkeypatch):
+    def nowhere(*args, **options):
+        raise RuntimeError("Could not determine home directory.")
+
+    def full(*args, **options):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.delenv("RATTLE_CACHE", raising=False)
+    monkeypatch.setattr(codecache.Path, "home", nowhere)
+    assert not code_folder("abc").lasting
+    monkeypatch.setattr(codecache.tempfile, "mkdtemp", full)
+    assert code_folder("abc").path is None
+
+
+# ---------------------------------------------------------------- one file
+def scaled(t, y):
+    return 2.0 * t + y
+
+
+def dispatcher(folder):
+    from rattle import compiling
+
+    with compiling.lock, compiling.settings():
+        return compiling.whole(scaled, ("f", "f", "f"), CodeCache(scaled, lambda: folder))
+
+
+def flip(content):
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+DAMAGE = {
+    "empty": lambda content: b"",
+    "cut": lambda content: content[: len(content) // 2],
+    "zeros": lambda content: bytes(len(content)),
+    "garbage": lambda content: b"\x80\x05garbage" * 50,
+    "one bit": flip,
+    "short": lambda content: content[:7],
+}
+
+
+def test_kept_code_is_used_and_damaged_code_is_made_anew(tmp_path):
+    assert dispatcher(tmp_path)(1.0, 3.0) == 5.0
+    (file,) = tmp_path.iterdir()
+    assert dispatcher(tmp_path).stats.cache_hits
+    whole = file.read_bytes()
+    for what, damage in DAMAGE.items():
+        file.write_bytes(damage(whole))
+        again = dispatcher(tmp_path)
+        assert again(1.0, 3.0) == 5.0, what
+        assert not again.stats.cache_hits, what
+        assert dispatcher(tmp_path).stats.cache_hits, what
+    file.unlink()
+    file.mkdir()
+    (file / "x").write_text("")
+    assert dispatcher(tmp_path)(1.0, 3.0) == 5.0
+    assert dispatcher(tmp_path).stats.cache_hits
+
+
+@pytest.mark.parametrize("what", ["gone", "none", "full"])
+def test_a_cache_that_cannot_be_written_loses_nothing(tmp_path, monkeypatch, what):
+    def full(*args):
+        raise OSError(28, "No space left on device")
+
+    folder = None if what == "none" else tmp_path / "kept"
+    if what == "full":
+        folder.mkdir()
+        monkeypatch.setattr(codecache.Path, "write_bytes", full)
+    assert dispatcher(folder)(1.0, 3.0) == 5.0
+    assert not list(tmp_path.rglob("*.code")) + list(tmp_path.rglob(".*"))
+
+
+def test_a_run_needs_no_cache_folder(tmp_path, monkeypatch):
+    import rattle as rt
+
+    rt.example("double_pendulum").simulate(1e-3)
+    (tmp_path / "kept").mkdir()
+    monkeypatch.setattr(catalog, "_code_folder", Folder(tmp_path / "kept", True))
+    shutil.rmtree(tmp_path / "kept")
+    r = rt.example("double_pendulum").simulate(2e-3)
+    assert r.success
+    assert r.t[-1] == 2e-3
+    monkeypatch.setattr(catalog, "_code_folder", Folder(None, False))
+    assert np.array_equal(rt.example("double_pendulum").simulate(2e-3)["energy.kinetic"], r["energy.kinetic"])
