@@ -23,6 +23,7 @@ import numpy as np
 from rattle import catalog
 from rattle.assembly import assemble, ideal_model
 from rattle.displaced import Displaced, widest
+from rattle.display import quantity, table
 from rattle.errors import ModelError, Problem
 from rattle.kinematics import Sweep, begin, instants, require_driven, why_stuck
 from rattle.model import Joint
@@ -38,7 +39,7 @@ ROUNDS = 12
 RATES = ("vx", "vy", "omega", "ax", "ay", "alpha", "power")  # nothing to compare at rest
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Accuracy:
     """How far an output may stray, at n instants; SI units."""
 
@@ -110,6 +111,25 @@ class Accuracy:
         half = self.worst[k] - 0.5 * self.contributions[k, self.joints.index(first)]
         lines.append(f"tighten {first} first{also}: half its clearance makes the worst case {said(half)}")
         return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        half = quantity(float(self.worst.max()), self.unit)
+        return f"<rattle.Accuracy: {self.of} +-{half} at worst, tighten {self.tighten} first>"
+
+    def _repr_html_(self) -> str:
+        k = int(np.argmax(self.worst))
+        rows = [
+            (
+                name,
+                f"{self.clearances[name] * 1e3:.4g} mm",
+                f"+-{quantity(self.contributions[k, self.joints.index(name)], self.unit)}",
+                f"{100 * share:.0f} %",
+            )
+            for name, share in sorted(self.share.items(), key=lambda item: -item[1])
+        ]
+        report = str(self).splitlines()
+        facts = [line for line in report[1:] if not line.startswith("  ")]
+        return table(("joint", "clearance", "contribution", "share"), rows, report[0], facts)
 
     def plot(self) -> Figure:
         """Output with its band, and a bar of contributions; see `rattle.plot_statics.plot_accuracy`."""

@@ -16,6 +16,7 @@ import numpy as np
 
 from rattle import catalog
 from rattle.assembly import driver_slot
+from rattle.display import lines
 from rattle.equations import DONE, PAUSED, drive
 from rattle.plane import CLOSED, SHUT, SPEED
 from rattle.steppers import march
@@ -63,7 +64,7 @@ def _period(m: Mechanism, period: float | None) -> float:
 
 
 # ---------------------------------------------------------------- Poincare section
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Section:
     """Points of a Poincare section."""
 
@@ -74,6 +75,9 @@ class Section:
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.values[name]
+
+    def __repr__(self) -> str:
+        return f"<rattle.Section: {len(self.t)} points of {', '.join(self.values)}, {self.rule}>"
 
     def plot(self, x: str | None = None, y: str | None = None, ax: Axes | None = None) -> Figure:
         """The points of two of the names (default: the first two), coloured by time."""
@@ -118,7 +122,7 @@ def section(
 
 
 # ---------------------------------------------------------------- bifurcation
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Bifurcation:
     """Points of a Poincare section over a parameter."""
 
@@ -129,6 +133,13 @@ class Bifurcation:
     of_unit: str
     points: np.ndarray  # (k, points) of the output [SI]; nan where a run ended early
     rule: str
+
+    def __repr__(self) -> str:
+        first, last = self.values[[0, -1]] if len(self.values) else (0.0, 0.0)
+        shape = (
+            f"{len(self.values)} values of {self.parameter} from {first:g} to {last:g} {self.parameter_unit}".rstrip()
+        )
+        return f"<rattle.Bifurcation: {self.of} over {shape}, {self.points.shape[1]} points each>"
 
     def plot(self, ax: Axes | None = None) -> Figure:
         """Points over the parameter."""
@@ -205,6 +216,12 @@ class Lyapunov(NamedTuple):
     def horizon(self, error: float = 1e-9, seen: float = 1e-2) -> float:
         """Time [s] in which a relative error grows to what is seen; inf without growth."""
         return math.log(seen / error) / self.exponent if self.exponent > 0.0 else math.inf
+
+    def __repr__(self) -> str:
+        return f"<rattle.Lyapunov: {self.exponent:.3g} +- {self.uncertainty:.2g} 1/s over {self.span:.4g} s>"
+
+    def _repr_html_(self) -> str:
+        return lines(str(self))
 
     def __str__(self) -> str:
         said = f"largest Lyapunov exponent {self.exponent:.3g} +- {self.uncertainty:.2g} 1/s over {self.span:.4g} s"

@@ -9,6 +9,7 @@ import numpy as np
 
 from rattle.assembly import LARGE, Assembled, driver_slot, ideal_model
 from rattle.closing import close_position, open_by
+from rattle.display import table
 from rattle.loops import describe_loop, loops
 from rattle.memory import Memory
 from rattle.model import Model
@@ -19,7 +20,7 @@ from rattle.system import Compiled, compile_system, is_link
 TURN = 72  # positions of a driver tried around a full turn
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Check:
     """A short report on a mechanism; `str()` prints it."""
 
@@ -35,6 +36,13 @@ class Check:
     reach: tuple[str, ...]  # how far each driver can go
     laws: tuple[str, ...]  # contact laws of the user that pull or give energy back
     residual: float  # largest gap after assembly [m or rad]
+
+    def __repr__(self) -> str:
+        return f"<rattle.Check: {self.bodies} bodies, {self.joints} joints, mobility {self.mobility}>"
+
+    def _repr_html_(self) -> str:
+        first, *rest = str(self).splitlines()
+        return table(("what", "found"), [line.partition(": ")[::2] for line in rest if ": " in line], first)
 
     def __str__(self) -> str:
         freedoms = (

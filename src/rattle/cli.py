@@ -50,6 +50,9 @@ HELP = {
 }
 
 
+QUIET = "No progress and no log, only results."
+
+
 class Lazy(click.Group):
     """A group that imports a command's module only when the command is called or asked for help."""
 
@@ -61,6 +64,9 @@ class Lazy(click.Group):
             return None
         module = importlib.import_module(f"rattle.commands.{COMMANDS[name]}")
         command: click.Command = getattr(module, name.replace("-", "_"))
+        if not any("--quiet" in one.opts for one in command.params):
+            quiet = click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=_quieten, help=QUIET)
+            command.params.append(quiet)
         return command
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
@@ -99,6 +105,14 @@ def _ours_is_broken(error: BaseException) -> bool:
     return type(error) is KeyError
 
 
+def _quieten(ctx: click.Context, param: click.Parameter, quiet: bool) -> None:
+    """-q may stand before or after the command."""
+    if quiet:
+        ctx.ensure_object(dict)["quiet"] = True
+        for handler in logging.getLogger("rattle").handlers:
+            handler.setLevel(logging.ERROR)
+
+
 class _Colours(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
         text = super().format(record)
@@ -107,7 +121,7 @@ class _Colours(logging.Formatter):
 
 @click.group(cls=Lazy, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="rattle")
-@click.option("-q", "--quiet", is_flag=True, help="No progress and no log, only results.")
+@click.option("-q", "--quiet", is_flag=True, help=QUIET)
 @click.pass_context
 def main(ctx: click.Context, quiet: bool) -> None:
     """Planar mechanisms whose joints have play.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle import catalog
+from rattle.display import table
 from rattle.errors import AssemblyError, ModelError, Problem, suggest
 from rattle.recontact import recontact
 
@@ -26,7 +27,7 @@ POINTS = 4000  # output intervals
 CORNER = 1e9  # stiffness of a guide's corner where none is given [N/m^1.5]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison:
     """Results of one mechanism by model of play; `str()` is a table, `figure()` the page."""
 
@@ -36,6 +37,13 @@ class Comparison:
     joint: str  # the joint that is shown
     curve: str  # the motion that is shown
     assumed: tuple[str, ...]  # what the model file does not say and the page takes for granted
+
+    def __repr__(self) -> str:
+        return f"<rattle.Comparison: {self.name}, joint {self.joint}: {', '.join(self.results)}>"
+
+    def _repr_html_(self) -> str:
+        below = [f"{model}: {why}" for model, why in self.skipped.items()]
+        return table(HEAD, self.rows(), f"{self.name}: joint {self.joint}", [*below, *self.assumed])
 
     def __str__(self) -> str:
         rows = [HEAD, *self.rows()]

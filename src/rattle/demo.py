@@ -126,7 +126,7 @@ def run_demo(folder: str | os.PathLike[str]) -> tuple[list[Path], str]:
         raise type(error)(f"cannot make the folder {place}: {error.strerror}") from error
     mechanism = rattle.example(EXAMPLE)
     play, ideal = mechanism.simulate(horizon=True), mechanism.ideal().simulate(horizon=True)
-    writers: dict[str, Callable[[Path], None]] = {
+    writers: dict[str, Callable[[Path], object]] = {
         f"{EXAMPLE}-figures.png": partial(save_figure, paper_page(play, ideal)),
         **{f"orbit-{pin}.png": partial(save_figure, play.plot_orbit(pin)) for pin in clearance_joints(play)},
         f"{EXAMPLE}.csv": play.to_csv,

@@ -12,6 +12,7 @@ from rattle import modelfile
 from rattle.building import Building
 from rattle.errors import ModelError, Problem, suggest
 from rattle.model import Model
+from rattle.quantity import Seconds, seconds, seconds_or_none, times
 
 if TYPE_CHECKING:
     import numpy as np
@@ -49,6 +50,32 @@ class Mechanism(Building):
         made._file = file
         _ = made.model
         return made
+
+    def __repr__(self) -> str:
+        counts = []
+        for table, one in (("bodies", "body"), ("joints", "joint"), ("drivers", "driver"), ("loads", "load")):
+            n = len(self._document.get(table, {}))
+            if n or table in ("bodies", "joints"):
+                counts.append(f"{n} {one if n == 1 else table}")
+        name = self._document.get("name") or self._file
+        return f"<rattle.Mechanism{f' {name!r}' if name else ''}: {', '.join(counts)}>"
+
+    def _repr_html_(self) -> str:
+        from rattle.display import quantity, table
+
+        try:
+            model = self.model
+        except ModelError as error:
+            problems = [(one.key, one.message) for one in error.problems]
+            return table(("where", "what is still wrong or missing"), problems, repr(self)[1:-1])
+        joints = [
+            (name, one.kind, f"{one.a.body} - {one.b.body}", quantity(one.clearance, "m") if one.contact else "",
+             one.contact.title if one.contact else "")
+            for name, one in model.joints.items()
+        ]  # fmt: skip
+        named = [(name, quantity(one.value, one.unit, 6)) for name, one in model.parameters.items()]
+        parts = [table(("joint", "type", "between", "clearance", "contact"), joints, repr(self)[1:-1])]
+        return "".join([*parts, table(("parameter", "value"), named)] if named else parts)
 
     # ------------------------------------------------------------ the model
     @cached_property
@@ -159,13 +186,14 @@ class Mechanism(Building):
         return check(self.ready, self.start)
 
     def simulate(
-        self, t_end: float | None = None, *, t_eval: Sequence[float] | np.ndarray | None = None,
-        method: str | None = None, rtol: float | None = None, atol: float | None = None, step: float | None = None,
+        self, t_end: Seconds | None = None, *, t_eval: Sequence[Seconds] | np.ndarray | None = None,
+        method: str | None = None, rtol: float | None = None, atol: float | None = None, step: Seconds | None = None,
         progress: bool = False, strict: bool = False, horizon: bool = False,
     ) -> Result:  # fmt: skip
         """Motion in time from the assembled start.
 
-        t_end: duration [s].  t_eval: output instants [s] (default: the model's output interval, or 1000).
+        t_end: duration [s].  t_eval: output instants [s] (default: the model's output interval, or 1000).  Every time
+        may also be a text: t_end="20 ms".
         method: "dop853" (adaptive) or "rk4" (fixed step); for impact contacts "event" (default) or "moreau".
         rtol, atol: tolerances per step of dop853 and event on positions and rates [m, rad, m/s, rad/s].
         step: step of rk4 and moreau, largest step of dop853 [s].
@@ -178,29 +206,34 @@ class Mechanism(Building):
         from rattle import dynamics
 
         return dynamics.simulate(
-            self.ready, self.start, t_end=t_end, t_eval=t_eval, method=method, rtol=rtol, atol=atol, step=step,
-            progress=progress, strict=strict, horizon=horizon,
+            self.ready, self.start, t_end=seconds_or_none(t_end, "t_end"), t_eval=times(t_eval, "t_eval"),
+            method=method, rtol=rtol, atol=atol, step=seconds_or_none(step, "step"), progress=progress, strict=strict,
+            horizon=horizon,
         )  # fmt: skip
 
     def compare(
-        self, *, joint: str | None = None, curve: str | None = None, t_end: float | None = None, law: str | None = None,
-        progress: bool = False,
+        self, *, joint: str | None = None, curve: str | None = None, t_end: Seconds | None = None,
+        law: str | None = None, progress: bool = False,
     ) -> Comparison:  # fmt: skip
         """The mechanism ideal, with massless links, one-sided impact and compliant contacts; see `rattle.compare`."""
         from rattle.compare import compare
 
-        return compare(self, joint=joint, curve=curve, t_end=t_end, law=law, progress=progress)
+        return compare(
+            self, joint=joint, curve=curve, t_end=seconds_or_none(t_end, "t_end"), law=law, progress=progress
+        )
 
-    def lyapunov(self, t_end: float | None = None, *, stretch: float | None = None, rtol: float = 1e-10) -> Lyapunov:
+    def lyapunov(
+        self, t_end: Seconds | None = None, *, stretch: Seconds | None = None, rtol: float = 1e-10
+    ) -> Lyapunov:
         """Largest Lyapunov exponent [1/s] with its uncertainty: the reason behind the horizon; see `rattle.chaos`."""
         from rattle.chaos import lyapunov
 
-        return lyapunov(self, t_end, stretch=stretch, rtol=rtol)
+        return lyapunov(self, seconds_or_none(t_end, "t_end"), stretch=seconds_or_none(stretch, "stretch"), rtol=rtol)
 
     def poincare(
-        self, *names: str, period: float | None = None, crossing: str | None = None, level: float = 0.0,
+        self, *names: str, period: Seconds | None = None, crossing: str | None = None, level: float = 0.0,
         skip: int = 50, points: int = 500, method: str | None = None, rtol: float | None = None,
-        atol: float | None = None, step: float | None = None,
+        atol: float | None = None, step: Seconds | None = None,
     ) -> Section:  # fmt: skip
         """Values once per turn of the driver, or whenever a curve rises through a level; see `rattle.chaos.section`.
 
@@ -210,14 +243,14 @@ class Mechanism(Building):
         from rattle.chaos import section
 
         return section(
-            self, names, period=period, crossing=crossing, level=level, skip=skip, points=points, method=method,
-            rtol=rtol, atol=atol, step=step,
+            self, names, period=seconds_or_none(period, "period"), crossing=crossing, level=level, skip=skip,
+            points=points, method=method, rtol=rtol, atol=atol, step=seconds_or_none(step, "step"),
         )  # fmt: skip
 
     def bifurcation(
-        self, parameter: str, values: Sequence[float] | np.ndarray, of: str, *, period: float | None = None,
+        self, parameter: str, values: Sequence[float] | np.ndarray, of: str, *, period: Seconds | None = None,
         skip: int = 100, points: int = 100, method: str | None = None, rtol: float | None = None,
-        atol: float | None = None, step: float | None = None, threads: int | None = None, progress: bool = False,
+        atol: float | None = None, step: Seconds | None = None, threads: int | None = None, progress: bool = False,
     ) -> Bifurcation:  # fmt: skip
         """What an output does once per turn, over the values of a parameter; see `rattle.chaos.bifurcation`.
 
@@ -227,11 +260,11 @@ class Mechanism(Building):
         from rattle.chaos import bifurcation
 
         return bifurcation(
-            self, parameter, values, of, period=period, skip=skip, points=points, method=method, rtol=rtol, atol=atol,
-            step=step, threads=threads, progress=progress,
+            self, parameter, values, of, period=seconds_or_none(period, "period"), skip=skip, points=points,
+            method=method, rtol=rtol, atol=atol, step=seconds_or_none(step, "step"), threads=threads, progress=progress,
         )  # fmt: skip
 
-    def kinematics(self, t_eval: float | Sequence[float] | np.ndarray, *, strict: bool = False) -> Result:
+    def kinematics(self, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *, strict: bool = False) -> Result:
         """Position, velocity and acceleration of a fully driven mechanism at any increasing times [s].
 
         Starts from the assembled position at t = 0 and keeps its branch.  A position that cannot be reached ends
@@ -243,11 +276,13 @@ class Mechanism(Building):
         """
         from rattle import kinematics
 
-        return kinematics.analyse(self.ready, self._start_or_none(), t_eval, forces=False, strict=strict)
+        return kinematics.analyse(
+            self.ready, self._start_or_none(), times(t_eval, "t_eval"), forces=False, strict=strict
+        )
 
     def inverse_dynamics(
         self,
-        t_eval: float | Sequence[float] | np.ndarray,
+        t_eval: Seconds | Sequence[Seconds] | np.ndarray,
         *,
         effort_at: str | Mapping[str, str] | None = None,
         strict: bool = False,
@@ -263,15 +298,15 @@ class Mechanism(Building):
         from rattle import kinematics
 
         return kinematics.analyse(
-            self.ready, self._start_or_none(), t_eval, forces=True, effort_at=effort_at, strict=strict
+            self.ready, self._start_or_none(), times(t_eval, "t_eval"), forces=True, effort_at=effort_at, strict=strict
         )
 
     @overload
-    def equilibrium(self, t: float = 0.0, *, branches: str = "near") -> list[Equilibrium]: ...
+    def equilibrium(self, t: Seconds = 0.0, *, branches: str = "near") -> list[Equilibrium]: ...
     @overload
     def equilibrium(self, t: Sequence[float] | np.ndarray, *, branches: str = "near") -> Result: ...
     def equilibrium(
-        self, t: float | Sequence[float] | np.ndarray = 0.0, *, branches: str = "near"
+        self, t: Seconds | Sequence[float] | np.ndarray = 0.0, *, branches: str = "near"
     ) -> list[Equilibrium] | Result:
         """Positions of rest with the drivers held where they are at time t [s]; loads are taken at rest.
 
@@ -289,15 +324,17 @@ class Mechanism(Building):
         """
         import numpy as np
 
+        t = times(t, "t")
         if np.ndim(t) == 0:
+            from rattle.resting import Equilibria
             from rattle.statics import equilibria
 
-            return equilibria(self.ready, float(t), branches)  # type: ignore[arg-type]  # any str is checked there
+            return Equilibria(equilibria(self.ready, float(t), branches))  # type: ignore[arg-type]  # any str is checked there
         from rattle.quasistatic import quasistatic
 
         return quasistatic(self.ready, np.asarray(t, dtype=float))
 
-    def modes(self, t: float = 0.0, equilibrium: Equilibrium | None = None) -> Modes:
+    def modes(self, t: Seconds = 0.0, equilibrium: Equilibrium | None = None) -> Modes:
         """Natural frequencies, damping and shapes about a position of rest (default: the first of `equilibrium(t)`).
 
         Clearance pins are massless links that press.  Raises ValueError when there is no position of rest.
@@ -305,13 +342,13 @@ class Mechanism(Building):
         from rattle.modes import modes
         from rattle.statics import rest_of
 
-        found = [equilibrium] if equilibrium is not None else self.equilibrium(t)
+        found = [equilibrium] if equilibrium is not None else self.equilibrium(seconds(t, "t"))
         if not found:
-            raise ValueError(f"no position of rest was found at t = {t:g} s")
+            raise ValueError(f"no position of rest was found at t = {seconds(t, 't'):g} s")
         return modes(rest_of(self.ready, found[0]), found[0])
 
     def accuracy(
-        self, of: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool = True, loaded: bool = True
+        self, of: str, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *, extremes: bool = True, loaded: bool = True
     ) -> Accuracy:
         """How far the play of the joints lets one output stray, at any times [s].
 
@@ -325,7 +362,7 @@ class Mechanism(Building):
         """
         from rattle.accuracy import accuracy
 
-        return accuracy(self.ready, of, t_eval, extremes=extremes, loaded=loaded)
+        return accuracy(self.ready, of, times(t_eval, "t_eval"), extremes=extremes, loaded=loaded)
 
     def _start_or_none(self) -> Assembled | None:
         """The start at t = 0, or None when the mechanism cannot be put together there."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rattle.display import table
 from rattle.equations import loads, place
 from rattle.resting import Equilibrium, Rest
 from rattle.result import Result, Trust
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 FRAMES = 61
 
 
-@dataclass
+@dataclass(repr=False)
 class Modes:
     """Natural frequencies about an equilibrium, lowest first, and their shapes."""
 
@@ -42,19 +43,33 @@ class Modes:
     def __len__(self) -> int:
         return len(self.omega)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
+        found = ", ".join("unstable" if math.isnan(f) else f"{f:.4g} Hz" for f in self.frequency[:6])
+        more = ", ..." if len(self) > 6 else ""
+        return f"<rattle.Modes: {len(self)} mode{'s' if len(self) != 1 else ''}{': ' if found else ''}{found}{more}>"
+
+    def _repr_html_(self) -> str:
+        return table(("mode", "frequency", "damping", "who moves"), self.rows(), f"about: {self.equilibrium}")
+
+    def rows(self) -> list[tuple[str, str, str, str]]:
+        """Number from 1, frequency or growth, damping, the bodies that move most; one row per mode."""
         bodies = self.rest.ready.bodies
-        lines = []
+        found = []
         for k in range(len(self)):
             share = np.abs(self.shapes[k] / self.rest.scale).reshape(-1, 3).max(axis=1)
             movers = ", ".join(bodies[int(n)] for n in np.argsort(-share)[:3] if share[n] > 0.1 * share.max())
             if math.isnan(self.omega[k]):
-                lines.append(f"mode {k + 1}: unstable, grows at {self.growth[k]:.6g} 1/s ({movers})")
+                found.append((str(k + 1), f"unstable, grows at {self.growth[k]:.6g} 1/s", "", movers))
             else:
-                lines.append(
-                    f"mode {k + 1}: {self.frequency[k]:.6g} Hz, damping {100 * self.damping[k]:.3g} % ({movers})"
-                )
-        return "\n".join(lines) or "no freedom is left that could vibrate"
+                found.append((str(k + 1), f"{self.frequency[k]:.6g} Hz", f"{100 * self.damping[k]:.3g} %", movers))
+        return found
+
+    def __str__(self) -> str:
+        said = [
+            f"mode {k}: {swing}{', damping ' if damping else ''}{damping} ({movers})"
+            for k, swing, damping, movers in self.rows()
+        ]
+        return "\n".join(said) or "no degree of freedom is left that could vibrate"
 
     def motion(self, mode: int, amplitude: float = 0.1) -> Result:
         """One cycle of a mode (0 = lowest) as a result that can be plotted and animated.

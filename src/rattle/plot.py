@@ -200,13 +200,10 @@ def length_unit(clearance: float) -> tuple[float, str]:
 
 # ---------------------------------------------------------------- common to all pictures
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure [inches] of its own, without the global state of pyplot."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    """An empty figure [inches] of its own, without the global state of pyplot; it shows itself in a notebook."""
+    from rattle.page import Page
 
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
+    return Page(width, height)
 
 
 def new_axes(width: float, height: float, rows: int = 1, columns: int = 1) -> list[Axes]:

@@ -18,6 +18,7 @@ import numpy as np
 
 from rattle.assembly import dense_rows
 from rattle.closing import close_position
+from rattle.display import quantity, table
 from rattle.equations import drive
 from rattle.plane import AUTO, CLOSED, SPEED
 from rattle.recording import columns, geometry, width
@@ -31,7 +32,7 @@ MOST_TURN = 0.4  # of a body in one step [rad]; shifts as a share of the mechani
 ROUNDS = 150  # Newton steps before a start is given up
 
 
-@dataclass
+@dataclass(repr=False)
 class Equilibrium:
     """One position of rest. `E["coupler.angle"]` gives any result name [SI]."""
 
@@ -91,6 +92,27 @@ class Equilibrium:
         """False where constraints are redundant; `nonunique` names the joints."""
         return not self.nonunique
 
+    def __repr__(self) -> str:
+        bodies = self.result.geometry["bodies"]
+        angles = ", ".join(f"{name}.angle {quantity(self[f'{name}.angle'], 'rad')}" for name in list(bodies)[:4])
+        more = ", ..." if len(bodies) > 4 else ""
+        kind = f"{'stable' if self.stable else 'not stable'}, {'' if self.admissible else 'not '}admissible"
+        return f"<rattle.Equilibrium at t = {self.t:g} s: {kind}; {angles}{more}>"
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for body in self.result.geometry["bodies"]:
+            x, y, angle = (
+                quantity(self[f"{body}.{key}"], unit, 6) for key, unit in (("x", "m"), ("y", "m"), ("angle", "rad"))
+            )
+            rows.append((body, x, y, angle))
+        forces = [
+            f"{name}: {quantity(self[name], self.unit(name))}"
+            for name in self.names
+            if name.endswith((".normal", ".torque", ".thrust", ".force"))
+        ]
+        return table(("body", "x", "y", "angle"), rows, str(self), forces)
+
     def __str__(self) -> str:
         kind = "stable" if self.stable else "neutral" if self.eigenvalue == 0.0 else "unstable"
         sides = f", {', '.join(self.pulled)} would have to pull" if self.pulled else ""
@@ -101,6 +123,24 @@ class Equilibrium:
             kind += f" (free to move in {self.neutral} freedom{'s' if self.neutral > 1 else ''})"
         hold = f", stiffness {self.eigenvalue:.3g} N/m" if math.isfinite(self.eigenvalue) else ""
         return f"{kind}{hold}{sides}{pins}; balanced to {self.residual:.1g} N, closed to {self.gap:.1g} m"
+
+
+class Equilibria(list[Equilibrium]):
+    """The positions of rest that were found, in order; a list that shows itself as a table."""
+
+    def __repr__(self) -> str:
+        return "[" + ",\n ".join(repr(one) for one in self) + "]"
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for n, one in enumerate(self):
+            angles = ", ".join(
+                f"{name} {quantity(one[f'{name}.angle'], 'rad')}" for name in one.result.geometry["bodies"]
+            )
+            rows.append((str(n), "yes" if one.stable else "no", "yes" if one.admissible else "no", angles, str(one)))
+        if not rows:
+            return "no position of rest was found"
+        return table(("", "stable", "admissible", "angles", ""), rows)
 
 
 class Rest:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rattle.display import Picture
     from rattle.summary import ContactSummary
 
 Array = NDArray[np.float64]
@@ -55,7 +56,7 @@ class UnknownName(KeyError):
 
 
 # ---------------------------------------------------------------- trust
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trust:
     """How far a result can be trusted; `str()` says it in two lines."""
 
@@ -72,6 +73,14 @@ class Trust:
     fewest_steps: float | None = None  # steps in the shortest contact
     nonunique: tuple[str, ...] = ()  # joints whose reactions are not unique
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<rattle.Trust: {self._accuracy()}; {self._reach()}>"
+
+    def _repr_html_(self) -> str:
+        from rattle.display import lines
+
+        return lines(str(self))
 
     def __str__(self) -> str:
         return f"{self._accuracy()}; {self._reach()}\n{'; '.join([self._pulling(), *self._remarks()])}"
@@ -191,6 +200,17 @@ class Result:
         span = f"{len(self.t)} instants, {self.t[0]:g} to {self.t[-1]:g} s" if len(self.t) else "no instant"
         return f"<rattle.Result: {span}, {len(self.names)} names{'' if self.success else ', FAILED'}>"
 
+    def _repr_html_(self) -> str:
+        from rattle.display import lines
+        from rattle.summary import joint_table
+
+        said = [] if self.success else [f"stopped: {self.message}"]
+        title = f"{self.provenance.get('model') or 'mechanism'}: {repr(self)[1:-1]}"
+        return lines("\n".join([title, *said, joint_table(self), str(self.trust)]))
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.names)
+
     @property
     def names(self) -> tuple[str, ...]:
         """All names `r[...]` answers to: the stored ones, then those derived from them."""
@@ -201,6 +221,8 @@ class Result:
 
     def __getitem__(self, name: str) -> Array:
         """One curve, (n,), read-only.  Raises UnknownName (a KeyError) with suggestions."""
+        if not isinstance(name, str):
+            raise TypeError(f"a curve is asked for by one name in quotes, got {name!r}")
         if name in self._column:
             return self._data[:, self._column[name]]
         if name not in self._derived:
@@ -299,11 +321,13 @@ class Result:
 
         return plot.plot_orbit(self, joint, ax=ax)
 
-    def animate(self, path: str | os.PathLike[str], **options: Any) -> None:
-        """The mechanism moving, as .gif or .mp4; see `rattle.animate.animate`."""
+    def animate(self, path: str | os.PathLike[str], **options: Any) -> Picture:
+        """The mechanism moving, as .gif or .mp4; a notebook shows it.  See `rattle.animate.animate`."""
         from rattle import animate
+        from rattle.display import Picture
 
         animate.animate(self, path, **options)
+        return Picture(Path(path))
 
 
 def load_result(path: str | os.PathLike[str]) -> Result:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.commands.options import model_options, read_model
+from rattle.commands.options import model_options, read_model, time
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,7 +28,9 @@ def span_options(points: int) -> Callable[[Callable[..., Any]], Callable[..., An
         function = click.option(
             "--points", type=click.IntRange(2), default=points, show_default=True, help="Positions."
         )(function)
-        return click.option("--t-end", type=float, help="Up to this time [s]; default: what the model says.")(function)
+        return click.option(
+            "--t-end", type=time, help="Up to this time, in s or as '20 ms'; default: what the model says."
+        )(function)
 
     return add
 
@@ -177,7 +179,14 @@ def inverse_dynamics(
 
 @click.command()
 @model_options
-@click.option("--at", "t", type=float, default=0.0, show_default=True, help="Time at which the drivers are held [s].")
+@click.option(
+    "--at",
+    "t",
+    type=time,
+    default=0.0,
+    show_default=True,
+    help="Time at which the drivers are held, in s or as '20 ms'.",
+)
 @click.option(
     "--branches",
     type=click.Choice(["near", "all"]),
@@ -268,7 +277,14 @@ def _entry(one: Equilibrium) -> dict[str, Any]:
 
 @click.command()
 @model_options
-@click.option("--at", "t", type=float, default=0.0, show_default=True, help="Time at which the drivers are held [s].")
+@click.option(
+    "--at",
+    "t",
+    type=time,
+    default=0.0,
+    show_default=True,
+    help="Time at which the drivers are held, in s or as '20 ms'.",
+)
 @click.option("--mode", type=click.IntRange(1), default=1, show_default=True, help="Which mode to draw.")
 @click.option("-o", "--output", help="Draw the mode: .svg, .png or .pdf; .html, .gif or .mp4 moves.")
 def modes(file: str, settings: tuple[str, ...], ideal: bool, t: float, mode: int, output: str | None) -> None:

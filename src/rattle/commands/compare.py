@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rattle.commands.options import model_options, read_model
+from rattle.commands.options import model_options, read_model, time
 
 
 @click.command()
@@ -12,7 +12,7 @@ from rattle.commands.options import model_options, read_model
 @click.option("--joint", help="The joint to show; default: the first with clearance.")
 @click.option("--curve", help="The motion to show, such as rocker.angle; default: that of the last body.")
 @click.option("--law", help="Law of the compliant run; default: the joint's own, else exact.")
-@click.option("--t-end", type=float, help="Duration [s]; default: one turn of the driver.")
+@click.option("--t-end", type=time, help="Duration, in s or as '20 ms'; default: one turn of the driver.")
 @click.option("-o", "--output", default="compare.png", show_default=True, help="Picture (.png, .svg, .pdf).")
 @click.pass_context
 def compare(
@@ -47,7 +47,9 @@ def compare(
 @click.option("--from", "first", type=float, help="First value of the parameter [SI].")
 @click.option("--to", "last", type=float, help="Last value [SI].")
 @click.option("--values", "count", default=100, show_default=True, help="Values of the parameter from --from to --to.")
-@click.option("--period", type=float, help="Time between two points [s]; default: one turn of the driver.")
+@click.option(
+    "--period", type=time, help="Time between two points, in s or as '20 ms'; default: one turn of the driver."
+)
 @click.option("--crossing", help="Instead: points where this curve rises through zero.")
 @click.option("--skip", default=50, show_default=True, help="Points left out at the start.")
 @click.option("--points", default=200, show_default=True, help="Points taken per run.")

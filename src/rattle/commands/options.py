@@ -11,6 +11,16 @@ if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
 
+def time(value: str | float) -> float:
+    """A time on the command line: a number in s, or a quantity such as 20ms or "20 ms"."""
+    from rattle.quantity import seconds
+
+    try:
+        return seconds(value, "time")
+    except ValueError as error:
+        raise click.BadParameter(str(error).removeprefix("time: ")) from None
+
+
 def model_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """FILE, --set and --ideal."""
     function = click.option("--ideal", is_flag=True, help="Close all clearances.")(function)

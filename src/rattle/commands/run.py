@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rattle.commands.options import model_options, read_model
+from rattle.commands.options import model_options, read_model, time
 
 if TYPE_CHECKING:
     from rattle.result import Result
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", help="Save the result (.nc), for plot, animate and export.")
 @click.option("--csv", help="Also write all curves as CSV.")
 @click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance, e.g. impact or exact.")
-@click.option("--t-end", type=float, help="Duration [s]; default: what the model says.")
+@click.option("--t-end", type=time, help="Duration, in s or as '20 ms'; default: what the model says.")
 @click.option("--method", help="dop853 (adaptive, default), rk4 (fixed step); event or moreau for impact contacts.")
 @click.option("--rtol", type=float, help="Relative tolerance of dop853.")
 @click.option("--atol", type=float, help="Absolute tolerance of dop853 [m, rad, m/s, rad/s].")
-@click.option("--step", type=float, help="Step of rk4, largest step of dop853 [s].")
+@click.option("--step", type=time, help="Step of rk4 and moreau, largest step of dop853, in s or as '10 us'.")
 @click.option(
     "--horizon/--no-horizon",
     default=True,

@@ -1,0 +1,72 @@
+"""How objects show themselves in a notebook: small HTML tables, numbers in the units people read, files as pictures."""
+
+from __future__ import annotations
+
+import base64
+import html
+import math
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+DEGREES = 180.0 / math.pi
+MILLIMETRES = 0.05  # a length below it is written in mm [m]
+ROUNDING = 1e-12  # an angle below it is zero [rad]
+_READ_AS = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2"}
+_KIND_OF_FILE = {".gif": "image/gif", ".png": "image/png", ".svg": "image/svg+xml", ".mp4": "video/mp4"}
+LARGEST = 20_000_000  # bytes of a moving picture that is put into a notebook
+
+
+def readable(value: float, unit: str) -> tuple[float, str]:
+    """A value in SI as people read it: angles in degrees (0 where only rounding is left), all else as it is."""
+    if unit == "rad" and abs(value) < ROUNDING:
+        value = 0.0
+    return (value * DEGREES, _READ_AS[unit]) if unit in _READ_AS else (value, unit)
+
+
+def quantity(value: float, unit: str, digits: int = 4) -> str:
+    """A value in SI as text with its unit, angles in degrees and short lengths in mm."""
+    if unit == "m" and abs(value) < 1e-15:
+        value = 0.0
+    if unit == "m" and 0.0 < abs(value) < MILLIMETRES:
+        return f"{1e3 * value:.{digits}g} mm"
+    number, shown = readable(value, unit)
+    return f"{number:.{digits}g} {shown}".rstrip()
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", below: Iterable[str] = ()) -> str:
+    """An HTML table; whatever stands in names or texts is text there."""
+    cells = ["".join(f'<td style="text-align:left">{html.escape(str(cell))}</td>' for cell in row) for row in rows]
+    top = "".join(f'<th style="text-align:left">{html.escape(name)}</th>' for name in head)
+    parts = [f"<div><b>{html.escape(caption)}</b></div>"] if caption else []
+    parts.append(
+        f"<table><thead><tr>{top}</tr></thead><tbody>{''.join(f'<tr>{row}</tr>' for row in cells)}</tbody></table>"
+    )
+    parts += [f"<div>{html.escape(line)}</div>" for line in below]
+    return "".join(parts)
+
+
+def lines(text: str) -> str:
+    """A report of several lines, as it is printed."""
+    return f'<pre style="white-space:pre-wrap">{html.escape(text)}</pre>'
+
+
+class Picture:
+    """A picture or film that was written; a notebook shows it.
+
+    path: where it is.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __repr__(self) -> str:
+        return f"<rattle.Picture: {self.path}>"
+
+    def _repr_html_(self) -> str:
+        kind = _KIND_OF_FILE.get(self.path.suffix, "")
+        if not kind or not self.path.is_file() or self.path.stat().st_size > LARGEST:
+            return html.escape(f"written: {self.path}")
+        data = f"data:{kind};base64,{base64.b64encode(self.path.read_bytes()).decode()}"
+        if kind.startswith("video"):
+            return f'<video controls loop src="{data}"></video>'
+        return f'<img alt="{html.escape(str(self.path))}" src="{data}">'

@@ -1,0 +1,24 @@
+"""The figure that all pictures are drawn on: it shows itself in a notebook, whatever backend is chosen there."""
+
+from __future__ import annotations
+
+import io
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+DPI = 110  # of the picture in a notebook
+
+
+class Page(Figure):
+    """A figure of its own, without the global state of pyplot."""
+
+    def __init__(self, width: float, height: float) -> None:
+        """width, height: [inches]."""
+        super().__init__(figsize=(width, height), layout="constrained")
+        FigureCanvasAgg(self)
+
+    def _repr_png_(self) -> bytes:
+        out = io.BytesIO()
+        self.savefig(out, format="png", dpi=DPI)
+        return out.getvalue()

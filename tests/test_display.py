@@ -1,0 +1,114 @@
+"""Objects say what they are: short and true in a line, as a table in a notebook, pictures without a display backend."""
+
+import html
+import re
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from rattle.display import Picture, quantity
+
+
+@pytest.fixture(scope="module")
+def fourbar():
+    return rt.example("fourbar")
+
+
+@pytest.fixture(scope="module")
+def run(fourbar):
+    return fourbar.simulate("10 ms")
+
+
+def cells(text):
+    return [html.unescape(cell) for cell in re.findall(r"<td[^>]*>(.*?)</td>", text)]
+
+
+@pytest.mark.nojit
+def test_a_mechanism_says_what_it_holds(fourbar):
+    assert repr(fourbar) == str(fourbar)
+    assert "3 bodies, 4 joints, 1 driver, 1 load" in repr(fourbar)
+    shown = cells(fourbar._repr_html_())
+    assert {"O3", "revolute", "coupler - rocker", "5 mm", "massless-link"} <= set(shown)
+
+
+@pytest.mark.nojit
+def test_an_unfinished_mechanism_shows_what_is_missing():
+    m = rt.Mechanism("half")
+    m.bar("a", "A", "B", length=1, mass=1)
+    m.revolute("J", "ground.X", "a.A")
+    assert "1 body, 1 joint" in repr(m)
+    assert any("X" in cell for cell in cells(m._repr_html_()))
+
+
+@pytest.mark.nojit
+def test_names_are_text_in_a_table():
+    m = rt.loads(
+        'format = 1\nname = "<script>x</script>"\n[bodies.b]\nmass = 1\ninertia = 1\npoints = { P = [0, 0] }\n'
+    )
+    assert "<script>" not in m._repr_html_()
+
+
+def test_results_and_reports_show_themselves(fourbar, run):
+    assert len(repr(run)) < 120
+    assert "11 instants" in repr(run)
+    assert "O3" in run._repr_html_()
+    assert run._ipython_key_completions_() == list(run.names)
+    for one in (
+        fourbar.check(),
+        run.trust,
+        fourbar.compare(t_end="5 ms"),
+        fourbar.accuracy("rocker.angle", [0.0, 0.1]),
+    ):
+        assert repr(one).startswith("<rattle.")
+        assert "array(" not in repr(one)
+        assert "\n" not in repr(one)
+        assert len(one._repr_html_()) > 50
+
+
+def test_positions_of_rest_show_their_angles():
+    found = rt.example("balanced_arm").equilibrium()
+    angle = np.rad2deg(found[0]["arm.angle"])
+    assert f"arm.angle {angle:.4g} deg" in repr(found[0])
+    assert repr(found).count("rattle.Equilibrium") == len(found)
+    assert f"{angle:.6g} deg" in cells(found[0]._repr_html_())
+    modes = rt.example("balanced_arm").modes()
+    assert f"{modes.frequency[0]:.4g} Hz" in repr(modes)
+    assert f"{modes.frequency[0]:.6g} Hz" in cells(modes._repr_html_())
+
+
+def test_a_figure_is_a_picture_without_any_backend(run):
+    assert run.plot("rocker.angle")._repr_png_()[:4] == b"\x89PNG"
+
+
+@pytest.mark.nojit
+def test_a_film_shows_itself_and_a_missing_one_says_where_it_should_be(tmp_path):
+    there = tmp_path / "a.gif"
+    there.write_bytes(b"GIF89a")
+    assert 'src="data:image/gif;base64,' in Picture(there)._repr_html_()
+    assert "b.gif" in Picture(tmp_path / "b.gif")._repr_html_()
+
+
+def test_times_are_texts_or_numbers(fourbar, run):
+    assert run.t[-1] == fourbar.simulate(0.01).t[-1] == 0.01
+    assert fourbar.simulate("10 ms", t_eval=["1 ms", 0.01]).t.tolist() == [0.001, 0.01]
+    path = rt.example("path_generator").ideal()
+    assert path.kinematics("20 ms")["crank.angle"] == path.kinematics(0.02)["crank.angle"]
+    with pytest.raises(ValueError, match="'1 kg' is a mass; expected a time"):
+        fourbar.simulate("1 kg")
+    with pytest.raises(TypeError, match="t_end is a time"):
+        fourbar.simulate([1, 2])
+
+
+def test_a_curve_is_asked_for_by_one_name(run):
+    with pytest.raises(TypeError, match="one name"):
+        run["a", "b"]
+
+
+@pytest.mark.nojit
+def test_numbers_are_written_as_people_read_them():
+    assert quantity(np.pi / 6, "rad") == "30 deg"
+    assert quantity(-5e-16, "rad") == "0 deg"
+    assert quantity(5e-4, "m") == "0.5 mm"
+    assert quantity(2.0, "m") == "2 m"
+    assert quantity(3.0, "") == "3"
