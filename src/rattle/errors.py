@@ -65,6 +65,13 @@ class ModelError(ValueError):
             lines.append(f"these are the first {MOST} problems; there may be more")
         super().__init__("\n".join(lines))
 
+    def __reduce__(self) -> tuple[Any, ...]:  # the arguments are not the text, which is what copies are made of
+        return type(self), (self.problems, self.file)
+
+
+class MissingPackage(ImportError):
+    """Something that was asked for needs a package that is not installed; the message says which."""
+
 
 class AssemblyError(RuntimeError):
     """The mechanism cannot be put together, or cannot take the position asked for."""
@@ -76,3 +83,6 @@ class SolverError(RuntimeError):
     def __init__(self, message: str, result: Any) -> None:
         super().__init__(message)
         self.result = result
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.result)

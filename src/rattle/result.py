@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import csv
 import difflib
-import importlib
-import json
 import math
 import os
 from collections.abc import Iterable, Mapping
@@ -30,9 +28,8 @@ if TYPE_CHECKING:
     from rattle.summary import ContactSummary
 
 Array = NDArray[np.float64]
-FORMAT = 1  # of the files that `Result.save` writes
+TABLES = (".csv", ".txt", ".dat", "")  # suffixes under which text is expected
 FEW = 6  # steps in the shortest contact below which its forces are coarse
-RECORD = "rattle.record"  # their variable with everything that is not a curve
 
 
 class Event(NamedTuple):
@@ -219,6 +216,16 @@ class Result:
     def __contains__(self, name: object) -> bool:
         return name in self._column or name in self._derived
 
+    @property
+    def interrupted(self) -> bool:
+        """True where the user stopped the run (Ctrl-C); the result ends there."""
+        return bool(self.stats.get("interrupted", False))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """From a copy by pickle, whose arrays could be written."""
+        self.__dict__.update(state)
+        self.t, self._data = _frozen(self.t), _frozen(self._data)
+
     def __getitem__(self, name: str) -> Array:
         """One curve, (n,), read-only.  Raises UnknownName (a KeyError) with suggestions."""
         if not isinstance(name, str):
@@ -257,7 +264,9 @@ class Result:
     # ------------------------------------------------------------ to other programs
     def to_dataframe(self) -> Any:
         """pandas.DataFrame of all names, index t [s], units in `.attrs["units"]`."""
-        pandas = _extra("pandas", "to_dataframe")
+        from rattle.archive import package
+
+        pandas = package("pandas", "to_dataframe")
         index = pandas.Index(self.t, name="t")
         frame = pandas.DataFrame({name: self[name] for name in self.names}, index=index)
         frame.attrs["units"] = dict(self._units)
@@ -268,12 +277,16 @@ class Result:
         return self._dataset(self.names)
 
     def _dataset(self, names: Iterable[str]) -> xarray.Dataset:
+        from rattle.archive import package
+
         curves = {name: ("t", self[name], {"units": self._units[name]}) for name in names}
-        dataset: xarray.Dataset = _extra("xarray", "to_xarray").Dataset(curves, {"t": ("t", self.t, {"units": "s"})})
+        dataset: xarray.Dataset = package("xarray", "to_xarray").Dataset(curves, {"t": ("t", self.t, {"units": "s"})})
         return dataset
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """All names as CSV, with a header such as `coupler.x [m]`; numbers in full precision."""
+        if Path(path).suffix.lower() not in TABLES:
+            raise ValueError(f"{os.fspath(path)}: to_csv writes plain text; give a name ending in .csv")
         units = [self._units[name] for name in self.names]
         header = ["t [s]"] + [
             f"{name} [{unit}]" if unit else name for name, unit in zip(self.names, units, strict=True)
@@ -284,16 +297,18 @@ class Result:
             writer.writerow(header)
             writer.writerows(table.tolist())
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything as netCDF (`.nc`); `load_result` gives it back, bit by bit."""
-        if Path(path).suffix != ".nc":
-            raise ValueError(
-                f"{os.fspath(path)}: a result is saved as netCDF; give a name ending in .nc (to_csv writes CSV)"
-            )
-        _extra("h5netcdf", "save")
+    def save(self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None) -> Path:
+        """Write everything as netCDF (`.nc`) or `.npz`; `load_result` gives it back, bit by bit.
+
+        fallback: a folder for a file of the same name, if the system cannot write `path` (a full disk).
+        Returns the file written.  Raises ValueError for another suffix, MissingPackage (an ImportError; `.npz` needs
+        nothing more), OSError; the result itself stays as it is and can be saved elsewhere.
+        """
+        from rattle import archive
+
         record = {
-            "format": FORMAT,
             "names": self.stored,
+            "units": {name: self._units[name] for name in self.stored},
             "geometry": self.geometry,
             "events": self.events,
             "trust": self.trust.to_dict(),
@@ -302,11 +317,15 @@ class Result:
             "success": self.success,
             "message": self.message,
         }
-        dataset = self._dataset(self.stored)
-        dataset[RECORD] = ((), json.dumps(record, default=_plain))
-        dataset.attrs = {"title": "result of rattle", "rattle_format": FORMAT}
-        with atomic(path) as file:
-            dataset.to_netcdf(file, engine="h5netcdf")
+        places = [Path(path), *([Path(fallback).expanduser() / Path(path).name] if fallback is not None else [])]
+        for n, place in enumerate(places):
+            try:
+                archive.write(place, record, self.t, self._data)
+                return place
+            except OSError:
+                if n == len(places) - 1:
+                    raise
+        raise AssertionError("one place was written or the last one raised")
 
     # ------------------------------------------------------------ pictures
     def plot(self, *names: str, ax: Axes | None = None, **options: Any) -> Figure:
@@ -333,37 +352,28 @@ class Result:
 def load_result(path: str | os.PathLike[str]) -> Result:
     """Read what `Result.save` wrote.
 
-    Raises FileNotFoundError, or ValueError where the file is not a result of rattle.
+    Raises FileNotFoundError, OSError where the file cannot be opened, MissingPackage (netCDF without h5py), and
+    ValueError where the file is damaged or not a result of rattle.
     """
-    file = Path(path).expanduser()
-    if not file.is_file():
-        raise FileNotFoundError(f"no such file: {file}")
-    xarray = _extra("xarray", "load_result")
-    _extra("h5netcdf", "load_result")
-    wrong = ValueError(f"{file} is not a result of rattle (a .nc file written by `rattle run -o` or Result.save)")
+    from rattle import archive
+
+    record, t, data = archive.read(path)
     try:
-        # curves stay numbers: no "units" turned into dates
-        dataset = xarray.load_dataset(file, engine="h5netcdf", decode_times=False, decode_timedelta=False)
-        record = json.loads(dataset[RECORD].item())
-    except (OSError, KeyError, ValueError, TypeError) as error:
-        raise wrong from error
-    if record["format"] > FORMAT:
-        raise ValueError(f"{file} has format {record['format']}; this rattle reads up to {FORMAT}: install a newer one")
-    names = record["names"]
-    t = dataset["t"].values
-    return Result(
-        t=t,
-        data=np.column_stack([dataset[name].values for name in names]) if names else np.empty((len(t), 0)),
-        names=names,
-        units={name: dataset[name].attrs["units"] for name in names},
-        geometry=record["geometry"],
-        events=[Event(*event) for event in record["events"]],
-        trust=Trust.from_dict(record["trust"]),
-        stats=record["stats"],
-        provenance=record["provenance"],
-        success=record["success"],
-        message=record["message"],
-    )
+        return Result(
+            t=t,
+            data=data,
+            names=record["names"],
+            units=record["units"],
+            geometry=record["geometry"],
+            events=[Event(*event) for event in record["events"]],
+            trust=Trust.from_dict(record["trust"]),
+            stats=record["stats"],
+            provenance=record["provenance"],
+            success=record["success"],
+            message=record["message"],
+        )
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise ValueError(f"{path} {archive.NO_RESULT}") from error
 
 
 # ---------------------------------------------------------------- pieces
@@ -383,17 +393,3 @@ def _frozen(values: ArrayLike) -> Array:
     view = np.asarray(values, dtype=np.float64).view()
     view.flags.writeable = False
     return view
-
-
-def _plain(value: Any) -> Any:
-    """NumPy values inside plain data, for JSON."""
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
-    raise TypeError(f"a result holds plain data only, not {type(value).__name__}")
-
-
-def _extra(module: str, what: str) -> Any:
-    try:
-        return importlib.import_module(module)
-    except ImportError as error:
-        raise ImportError(f'{what} needs {module}; install it with: pip install "rattle[data]"') from error

@@ -1,0 +1,278 @@
+"""Results as files: netCDF (`.nc`), or `.npz`, which needs no package beyond NumPy; both hold the same.
+
+Every curve is an array of its own name; everything else is one JSON text, the record, with the SHA-256 of all of it
+beside.  A netCDF file ends in the SHA-256 of its bytes too, so that a damaged one never reaches the HDF5 library.
+Nothing in a file is run, and no file leads to another one; sizes are checked before memory is asked for.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import io
+import json
+import os
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rattle.errors import MissingPackage
+from rattle.files import atomic, is_special
+
+Array = NDArray[np.float64]
+FORMAT = 2  # 1: without checksum, netCDF only
+RECORD, DIGEST = "rattle.record", "sha256"
+SUFFIXES = (".nc", ".npz")
+TRAILER = b"\nrattle sha256 "  # behind the HDF5 data, with 64 hexadecimal digits and a line end
+PACKED = 1100  # bytes that a byte of a file may stand for: what deflate can do at most
+NETCDF = b"\x89HDF\r\n\x1a\n"
+ZIP = b"PK\x03\x04"
+HINT = "pip install h5netcdf h5py xarray pandas"
+
+
+def package(module: str, what: str) -> Any:
+    """A package that is not needed for everything.  Raises MissingPackage."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise MissingPackage(f"{what} needs {module}; install it with: {HINT}") from error
+
+
+def require(path: str | os.PathLike[str]) -> None:
+    """Raise ValueError or MissingPackage where a result cannot be saved under this name."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES and not is_special(path):
+        raise ValueError(
+            f"{os.fspath(path)}: a result is saved as .nc (netCDF) or .npz; give a name ending in one of them"
+            " (to_csv writes CSV)"
+        )
+    if suffix == ".nc":
+        try:
+            importlib.import_module("h5py")
+            importlib.import_module("h5netcdf")
+        except ImportError as error:
+            raise MissingPackage(
+                f"saving as .nc needs h5netcdf and h5py, which are not installed ({HINT}); .npz needs nothing more"
+            ) from error
+
+
+# ---------------------------------------------------------------- writing
+def write(path: str | os.PathLike[str], record: Mapping[str, Any], t: Array, data: Array) -> None:
+    """Write curves and record; the file is made in memory first, so that a full disk leaves no part of one.
+
+    record: names, units and what else is plain data.  t: (n,).  data: (n, len(names)).
+    Raises ValueError, MissingPackage, OSError.
+    """
+    require(path)
+    text = json.dumps({"format": FORMAT, **record}, default=_plain)
+    curves = {name: np.ascontiguousarray(data[:, k], "<f8") for k, name in enumerate(record["names"])}
+    digest = _digest(text, np.ascontiguousarray(t, "<f8"), list(curves.values()))
+    make = _netcdf if Path(path).suffix.lower() == ".nc" else _npz
+    content = make(text, digest, np.ascontiguousarray(t, "<f8"), curves, record["units"])
+    with atomic(path) as file:
+        file.write_bytes(content)
+
+
+def _plain(value: Any) -> Any:
+    """NumPy values inside plain data, for JSON."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"a result holds plain data only, not {type(value).__name__}")
+
+
+def _digest(text: str, t: Array, curves: Sequence[Array]) -> str:
+    found = hashlib.sha256(text.encode("utf-8", "surrogatepass"))
+    for curve in (t, *curves):
+        found.update(np.ascontiguousarray(curve, "<f8").tobytes())
+    return found.hexdigest()
+
+
+def _netcdf(text: str, digest: str, t: Array, curves: Mapping[str, Array], units: Mapping[str, str]) -> bytes:
+    h5py, h5netcdf = package("h5py", "save"), package("h5netcdf", "save")
+    buffer = io.BytesIO()
+    with h5netcdf.File(buffer, "w") as file:
+        file.attrs["title"] = "result of rattle"
+        file.attrs["rattle_format"] = FORMAT
+        file.dimensions["t"] = len(t) or None
+        for name, curve in {"t": t, **curves}.items():
+            made = file.create_variable(name, ("t",), np.dtype("<f8"), data=curve if len(t) else None)
+            made.attrs["units"] = "s" if name == "t" else units[name]
+        record = file.create_variable(RECORD, (), h5py.string_dtype())
+        record[...] = text
+        record.attrs[DIGEST] = digest
+    content = buffer.getvalue()
+    return content + TRAILER + hashlib.sha256(content).hexdigest().encode() + b"\n"
+
+
+def _npz(text: str, digest: str, t: Array, curves: Mapping[str, Array], units: Mapping[str, str]) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as file:
+        words = {RECORD: np.array(text.encode("utf-8", "surrogatepass")), DIGEST: np.array(digest.encode())}
+        for name, values in {"t": t, **curves, **words}.items():
+            with file.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as out:
+                np.lib.format.write_array(out, values, allow_pickle=False)
+    return buffer.getvalue()
+
+
+# ---------------------------------------------------------------- reading
+def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Array, Array]:
+    """Record, t (n,) and data (n, k) of a file that `write` wrote.
+
+    Raises FileNotFoundError, OSError where the file cannot be opened, MissingPackage, and ValueError for a file that
+    is damaged or no result.
+    """
+    file = Path(path).expanduser()
+    if not file.is_file():
+        raise FileNotFoundError(f"no such file: {file}")
+    with file.open("rb") as opened:
+        head = opened.read(8)
+    reader = _read_npz if head.startswith(ZIP) else _read_netcdf if head == NETCDF else None
+    if reader is None:
+        raise ValueError(f"{file} {NO_RESULT}")
+    if reader is _read_netcdf:
+        package("h5py", f"reading {file.name}, which is netCDF,")
+        _require_whole(file)
+    try:
+        text, record, digest, t, curves = reader(file)
+        _require_plain(record, len(curves))
+    except Damaged as error:
+        raise ValueError(f"{file} {error}") from None
+    except Exception as error:  # h5py, zipfile and json have many kinds of error, and all mean the same here
+        raise ValueError(f"{file} {NO_RESULT}") from error
+    if record["format"] > FORMAT:
+        raise ValueError(f"{file} has format {record['format']}; this rattle reads up to {FORMAT}: install a newer one")
+    if (digest or record["format"] > 1) and digest != _digest(text, t, curves):
+        raise ValueError(f"{file} is damaged: what it holds does not fit its checksum; compute it again")
+    return record, t, np.column_stack(curves) if curves else np.empty((len(t), 0))
+
+
+NO_RESULT = "is not a result of rattle (a .nc or .npz file written by `rattle run -o` or Result.save), or is damaged"
+Found = tuple[str, dict[str, Any], str, Array, list[Array]]  # record as text and read, its digest, t, curves
+
+
+class Damaged(Exception):
+    """What is wrong with a file that seems to be a result."""
+
+
+def _require_whole(file: Path) -> None:
+    """Compare the checksum behind the data, where there is one, with the bytes.  Raises ValueError."""
+    size, length = file.stat().st_size, len(TRAILER) + 65
+    with file.open("rb") as opened:
+        opened.seek(max(0, size - length))
+        trailer = opened.read()
+        if not trailer.startswith(TRAILER):
+            return
+        opened.seek(0)
+        found, left = hashlib.sha256(), size - length
+        while left > 0:
+            part = opened.read(min(left, 1 << 20))
+            found.update(part)
+            left -= len(part)
+            if not part:
+                break
+    if trailer[len(TRAILER) :].strip() != found.hexdigest().encode():
+        raise ValueError(f"{file} is damaged: its bytes do not fit its checksum; compute it again")
+
+
+def _fits(count: int, n: int, size: int) -> None:
+    """Refuse curves that the bytes of a file cannot hold, before memory is asked for."""
+    if 8 * n * count > PACKED * size:
+        raise Damaged(f"says that it holds {count} curves of {n} instants, which {size} bytes cannot be")
+
+
+def _read_netcdf(file: Path) -> Found:
+    h5py = package("h5py", "load_result")
+    size = file.stat().st_size
+    with h5py.File(file, "r", locking=False) as opened:
+
+        def variable(name: str) -> Any:
+            link = opened.get(name, getlink=True)
+            if link is None:
+                raise KeyError(name)
+            one = opened[name] if type(link) is h5py.HardLink else None
+            if not isinstance(one, h5py.Dataset) or one.is_virtual or one.external:
+                raise Damaged("leads to other files or places, which no result does")
+            return one
+
+        record = variable(RECORD)
+        if record.shape != () or h5py.check_string_dtype(record.dtype) is None:
+            raise ValueError("no text")
+        text = record.asstr()[()]
+        parsed, digest = json.loads(text), record.attrs.get(DIGEST, "")
+        t = variable("t")
+        n = int(t.shape[0]) if t.ndim == 1 else -1
+        columns = list(parsed["names"])
+        _fits(len(columns) + 1, n, size)
+        curves = [variable(name) for name in columns]
+        if any(one.shape != (n,) or one.dtype.kind != "f" or one.dtype.itemsize != 8 for one in (t, *curves)):
+            raise ValueError("no curves")
+        if parsed["format"] == 1:
+            parsed["units"] = {name: str(one.attrs["units"]) for name, one in zip(columns, curves, strict=True)}
+        numbers = [np.asarray(one[()], dtype=np.float64) for one in (t, *curves)]
+    return text, parsed, str(digest), numbers[0], numbers[1:]
+
+
+def _read_npz(file: Path) -> Found:
+    size = file.stat().st_size
+    with zipfile.ZipFile(file) as opened:
+
+        def member(name: str) -> tuple[np.dtype[Any], tuple[int, ...], bytes]:
+            info = opened.getinfo(f"{name}.npy")
+            if info.file_size > PACKED * size:
+                raise Damaged(f"says that it holds {info.file_size} bytes, which {size} bytes cannot be")
+            content = io.BytesIO(opened.read(info))
+            version = np.lib.format.read_magic(content)
+            read_header = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+            shape, _, dtype = read_header[version](content)
+            return dtype, shape, content.read()
+
+        def curve(name: str, n: int = -1) -> Array:
+            dtype, shape, content = member(name)
+            if dtype != np.dtype("<f8") or len(shape) != 1 or n not in (-1, shape[0]) or len(content) != 8 * shape[0]:
+                raise ValueError("no curve")
+            return np.frombuffer(content, "<f8").astype(np.float64)
+
+        def word(name: str) -> str:
+            dtype, shape, content = member(name)
+            if dtype.kind != "S" or shape != ():
+                raise ValueError("no text")
+            return content.decode("utf-8", "surrogatepass")
+
+        text, digest, t = word(RECORD), word(DIGEST), curve("t")
+        record = json.loads(text)
+        _fits(len(record["names"]) + 1, len(t), size)
+        return text, record, digest, t, [curve(name, len(t)) for name in record["names"]]
+
+
+# ---------------------------------------------------------------- what a record may hold
+def _require_plain(record: Any, count: int) -> None:
+    """Refuse a record that is not as `Result.save` writes it.  Raises ValueError, TypeError, KeyError."""
+    names = record["names"]
+    right = (
+        type(record["format"]) is int
+        and record["format"] >= 1
+        and isinstance(names, list)
+        and len(names) == count == len(set(names))
+        and all(isinstance(name, str) and name.isprintable() and name[:1] not in "=+-@ " for name in names)
+        and isinstance(record["success"], bool)
+        and isinstance(record["message"], str)
+        and all(isinstance(record[key], dict) for key in ("geometry", "trust", "stats", "provenance"))
+        and isinstance(record["units"], dict)
+        and isinstance(record["events"], list)
+    )
+    if not right:
+        raise ValueError("not as a result is written")
+    if not all(isinstance(record["units"][name], str) and record["units"][name].isprintable() for name in names):
+        raise ValueError("units are texts")
+    for event in record["events"]:
+        _, joint, kind, *numbers = event
+        texts = isinstance(joint, str) and isinstance(kind, str)
+        if not texts or not all(type(one) in (int, float) for one in (event[0], *numbers)):
+            raise ValueError("an event is a time, a joint, a kind and numbers")
+    for group in ("bodies", "joints", "loads"):
+        if not all(isinstance(one, dict) for one in record["geometry"].get(group, {}).values()):
+            raise ValueError("geometry is made of tables")

@@ -1,0 +1,331 @@
+"""A file of a result gives the numbers that were saved, or a ValueError: whatever happened to it, whoever made it."""
+
+import json
+import pickle
+import shutil
+import sys
+import zipfile
+
+import h5py
+import numpy as np
+import pytest
+
+from circling import circling
+from rattle import archive
+from rattle.result import load_result
+
+pytestmark = pytest.mark.nojit
+SUFFIXES = ("nc", "npz")
+
+
+def saved(folder, suffix, n=21):
+    r = circling(n)
+    r.save(folder / f"r.{suffix}")
+    return r, (folder / f"r.{suffix}").read_bytes()
+
+
+def same(one, other):
+    return one.stored == other.stored and all(
+        np.array_equal(one[name], other[name]) and one.unit(name) == other.unit(name) for name in one.stored
+    )
+
+
+def record():
+    made = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(archive, "write", lambda path, given, t, data: made.update(given))
+        circling(5).save("r.npz")
+    return json.loads(json.dumps(made, default=archive._plain))
+
+
+# ---------------------------------------------------------------- damage
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_damaged_files_are_refused_or_give_the_same_numbers(tmp_path, suffix):
+    r, whole = saved(tmp_path, suffix)
+    file = tmp_path / f"d.{suffix}"
+    rng = np.random.default_rng(7)
+    refused = 0
+    for case in range(300):
+        content = bytearray(whole)
+        if case % 3 == 2:
+            del content[int(rng.integers(len(content))) :]
+        for _ in range(int(rng.integers(1, 4)) if case % 3 else 1):
+            if content:
+                content[int(rng.integers(len(content)))] = int(rng.integers(256))
+        file.write_bytes(content)
+        try:
+            assert same(load_result(file), r)
+        except ValueError:
+            refused += 1
+    assert refused > 200
+
+
+def test_a_netcdf_file_with_a_changed_byte_never_reaches_the_hdf5_library(tmp_path, monkeypatch):
+    _, whole = saved(tmp_path, "nc")
+    monkeypatch.setattr(h5py, "File", None)
+    content = bytearray(whole)
+    content[len(content) // 2] ^= 1
+    (tmp_path / "d.nc").write_bytes(content)
+    with pytest.raises(ValueError, match="is damaged: its bytes do not fit its checksum"):
+        load_result(tmp_path / "d.nc")
+
+
+def test_numbers_changed_by_another_program_are_noticed(tmp_path):
+    saved(tmp_path, "nc")
+    content = (tmp_path / "r.nc").read_bytes()
+    (tmp_path / "r.nc").write_bytes(content[: content.rindex(archive.TRAILER)])
+    with h5py.File(tmp_path / "r.nc", "r+") as file:
+        file["O.normal"][3] = 0.0
+    with pytest.raises(ValueError, match="is damaged: what it holds does not fit its checksum"):
+        load_result(tmp_path / "r.nc")
+
+
+def test_a_copy_made_by_xarray_is_read(tmp_path):
+    import xarray
+
+    r, _ = saved(tmp_path, "nc")
+    with xarray.open_dataset(tmp_path / "r.nc") as dataset:
+        dataset.to_netcdf(tmp_path / "copy.nc", engine="h5netcdf")
+    assert same(load_result(tmp_path / "copy.nc"), r)
+
+
+def test_scale_factors_do_not_change_the_numbers(tmp_path):
+    r, content = saved(tmp_path, "nc")
+    (tmp_path / "r.nc").write_bytes(content[: content.rindex(archive.TRAILER)])
+    with h5py.File(tmp_path / "r.nc", "r+") as file:
+        file["O.normal"].attrs.update(scale_factor=2.0, add_offset=1.0, _FillValue=r["O.normal"][0])
+    assert same(load_result(tmp_path / "r.nc"), r)
+
+
+# ---------------------------------------------------------------- files made to harm
+def leads_elsewhere(file, other):
+    del file["lift"]
+    file["lift"] = h5py.ExternalLink(str(other), "lift")
+
+
+def lies_elsewhere(file, other):
+    del file["lift"]
+    file.create_dataset("lift", (21,), "<f8", external=[(str(other), 0, 168)])
+
+
+def made_of_others(file, other):
+    del file["lift"]
+    layout = h5py.VirtualLayout((21,), "<f8")
+    layout[:] = h5py.VirtualSource(str(other), "lift", (21,))
+    file.create_virtual_dataset("lift", layout)
+
+
+def soft_link(file, other):
+    del file["lift"]
+    file["lift"] = h5py.SoftLink("/O.normal")
+
+
+def empty_but_endless(file, other):
+    for name in list(file):
+        if name != archive.RECORD:
+            del file[name]
+            file.create_dataset(name, (10**12,), "<f8", chunks=(1000,))
+
+
+def no_numbers(file, other):
+    del file["lift"]
+    file["lift"] = np.array(["x"] * 21, dtype="S1")
+
+
+def a_group(file, other):
+    del file["t"]
+    file.create_group("t")
+
+
+def no_text(file, other):
+    del file[archive.RECORD]
+    file[archive.RECORD] = 5
+
+
+HARM = [leads_elsewhere, lies_elsewhere, made_of_others, soft_link, empty_but_endless, no_numbers, a_group, no_text]
+
+
+@pytest.mark.parametrize("harm", HARM)
+def test_netcdf_files_that_lead_elsewhere_or_lie_about_their_size_are_refused(tmp_path, harm):
+    _, content = saved(tmp_path, "nc")
+    shutil.copy(tmp_path / "r.nc", tmp_path / "other.nc")
+    (tmp_path / "r.nc").write_bytes(content[: content.rindex(archive.TRAILER)])
+    with h5py.File(tmp_path / "r.nc", "r+") as file:
+        harm(file, tmp_path / "other.nc")
+    with pytest.raises(ValueError, match=r"r\.nc "):
+        load_result(tmp_path / "r.nc")
+
+
+def header_of(shape, dtype="<f8"):
+    import io
+
+    out = io.BytesIO()
+    np.lib.format.write_array_header_1_0(out, {"descr": dtype, "fortran_order": False, "shape": shape})
+    return out.getvalue()
+
+
+def pickled():
+    import io
+
+    out = io.BytesIO()
+    np.save(out, np.array([print], dtype=object), allow_pickle=True)
+    return out.getvalue()
+
+
+@pytest.mark.parametrize("lift", [header_of((10**12,)), pickled(), b"", b"\x93NUMPY\x09\x00", header_of((21,), "<U1")])
+def test_arrays_in_an_npz_that_are_none_are_refused(tmp_path, lift):
+    saved(tmp_path, "npz")
+    with zipfile.ZipFile(tmp_path / "r.npz") as old, zipfile.ZipFile(tmp_path / "h.npz", "w") as new:
+        for name in old.namelist():
+            new.writestr(name, lift if name == "lift.npy" else old.read(name))
+    with pytest.raises(ValueError, match="not a result of rattle"):
+        load_result(tmp_path / "h.npz")
+
+
+def test_a_packed_file_that_would_fill_the_memory_is_refused(tmp_path):
+    saved(tmp_path, "npz")
+    with zipfile.ZipFile(tmp_path / "r.npz") as old, zipfile.ZipFile(tmp_path / "h.npz", "w") as new:
+        for name in old.namelist():
+            if name not in ("t.npy", "lift.npy"):
+                new.writestr(name, old.read(name))
+        for name in ("t", "lift"):
+            zeros = header_of((2_000_000,)) + bytes(16_000_000)
+            new.writestr(f"{name}.npy", zeros, zipfile.ZIP_BZIP2)  # one byte for thousands
+    with pytest.raises(ValueError, match=r"h\.npz says that it holds 16\d* bytes"):
+        load_result(tmp_path / "h.npz")
+
+
+def without(key):
+    return lambda given: given.pop(key)
+
+
+def put(**more):
+    return lambda given: given.update(more)
+
+
+RECORDS = {
+    **{f"no {key}": without(key) for key in ("geometry", "events", "trust", "success", "stats", "units")},
+    "message no text": put(message=5),
+    "success no truth": put(success="yes"),
+    "events no list": put(events=5),
+    "event too short": put(events=[[1]]),
+    "event too long": put(events=[[0.0, "O", "impact", *range(50)]]),
+    "event of texts": put(events=[["a", "b", "c"]]),
+    "event not a list": put(events=[5]),
+    "trust with more": lambda given: given["trust"].update(more=1),
+    "trust with less": lambda given: given["trust"].pop("intervals"),
+    "intervals no numbers": lambda given: given["trust"].update(intervals={"O": "x"}),
+    "geometry a list": put(geometry=[]),
+    "bodies a list": lambda given: given["geometry"].update(bodies=[1]),
+    "points no pairs": lambda given: given["geometry"].update(bodies={"arm": {"points": {"P": [1]}}}),
+    "body no table": lambda given: given["geometry"].update(bodies={"arm": 5}),
+    "unit no text": lambda given: given["units"].update(lift=5),
+    "unit with escape": lambda given: given["units"].update(lift="\x1b[2J"),
+    "format no number": put(format="2"),
+    "format true": put(format=True),
+    "format negative": put(format=-1),
+}
+
+
+@pytest.mark.parametrize("case", RECORDS)
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_records_that_no_result_has_are_refused(tmp_path, monkeypatch, case, suffix):
+    """With the right checksum: such a file was made by hand."""
+    given, r = record(), circling(5)
+    RECORDS[case](given)
+    units = {"units": {}} if not isinstance(given.get("units"), dict) else {}
+    text = json.dumps({"format": archive.FORMAT, **given})
+    curves = {name: r[name] for name in r.stored}
+    digest = archive._digest(text, r.t, list(curves.values()))
+    make = archive._netcdf if suffix == "nc" else archive._npz
+    names = {name: str(one) for name, one in {**dict.fromkeys(r.stored, ""), **given.get("units", units)}.items()}
+    (tmp_path / f"h.{suffix}").write_bytes(make(text, digest, r.t, curves, names))
+    with pytest.raises(ValueError, match="not a result of rattle"):
+        load_result(tmp_path / f"h.{suffix}")
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 100_000, "[1]", "5", "", "{}", '{"names": 5, "format": 2}', '{"names": 1' + "0" * 5000]
+)
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_texts_that_are_no_record_are_refused(tmp_path, text, suffix):
+    r = circling(5)
+    make = archive._netcdf if suffix == "nc" else archive._npz
+    (tmp_path / f"h.{suffix}").write_bytes(make(text, archive._digest(text, r.t, []), r.t, {}, {}))
+    with pytest.raises(ValueError, match="not a result of rattle"):
+        load_result(tmp_path / f"h.{suffix}")
+
+
+@pytest.mark.parametrize("name", ["=HYPERLINK(1)", "a\x1b[2J", "", "+1", "a\nb"])
+def test_names_that_a_table_would_run_or_a_terminal_obey_are_refused(tmp_path, name):
+    r = circling(5)
+    given = {**record(), "names": [name], "units": {name: "m"}}
+    archive.write(tmp_path / "h.npz", given, r.t, r._data[:, :1])
+    with pytest.raises(ValueError, match="not a result of rattle"):
+        load_result(tmp_path / "h.npz")
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_file_of_a_later_format_asks_for_a_newer_rattle(tmp_path, monkeypatch, suffix):
+    with monkeypatch.context() as later:
+        later.setattr(archive, "FORMAT", archive.FORMAT + 1)
+        circling(3).save(tmp_path / f"r.{suffix}")
+    with pytest.raises(ValueError, match="install a newer one"):
+        load_result(tmp_path / f"r.{suffix}")
+
+
+def test_a_file_of_the_first_format_is_read(tmp_path):
+    """It has units at its curves only, and no checksum."""
+    import xarray
+
+    r, given = circling(5), record()
+    curves = {name: ("t", r[name], {"units": r.unit(name)}) for name in r.stored}
+    dataset = xarray.Dataset(curves, {"t": ("t", r.t, {"units": "s"})})
+    del given["units"]
+    dataset[archive.RECORD] = ((), json.dumps({**given, "format": 1}))
+    dataset.to_netcdf(tmp_path / "old.nc", engine="h5netcdf")
+    assert same(load_result(tmp_path / "old.nc"), r)
+
+
+# ---------------------------------------------------------------- without other packages
+@pytest.mark.parametrize("missing", ["xarray", "h5py", "h5netcdf", "pandas"])
+def test_an_npz_needs_no_other_package(tmp_path, monkeypatch, missing):
+    monkeypatch.setitem(sys.modules, missing, None)
+    r, _ = saved(tmp_path, "npz")
+    assert same(load_result(tmp_path / "r.npz"), r)
+    with np.load(tmp_path / "r.npz", allow_pickle=False) as plain:
+        assert np.array_equal(plain["O.normal"], r["O.normal"])
+        assert np.array_equal(plain["t"], r.t)
+
+
+def test_a_result_without_any_instant_is_saved_too(tmp_path):
+    for suffix in SUFFIXES:
+        r = circling(1)
+        r.t, r._data = r.t[:0], r._data[:0]
+        r.save(tmp_path / f"r.{suffix}")
+        assert len(load_result(tmp_path / f"r.{suffix}").t) == 0
+
+
+def test_numbers_of_a_pickled_result_cannot_be_changed():
+    r = pickle.loads(pickle.dumps(circling(5)))
+    for values in (r.t, r["lift"]):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 1.0
+
+
+def test_another_place_is_tried_where_the_disk_is_full(tmp_path, monkeypatch):
+    real = archive.atomic
+
+    def full(path):
+        if path.parent == tmp_path:
+            raise OSError(28, "No space left on device")
+        return real(path)
+
+    monkeypatch.setattr(archive, "atomic", full)
+    (tmp_path / "other").mkdir()
+    r = circling(5)
+    for suffix in SUFFIXES:
+        with pytest.raises(OSError, match="No space"):
+            r.save(tmp_path / f"r.{suffix}")
+        assert r.save(tmp_path / f"r.{suffix}", fallback=tmp_path / "other") == tmp_path / "other" / f"r.{suffix}"
+        assert same(load_result(tmp_path / "other" / f"r.{suffix}"), r)
