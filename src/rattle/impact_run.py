@@ -58,6 +58,7 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "delassus": np.zeros((2 * nc, 2 * nc)),
         "side": np.zeros((4, 2 * nc)),
         "system": np.zeros((2 * nc, 2 * nc + 1)),
+        "series": np.full((nc, 2), -math.inf),
         "held": held,
         "problem_table": catalog.entries(complementarity.KERNELS),
         **({"hold_table": catalog.entries([impact.hold])} if lasting else {}),
@@ -79,7 +80,7 @@ class ImpactRun(Run):
             self.count = max(1, math.ceil((self.t_end - t) / (self.step or self.t_end) * (1 - 1e-12)))
             moreau.start(self.memory.handle, t)
             return PAUSED
-        self.stuck = np.array([-math.inf, 0.0, -1.0])
+        self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])
         self.clock[march.T] = t
         status = event.start(self.memory.handle, t)
         return super().begin(t) if status == OK else int(status)
@@ -116,6 +117,12 @@ class ImpactRun(Run):
             )
         if status == impact.CHATTER:
             joint = self.ready.joints[self.ready.arrays["contact"][int(self.stuck[2]), OWNER]]
+            if self.stuck[3] > event.MOST_IN_A_ROW:
+                return (
+                    f"{self.stuck[3]:.0f} events in a row, each within {event.CROWDED * self.t_end:.2g} s of the one"
+                    f" before, up to t = {t:.9g} s, last at joint '{joint}': contacts change faster than a run can"
+                    " follow; a smaller restitution, a compliant contact or method moreau goes on"
+                )
             return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; method moreau goes on"
         if status == NOT_FINITE and self.method == "moreau":
             return f"the motion ran away at t = {t:.6g} s with the step of {self.step:.3g} s; try a smaller step"

@@ -77,6 +77,7 @@ FIELDS = {
     "delassus": "f2",  # (2 nc, 2 nc) G
     "side": "f2",  # (4, 2 nc) b, f, a of a = G f + b, and another solution
     "system": "f2",  # (2 nc, 2 nc + 1) scratch
+    "series": "f2",  # (nc, 2) times of the last impact of each contact and of the one before
     "held": "f1",  # (2,) sign of the determinant of the last solution, size of the mechanism [m]
     "hold_table": "i1",  # the kernel that adds the forces of lasting contacts, if there may be any
     "problem_table": "i1",  # kernels that solve contact problems, see impact
@@ -101,8 +102,8 @@ FIELDS = {
     BELOW, TARGET, PAIRS, ROW_BODY, JOINT_TABLE, LOAD_TABLE, CLEARANCE_TABLE, STIFFNESS_TABLE, NORMAL_TABLE,
     FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER, SCHUR,
     INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, MODE, CHOSEN, TRIAL,
-    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, HELD, HOLD_TABLE, PROBLEM_TABLE, LINKS, STATE, RATE,
-    STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN, CROSSINGS, EVENTS,
+    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, HELD, HOLD_TABLE, PROBLEM_TABLE, LINKS,
+    STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN, CROSSINGS, EVENTS,
 ) = range(len(FIELDS))  # fmt: skip
 DERIVATIVE, MOTION, FREE_MOTION, FINISH, LOOK_BACK, SETTLE, HAPPEN = range(7)  # places in `links`
 

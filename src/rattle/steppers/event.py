@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 
 from rattle.catalog import call_event, call_state, compiled, kernel
-from rattle.complementarity import OFF
+from rattle.complementarity import OFF, STICK
 from rattle.contact import touch_all
 from rattle.equations import DONE, OK, PAUSED, STEP_TOO_SMALL
 from rattle.impact import CHATTER, DETERMINANT, LOCKED
@@ -49,7 +49,7 @@ from rattle.memory import (
     vec,
 )  # fmt: skip
 from rattle.plane import DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT
-from rattle.steppers.closed import HIT, NOTHING, regroup
+from rattle.steppers.closed import HIT, NOTHING, TURN, regroup
 from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.hitting import collide
 from rattle.steppers.locating import PARTS, first_event
@@ -75,6 +75,8 @@ from rattle.steppers.watch import watched_change
 from rattle.steppers.writing import record
 
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
+MOST_IN_A_ROW = 200_000  # events, each after less than CROWDED of the run, after which it stops too
+CROWDED = 1e-6
 
 
 @compiled
@@ -98,8 +100,13 @@ def happen(m, t, y, who, what):
         if status != OK:
             return status
     else:
-        nq = vec(m, CHANGE).shape[0]
+        nq, mode = vec(m, CHANGE).shape[0], ivec(m, MODE)
+        old = mode[who] if what == TURN else OFF
+        if what == TURN:  # at the reversal there is no slip; which sign it takes, the accelerations say
+            mode[who] = STICK
         settle(m, t, y, -1)
+        if what == TURN:
+            mode[who] = old
         call_state(ivec(m, LINKS)[MOTION], (m, t, y[:nq], y[nq : 2 * nq]))
     status = regroup(m, t, y, who, what)
     if status == OK:
@@ -140,7 +147,8 @@ def write_until(m, t, h, t_until, t_out, out):
 def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
     """Take up to `most_steps` steps towards t_end, each to the next event at most; writes outputs on the way.
 
-    stuck (3,): time of the last event, events at that time so far, contact of the last event.
+    stuck (4,): time of the last event, events at that time so far, contact of the last event, events in a row that
+    followed each other at once.
     Returns DONE, PAUSED, STEP_TOO_SMALL, NO_SOLUTION, NOT_UNIQUE, LOCKED or CHATTER.
     """
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
@@ -181,10 +189,11 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             interpolate(m, share, y_new)
             again = t_until - stuck[0] <= 1e-14 * t_end
             stuck[1] = stuck[1] + 1.0 if again else 0.0
+            stuck[3] = stuck[3] + 1.0 if t_until - stuck[0] <= CROWDED * t_end else 0.0
             stuck[0] = stuck[0] if again else t_until
             stuck[2] = who
             status = CHATTER
-            if stuck[1] <= MOST_AT_ONCE:
+            if stuck[1] <= MOST_AT_ONCE and stuck[3] <= MOST_IN_A_ROW:
                 status = call_event(links[HAPPEN], (m, t_until, y_new, who, what))
             if status != OK:
                 clock[T] = t_until

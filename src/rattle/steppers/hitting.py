@@ -1,15 +1,22 @@
-"""Impacts of set-valued contacts: percussions, what they lose, and the end of infinite sequences of bounces.
+"""Impacts of set-valued contacts: percussions, what they lose, and the end of infinite sequences of impacts.
 
 A bounce that would rise less than LOW clearances (but never less than the rounding of positions, 4e-15 of the size
 of the mechanism) is not followed: restitution is taken as zero, and the lasting contact that follows is put at the
 end of the geometric series of bounces, t + 2 v / (|g''| (1 - e)).  In a clearance of 1 mm such a bounce has a few
 1e-6 m/s.
+
+The same holds where one contact lifts because another one hits, as under a rocking block: one that would rise less
+is held down, its rate being lost like that of a bounce.  The intervals d between impacts of a contact shrink
+geometrically there too, by a ratio that the last two of them tell, so that the sequence ends at t + d r / (1 - r),
+r = d / (the d before).
 """
 
 from __future__ import annotations
 
+import math
+
 from rattle.catalog import compiled
-from rattle.complementarity import FORWARD, OFF, OTHER, STICK, B, F, friction_of
+from rattle.complementarity import BACKWARD, FORWARD, OFF, OTHER, STICK, A, B, F, friction_of
 from rattle.contact import touch_all
 from rattle.equations import OK, constraints, place
 from rattle.impact import (
@@ -37,6 +44,7 @@ from rattle.memory import (
     MODE,
     MULTIPLIER,
     RATE_NEW,
+    RECENT,
     ROWS,
     SIDE,
     SLIDE,
@@ -65,7 +73,7 @@ from rattle.plane import (
     STEPS_IN,
 )  # fmt: skip
 from rattle.steppers.march import SERIES
-from rattle.steppers.walls import NEAR, STILL, clearance_of, motion_without, note
+from rattle.steppers.walls import NEAR, STILL, at_rest, clearance_of, motion_without, note
 
 LOW = 1e-11  # bounces that rise less than this share of the clearance are closed
 
@@ -88,7 +96,7 @@ def collide(m, t, y, who):
             count += 1
     for c in range(nq):
         before[c] = v[c]
-    for _ in range(count + 1):
+    for _ in range(2 * count + 1):
         contact_rows(m, count)
         for k in range(count):
             n, p = chosen[k], contact[chosen[k], NORMAL_P]
@@ -103,6 +111,7 @@ def collide(m, t, y, who):
             return NO_SOLUTION
         if is_rough(m, count) and count_solutions(m, count) > 1:
             return NOT_UNIQUE
+        hold_down(m, count)
         for r in range(2 * count):
             for c in range(nq):
                 v[c] -= direction[r, c] * side[F, r]
@@ -117,32 +126,93 @@ def collide(m, t, y, who):
 
 
 @compiled
+def hold_down(m, count):
+    """Add the percussions that take from contacts marked as closed the rates with which they would lift."""
+    grip, chosen, trial, side = mat(m, GRIP), ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE)
+    lifts = False
+    for k in range(count):
+        closed = grip[chosen[k], STEPS_IN] != 0.0
+        lifts = lifts or (closed and side[A, 2 * k] > 0.0)
+        for r in range(2 * k, 2 * k + 2):
+            side[OTHER, r] = side[F, r]
+        side[B, 2 * k] = side[A, 2 * k] if closed else 0.0
+        side[B, 2 * k + 1] = 0.0
+        if closed or side[F, 2 * k] > 0.0:
+            trial[k] = STICK if trial[k] == STICK and side[F, 2 * k] > 0.0 else FORWARD
+        else:
+            trial[k] = OFF
+    if not lifts:
+        return
+    solve_modes(m, count, 0)
+    for r in range(2 * count):
+        side[F, r] += side[OTHER, r]
+
+
+@compiled
+def stay_together(m, count):
+    """Forces of the chosen contacts that neither rise nor would have to pull, after an impact; see `solve_modes`."""
+    touch, grip, chosen = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN)
+    trial, side = ivec(m, TRIAL), mat(m, SIDE)
+    for k in range(count):
+        n = chosen[k]
+        trial[k] = OFF
+        if at_rest(m, 2 * k, n, touch[n, DGAP], grip[n, N_1]):
+            trial[k] = STICK
+            if friction_of(m, n) == 0.0 or not at_rest(m, 2 * k + 1, n, touch[n, SLIP], grip[n, N_1]):
+                trial[k] = FORWARD if touch[n, SLIP] >= 0.0 else BACKWARD
+    lasting_side(m, count)
+    for _ in range(count):
+        solve_modes(m, count, 1)
+        pulls = False
+        for k in range(count):
+            if side[F, 2 * k] < 0.0:
+                trial[k] = OFF
+                pulls = True
+        if not pulls:
+            break
+
+
+@compiled
 def low_bounce(m, t, y, count):
-    """Mark hitting contacts whose bounce would be too low to follow; True when there is a new one."""
+    """Mark contacts that rise after the impact, but too low to follow; True when there is a new one."""
     touch, grip, chosen, side = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), mat(m, SIDE)
-    values, contact, mode, trial = vec(m, VALUES), imat(m, CONTACT), ivec(m, MODE), ivec(m, TRIAL)
-    found = False
+    values, contact, recent = vec(m, VALUES), imat(m, CONTACT), mat(m, RECENT)
+    found, lifted, end = False, False, t
     motion_without(m, t, y)
     for r in range(2 * count):
         side[OTHER, r] = side[F, r]
-    for k in range(count):
-        trial[k] = mode[chosen[k]]
-    lasting_side(m, count)
-    solve_modes(m, count, 1)
+    stay_together(m, count)
     add_forces(m, count, mat(m, ACCELERATION), vec(m, MULTIPLIER))
     for r in range(2 * count):
         side[F, r] = side[OTHER, r]
+    least = 4e-15 * vec(m, HELD)[SIZE]
     for k in range(count):
         n = chosen[k]
         speed, e = touch[n, DGAP], values[contact[n, NORMAL_P]]
-        if side[F, 2 * k] <= 0.0 or grip[n, STEPS_IN] != 0.0 or speed <= STILL * swing(m, 2 * k, n):
+        if grip[n, STEPS_IN] != 0.0 or speed <= STILL * swing(m, 2 * k, n):
             continue
         pull = touch[n, GAMMA_N] - along(m, 2 * k, n, mat(m, ACCELERATION), 0)
-        least = max(LOW * clearance_of(m, n), 4e-15 * vec(m, HELD)[SIZE])
-        if pull < 0.0 and speed * speed < -2.0 * pull * least:
-            grip[n, STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
-            ivec(m, TALLY)[SERIES] += 1 if 0.0 < e < 1.0 else 0
+        if pull < 0.0 and speed * speed < -2.0 * pull * max(LOW * clearance_of(m, n), least):
             found = True
+            if side[F, 2 * k] > 0.0:
+                grip[n, STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
+                ivec(m, TALLY)[SERIES] += 1 if 0.0 < e < 1.0 else 0
+            else:
+                lifted = True
+                end = max(end, t - 2.0 * speed / pull)
+                grip[n, STEPS_IN] = end
+    if not lifted:
+        return found
+    ivec(m, TALLY)[SERIES] += 1
+    for k in range(count):
+        n = chosen[k]
+        last, before = t - recent[n, 0], recent[n, 0] - recent[n, 1]
+        if side[F, 2 * k] > 0.0 and last < before < math.inf:
+            end = max(end, t + last * last / (before - last))
+    for k in range(count):
+        n = chosen[k]
+        if grip[n, STEPS_IN] != 0.0 or (side[F, 2 * k] > 0.0 and touch[n, DGAP] <= STILL * swing(m, 2 * k, n)):
+            grip[n, STEPS_IN] = end
     return found
 
 
@@ -150,7 +220,7 @@ def low_bounce(m, t, y, count):
 def settle_accounts(m, t, y, count, before):
     """Impulses, losses and work of an impact into y, and its events; v in y is after, `before` (3 nb,) is before."""
     touch, grip, chosen, side, rows = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), mat(m, SIDE), mat(m, ROWS)
-    multiplier, work, nq = vec(m, MULTIPLIER), 0.0, vec(m, CHANGE).shape[0]
+    multiplier, work, nq, recent = vec(m, MULTIPLIER), 0.0, vec(m, CHANGE).shape[0], mat(m, RECENT)
     place(m, y[:nq], before[:nq])
     constraints(m)
     touch_all(m)
@@ -176,5 +246,9 @@ def settle_accounts(m, t, y, count, before):
         j = y.shape[0] - 4 * grip.shape[0] + 4 * n
         y[j + 1] += pressed
         y[j + 2] += lost
+        if pressed <= 0.0:  # held down
+            continue
+        recent[n, 1] = recent[n, 0]
+        recent[n, 0] = t
         grip[n, SPEED] = max(-grip[n, GAP_1], 0.0)
         note(m, IMPACT_EVENT, n, t, y, grip[n, SPEED], 0.0, pressed, lost)

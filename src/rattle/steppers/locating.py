@@ -47,6 +47,14 @@ def locate(m, t, h, n, what, low, high):
     full = what != HIT
     at_share(m, t, h, low, full)
     f_low = indicator(m, n, what)
+    # slip that has just turned, or a contact that has just slipped, starts from zero: its sign is that of later places
+    share = 0.5 * (high - low)
+    while f_low <= 0.0 and full and share > 1e-9 * (high - low) and share * h > 1e-15 * abs(t):
+        at_share(m, t, h, low + share, full)
+        if indicator(m, n, what) > 0.0:
+            low += share
+            f_low = indicator(m, n, what)
+        share *= 0.5
     if f_low <= 0.0:
         return low
     at_share(m, t, h, high, full)
