@@ -78,7 +78,6 @@ def assemble(ready: Compiled, t: float = 0.0, ideal: Assembled | None = None) ->
             raise AssemblyError(_why_open(ready, memory, t, q))
     else:
         q, iterations = _positions(ready, memory, t, offsets, ideal)
-    _refuse_two_drivers(ready, memory)
     given = given_rates(ready)
     if ideal is None:
         v = _free_rates(ready, memory, t, q, given)
@@ -86,6 +85,7 @@ def assemble(ready: Compiled, t: float = 0.0, ideal: Assembled | None = None) ->
         v = np.where(np.isnan(given), ideal.v, given)
         place_rates(ready, q, v, given, ideal.v)
         close_rate(memory.handle, t, q, v)
+    _refuse_contradiction(ready, t, q, v)
     residual = float(open_by(memory.handle, t, q, v))
     _pins_inside(ready, memory)
     return Assembled(t, q, v, residual, iterations)
@@ -198,6 +198,17 @@ def _refuse_two_drivers(ready: Compiled, memory: Memory) -> None:
         )
 
 
+def _refuse_contradiction(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> None:
+    """Raise AssemblyError when the joints, or other drivers, contradict a driver."""
+    from rattle.contradiction import contradicted
+
+    if ready.row_count > LARGE:
+        return
+    found = contradicted(ready, t, q, v, ready.model.settings.t_end)
+    if found:
+        raise AssemblyError(found)
+
+
 def _guesses(
     ready: Compiled, memory: Memory, t: float, offsets: dict[str, Any], ideal: Assembled | None
 ) -> Iterator[np.ndarray]:
@@ -269,6 +280,8 @@ def _least_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> Non
 
 
 def _why_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> str:
+    from rattle.singular import unlike_masses
+
     model = ready.model
     drive(memory.handle, t)
     for n, name in enumerate(ready.joints):
@@ -302,6 +315,9 @@ def _why_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> str:
             unit = ready.rows[ready.arrays["joint"][n, 4]].unit
             functions.append(f"{name} = {math.degrees(value):.4g} deg" if unit == "rad" else f"{name} = {value:.4g} m")
     at = f" at t = {t:.6g} s" + (f" ({', '.join(functions)})" if functions else "")
+    unlike = unlike_masses(ready)
+    if unlike:
+        return f"{text}{at}: {unlike}"
     return f"{text}{at}. Check the lengths, or give better angles in [initial] (or another driver position)."
 
 

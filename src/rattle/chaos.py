@@ -20,6 +20,7 @@ from rattle.display import lines
 from rattle.equations import DONE, PAUSED, drive
 from rattle.plane import CLOSED, SHUT, SPEED
 from rattle.steppers import march
+from rattle.steppers.audit import STARTED
 from rattle.steppers.touching import pass_on, remember_end
 from rattle.system import Compiled
 
@@ -308,7 +309,12 @@ def _renew(one: Any, two: Any, share: float = 1.0) -> None:
     """Bring the second run to a share of its distance, onto its constraints, with the contact memory of the first."""
     t = float(one.clock[march.T])
     y, other = one.memory["y"], two.memory["y"]
-    other[:] = y + share * (other - y)
+    motion = 2 * len(one.memory["change"])
+    scaled = [slice(0, motion), slice(motion + 2, None, 4)]  # positions, rates and bristles; accounts are those of one
+    kept = [y[part] + share * (other[part] - y[part]) for part in scaled]
+    other[:] = y
+    for part, values in zip(scaled, kept, strict=True):
+        other[part] = values
     grip, old = one.memory["grip"], two.memory["grip"]
     both = (grip[:, CLOSED] == SHUT) & (old[:, CLOSED] == SHUT)
     speed = np.where(both, grip[:, SPEED] + share * (old[:, SPEED] - grip[:, SPEED]), grip[:, SPEED])
@@ -320,6 +326,7 @@ def _renew(one: Any, two: Any, share: float = 1.0) -> None:
     else:
         handle = two.memory.handle
         march.finish_step(handle, t, other, two.memory["f"])
+        two.memory["audit"][STARTED] = 0.0  # energies are counted anew
         remember_end(handle)
         pass_on(handle)
     two.clock[:] = one.clock

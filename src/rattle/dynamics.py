@@ -20,7 +20,9 @@ from rattle.passivity import law_faults
 from rattle.recording import columns, geometry, width
 from rattle.result import Result, Trust
 from rattle.singular import nonunique_reactions
-from rattle.steppers import march
+from rattle.soundness import audit_arrays, remarks, set_floor, why_unsound
+from rattle.steppers import audit, march
+from rattle.steppers.audit import UNSOUND
 from rattle.steppers.hitting import LOW
 from rattle.steppers.writing import record
 from rattle.system import Compiled
@@ -34,7 +36,6 @@ STILL = 1e-7  # a curve whose range is below this share of the widest of its uni
 MOTION = ("m", "rad", "m/s", "rad/s")  # units of positions and rates
 LIKE = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N", "N*m"))
 POINTS = 1000  # output intervals when nothing is said
-COARSE = 1e-3  # opening of a joint beyond which a run says nothing about the mechanism, in mechanism sizes
 CHUNK = 2000  # steps between two looks at the clock and the keyboard
 
 
@@ -65,12 +66,16 @@ class Run:
 
     def prepare(self) -> Memory:
         """Memory of the run."""
-        return self.ready.memory(**march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched)))
+        return self.ready.memory(
+            **march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched)),
+            **audit_arrays(self.ready, self.method),
+        )
 
     def begin(self, t: float) -> int:
         """Get ready to march from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
         h_max, ahead = self.step or math.inf, self.t_end - t
         status = march.begin(self.memory.handle, t, self.t_end, self.rtol, self.atol, h_max)
+        set_floor(self.ready, self.memory, self.rtol, self.atol)
         if self.method == "rk4":
             self.clock[march.H] = ahead / max(1, math.ceil(ahead / h_max - 1e-9))
         return PAUSED if status == OK else int(status)
@@ -86,6 +91,8 @@ class Run:
 
     def trouble(self, status: int) -> str:
         """Why the run cannot go on."""
+        if status == UNSOUND:
+            return why_unsound(self)
         return explain(self.ready, self.memory, self.t_end, status)
 
     def go(self, progress: bool = False, what: str = "simulate") -> None:
@@ -108,6 +115,9 @@ class Run:
                 if bar is not None:
                     bar.update(self.clock[march.T] - bar.n)
             if status != DONE:
+                if not tally[march.OUTPUTS] and len(self.t_eval) and self.t_eval[0] <= self.start.t:
+                    record(m.handle, self.start.t, start_state(self.ready, self.start), self.raw[0])
+                    tally[march.OUTPUTS] = 1
                 self.message = self.trouble(status)
         except KeyboardInterrupt:
             reached = self.clock[march.T]
@@ -259,7 +269,7 @@ def progress_bar(t_end: float, what: str = "simulate") -> Any:
 def _result(run: Run, reach: Reach | None) -> Result:
     from rattle import __version__
 
-    ready, clock, tally = run.ready, run.clock, run.tally
+    ready, clock, tally, seen = run.ready, run.clock, run.tally, run.memory["audit"]
     n = int(tally[march.OUTPUTS])
     data, names, units = columns(ready, run.raw[:n])
     t = run.t_eval[:n]
@@ -277,17 +287,17 @@ def _result(run: Run, reach: Reach | None) -> Result:
     notes += contact_notes(ready, events)
     if run.method == "moreau" and any(event.kind == "impact" for event in events):
         notes += ("Moreau-Jean: in the step of an impact a force is its impulse over the step",)
-    if n and float(clock[march.DRIFT]) > COARSE * ready.size:
-        notes += (
-            f"joints opened by {float(clock[march.DRIFT]):.2g} m or rad: the step is far too long for this motion",
-        )
+    if not run.message:
+        notes += remarks(ready, run.memory, run.method)
     if series := int(tally[march.SERIES]):
         one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
         notes += (f"{one} closed: bounces that rise less than {LOW:g} clearances are counted as contact",)
     notes += reach.note() if reach else ()
     owner = ready.rows[tally[march.DRIFT_ROW]].owner if ready.rows else ""
     trust = Trust(
-        drift=float(clock[march.DRIFT]),
+        drift=float(seen[audit.LENGTH]),
+        drift_angle=float(seen[audit.ANGLE]),
+        energy_share=float(seen[audit.SHARE]),
         drift_joint=owner,
         energy_balance=float(np.abs(balance).max()) if n else math.nan,
         t_end=reached,

@@ -14,7 +14,9 @@ from rattle.equations import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from rattle.errors import ModelError, Problem
 from rattle.memory import Memory
 from rattle.plane import IMPACT, NORMAL_P, OWNER
+from rattle.soundness import audit_arrays, set_floor, why_unsound
 from rattle.steppers import event, march, moreau
+from rattle.steppers.audit import UNSOUND
 from rattle.system import Compiled
 from rattle.trouble import explain
 
@@ -72,6 +74,7 @@ class ImpactRun(Run):
         """Memory of the run."""
         more = [event.happen] if self.method == "event" else []
         arrays = march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched), *more)
+        arrays |= audit_arrays(self.ready, self.method)
         return self.ready.memory(**arrays, **contact_arrays(self.ready, self.method == "event"))
 
     def begin(self, t: float) -> int:
@@ -79,6 +82,7 @@ class ImpactRun(Run):
         if self.method == "moreau":
             self.count = max(1, math.ceil((self.t_end - t) / (self.step or self.t_end) * (1 - 1e-12)))
             moreau.start(self.memory.handle, t)
+            set_floor(self.ready, self.memory, self.rtol, self.atol)
             return PAUSED
         self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])
         self.clock[march.T] = t
@@ -96,6 +100,8 @@ class ImpactRun(Run):
 
     def trouble(self, status: int) -> str:
         """Why the run cannot go on; contact problems are named."""
+        if status == UNSOUND:
+            return why_unsound(self)
         t = float(self.clock[march.T])
         names = ", ".join(self._closed()) or "the contacts"
         if status == impact.NO_SOLUTION:

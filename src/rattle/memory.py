@@ -95,6 +95,8 @@ FIELDS = {
     "sign": "f1",  # (nw,) sign of every watched force
     "crossings": "f2",  # (n, 3) time, watched force, new sign
     "events": "f2",  # (n, 8) see plane
+    "measure": "f1",  # (nr,) what a residual is measured with: 1 / length of the mechanism [1/m], or 1 for angles
+    "audit": "f1",  # see steppers.audit
 }
 
 (
@@ -103,7 +105,8 @@ FIELDS = {
     FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER, SCHUR,
     INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, MODE, CHOSEN, TRIAL,
     SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, HELD, HOLD_TABLE, PROBLEM_TABLE, LINKS,
-    STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN, CROSSINGS, EVENTS,
+    STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN, CROSSINGS, EVENTS, MEASURE,
+    AUDIT,
 ) = range(len(FIELDS))  # fmt: skip
 DERIVATIVE, MOTION, FREE_MOTION, FINISH, LOOK_BACK, SETTLE, HAPPEN = range(7)  # places in `links`
 

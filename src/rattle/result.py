@@ -70,6 +70,8 @@ class Trust:
     fewest_steps: float | None = None  # steps in the shortest contact
     nonunique: tuple[str, ...] = ()  # joints whose reactions are not unique
     notes: tuple[str, ...] = ()
+    drift_angle: float = 0.0  # largest angle between bodies that belong together [rad]
+    energy_share: float | None = None  # the same change as a share of the largest of kinetic energy, work and potential
 
     def __repr__(self) -> str:
         return f"<rattle.Trust: {self._accuracy()}; {self._reach()}>"
@@ -85,7 +87,10 @@ class Trust:
     def _accuracy(self) -> str:
         where = f" (worst at {self.drift_joint})" if self.drift_joint and self.drift > 0 else ""
         energy = "" if math.isnan(self.energy_balance) else f", energy to {_short(abs(self.energy_balance))} J"
-        return f"constraints held to {_short(self.drift)} m{where}{energy}"
+        off = self.energy_share or 0.0
+        share = f" ({_short(off)} of the largest energy)" if off > 1e-6 else ""
+        angle = f" and {_short(self.drift_angle)} rad" if self.drift_angle > self.drift else ""
+        return f"constraints held to {_short(self.drift)} m{angle}{where}{energy}{share}"
 
     def _reach(self) -> str:
         if self.horizon is None:

@@ -9,14 +9,24 @@ from rattle.memory import Memory
 from rattle.system import Compiled
 
 RANK = 1e-9  # a singular value below this share of the largest counts as zero
+UNLIKE = 1e9  # ratio of masses that leaves too few digits for the lighter body
 
 
 def scaled_rows(ready: Compiled, memory: Memory) -> np.ndarray:
     """Phi_q with angles measured as lengths at the size of the mechanism, every row of length one."""
     full = dense_rows(ready, memory)
     full[:, 2::3] /= ready.size
-    length = np.linalg.norm(full, axis=1, keepdims=True)
-    return full / np.where(length > 0, length, 1.0)
+    scaled: np.ndarray = full / row_lengths(ready, memory)[:, None]
+    return scaled
+
+
+def row_lengths(ready: Compiled, memory: Memory) -> np.ndarray:
+    """(nr,) what `scaled_rows` divides every row by."""
+    full = dense_rows(ready, memory)
+    full[:, 2::3] /= ready.size
+    length = np.linalg.norm(full, axis=1)
+    made: np.ndarray = np.where(length > 0, length, 1.0)
+    return made
 
 
 def rank(ready: Compiled, memory: Memory) -> int:
@@ -63,6 +73,16 @@ def on_one_freedom(ready: Compiled, memory: Memory) -> tuple[str, ...]:
     values = np.concatenate([values, np.zeros(max(0, len(names) - len(values)))])
     taking_part = np.abs(u[:, values <= 1e-7]).max(axis=1, initial=0.0) > 1e-6
     return tuple(name for name, takes in zip(names, taking_part, strict=True) if takes)
+
+
+def unlike_masses(ready: Compiled) -> str:
+    """In words, which masses are too unlike for the digits there are; empty when none."""
+    masses = {name: body.mass for name, body in ready.model.bodies.items()}
+    heavy, light = max(masses, key=lambda name: masses[name]), min(masses, key=lambda name: masses[name])
+    ratio = masses[heavy] / masses[light]
+    if ratio <= UNLIKE:
+        return ""
+    return f"'{heavy}' has {ratio:.2g} times the mass of '{light}', too few digits are left; take less of a ratio"
 
 
 def describe_rank_loss(ready: Compiled, memory: Memory) -> str:

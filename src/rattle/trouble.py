@@ -23,7 +23,7 @@ def explain(ready: Compiled, memory: Memory, t_end: float, status: int) -> str:
     """One or two sentences on why a run stopped at memory["clock"][T]."""
     clock, nq = memory["clock"], 3 * ready.body_count
     t, h = float(clock[march.T]), float(clock[march.H])
-    what = pythonlaw.complaint(t) or _not_finite(ready, memory, t_end)
+    what = pythonlaw.complaint(t) or not_finite(ready, memory, t_end)
     if what:
         return what
     record(memory.handle, t, memory["y"], np.zeros(width(ready)))
@@ -46,7 +46,7 @@ def explain(ready: Compiled, memory: Memory, t_end: float, status: int) -> str:
     )
 
 
-def _not_finite(ready: Compiled, memory: Memory, t_end: float) -> str:
+def not_finite(ready: Compiled, memory: Memory, t_end: float) -> str:
     """Which expression has no finite value near the last state, and when; empty if none."""
     clock, y, f = memory["clock"], memory["y"], memory["f"]
     start = float(clock[march.T])

@@ -49,6 +49,7 @@ from rattle.memory import (
     vec,
 )  # fmt: skip
 from rattle.plane import DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT
+from rattle.steppers.audit import UNSOUND, stands
 from rattle.steppers.closed import HIT, NOTHING, TURN, regroup
 from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.hitting import collide
@@ -60,6 +61,7 @@ from rattle.steppers.march import (
     H_MIN,
     OUTPUTS,
     REJECTED,
+    SHORT,
     STEPS,
     TROUBLE,
     H,
@@ -149,7 +151,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
 
     stuck (4,): time of the last event, events at that time so far, contact of the last event, events in a row that
     followed each other at once.
-    Returns DONE, PAUSED, STEP_TOO_SMALL, NO_SOLUTION, NOT_UNIQUE, LOCKED or CHATTER.
+    Returns DONE, PAUSED, STEP_TOO_SMALL, NO_SOLUTION, NOT_UNIQUE, LOCKED, CHATTER or UNSOUND.
     """
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, touch, grip = vec(m, CLOCK), ivec(m, TALLY), mat(m, TOUCH), mat(m, GRIP)
@@ -176,6 +178,13 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         t_new = t_end if last else t + h
         settle(m, t_new, y_new, -1)
         call_state(links[DERIVATIVE], (m, t_new, y_new, f_new))
+        if not stands(m, y_new):
+            clock[TROUBLE] = t_new
+            if h > SHORT * (t_end - t):
+                clock[H] = 0.25 * h
+                tally[REJECTED] += 1
+                continue
+            return UNSOUND
         changed |= watched_change(m)
         for n in range(touch.shape[0]):
             grip[n, GAP_1], grip[n, DGAP_1] = touch[n, GAP], touch[n, DGAP]

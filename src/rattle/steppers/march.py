@@ -22,10 +22,10 @@ from rattle.equations import (
     derivative,
     free_motion,
     loads,
-    residual,
     solve_motion,
 )
 from rattle.memory import (
+    AUDIT,
     CHANGE,
     CLOCK,
     CONTACT,
@@ -41,7 +41,6 @@ from rattle.memory import (
     POWER,
     RATE,
     RATE_NEW,
-    ROWS,
     SETTLE,
     SIGN,
     SLOPES,
@@ -55,9 +54,10 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import CLOSED, RES, SHUT, STEPS_IN
+from rattle.plane import CLOSED, SHUT, STEPS_IN
 from rattle.schur import WEAK
-from rattle.steppers import dop853, rk4
+from rattle.steppers import audit, dop853, rk4
+from rattle.steppers.audit import UNSOUND, note_drift, stands
 from rattle.steppers.dop853 import prepare_dense as prepare_dop853
 from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.projecting import settle
@@ -81,9 +81,9 @@ from rattle.steppers.writing import record
 
 METHODS = {"dop853": 0, "rk4": 1}
 ORDERS = {"dop853": dop853.ORDER, "rk4": rk4.ORDER}
-# clock: time, next step, largest drift, smallest step, time of a failed step, last step with sound pivots, step of
+# clock: time, next step, smallest step, time of a failed step, last step with sound pivots, step of
 # free flight, fewest steps in a contact, share of the step at which a contact changes
-T, H, DRIFT, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, SHARE = range(9)
+T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, SHARE = range(8)
 # tally; FOUND: crossings, LOST: redundant rows, LEAPS: steps across singular positions, STREAK: tries at
 # one, EVENT_COUNT: contact events waiting, CONTACTS: contacts that started, TAME: stages are projected,
 # SERIES: infinite series of bounces closed
@@ -94,13 +94,14 @@ SCAN = 8  # parts of a step searched for changes of sign
 LEAP = 0.1  # share of the last sound step below which a step is not cut further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is let pass [units of the state]; it doubles with every try
 MOST_TRIES = 20
+SHORT = 1e-9  # share of the time ahead down to which a step that does not stand is tried again, shorter
 FIRST_STEP = 0.01  # first step in a contact as a share of how long it will last: its force starts like a broken power
 
 
 def march_arrays(y: np.ndarray, watched: int, *more: Compiled) -> dict[str, np.ndarray]:
     """What a run that starts at y needs besides the arrays of one instant; `more` come last in `links`."""
     ny = y.shape[0]
-    clock = np.zeros(9)
+    clock = np.zeros(8)
     clock[H_MIN] = math.inf
     clock[FEWEST] = math.inf
     return {
@@ -120,14 +121,11 @@ def march_arrays(y: np.ndarray, watched: int, *more: Compiled) -> dict[str, np.n
 @compiled
 def project(m, t, y):
     """Bring y onto the constraints, see `settle`; the largest drift left and lost rows are remembered."""
-    rows, clock, tally = mat(m, ROWS), vec(m, CLOCK), ivec(m, TALLY)
+    tally = ivec(m, TALLY)
     lost = call_state(ivec(m, LINKS)[SETTLE], (m, t, y, y))
-    drift = residual(m)
-    if drift > clock[DRIFT]:
-        clock[DRIFT] = drift
-        for r in range(rows.shape[0]):
-            if abs(rows[r, RES]) == drift:
-                tally[DRIFT_ROW] = r
+    row = note_drift(m)
+    if row >= 0:
+        tally[DRIFT_ROW] = row
     if lost > tally[LOST]:
         tally[LOST] = lost
 
@@ -226,6 +224,8 @@ def begin(m, t, t_end, rtol, atol, h_max):
         slope += (f[n] / scale) ** 2
     if not slope < math.inf:
         return NOT_FINITE
+    vec(m, AUDIT)[audit.STARTED] = 0.0
+    stands(m, y)
     h = 0.01 * math.sqrt(size / slope) if size > 1e-10 and slope > 1e-10 else 1e-6
     h = min(h, h_max, t_end - t)
     for n in range(y.shape[0]):
@@ -312,7 +312,7 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
     stages are projected too ("tame" steps).  Cutting the step would only creep closer, so a step well below the
     last sound one leaps across even if its error is above the tolerance.
 
-    Returns DONE, PAUSED, NOT_FINITE or STEP_TOO_SMALL.
+    Returns DONE, PAUSED, NOT_FINITE, STEP_TOO_SMALL or UNSOUND.
     """
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, power, most_found = vec(m, CLOCK), ivec(m, TALLY), vec(m, POWER), mat(m, CROSSINGS).shape[0] // 2
@@ -363,6 +363,13 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
         t_new = t_end if last else t + h
         call_state(links[FINISH], (m, t_new, y_new, f_new))
         tally[EVALUATIONS] += 2
+        if not stands(m, y_new):
+            clock[TROUBLE] = t_new
+            if method == 0 and h > SHORT * (t_end - t):
+                clock[H] = 0.25 * h
+                tally[REJECTED] += 1
+                continue
+            return UNSOUND
         changed |= watched_change(m)
         if contacts:
             remember_end(m)

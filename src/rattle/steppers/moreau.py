@@ -44,6 +44,7 @@ from rattle.equations import (
 from rattle.impact import NO_SOLUTION, along, contact_rows, solve_contacts, solve_modes
 from rattle.memory import (
     ACCELERATION,
+    AUDIT,
     BODY,
     CHANGE,
     CHOSEN,
@@ -104,14 +105,16 @@ from rattle.plane import (
     VX,
 )  # fmt: skip
 from rattle.schur import factorise
+from rattle.steppers.audit import STARTED, UNSOUND, note_drift, stands
 from rattle.steppers.march import (
-    DRIFT,
+    DRIFT_ROW,
     EVALUATIONS,
     EVENT_COUNT,
     FOUND,
     H_MIN,
     OUTPUTS,
     STEPS,
+    TROUBLE,
     H,
     T,
     cross_at_once,
@@ -138,6 +141,9 @@ def start(m, t):
         sign[n] = 1.0
     for n in range(mat(m, GRIP).shape[0]):
         mat(m, GRIP)[n, CLOSED] = OPEN
+    loads(m, t)
+    vec(m, AUDIT)[STARTED] = 0.0
+    stands(m, y)
     vec(m, CLOCK)[T] = t
 
 
@@ -279,7 +285,7 @@ def lift(m, count, y):
 @compiled
 def close_joints(m, t, y):
     """One correction of positions and of rates onto the joints."""
-    change, clock, nq = vec(m, CHANGE), vec(m, CLOCK), vec(m, CHANGE).shape[0]
+    change, nq = vec(m, CHANGE), vec(m, CHANGE).shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
     drive(m, t)
     constraints(m)
@@ -290,11 +296,14 @@ def close_joints(m, t, y):
         q[c] += change[c]
     place(m, q, v)
     constraints(m)
-    clock[DRIFT] = max(clock[DRIFT], residual(m))
+    row = note_drift(m)
+    if row >= 0:
+        ivec(m, TALLY)[DRIFT_ROW] = row
     rate_residual(m)
     correct(m)
     for c in range(nq):
         v[c] += change[c]
+    place(m, q, v)
 
 
 @compiled
@@ -325,7 +334,7 @@ def write_until(m, t, h, t_out, out):
 def advance(m, t_start, h, count, t_out, out, most_steps):
     """Take up to `most_steps` of the `count` steps of length h from t_start on; writes outputs on the way.
 
-    Returns DONE, PAUSED, NOT_FINITE or NO_SOLUTION.
+    Returns DONE, PAUSED, NOT_FINITE, NO_SOLUTION or UNSOUND.
     """
     y, y_new, clock, tally, body = vec(m, STATE), vec(m, STATE_NEW), vec(m, CLOCK), ivec(m, TALLY), mat(m, BODY)
     acceleration, nq, most_found = mat(m, ACCELERATION), vec(m, CHANGE).shape[0], mat(m, EVENTS).shape[0] // 2
@@ -372,6 +381,10 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
             if not abs(y_new[nq + 3 * i - 1]) + abs(y_new[nq + 3 * i - 2]) + abs(y_new[nq + 3 * i - 3]) < math.inf:
                 return NOT_FINITE
         tally[EVALUATIONS] += 1
+        loads(m, t + h)
+        if not stands(m, y_new):
+            clock[TROUBLE] = t + h
+            return UNSOUND
         write_until(m, t, h, t_out, out)
         for c in range(y.shape[0]):
             y[c] = y_new[c]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from rattle.catalog import kernel
 from rattle.equations import constraints, correct, drive, place, rate_residual, residual
-from rattle.memory import CHANGE, vec
+from rattle.memory import AUDIT, CHANGE, vec
 from rattle.schur import factorise
+from rattle.steppers.audit import CORRECTION, openness
 
 CLOSE_ENOUGH = 1e-15  # residual below which positions are left alone [m or rad]
 QUADRATIC = 1e-9  # a correction from below this residual needs no second one
@@ -25,6 +26,7 @@ def settle(m, t, y, unused):
     constraints(m)
     lost = factorise(m)
     drift = residual(m)
+    vec(m, AUDIT)[CORRECTION] = openness(m)
     if drift > CLOSE_ENOUGH:
         for _ in range(3):
             correct(m)

@@ -9,9 +9,9 @@ from rattle.equations import constraints, place
 from rattle.impact import SIZE, contact_rows, solve_modes, swing
 from rattle.memory import (
     ACCELERATION,
+    AUDIT,
     CHANGE,
     CHOSEN,
-    CLOCK,
     CONTACT,
     DIRECTION,
     EVENTS,
@@ -31,7 +31,8 @@ from rattle.memory import (
     vec,
 )  # fmt: skip
 from rattle.plane import CONTACT_EVENT, DGAP, GAP, IMPACT, IMPULSE_0, LOSS_0, PEAK, SHAPE_P, SINCE, SLIP, SPEED
-from rattle.steppers.march import DRIFT, EVENT_COUNT, project
+from rattle.steppers.audit import LENGTH
+from rattle.steppers.march import EVENT_COUNT, project
 
 NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above what integration leaves
 STILL = 1e-12  # share of the terms of a contact velocity that counts as rest
@@ -87,7 +88,7 @@ def settle(m, t, y, who):
     closed = add_hitting(m, count, who)
     if closed == 0:
         return
-    chosen, trial, side, touch, clock = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), mat(m, TOUCH), vec(m, CLOCK)
+    chosen, trial, side, touch, audit = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), mat(m, TOUCH), vec(m, AUDIT)
     direction, nq = mat(m, DIRECTION), vec(m, CHANGE).shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
     for attempt in range(4):
@@ -95,7 +96,7 @@ def settle(m, t, y, who):
         for k in range(closed):
             worst = max(worst, abs(touch[chosen[k], GAP]))
         if worst < 1e-16 * vec(m, HELD)[SIZE] or attempt == 3:
-            clock[DRIFT] = max(clock[DRIFT], worst)
+            audit[LENGTH] = max(audit[LENGTH], worst)
             break
         contact_rows(m, closed)
         for k in range(closed):

@@ -1,0 +1,155 @@
+"""Whether a run may be believed: what its drift and its energy are measured with, and why it ended where it did.
+
+Drift in metres is measured with the mechanism's extent, drift in radians with 1, and the energy that is unaccounted
+for with the largest of kinetic energy, work and range of the potential (THEORY section 9).  Beyond `LIMIT` a run ends
+before the step that would take it there; beyond `SAID` it says so.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rattle import pythonlaw
+from rattle.assembly import driver_slot
+from rattle.contradiction import contradicted
+from rattle.equations import drive
+from rattle.memory import Memory
+from rattle.singular import describe_rank_loss, unlike_masses
+from rattle.steppers import audit, march
+from rattle.system import Compiled
+from rattle.trouble import not_finite
+
+if TYPE_CHECKING:
+    from rattle.dynamics import Run
+
+LIMIT = 1e-3  # share of its measure that drift or energy may be off by
+MOREAU = 0.2  # the same for the energy of Moreau-Jean, whose accounts close in proportion to the step
+SAID = 1e-6  # share beyond which it is said
+FAR = 1e6  # distance from the origin, in sizes, that leaves too few digits for the motion
+
+
+# ---------------------------------------------------------------- what is measured with what
+def extent(ready: Compiled) -> float:
+    """How large the mechanism is [m], wherever it stands: its largest body, or the spread of its ground points."""
+    model = ready.model
+    lengths = [one.fields["length"] for one in model.joints.values() if "length" in one.fields]
+    held = {joint.a.at for joint in model.joints.values() if joint.a.body == "ground"}
+    held |= {joint.b.at for joint in model.joints.values() if joint.b.body == "ground"}
+    groups = [list(held), *([*body.points.values(), (0.0, 0.0)] for body in model.bodies.values())]
+    lengths += [float(np.hypot(*np.ptp(np.array(group), axis=0))) for group in groups if group]
+    return max([*lengths, 0.0]) or ready.size
+
+
+def audit_arrays(ready: Compiled, method: str) -> dict[str, np.ndarray]:
+    """What a run needs to tell whether its steps stand, see `steppers.audit`."""
+    size = extent(ready)
+    seen = np.zeros(audit.CORRECTION + 1)
+    seen[audit.OPEN_LIMIT], seen[audit.UNREST_LIMIT] = LIMIT, MOREAU if method == "moreau" else LIMIT
+    return {"measure": np.array([-1.0 if row.unit == "rad" else 1.0 / size for row in ready.rows]), "audit": seen}
+
+
+def set_floor(ready: Compiled, memory: Memory, rtol: float, atol: float) -> None:
+    """Energies below which nothing is asked: what the tolerances leave to a mechanism at rest under its loads.
+
+    Positions are known to rtol of the size, rates to atol; steps add up, so a hundred (a hundred thousand) times that.
+    The applied forces are those of the start.
+    """
+    forces = np.abs(memory["force"][1:])
+    moment = float(forces[:, 2].sum() + extent(ready) * forces[:, :2].sum())
+    slow = 1e5 * atol * np.array([1.0, 1.0, 1.0 / extent(ready)])
+    resting = 0.5 * float((ready.arrays["mass"][1:] * slow**2).sum())
+    memory["audit"][audit.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
+
+
+# ---------------------------------------------------------------- what is said
+def remarks(ready: Compiled, memory: Memory, method: str) -> tuple[str, ...]:
+    """What to say of a run whose drift or energy is off by more than rounding."""
+    seen = memory["audit"]
+    found = []
+    opened = max(float(seen[audit.LENGTH]) / extent(ready), float(seen[audit.ANGLE]))
+    shorter = "a shorter step" if method in ("moreau", "rk4") else "a smaller rtol"
+    if opened > SAID:
+        found.append(f"joints opened by {opened:.2g} of the mechanism's size (or rad): {shorter} closes them better")
+    share = float(seen[audit.SHARE])
+    if share > SAID and method == "moreau":
+        found.append(f"energy is off by {share:.2g} of the largest energy: Moreau-Jean, in proportion to its step")
+    elif share > SAID:
+        found.append(f"energy is off by {share:.2g} of the largest energy: {shorter} accounts for it better")
+    return tuple(found)
+
+
+def why_unsound(run: Run) -> str:
+    """Why a run ended at the last instant that can be believed, in words."""
+    ready, seen = run.ready, run.memory["audit"]
+    t, ahead = float(run.clock[march.T]), float(run.clock[march.TROUBLE])
+    what = []
+    opened = max(float(seen[audit.OPEN]), float(seen[audit.CORRECTION]))
+    limit = LIMIT if seen[audit.OPEN] > LIMIT else audit.TOO_FAR
+    if not opened <= limit and ready.rows:
+        row = ready.rows[int(seen[audit.OPEN_ROW])]
+        measure = "rad" if row.unit == "rad" else "of the mechanism's size"
+        what.append(f"'{row.owner}' would open by {opened:.2g} {measure}")
+    if not seen[audit.UNREST] <= seen[audit.UNREST_LIMIT]:
+        what.append(f"the energy would be off by {100 * seen[audit.UNREST]:.2g} % of the largest")
+    return f"ended at t = {t:.6g} s, before {' and '.join(what)}: {_cause(run, t, ahead)}"
+
+
+def _cause(run: Run, t: float, ahead: float) -> str:
+    ready, memory = run.ready, run.memory
+    nq = 3 * ready.body_count
+    q, v = memory["y"][:nq].copy(), memory["y"][nq : 2 * nq].copy()
+    found = pythonlaw.complaint(t) or not_finite(ready, memory, run.t_end)
+    found = found or jump(ready, t, ahead) or contradicted(ready, t, q, v, run.t_end - t)
+    if found:
+        return found
+    found = unlike_masses(ready)
+    if found:
+        return found
+    away = float(np.abs(q.reshape(-1, 3)[:, :2]).max(initial=0.0))
+    if away > FAR * extent(ready):
+        return (
+            f"the mechanism of {extent(ready):.2g} m is {away:.2g} m away from the origin, too few digits are left;"
+            " put the origin near it"
+        )
+    if run.method in ("rk4", "moreau"):
+        return f"the step of {ahead - t:.3g} s is far too long for this motion; take a shorter step"
+    lost = describe_rank_loss(ready, memory)
+    if lost:
+        return lost
+    return f"the steps are too long for this motion at rtol = {run.rtol:g}; take a smaller rtol or a largest step"
+
+
+def jump(ready: Compiled, start: float, end: float) -> str:
+    """Which driver jumps between two instants [s], in position or in speed, and where; empty when none does."""
+    memory = ready.memory()
+
+    def value(t: float, slot: int) -> float:
+        drive(memory.handle, t)
+        return float(memory["values"][slot])
+
+    reach = max(end - start, 1e-9 * max(abs(start), abs(end)))
+    for n, name in enumerate(ready.joints):
+        if name not in ready.model.drivers:
+            continue
+        slot = int(ready.arrays["joint"][n, 3]) + driver_slot(ready, n)
+        unit = ready.rows[ready.arrays["joint"][n, 4]].unit
+        scale = 1.0 if unit == "rad" else extent(ready)
+        for k, (what, per) in enumerate((("position", ""), ("speed", "/s"))):
+            low, high = start - reach, end + reach
+            before, after = value(low, slot + k), value(high, slot + k)
+            while high - low > 4e-16 * max(abs(low), abs(high)) + 1e-300:
+                middle = 0.5 * (low + high)
+                if not low < middle < high:
+                    break
+                at = value(middle, slot + k)
+                if abs(at - before) >= abs(after - at):
+                    high, after = middle, at
+                else:
+                    low, before = middle, at
+            least = 1e-6 * scale if k == 0 else 1e-6 * max(abs(before), abs(after), 1e-3 * scale)
+            if abs(after - before) > least:
+                text = f"driver '{name}' jumps in {what} at t = {high:.9g} s"
+                return f"{text}, from {before:.6g} to {after:.6g} {unit}{per}; smooth its function there"
+    return ""

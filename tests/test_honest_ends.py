@@ -1,0 +1,160 @@
+"""A run that went wrong says so: it ends at its last good instant, without success, and names the cause."""
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from linkages import slider_crank
+from rattle.soundness import extent, jump
+
+TRIANGLE = """
+format = 1
+[ground.points]
+A = [0, 0]
+B = [1, 0]
+[bodies]
+a = { bar = ["A", "C"], length = 1, mass = 1 }
+b = { bar = ["C", "B"], length = 1, mass = 1 }
+[joints]
+A = { type = "revolute", connect = ["ground.A", "a.A"] }
+C = { type = "revolute", connect = ["a.C", "b.C"] }
+B = { type = "revolute", connect = ["b.B", "ground.B"] }
+[drivers.motor]
+joint = "A"
+angle = "pi/3 + MOTION"
+[initial]
+a = { angle = "60 deg" }
+b = { angle = "-60 deg" }
+[simulate]
+t_end = 0.05
+"""
+
+
+def triangle(motion):
+    """Two bars and the ground, which nothing can move, with a motor."""
+    return rt.loads(TRIANGLE.replace("MOTION", motion))
+
+
+def parallel_cranks(second):
+    """A parallelogram with a motor at either crank; that of the second follows `second`."""
+    m = rt.Mechanism("two motors", gravity=[0, -9.81]).ground(A=[0, 0], D=[1, 0])
+    m.bar("crank", "A", "B", length=0.4, mass=1).bar("coupler", "B", "C", length=1, mass=2)
+    m.bar("rocker", "D", "C", length=0.4, mass=1)
+    m.revolute("A", "ground.A", "crank.A").revolute("B", "crank.B", "coupler.B")
+    m.revolute("C", "coupler.C", "rocker.C").revolute("D", "ground.D", "rocker.D")
+    m.initial("crank", angle=1.0).initial("coupler", angle=0.0).initial("rocker", angle=1.0)
+    return m.driver("one", "A", angle="1 + sin(2*t)").driver("two", "D", angle=second)
+
+
+# ---------------------------------------------------------------- drivers that the joints contradict
+@pytest.mark.nojit
+@pytest.mark.parametrize("motion", ["10*t", "10*t**2", "sin(t)**3", "max(0, t - 0.03)**2"])
+def test_a_motor_on_a_rigid_triangle_is_refused_whenever_it_starts_to_turn(motion):
+    for analysis in (
+        lambda m: m.check(),
+        lambda m: m.simulate(0.05),
+        lambda m: m.kinematics([0.0, 0.01]),
+        lambda m: m.inverse_dynamics([0.0, 0.01]),
+    ):
+        with pytest.raises(rt.AssemblyError, match="'motor' is contradicted by joints 'A', 'C', 'B'"):
+            analysis(triangle(motion))
+
+
+@pytest.mark.nojit
+def test_a_motor_that_holds_a_rigid_triangle_still_is_no_contradiction():
+    report = triangle("0*t").check()
+    assert (report.mobility, report.redundant) == (0, 1)
+    assert "motor" in report.redundant_joints
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize("second", ["1 + 2*t", "1 + 2*sin(t)", "1 + sin(2*t) + max(0, t - 0.7)**3"])
+def test_two_motors_of_one_freedom_must_agree_at_every_later_instant(second):
+    with pytest.raises(rt.AssemblyError, match="drivers 'one' and 'two' drive the same freedom"):
+        parallel_cranks(second).check()
+
+
+def test_two_motors_that_always_agree_run_and_their_efforts_are_said_not_to_be_unique():
+    run = parallel_cranks("1 + sin(2*t)").simulate(1.0)
+    assert run.success
+    assert {"one", "two"} <= set(run.trust.nonunique)
+    np.testing.assert_allclose(run["rocker.angle"], 1 + np.sin(2 * run.t), atol=1e-12)
+
+
+@pytest.mark.nojit
+def test_a_driver_at_a_dead_centre_is_not_called_a_contradiction():
+    m = rt.loads(slider_crank('joint = "guide"\nposition = "0.4 - 0.1*t"', crank="{ angle = 0 }"))
+    with pytest.raises(rt.ModelError, match="dead centre"):
+        m.kinematics([0.0, 0.01])
+
+
+# ---------------------------------------------------------------- runs that end
+@pytest.mark.nojit
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        ("max(0, 10*(t - 0.5))", "speed at t = 0.5 s, from 0 to 10 rad/s"),
+        ("3*t + 0.25*step(t - 0.5)", "position at t = 0.5 s, from 1.5 to 1.75 rad"),
+        ("5*max(0, t - 0.5)**2", ""),
+        ("0.1*tanh(1e5*(t - 0.5))", ""),
+    ],
+)
+def test_where_a_driver_jumps_is_found_and_smooth_ones_are_left_alone(function, said):
+    found = jump(rt.loads(slider_crank(f'joint = "O"\nangle = "{function}"')).ready, 0.45, 0.6)
+    assert said in found
+    assert bool(found) == bool(said)
+
+
+def test_a_ratio_of_masses_that_leaves_no_digits_ends_the_run_and_is_named():
+    m = rt.example("slider_crank").set({"bodies.slider.mass": "1e12 kg"})
+    run = m.simulate(0.01, horizon=True)
+    assert not run.success
+    assert "'slider' has 4.8e+12 times the mass of 'rod'" in run.message
+    assert run.t[-1] < 0.01
+    assert run.trust.horizon <= run.t[-1]
+    assert run.trust.drift < 1e-3 * extent(m.ready)
+    assert run.trust.energy_share < 1e-3
+
+
+def test_fixed_steps_that_are_too_long_end_a_run_and_shorter_ones_do_not():
+    m = rt.loads(
+        slider_crank('joint = "O"\nangle = "60*t"', extra="[loads.F]\ntype = 'torque'\nbody = 'rod'\ntorque = 3")
+    )
+    coarse, fine = m.simulate(0.2, method="rk4", step=0.02), m.simulate(0.2, method="rk4", step=5e-4)
+    assert not coarse.success
+    assert "far too long for this motion; take a shorter step" in coarse.message
+    assert fine.success
+    assert fine.trust.energy_share < 1e-6
+
+
+def test_energy_that_is_off_by_more_than_rounding_is_said_with_its_share():
+    m = rt.example("double_pendulum")
+    rough, fine = m.simulate(2.0, rtol=1e-4), m.simulate(2.0, rtol=1e-10)
+    assert rough.success
+    assert 1e-6 < rough.trust.energy_share < 1e-3
+    assert "of the largest energy" in " ".join(rough.trust.notes)
+    assert "of the largest energy" in str(rough.trust).splitlines()[0]
+    assert fine.trust.energy_share < 1e-6
+    assert "of the largest energy" not in str(fine.trust)
+
+
+def test_mechanisms_without_energy_are_not_refused_for_rounding():
+    """At rest under weight and a spring, at rest without any load, and started from rest by a torque that grows."""
+    still = rt.Mechanism("still", gravity=[0, -9.81]).ground(O=[0, 0], P=[1, 0])
+    still.bar("rod", "A", "B", length=1, mass=2).revolute("O", "ground.O", "rod.A")
+    still.load("hold", "spring", connect=["ground.P", "rod.B"], stiffness=1e4, free_length=0.5)
+    still.initial("rod", angle=still.equilibrium()[0]["rod.angle"])
+    idle = rt.loads(slider_crank("joint = 'O'\nangle = 0.3"))
+    started = rt.Mechanism("started").ground(O=[0, 0]).bar("rod", "A", "B", length=1, mass=2)
+    started.revolute("O", "ground.O", "rod.A").load("M", "torque", body="rod", torque="40*t**3")
+    for m in (still, idle, started):
+        for method in ("dop853", "rk4"):
+            run = m.simulate(0.5, method=method)
+            assert run.success, run.message
+            assert run.trust.energy_share < 1e-6
+
+
+def test_place_of_the_origin_does_not_change_what_drift_is_measured_with():
+    near = rt.loads(slider_crank())
+    far = rt.loads(slider_crank().replace("O = [0, 0]\n[bodies.crank]", "O = [1000, 500]\n[bodies.crank]"))
+    assert extent(far.ready) == pytest.approx(extent(near.ready), rel=1e-12)
