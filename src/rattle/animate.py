@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.files import atomic
-from rattle.movie import Update, write_gif, write_mp4
+from rattle.movie import Update, require_film, write_gif, write_mp4
 from rattle.plot import (
     AFTER,
     BLACK,
@@ -81,18 +81,16 @@ def animate(
     trace: names of points ("coupler.P") that leave their path behind.
 
     Raises ValueError for another suffix or an empty result, UnknownName for an unknown point and
-    RuntimeError where ffmpeg is missing.
+    MissingProgram (a RuntimeError) where ffmpeg is missing.
     """
-    suffix = Path(path).suffix.lower()
-    if suffix == ".html":
-        raise ValueError(f"{os.fspath(path)}: .html is not available yet; use .gif or .mp4")
-    writers = {".gif": write_gif, ".mp4": write_mp4}
-    if suffix not in writers:
-        raise ValueError(f"{os.fspath(path)}: an animation needs a name ending in .gif or .mp4")
+    require_film(path)
+    if not fps > 0:
+        raise ValueError(f"an animation needs a positive number of frames per second, got {fps}")
+    write = {".gif": write_gif, ".mp4": write_mp4}[Path(path).suffix.lower()]
     figure, update, count = scene(result, frames, trace)
     figure.set_dpi(dpi)
     with atomic(path) as file:
-        writers[suffix](figure, update, count, file, fps)
+        write(figure, update, count, file, fps)
 
 
 def scene(result: Result, frames: int = 120, trace: Iterable[str] = ()) -> tuple[Figure, Update, int]:

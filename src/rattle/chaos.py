@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rattle import catalog
+from rattle import catalog, dynamics
 from rattle.assembly import driver_slot
 from rattle.display import lines
 from rattle.equations import DONE, PAUSED, drive
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rattle.mechanism import Mechanism
+    from rattle.result import Result
 
 APART = 1e-7  # distance at which the second run of a Lyapunov exponent starts anew, positions in mechanism lengths
 LARGEST_GROWTH = 1e4  # of that distance between two renewals; beyond it the growth is no longer linear
@@ -73,6 +74,7 @@ class Section:
     values: Mapping[str, np.ndarray]  # name -> (n,)
     units: Mapping[str, str]
     rule: str  # when the points were taken
+    interrupted: bool = False  # the user stopped the run
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.values[name]
@@ -109,7 +111,9 @@ def section(
         T = _period(m, period)
         times = T * (skip + np.arange(points))
         r = m.simulate(float(times[-1]), t_eval=times, **settings)
-        return Section(r.t, {n: r[n] for n in names}, {n: r.unit(n) for n in names}, f"every {T:.4g} s")
+        return Section(
+            r.t, {n: r[n] for n in names}, {n: r.unit(n) for n in names}, f"every {T:.4g} s{_stopped(r)}", r.interrupted
+        )
     from scipy.interpolate import CubicSpline
 
     span = (skip + points) * period if period is not None else m.model.settings.t_end
@@ -119,7 +123,13 @@ def section(
     rate = CubicSpline(r.t, curve).derivative()
     times = np.array([t for t in np.ravel(roots) if rate(t) > 0.0])[skip:][:points]
     values = {n: CubicSpline(r.t, r[n])(times) if len(times) else np.zeros(0) for n in names}
-    return Section(times, values, {n: r.unit(n) for n in names}, f"{crossing} rises through {level:g}")
+    rule = f"{crossing} rises through {level:g}{_stopped(r)}"
+    return Section(times, values, {n: r.unit(n) for n in names}, rule, r.interrupted)
+
+
+def _stopped(r: Result) -> str:
+    """What to say of a run that the user ended."""
+    return f", stopped by the user at t = {r.trust.t_end:.4g} s" if r.interrupted else ""
 
 
 # ---------------------------------------------------------------- bifurcation
@@ -134,6 +144,7 @@ class Bifurcation:
     of_unit: str
     points: np.ndarray  # (k, points) of the output [SI]; nan where a run ended early
     rule: str
+    interrupted: bool = False  # the user stopped it; values that were not reached have nan
 
     def __repr__(self) -> str:
         first, last = self.values[[0, -1]] if len(self.values) else (0.0, 0.0)
@@ -167,6 +178,8 @@ def bifurcation(
     def run(one: Mechanism) -> tuple[np.ndarray, str]:
         times = _period(one, period) * (skip + np.arange(points))
         r = one.simulate(float(times[-1]), t_eval=times, method=method, rtol=rtol, atol=atol, step=step)
+        if r.interrupted:
+            raise KeyboardInterrupt
         found = np.full(points, np.nan)
         found[: len(r.t)] = r[of]
         return found, r.unit(of)
@@ -174,23 +187,35 @@ def bifurcation(
     bar = _bar(len(changed)) if progress else None
     rows: list[np.ndarray] = []
     unit = ""
+    interrupted = False
+    pool = ThreadPoolExecutor(threads)
     try:
-        with ThreadPoolExecutor(threads) as pool:
-            for k in range(len(changed)):
-                if k == 0:  # compiles what is not compiled yet, alone
-                    row, unit = run(changed[0])
-                    waiting = [pool.submit(run, one) for one in changed[1:]]
-                else:
-                    row, _ = waiting[k - 1].result()
-                rows.append(row)
-                if bar is not None:
-                    bar.update()
+        for k in range(len(changed)):
+            if k == 0:  # compiles what is not compiled yet, alone
+                row, unit = run(changed[0])
+                waiting = [pool.submit(run, one) for one in changed[1:]]
+            else:
+                row, _ = waiting[k - 1].result()
+            rows.append(row)
+            if bar is not None:
+                bar.update()
+    except KeyboardInterrupt:
+        if not rows:
+            raise
+        interrupted = True
+        dynamics.stop.set()  # the runs in other threads end now too
     finally:
+        pool.shutdown(cancel_futures=True)
+        if interrupted:
+            dynamics.stop.clear()
         if bar is not None:
             bar.close()
     what = m.model.parameters.get(parameter)
     rule = f"once every {period:.4g} s" if period is not None else "once per turn of the driver"
-    return Bifurcation(parameter, given, what.unit if what else "", of, unit, np.array(rows), rule)
+    if interrupted:
+        rule += f", stopped by the user after {len(rows)} of {len(given)} values"
+        rows += [np.full(points, np.nan)] * (len(given) - len(rows))
+    return Bifurcation(parameter, given, what.unit if what else "", of, unit, np.array(rows), rule, interrupted)
 
 
 def _bar(total: int) -> Any:

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import importlib
 import logging
+import os
 import sys
+from opcode import opmap
 from typing import Any
 
 import click
+
+from rattle.errors import shown
+
+STOPPED = 130  # exit status after Ctrl-C, as shells have it
 
 # command -> module in rattle.commands; the function has the command's name with _ for -
 COMMANDS = {
@@ -87,22 +93,59 @@ class Lazy(click.Group):
             raise
         except KeyboardInterrupt:
             click.echo("stopped", err=True)
-            ctx.exit(1)
+            ctx.exit(STOPPED)
         except Exception as error:
-            from rattle.errors import AssemblyError, ModelError
+            if isinstance(error, BrokenPipeError) or not _is_answer(error):
+                raise
+            click.secho("error: ", fg="red", nl=False, err=True)
+            click.echo(shown(str(error)), err=True)
+            ctx.exit(2)
 
-            if isinstance(error, ModelError | AssemblyError | OSError | KeyError | ValueError) and not _ours_is_broken(
-                error
-            ):
-                click.secho("error: ", fg="red", nl=False, err=True)
-                click.echo(str(error), err=True)
-                ctx.exit(2)
+    def main(self, *args: Any, **options: Any) -> Any:
+        """As click has it, with the exit status of shells after Ctrl-C, and streams that may be closed."""
+        _open_streams()
+        try:
+            return super().main(*args, **options)
+        except click.Abort as stopped:  # only where click is asked to leave the exit to its caller
+            if isinstance(stopped.__cause__, KeyboardInterrupt):
+                raise KeyboardInterrupt from None
+            raise
+        except SystemExit as end:
+            context = end.__context__
+            if isinstance(context, click.Abort) and isinstance(context.__cause__, KeyboardInterrupt):
+                raise SystemExit(STOPPED) from None
             raise
 
 
-def _ours_is_broken(error: BaseException) -> bool:
-    """A KeyError or ValueError that comes from a slip of our own, not from the user's input."""
-    return type(error) is KeyError
+def _open_streams() -> None:
+    """Give a stream that is closed (`2>&-`) a place to go, before a file that is opened takes its number."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115  # as long as the program
+
+
+def _is_answer(error: Exception) -> bool:
+    """True for an error that answers the user; one from a slip of our own keeps its traceback."""
+    from rattle.errors import AssemblyError, MissingPackage, MissingProgram, ModelError
+
+    if isinstance(error, ModelError | AssemblyError | MissingPackage | MissingProgram | OSError):
+        return True
+    return isinstance(error, ValueError | KeyError) and type(error) is not KeyError and _said_by_us(error)
+
+
+def _said_by_us(error: Exception) -> bool:
+    """True where a `raise` of this package made the error: not a call that failed by itself, here or elsewhere."""
+    place = error.__traceback__
+    while place is not None and place.tb_next is not None:
+        place = place.tb_next
+    if place is None or not str(place.tb_frame.f_globals.get("__name__", "")).startswith("rattle"):
+        return False
+    return place.tb_frame.f_code.co_code[place.tb_lasti] == opmap["RAISE_VARARGS"]
 
 
 def _quieten(ctx: click.Context, param: click.Parameter, quiet: bool) -> None:

@@ -133,6 +133,9 @@ def compare(
     for model, make in models.items():
         try:
             results[model] = make().simulate(end, t_eval=times, method=_method(m), horizon=True, progress=progress)
+            if results[model].interrupted or results[model].stats.get("horizon_interrupted"):
+                skipped.update(dict.fromkeys([one for one in models if one not in results], "stopped by the user"))
+                break
         except ModelError as error:
             skipped[model] = error.problems[0].message
         except AssemblyError as error:

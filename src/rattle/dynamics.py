@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import threading
 import time
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -36,6 +37,7 @@ STILL = 1e-7  # a curve whose range is below this share of the widest of its uni
 MOTION = ("m", "rad", "m/s", "rad/s")  # units of positions and rates
 LIKE = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N", "N*m"))
 POINTS = 1000  # output intervals when nothing is said
+stop = threading.Event()  # set: all runs of the process end where they are, as after Ctrl-C in each of them
 CHUNK = 2000  # steps between two looks at the clock and the keyboard
 
 
@@ -62,6 +64,7 @@ class Run:
         self.contacts: list[np.ndarray] = []
         self.first_sign = np.ones(len(ready.watched))
         self.message = ""
+        self.interrupted = False
         self.wall = 0.0
 
     def prepare(self) -> Memory:
@@ -108,6 +111,8 @@ class Run:
                 record(m.handle, self.start.t, m["y"], self.raw[0])
                 tally[march.OUTPUTS] = 1
             while status == PAUSED:
+                if stop.is_set():
+                    raise KeyboardInterrupt
                 status = self.advance(self.t_end, CHUNK if catalog.jit_runs() else 20)
                 self.crossings.append(m["crossings"][: tally[march.FOUND]].copy())
                 self.contacts.append(m["events"][: tally[march.EVENT_COUNT]].copy())
@@ -120,6 +125,7 @@ class Run:
                     tally[march.OUTPUTS] = 1
                 self.message = self.trouble(status)
         except KeyboardInterrupt:
+            self.interrupted = True
             reached = self.clock[march.T]
             self.message = f"stopped by the user at t = {reached:.6g} s; the result holds what was computed before"
         finally:
@@ -159,13 +165,17 @@ def simulate(
     one_run, method, step = kind_of_run(ready, method, step, end)
     run = one_run(ready, start, times, end, method, rtol, atol, step)
     run.go(progress)
-    reach = None
-    if horizon and run.tally[march.OUTPUTS] > 1:
+    reach, second = None, None
+    if horizon and run.tally[march.OUTPUTS] > 1 and not run.interrupted:
         finer = None if step is None else step / 10 ** (1 / march.ORDERS.get(method, 1))
         second = one_run(ready, start, times, end, method, rtol / 10, atol / 10, finer)
         second.go(progress, "once more, tighter")
-        reach = agreement(run, second)
+        reach = None if second.interrupted else agreement(run, second)
     result = _result(run, reach)
+    if run.interrupted:
+        result.stats["interrupted"] = True
+    elif second is not None and second.interrupted:
+        result.stats["horizon_interrupted"] = True
     if not result.success:
         log.warning(result.message)
         if strict:

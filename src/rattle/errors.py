@@ -7,7 +7,13 @@ from itertools import islice
 from typing import Any
 
 MOST = 50  # problems reported at once; nobody reads more, and a broken file of megabytes stays cheap
+LONGEST = 80  # characters of a name that a message quotes
 CANDIDATES = 1000  # names that a misspelt one is compared with
+
+
+def shown(text: str) -> str:
+    """A text for a terminal: what would steer it (escape sequences, directions of writing) is written out."""
+    return "".join(c if c.isprintable() or c in "\n\t" else c.encode("unicode_escape").decode() for c in text)
 
 
 def suggest(word: str, known: Iterable[str]) -> str:
@@ -15,10 +21,14 @@ def suggest(word: str, known: Iterable[str]) -> str:
     import difflib
 
     options = list(islice(known, CANDIDATES))
-    close = difflib.get_close_matches(word[:80], options, 3, 0.6)
+    close = difflib.get_close_matches(word[:LONGEST], [one for one in options if len(one) <= 2 * LONGEST], 3, 0.6)
     if close:
-        return "; did you mean " + " or ".join(f"'{one}'" for one in close) + "?"
-    return "; known: " + ", ".join(options) if 0 < len(options) <= 12 else ""
+        return "; did you mean " + " or ".join(f"'{_short(one)}'" for one in close) + "?"
+    return "; known: " + ", ".join(map(_short, options)) if 0 < len(options) <= 12 else ""
+
+
+def _short(name: str) -> str:
+    return shown(name if len(name) <= LONGEST else name[: LONGEST - 3] + "...").replace("\n", "\\n")
 
 
 class Problem:
@@ -33,7 +43,7 @@ class Problem:
         self, path: tuple[str | int, ...], message: str, at_key: bool = False, column: int | None = None
     ) -> None:
         self.path = path
-        self.message = message
+        self.message = shown(message)
         self.at_key = at_key
         self.column = column
         self.line: int | None = None
@@ -44,7 +54,7 @@ class Problem:
         """The path as the user would write it, "joints.O3.clearance"."""
         text = ""
         for part in self.path:
-            text += f"[{part}]" if isinstance(part, int) else ("." if text else "") + str(part)
+            text += f"[{part}]" if isinstance(part, int) else ("." if text else "") + _short(str(part))
         return text
 
     def __str__(self) -> str:
@@ -71,6 +81,10 @@ class ModelError(ValueError):
 
 class MissingPackage(ImportError):
     """Something that was asked for needs a package that is not installed; the message says which."""
+
+
+class MissingProgram(RuntimeError):
+    """Something that was asked for needs a program that is not installed; the message says which."""
 
 
 class AssemblyError(RuntimeError):

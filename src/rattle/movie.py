@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rattle.errors import MissingProgram
 from rattle.plot import BORE, CURVES, GREY, LINES
 
 if TYPE_CHECKING:
@@ -16,12 +18,23 @@ if TYPE_CHECKING:
 Update = Callable[[int], None]  # moves what was drawn to the instant of one frame
 
 
-def write_mp4(figure: Figure, update: Update, count: int, file: Path, fps: int) -> None:
-    """A film; RuntimeError where ffmpeg is missing."""
+def require_film(path: str | os.PathLike[str]) -> None:
+    """Raise ValueError for a name that is no film's, MissingProgram where ffmpeg is wanted and missing."""
     from matplotlib.animation import FFMpegWriter
 
-    if not FFMpegWriter.isAvailable():
-        raise RuntimeError("an .mp4 needs the program ffmpeg, which is not found here; install it or use .gif")
+    suffix = Path(path).suffix.lower()
+    if suffix == ".html":
+        raise ValueError(f"{os.fspath(path)}: .html is not available yet; use .gif or .mp4")
+    if suffix not in (".gif", ".mp4"):
+        raise ValueError(f"{os.fspath(path)}: an animation needs a name ending in .gif or .mp4")
+    if suffix == ".mp4" and not FFMpegWriter.isAvailable():
+        raise MissingProgram("an .mp4 needs the program ffmpeg, which is not found here; install it or use .gif")
+
+
+def write_mp4(figure: Figure, update: Update, count: int, file: Path, fps: int) -> None:
+    """A film."""
+    from matplotlib.animation import FFMpegWriter
+
     writer = FFMpegWriter(fps=fps)
     with writer.saving(figure, str(file), figure.dpi):
         for k in range(count):

@@ -8,6 +8,7 @@ holds at each load (mechanical advantage), from the linearised balance
 
 from __future__ import annotations
 
+import logging
 import math
 import time
 from dataclasses import dataclass
@@ -22,6 +23,8 @@ from rattle.result import Event, Result, Trust
 from rattle.statics import equilibria, opened, rigid_model, without_guide_play
 from rattle.steppers.rest import stiffness
 from rattle.system import Compiled, compile_system
+
+log = logging.getLogger("rattle")
 
 SMALLEST = 1e-7  # share of an interval below which no step is tried
 MOST_SNAPS = 5  # in one interval
@@ -84,6 +87,8 @@ def quasistatic(ready: Compiled, t_eval: np.ndarray) -> Result:
         if message:
             break
         kept.append(path.last)
+    if message:
+        log.warning(message)
     return _result(path.rest, kept, events, message, time.perf_counter() - began)
 
 

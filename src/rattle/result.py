@@ -9,7 +9,7 @@ import csv
 import difflib
 import math
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -288,19 +288,25 @@ class Result:
         dataset: xarray.Dataset = package("xarray", "to_xarray").Dataset(curves, {"t": ("t", self.t, {"units": "s"})})
         return dataset
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """All names as CSV, with a header such as `coupler.x [m]`; numbers in full precision."""
-        if Path(path).suffix.lower() not in TABLES:
-            raise ValueError(f"{os.fspath(path)}: to_csv writes plain text; give a name ending in .csv")
+    def to_csv(self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None) -> Path:
+        """All names as CSV, with a header such as `coupler.x [m]`; numbers in full precision.
+
+        fallback, return value: as for `save`.  Raises ValueError for a suffix that promises something else, OSError.
+        """
+        require_table(path)
         units = [self._units[name] for name in self.names]
         header = ["t [s]"] + [
             f"{name} [{unit}]" if unit else name for name, unit in zip(self.names, units, strict=True)
         ]
         table = np.column_stack([self.t, *(self[name] for name in self.names)])
-        with atomic(path) as file, file.open("w", newline="", encoding="utf-8") as out:
-            writer = csv.writer(out, lineterminator="\n")
-            writer.writerow(header)
-            writer.writerows(table.tolist())
+
+        def write(place: Path) -> None:
+            with atomic(place) as file, file.open("w", newline="", encoding="utf-8") as out:
+                writer = csv.writer(out, lineterminator="\n")
+                writer.writerow(header)
+                writer.writerows(table.tolist())
+
+        return _first_place(write, path, fallback)
 
     def save(self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None) -> Path:
         """Write everything as netCDF (`.nc`) or `.npz`; `load_result` gives it back, bit by bit.
@@ -322,15 +328,7 @@ class Result:
             "success": self.success,
             "message": self.message,
         }
-        places = [Path(path), *([Path(fallback).expanduser() / Path(path).name] if fallback is not None else [])]
-        for n, place in enumerate(places):
-            try:
-                archive.write(place, record, self.t, self._data)
-                return place
-            except OSError:
-                if n == len(places) - 1:
-                    raise
-        raise AssertionError("one place was written or the last one raised")
+        return _first_place(lambda place: archive.write(place, record, self.t, self._data), path, fallback)
 
     # ------------------------------------------------------------ pictures
     def plot(self, *names: str, ax: Axes | None = None, **options: Any) -> Figure:
@@ -392,6 +390,27 @@ def _derived(geometry: Mapping[str, Any], stored: Mapping[str, int]) -> dict[str
         if f"{joint}.fx" in stored and f"{joint}.force" not in stored:
             found[f"{joint}.force"] = ("force", joint, 0.0, 0.0)
     return found
+
+
+def require_table(path: str | os.PathLike[str]) -> None:
+    """Raise ValueError for a name under which nobody expects CSV."""
+    if Path(path).suffix.lower() not in TABLES:
+        raise ValueError(f"{os.fspath(path)}: curves are written as plain text; give a name ending in .csv")
+
+
+def _first_place(
+    write: Callable[[Path], None], path: str | os.PathLike[str], fallback: str | os.PathLike[str] | None
+) -> Path:
+    """Write under `path`, or in the folder `fallback` where the system cannot; returns the file written."""
+    try:
+        write(Path(path))
+        return Path(path)
+    except OSError:
+        if fallback is None:
+            raise
+    place = Path(fallback).expanduser() / Path(path).name
+    write(place)
+    return place
 
 
 def _frozen(values: ArrayLike) -> Array:

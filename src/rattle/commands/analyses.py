@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -10,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rattle.commands.options import model_options, read_model, time
+from rattle.commands.output import as_json as to_json
+from rattle.commands.output import check_pictures, check_results, finish, keep, save_options
 
 if TYPE_CHECKING:
     import numpy as np
@@ -42,24 +43,6 @@ def _times(m: Mechanism, t_end: float | None, points: int) -> np.ndarray:
     if not 0.0 < end < math.inf:
         raise click.UsageError(f"--t-end must be positive, got {end}")
     return np.linspace(0.0, end, points)
-
-
-def _writable(*paths: str | None) -> None:
-    from rattle.files import writable
-
-    for path in paths:
-        if path is not None:
-            writable(path)
-
-
-def _finish(ctx: click.Context, result: Result, output: str | None, csv: str | None) -> None:
-    if output is not None:
-        result.save(output)
-    if csv is not None:
-        result.to_csv(csv)
-    if not result.success:
-        click.echo(f"stopped: {result.message}", err=True)
-        ctx.exit(1)
 
 
 def _shown(value: float, unit: str) -> tuple[float, str]:
@@ -110,19 +93,19 @@ def _record(result: Result) -> str:
         "events": events,
         "curves": curves,
     }
-    return json.dumps(record, indent=2, default=float)
+    return to_json(record)
 
 
 @click.command()
 @model_options
 @span_options(1001)
-@click.option("-o", "--output", help="Save the result (.nc), for plot, animate and export.")
-@click.option("--csv", help="Also write all curves as CSV.")
+@save_options()
 @click.option("--json", "as_json", is_flag=True, help="Ranges, events and trust as JSON.")
 @click.pass_context
 def kinematics(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t_end: float | None, points: int,
-    output: str | None, csv: str | None, as_json: bool,
+    output: str | None, csv: str | None, fallback: str | None,
+    as_json: bool,
 ) -> None:  # fmt: skip
     """Driven motion: position, velocity and acceleration, dead centres and branch points.
 
@@ -132,7 +115,7 @@ def kinematics(
     Example:  rattle kinematics path_generator --ideal --points 361
     """
     m = read_model(file, settings, ideal)
-    _writable(output, csv)
+    check_results(file, output, csv, fallback)
     result = m.kinematics(_times(m, t_end, points))
     if as_json:
         click.echo(_record(result))
@@ -140,20 +123,20 @@ def kinematics(
         bodies = list(result.geometry["bodies"])
         click.echo(_ranges(result, [f"{body}.{key}" for body in bodies for key in ("x", "y", "angle", "omega")]))
         click.echo(_notes(result))
-    _finish(ctx, result, output, csv)
+    finish(ctx, result, keep(result, output, csv, fallback))
 
 
 @click.command()
 @model_options
 @span_options(1001)
 @click.option("--effort-at", metavar="JOINT", help="A motor on this joint does the work of the driver.")
-@click.option("-o", "--output", help="Save the result (.nc), for plot, animate and export.")
-@click.option("--csv", help="Also write all curves as CSV.")
+@save_options()
 @click.option("--json", "as_json", is_flag=True, help="Ranges, events and trust as JSON.")
 @click.pass_context
 def inverse_dynamics(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t_end: float | None, points: int,
-    effort_at: str | None, output: str | None, csv: str | None, as_json: bool,
+    effort_at: str | None, output: str | None, csv: str | None, fallback: str | None,
+    as_json: bool,
 ) -> None:  # fmt: skip
     """Driven motion with all reactions, and torque and power of the drivers.
 
@@ -165,7 +148,7 @@ def inverse_dynamics(
     from rattle.summary import joint_table
 
     m = read_model(file, settings, ideal)
-    _writable(output, csv)
+    check_results(file, output, csv, fallback)
     result = m.inverse_dynamics(_times(m, t_end, points), effort_at=effort_at)
     if as_json:
         click.echo(_record(result))
@@ -174,7 +157,7 @@ def inverse_dynamics(
         click.echo(joint_table(result))
         click.echo(_ranges(result, efforts))
         click.echo(_notes(result))
-    _finish(ctx, result, output, csv)
+    finish(ctx, result, keep(result, output, csv, fallback))
 
 
 @click.command()
@@ -196,13 +179,13 @@ def inverse_dynamics(
 )
 @click.option("--path", "path", is_flag=True, help="A slow motion over the drivers' time instead of one position.")
 @span_options(181)
-@click.option("-o", "--output", help="With --path: save the result (.nc).")
-@click.option("--csv", help="With --path: write all curves as CSV.")
+@save_options("With --path: ")
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
 @click.pass_context
 def equilibrium(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t: float, branches: str, path: bool,
-    t_end: float | None, points: int, output: str | None, csv: str | None, as_json: bool,
+    t_end: float | None, points: int, output: str | None, csv: str | None, fallback: str | None,
+    as_json: bool,
 ) -> None:  # fmt: skip
     """Positions of rest: admissible (no bush has to pull) and stable ones first.
 
@@ -212,9 +195,11 @@ def equilibrium(
     Examples: rattle equilibrium balanced_arm
               rattle equilibrium toggle_clamp --path -o clamp.nc
     """
+    if not path and (output, csv) != (None, None):
+        raise click.UsageError("-o and --csv save a slow motion; they want --path")
     m = read_model(file, settings, ideal)
     if path:
-        _writable(output, csv)
+        check_results(file, output, csv, fallback)
         result = m.equilibrium(_times(m, t_end, points))
         if as_json:
             click.echo(_record(result))
@@ -232,11 +217,11 @@ def equilibrium(
                     + (f"{event.joint} changes sides (N through zero)" if event.kind == "side" else "snaps over")
                 )
             click.echo(_notes(result))
-        _finish(ctx, result, output, csv)
+        finish(ctx, result, keep(result, output, csv, fallback))
         return
     found = m.equilibrium(t, branches=branches)
     if as_json:
-        click.echo(json.dumps([_entry(one) for one in found], indent=2, default=float))
+        click.echo(to_json([_entry(one) for one in found]))
     else:
         for n, one in enumerate(found):
             click.echo(f"{n + 1}. {one}")
@@ -286,7 +271,7 @@ def _entry(one: Equilibrium) -> dict[str, Any]:
     help="Time at which the drivers are held, in s or as '20 ms'.",
 )
 @click.option("--mode", type=click.IntRange(1), default=1, show_default=True, help="Which mode to draw.")
-@click.option("-o", "--output", help="Draw the mode: .svg, .png or .pdf; .html, .gif or .mp4 moves.")
+@click.option("-o", "--output", help="Draw the mode: .svg, .png or .pdf; .gif or .mp4 moves.")
 def modes(file: str, settings: tuple[str, ...], ideal: bool, t: float, mode: int, output: str | None) -> None:
     """Natural frequencies about the first position of rest.
 
@@ -297,12 +282,12 @@ def modes(file: str, settings: tuple[str, ...], ideal: bool, t: float, mode: int
     """
     from rattle.plot import SUFFIXES, save_figure
 
-    _writable(output)
+    check_pictures(file, output, moving=True)
     found = read_model(file, settings, ideal).modes(t)
     click.echo(f"about: {found.equilibrium}")
     click.echo(str(found))
     if output is not None:
-        if output.endswith(SUFFIXES):
+        if output.lower().endswith(SUFFIXES):
             save_figure(found.plot(mode - 1), output)
         else:
             found.animate(mode - 1, output)
@@ -334,8 +319,8 @@ def accuracy(
     """
     from rattle.plot import save_figure
 
+    check_pictures(file, output)
     m = read_model(file, settings, False)
-    _writable(output)
     found = m.accuracy(of, _times(m, t_end, points), extremes=extremes)
     if as_json:
         arrays = {
@@ -344,7 +329,7 @@ def accuracy(
         }
         contributions = dict(zip(found.joints, found.contributions.T.tolist(), strict=True))
         record = {"of": found.of, "unit": found.unit, "share": found.share, "tighten": found.tighten}
-        click.echo(json.dumps({**record, **arrays, "contributions": contributions}, indent=2))
+        click.echo(to_json({**record, **arrays, "contributions": contributions}))
     else:
         click.echo(str(found))
     if output is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from rattle.commands.options import model_options, read_model, time
+from rattle.commands.output import STOPPED, beside, check_pictures, say_written
 
 
 @click.command()
@@ -29,12 +30,15 @@ def compare(
     """
     from rattle.plot import save_figure
 
+    check_pictures(file, output)
     found = read_model(file, settings, ideal).compare(
         joint=joint, curve=curve, t_end=t_end, law=law, progress=not ctx.obj["quiet"]
     )
     click.echo(str(found))
+    if any(r.interrupted or r.stats.get("horizon_interrupted") for r in found.results.values()):
+        ctx.exit(STOPPED)
     save_figure(found.figure(), output)
-    click.echo(output)
+    say_written(output)
     if not all(r.success for r in found.results.values()):
         ctx.exit(1)
 
@@ -76,6 +80,7 @@ def poincare(
 
     from rattle.plot import save_figure
 
+    check_pictures(file, picture)
     m = read_model(file, settings, ideal)
     if contact is not None:
         m = m.with_contact(contact)
@@ -83,6 +88,7 @@ def poincare(
     curves = names or tuple(f"{loose[0]}.{what}" for what in ("ex", "ey")) if loose or names else ()
     if not curves:
         raise click.UsageError("name the curves to look at: --of NAME --of NAME")
+    interrupted = False
     if parameter is not None:
         if first is None or last is None:
             raise click.UsageError("--parameter wants --from and --to")
@@ -90,14 +96,20 @@ def poincare(
             parameter, np.linspace(first, last, count), curves[0], period=period, skip=skip, points=points,
             progress=not ctx.obj["quiet"],
         )  # fmt: skip
-        figure = found.plot()
+        figure, interrupted = found.plot(), found.interrupted
+        click.echo(found.rule)
     else:
         if len(curves) < 2:
             raise click.UsageError("a section wants two curves: --of NAME --of NAME, or --parameter")
         section = m.poincare(*curves[:2], period=period, crossing=crossing, skip=skip, points=points)
         figure = section.plot(curves[0], curves[1])
+        interrupted = section.interrupted
         click.echo(f"{len(section.t)} points, {section.rule}")
-    if lyapunov:
+    if interrupted:
+        picture = beside(picture)
+    elif lyapunov:
         click.echo(str(m.lyapunov()))
     save_figure(figure, picture)
-    click.echo(picture)
+    say_written(picture)
+    if interrupted:
+        ctx.exit(STOPPED)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import click
 
 from rattle.commands.options import model_options, read_model
+from rattle.commands.output import as_json as to_json
+from rattle.commands.output import check_files, say_written
 
 
 @click.command()
@@ -47,27 +50,31 @@ def check(file: str, settings: tuple[str, ...], ideal: bool, as_json: bool) -> N
     """
     report = read_model(file, settings, ideal).check()
     if as_json:
-        import json
         from dataclasses import asdict
 
-        click.echo(json.dumps(asdict(report), indent=2))
+        click.echo(to_json(asdict(report)))
     else:
         click.echo(str(report))
 
 
 @click.command()
 @click.argument("result")
-@click.option("-o", "--output", required=True, help="CSV file to write; units stand in its header.")
+@click.option("-o", "--output", required=True, help="File to write: .csv with units in its header, .nc or .npz.")
 def export(result: str, output: str) -> None:
-    """Write a saved result as CSV, units in the header.
+    """Write a saved result as CSV, units in the header, or as .nc or .npz.
 
     \b
     Example:  rattle export out.nc -o out.csv
     """
-    from rattle.result import load_result
+    from rattle import archive
+    from rattle.result import load_result, require_table
 
-    load_result(result).to_csv(output)
-    click.echo(output)
+    check_files(result, output)
+    table = Path(output).suffix.lower() not in archive.SUFFIXES
+    (require_table if table else archive.require)(output)
+    loaded = load_result(result)
+    (loaded.to_csv if table else loaded.save)(output)
+    say_written(output)
 
 
 @click.command()

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import click
 
 from rattle.commands.options import model_options, read_model, time
+from rattle.commands.output import as_json as to_json
+from rattle.commands.output import check_results, finish, keep, save_options
 
 if TYPE_CHECKING:
     from rattle.result import Result
@@ -14,8 +16,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @model_options
-@click.option("-o", "--output", help="Save the result (.nc), for plot, animate and export.")
-@click.option("--csv", help="Also write all curves as CSV.")
+@save_options()
 @click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance, e.g. impact or exact.")
 @click.option("--t-end", type=time, help="Duration, in s or as '20 ms'; default: what the model says.")
 @click.option("--method", help="dop853 (adaptive, default), rk4 (fixed step); event or moreau for impact contacts.")
@@ -32,8 +33,8 @@ if TYPE_CHECKING:
 @click.pass_context
 def run(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str | None, csv: str | None,
-    contact: str | None, t_end: float | None, method: str | None, rtol: float | None, atol: float | None,
-    step: float | None, horizon: bool, as_json: bool,
+    fallback: str | None, contact: str | None, t_end: float | None, method: str | None, rtol: float | None,
+    atol: float | None, step: float | None, horizon: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Motion in time: peak and RMS force of every joint, energy, and how far the result can be trusted.
 
@@ -47,18 +48,12 @@ def run(
     m = read_model(file, settings, ideal)
     if contact is not None:
         m = m.with_contact(contact)
-    if output is not None:
-        _can_write(output)
+    check_results(file, output, csv, fallback)
     result = m.simulate(
         t_end, method=method, rtol=rtol, atol=atol, step=step, horizon=horizon, progress=not ctx.obj["quiet"]
     )
-    if output is not None:
-        result.save(output)
-    if csv is not None:
-        result.to_csv(csv)
+    kept = keep(result, output, csv, fallback)
     if as_json:
-        import json
-
         record = {
             "success": result.success,
             "message": result.message,
@@ -66,19 +61,11 @@ def run(
             "stats": result.stats,
             "peaks": _peaks(result),
         }
-        click.echo(json.dumps(record, indent=2))
+        click.echo(to_json(record))
     else:
         click.echo(joint_table(result))
         click.echo(str(result.trust))
-    if not result.success:
-        ctx.exit(1)
-
-
-def _can_write(path: str) -> None:
-    """Refuse a folder that cannot be written before the work, not after."""
-    from rattle.files import writable
-
-    writable(path)
+    finish(ctx, result, kept)
 
 
 def _peaks(result: Result) -> dict[str, dict[str, float | str]]:

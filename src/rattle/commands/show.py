@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import click
 
+from rattle.commands.output import check_files, check_pictures, say_written
+
 
 @click.command()
 @click.option("-o", "--output", default="rattle-demo", show_default=True, help="Folder for the files.")
@@ -39,19 +41,21 @@ def plot(result: str, names: tuple[str, ...], orbit: tuple[str, ...], output: st
     from rattle.plot import plot_orbit, save_figure
     from rattle.result import load_result
 
+    target = Path(output) if output else Path(result).with_suffix(".png")
+    if names or orbit:
+        check_pictures(result, target)
     loaded = load_result(result)
     if not names and not orbit:
         for name in loaded.names:
             click.echo(f"{name}  [{loaded.unit(name) or '-'}]")
         return
-    target = Path(output) if output else Path(result).with_suffix(".png")
     figures = [(curves(loaded, *names), target)] if names else []
     for joint in orbit:
         alone = not names and len(orbit) == 1
         figures.append((plot_orbit(loaded, joint), target if alone else target.with_stem(f"{target.stem}-{joint}")))
     for figure, path in figures:
         save_figure(figure, path)
-        click.echo(str(path))
+        say_written(path)
 
 
 @click.command()
@@ -65,7 +69,10 @@ def animate(result: str, output: str, frames: int) -> None:
     Example:  rattle animate out.nc -o out.gif
     """
     from rattle.animate import animate as make
+    from rattle.movie import require_film
     from rattle.result import load_result
 
+    require_film(output)
+    check_files(result, output)
     make(load_result(result), output, frames=frames)
-    click.echo(output)
+    say_written(output)

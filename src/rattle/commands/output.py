@@ -1,0 +1,149 @@
+"""What commands write: files that are checked before the work, results that are not lost, JSON that is JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from rattle.result import Result
+
+STOPPED = 130  # exit status after Ctrl-C, as shells have it
+
+
+# ---------------------------------------------------------------- JSON
+def as_json(record: Any) -> str:
+    """JSON text; what is not finite is null, which is all that JSON has for it."""
+    return json.dumps(_finite(record), indent=2, allow_nan=False)
+
+
+def _finite(value: Any) -> Any:
+    to_python = getattr(value, "tolist", None)
+    value = to_python() if callable(to_python) else value
+    if isinstance(value, Mapping):
+        return {str(key): _finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+# ---------------------------------------------------------------- what can be refused is refused before the work
+def save_options(note: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """-o, --csv and --fallback."""
+
+    def add(function: Callable[..., Any]) -> Callable[..., Any]:
+        function = click.option(
+            "--fallback", metavar="FOLDER", help="Folder for these files where they cannot be written (a full disk)."
+        )(function)
+        function = click.option("--csv", help=f"{note}Also write all curves as CSV.")(function)
+        return click.option(
+            "-o", "--output", help=f"{note}Save the result (.nc or .npz), for plot, animate and export."
+        )(function)
+
+    return add
+
+
+def check_results(read: str, output: str | None, csv: str | None, fallback: str | None) -> None:
+    """Refuse names under which a result cannot be saved."""
+    from rattle import archive
+    from rattle.result import require_table
+
+    if output is not None:
+        archive.require(output)
+    if csv is not None:
+        require_table(csv)
+    check_files(read, output, csv)
+    if fallback is not None and not Path(fallback).expanduser().is_dir():
+        raise click.UsageError(f"--fallback wants a folder, and {fallback} is none")
+
+
+def check_pictures(read: str, *paths: str | Path | None, moving: bool = False) -> None:
+    """Refuse names under which a picture cannot be written; moving: films are pictures too."""
+    from rattle.movie import require_film
+    from rattle.plot import SUFFIXES
+
+    for path in paths:
+        if path is None or Path(path).suffix.lower() in SUFFIXES:
+            continue
+        if not moving:
+            raise ValueError(f"{path}: a picture needs a name ending in {', '.join(SUFFIXES)}")
+        require_film(path)
+    check_files(read, *paths)
+
+
+def check_files(read: str, *paths: str | Path | None) -> None:
+    """Refuse places that cannot be written, the file that is read, and two files of one name."""
+    from rattle.files import is_special, refuse_input, writable
+
+    targets = [writable(path) for path in paths if path is not None]
+    for path in targets:
+        refuse_input(path, read)
+    plain = [path for path in targets if not is_special(path)]
+    if len(set(plain)) < len(plain):
+        raise click.UsageError(f"two files are to be written under the name {plain[0]}")
+
+
+# ---------------------------------------------------------------- after the work
+def keep(result: Result, output: str | None, csv: str | None, fallback: str | None) -> bool:
+    """Save a result; an interrupted one beside what is there.  False where it could not be saved."""
+    kept = True
+    for path, save in ((output, result.save), (csv, result.to_csv)):
+        if path is None:
+            continue
+        place = beside(path) if result.interrupted else path
+        try:
+            written = save(place, fallback=fallback)
+        except OSError as error:
+            click.echo(f"error: {error}", err=True)
+            again = _another_place(save)
+            kept = kept and again
+            continue
+        if str(written) != path:
+            click.echo(f"saved as {written}", err=True)
+    return kept
+
+
+def beside(path: str) -> str:
+    """The name for an unfinished result: the one asked for, or another where a file is there already."""
+    file = Path(path)
+    return str(file.with_name(f"{file.stem}.partial{file.suffix}")) if file.is_file() else path
+
+
+def _another_place(save: Callable[[str], Any]) -> bool:
+    """Ask where to save instead, as long as somebody is there to answer; the result waits in memory."""
+    while sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty():
+        path = click.prompt("save it as (empty: give it up)", default="", show_default=False, err=True)
+        if not path:
+            return False
+        try:
+            save(path)
+            return True
+        except (OSError, ValueError) as error:
+            click.echo(f"error: {error}", err=True)
+    click.echo("the result was computed but not saved; --fallback FOLDER names another place to try", err=True)
+    return False
+
+
+def finish(ctx: click.Context, result: Result, kept: bool = True) -> None:
+    """End a command with the status that its result asks for; the reason of a failure stands on stderr."""
+    if not result.success and ctx.obj["quiet"]:
+        click.echo(f"stopped: {result.message}", err=True)
+    if result.interrupted or result.stats.get("horizon_interrupted"):
+        ctx.exit(STOPPED)
+    if not result.success:
+        ctx.exit(1)
+    if not kept:
+        ctx.exit(2)
+
+
+def say_written(path: str | Path) -> None:
+    """The name of a file that was written; not into it, where it is the output itself."""
+    from rattle.files import is_special
+
+    click.echo(str(path), err=is_special(path))

@@ -1,0 +1,349 @@
+"""The command line keeps what it computes, refuses early what it must refuse, and ends when it is told to."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import rattle as rt
+from circling import circling
+from rattle import archive, dynamics, mechanism
+from rattle.cli import main
+from rattle.result import load_result
+
+pytestmark = pytest.mark.nojit
+PLAIN = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+
+
+def call(*words):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def shell(line, **options):
+    line = line.replace("rattle", f"{sys.executable} -m rattle")
+    return subprocess.run(["bash", "-c", line], capture_output=True, text=True, env=PLAIN, timeout=120, **options)
+
+
+# ---------------------------------------------------------------- JSON
+def strict(text):
+    def refuse(word):
+        raise AssertionError(f"{word} is not JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("kinematics", "path_generator", "--ideal", "--points", 3),
+        ("inverse-dynamics", "slider_crank", "--effort-at", "guide", "--points", 3),  # no effort there at t = 0
+        ("equilibrium", "toggle_clamp", "--path", "--points", 2),
+        ("equilibrium", "balanced_arm"),
+        ("check", "fourbar"),
+        ("run", "double_pendulum", "--t-end", "1 ms", "--no-horizon"),
+    ],
+)
+def test_json_is_json(words):
+    found = call(*words, "--json")
+    assert found.exit_code == 0, found.output
+    assert strict(found.stdout)
+
+
+def test_what_is_not_finite_is_null():
+    found = strict(call("inverse-dynamics", "slider_crank", "--effort-at", "guide", "--points", 3, "--json").stdout)
+    assert found["curves"]["guide.thrust"]["max"] is None
+
+
+# ---------------------------------------------------------------- refused before the work
+@pytest.fixture
+def never(monkeypatch):
+    def work(*args, **options):
+        raise AssertionError("it ran")
+
+    for name in ("simulate", "kinematics", "compare", "poincare", "modes", "accuracy", "equilibrium"):
+        monkeypatch.setattr(mechanism.Mechanism, name, work)
+    monkeypatch.setattr("rattle.result.load_result", work)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("run model.toml -o out.csv", "saved as .nc (netCDF) or .npz"),
+        ("run model.toml --csv nowhere/x.csv", "the folder nowhere does not exist"),
+        ("run model.toml --csv x.xlsx", "give a name ending in .csv"),
+        ("run model.toml --csv model.toml.csv", "it is the file that is read"),
+        ("run model.toml -o out.nc --fallback nowhere", "wants a folder"),
+        ("run model.toml -o out.npz --csv ./folder", "it is a folder"),
+        ("kinematics model.toml -o out.bmp", "saved as .nc (netCDF) or .npz"),
+        ("compare model.toml -o x.bmp", "a picture needs a name ending in"),
+        ("poincare model.toml -o nowhere/x.png", "the folder nowhere does not exist"),
+        ("modes model.toml -o x.html", ".html is not available yet"),
+        ("accuracy model.toml --of a -o x.gif", "a picture needs a name ending in"),
+        ("equilibrium model.toml -o x.nc", "they want --path"),
+        ("export same.npz -o same.npz", "it is the file that is read"),
+        ("export same.npz -o out.xlsx", "give a name ending in .csv"),
+        ("plot same.npz lift -o x.bmp", "a picture needs a name ending in"),
+        ("animate same.npz -o x.mov", "an animation needs a name ending in .gif or .mp4"),
+    ],
+)
+def test_what_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch, never, words, said):
+    monkeypatch.chdir(tmp_path)
+    text = mechanism.examples()["fourbar"].read_text(encoding="utf-8")
+    Path("model.toml").write_text(text, encoding="utf-8")
+    os.link("model.toml", "model.toml.csv")
+    Path("folder").mkdir()
+    circling(5).save("same.npz")
+    content = Path("same.npz").read_bytes()
+    found = call(*words.split())
+    assert found.exit_code == 2, found.output
+    assert said in found.stderr.replace("\n", " ")
+    assert Path("same.npz").read_bytes() == content
+    assert Path("model.toml.csv").read_text(encoding="utf-8") == text
+
+
+def test_a_missing_package_is_named_before_the_run(tmp_path, monkeypatch, never):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, "h5netcdf", None)
+    found = call("run", "fourbar", "-o", "out.nc")
+    assert found.exit_code == 2
+    assert "saving as .nc needs h5netcdf and h5py" in found.stderr
+    assert ".npz needs nothing more" in found.stderr
+
+
+def test_a_missing_ffmpeg_is_named_before_the_work(tmp_path, monkeypatch, never):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("matplotlib.animation.FFMpegWriter.isAvailable", lambda: False)
+    circling(5).save("r.npz")
+    for words in (("animate", "r.npz", "-o", "x.mp4"), ("modes", "balanced_arm", "-o", "x.mp4")):
+        found = call(*words)
+        assert found.exit_code == 2
+        assert "needs the program ffmpeg" in found.stderr
+
+
+# ---------------------------------------------------------------- without other packages
+def test_the_commands_of_the_readme_work_in_a_plain_installation(tmp_path):
+    """Without the packages for netCDF and tables; the ones that make pictures of a saved result too."""
+    code = """
+import sys
+class Blocked:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in ("xarray", "h5netcdf", "h5py", "pandas", "netCDF4"):
+            raise ImportError(name)
+sys.meta_path.insert(0, Blocked())
+from rattle.cli import main
+for words in (
+    "run double_pendulum --t-end 1ms --no-horizon -o out.npz --csv out.csv",
+    "plot out.npz", "plot out.npz upper.angle -o p.png", "animate out.npz -o a.gif --frames 2",
+    "export out.npz -o e.csv", "check fourbar", "kinds spring", "example",
+):
+    print(words, flush=True)
+    try:
+        main(words.split())
+    except SystemExit as end:
+        if end.code:
+            raise
+try:
+    main("run double_pendulum --t-end 1ms -o out.nc".split())
+except SystemExit as end:
+    assert end.code == 2
+"""
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, env=PLAIN, capture_output=True, text=True, timeout=120
+    )
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "saving as .nc needs h5netcdf and h5py" in run.stderr
+    assert {one.name for one in tmp_path.iterdir()} == {"out.npz", "out.csv", "p.png", "a.gif", "e.csv"}
+    assert (tmp_path / "e.csv").read_text() == (tmp_path / "out.csv").read_text()
+
+
+# ---------------------------------------------------------------- Ctrl-C
+@pytest.fixture
+def stop_at(monkeypatch):
+    """Ctrl-C in the given call of `advance` of the given run; returns the list of calls."""
+    real, calls = dynamics.Run.advance, []
+
+    def at(number, run=1):
+        def advance(self, t, chunk):
+            calls.append(self)
+            if len(set(calls)) == run and calls.count(self) == number:
+                raise KeyboardInterrupt
+            return real(self, t, chunk)
+
+        monkeypatch.setattr(dynamics, "CHUNK", 20)
+        monkeypatch.setattr(dynamics.Run, "advance", advance)
+        return calls
+
+    return at
+
+
+def test_an_interrupted_run_ends_at_once_and_keeps_what_there_is(tmp_path, stop_at):
+    calls = stop_at(3)
+    found = call("run", "double_pendulum", "--t-end", 1, "-o", tmp_path / "out.npz")
+    assert found.exit_code == 130
+    assert len(calls) == 3  # no second run for the horizon
+    r = load_result(tmp_path / "out.npz")
+    assert not r.success
+    assert r.interrupted
+    assert 0.0 < r.trust.t_end < 1.0
+    assert len(r.t) > 2
+
+
+def test_an_interrupted_run_does_not_replace_a_complete_one(tmp_path, stop_at):
+    target = tmp_path / "out.npz"
+    assert call("run", "double_pendulum", "--t-end", "1 ms", "--no-horizon", "-o", target).exit_code == 0
+    content = target.read_bytes()
+    stop_at(3)
+    found = call("run", "double_pendulum", "--t-end", 1, "-o", target)
+    assert found.exit_code == 130
+    assert target.read_bytes() == content
+    assert load_result(tmp_path / "out.partial.npz").interrupted
+    assert "out.partial.npz" in found.stderr
+
+
+def test_a_stop_in_the_second_run_keeps_the_whole_first_one(tmp_path, monkeypatch):
+    def stopped(self, progress=False, what="simulate", real=dynamics.Run.go):
+        real(self, progress, what) if what == "simulate" else setattr(self, "interrupted", True)
+
+    monkeypatch.setattr(dynamics.Run, "go", stopped)
+    found = call("run", "double_pendulum", "--t-end", "1 ms", "-o", tmp_path / "out.npz")
+    assert found.exit_code == 130
+    r = load_result(tmp_path / "out.npz")
+    assert r.success
+    assert r.trust.horizon is None
+
+
+def test_interrupted_sections_say_so(tmp_path, monkeypatch, stop_at):
+    monkeypatch.chdir(tmp_path)
+    stop_at(3)
+    found = call(
+        "poincare", "double_pendulum", "--of", "upper.angle", "--of", "upper.omega", "--period", 0.05, "--skip", 0
+    )
+    assert found.exit_code == 130
+    assert "stopped by the user at t = " in found.stdout
+    assert Path("poincare.png").exists()
+
+
+def test_an_interrupted_bifurcation_ends_its_other_runs(stop_at):
+    calls = stop_at(1, run=2)
+    m = rt.example("double_pendulum")
+    found = m.bifurcation(
+        "upper_length", [0.4, 0.41, 0.42, 0.43], "upper.angle", period=0.01, skip=0, points=5, threads=1
+    )
+    assert found.interrupted
+    assert "stopped by the user" in found.rule
+    assert found.points.shape == (4, 5)
+    assert not dynamics.stop.is_set()
+    assert np.isfinite(found.points[0]).all()
+    assert np.isnan(found.points[1:]).all()
+    assert len(set(calls)) == 2
+
+
+def test_comparison_ends_at_ctrl_c(stop_at):
+    stop_at(2)
+    found = call("compare", "guide_play", "--t-end", "1 ms", "-o", "never.png")
+    assert found.exit_code == 130
+    assert not Path("never.png").exists()
+
+
+def test_a_program_that_is_interrupted_ends_at_once_with_the_status_of_shells(tmp_path):
+    words = ["run", "double_pendulum", "--t-end", "1000", "-o", "out.npz"]
+    run = subprocess.Popen(
+        [sys.executable, "-m", "rattle", *words],
+        cwd=tmp_path,
+        env=PLAIN,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    time.sleep(2.5)
+    run.send_signal(signal.SIGINT)
+    _, said = run.communicate(timeout=30)
+    assert run.returncode == 130, said
+
+
+# ---------------------------------------------------------------- streams
+def test_a_reader_that_leaves_is_no_error():
+    found = shell("rattle kinds | head -1")
+    assert found.stderr == ""
+    assert found.stdout
+
+
+def test_a_closed_stderr_changes_nothing():
+    found = shell("rattle check fourbar 2>&-")
+    assert found.returncode == 0
+    assert "bodies" in found.stdout
+    assert shell("rattle run fourbar --t-end 1ms --rtol nan 2>&-").returncode == 2
+
+
+def test_quiet_keeps_the_reason_of_a_failure(tmp_path):
+    (tmp_path / "m.toml").write_text(
+        "format = 1\n[ground.points]\nO = [0, 0]\n[bodies.d]\nmass = 1\ninertia = 1\npoints = { O = [0, 0] }\n"
+        '[joints.O]\ntype = "revolute"\nconnect = ["ground.O", "d.O"]\n'
+        '[loads.M]\ntype = "torque"\nbody = "d"\ntorque = "sqrt(0.001 - t)"\n[simulate]\nt_end = 0.1\n'
+    )
+    found = call("-q", "run", tmp_path / "m.toml", "--no-horizon")
+    assert found.exit_code == 1
+    assert "loads.M" in found.stderr
+    assert "no finite value" in found.stderr
+
+
+# ---------------------------------------------------------------- a full disk
+@pytest.fixture
+def full(tmp_path, monkeypatch):
+    real = archive.atomic
+
+    def atomic(path):
+        if Path(path).parent == tmp_path:
+            raise OSError(28, f"cannot write {path}: No space left on device")
+        return real(path)
+
+    monkeypatch.setattr(archive, "atomic", atomic)
+    (tmp_path / "other").mkdir()
+
+
+def test_a_full_disk_loses_no_table_and_says_what_to_do(tmp_path, full):
+    found = call("run", "double_pendulum", "--t-end", "1 ms", "--no-horizon", "-o", tmp_path / "out.npz")
+    assert found.exit_code == 2
+    assert "No space left on device" in found.stderr
+    assert "--fallback FOLDER names another place" in found.stderr
+    assert "constraints held" in found.stdout
+
+
+def test_another_place_is_tried_on_request(tmp_path, full):
+    words = ("--fallback", tmp_path / "other", "-o", tmp_path / "out.npz")
+    found = call("run", "double_pendulum", "--t-end", "1 ms", "--no-horizon", *words)
+    assert found.exit_code == 0
+    assert "saved as" in found.stderr
+    assert load_result(tmp_path / "other" / "out.npz").success
+
+
+# ---------------------------------------------------------------- whose fault it is
+def test_a_slip_of_our_own_keeps_its_traceback(monkeypatch):
+    def slip(self):
+        return float("no number")
+
+    monkeypatch.setattr(mechanism.Mechanism, "check", slip)
+    found = call("check", "fourbar")
+    assert isinstance(found.exception, ValueError)
+    assert not isinstance(found.exception, SystemExit)
+
+
+def test_an_answer_to_the_user_has_none():
+    found = call("run", "fourbar", "--method", "euler")
+    assert found.exit_code == 2
+    assert "unknown method 'euler'" in found.stderr
+
+
+def test_names_cannot_steer_the_terminal(tmp_path):
+    file = tmp_path / "m.toml"
+    file.write_text('format = 1\nname = "a\\u001b]0;x\\u0007"\ngravity = "\\u001b[2J\\u202e"\n', encoding="utf-8")
+    found = call("check", file)
+    assert found.exit_code == 2
+    assert "\\x1b[2J\\u202e" in found.stderr
+    assert all(one.isprintable() or one == "\n" for one in found.output)
