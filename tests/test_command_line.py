@@ -247,7 +247,7 @@ def test_an_interrupted_bifurcation_ends_its_other_runs(stop_at):
 
 def test_comparison_ends_at_ctrl_c(stop_at):
     stop_at(2)
-    found = call("compare", "guide_play", "--t-end", "1 ms", "-o", "never.png")
+    found = call("compare", "slider_crank_play", "--t-end", "0.1", "-o", "never.png")
     assert found.exit_code == 130
     assert not Path("never.png").exists()
 
