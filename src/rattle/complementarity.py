@@ -7,8 +7,9 @@
     impact:           a_n = g'+ + e_N g'-,     a_t = -(u_t+ + e_T u_t-)         f percussions
 
 Every contact is in one of four modes: off (f = 0), sticking (a_n = a_t = 0), sliding forward (T = mu N) or
-backward (T = -mu N).  For given modes the problem is linear.  Modes are changed where a condition is broken
-(a Newton iteration on the piecewise linear problem); all of them are tried where that does not settle.
+backward (T = -mu N).  For given modes the problem is linear; many contacts are solved as in `network`.  Modes are
+changed where a condition is broken (a Newton iteration on the piecewise linear problem).  Where that does not settle,
+Lemke's path is followed (`following`), and all modes of a few contacts are tried.
 
 Source: Glocker, Set-Valued Force Laws (2001), chapters 6 and 8; Leine, Nijmeijer, Dynamics and Bifurcations of
 Non-Smooth Mechanical Systems (2004), chapter 5.
@@ -16,15 +17,18 @@ Non-Smooth Mechanical Systems (2004), chapter 5.
 
 from __future__ import annotations
 
-from rattle.catalog import compiled, kernel
+from rattle.catalog import call_problem, compiled, kernel
 from rattle.memory import (
     ARM,
     CHOSEN,
     CONTACT,
     DELASSUS,
     DIRECTION,
+    HELD,
+    NET_FIRST,
     PIVOTS,
     PLACE,
+    PROBLEM_TABLE,
     REPLY,
     ROW_BODY,
     ROWS,
@@ -49,6 +53,14 @@ B, F, A, OTHER = range(4)  # rows of `side`
 EXACT = 1e-12  # share of the largest value below which a value counts as zero
 LOOSE = 1e3  # times that: where a that ought to vanish does not, because contacts or joints depend on each other
 MOST_TRIED = 5  # contacts up to which all combinations of modes are tried
+FEW = 6  # contacts up to which G is made and solved as a full matrix
+# entries of `held`, after those of impact: 1 while G is sparse; how the last search ended; share by which the diagonal
+# of G is raised; size of the terms of the last a = G f + b
+SPARSE, OUTCOME, RIDGE, SCALE = range(2, 6)
+# IMPOSSIBLE: all modes tried; JAMMED: the force that presses contacts together makes them approach
+SOLVED, IMPOSSIBLE, JAMMED, UNSETTLED = 1, 0, -1, -2
+DENSE_WAY = 2  # what the sparse way answers when it cannot do it
+ROWS_OF, SEARCH, MODES, NETWORK, FOLLOW, COUNT = range(6)  # places in `problem_table`
 
 
 @compiled
@@ -59,8 +71,29 @@ def friction_of(m, n):
 
 @kernel("problem")
 def rows_kernel(m, count):
-    """Rows w of the chosen contacts, what a unit force on each of them changes, and G; touch and factor are at hand."""
-    contact, touch, chosen, row_body = imat(m, CONTACT), mat(m, TOUCH), ivec(m, CHOSEN), imat(m, ROW_BODY)
+    """Rows w of the chosen contacts, and of a few of them what a unit force changes, and G.
+
+    The geometry in `touch` and the factor of S are at hand.
+    """
+    touch, chosen, arm, held = mat(m, TOUCH), ivec(m, CHOSEN), mat(m, ARM), vec(m, HELD)
+    for k in range(count):
+        n = chosen[k]
+        for d in range(2):
+            r = 2 * k + d
+            ux = touch[n, NX] if d == 0 else -touch[n, NY]
+            uy = touch[n, NY] if d == 0 else touch[n, NX]
+            arm[r, 0], arm[r, 1], arm[r, 2] = -ux, -uy, -(touch[n, PAX] * uy - touch[n, PAY] * ux)
+            arm[r, 3], arm[r, 4], arm[r, 5] = ux, uy, touch[n, PBX] * uy - touch[n, PBY] * ux
+    held[SPARSE] = 1.0 if count > FEW and ivec(m, NET_FIRST).shape[0] > 0 else 0.0
+    if held[SPARSE] == 0.0:
+        fill_delassus(m, count)
+    return 0
+
+
+@compiled
+def fill_delassus(m, count):
+    """What a unit force on each line of the chosen contacts changes, and G; rows w and the factor of S are at hand."""
+    contact, chosen, row_body = imat(m, CONTACT), ivec(m, CHOSEN), imat(m, ROW_BODY)
     arm, direction, reply, delassus = mat(m, ARM), mat(m, DIRECTION), mat(m, REPLY), mat(m, DELASSUS)
     rows, weight, x, place_of = mat(m, ROWS), mat(m, WEIGHT), vec(m, SOLUTION), ivec(m, PLACE)
     for k in range(count):
@@ -71,10 +104,6 @@ def rows_kernel(m, count):
             r = 2 * k + d
             for c in range(direction.shape[1]):
                 direction[r, c] = 0.0
-            ux = touch[n, NX] if d == 0 else -touch[n, NY]
-            uy = touch[n, NY] if d == 0 else touch[n, NX]
-            arm[r, 0], arm[r, 1], arm[r, 2] = -ux, -uy, -(touch[n, PAX] * uy - touch[n, PAY] * ux)
-            arm[r, 3], arm[r, 4], arm[r, 5] = ux, uy, touch[n, PBX] * uy - touch[n, PBY] * ux
             if d == 0 or rough:
                 for row in range(rows.shape[0]):
                     value = 0.0
@@ -115,15 +144,35 @@ def rows_kernel(m, count):
                             value += arm[r, 3 + q] * direction[s, 3 * b - 3 + q]
                 delassus[r, s] = value
                 delassus[s, r] = value
-    return 0
 
 
 @compiled
-def linear(m, count, rough):
-    """Forces f and a = G f + b for the modes in `trial`; rough = 0 leaves friction of sliding out.
+def linear(m, count):
+    """Forces f and a = G f + b for the modes in `trial`."""
+    return call_problem(ivec(m, PROBLEM_TABLE)[MODES], (m, 2 * count + 1))
 
+
+@kernel("problem")
+def modes_kernel(m, number):
+    """Forces f and a = G f + b for the modes in `trial`; number is 2 * contacts + rough.
+
+    rough = 0 leaves friction of sliding out.
     Returns the sign of the determinant: +1 as without friction, -1 when friction locks, 0 for dependent contacts.
     """
+    count, rough = number // 2, number % 2
+    if vec(m, HELD)[SPARSE] == 1.0:
+        sign = call_problem(ivec(m, PROBLEM_TABLE)[NETWORK], (m, number))
+        if sign != DENSE_WAY:
+            return sign
+        vec(m, HELD)[SPARSE] = 0.0
+        fill_delassus(m, count)
+    return eliminate(m, count, rough)
+
+
+@compiled
+def eliminate(m, count, rough):
+    """`modes_kernel` with G as a full matrix."""
+    ridge = 1.0 + vec(m, HELD)[RIDGE]
     delassus, side, system, trial = mat(m, DELASSUS), mat(m, SIDE), mat(m, SYSTEM), ivec(m, TRIAL)
     chosen, pivot = ivec(m, CHOSEN), ivec(m, PIVOTS)
     size = 0
@@ -139,9 +188,9 @@ def linear(m, count, rough):
             for j in range(count):
                 if trial[j] == OFF:
                     continue
-                value = delassus[2 * k + d, 2 * j]
+                value = delassus[2 * k + d, 2 * j] * (ridge if j == k and d == 0 else 1.0)
                 if trial[j] == STICK:
-                    system[row, column + 1] = delassus[2 * k + d, 2 * j + 1]
+                    system[row, column + 1] = delassus[2 * k + d, 2 * j + 1] * (ridge if j == k and d == 1 else 1.0)
                 elif rough == 1:
                     mu = friction_of(m, chosen[j])
                     value += (mu if trial[j] == FORWARD else -mu) * delassus[2 * k + d, 2 * j + 1]
@@ -200,12 +249,15 @@ def linear(m, count, rough):
 def resolution(m, count):
     """Values of f and of a that count as zero."""
     side, delassus = mat(m, SIDE), mat(m, DELASSUS)
-    force, rate = 0.0, 0.0
+    force, rate = 0.0, vec(m, HELD)[SCALE]
+    if vec(m, HELD)[SPARSE] == 0.0:
+        rate = 0.0
+        for r in range(2 * count):
+            rate = max(rate, abs(side[B, r]))
+            for s in range(2 * count):
+                rate = max(rate, abs(delassus[r, s] * side[F, s]))
     for r in range(2 * count):
         force = max(force, abs(side[F, r]))
-        rate = max(rate, abs(side[B, r]))
-        for s in range(2 * count):
-            rate = max(rate, abs(delassus[r, s] * side[F, s]))
     return EXACT * force, EXACT * rate
 
 
@@ -235,32 +287,57 @@ def better_mode(m, k, force, rate):
 
 
 @compiled
-def settled(m, count):
-    """True when the solution at hand meets all conditions of the modes in `trial`."""
+def settled(m, count, slack):
+    """True when the solution at hand meets all conditions of the modes in `trial`; slack: in units of what is zero."""
     side, trial = mat(m, SIDE), ivec(m, TRIAL)
     force, rate = resolution(m, count)
     for k in range(count):
-        if better_mode(m, k, force, rate) != trial[k] or (trial[k] != OFF and not abs(side[A, 2 * k]) <= LOOSE * rate):
+        if better_mode(m, k, slack * force, slack * rate) != trial[k]:
+            return False
+        if trial[k] != OFF and not abs(side[A, 2 * k]) <= LOOSE * rate:
             return False
     return True
 
 
-@kernel("problem")
-def contacts_kernel(m, count):
-    """Find modes, f and a of the chosen contacts, starting from those in `trial`; 0 when there is no solution."""
+@compiled
+def change_where_broken(m, count):
+    """Change modes where a condition is broken until none is, from those in `trial` on; True when that settles."""
     trial = ivec(m, TRIAL)
-    for sweep in range(12 + 6 * count):
-        linear(m, count, 1)
+    together = 6 + 2 * min(count, FEW)  # later one at a time, lest it goes round
+    for sweep in range(12 + 6 * min(count, FEW)):
+        linear(m, count)
         force, rate = resolution(m, count)
         changed = False
         for k in range(count):
             mode = better_mode(m, k, force, rate)
-            if mode != trial[k] and not (changed and sweep > 6 + 2 * count):  # later one at a time, lest it goes round
+            if mode != trial[k] and not (changed and sweep > together):
                 trial[k] = mode
                 changed = True
         if not changed:
-            return 1 if settled(m, count) else 0
-    return all_modes(m, count, 1)
+            return settled(m, count, 1.0)
+    return False
+
+
+@kernel("problem")
+def search_kernel(m, count):
+    """Find modes, f and a of the chosen contacts, starting from those in `trial`.
+
+    Returns SOLVED, IMPOSSIBLE, JAMMED or UNSETTLED.
+    """
+    held = vec(m, HELD)
+    held[OUTCOME] = SOLVED
+    if change_where_broken(m, count):
+        return SOLVED
+    outcome = call_problem(ivec(m, PROBLEM_TABLE)[FOLLOW], (m, count))
+    if outcome == SOLVED and not change_where_broken(m, count):
+        # rows that depend on each other, or forces at the limit of rounding: as the path has left it
+        call_problem(ivec(m, PROBLEM_TABLE)[FOLLOW], (m, count))
+        linear(m, count)
+        outcome = SOLVED if settled(m, count, LOOSE) else UNSETTLED
+    if outcome != SOLVED and count <= MOST_TRIED:
+        outcome = SOLVED if all_modes(m, count, 1) > 0 else IMPOSSIBLE
+    held[OUTCOME] = outcome
+    return outcome
 
 
 @compiled
@@ -280,8 +357,8 @@ def all_modes(m, count, most):
                 fits = fits and trial[k] == (BACKWARD if slide[k] < 0 else FORWARD)
         if not fits:
             continue
-        linear(m, count, 1)
-        if not settled(m, count):
+        linear(m, count)
+        if not settled(m, count, 1.0):
             continue
         new = found == 0
         largest, apart = 0.0, 0.0
@@ -300,26 +377,8 @@ def all_modes(m, count, most):
         for k in range(count):
             trial[k] = first % 4
             first //= 4
-        linear(m, count, 1)
+        linear(m, count)
     return found
 
 
-@kernel("problem")
-def count_kernel(m, count):
-    """Number of different solutions of the problem, at most 2."""
-    return all_modes(m, count, 2)
-
-
-@kernel("problem")
-def rough_kernel(m, count):
-    """`linear` with friction of sliding."""
-    return linear(m, count, 1)
-
-
-@kernel("problem")
-def smooth_kernel(m, count):
-    """`linear` without friction of sliding."""
-    return linear(m, count, 0)
-
-
-KERNELS = (rows_kernel, contacts_kernel, count_kernel, rough_kernel, smooth_kernel)
+KERNELS = (rows_kernel, search_kernel, modes_kernel)

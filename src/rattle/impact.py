@@ -7,31 +7,69 @@ not compile them again.
 from __future__ import annotations
 
 from rattle.catalog import call_problem, compiled, kernel
-from rattle.complementarity import OFF, STICK, B, F, friction_of
+from rattle.complementarity import (
+    COUNT,
+    MODES,
+    OFF,
+    OUTCOME,
+    ROWS_OF,
+    SEARCH,
+    SOLVED,
+    SPARSE,
+    STICK,
+    UNSETTLED,
+    B,
+    F,
+    friction_of,
+)  # fmt: skip
 from rattle.memory import (
     ACCELERATION,
     ARM,
     BODY,
+    CALLED,
     CHOSEN,
     CONTACT,
     DIRECTION,
     HELD,
     MODE,
     MULTIPLIER,
+    PLACE,
     PROBLEM_TABLE,
+    PUSHED,
     REPLY,
+    ROW_BODY,
+    ROWS,
     SIDE,
+    SOLUTION,
     TOUCH,
     TRIAL,
+    WEIGHT,
     imat,
     ivec,
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import A_BODY, B_BODY, DBRISTLE, GAMMA_N, GAMMA_T, IMPACT, LOSS, NORMAL, SLIP, STORE, TANGENT, VX
+from rattle.plane import (
+    A_BODY,
+    AX,
+    B_BODY,
+    BX,
+    DBRISTLE,
+    GAMMA_N,
+    GAMMA_T,
+    IMPACT,
+    LOSS,
+    NORMAL,
+    SLIP,
+    STORE,
+    TANGENT,
+    VX,
+)
+from rattle.schur import solve
 
-DETERMINANT, SIZE = range(2)  # entries of `held`
-NO_SOLUTION, NOT_UNIQUE, LOCKED, CHATTER = range(10, 14)  # endings of a run that only set-valued contacts have
+DETERMINANT, SIZE = range(2)  # entries of `held`; more in complementarity
+# endings of a run that only set-valued contacts have
+NO_SOLUTION, NOT_UNIQUE, LOCKED, CHATTER, NOT_FOUND = range(10, 15)
 
 
 @compiled
@@ -69,25 +107,34 @@ def lasting_side(m, count):
 @compiled
 def contact_rows(m, count):
     """Rows w of the chosen contacts, what a unit force on each of them changes, and G."""
-    call_problem(ivec(m, PROBLEM_TABLE)[0], (m, count))
+    call_problem(ivec(m, PROBLEM_TABLE)[ROWS_OF], (m, count))
 
 
 @compiled
 def solve_contacts(m, count):
-    """Find modes, f and a of the chosen contacts, from those in `trial` on; False when there is no solution."""
-    return call_problem(ivec(m, PROBLEM_TABLE)[1], (m, count)) > 0
+    """Find modes, f and a of the chosen contacts, from those in `trial` on; False when none was found: see `ending`."""
+    return call_problem(ivec(m, PROBLEM_TABLE)[SEARCH], (m, count)) == SOLVED
+
+
+@compiled
+def ending(m):
+    """How a run ends whose contact problem was not solved: NO_SOLUTION where friction is shown to jam its contacts."""
+    return NOT_FOUND if vec(m, HELD)[OUTCOME] == UNSETTLED else NO_SOLUTION
 
 
 @compiled
 def count_solutions(m, count):
     """Number of different solutions of the problem, at most 2."""
-    return call_problem(ivec(m, PROBLEM_TABLE)[2], (m, count))
+    return call_problem(ivec(m, PROBLEM_TABLE)[COUNT], (m, count))
 
 
 @compiled
 def solve_modes(m, count, rough):
-    """Forces f and a for the modes in `trial`, rough = 0: without friction of sliding. See `linear`."""
-    return call_problem(ivec(m, PROBLEM_TABLE)[4 - rough], (m, count))
+    """Forces f and a for the modes in `trial`, rough = 0: without friction of sliding. Returns a sign.
+
+    See `complementarity.modes_kernel`.
+    """
+    return call_problem(ivec(m, PROBLEM_TABLE)[MODES], (m, 2 * count + rough))
 
 
 @compiled
@@ -103,16 +150,72 @@ def is_rough(m, count):
 @compiled
 def add_forces(m, count, acceleration, multiplier):
     """Add what f changes: acceleration (nb + 1, 3) and multipliers (or rates and percussions of the joints)."""
-    side, direction, reply = mat(m, SIDE), mat(m, DIRECTION), mat(m, REPLY)
+    pushed, called = mat(m, PUSHED), vec(m, CALLED)
+    push_all(m, count)
+    for i in range(1, acceleration.shape[0]):
+        for q in range(3):
+            acceleration[i, q] -= pushed[i, q]
+    for row in range(multiplier.shape[0]):
+        multiplier[row] -= called[row]
+
+
+@compiled
+def shift(m, count, values, share):
+    """Add to values (3 nb,) a share of what f changes."""
+    pushed = mat(m, PUSHED)
+    push_all(m, count)
+    for c in range(values.shape[0]):
+        values[c] += share * pushed[1 + c // 3, c % 3]
+
+
+@compiled
+def push_all(m, count):
+    """What all f change together, M^-1 (W^T f - Phi_q^T z), into `pushed`, and z into `called`."""
+    side, pushed, called = mat(m, SIDE), mat(m, PUSHED), vec(m, CALLED)
+    direction, reply, arm, weight = mat(m, DIRECTION), mat(m, REPLY), mat(m, ARM), mat(m, WEIGHT)
+    contact, chosen, sparse = imat(m, CONTACT), ivec(m, CHOSEN), vec(m, HELD)[SPARSE] == 1.0
+    for i in range(pushed.shape[0]):
+        for q in range(3):
+            pushed[i, q] = 0.0
+    for row in range(called.shape[0]):
+        called[row] = 0.0
     for r in range(2 * count):
         f = side[F, r]
         if f == 0.0:
             continue
-        for i in range(1, acceleration.shape[0]):
+        if sparse:
+            a, b = contact[chosen[r // 2], A_BODY], contact[chosen[r // 2], B_BODY]
             for q in range(3):
-                acceleration[i, q] -= direction[r, 3 * i - 3 + q] * f
-        for row in range(multiplier.shape[0]):
-            multiplier[row] -= reply[r, row] * f
+                pushed[a, q] += weight[a, q] * arm[r, q] * f
+                pushed[b, q] += weight[b, q] * arm[r, 3 + q] * f
+            continue
+        for i in range(1, pushed.shape[0]):
+            for q in range(3):
+                pushed[i, q] += direction[r, 3 * i - 3 + q] * f
+        for row in range(called.shape[0]):
+            called[row] += reply[r, row] * f
+    if sparse and called.shape[0] > 0:
+        hold_joints(m)
+
+
+@compiled
+def hold_joints(m):
+    """Take off `pushed` what the joints do not allow; their multipliers go to `called`."""
+    pushed, called, rows, weight = mat(m, PUSHED), vec(m, CALLED), mat(m, ROWS), mat(m, WEIGHT)
+    row_body, place, x = imat(m, ROW_BODY), ivec(m, PLACE), vec(m, SOLUTION)
+    for row in range(called.shape[0]):
+        a, b = row_body[row, 0], row_body[row, 1]
+        value = 0.0
+        for q in range(3):
+            value += rows[row, AX + q] * pushed[a, q] + rows[row, BX + q] * pushed[b, q]
+        x[place[row]] = value
+    solve(m)
+    for row in range(called.shape[0]):
+        a, b = row_body[row, 0], row_body[row, 1]
+        called[row] = x[place[row]]
+        for q in range(3):
+            pushed[a, q] -= weight[a, q] * rows[row, AX + q] * called[row]
+            pushed[b, q] -= weight[b, q] * rows[row, BX + q] * called[row]
 
 
 @kernel("hold")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle import catalog, complementarity, impact
+from rattle import catalog, complementarity, following, impact, network, uniqueness
 from rattle.complementarity import BACKWARD, FORWARD
 from rattle.dynamics import Run, start_state
 from rattle.equations import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
@@ -50,8 +50,9 @@ def choose_method(ready: Compiled, method: str, step: float | None, span: float)
 def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
     """What set-valued contacts need besides the arrays of one instant; lasting: their forces are part of the motion."""
     nc, nr, nb = len(ready.arrays["contact"]), ready.row_count, ready.body_count
-    held = np.array([1.0, ready.size])
+    contact, solvers = ready.arrays["contact"], (network.KERNEL, following.KERNEL, uniqueness.KERNEL)
     return {
+        **(network.arrays(ready.arrays["row_body"], contact) if nc > complementarity.FEW else {}),
         **{name: np.zeros(nc, np.int64) for name in ("mode", "chosen", "trial", "slide")},
         "pivot": np.zeros(2 * nc, np.int64),
         "arm": np.zeros((2 * nc, 6)),
@@ -61,8 +62,11 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "side": np.zeros((4, 2 * nc)),
         "system": np.zeros((2 * nc, 2 * nc + 1)),
         "series": np.full((nc, 2), -math.inf),
-        "held": held,
-        "problem_table": catalog.entries(complementarity.KERNELS),
+        "pushed": np.zeros((nb + 1, 3)),
+        "called": np.zeros(nr),
+        "path": np.zeros((4, 2 * nc)),
+        "held": np.array([1.0, ready.size, 0.0, 0.0, 0.0, 0.0]),
+        "problem_table": catalog.entries((*complementarity.KERNELS, *solvers)),
         **({"hold_table": catalog.entries([impact.hold])} if lasting else {}),
     }
 
@@ -104,10 +108,22 @@ class ImpactRun(Run):
             return why_unsound(self)
         t = float(self.clock[march.T])
         names = ", ".join(self._closed()) or "the contacts"
+        if status == impact.NO_SOLUTION and self.memory["held"][complementarity.OUTCOME] == complementarity.JAMMED:
+            return (
+                f"no solution of the contact problem at {names} was found at t = {t:.9g} s: the force that presses its"
+                " contacts together makes them approach (Painleve: friction jams the joint); less friction, or a"
+                " compliant contact, goes on"
+            )
         if status == impact.NO_SOLUTION:
             return (
                 f"the contact problem at {names} has no solution at t = {t:.9g} s (Painleve: friction would have to jam"
                 " the joint); less friction, or a compliant contact, goes on"
+            )
+        if status == impact.NOT_FOUND:
+            return (
+                f"no solution of the contact problem at {names} was found at t = {t:.9g} s, which does not mean"
+                " that there is none: contacts or joints may depend on each other there; method moreau or a compliant"
+                " contact may go on"
             )
         if status == impact.NOT_UNIQUE:
             return (

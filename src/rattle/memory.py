@@ -78,7 +78,23 @@ FIELDS = {
     "side": "f2",  # (4, 2 nc) b, f, a of a = G f + b, and another solution
     "system": "f2",  # (2 nc, 2 nc + 1) scratch
     "series": "f2",  # (nc, 2) times of the last impact of each contact and of the one before
-    "held": "f1",  # (2,) sign of the determinant of the last solution, size of the mechanism [m]
+    "pushed": "f2",  # (nb + 1, 3) M^-1 (W^T f - Phi_q^T z): what all forces f change together
+    "called": "f1",  # (nr,) z: multipliers that they call up
+    "path": "f2",  # (4, 2 nc) b, d, and f, a that d alone would have, see following
+    "held": "f1",  # (6,) see impact and complementarity
+    "net_place": "i1",  # (nr + 2 nc,) rows of joints and contacts together, see network, also the next twelve
+    "net_first": "i1",
+    "net_below": "i1",
+    "net_target": "i1",
+    "net_pairs": "i2",
+    "net_row": "i1",  # (nr + 2 nc,) row at each place
+    "net_on": "i1",  # (nr + 2 nc,) 1 if the row takes part
+    "net_line": "f2",  # (nr + 2 nc, 6) R
+    "net_column": "f2",  # (nr + 2 nc, 6) M^-1 C^T
+    "net_size": "f1",  # (nr + 2 nc,) diagonal without friction
+    "net_lower": "f1",
+    "net_upper": "f1",
+    "net_x": "f2",  # (2, nr + 2 nc) solution, correction, by place
     "hold_table": "i1",  # the kernel that adds the forces of lasting contacts, if there may be any
     "problem_table": "i1",  # kernels that solve contact problems, see impact
     # the march in time
@@ -104,9 +120,10 @@ FIELDS = {
     BELOW, TARGET, PAIRS, ROW_BODY, JOINT_TABLE, LOAD_TABLE, CLEARANCE_TABLE, STIFFNESS_TABLE, NORMAL_TABLE,
     FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER, SCHUR,
     INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, MODE, CHOSEN, TRIAL,
-    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, HELD, HOLD_TABLE, PROBLEM_TABLE, LINKS,
-    STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN, CROSSINGS, EVENTS, MEASURE,
-    AUDIT,
+    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, PUSHED, CALLED, PATH, HELD,
+    NET_PLACE, NET_FIRST, NET_BELOW, NET_TARGET, NET_PAIRS, NET_ROW, NET_ON, NET_LINE, NET_COLUMN, NET_SIZE, NET_LOWER,
+    NET_UPPER, NET_X, HOLD_TABLE, PROBLEM_TABLE, LINKS, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE,
+    CLOCK, TALLY, SIGN, CROSSINGS, EVENTS, MEASURE, AUDIT,
 ) = range(len(FIELDS))  # fmt: skip
 DERIVATIVE, MOTION, FREE_MOTION, FINISH, LOOK_BACK, SETTLE, HAPPEN = range(7)  # places in `links`
 

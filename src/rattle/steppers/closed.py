@@ -6,12 +6,12 @@ from rattle.catalog import compiled
 from rattle.complementarity import BACKWARD, FORWARD, OFF, STICK, F, friction_of
 from rattle.equations import OK
 from rattle.impact import (
-    NO_SOLUTION,
     NOT_UNIQUE,
     add_forces,
     along,
     contact_rows,
     count_solutions,
+    ending,
     is_rough,
     lasting_side,
     solve_contacts,
@@ -67,7 +67,7 @@ def regroup(m, t, y, apart, kind):
 
     A contact that has just let go or broken away keeps to that unless the others then press it back; contacts that
     are about to let go do so with it, so that a block that is parallel to its wall leaves it parallel.
-    Returns OK, NO_SOLUTION or NOT_UNIQUE.
+    Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE.
     """
     contact, touch, mode, body = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, BODY)
     chosen, trial, slide = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE)
@@ -106,7 +106,7 @@ def regroup(m, t, y, apart, kind):
             contact_rows(m, closed)
         lasting_side(m, closed)
         if not solve_contacts(m, closed):
-            return NO_SOLUTION
+            return ending(m)
         if is_rough(m, closed) and count_solutions(m, closed) > 1:
             return NOT_UNIQUE
         if kind != LET_GO or attempt == 1:

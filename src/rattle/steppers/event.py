@@ -151,7 +151,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
 
     stuck (4,): time of the last event, events at that time so far, contact of the last event, events in a row that
     followed each other at once.
-    Returns DONE, PAUSED, STEP_TOO_SMALL, NO_SOLUTION, NOT_UNIQUE, LOCKED, CHATTER or UNSOUND.
+    Returns DONE, PAUSED, STEP_TOO_SMALL, NO_SOLUTION, NOT_FOUND, NOT_UNIQUE, LOCKED, CHATTER or UNSOUND.
     """
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, touch, grip = vec(m, CLOCK), ivec(m, TALLY), mat(m, TOUCH), mat(m, GRIP)

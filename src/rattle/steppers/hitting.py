@@ -20,15 +20,16 @@ from rattle.complementarity import BACKWARD, FORWARD, OFF, OTHER, STICK, A, B, F
 from rattle.contact import touch_all
 from rattle.equations import OK, constraints, place
 from rattle.impact import (
-    NO_SOLUTION,
     NOT_UNIQUE,
     SIZE,
     add_forces,
     along,
     contact_rows,
     count_solutions,
+    ending,
     is_rough,
     lasting_side,
+    shift,
     solve_contacts,
     solve_modes,
     swing,
@@ -38,7 +39,6 @@ from rattle.memory import (
     CHANGE,
     CHOSEN,
     CONTACT,
-    DIRECTION,
     GRIP,
     HELD,
     MODE,
@@ -82,11 +82,12 @@ LOW = 1e-11  # bounces that rise less than this share of the clearance are close
 def collide(m, t, y, who):
     """Impact at (t, y): contact `who` and all others that are closed, in one problem; rates in y jump.
 
-    Bounces that are too low to follow are closed (restitution 0).  Returns OK, NO_SOLUTION or NOT_UNIQUE.
+    Bounces that are too low to follow are closed (restitution 0).  Returns OK, NO_SOLUTION, NOT_FOUND or
+    NOT_UNIQUE.
     """
     contact, touch, mode, grip, values = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP), vec(m, VALUES)
     chosen, trial, slide, side = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE)
-    direction, nq = mat(m, DIRECTION), vec(m, CHANGE).shape[0]
+    nq = vec(m, CHANGE).shape[0]
     v, before = y[nq : 2 * nq], vec(m, RATE_NEW)
     count = 0
     for n in range(contact.shape[0]):
@@ -108,13 +109,11 @@ def collide(m, t, y, who):
             slide[k] = 0
             trial[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
         if not solve_contacts(m, count):
-            return NO_SOLUTION
+            return ending(m)
         if is_rough(m, count) and count_solutions(m, count) > 1:
             return NOT_UNIQUE
         hold_down(m, count)
-        for r in range(2 * count):
-            for c in range(nq):
-                v[c] -= direction[r, c] * side[F, r]
+        shift(m, count, v, -1.0)
         if not low_bounce(m, t, y, count):
             break
         for c in range(nq):

@@ -41,23 +41,23 @@ from rattle.equations import (
     rate_residual,
     residual,
 )  # fmt: skip
-from rattle.impact import NO_SOLUTION, along, contact_rows, solve_contacts, solve_modes
+from rattle.impact import along, contact_rows, ending, push_all, shift, solve_contacts, solve_modes
 from rattle.memory import (
     ACCELERATION,
     AUDIT,
     BODY,
+    CALLED,
     CHANGE,
     CHOSEN,
     CLOCK,
     CONTACT,
-    DIRECTION,
     EVENTS,
     GRIP,
     MODE,
     MULTIPLIER,
     POWER,
+    PUSHED,
     RATE,
-    REPLY,
     ROWS,
     SIDE,
     SIGN,
@@ -192,16 +192,14 @@ def take_percussions(m, t, count, h, y):
     Returns True when there was an impact.
     """
     contact, touch, chosen, trial = imat(m, CONTACT), mat(m, TOUCH), ivec(m, CHOSEN), ivec(m, TRIAL)
-    side, direction, reply, multiplier = mat(m, SIDE), mat(m, DIRECTION), mat(m, REPLY), vec(m, MULTIPLIER)
+    side, pushed, called, multiplier = mat(m, SIDE), mat(m, PUSHED), vec(m, CALLED), vec(m, MULTIPLIER)
     grip, mode, nq = mat(m, GRIP), ivec(m, MODE), vec(m, CHANGE).shape[0]
     rows, power = mat(m, ROWS), vec(m, POWER)
-    for r in range(2 * count):
-        f = side[F, r]
-        if f != 0.0:
-            for c in range(nq):
-                y[nq + c] -= direction[r, c] * f
-            for row in range(multiplier.shape[0]):
-                multiplier[row] -= reply[r, row] * f / h
+    push_all(m, count)
+    for c in range(nq):
+        y[nq + c] -= pushed[1 + c // 3, c % 3]
+    for row in range(multiplier.shape[0]):
+        multiplier[row] -= called[row] / h
     y[2 * nq] += h * power[1]
     y[2 * nq + 1] += h * power[2]
     for row in range(multiplier.shape[0]):
@@ -263,7 +261,7 @@ def watch_contact(m, n, old, t, h, y):
 def lift(m, count, y):
     """Move contacts along the joints: bounces to where they belong had they hit in time, lasting ones onto the wall."""
     touch, chosen, trial, side = mat(m, TOUCH), ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE)
-    direction, grip, nq = mat(m, DIRECTION), mat(m, GRIP), vec(m, CHANGE).shape[0]
+    grip, nq = mat(m, GRIP), vec(m, CHANGE).shape[0]
     deep = False
     for k in range(count):
         n = chosen[k]
@@ -277,9 +275,7 @@ def lift(m, count, y):
     if not deep:
         return
     solve_modes(m, count, 0)
-    for k in range(count):
-        for c in range(nq):
-            y[c] += direction[2 * k, c] * side[F, 2 * k]
+    shift(m, count, y[:nq], 1.0)
 
 
 @compiled
@@ -334,7 +330,7 @@ def write_until(m, t, h, t_out, out):
 def advance(m, t_start, h, count, t_out, out, most_steps):
     """Take up to `most_steps` of the `count` steps of length h from t_start on; writes outputs on the way.
 
-    Returns DONE, PAUSED, NOT_FINITE, NO_SOLUTION or UNSOUND.
+    Returns DONE, PAUSED, NOT_FINITE, NO_SOLUTION, NOT_FOUND or UNSOUND.
     """
     y, y_new, clock, tally, body = vec(m, STATE), vec(m, STATE_NEW), vec(m, CLOCK), ivec(m, TALLY), mat(m, BODY)
     acceleration, nq, most_found = mat(m, ACCELERATION), vec(m, CHANGE).shape[0], mat(m, EVENTS).shape[0] // 2
@@ -365,7 +361,7 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
         for c in range(nq):
             y_new[nq + c] = y[nq + c] + h * acceleration[1 + c // 3, c % 3]
         if active > 0 and not solve_contacts(m, active):
-            return NO_SOLUTION
+            return ending(m)
         impact = take_percussions(m, t, active, h, y_new)
         cross_at_once(m, t)
         for c in range(nq):

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from rattle.catalog import call_state, compiled
-from rattle.complementarity import FORWARD, OFF, STICK, B, F
+from rattle.complementarity import FORWARD, OFF, STICK, B
 from rattle.contact import touch_all
 from rattle.equations import constraints, place
-from rattle.impact import SIZE, contact_rows, solve_modes, swing
+from rattle.impact import SIZE, contact_rows, shift, solve_modes, swing
 from rattle.memory import (
     ACCELERATION,
     AUDIT,
     CHANGE,
     CHOSEN,
     CONTACT,
-    DIRECTION,
     EVENTS,
     FREE_MOTION,
     GRIP,
@@ -89,7 +88,7 @@ def settle(m, t, y, who):
     if closed == 0:
         return
     chosen, trial, side, touch, audit = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), mat(m, TOUCH), vec(m, AUDIT)
-    direction, nq = mat(m, DIRECTION), vec(m, CHANGE).shape[0]
+    nq = vec(m, CHANGE).shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
     for attempt in range(4):
         worst = 0.0
@@ -103,9 +102,7 @@ def settle(m, t, y, who):
             side[B, 2 * k] = -touch[chosen[k], GAP]
             trial[k] = FORWARD
         solve_modes(m, closed, 0)
-        for k in range(closed):
-            for c in range(nq):
-                q[c] += direction[2 * k, c] * side[F, 2 * k]
+        shift(m, closed, q, 1.0)
         project(m, t, y)
         touch_all(m)
     contact_rows(m, count)
@@ -114,9 +111,7 @@ def settle(m, t, y, who):
         side[B, 2 * k], side[B, 2 * k + 1] = touch[n, DGAP], -touch[n, SLIP]
         trial[k] = STICK if ivec(m, MODE)[n] == STICK else FORWARD
     solve_modes(m, count, 0)
-    for r in range(2 * count):
-        for c in range(nq):
-            v[c] -= direction[r, c] * side[F, r]
+    shift(m, count, v, -1.0)
     place(m, q, v)
     constraints(m)
     touch_all(m)

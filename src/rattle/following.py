@@ -1,0 +1,180 @@
+"""Contact problems followed from one that solves itself: Lemke's path through the modes.
+
+    a = G f + b + theta d,     d_n > mu |d_t|
+
+For large theta all contacts part and f = 0.  Theta then falls to zero while one contact after the other changes its
+mode, each to the one that continues the solution; theta may rise on the way.  For contacts that may stick or slip
+either way the path cannot end but at theta = 0, since f . (G f + b + theta d) <= 0 leaves f = 0 alone at large theta:
+an impact has a solution.  Where slip is given beforehand it may run off to infinity (a ray): then the force that
+presses contacts together makes them approach, which is what Painleve found.  Mostly there is no solution then; other
+paths are tried, and a proof takes all combinations of modes.
+
+For given modes all is linear in theta, so that the path costs two linear solutions for each change of mode, of any
+number of contacts.  d is uneven, so that no two contacts change at once; the diagonal of G is raised by RAISED, so that
+contacts that depend on each other share their forces.
+
+Source: Lemke, Bimatrix equilibrium points and mathematical programming, Management Science 11 (1965) 681-689; Cottle,
+Pang, Stone, The Linear Complementarity Problem (1992), section 4.4; Stewart, Trinkle, Int. J. Numer. Methods Eng. 39
+(1996) 2673-2691, why impacts with friction have a solution.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import compiled, kernel
+from rattle.complementarity import (
+    BACKWARD,
+    FORWARD,
+    JAMMED,
+    OFF,
+    RIDGE,
+    SOLVED,
+    STICK,
+    UNSETTLED,
+    A,
+    B,
+    F,
+    friction_of,
+    linear,
+)  # fmt: skip
+from rattle.memory import CHOSEN, HELD, PATH, SIDE, SLIDE, TRIAL, ivec, mat, vec
+
+RAISED = 1e-11
+ATTEMPTS = 4
+GOLDEN = 0.6180339887498949  # its multiples are spread evenly and never meet
+KEPT_B, UNEVEN, F_RATE, A_RATE = range(4)  # rows of `path`
+# what must stay positive: a_n and N; -a_t, a_t of sliding; what is left of friction when sticking
+PARTING, PRESSING, FORWARDS, BACKWARDS, SHORT_OF_FORWARD, SHORT_OF_BACKWARD = range(6)
+
+
+@compiled
+def margin(m, k, what, theta, slope):
+    """What must stay positive for contact k at theta; with slope = 1 how fast it grows with theta."""
+    side, path = mat(m, SIDE), mat(m, PATH)
+    n, t = 2 * k, 2 * k + 1
+    if what in (PARTING, FORWARDS, BACKWARDS):
+        r = n if what == PARTING else t
+        value = path[A_RATE, r] if slope == 1 else side[A, r] + theta * path[A_RATE, r]
+        return -value if what == FORWARDS else value
+    pressed = path[F_RATE, n] if slope == 1 else side[F, n] + theta * path[F_RATE, n]
+    if what == PRESSING:
+        return pressed
+    held = path[F_RATE, t] if slope == 1 else side[F, t] + theta * path[F_RATE, t]
+    return friction_of(m, ivec(m, CHOSEN)[k]) * pressed - (held if what == SHORT_OF_FORWARD else -held)
+
+
+@compiled
+def margins(m, k):
+    """The two margins of contact k in its mode; the second is the first again where there is only one."""
+    mode = ivec(m, TRIAL)[k]
+    if mode == OFF:
+        return PARTING, PARTING
+    if mode == STICK:
+        return SHORT_OF_FORWARD, SHORT_OF_BACKWARD
+    if ivec(m, SLIDE)[k] != 0 or friction_of(m, ivec(m, CHOSEN)[k]) == 0.0:
+        return PRESSING, PRESSING
+    return PRESSING, FORWARDS if mode == FORWARD else BACKWARDS
+
+
+@compiled
+def cross(m, k, what, theta):
+    """Mode that contact k takes where a margin ends, and the margin that it then starts to have."""
+    slide = ivec(m, SLIDE)[k]
+    if what == PARTING:
+        if slide != 0 or friction_of(m, ivec(m, CHOSEN)[k]) == 0.0:
+            return BACKWARD if slide < 0 else FORWARD, PRESSING
+        return FORWARD if margin(m, k, BACKWARDS, theta, 0) < 0.0 else BACKWARD, PRESSING
+    if what == PRESSING:
+        return OFF, PARTING
+    if what == FORWARDS:
+        return STICK, SHORT_OF_FORWARD
+    if what == BACKWARDS:
+        return STICK, SHORT_OF_BACKWARD
+    return (FORWARD, FORWARDS) if what == SHORT_OF_FORWARD else (BACKWARD, BACKWARDS)
+
+
+@compiled
+def begin(m, count, attempt):
+    """Keep b, choose d, another one for each attempt, let all contacts part; returns a theta at which they do."""
+    side, path, trial = mat(m, SIDE), mat(m, PATH), ivec(m, TRIAL)
+    size = 0.0
+    for r in range(2 * count):
+        path[KEPT_B, r] = side[B, r]
+        size = max(size, abs(side[B, r]))
+    size = size if size > 0.0 else 1.0
+    for k in range(count):
+        trial[k] = OFF
+        spread = GOLDEN * (2 * count * attempt + 2 * k + 1)
+        path[UNEVEN, 2 * k] = size * (0.75 + 0.5 * (spread - math.floor(spread)))
+        spread += GOLDEN
+        spread -= math.floor(spread) + 0.5
+        path[UNEVEN, 2 * k + 1] = 0.2 * size * spread / (1.0 + friction_of(m, ivec(m, CHOSEN)[k]))
+    return 2.0
+
+
+@compiled
+def both_parts(m, count):
+    """f, a for b alone into `side`, and for d alone into `path`."""
+    side, path = mat(m, SIDE), mat(m, PATH)
+    for r in range(2 * count):
+        side[B, r] = path[UNEVEN, r]
+    linear(m, count)
+    for r in range(2 * count):
+        path[F_RATE, r], path[A_RATE, r] = side[F, r], side[A, r]
+        side[B, r] = path[KEPT_B, r]
+    linear(m, count)
+
+
+@compiled
+def follow(m, count, attempt):
+    """Follow the path of one d; leaves the modes at its end in `trial`."""
+    trial, path = ivec(m, TRIAL), mat(m, PATH)
+    theta, sense, who, entered = begin(m, count, attempt), -1.0, -1, -1
+    for _ in range(60 + 30 * count):
+        both_parts(m, count)
+        if who >= 0:
+            growth = margin(m, who, entered, theta, 1)
+            if not abs(growth) > 0.0:
+                return UNSETTLED
+            sense = 1.0 if growth > 0.0 else -1.0
+        nearest, ends, next_who = math.inf, -1, -1
+        for k in range(count):
+            one, other = margins(m, k)
+            for what in (one, other):
+                falls = -sense * margin(m, k, what, theta, 1)
+                if falls > 0.0 and not (k == who and what == entered):
+                    ahead = max(margin(m, k, what, theta, 0), 0.0) / falls
+                    if ahead < nearest:
+                        nearest, ends, next_who = ahead, what, k
+        if sense < 0.0 and nearest >= theta:
+            return SOLVED
+        if next_who < 0:
+            for k in range(count):
+                if path[F_RATE, 2 * k] > 0.0:
+                    return JAMMED
+            return UNSETTLED
+        theta += sense * nearest
+        who = next_who
+        trial[who], entered = cross(m, who, ends, theta)
+    return UNSETTLED
+
+
+@kernel("problem")
+def follow_kernel(m, count):
+    """Modes of a solution into `trial`: SOLVED, JAMMED (the path ends in a ray) or UNSETTLED."""
+    held, side, path = vec(m, HELD), mat(m, SIDE), mat(m, PATH)
+    found = UNSETTLED
+    held[RIDGE] = RAISED
+    for attempt in range(ATTEMPTS):
+        outcome = follow(m, count, attempt)
+        for r in range(2 * count):
+            side[B, r] = path[KEPT_B, r]
+        found = max(found, outcome)
+        if found == SOLVED:
+            break
+    held[RIDGE] = 0.0
+    return found
+
+
+KERNEL = follow_kernel

@@ -1,0 +1,317 @@
+"""Contact problems of many contacts: rows of joints and of contacts eliminated together, in a sparse order.
+
+    R M^-1 C^T (z, f) = (0, -b)     R = (Phi_q, w_N of contacts that press, w_T of those that stick)
+                                    C = the same, but w_N +- mu w_T for those that slide
+
+G = J M^-1 J^T of all contacts is full, though rows couple only where they share a moving body.  Left side by side
+with the rows of the joints they keep that pattern: along a chain the work grows with its length.  The pattern holds
+all rows, two for each contact; those that take no part drop out.  Friction of sliding makes the values unsymmetric
+and leaves the pattern: L U without exchange of rows, refined once where its residual says so.
+
+A pivot that vanishes (rows that depend on each other) or a residual that stays is left to the dense way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rattle import schur
+from rattle.catalog import compiled, kernel
+from rattle.complementarity import DENSE_WAY, FORWARD, OFF, RIDGE, SCALE, STICK, A, B, F, friction_of
+from rattle.memory import (
+    ARM,
+    CHOSEN,
+    CONTACT,
+    HELD,
+    NET_BELOW,
+    NET_COLUMN,
+    NET_FIRST,
+    NET_LINE,
+    NET_LOWER,
+    NET_ON,
+    NET_PAIRS,
+    NET_PLACE,
+    NET_ROW,
+    NET_SIZE,
+    NET_TARGET,
+    NET_UPPER,
+    NET_X,
+    PUSHED,
+    ROW_BODY,
+    ROWS,
+    SIDE,
+    TRIAL,
+    WEIGHT,
+    imat,
+    ivec,
+    mat,
+    vec,
+)  # fmt: skip
+from rattle.plane import A_BODY, AX, B_BODY
+
+VANISHED = 1e-11  # share of its diagonal below which a pivot is nothing
+CLEAN = 1e-14  # share of the terms that a residual may have without being refined
+WRONG = 1e-10  # the same, beyond which the solution is not taken
+
+
+def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
+    """Pattern of the rows of joints (nr, 2: bodies A, B) and contacts, and room for its numbers."""
+    nr, nc = len(row_body), len(contact)
+    bodies = [(int(a), int(b)) for a, b in row_body]
+    for one in contact:
+        bodies += [(int(one[A_BODY]), int(one[B_BODY]))] * 2
+    blocks: Sequence[range] = [
+        *(range(row, row + 1) for row in range(nr)),
+        *(range(nr + 2 * n, nr + 2 * n + 2) for n in range(nc)),
+    ]
+    pattern = schur.analyse(bodies, blocks)
+    place, pairs = pattern.place, pattern.pairs.copy()
+    above = place[pairs[:, 1]] < place[pairs[:, 3]]  # the lower row of the two comes first
+    pairs[above] = pairs[above][:, [0, 3, 4, 1, 2, 5]]
+    pairs[:, [2, 4]] -= AX
+    size = len(bodies)
+    entries = size + len(pattern.below)
+    return {
+        "net_place": place,
+        "net_first": pattern.first,
+        "net_below": pattern.below,
+        "net_target": pattern.target,
+        "net_pairs": pairs,
+        "net_row": np.argsort(place),
+        "net_on": np.zeros(size, np.int64),
+        "net_line": np.zeros((size, 6)),
+        "net_column": np.zeros((size, 6)),
+        "net_size": np.zeros(size),
+        "net_lower": np.zeros(entries),
+        "net_upper": np.zeros(entries),
+        "net_x": np.zeros((2, size)),
+    }
+
+
+@compiled
+def choose_rows(m, count, rough):
+    """R and M^-1 C^T of the rows that take part with the modes in `trial`."""
+    on, line, column, size = ivec(m, NET_ON), mat(m, NET_LINE), mat(m, NET_COLUMN), vec(m, NET_SIZE)
+    rows, row_body, weight, arm = mat(m, ROWS), imat(m, ROW_BODY), mat(m, WEIGHT), mat(m, ARM)
+    contact, chosen, trial = imat(m, CONTACT), ivec(m, CHOSEN), ivec(m, TRIAL)
+    nr = rows.shape[0]
+    for i in range(on.shape[0]):
+        on[i] = 1 if i < nr else 0
+    for i in range(nr):
+        size[i] = 0.0
+        for side in range(2):
+            body = row_body[i, side]
+            for q in range(3 * side, 3 * side + 3):
+                line[i, q] = rows[i, AX + q]
+                column[i, q] = weight[body, q - 3 * side] * line[i, q]
+                size[i] += line[i, q] * column[i, q]
+    for k in range(count):
+        if trial[k] == OFF:
+            continue
+        n = chosen[k]
+        mu = friction_of(m, n)
+        drag = 0.0
+        if trial[k] != STICK and rough == 1:
+            drag = mu if trial[k] == FORWARD else -mu
+        for d in range(2 if trial[k] == STICK and mu > 0.0 else 1):
+            i, r = nr + 2 * n + d, 2 * k + d
+            on[i] = 1
+            size[i] = 0.0
+            for side in range(2):
+                body = contact[n, A_BODY + side]
+                for q in range(3 * side, 3 * side + 3):
+                    line[i, q] = arm[r, q]
+                    size[i] += weight[body, q - 3 * side] * arm[r, q] ** 2
+                    column[i, q] = weight[body, q - 3 * side] * (arm[r, q] + drag * arm[2 * k + 1, q])
+
+
+@compiled
+def eliminate(m, ridge):
+    """Fill and factor R M^-1 C^T in place; returns the sign of its determinant, 0 when a pivot vanishes.
+
+    ridge: share by which the diagonal is raised.
+    """
+    on, row, line, column = ivec(m, NET_ON), ivec(m, NET_ROW), mat(m, NET_LINE), mat(m, NET_COLUMN)
+    first, target, pairs, size = ivec(m, NET_FIRST), ivec(m, NET_TARGET), imat(m, NET_PAIRS), vec(m, NET_SIZE)
+    low, up = vec(m, NET_LOWER), vec(m, NET_UPPER)
+    total = row.shape[0]
+    for e in range(low.shape[0]):
+        low[e], up[e] = 0.0, 0.0
+    for p in range(pairs.shape[0]):
+        i, j = pairs[p, 1], pairs[p, 3]
+        if on[i] == 0 or on[j] == 0:
+            continue
+        e, c, d = pairs[p, 0], pairs[p, 2], pairs[p, 4]
+        low[e] += line[i, c] * column[j, d] + line[i, c + 1] * column[j, d + 1] + line[i, c + 2] * column[j, d + 2]
+        up[e] += line[j, d] * column[i, c] + line[j, d + 1] * column[i, c + 1] + line[j, d + 2] * column[i, c + 2]
+    sign, u = 1, 0
+    for k in range(total):
+        start, end = total + first[k], total + first[k + 1]
+        here = row[k]
+        if on[here] == 0:
+            u += (end - start) * (end - start + 1) // 2
+            continue
+        pivot = low[k] + ridge * size[here]
+        if not abs(pivot) > VANISHED * size[here]:
+            return 0
+        sign = sign if pivot > 0.0 else -sign
+        inverse = 1.0 / pivot
+        low[k] = inverse
+        for a in range(start, end):
+            x, y = low[a] * inverse, up[a] * inverse
+            if x == 0.0 and y == 0.0:
+                u += end - a
+                continue
+            low[target[u]] -= x * up[a]
+            u += 1
+            for b in range(a + 1, end):
+                low[target[u]] -= low[b] * y
+                up[target[u]] -= x * up[b]
+                u += 1
+        for a in range(start, end):
+            low[a] *= inverse
+    return sign
+
+
+@compiled
+def substitute(m, n):
+    """Solve L U x = x for line n of `net_x`, in place."""
+    first, below, low, up, x = (
+        ivec(m, NET_FIRST),
+        ivec(m, NET_BELOW),
+        vec(m, NET_LOWER),
+        vec(m, NET_UPPER),
+        mat(m, NET_X),
+    )
+    total = x.shape[1]
+    for k in range(total):
+        value = x[n, k]
+        if value != 0.0:
+            for a in range(first[k], first[k + 1]):
+                x[n, below[a]] -= low[total + a] * value
+    for k in range(total - 1, -1, -1):
+        value = x[n, k]
+        for a in range(first[k], first[k + 1]):
+            value -= up[total + a] * x[n, below[a]]
+        x[n, k] = value * low[k]
+
+
+@compiled
+def effect_of_rows(m):
+    """`pushed` from the solution: M^-1 C^T x."""
+    on, place, column, x, pushed = (
+        ivec(m, NET_ON),
+        ivec(m, NET_PLACE),
+        mat(m, NET_COLUMN),
+        mat(m, NET_X),
+        mat(m, PUSHED),
+    )
+    contact, row_body = imat(m, CONTACT), imat(m, ROW_BODY)
+    nr = row_body.shape[0]
+    for i in range(pushed.shape[0]):
+        for q in range(3):
+            pushed[i, q] = 0.0
+    for i in range(on.shape[0]):
+        if on[i] == 0:
+            continue
+        force = x[0, place[i]]
+        a = row_body[i, 0] if i < nr else contact[(i - nr) // 2, A_BODY]
+        b = row_body[i, 1] if i < nr else contact[(i - nr) // 2, B_BODY]
+        for q in range(3):
+            pushed[a, q] += column[i, q] * force
+            pushed[b, q] += column[i, 3 + q] * force
+
+
+@compiled
+def remainder(m, count):
+    """Residual of all rows into line 1 of `net_x`; returns the largest and the size of the terms."""
+    on, place, line, x, pushed = ivec(m, NET_ON), ivec(m, NET_PLACE), mat(m, NET_LINE), mat(m, NET_X), mat(m, PUSHED)
+    contact, row_body, size = imat(m, CONTACT), imat(m, ROW_BODY), vec(m, NET_SIZE)
+    chosen, side = ivec(m, CHOSEN), mat(m, SIDE)
+    nr = row_body.shape[0]
+    worst, scale = 0.0, 0.0
+    for i in range(on.shape[0]):
+        x[1, place[i]] = 0.0
+    for k in range(count):
+        for d in range(2):
+            i = nr + 2 * chosen[k] + d
+            if on[i] == 1:
+                x[1, place[i]] = -side[B, 2 * k + d]
+            scale = max(scale, abs(side[B, 2 * k + d]))
+    for i in range(on.shape[0]):
+        if on[i] == 0:
+            continue
+        a = row_body[i, 0] if i < nr else contact[(i - nr) // 2, A_BODY]
+        b = row_body[i, 1] if i < nr else contact[(i - nr) // 2, B_BODY]
+        value = x[1, place[i]]
+        for q in range(3):
+            value -= line[i, q] * pushed[a, q] + line[i, 3 + q] * pushed[b, q]
+        x[1, place[i]] = value
+        worst = max(worst, abs(value))
+        scale = max(scale, abs(size[i] * x[0, place[i]]))
+    return worst, scale
+
+
+@compiled
+def solve_rows(m, count, ridge):
+    """Solution of the factored rows into line 0 of `net_x`, refined; True when it is good. Fills `pushed`."""
+    on, place, x, chosen, side = ivec(m, NET_ON), ivec(m, NET_PLACE), mat(m, NET_X), ivec(m, CHOSEN), mat(m, SIDE)
+    nr = imat(m, ROW_BODY).shape[0]
+    for i in range(on.shape[0]):
+        x[0, i] = 0.0
+    for k in range(count):
+        for d in range(2):
+            i = nr + 2 * chosen[k] + d
+            if on[i] == 1:
+                x[0, place[i]] = -side[B, 2 * k + d]
+    substitute(m, 0)
+    effect_of_rows(m)
+    worst, scale = remainder(m, count)
+    if worst > CLEAN * scale and ridge == 0.0:
+        substitute(m, 1)
+        for i in range(on.shape[0]):
+            x[0, i] += x[1, i]
+        effect_of_rows(m)
+        worst, scale = remainder(m, count)
+    vec(m, HELD)[SCALE] = scale
+    return worst <= WRONG * scale
+
+
+@kernel("problem")
+def network_kernel(m, number):
+    """`complementarity.modes_kernel` for many contacts, the sparse way; number is 2 * contacts + rough.
+
+    Returns the sign of the determinant, or DENSE_WAY when the rows depend on each other.
+    """
+    count, rough = number // 2, number % 2
+    arm, side, pushed, x = mat(m, ARM), mat(m, SIDE), mat(m, PUSHED), mat(m, NET_X)
+    contact, chosen, trial, place = imat(m, CONTACT), ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, NET_PLACE)
+    nr, ridge = imat(m, ROW_BODY).shape[0], vec(m, HELD)[RIDGE]
+    choose_rows(m, count, rough)
+    sign = eliminate(m, ridge)
+    if sign == 0 or not solve_rows(m, count, ridge):
+        return DENSE_WAY
+    for k in range(count):
+        n = chosen[k]
+        mu = friction_of(m, n)
+        side[F, 2 * k], side[F, 2 * k + 1] = 0.0, 0.0
+        if trial[k] != OFF:
+            side[F, 2 * k] = x[0, place[nr + 2 * n]]
+            if trial[k] == STICK:
+                side[F, 2 * k + 1] = x[0, place[nr + 2 * n + 1]] if mu > 0.0 else 0.0
+            elif rough == 1:
+                side[F, 2 * k + 1] = (mu if trial[k] == FORWARD else -mu) * side[F, 2 * k]
+        a, b = contact[n, A_BODY], contact[n, B_BODY]
+        for r in range(2 * k, 2 * k + (2 if mu > 0.0 else 1)):
+            value = side[B, r]
+            for q in range(3):
+                value += arm[r, q] * pushed[a, q] + arm[r, 3 + q] * pushed[b, q]
+            side[A, r] = value
+        if not mu > 0.0:
+            side[A, 2 * k + 1] = side[B, 2 * k + 1]
+    return sign
+
+
+KERNEL = network_kernel

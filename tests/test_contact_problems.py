@@ -1,0 +1,185 @@
+"""Contact problems of any size: their conditions, checked with a matrix made elsewhere, and chains that go on."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from rattle import catalog, complementarity, equations, following, impact, uniqueness
+from rattle.complementarity import BACKWARD, FORWARD, IMPOSSIBLE, JAMMED, SOLVED, A, B, F
+from rattle.impact_run import contact_arrays
+from rattle.plane import A_BODY, B_BODY
+
+MASS, INERTIA, ARM, PLAY, BORE = 0.5, 0.5 * 0.2**2 / 12, 0.1, 1e-3, 0.01
+
+
+def chain(pins, friction=0.1, restitution=0.3, hanging=False, bend=0.4):
+    """Links of 0.2 m below each other; each pin in the middle of its bush, or at its bottom if hanging."""
+    contact = f'{{ model = "impact", restitution = {restitution}, friction = {friction}, bush_radius = {BORE} }}'
+    bodies, joints, start = [], [], ["[initial]"]
+    x, y = 0.0, 0.0
+    for k in range(pins):
+        bodies += [f"[bodies.b{k}]", f"mass = {MASS}", f"inertia = {INERTIA}"]
+        bodies += [f"points = {{ T = [{-ARM}, 0], B = [{ARM}, 0] }}"]
+        above = f"b{k - 1}.B" if k else "ground.G"
+        joints += [f"[joints.p{k}]", 'type = "revolute"', f'connect = ["{above}", "b{k}.T"]', f"clearance = {PLAY}"]
+        joints += [f"contact = {contact}"]
+        angle = bend * math.cos(1.3 * k) - math.pi / 2
+        y -= PLAY if hanging else 0.0
+        x, y = x + ARM * math.cos(angle), y + ARM * math.sin(angle)
+        start += [f"b{k} = {{ x = {x!r}, y = {y!r}, angle = {angle!r}, vx = 0, vy = 0, omega = 0 }}"]
+        x, y = x + ARM * math.cos(angle), y + ARM * math.sin(angle)
+    head = ["format = 1", "gravity = [0, -9.81]", "[ground.points]", "G = [0, 0]"]
+    return rt.loads("\n".join([*head, *bodies, *joints, *start]))
+
+
+def problem(pins, friction, rng, known_slip=False):
+    """A problem with all pins of a chain closed and any right side; its memory and G, made without the joints' code."""
+    catalog.start()
+    ready = chain(pins, friction, hanging=True).ready
+    memory = ready.memory(**contact_arrays(ready, False))
+    q = np.concatenate([[0.3 * k, -0.2 * k, rng.uniform(-3, 3)] for k in range(pins)])
+    equations.free_motion(memory.handle, 0.0, q, rng.normal(size=3 * pins))
+    memory["chosen"][:] = np.arange(pins)
+    memory["slide"][:] = rng.choice([-1, 1], pins) if known_slip else 0
+    memory["trial"][:] = np.where(memory["slide"] < 0, BACKWARD, FORWARD)
+    complementarity.rows_kernel(memory.handle, pins)
+    memory["side"][B] = rng.normal(size=2 * pins) * 10.0 ** rng.uniform(-4, 0, 2 * pins)
+    lines = np.zeros((2 * pins, 3 * pins))
+    for k, contact in enumerate(ready.arrays["contact"]):
+        for column, body in ((0, contact[A_BODY]), (3, contact[B_BODY])):
+            if body:
+                lines[2 * k : 2 * k + 2, 3 * body - 3 : 3 * body] = memory["arm"][
+                    2 * k : 2 * k + 2, column : column + 3
+                ]
+    return memory, lines @ np.diag(1.0 / np.tile([MASS, MASS, INERTIA], pins)) @ lines.T
+
+
+def breach(memory, matrix, friction):
+    """Largest violation of the conditions, as a share of the largest force and of the largest term of a."""
+    b, f = memory["side"][B].copy(), memory["side"][F]
+    a, slide, known = matrix @ f + b, memory["slide"], slice(None, None, 1 if friction > 0.0 else 2)
+    normal, held, opening, rate = f[0::2], f[1::2], a[0::2], a[1::2]
+    unit = max(np.abs(b).max(), np.abs(matrix * f).max())
+    force = np.abs(f).max() + 1e-300
+    slipping = np.where(slide != 0, slide, np.where(np.abs(rate) > 1e-9 * unit, -np.sign(rate), 0))
+    return max(
+        -normal.min() / force,
+        -opening.min() / unit,
+        (np.minimum(normal / force, opening / unit)).max(),
+        (np.abs(held) - friction * normal).max() / force,
+        np.abs(np.where(slipping != 0, held - friction * normal * slipping, 0.0)).max() / force,
+        np.abs(a - memory["side"][A])[known].max() / unit,
+    )
+
+
+@pytest.mark.parametrize(
+    ("pins", "friction"), [(3, 0.1), (4, 1.0), (7, 0.3), (12, 0.1), (12, 1.0), (40, 0.1), (40, 0.0)]
+)
+def test_every_impact_with_friction_is_solved_whatever_its_size(pins, friction):
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        memory, matrix = problem(pins, friction, rng)
+        assert complementarity.search_kernel(memory.handle, pins) == SOLVED
+        assert breach(memory, matrix, friction) < 1e-9  # rounding, times the condition of a long chain
+
+
+@pytest.mark.parametrize("pins", [3, 12, 40])
+def test_the_path_alone_ends_in_a_solution_of_every_impact(pins):
+    rng = np.random.default_rng(6)
+    for friction in (0.0, 0.1, 1.0, 3.0):
+        memory, matrix = problem(pins, friction, rng)
+        b = memory["side"][B].copy()
+        assert following.follow_kernel(memory.handle, pins) == SOLVED
+        assert (memory["side"][B] == b).all()
+        complementarity.modes_kernel(memory.handle, 2 * pins + 1)
+        assert breach(memory, matrix, friction) < 1e-9
+
+
+def test_path_that_runs_off_is_seldom_wrong_and_all_modes_tell(monkeypatch):
+    rng = np.random.default_rng(7)
+    jammed = 0
+    for _ in range(150):
+        memory, matrix = problem(3, 2.0, rng, known_slip=True)
+        along_path = following.follow_kernel(memory.handle, 3)
+        outcome = complementarity.search_kernel(memory.handle, 3)
+        assert outcome == (SOLVED if uniqueness.count_kernel(memory.handle, 3) else IMPOSSIBLE)
+        if outcome == IMPOSSIBLE:
+            assert along_path == JAMMED
+            jammed += 1
+        else:
+            assert breach(memory, matrix, 2.0) < 1e-9
+    assert jammed > 20  # this friction does jam
+
+
+def test_many_contacts_that_friction_jams_are_not_called_solved():
+    rng = np.random.default_rng(8)
+    outcomes = []
+    for _ in range(40):
+        memory, matrix = problem(9, 2.0, rng, known_slip=True)
+        outcomes.append(complementarity.search_kernel(memory.handle, 9))
+        assert outcomes[-1] == JAMMED or breach(memory, matrix, 2.0) < 1e-9
+    assert {SOLVED, JAMMED} == set(outcomes)
+
+
+def test_uniqueness_is_given_by_weak_friction_and_counted_where_it_is_strong():
+    rng = np.random.default_rng(9)
+    found = {}
+    for friction in (0.05, 2.0):
+        for _ in range(40):
+            memory, _ = problem(3, friction, rng, known_slip=True)
+            memory["slide"][::2] = 0
+            weak = uniqueness.surely_one(memory.handle, 3)
+            complementarity.search_kernel(memory.handle, 3)
+            solutions = complementarity.all_modes(memory.handle, 3, 2)
+            assert not weak or solutions == 1
+            found.setdefault(friction, set()).add((weak, solutions))
+    assert found[0.05] == {(True, 1)}
+    assert (False, 2) in found[2.0]
+
+
+@pytest.mark.parametrize("pins", [3, 9, 40])
+def test_sparse_solution_is_that_of_the_full_matrix(pins):
+    rng = np.random.default_rng(10)
+    memory, matrix = problem(pins, 0.3, rng)
+    modes = rng.integers(0, 4, pins)
+    memory["trial"][:] = modes
+    complementarity.modes_kernel(memory.handle, 2 * pins + 1)
+    lines = [r for k in range(pins) for r in (2 * k, 2 * k + 1) if modes[k] == 1 or (modes[k] > 1 and r % 2 == 0)]
+    pull = np.eye(2 * pins)
+    for k in range(pins):
+        pull[2 * k + 1, 2 * k] = {2: 0.3, 3: -0.3}.get(int(modes[k]), 0.0)
+    f = np.zeros(2 * pins)
+    f[lines] = np.linalg.solve((matrix @ pull)[np.ix_(lines, lines)], -memory["side"][B][lines])
+    f = pull @ f
+    assert memory["side"][F] == pytest.approx(f, abs=1e-11 * np.abs(f).max())
+    assert (memory["held"][complementarity.SPARSE] == 1.0) == (pins > complementarity.FEW)
+
+
+# ---------------------------------------------------------------- runs
+@pytest.mark.parametrize(("pins", "friction", "restitution", "t_end"), [(12, 0.1, 0.3, 0.45), (7, 0.1, 0.8, 0.12)])
+def test_chain_of_loose_pins_goes_on_through_its_impacts(pins, friction, restitution, t_end):
+    r = chain(pins, friction, restitution).simulate(t_end, rtol=1e-6)
+    assert r.success
+    assert r.t[-1] == t_end
+    assert r.trust.energy_balance < 1e-4  # tolerance of the run, after thousands of impacts
+    assert max(r[f"p{k}.penetration"].max() for k in range(pins)) < 1e-9  # of a play of 1e-3
+
+
+def test_words_about_an_unsolved_problem_name_painleve_only_where_friction_is_shown_to_jam():
+    from rattle.impact_run import ImpactRun
+
+    run = ImpactRun.__new__(ImpactRun)
+    said = {}
+    for outcome in (IMPOSSIBLE, JAMMED, complementarity.UNSETTLED):
+        memory, _ = problem(3, 0.1, np.random.default_rng(1))
+        memory["held"][complementarity.OUTCOME] = outcome
+        run.ready, run.memory, run.clock = chain(3).ready, memory, np.zeros(9)
+        said[outcome] = ImpactRun.trouble(run, impact.ending(memory.handle))
+    assert "has no solution" in said[IMPOSSIBLE]
+    assert "Painleve" in said[IMPOSSIBLE]
+    assert "has no solution" not in said[JAMMED]
+    assert "Painleve" in said[JAMMED]
+    assert "does not mean" in said[complementarity.UNSETTLED]
+    assert "Painleve" not in said[complementarity.UNSETTLED]
