@@ -110,7 +110,7 @@ def test_other_texts_are_no_quantities(text):
         ("5 mn", "unknown unit 'mn'; did you mean 'mN' or 'MN'"),
         ("5 KG", "did you mean 'kg'"),
         ("5 kilo", "unknown unit 'kilo'"),
-        ("2alpha", "a product is written 2*alpha"),
+        ("2alpha", "if alpha is a parameter write 2*alpha"),
         ("5 m2", "did you mean 'm^2'"),
         ("5 N*", "ends too early"),
         ("5 (N*m", "')' is missing"),

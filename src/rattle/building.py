@@ -15,7 +15,11 @@ class Building:
     """A document as in a model file that grows part by part; every call returns the mechanism itself."""
 
     def __init__(self, name: str = "", gravity: Pair = (0.0, 0.0)) -> None:
-        self._document: dict[str, Any] = {"format": 1, "name": name, "gravity": list(gravity)}
+        self._document: dict[str, Any] = {
+            "format": 1,
+            "name": name,
+            "gravity": list(gravity) if isinstance(gravity, Sequence) else gravity,
+        }
         self._text: str | None = None
         self._file = ""
         self._changes: list[modelfile.Change] = []

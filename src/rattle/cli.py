@@ -50,7 +50,7 @@ HELP = {
     "plot": "Plot curves or pin orbits of a saved result.",
     "animate": "Make a moving picture of a saved result.",
     "export": "Write a saved result as CSV.",
-    "kinds": "Every joint, driver, contact and load with its fields and units.",
+    "kinds": "Every joint, driver, contact and load with its fields; tables, units, functions, materials.",
     "schema": "JSON Schema of model files, for editors.",
     "warmup": "Compile all kernels now, so that the first run is quick.",
 }

@@ -80,12 +80,23 @@ def _parameter(values: Values, name: str, given: Any) -> Parameter:
     if not isinstance(given, Mapping):
         return Parameter(name, values.constants[name], unit)
     path: Path = ("parameters", name)
+    other = _unlike_its_limits(given, seen)
+    if other is not None:
+        said_of = describe(seen) if seen is not None else "a plain number"
+        values.wrong(
+            (*path, "value"), f"{said(given['value'])} is {said_of}; wanted {describe(other)}, as min and max are"
+        )
+        return Parameter(name, values.constants[name], unit)
     limits: dict[str, float | None] = {
         key: _limit(values, given[key], unit, seen, (*path, key)) for key in ("min", "max", "tol") if key in given
     }
     low, high, tol = (limits.get(key) for key in ("min", "max", "tol"))
     if low is not None and high is not None and not low <= values.constants[name] <= high:
-        values.wrong(path, f"the value {values.constants[name]:g} is not between min and max ({low:g} to {high:g})")
+        bare = f" (a number without a unit is SI: {unit or 'rad'} here)" if _unit_missing(given) else ""
+        values.wrong(
+            (*path, "value"),
+            f"{said(given['value'])} is not between min = {said(given['min'])} and max = {said(given['max'])}{bare}",
+        )
     if tol is not None and tol < 0:
         values.wrong((*path, "tol"), f"{said(given['tol'])} must not be negative")
     dist = given.get("dist", "")
@@ -93,6 +104,26 @@ def _parameter(values: Values, name: str, given: Any) -> Parameter:
         values.wrong((*path, "dist"), f"unknown distribution {said(dist)}; wanted {', '.join(DISTRIBUTIONS)}")
         dist = ""
     return Parameter(name, values.constants[name], unit, low, high, tol, dist)
+
+
+def _unlike_its_limits(given: Mapping[str, Any], seen: Dimension | None) -> Dimension | None:
+    """The dimension that all limits have in common, where there are two or more and the value has another one."""
+    found = []
+    for key in ("min", "max", "tol"):
+        try:
+            quantity = parse_quantity(given[key]) if isinstance(given.get(key), str) else None
+        except QuantityError:
+            return None
+        if quantity is not None and quantity[1] is not None:
+            found.append(quantity[1])
+    if seen is None or len(found) < 2 or len(set(found)) > 1 or found[0] == seen:
+        return None
+    return found[0]
+
+
+def _unit_missing(given: Mapping[str, Any]) -> bool:
+    """True where the limits have units and the value is a bare number."""
+    return not isinstance(given["value"], str) and isinstance(given["min"], str) and isinstance(given["max"], str)
 
 
 def _limit(values: Values, given: Any, unit: str, seen: Dimension | None, path: Path) -> float | None:

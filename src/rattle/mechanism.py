@@ -147,7 +147,7 @@ class Mechanism(Building):
         if name in table:
             value = table[name]
             return ("parameters", name, "value") if isinstance(value, Mapping) else ("parameters", name)
-        if "." in name or name in document:
+        if "." in name or name in document or name in ("gravity", "name"):
             return tuple(name.split("."))
         raise ModelError(
             [Problem((), f"no parameter '{name}'{suggest(name, table)}, and not a path like joints.O3.clearance")]

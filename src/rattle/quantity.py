@@ -63,7 +63,7 @@ PRESSURE = Dimension(-1, 1, -2)
 POWER = Dimension(2, 1, -3)
 RATE = Dimension(s=-1)
 
-_UNITS: dict[str, tuple[float, Dimension]] = {
+UNITS: dict[str, tuple[float, Dimension]] = {
     "m": (1.0, LENGTH),
     "mm": (1e-3, LENGTH),
     "cm": (1e-2, LENGTH),
@@ -163,7 +163,8 @@ def parse_quantity(text: str) -> tuple[float, Dimension | None] | None:
         except QuantityError as error:
             word = re.match(r"\w+", unit)
             plain = str(error).startswith("unknown unit") and "did you mean" not in str(error)
-            hint = f"; a product is written {found[1]}*{word[0]}" if plain and word else ""
+            product = f"if {word[0]} is a parameter write {found[1]}*{word[0]}" if word else ""
+            hint = f"; `rattle kinds units` lists them; {product}" if plain and word else ""
             raise QuantityError(f"{error}{hint}") from None
         parts = round(1.0 / scale) if 1e-15 < scale < 1.0 else 0  # 5 um is 5 / 1000000: nearer than 5 * 1e-6
         value = number / parts if abs(parts * scale - 1.0) < 1e-14 else number * scale
@@ -304,14 +305,14 @@ class _UnitReader:
         if word == "1":
             return 1.0, DIMENSIONLESS
         name = word.replace("\u03bc", "µ")  # Greek mu and the micro sign look alike
-        if name in _UNITS:
-            return _UNITS[name]
+        if name in UNITS:
+            return UNITS[name]
         if not word or not (word[0].isalpha() or word[0] == "_"):
             place = f"unexpected '{word}'" if word else "it ends too early"
             raise QuantityError(f"'{self.text}' is not a unit: {place}")
         power = re.fullmatch(r"([^\W\d_]+)([2-9])", name)
-        if power and power[1] in _UNITS:
+        if power and power[1] in UNITS:
             raise QuantityError(f"unknown unit '{word}'; did you mean '{power[1]}^{power[2]}'?")
-        same = [unit for unit in _UNITS if unit.casefold() == name.casefold()]
-        near = f"; did you mean {' or '.join(repr(unit) for unit in same)}?" if same else suggest(name, _UNITS)
+        same = [unit for unit in UNITS if unit.casefold() == name.casefold()]
+        near = f"; did you mean {' or '.join(repr(unit) for unit in same)}?" if same else suggest(name, UNITS)
         raise QuantityError(f"unknown unit '{word}'{near}")

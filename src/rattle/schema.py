@@ -87,12 +87,18 @@ def _point(meaning: str) -> Schema:
 
 
 def _connect(end: Schema) -> Schema:
-    return {"type": "array", "items": end, "minItems": 2, "maxItems": 2, "description": "the two ends A and B"}
+    return {
+        "type": "array",
+        "items": end,
+        "minItems": 2,
+        "maxItems": 2,
+        "description": 'ends A and B, "body.point" each',
+    }
 
 
 def _field(one: Field) -> Schema:
     """A field of a kind, as its leaf declares it."""
-    meaning = one.meaning + ("; may use t, state and signals" if one.live else "")
+    meaning = one.meaning + ("; may use t, state and signals" if one.live and not one.meaning.endswith("of t") else "")
     if one.shape == "choice":
         made: Schema = {"enum": list(one.choices), "description": meaning}
     elif one.shape == "pair":

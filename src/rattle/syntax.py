@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from keyword import kwlist
 
 from rattle.errors import suggest
+from rattle.quantity import UNITS
 
 MAX_LENGTH = 2000  # characters
 MAX_DEPTH = 50
@@ -43,6 +44,21 @@ _REFUSED = {
     "'": "an expression holds no text",
     "[": "an expression has no indices",
 }
+
+
+OTHERWISE = {  # functions that others know by another name, or not at all
+    "ln": "log is the natural logarithm",
+    "log10": "write log(x)/log(10)",
+    "log2": "write log(x)/log(2)",
+    "pow": "write x**y",
+    "arcsin": "write asin",
+    "arccos": "write acos",
+    "arctan": "write atan",
+    "arctan2": "write atan2",
+    "sgn": "write sign",
+    "heaviside": "write step",
+}
+KNOWN = "an expression knows <body>.x .y .angle .vx .vy .omega of mass centres, t, parameters and signals"
 
 
 class ExpressionError(ValueError):
@@ -123,12 +139,24 @@ class _Parser:
             before = self.tokens[self.at - 1]
             hint = ""
             if before[0] == "number" and kind == "name":
-                hint = f"; write {before[1]}*{word} for a product (units stand only in a plain quantity such as '5 mm')"
+                hint = self.unit_or_product(before[1], word)
+            elif before[0] == "number" and word == ",":
+                hint = "; a decimal point is written '.', as in 0.21"
             elif word == "(":
                 hint = "; a product is written with *"
             raise ExpressionError(f"expected an operator, found '{word}'{hint}", column)
         self.refuse_comparison(node)
         return node
+
+    @staticmethod
+    def unit_or_product(number: str, word: str) -> str:
+        """What to do about a name right behind a number."""
+        if word in UNITS:
+            return (
+                f"; units stand only in a plain quantity: enter x = '{number} {word}' under [parameters]"
+                " and write x here"
+            )
+        return f"; write {number}*{word} for a product"
 
     def expression(self, least: int) -> Node:
         self.depth += 1
@@ -162,6 +190,7 @@ class _Parser:
             return self.expression(_SIGN)
         if word == "(":
             inner = self.expression(1)
+            self.refuse_joining()
             self.expect(")", f"the '(' in column {column + 1} is not closed")
             return inner
         found = "the end" if kind == "end" else f"'{word}'"
@@ -177,6 +206,9 @@ class _Parser:
     def name(self, word: str, column: int) -> Node:
         if self.tokens[self.at][1] == "(":
             return self.call(word, column)
+        if word in ("and", "or", "not"):
+            self.at -= 1
+            self.refuse_joining()
         if word in kwlist:
             raise ExpressionError(f"'{word}' has no place here", column)
         if word in FUNCTIONS:
@@ -186,7 +218,10 @@ class _Parser:
 
     def call(self, word: str, column: int) -> Node:
         if word not in FUNCTIONS:
-            raise ExpressionError(f"there is no function '{word[:40]}'{suggest(word[:40], FUNCTIONS)}", column)
+            hint = f"; {OTHERWISE[word]}" if word in OTHERWISE else suggest(word[:40], FUNCTIONS)
+            raise ExpressionError(
+                f"there is no function '{word[:40]}'{hint or '; known: ' + ', '.join(FUNCTIONS)}", column
+            )
         self.at += 1
         arguments: list[Node] = []
         while self.tokens[self.at][1] != ")" or arguments:
@@ -208,9 +243,20 @@ class _Parser:
         test = self.expression(2)
         if not isinstance(test, Apply) or test.name not in COMPARISONS:
             raise ExpressionError("after 'if' two values must be compared with < <= > >=", test.column)
+        self.refuse_joining()
         self.expect("else", "this 'if' has no 'else'", column)
         otherwise = self.expression(1)
         return self.apply(f"if{test.name}", (*test.operands, then, otherwise), column)
+
+    def refuse_joining(self) -> None:
+        """Conditions stand alone: say how two of them are written."""
+        _, word, column = self.tokens[self.at]
+        if word in ("and", "or", "not"):
+            raise ExpressionError(
+                f"'{word}' is not known; for two conditions put one choice into the other:"
+                " 'a if x < y else b' with a or b in parentheses",
+                column,
+            )
 
     def expect(self, word: str, message: str, column: int | None = None) -> None:
         if self.tokens[self.at][1] != word:
@@ -236,12 +282,14 @@ class _Parser:
 
 def _tokens(text: str) -> list[tuple[str, str, int]]:
     """Kind ("number", "name", "operator", "end"), word and column of every token."""
-    found = []
+    found: list[tuple[str, str, int]] = []
     at = 0
     while at < len(text):
         match = _TOKEN.match(text, at)
         if match is None:
             shown = text[at] if text[at].isprintable() else repr(text[at])[1:-1]
+            if text[at] == "." and found and found[-1][0] == "name":
+                raise ExpressionError(f"'{found[-1][1]}.' goes too deep; {KNOWN}", at)
             raise ExpressionError(_REFUSED.get(text[at], f"unexpected character '{shown}'"), at)
         if match.lastgroup != "space":
             found.append((match.lastgroup or "", match[0], at))

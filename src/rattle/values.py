@@ -9,7 +9,17 @@ from typing import Any
 from rattle.errors import MOST, Problem, suggest
 from rattle.expression import RESERVED, ExpressionError, Name, Node, dimension, names, parse, value, walk
 from rattle.model import Vector
-from rattle.quantity import DIMENSIONLESS, Dimension, QuantityError, describe, dimension_of, parse_quantity, unit_name
+from rattle.quantity import (
+    DIMENSIONLESS,
+    UNITS,
+    Dimension,
+    QuantityError,
+    describe,
+    dimension_of,
+    parse_quantity,
+    unit_name,
+)
+from rattle.syntax import KNOWN
 
 Path = tuple[str | int, ...]
 
@@ -105,6 +115,10 @@ class Values:
                 hint = suggest(one, [*self.constants, *(self.live if live else ())])
                 if unit and text.strip() == one and "did you mean" not in hint:
                     hint = f"; wanted {wanted(unit)}: a quantity like '5 {unit}' or an expression"
+                if one in UNITS and "did you mean" not in hint:
+                    hint = f"; {one} is a unit: enter x = '5 {one}' under [parameters] and write x here"
+                elif "." in one and "did you mean" not in hint:
+                    hint = f"; {KNOWN if live else 'only parameters may stand here'}"
                 self.wrong(path, f"unknown name {said(one)} in {said(text)}{hint}", column=column)
         return not unknown
 

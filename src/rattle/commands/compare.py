@@ -73,8 +73,8 @@ def poincare(
     clearance, ex against ey.
 
     \b
-    Example:  rattle poincare slider_crank --contact exact --lyapunov
-              rattle poincare fourbar --parameter r3 --from 0.0005 --to 0.005 --of O3.ex
+    Examples: rattle poincare slider_crank_play --skip 20 --points 60 --lyapunov
+              rattle poincare slider_crank_play --of B.ex --parameter c --from 2e-4 --to 6e-4 --values 9 --points 20
     """
     import numpy as np
 

@@ -80,12 +80,15 @@ def export(result: str, output: str) -> None:
 @click.command()
 @click.argument("name", required=False)
 def kinds(name: str | None) -> None:
-    """Every joint, driver, contact and load with its fields, units and source.
+    """Every joint, driver, contact and load with its fields, units and source; tables, units, functions, materials.
 
     \b
-    Example:  rattle kinds spring
+    Examples: rattle kinds spring
+              rattle kinds units
     """
     from rattle import catalog
+    from rattle.materials import MATERIALS
+    from rattle.reference import common, topics
 
     found = False
     for family in catalog.families():
@@ -95,14 +98,26 @@ def kinds(name: str | None) -> None:
             click.secho(f"{family}", bold=True)
         for key, one in entries.items():
             click.echo(f"  {click.style(key, fg='cyan')}: {one.summary}")
+            for line in common(family, key):
+                click.echo(f"      {line}")
             for field, spec in one.fields.items():
-                click.echo(f"      {field} {_unit(spec)}: {spec.meaning}{_default(spec)}")
+                click.echo(f"      {field} {_unit(spec)}: {spec.meaning}{_default(spec, family)}")
             if name is not None and one.source:
                 click.echo(f"      source: {one.source}")
+    for topic in topics().values():
+        if name is None or name in (topic.name, topic.name.removesuffix("s")):
+            found = True
+            click.echo(f"{click.style(topic.name, bold=True)}: {topic.summary}")
+            for line in topic.lines if name is not None else ():
+                click.echo(f"      {line}")
     if not found:
         from rattle.errors import suggest
 
         known = [key for family in catalog.families() for key in (family, *catalog.kinds(family))]
+        known += [*topics(), *MATERIALS]
+        if name in MATERIALS:
+            click.echo(next(line for line in topics()["materials"].lines if line.startswith(f"{name}:")))
+            return
         raise click.UsageError(f"no kind '{name}'{suggest(str(name), known)}")
 
 
@@ -112,10 +127,10 @@ def _unit(spec: Any) -> str:
     return {"number": f"[{spec.unit or '-'}]", "pair": f"[{spec.unit}, {spec.unit}]"}.get(spec.shape, f"({spec.shape})")
 
 
-def _default(spec: Any) -> str:
+def _default(spec: Any, family: str) -> str:
     from rattle.catalog import REQUIRED
 
-    more = ", may use t, state and signals" if spec.live else ""
+    more = ", may use t, state and signals" if spec.live and family != "driver" else ""
     if spec.default is REQUIRED or callable(spec.default):
         return more
     return (

@@ -31,6 +31,21 @@ def model_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return click.argument("file", metavar="FILE")(function)
 
 
+def _value(text: str, one: str) -> Any:
+    """A value as it would stand in a model file: a number, a table or list, else a text."""
+    import tomllib
+
+    if text.startswith(("{", "[")):
+        try:
+            return tomllib.loads(f"value = {text}")["value"]
+        except tomllib.TOMLDecodeError as error:
+            raise click.UsageError(f"--set {one}: {error}; wanted a table or list as in a model file") from None
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 def read_model(file: str, settings: tuple[str, ...], ideal: bool) -> Mechanism:
     """The model of a file, or of a shipped example when there is no such file, with the changes asked for."""
     from pathlib import Path
@@ -38,16 +53,17 @@ def read_model(file: str, settings: tuple[str, ...], ideal: bool) -> Mechanism:
     from rattle.mechanism import example, examples, load
 
     known = examples()
+    if file not in known and not Path(file).expanduser().exists() and Path(file).suffix == "":
+        from rattle.errors import suggest
+
+        raise click.UsageError(f"there is no file {file!r} and no example of that name{suggest(file, known)}")
     m = example(file) if file in known and not Path(file).exists() else load(file)
     changes: dict[str, Any] = {}
     for one in settings:
         name, equals, value = one.partition("=")
         if not equals:
             raise click.UsageError(f"--set wants NAME=VALUE, got '{one}'")
-        try:
-            changes[name.strip()] = float(value)
-        except ValueError:
-            changes[name.strip()] = value.strip()
+        changes[name.strip()] = _value(value.strip(), one)
     if changes:
         m = m.set(changes)
     return m.ideal() if ideal else m

@@ -1,0 +1,120 @@
+"""What may stand in a model file besides the kinds of the catalogue: tables, names, functions, units, materials.
+
+The words come from the JSON Schema, the numbers from the tables that the reader itself uses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from rattle.materials import MATERIALS
+from rattle.quantity import DIMENSIONLESS, UNITS, describe
+from rattle.reader import STATE_UNITS
+from rattle.schema import schema
+from rattle.syntax import FUNCTIONS
+
+
+class Topic(NamedTuple):
+    """A thing to look up: its name, one sentence, and what may be written, line by line."""
+
+    name: str
+    summary: str
+    lines: tuple[str, ...]
+
+
+MEANING: Mapping[str, str] = {
+    "abs": "size without sign",
+    "sign": "-1, 0 or 1",
+    "step": "0 below zero, 1 from zero on",
+    "log": "natural logarithm",
+    "atan2": "angle of the direction (x, y)",
+    "hypot": "sqrt(x**2 + y**2)",
+    "min": "least of two or more",
+    "max": "greatest of two or more",
+}
+
+
+def topics() -> dict[str, Topic]:
+    """All topics by name."""
+    made = [make() for make in (*(_table(name) for name in TABLES), _names, _functions, _units, _materials)]
+    return {one.name: one for one in made}
+
+
+TABLES = ("gravity", "parameters", "signals", "ground", "bodies", "initial", "simulate")
+
+
+def common(family: str, kind: str) -> list[str]:
+    """What every entry of a family may say beside the fields of its kind."""
+    properties: Mapping[str, Any] = schema()["properties"]
+    if family == "joint":
+        one = _variant(properties["joints"], "type", kind)
+        return [_line(key, one[key]) for key in ("connect", "clearance", "contact") if key in one] + (
+            ["block { length [m], height [m] }: the block of a guide with clearance"] if "block" in one else []
+        )
+    if family == "driver":
+        if kind.startswith("body-"):
+            where = f'coordinate = "{kind.removeprefix("body-")}"'
+            return [f'body (name, or "body.point"): what is driven, with {where}']
+        return ["joint (name): the joint that is driven"]
+    return []
+
+
+def _variant(table: Mapping[str, Any], key: str, value: str) -> Mapping[str, Any]:
+    """Properties of the variant of a table whose `key` is `value`."""
+    variants = [one["properties"] for one in table["additionalProperties"]["anyOf"]]
+    return next(one for one in variants if one.get(key, {}).get("const") == value)
+
+
+def _table(name: str) -> Callable[[], Topic]:
+    def make() -> Topic:
+        one: Mapping[str, Any] = schema()["properties"][name]
+        entry = one.get("additionalProperties") or one
+        variants = entry.get("anyOf", [entry]) if isinstance(entry, Mapping) else [one]
+        lines = [_line(key, value) for variant in variants for key, value in variant.get("properties", {}).items()] or [
+            _line(name, entry)
+        ]
+        return Topic(name, one.get("description", f"the table [{name}]"), tuple(dict.fromkeys(lines)))
+
+    return make
+
+
+def _line(key: str, one: Mapping[str, Any]) -> str:
+    choices = f" ({' | '.join(one['enum'])})" if "enum" in one else ""
+    return f"{key}: {one.get('description', 'a number or a text')}{choices}"
+
+
+def _names() -> Topic:
+    lines = [f"<body>.{key} [{unit}]" for key, unit in STATE_UNITS.items()]
+    lines += ["t [s]: the time", "pi", "every parameter; every signal defined in the file"]
+    said = (
+        "in loads and signals all of these; in drivers t, parameters, and signals over them; elsewhere parameters only"
+    )
+    return Topic("names", f"names in expressions: {said}", tuple(lines))
+
+
+def _functions() -> Topic:
+    lines = [
+        f"{name}({'y, x' if name == 'atan2' else 'x' if count == 1 else 'x, y' if count > 0 else 'x, y, ...'})"
+        + (f": {MEANING[name]}" if name in MEANING else "")
+        for name, count in FUNCTIONS.items()
+    ]
+    lines += ["a if x < y else b: also with <= > >=", "+ - * / ** ( )"]
+    return Topic("functions", "functions and operators of expressions; angles in rad", tuple(lines))
+
+
+def _units() -> Topic:
+    found: dict[Any, list[str]] = {}
+    for unit, (_, dimension) in UNITS.items():
+        found.setdefault(dimension, []).append(unit)
+    lines = [
+        f"{describe(dimension) if dimension != DIMENSIONLESS else 'an angle'}: {' '.join(units)}"
+        for dimension, units in found.items()
+    ]
+    said = 'units of quantities; products and powers of them too: "N*s/m", "kg*m^2"'
+    return Topic("units", said, tuple(lines))
+
+
+def _materials() -> Topic:
+    lines = tuple(f"{name}: E = {one.E / 1e9:g} GPa, nu = {one.nu:g} ({one.source})" for name, one in MATERIALS.items())
+    return Topic("materials", "materials of bushes and pins by name; others as { E = ..., nu = ... }", lines)

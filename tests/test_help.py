@@ -1,0 +1,72 @@
+"""Every example that a help text or the README gives is run as it stands, in one empty folder after the other."""
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+
+import rattle as rt
+from rattle.cli import COMMANDS, main
+
+ROOT = Path(__file__).parent.parent
+
+
+def examples_of(command):
+    """Lines of the help text that start with `rattle`, from "Example:" on."""
+    text = main.get_command(click.Context(main), command).help or ""
+    lines = text[text.index("Example") :].splitlines() if "Example" in text else []
+    return [line.split("rattle ", 1)[1] for line in lines if "rattle " in line]
+
+
+LINES = [(command, line) for command in COMMANDS for line in examples_of(command)]
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """A folder with what the examples work on: model files, and a result of the four-bar."""
+    folder = tmp_path_factory.mktemp("help")
+    for name, path in rt.examples().items():
+        shutil.copy(path, folder / f"{name}.toml")
+    rt.example("fourbar").simulate("50 ms").save(folder / "out.nc")
+    return folder
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_gives_an_example_and_says_what_each_option_is_for(command):
+    one = main.get_command(click.Context(main), command)
+    assert examples_of(command), f"rattle {command} -h has no example"
+    assert all(option.help for option in one.params if isinstance(option, click.Option))
+
+
+@pytest.mark.parametrize(("command", "line"), LINES)
+def test_the_examples_of_the_help_run(command, line, results, monkeypatch):
+    monkeypatch.chdir(results)
+    line, _, target = line.partition(" > ")
+    words = shlex.split(line)
+    assert words[0] == command
+    done = CliRunner().invoke(main, ["-q", *words])
+    assert done.exit_code == 0, done.output
+    if target:
+        assert len(done.output) > 100
+    for flag in ("-o", "--output"):
+        if flag in words:
+            made = results / words[words.index(flag) + 1]
+            assert made.exists(), made
+
+
+def test_the_commands_of_the_readme_run_one_after_the_other(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(rt.examples()["fourbar"], tmp_path / "fourbar.toml")
+    blocks = re.findall(
+        r"^```sh\n(.*?)^```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+    )
+    lines = [line.partition("#")[0] for block in blocks for line in block.splitlines() if line.startswith("rattle ")]
+    assert len(lines) >= 6
+    for line in lines:
+        done = CliRunner().invoke(main, ["-q", *shlex.split(line)[1:]])
+        assert done.exit_code == 0, f"{line}\n{done.output}"

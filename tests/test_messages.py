@@ -1,0 +1,116 @@
+"""What a user is told when something does not fit: where, what is known, what to do."""
+
+import pytest
+from click.testing import CliRunner
+
+import rattle as rt
+from rattle.cli import main
+from rattle.expression import ExpressionError, parse
+
+pytestmark = pytest.mark.nojit
+
+MODEL = """format = 1
+[parameters]
+payload = "10 kg"
+r = { value = "2 mm", min = "0.5 mm", max = "10 mm" }
+alpha = { value = "60 deg", min = "50 deg", max = "75 deg" }
+[bodies.b]
+mass = "%s"
+inertia = 1
+points = { C = [0, 0] }
+[loads.F]
+type = "force"
+at = "b.C"
+force = ["%s", 0]
+"""
+
+
+def refused(mass="payload", force="0"):
+    with pytest.raises(rt.ModelError) as caught:
+        rt.loads(MODEL % (mass, force))
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("payload + 40 kg", "enter x = '40 kg' under [parameters]"),
+        ("40*kg", "kg is a unit"),
+        ("2 slug", "rattle kinds units"),
+        ("0,21 kg", "decimal point"),
+    ],
+)
+def test_units_where_they_cannot_stand(text, said):
+    assert said in refused(mass=text)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("1 if t > 1 and t < 2 else 0", "'and' is not known"),
+        ("1 if (t > 1 and t < 2) else 0", "'and' is not known"),
+        ("1 if not t > 1 else 0", "'not' is not known"),
+        ("ln(t)", "log is the natural logarithm"),
+        ("floor(t)", "known: sin, cos"),
+        ("b.C.x", "<body>.x .y .angle"),
+        ("C.force", "<body>.x .y .angle"),
+    ],
+)
+def test_what_expressions_know(text, said):
+    assert said in refused(force=text)
+
+
+def test_a_choice_inside_a_choice_is_what_the_message_advises():
+    parse("(1 if t < 2 else 0) if t > 1 else 0")
+    with pytest.raises(ExpressionError, match="has no 'else'"):
+        parse("1 if t < 2")
+
+
+def test_a_value_of_the_wrong_kind_is_blamed_not_its_limits():
+    m = rt.loads(MODEL % ("payload", "0"))
+    with pytest.raises(rt.ModelError, match=r"parameters\.r\.value: '2 kg' is a mass; wanted a length"):
+        m.set(r="2 kg")
+    with pytest.raises(rt.ModelError, match=r"min = '50 deg' and max = '75 deg' \(a number without a unit is SI: rad"):
+        m.set(alpha=30)
+
+
+def test_gravity_and_tables_can_be_set():
+    m = rt.loads(MODEL % ("payload", "0")).set(gravity=[0, -9.81])
+    assert m.model.gravity == (0, -9.81)
+    done = CliRunner().invoke(
+        main,
+        [
+            "check",
+            "fourbar",
+            "--set",
+            "gravity=[0, -9.81]",
+            "--set",
+            'joints.O3.contact={ model = "impact", restitution = 0.5 }',
+        ],
+    )
+    assert done.exit_code == 0, done.output
+    assert "impact" in done.output
+    with pytest.raises(rt.ModelError, match="gravity"):
+        _ = rt.Mechanism("x", gravity=-9.81).model
+
+
+def test_a_misspelt_example_is_guessed():
+    done = CliRunner().invoke(main, ["check", "fourbr"])
+    assert done.exit_code == 2
+    assert "did you mean 'fourbar'" in done.output
+
+
+@pytest.mark.parametrize(
+    "name", ["driver", "gravity", "materials", "steel", "units", "functions", "names", "initial", "revolute"]
+)
+def test_kinds_know_everything_that_may_stand_in_a_file(name):
+    done = CliRunner().invoke(main, ["kinds", name])
+    assert done.exit_code == 0, done.output
+    assert len(done.output) > 30
+
+
+def test_a_driver_is_a_function_of_time_alone():
+    text = CliRunner().invoke(main, ["kinds", "driver"]).output
+    assert "joint (name)" in text
+    assert "coordinate" in text
+    assert "may use" not in text
