@@ -1,7 +1,7 @@
 """Putting a mechanism together: positions and rates that satisfy every joint at a given time.
 
 Angles given are held while the joints place x and y, from the ground outwards; then a damped Newton
-iteration closes everything with the least mass-weighted change, and rates likewise (THEORY section 3).
+iteration closes everything with the least mass-weighted change, and rates likewise (docs/theory.md, section 3).
 """
 
 from __future__ import annotations

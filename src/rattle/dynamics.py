@@ -241,7 +241,7 @@ class Reach(NamedTuple):
 
 
 def agreement(run: Run, second: Run) -> Reach:
-    """Time up to which every curve of two runs agrees within 1 % of its range (THEORY section 8)."""
+    """Time up to which every curve of two runs agrees within 1 % of its range (docs/theory.md, section 8)."""
     n = int(min(run.tally[march.OUTPUTS], second.tally[march.OUTPUTS]))
     one, names, units = columns(run.ready, run.raw[:n])
     other, _, _ = columns(second.ready, second.raw[:n])

@@ -1,6 +1,6 @@
 """The equations of motion at one instant: M, Q, Phi, Phi_q, nu, gamma, lambda, accelerations.
 
-    M dv + Phi_q^T lambda = Q,     Phi_q dv = gamma        (THEORY section 3)
+    M dv + Phi_q^T lambda = Q,     Phi_q dv = gamma        (docs/theory.md, section 3)
     S lambda = Phi_q M^-1 Q - gamma,     S = Phi_q M^-1 Phi_q^T
 
 This is the only caller of kernels, and it names no kind.

@@ -201,7 +201,7 @@ class Mechanism(Building):
         both agree within 1 % of every curve's range.
 
         A run that cannot go on returns what was computed with success = False and a message (strict=True
-        raises SolverError).  Source: THEORY sections 1 and 3; Grigore et al., equation (1).
+        raises SolverError).  Source: docs/theory.md, section 3; Grigore et al., equation (1).
         """
         from rattle import dynamics
 
@@ -320,7 +320,8 @@ class Mechanism(Building):
         (smallest eigenvalue of the reduced Hessian [N/m]), `.stable` and `.admissible` (1 or 0); where N of a pin
         goes through zero it changes sides, which is an event "side".  Raises AssemblyError, ModelError.
 
-        Source: THEORY section 7; Nocedal, Wright, Numerical Optimization (2006), section 16.2 (reduced Hessian).
+        Source: docs/theory.md, section 7; Nocedal, Wright, Numerical Optimization (2006), section 16.2 (reduced
+        Hessian).
         """
         import numpy as np
 
@@ -357,8 +358,8 @@ class Mechanism(Building):
         loaded: also where the loads press the pins (equilibrium), for comparison.
         Raises ModelError when the mechanism without play is not fully driven or has no clearance, UnknownName.
 
-        Source: THEORY section 7; Ting, Zhu, Watkins, The effects of joint clearance on position and orientation
-        deviation of linkages and manipulators, Mech. Mach. Theory 35 (2000) 391-401.
+        Source: docs/theory.md, section 7; Ting, Zhu, Watkins, The effects of joint clearance on position and
+        orientation deviation of linkages and manipulators, Mech. Mach. Theory 35 (2000) 391-401.
         """
         from rattle.accuracy import accuracy
 

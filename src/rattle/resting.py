@@ -5,7 +5,7 @@ Newton on the freedoms that the joints leave, with positions kept closed:
     Z = null space of Phi_q,   g = Z^T Q,   H = Z^T K Z,   K = -d(Q - Phi_q^T lambda)/dq,   q += Z H^-1 g
 
 Coordinates are scaled (angles as arc lengths at the size of the mechanism), so that g is in N and H in N/m.
-H > 0 is stability against small displacements (THEORY section 7).
+H > 0 is stability against small displacements (docs/theory.md, section 7).
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Whether a run may be believed: what its drift and its energy are measured with, and why it ended where it did.
 
 Drift in metres is measured with the mechanism's extent, drift in radians with 1, and the energy that is unaccounted
-for with the largest of kinetic energy, work and range of the potential (THEORY section 9).  Beyond `LIMIT` a run ends
-before the step that would take it there; beyond `SAID` it says so.
+for with the largest of kinetic energy, work and range of the potential (docs/theory.md, section 9).  Beyond `LIMIT`
+a run ends before the step that would take it there; beyond `SAID` it says so.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@
     turnover  max(T, |work|, max V - min V) so far, and a floor: what tolerances alone may leave
 
 A step with openness or unrest / turnover beyond their limits does not stand; nor does one that the joints had to be
-pulled together after, as behind a driver that jumped (THEORY section 9, honest ends).
+pulled together after, as behind a driver that jumped (docs/theory.md, section 9, honest ends).
 """
 
 from __future__ import annotations

@@ -1,0 +1,45 @@
+"""The guides are true: their model runs, their names are those of the code, references resolve."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import rattle as rt
+from rattle.reader import STATE_UNITS
+from rattle.syntax import FUNCTIONS
+
+ROOT = Path(__file__).parent.parent
+DOCS = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "docs").glob("*.md")}
+pytestmark = pytest.mark.nojit
+
+
+def test_the_model_of_the_guide_can_be_put_together():
+    (text,) = re.findall(r"```toml\n(.*?)```", DOCS["model-file.md"], re.DOTALL)
+    m = rt.loads(text)
+    assert m.check().mobility >= 0
+    assert m.start.residual < 1e-9
+
+
+def test_the_guide_names_every_function_and_state():
+    text = DOCS["model-file.md"]
+    (listed,) = re.findall(r"`rattle kinds functions`: `([^`]*)`", text)
+    assert set(listed.split()) == set(FUNCTIONS)
+    assert all(f".{key}" in text for key in STATE_UNITS)
+
+
+def test_sections_of_the_theory_that_are_cited_exist():
+    sections = set(re.findall(r"^## (\d)\. ", DOCS["theory.md"], re.MULTILINE))
+    cited = set()
+    for path in (ROOT / "src").rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        assert "THEORY" not in text, path
+        cited |= set(re.findall(r"docs/theory\.md, section (\d)", text))
+    assert cited
+    assert cited <= sections
+
+
+@pytest.mark.parametrize("name", sorted(DOCS))
+def test_links_of_the_guides_lead_somewhere(name):
+    for target in re.findall(r"\]\(([^)#:]+)\)", DOCS[name]):
+        assert (ROOT / "docs" / target).exists(), f"{name}: {target}"
