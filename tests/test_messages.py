@@ -114,3 +114,17 @@ def test_a_driver_is_a_function_of_time_alone():
     assert "joint (name)" in text
     assert "coordinate" in text
     assert "may use" not in text
+
+
+def test_a_load_or_driver_can_be_left_out():
+    m = rt.example("fourbar")
+    free = m.set({"loads.M": None, "drivers.motor": None})
+    assert not free.model.loads
+    assert not free.model.drivers
+    assert "[loads.M]" not in free.to_toml()
+    assert "crank" in free.to_toml()
+    with pytest.raises(rt.ModelError, match="did you mean 'motor'"):
+        m.set({"drivers.moter": None})
+    done = CliRunner().invoke(main, ["check", "fourbar", "--without", "drivers.motor"])
+    assert done.exit_code == 0, done.output
+    assert "mobility 3" in done.output

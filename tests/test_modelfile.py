@@ -167,7 +167,7 @@ def test_settings_may_be_given_where_there_were_none():
         ({"r3": "2 kg"}, ["parameters.r3", "length"]),
         ({"r3": -0.002}, ["parameters.r3"]),
         ({"bodies.crank.mass": float("nan")}, ["not a finite number"]),
-        ({"bodies.crank.mass": None}, ["wanted kg"]),
+        ({"bodies.crank.mass": None}, ["bodies.crank", "needs a mass"]),
     ],
 )
 def test_change_that_cannot_be_says_why(change, words):

@@ -124,7 +124,8 @@ class Mechanism(Building):
         """A new mechanism with some values changed.
 
         Names are parameters, or paths as in the model file: `m.set(r3="2 mm")`,
-        `m.set({"joints.O3.contact.restitution": 0.5})`.  Raises ModelError for an unknown name or a bad value.
+        `m.set({"joints.O3.contact.restitution": 0.5})`; None takes something out: `m.set({"loads.M": None})`.
+        Raises ModelError for an unknown name or a bad value.
         """
         made = Mechanism()
         made._document, made._text, made._file = self._document, self._text, self._file

@@ -149,7 +149,7 @@ def with_change(document: Mapping[str, Any], path: Sequence[str], value: Any) ->
 
 
 def put(table: Any, path: Sequence[str], value: Any) -> None:
-    """Replace one value in nested tables (plain or tomlkit), in place. Raises ModelError."""
+    """Replace one value in nested tables (plain or tomlkit), in place; None takes it out. Raises ModelError."""
     for n, key in enumerate(path[:-1]):
         if isinstance(table, list):
             table = table[_index(table, path, n)]
@@ -162,8 +162,21 @@ def put(table: Any, path: Sequence[str], value: Any) -> None:
             there = suggest(key, table) if key not in table else "; it is not a table"
             raise ModelError([Problem(tuple(path), f"there is no '{'.'.join(path[: n + 1])}' in the model{there}")])
         table = table[key]
-    last = _index(table, path, len(path) - 1) if isinstance(table, list) else path[-1]
-    table[last] = plain(value)
+    if isinstance(table, list):
+        at = _index(table, path, len(path) - 1)
+        if value is None:
+            del table[at]
+        else:
+            table[at] = plain(value)
+        return
+    last = path[-1]
+    if value is not None:
+        table[last] = plain(value)
+    elif last in table:
+        del table[last]
+    else:
+        there = suggest(last, table)
+        raise ModelError([Problem(tuple(path), f"there is no '{'.'.join(path)}' in the model{there}")])
 
 
 def _index(table: list[Any], path: Sequence[str], n: int) -> int:

@@ -21,8 +21,16 @@ def time(value: str | float) -> float:
         raise click.BadParameter(str(error).removeprefix("time: ")) from None
 
 
+def _leave_out(ctx: click.Context, param: click.Parameter, paths: tuple[str, ...]) -> None:
+    ctx.meta["rattle.without"] = paths
+
+
 def model_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """FILE, --set and --ideal."""
+    """FILE, --set, --without and --ideal."""
+    function = click.option(
+        "--without", multiple=True, metavar="PATH", expose_value=False, callback=_leave_out,
+        help="Leave something out, e.g. --without loads.M or --without drivers.motor.",
+    )(function)  # fmt: skip
     function = click.option("--ideal", is_flag=True, help="Close all clearances.")(function)
     function = click.option(
         "--set", "settings", multiple=True, metavar="NAME=VALUE",
@@ -64,6 +72,7 @@ def read_model(file: str, settings: tuple[str, ...], ideal: bool) -> Mechanism:
         if not equals:
             raise click.UsageError(f"--set wants NAME=VALUE, got '{one}'")
         changes[name.strip()] = _value(value.strip(), one)
+    changes |= dict.fromkeys(click.get_current_context().meta.get("rattle.without", ()))
     if changes:
         m = m.set(changes)
     return m.ideal() if ideal else m
