@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.assembly import LARGE, assemble, dense_rows
+from rattle.assembly import assemble
 from rattle.closing import open_by
+from rattle.dense import LARGE, dense_rows
 
 pytestmark = pytest.mark.nojit
 

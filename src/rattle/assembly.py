@@ -16,18 +16,20 @@ import numpy as np
 
 from rattle.closing import close_position, close_rate, open_by, place_only
 from rattle.contact import touch_all
+from rattle.dense import LARGE, dense_rows
 from rattle.equations import constraints, drive, solve_motion
 from rattle.errors import AssemblyError
 from rattle.loops import describe_loop, tree_path
 from rattle.memory import Memory
 from rattle.model import Contact, Joint, Model, driven_ends
-from rattle.placing import given_rates, outward, passed_angles, place_positions, place_rates, turned
+from rattle.placing import outward, passed_angles, place_positions, place_rates, turned
 from rattle.plane import GAP, OWNER
+from rattle.starting import given_values, keep_positions, keep_rates, start_notes
 from rattle.system import Compiled, compile_system, has_contacts, is_link
 
-HOLD = 1e-6  # share of its mobility that a rate given by the user keeps while the others follow
+HOLD = 1e-6  # share of its mobility that a rate given keeps in mechanisms too large for `starting`
+FAR = 0.1  # turn of a body that pins pressed to their default places may ask for [rad]
 STARTS = 48  # guesses tried for angles that nobody gave
-LARGE = 400  # rows above which dense linear algebra is avoided and machine code is worth its start
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,7 @@ class Assembled:
     v: np.ndarray  # (3 nb,) their rates
     residual: float  # largest constraint residual [m or rad]
     iterations: int
+    notes: tuple[str, ...] = ()  # what became of values given in [initial] that could not be kept
 
 
 def ideal_model(model: Model) -> Model:
@@ -60,6 +63,7 @@ def assemble(ready: Compiled, t: float = 0.0, ideal: Assembled | None = None) ->
     offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
     ideal_ready = compile_system(ideal_model(model)) if offsets else ready
     held = [name for name in open_ if not _placed(model, open_[name])]
+    missing: list[str] = []
     if offsets:
         try:
             ideal = assemble(ideal_ready, t)
@@ -71,24 +75,45 @@ def assemble(ready: Compiled, t: float = 0.0, ideal: Assembled | None = None) ->
             offsets.update(_along_reactions(ideal_ready, ideal, missing))
             held = [*links, *held]  # closing would turn the pins away from where the reactions press them
     memory = ready.memory()
-    if held and ideal is not None:
-        q, iterations = _hold_offsets(ready, t, {name: offsets[name] for name in held}, ideal)
-        gap = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * ready.size, 60)[0]
-        if not gap <= 1e-9 * ready.size:
-            raise AssemblyError(_why_open(ready, memory, t, q))
-    else:
-        q, iterations = _positions(ready, memory, t, offsets, ideal)
-    given = given_rates(ready)
+    q, iterations = _closed(ready, memory, t, offsets, held, missing, ideal)
+    given = given_values(ready, 1)
     if ideal is None:
         v = _free_rates(ready, memory, t, q, given)
     else:
         v = np.where(np.isnan(given), ideal.v, given)
         place_rates(ready, q, v, given, ideal.v)
-        close_rate(memory.handle, t, q, v)
+        v = _closed_rates(ready, memory, t, q, v, given)
     _refuse_contradiction(ready, t, q, v)
     residual = float(open_by(memory.handle, t, q, v))
-    _pins_inside(ready, memory)
-    return Assembled(t, q, v, residual, iterations)
+    outside = _outside(ready, memory)
+    if outside:
+        raise AssemblyError(outside)
+    return Assembled(t, q, v, residual, iterations, (*model.remarks, *start_notes(ready, t, q, v)) if t == 0.0 else ())
+
+
+def _closed(
+    ready: Compiled, memory: Memory, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
+    ideal: Assembled | None,
+) -> tuple[np.ndarray, int]:  # fmt: skip
+    """Positions that satisfy every joint, with the pins of the `held` joints at their offsets if that goes together."""
+    q = None
+    if held and ideal is not None:
+        try:
+            q, iterations = _hold_offsets(ready, t, {name: offsets[name] for name in held}, ideal)
+            gap = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * ready.size, 60)[0]
+            if not gap <= 1e-9 * ready.size or (missing and np.abs(q - ideal.q)[2::3].max() > FAR):
+                raise AssemblyError(_why_open(ready, memory, t, q))
+        except AssemblyError:
+            if not missing:
+                raise
+            q, missing = None, []  # reactions that are not unique may press the pins to where they do not fit together
+    if q is None:
+        q, iterations = _positions(ready, memory, t, offsets, ideal)
+    if ready.row_count > LARGE or missing or any(name in ready.model.initial.offsets for name in held):
+        return q, iterations
+    kept = keep_positions(ready, memory, t, q, given_values(ready, 0))
+    open_by(memory.handle, t, kept, np.zeros_like(kept))
+    return (q if _outside(ready, memory) else kept), iterations
 
 
 def _placed(model: Model, joint: Joint) -> bool:
@@ -129,25 +154,28 @@ def _hold_offsets(ready: Compiled, t: float, offsets: dict[str, Any], ideal: Ass
         iterations += more
         if not gap <= 1e-9 * ready.size:
             raise AssemblyError(_why_open(shifted, memory, t, q))
+        if shifted.row_count <= LARGE:
+            q = keep_positions(shifted, memory, t, q, given_values(ready, 0))
         if np.abs(q - before).max() < 1e-14 * ready.size:
             break
     return q, iterations
 
 
-def _pins_inside(ready: Compiled, memory: Memory) -> None:
-    """Refuse a start at which a pin is outside its bush, or a block outside its guide."""
+def _outside(ready: Compiled, memory: Memory) -> str:
+    """Which pin is outside its bush, or block outside its guide, at the state in the memory; empty when none."""
     contact = ready.arrays["contact"]
     if not len(contact):
-        return
+        return ""
     touch_all(memory.handle)
     for entry, gap in zip(contact, memory["touch"][:, GAP], strict=True):
         name = ready.joints[entry[OWNER]]
         clearance = ready.model.joints[name].clearance
         if gap < -1e-6 * clearance:
-            raise AssemblyError(
+            return (
                 f"joint '{name}' starts {-gap:.3g} m beyond its clearance of {clearance:.3g} m: give the bodies"
                 f" positions that leave the pin inside, or an offset of '{name}' in [initial]"
             )
+    return ""
 
 
 # ---------------------------------------------------------------- positions
@@ -233,16 +261,6 @@ def _guesses(
         tried = iter([tuple(random.uniform(-math.pi, math.pi, len(free))) for _ in range(STARTS)])
     for turn in itertools.islice(tried, STARTS):
         yield place_positions(ready, {**angles, **dict(zip(free, turn, strict=True))}, offsets, functions)
-
-
-def dense_rows(ready: Compiled, memory: Memory) -> np.ndarray:
-    """The Jacobian Phi_q of the rows at hand as a dense array (nr, 3 nb)."""
-    nr = ready.row_count
-    full = np.zeros((nr, 3 * (ready.body_count + 1)))
-    line = np.arange(nr)[:, None]
-    for side, columns in ((0, slice(3, 6)), (1, slice(6, 9))):
-        np.add.at(full, (line, 3 * ready.arrays["row_body"][:, side, None] + np.arange(3)), memory["rows"][:, columns])
-    return full[:, 3:]
 
 
 def _least_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> None:
@@ -346,14 +364,22 @@ def _free_rates(ready: Compiled, memory: Memory, t: float, q: np.ndarray, given:
     """Rates of an ideal mechanism: those given are kept where the joints allow, the others follow."""
     v: np.ndarray = np.nan_to_num(given)
     place_rates(ready, q, v, given, v.copy())
+    return _closed_rates(ready, memory, t, q, v, given)
+
+
+def _closed_rates(
+    ready: Compiled, memory: Memory, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
+) -> np.ndarray:
+    """Rates near v that satisfy the constraints, those given moved last."""
+    if ready.row_count <= LARGE:
+        return keep_rates(ready, memory, t, q, v, given)
     known = ~np.isnan(given)
     if known.any():
         weight = ready.arrays["weight"].copy()
         weight[1:].reshape(-1)[known] *= HOLD
         held = replace(ready, arrays={**ready.arrays, "weight": weight}).memory()
-        start = v.copy()
         for _ in range(4):
-            v[known] = start[known]
+            v[known] = given[known]
             close_rate(held.handle, t, q, v)
     close_rate(memory.handle, t, q, v)
     return v

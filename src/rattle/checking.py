@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rattle.assembly import LARGE, Assembled, driver_slot, ideal_model
+from rattle.assembly import Assembled, driver_slot, ideal_model
 from rattle.closing import close_position, open_by
+from rattle.dense import LARGE
 from rattle.display import table
 from rattle.loops import describe_loop, loops
 from rattle.memory import Memory
@@ -35,6 +36,7 @@ class Check:
     clearances: tuple[str, ...]
     reach: tuple[str, ...]  # how far each driver can go
     laws: tuple[str, ...]  # contact laws of the user that pull or give energy back
+    start: tuple[str, ...]  # values given for the start that could not be kept, and why
     residual: float  # largest gap after assembly [m or rad]
 
     def __repr__(self) -> str:
@@ -65,6 +67,7 @@ class Check:
         lines += [f"play: {one}" for one in self.clearances]
         lines += [f"driver: {one}" for one in self.reach]
         lines += [f"law: {one}" for one in self.laws]
+        lines += [f"start: {one}" for one in self.start]
         return "\n".join(lines)
 
 
@@ -91,6 +94,7 @@ def check(ready: Compiled, start: Assembled) -> Check:
         clearances=tuple(_clearances(model)),
         reach=tuple(_reach(ready, start)),
         laws=tuple(law_faults(model)),
+        start=start.notes,
         residual=start.residual,
     )
 

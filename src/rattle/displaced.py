@@ -12,8 +12,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rattle.assembly import Assembled, dense_rows
+from rattle.assembly import Assembled
 from rattle.closing import open_by
+from rattle.dense import dense_rows
 from rattle.equations import loads
 from rattle.kinematics import begin
 from rattle.model import Joint

@@ -287,12 +287,12 @@ def _result(run: Run, reach: Reach | None) -> Result:
     pulled, first, intervals = pulls(run, reached)
     balance = data[:, names.index("energy.balance")]
     nonunique: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
+    notes = run.start.notes
     if tally[march.LOST]:
         record(run.memory.handle, run.start.t, start_state(ready, run.start), np.zeros(width(ready)))
         nonunique = nonunique_reactions(ready, run.memory)
         if not nonunique:
-            notes = ("the run passed through a position where the joints lose independence (a singular position)",)
+            notes += ("the run passed through a position where the joints lose independence (a singular position)",)
     events = contact_events(ready, run.contacts, run.memory, reached)
     notes += contact_notes(ready, events)
     if run.method == "moreau" and any(event.kind == "impact" for event in events):

@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rattle import catalog
-from rattle.assembly import LARGE, Assembled, assemble
+from rattle.assembly import Assembled, assemble
 from rattle.closing import open_by
+from rattle.dense import LARGE
 from rattle.equations import drive
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, suggest
 from rattle.memory import Memory
@@ -165,6 +166,7 @@ def analyse(
     reached = times[: len(raw)]
     message = why_stuck(sweep) if len(raw) < len(times) else ""
     events, notes = _branch_points(first, sweep, times, raw, bool(message))
+    notes = [*start.notes, *notes]
     if message:
         ends = float(sweep.clock[swept.NOW])
         events.append(Event(ends, _blocking(sweep), "dead centre" if "dead centre" in message else "end"))

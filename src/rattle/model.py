@@ -157,6 +157,7 @@ class Model:
     initial: Initial
     settings: Settings
     constants: Mapping[str, float]
+    remarks: tuple[str, ...] = ()  # on values that may not be what was meant
 
 
 def driven_ends(model: Model, driver: Driver) -> tuple[Point, Point, tuple[float, ...]]:

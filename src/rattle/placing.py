@@ -107,15 +107,6 @@ def place_positions(
     return q
 
 
-def given_rates(ready: Compiled) -> np.ndarray:
-    """(3 nb,) rates the user gave, nan where none was."""
-    given = np.full(3 * ready.body_count, math.nan)
-    for n, name in enumerate(ready.bodies):
-        for k, key in enumerate(("vx", "vy", "omega")):
-            given[3 * n + k] = ready.model.initial.bodies.get(name, {}).get(key, math.nan)
-    return given
-
-
 def place_rates(ready: Compiled, q: np.ndarray, v: np.ndarray, given: np.ndarray, otherwise: np.ndarray) -> None:
     """With all angular rates in v, let the joints place vx and vy from the ground outwards."""
     model = ready.model

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle import catalog
-from rattle.assembly import dense_rows, ideal_model
+from rattle.assembly import ideal_model
+from rattle.dense import dense_rows
 from rattle.kinematics import instants
 from rattle.resting import Equilibrium, Rest
 from rattle.result import Event, Result, Trust

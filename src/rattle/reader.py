@@ -91,7 +91,7 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     _drivers_follow_time(values, parts.drivers, signals)
     return Model(
         title, gravity, parameters, signals, units, parts.ground, parts.bodies, parts.joints, parts.drivers,
-        parts.loads, initial, settings, values.constants,
+        parts.loads, initial, settings, values.constants, tuple(values.remarks),
     )  # fmt: skip
 
 

@@ -16,8 +16,8 @@ from functools import cached_property
 
 import numpy as np
 
-from rattle.assembly import dense_rows
 from rattle.closing import close_position
+from rattle.dense import dense_rows
 from rattle.display import quantity, table
 from rattle.equations import drive
 from rattle.plane import AUTO, CLOSED, SPEED

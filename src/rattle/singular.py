@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.assembly import LARGE, dense_rows
+from rattle.dense import LARGE, dense_rows
 from rattle.memory import Memory
 from rattle.system import Compiled
 

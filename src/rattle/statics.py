@@ -14,8 +14,9 @@ from dataclasses import replace
 import numpy as np
 
 from rattle import catalog
-from rattle.assembly import assemble, dense_rows, ideal_model
+from rattle.assembly import assemble, ideal_model
 from rattle.closing import merit_at
+from rattle.dense import dense_rows
 from rattle.equations import drive
 from rattle.errors import AssemblyError
 from rattle.model import Contact

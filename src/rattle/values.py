@@ -39,6 +39,7 @@ class Values:
 
     def __init__(self) -> None:
         self.problems: list[Problem] = []
+        self.remarks: list[str] = []  # on values that may not be what was meant
         self.constants: dict[str, float] = {}  # parameters [SI]
         self.dimensions: dict[str, Dimension | None] = {}  # of parameters, signals and states
         self.live: dict[str, None] = {}  # names that change during a run, in the order of the file
@@ -176,6 +177,9 @@ class Values:
                 path, f"{said(given)} must {'' if least == 'positive' else 'not '}be {least.removeprefix('not ')}"
             )
             return math.nan
+        if unit == "rad" and abs(number) > 2.0 * math.pi and _is_bare(given):
+            key = ".".join(str(part) for part in path)
+            self.remarks.append(f'{key} = {number:g} is {number:g} rad; write "{number:g} deg" if degrees are meant')
         return number
 
     def _text(self, given: str, unit: str, path: Path, live: bool) -> float | Node | None:
@@ -230,6 +234,14 @@ def _float(given: float) -> float:
         return float(given)
     except OverflowError:
         return math.inf
+
+
+def _is_bare(given: Any) -> bool:
+    """True for a number that was written without a unit."""
+    if not isinstance(given, str):
+        return True
+    quantity = parse_quantity(given)
+    return quantity is not None and quantity[1] is None
 
 
 def in_order(nodes: Mapping[str, Node]) -> tuple[list[str], list[list[str]]]:

@@ -1,0 +1,177 @@
+"""Values given for the start: kept as far as joints and drivers allow, and their change said where they do not.
+
+Positions and rates change in two turns: the values given as little as the constraints ask of them, and then all
+others as little as still needed, both weighted by mass.  With G the columns of the values given, O the others and
+P the left null space of Phi_q O:   min |e|, P^T Phi_q (G (r + e)) = -P^T Phi;   then   Phi_q (G (r + e) + O o) = -Phi.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rattle.closing import close_position, open_by
+from rattle.dense import dense_rows
+from rattle.memory import Memory
+from rattle.model import driven_ends
+from rattle.plane import NU
+from rattle.system import Compiled
+
+KEYS = (("x", "y", "angle"), ("vx", "vy", "omega"))
+UNITS = {"x": "m", "y": "m", "angle": "deg", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
+NOISE = 1e-15  # share of the terms of a residual that is rounding
+RANK = 1e-10  # share of the largest singular value below which columns are dependent
+SEEN = 1e-6  # change that is said [rad, mechanism sizes, share of the rates]
+ROUNDS = 40  # of Newton's method
+
+
+def given_values(ready: Compiled, turn: int) -> np.ndarray:
+    """(3 nb,) positions (turn 0) or rates (turn 1) that the user gave, nan where none was."""
+    given = np.full(3 * ready.body_count, math.nan)
+    for n, name in enumerate(ready.bodies):
+        for k, key in enumerate(KEYS[turn]):
+            given[3 * n + k] = ready.model.initial.bodies.get(name, {}).get(key, math.nan)
+    return given
+
+
+# ---------------------------------------------------------------- least change in two turns
+def least_change(
+    ready: Compiled, jacobian: np.ndarray, wanted: np.ndarray, known: np.ndarray, noise: np.ndarray
+) -> np.ndarray:
+    """(3 nb,) change x with jacobian @ x = wanted that moves the `known` coordinates last.
+
+    noise: (nr,) parts of `wanted` that are rounding; combinations that are no larger move nothing that is known.
+    """
+    root = np.sqrt(ready.arrays["weight"][1:].ravel())
+    scale = np.tile([1.0, 1.0, 1.0 / ready.size], ready.body_count)
+    change = np.zeros(len(root))
+    others = jacobian[:, ~known]
+    if known.any():
+        left = np.eye(len(wanted))
+        if others.shape[1]:
+            u, values, _ = np.linalg.svd(others * scale[~known])
+            values = (
+                np.concatenate([values, np.zeros(len(wanted) - len(values))]) if len(values) < len(wanted) else values
+            )
+            left = u[:, values[: len(wanted)] <= RANK * max(values[0], 1e-300)]
+        asked = left.T @ wanted
+        asked[np.abs(asked) <= np.abs(left.T) @ noise] = 0.0
+        change[known] = _shortest(left.T @ jacobian[:, known], asked, root[known])
+    rest = wanted - jacobian[:, known] @ change[known]
+    if others.shape[1]:
+        change[~known] = _shortest(others, rest, root[~known])
+    return change
+
+
+def _shortest(matrix: np.ndarray, side: np.ndarray, root: np.ndarray) -> np.ndarray:
+    """Least x, weighted by 1 / root^2, with matrix @ x = side (or as near as can be)."""
+    if not side.any() or not matrix.size:
+        return np.zeros(len(root))
+    length = np.linalg.norm(matrix * root, axis=1)
+    length = np.where(length > 0.0, length, 1.0)[:, None]
+    found: np.ndarray = root * np.linalg.lstsq(matrix * root / length, side / length[:, 0], rcond=RANK)[0]
+    return found
+
+
+def keep_positions(ready: Compiled, memory: Memory, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
+    """Positions near the closed q that hold the values given as far as joints allow; q where none are found."""
+    known = ~np.isnan(given)
+    if not known.any() or np.abs(q - given)[known].max() <= 1e-14 * max(1.0, ready.size):
+        return q
+    made, still = q.copy(), np.zeros_like(q)
+    size = np.tile([ready.size, ready.size, 1.0], ready.body_count)
+    for _ in range(ROUNDS):
+        open_by(memory.handle, t, made, still)
+        jacobian = dense_rows(ready, memory)
+        there = np.where(known, given - made, 0.0)
+        wanted = -memory["rows"][:, 0] - jacobian @ there
+        noise = NOISE * (np.abs(jacobian) @ np.abs(made) + ready.size)
+        step = there + least_change(ready, jacobian, wanted, known, noise)
+        step *= min(1.0, 0.5 / max(float(np.abs(step / size).max()), 1e-300))
+        made += step
+        if np.abs(step / size).max() < 1e-14:
+            break
+    exact = made.copy()
+    gap = close_position(memory.handle, t, made, np.empty_like(made), 1e-12 * ready.size, 30)[0]
+    if not gap <= 1e-9 * ready.size:
+        return q
+    if float(open_by(memory.handle, t, exact, still)) <= 1e-14 * max(1.0, ready.size):
+        made = exact
+    nearer = _distance(ready, made - given, known) < _distance(ready, q - given, known)
+    return made if nearer else q
+
+
+def _distance(ready: Compiled, change: np.ndarray, known: np.ndarray) -> float:
+    return float(np.linalg.norm((change * np.sqrt(ready.arrays["mass"][1:].ravel()))[known]))
+
+
+def keep_rates(
+    ready: Compiled, memory: Memory, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
+) -> np.ndarray:
+    """Rates near v that satisfy the constraints and hold the values given as far as these allow."""
+    known = ~np.isnan(given)
+    made = np.where(known, given, v)
+    for _ in range(2):
+        open_by(memory.handle, t, q, made)
+        jacobian = dense_rows(ready, memory)
+        wanted = memory["rows"][:, NU] - jacobian @ made
+        noise = 8.0 * NOISE * (np.abs(jacobian) @ np.abs(made) + np.abs(memory["rows"][:, NU]))
+        if (np.abs(wanted) <= noise).all():
+            break
+        made = made + least_change(ready, jacobian, wanted, known, noise)
+    return made
+
+
+# ---------------------------------------------------------------- what is said
+def start_notes(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> tuple[str, ...]:
+    """What became of the values given: "asked crank.angle = 90 deg, is 0 deg: the driver 'motor' holds it"."""
+    speed = max(float(np.abs(v).max(initial=0.0)), 1e-300)
+    changed: dict[str, list[str]] = {}
+    for turn, now in enumerate((q, v)):
+        given = given_values(ready, turn)
+        for k in np.flatnonzero(~np.isnan(given)):
+            name, key = ready.bodies[k // 3], KEYS[turn][k % 3]
+            size = (1.0 if key == "angle" else ready.size) if turn == 0 else max(speed, abs(given[k]))
+            if abs(now[k] - given[k]) > SEEN * size:
+                factor = 180.0 / math.pi if key == "angle" else 1.0
+                asked, found = (
+                    f"{given[k] * factor:.6g}",
+                    f"{now[k] * factor if abs(now[k]) > 1e-12 * size else 0.0:.6g}",
+                )
+                if asked == found:
+                    found = f"{now[k] * factor:.12g}"
+                text = f"asked {name}.{key} = {asked} {UNITS[key]}, is {found} {UNITS[key]}"
+                changed.setdefault(_holder(ready, t, q, v, int(k)), []).append(text)
+    return tuple(f"{'; '.join(texts)}: {who}" for who, texts in changed.items())
+
+
+def _holder(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray, k: int) -> str:
+    """Who does not let coordinate k be as given."""
+    memory = ready.memory()
+    open_by(memory.handle, t, q, v)
+    full = dense_rows(ready, memory)
+    driving = np.array([row.driver for row in ready.rows], dtype=bool)
+    if not full.size or _free(full, k):
+        return "the values given do not go together"
+    if not driving.any() or not _free(full[~driving], k):
+        return "the joints hold it"
+    body = ready.bodies[k // 3]
+    own = []
+    for name, driver in ready.model.drivers.items():
+        a, b, _ = driven_ends(ready.model, driver)
+        if body in (a.body, b.body):
+            own.append(name)
+    names = own if len(own) == 1 else list(ready.model.drivers)
+    listed = ", ".join(f"'{one}'" for one in names)
+    return f"the driver{'s' if len(names) > 1 else ''} {listed} hold{'s' if len(names) == 1 else ''} it"
+
+
+def _free(rows: np.ndarray, k: int) -> bool:
+    """True when the coordinate k can change without any of the rows."""
+    if not len(rows):
+        return True
+    rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
+    _, values, right = np.linalg.svd(rows)
+    rank = int((values > 1e-9 * values[0]).sum())
+    return bool(np.abs(right[rank:, k]).max(initial=0.0) > 1e-7)

@@ -1,0 +1,178 @@
+"""The start is the one asked for; what cannot be kept is said, with who does not let it be."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from linkages import slider_crank
+from rattle.closing import open_by
+from rattle.dense import dense_rows
+
+pytestmark = pytest.mark.nojit
+
+SLIDING = """
+format = 1
+[ground.points]
+O = [0, 0]
+[bodies.mass]
+points = { P = [0, 0] }
+mass = 1.0
+inertia = 1
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "mass.P"]
+[joints.bush]
+type = "revolute"
+connect = ["ground.O", "mass.P"]
+clearance = 0.01
+contact = { model = "impact", restitution = 0.8 }
+[initial]
+mass = { START }
+"""
+
+
+PENDULUM = """
+format = 1
+[ground.points]
+O = [0, 0]
+[bodies.rod]
+bar = ["A", "B"]
+length = 1
+mass = 1
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "rod.A"]
+[initial]
+rod = { angle = ANGLE }
+"""
+
+
+def cranks(count, play, angle, rate=10.0, driven=True):
+    """Equal parallel cranks on one beam; the pins numbered in `play` are massless links of 0.2 mm."""
+    m = rt.Mechanism("parallel cranks", gravity=[0, -9.81]).ground(**{f"G{k}": [0.15 * k, 0] for k in range(count)})
+    m.body("beam", mass=0.5, inertia=0.01, points={f"P{k}": [0.15 * k, 0.0] for k in range(count)})
+    for k in range(count):
+        m.bar(f"crank{k}", "A", "B", length=0.1, mass=0.3).revolute(f"low{k}", f"ground.G{k}", f"crank{k}.A")
+        fields = {"clearance": 2e-4, "contact": "massless-link"} if k in play else {}
+        m.revolute(f"top{k}", f"beam.P{k}", f"crank{k}.B", **fields).initial(f"crank{k}", angle=angle, omega=rate)
+    m.initial("beam", angle=0)
+    return m.driver("motor", "low0", angle=f"{angle} + {rate}*t") if driven else m
+
+
+def parallelogram(beside, given):
+    """Cranks of 0.4 m, a little beside their change point; rates of the bodies in `given`."""
+    m = rt.Mechanism("parallelogram").ground(A=[0, 0], D=[1, 0])
+    m.bar("crank", "A", "B", length=0.4, mass=1).bar("coupler", "B", "C", length=1, mass=2)
+    m.bar("rocker", "D", "C", length=0.4, mass=3)
+    m.revolute("A", "ground.A", "crank.A").revolute("B", "crank.B", "coupler.B")
+    m.revolute("C", "coupler.C", "rocker.C").revolute("D", "ground.D", "rocker.D")
+    for body, angle, omega in (("crank", beside, 10.0), ("coupler", 0.0, 0.0), ("rocker", beside, 10.0)):
+        m.initial(body, angle=angle, **({"omega": omega} if body in given else {}))
+    return m
+
+
+# ---------------------------------------------------------------- kept
+@pytest.mark.parametrize(
+    "start", ["x = 0.001, vx = 0.1", "x = 0.001, vx = 0.1, angle = 0", "x = 0.001, y = 0, vx = 0.1"]
+)
+def test_place_of_a_body_in_the_bush_is_the_one_given(start):
+    m = rt.loads(SLIDING.replace("START", start))
+    np.testing.assert_allclose(m.start.q, [0.001, 0, 0], atol=1e-16)
+    np.testing.assert_allclose(m.start.v, [0.1, 0, 0], atol=1e-16)
+    assert m.start.notes == ()
+
+
+def test_place_beyond_the_bush_is_not_taken_and_said():
+    m = rt.loads(SLIDING.replace("START", "x = 0.02"))
+    assert m.start.q[0] == pytest.approx(0.0, abs=1e-12)
+    assert "asked mass.x = 0.02 m, is 0 m" in m.start.notes[0]
+
+
+@pytest.mark.parametrize("given", [("crank",), ("crank", "rocker"), ("crank", "coupler", "rocker")])
+@pytest.mark.parametrize("beside", [0.3, 1e-3, 1e-5, 1e-7])
+def test_consistent_rates_are_kept_to_rounding_however_near_a_change_point(beside, given):
+    v = parallelogram(beside, given).start.v
+    np.testing.assert_allclose(v[2::3], [10.0, 0.0, 10.0], atol=1e-12)
+
+
+def test_the_angle_given_stays_and_the_others_close_the_loop():
+    m = parallelogram(0.7, ())
+    m._document["initial"] = {"crank": {"angle": 0.9}}
+    m._forget()
+    q = m.start.q
+    assert q[2] == 0.9
+    assert np.abs(q[8] - 0.9) < 1e-9 or np.abs(q[8] - 0.9) > 0.1  # parallel, or the crossed branch
+    assert m.start.notes == ()
+
+
+def test_rates_that_do_not_go_together_change_least_by_mass_among_those_given():
+    m = parallelogram(0.7, ("crank",)).initial("rocker", angle=0.7, omega=11.0)
+    memory = m.ready.memory()
+    open_by(memory.handle, 0.0, m.start.q, m.start.v)
+    rows = dense_rows(m.ready, memory)
+    assert np.abs(rows @ m.start.v).max() < 1e-12
+    # one freedom w: inertia about the mass centre weighs what is asked of crank and rocker
+    inertia = m.ready.arrays["mass"][1:, 2]
+    best = (10.0 * inertia[0] + 11.0 * inertia[2]) / (inertia[0] + inertia[2])
+    assert m.start.v[2] == pytest.approx(best, rel=1e-9)
+    assert "the values given do not go together" in m.start.notes[0]
+
+
+# ---------------------------------------------------------------- said
+def test_values_against_the_driver_are_said_in_run_check_and_kinematics():
+    text = slider_crank('joint = "O"\nangle = "7*t"', crank='{ angle = "90 deg", omega = 5 }')
+    m = rt.loads(text)
+    said = "asked crank.angle = 90 deg, is 0 deg; asked crank.omega = 5 rad/s, is 7 rad/s: the driver 'motor' holds it"
+    assert m.start.notes == (said,)
+    assert said in str(m.check())
+    assert said in m.simulate(1e-3).trust.notes
+    assert said in m.kinematics([0.0, 0.01]).trust.notes
+
+
+def test_values_against_the_joints_are_said():
+    m = rt.Mechanism("slider").ground(O=[0, 0]).body("block", mass=1, inertia=1, points={"P": [0, 0]})
+    m.prismatic("rail", "ground.O", "block.P").initial("block", x=0.3, y=0.1, angle=0.2)
+    assert m.start.q[0] == 0.3
+    assert m.start.notes == (
+        "asked block.y = 0.1 m, is 0 m; asked block.angle = 11.4592 deg, is 0 deg: the joints hold it",
+    )
+
+
+def test_rough_angles_of_a_driven_linkage_are_said_with_what_they_became():
+    notes = rt.example("five_bar").start.notes
+    assert "asked left_forearm.angle = 50 deg, is 45.3653 deg" in notes[0]
+
+
+def test_shipped_starts_without_rough_values_say_nothing():
+    assert [rt.example(name).start.notes for name in ("fourbar", "slider_crank", "squeezer", "toggle")] == [()] * 4
+
+
+# ---------------------------------------------------------------- parallel cranks
+@pytest.mark.parametrize("driven", [True, False])
+@pytest.mark.parametrize("angle", [0.5, 2.0, -1.2])
+@pytest.mark.parametrize(("count", "play"), [(3, (1, 2)), (4, (1, 2, 3)), (4, (1, 3)), (5, (1, 2, 3, 4))])
+def test_parallel_cranks_on_massless_links_come_together_near_where_they_were_asked(count, play, angle, driven):
+    m = cranks(count, play, angle, driven=driven)
+    q = m.start.q
+    assert m.start.residual < 1e-15
+    np.testing.assert_allclose(q[5::3], angle, atol=0.02)  # a few times the play over the length of a crank
+    shift = math.hypot(q[0] - 0.1 * math.cos(angle), q[1] - 0.1 * math.sin(angle))
+    assert shift < 1e-3
+
+
+@pytest.mark.parametrize("written", ["90", '"90"', "-90.0"])
+def test_an_angle_of_many_turns_without_a_unit_is_asked_about(written):
+    m = rt.loads(PENDULUM.replace("ANGLE", written))
+    number = written.strip('"').removesuffix(".0")
+    assert (
+        m.start.notes[0] == f'initial.rod.angle = {number} is {number} rad; write "{number} deg" if degrees are meant'
+    )
+    assert m.start.notes[0] in str(m.check())
+
+
+@pytest.mark.parametrize("written", ['"720 deg"', '"7 rad"', "6.2", '"2*pi + 1"'])
+def test_angles_with_a_unit_or_within_one_turn_are_not_asked_about(written):
+    m = rt.loads(PENDULUM.replace("ANGLE", written))
+    assert "rad; write" not in " ".join(m.start.notes)
