@@ -45,6 +45,7 @@ SIGNATURE = {
     "problem": ("i", "h", "i"),  # m, number of contacts, see rattle.impact
     "state": ("i", "h", "f", "v", "v"),  # m, t, and two vectors: parts of the march that many others call
     "event": ("i", "h", "f", "v", "i", "i"),  # m, t, y, contact, what happens to it -> status, see steppers.event
+    "search": ("f", "h", "f", "i", "f", "f"),  # m, h, contact, side, until -> share of the step
     "look_back": ("i", "h", "f", "f", "i", "i", "v", "m"),  # m, t, h, changed, method, t_out, out
 }
 REQUIRED: Any = object()
@@ -306,6 +307,11 @@ def call_event(entry: Any, arguments: Any) -> int:
     return int(entry(*arguments))
 
 
+def call_search(entry: Any, arguments: Any) -> Any:
+    """Call the search for the instant at which a gap reaches its wall; returns a share of the step."""
+    return entry(*arguments)
+
+
 def call_look_back(entry: Any, arguments: Any) -> int:
     """Call the search of a step just taken; returns the contact that changes, or -1."""
     return int(entry(*arguments))
@@ -332,6 +338,7 @@ _CALLERS: dict[str, Callable[..., Any]] = {
     "problem": call_problem,
     "state": call_state,
     "event": call_event,
+    "search": call_search,
     "look_back": call_look_back,
 }
 

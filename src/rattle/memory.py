@@ -24,6 +24,7 @@ FIELDS = {
     "joint": "i2",  # (nj, 5) kernel, A, B, first parameter, first row; joints first, then drivers
     "load": "i2",  # (nl, 5) kernel, A, B, first parameter, 1 if its values change during the run
     "contact": "i2",  # (nc, 13) one per contact point, see plane
+    "lever": "f2",  # (nc, 3) longest arms on A and on B to what may touch [m]; 1 if the walls turn with A, else 0
     "code": "i2",  # (nc, 2) programs of all expressions, one after the other
     "const": "f1",  # numbers in them
     "jet": "i2",  # (nd, 3) first, last code row and parameter of every driver's function
@@ -62,7 +63,7 @@ FIELDS = {
     "multiplier": "f1",  # (nr,) lambda
     "acceleration": "f2",  # (nb + 1, 3)
     "change": "f1",  # (3 nb,) a correction of positions or rates
-    "touch": "f2",  # (nc, 17) geometry and forces of every contact, see plane
+    "touch": "f2",  # (nc, 18) geometry and forces of every contact, see plane
     "grip": "f2",  # (nc, 13) its memory, see plane
     "rate": "f1",  # (1,) rate of a bristle
     # set-valued contacts, see impact; two lines (normal, tangential) for each contact that takes part
@@ -116,7 +117,7 @@ FIELDS = {
 }
 
 (
-    MASS, WEIGHT, GRAVITY, JOINT, LOAD, CONTACT, CODE, CONST, JET, JET_SIGNAL, SIGNAL, LIVE, WATCH, PLACE, FIRST,
+    MASS, WEIGHT, GRAVITY, JOINT, LOAD, CONTACT, LEVER, CODE, CONST, JET, JET_SIGNAL, SIGNAL, LIVE, WATCH, PLACE, FIRST,
     BELOW, TARGET, PAIRS, ROW_BODY, JOINT_TABLE, LOAD_TABLE, CLEARANCE_TABLE, STIFFNESS_TABLE, NORMAL_TABLE,
     FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER, SCHUR,
     INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, MODE, CHOSEN, TRIAL,
@@ -125,7 +126,7 @@ FIELDS = {
     NET_UPPER, NET_X, HOLD_TABLE, PROBLEM_TABLE, LINKS, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE,
     CLOCK, TALLY, SIGN, CROSSINGS, EVENTS, MEASURE, AUDIT,
 ) = range(len(FIELDS))  # fmt: skip
-DERIVATIVE, MOTION, FREE_MOTION, FINISH, LOOK_BACK, SETTLE, HAPPEN = range(7)  # places in `links`
+DERIVATIVE, MOTION, FREE_MOTION, FINISH, LOOK_BACK, SETTLE, SEARCH, HAPPEN = range(8)  # places in `links`
 
 
 class Memory:

@@ -85,7 +85,7 @@ class Compiled:
                 "multiplier": np.zeros(nr),
                 "acceleration": np.zeros((nb, 3)),
                 "change": np.zeros(3 * nb - 3),
-                "touch": np.zeros((nc, 17)),
+                "touch": np.zeros((nc, 18)),
                 "grip": grip,
                 "rate": np.zeros(1),
                 **more,
@@ -158,7 +158,7 @@ def compile_system(model: Model) -> Compiled:
         for unit in one.leaf.rows:
             rows.append(Row(name, unit, True))
             row_body.append((a, b))
-    contact = _contacts(model, number, values)
+    contact, lever = _contacts(model, number, values)
     load, live = _loads(model, number, values, programs)
     signals = [programs.add(node, f"signals.{name}") for name, node in model.signals.items()]
     code, const, first, depth = concatenate(programs.programs)
@@ -176,6 +176,7 @@ def compile_system(model: Model) -> Compiled:
         "joint": _table(joint, 5),
         "load": _table(load, 5),
         "contact": _table(contact, 13),
+        "lever": np.array(lever, dtype=float).reshape(-1, 3),
         "values": np.array(values, dtype=float),
         "code": code,
         "const": const,
@@ -215,9 +216,12 @@ def _joints(
     return joint, rows, row_body, watch, watched
 
 
-def _contacts(model: Model, number: Mapping[str, int], values: list[float]) -> list[tuple[int, ...]]:
-    """One entry per contact point, see `plane`: geometry and laws with their parameters."""
+def _contacts(
+    model: Model, number: Mapping[str, int], values: list[float]
+) -> tuple[list[tuple[int, ...]], list[tuple[float, float, float]]]:
+    """One entry per contact point, see `plane`: geometry and laws with their parameters; the levers of its bodies."""
     found: list[tuple[int, ...]] = []
+    levers: list[tuple[float, float, float]] = []
     shapes = {one.leaf.joint: one for one in catalog.kinds("clearance").values()}
     for n, joint in enumerate(model.joints.values()):
         contact = joint.contact
@@ -234,6 +238,7 @@ def _contacts(model: Model, number: Mapping[str, int], values: list[float]) -> l
             *joint.fields.values(),
             *(joint.block or ()),
         ]
+        lever = shape.leaf.levers(values[place:])
         laws: tuple[int, ...]
         if contact.normal is None:
             laws = (-1, -1, -1, len(values), -1, -1)
@@ -246,7 +251,8 @@ def _contacts(model: Model, number: Mapping[str, int], values: list[float]) -> l
             )
         for corner in range(shape.leaf.corners):
             found.append((shape.tag, a, b, place, corner, *laws, n, int(contact.normal is None)))
-    return found
+            levers.append(lever)
+    return found, levers
 
 
 def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, int]:

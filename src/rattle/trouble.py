@@ -7,12 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from rattle import pythonlaw
+from rattle.complementarity import OFF
 from rattle.equations import NOT_FINITE
 from rattle.memory import Memory
-from rattle.plane import CLOSED, OWNER, SHUT
+from rattle.plane import CLOSED, GAP, IMPACT, OPEN, OWNER, SHAPE_P, SHUT
 from rattle.recording import width
 from rattle.singular import describe_rank_loss
 from rattle.steppers import march
+from rattle.steppers.searching import ESCAPED
 from rattle.steppers.writing import record
 from rattle.system import Compiled
 
@@ -23,6 +25,8 @@ def explain(ready: Compiled, memory: Memory, t_end: float, status: int) -> str:
     """One or two sentences on why a run stopped at memory["clock"][T]."""
     clock, nq = memory["clock"], 3 * ready.body_count
     t, h = float(clock[march.T]), float(clock[march.H])
+    if status == ESCAPED:
+        return _escaped(ready, memory)
     what = pythonlaw.complaint(t) or not_finite(ready, memory, t_end)
     if what:
         return what
@@ -43,6 +47,23 @@ def explain(ready: Compiled, memory: Memory, t_end: float, status: int) -> str:
     return (
         f"cannot go on at t = {t:.6g} s: the step fell below {h:.1g} s (worst at body '{fastest}');"
         " try a larger rtol, and look for a position that cannot be passed"
+    )
+
+
+def _escaped(ready: Compiled, memory: Memory) -> str:
+    """Which joint's contact is inside its wall, from the gaps at hand, and by how much."""
+    contact = ready.arrays["contact"]
+    clearance = memory["values"][contact[:, SHAPE_P] + 4]
+    free = np.where(
+        contact[:, IMPACT] == 1, len(memory["mode"]) and memory["mode"] == OFF, memory["grip"][:, CLOSED] == OPEN
+    )
+    depth = np.where(free, -memory["touch"][:, GAP] / clearance, -np.inf)
+    n = int(np.argmax(depth))
+    joint = ready.joints[contact[n, OWNER]]
+    return (
+        f"a contact was missed: at t = {memory['clock'][march.TROUBLE]:.9g} s joint '{joint}' is"
+        f" {depth[n] * clearance[n]:.3g} m inside its wall (play {clearance[n]:g} m), though not in contact;"
+        " try a smaller rtol, or give a step"
     )
 
 

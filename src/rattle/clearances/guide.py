@@ -1,8 +1,10 @@
 """A block in a guide with play: four corners against two walls.
 
 The walls lie at +-(b + c) beside the line of direction u through the point of A; the block on B has the
-length 2a and the height 2b and is centred on the point of B.  Corners 0 and 1 face the upper wall
-(n = u turned by +90 degrees), corners 2 and 3 the lower one (n = u turned by -90 degrees).
+length 2a and the height 2b and is centred on the point of B.  Contacts 0 and 1 are those with the upper wall
+(n = u turned by +90 degrees), 2 and 3 those with the lower one (n = u turned by -90 degrees), each of one diagonal of
+the block: of its two ends the one that is nearer to the wall.  So a block may turn over.  Ends change where the
+diagonal is parallel to the wall; both are then as far from it as the point of B, and the other diagonal is nearer.
 
 d = corner - point of A, p_A and p_B its arms from the mass centres, r its velocity against A's material there
     g = b + c - n . d,  slip = t . r
@@ -14,10 +16,10 @@ d = corner - point of A, p_A and p_B its arms from the mass centres, r its veloc
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from rattle.catalog import kernel, kind
 from rattle.plane import (
-    COS,
     DGAP,
     GAMMA_N,
     GAMMA_T,
@@ -28,7 +30,6 @@ from rattle.plane import (
     PAY,
     PBX,
     PBY,
-    SIN,
     SLIP,
     VX,
     VY,
@@ -54,10 +55,11 @@ def guide(body, a, b, p, k, corner, row, touch):
     lx = half_length if corner == 0 or corner == 3 else -half_length
     ly = side * half_height
     cb, sb = math.cos(axis - angle), math.sin(axis - angle)
-    bx = p[k + 2] + cb * lx - sb * ly
-    by = p[k + 3] + sb * lx + cb * ly
-    pbx = body[b, COS] * bx - body[b, SIN] * by
-    pby = body[b, SIN] * bx + body[b, COS] * by
+    dx, dy = cb * lx - sb * ly, sb * lx + cb * ly
+    if nx * turn_x(body, b, dx, dy) + ny * turn_y(body, b, dx, dy) < 0.0:  # turned over: the other end
+        dx, dy = -dx, -dy
+    pbx = turn_x(body, b, p[k + 2] + dx, p[k + 3] + dy)
+    pby = turn_y(body, b, p[k + 2] + dx, p[k + 3] + dy)
     pax = body[b, X] + pbx - body[a, X]
     pay = body[b, Y] + pby - body[a, Y]
     wa, wb = body[a, W], body[b, W]
@@ -89,3 +91,8 @@ class Guide:
 
     joint = "prismatic"
     corners = 4
+
+    @staticmethod
+    def levers(p: Sequence[float]) -> tuple[float, float, float]:
+        """Arms [m] of the guide's point and of the farthest corner, from the joint's fields; 1: walls turn with A."""
+        return math.hypot(p[0], p[1]), math.hypot(p[2], p[3]) + 0.5 * math.hypot(p[8], p[9]), 1.0

@@ -14,9 +14,11 @@ Relative velocity u of the two material points, t = n turned by 90 degrees:
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from rattle.catalog import kernel, kind
 from rattle.plane import (
+    ACROSS,
     DGAP,
     GAMMA_N,
     GAMMA_T,
@@ -69,6 +71,7 @@ def pin(body, a, b, p, k, corner, row, touch):
     touch[row, PBX], touch[row, PBY] = sbx + on_b * nx, sby + on_b * ny
     # its rate is t . e'' - turning (n . e') + alpha_B (h - |e|) - alpha_A h - (w_A + w_B) (n . e')/2
     touch[row, SLIP] = across + wb * on_b - wa * on_a
+    touch[row, ACROSS] = across
     touch[row, GAMMA_N] = nx * rx + ny * ry - across * turning
     touch[row, GAMMA_T] = -ny * rx + nx * ry + turning * along + 0.5 * (wa + wb) * along
 
@@ -82,6 +85,11 @@ class Pin:
 
     joint = "revolute"
     corners = 1
+
+    @staticmethod
+    def levers(p: Sequence[float]) -> tuple[float, float, float]:
+        """Arms [m] of the centres of bush and pin, from the fields of the joint; 0: |e| does not turn with A."""
+        return math.hypot(p[0], p[1]), math.hypot(p[2], p[3]), 0.0
 
 
 @kind("contact", "ideal")

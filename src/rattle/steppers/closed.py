@@ -55,7 +55,8 @@ from rattle.plane import (
     TANGENT,
     VX,
 )  # fmt: skip
-from rattle.steppers.walls import NEAR, at_rest, clearance_of, largest_acceleration, motion_without, note
+from rattle.steppers.searching import clearance_of
+from rattle.steppers.walls import NEAR, at_rest, largest_acceleration, motion_without, note
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN = range(5)  # what an event is
 SLIGHT = 1e-7  # share of its largest force at which a contact lets go together with another one

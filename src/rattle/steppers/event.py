@@ -24,6 +24,7 @@ from rattle.contact import touch_all
 from rattle.equations import DONE, OK, PAUSED, STEP_TOO_SMALL
 from rattle.impact import CHATTER, DETERMINANT, LOCKED
 from rattle.memory import (
+    AUDIT,
     CHANGE,
     CLOCK,
     CONTACT,
@@ -49,7 +50,7 @@ from rattle.memory import (
     vec,
 )  # fmt: skip
 from rattle.plane import DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT
-from rattle.steppers.audit import UNSOUND, stands
+from rattle.steppers.audit import LENGTH, UNSOUND, stands
 from rattle.steppers.closed import HIT, NOTHING, TURN, regroup
 from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.hitting import collide
@@ -71,8 +72,9 @@ from rattle.steppers.march import (
     prepare_dense,
     project,
 )  # fmt: skip
+from rattle.steppers.searching import ESCAPED, clearance_of, escaped
 from rattle.steppers.touching import interpolate
-from rattle.steppers.walls import NEAR, clearance_of, noise, settle
+from rattle.steppers.walls import NEAR, noise, settle
 from rattle.steppers.watch import watched_change
 from rattle.steppers.writing import record
 
@@ -89,14 +91,27 @@ def remember(m):
         grip[n, GAP_0], grip[n, DGAP_0] = touch[n, GAP], touch[n, DGAP]
 
 
+@compiled
+def count_shift(m):
+    """By how much a located event was beside the joints and walls, from gaps before and after settling: drift."""
+    grip, touch, audit = mat(m, GRIP), mat(m, TOUCH), vec(m, AUDIT)
+    for n in range(grip.shape[0]):
+        audit[LENGTH] = max(audit[LENGTH], abs(touch[n, GAP] - grip[n, GAP_1]))
+
+
 @kernel("event")
 def happen(m, t, y, who, what):
     """Event at (t, y): impact if contacts hit, then new modes; leaves y on its constraints. Returns a status.
 
+    `touch` holds the gaps at (t, y).
     what: HIT, LET_GO, BREAK_AWAY or TURN of contact `who`; or NOTHING: a run starts, `who` hits (-1: none does).
     """
+    grip, touch = mat(m, GRIP), mat(m, TOUCH)
+    for n in range(grip.shape[0]):
+        grip[n, GAP_1] = touch[n, GAP]
     if what == HIT or (what == NOTHING and who >= 0):
         settle(m, t, y, who)
+        count_shift(m)
         status = collide(m, t, y, who)
         who = -1
         if status != OK:
@@ -135,14 +150,18 @@ def start(m, t):
 
 @compiled
 def write_until(m, t, h, t_until, t_out, out):
-    """Outputs of the step from t of length h up to t_until; the dense output is ready."""
+    """Outputs of the step from t of length h up to t_until; the dense output is ready. False if a contact escaped."""
     tally, stage = ivec(m, TALLY), vec(m, STAGE)
     while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_until:
         k = tally[OUTPUTS]
         interpolate(m, (t_out[k] - t) / h, stage)
+        if escaped(m, stage):
+            vec(m, CLOCK)[TROUBLE] = t_out[k]
+            return False
         settle(m, t_out[k], stage, -1)
         record(m, t_out[k], stage, out[k])
         tally[OUTPUTS] = k + 1
+    return True
 
 
 @compiled
@@ -151,7 +170,8 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
 
     stuck (4,): time of the last event, events at that time so far, contact of the last event, events in a row that
     followed each other at once.
-    Returns DONE, PAUSED, STEP_TOO_SMALL, NO_SOLUTION, NOT_FOUND, NOT_UNIQUE, LOCKED, CHATTER or UNSOUND.
+    Returns DONE, PAUSED, STEP_TOO_SMALL, ESCAPED, NO_SOLUTION, NOT_FOUND, NOT_UNIQUE, LOCKED, CHATTER or
+    UNSOUND.
     """
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, touch, grip = vec(m, CLOCK), ivec(m, TALLY), mat(m, TOUCH), mat(m, GRIP)
@@ -193,9 +213,14 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         t_until = t + share * (t_new - t) if who >= 0 else t_new
         if changed:
             find_crossings(m, t, t_new - t, share if who >= 0 else 1.0)
-        write_until(m, t, t_new - t, t_until, t_out, out)
         if who >= 0:
             interpolate(m, share, y_new)
+        if not write_until(m, t, t_new - t, t_until, t_out, out):
+            return ESCAPED
+        if escaped(m, y_new):
+            clock[TROUBLE] = t_until
+            return ESCAPED
+        if who >= 0:
             again = t_until - stuck[0] <= 1e-14 * t_end
             stuck[1] = stuck[1] + 1.0 if again else 0.0
             stuck[3] = stuck[3] + 1.0 if t_until - stuck[0] <= CROWDED * t_end else 0.0

@@ -73,7 +73,8 @@ from rattle.plane import (
     STEPS_IN,
 )  # fmt: skip
 from rattle.steppers.march import SERIES
-from rattle.steppers.walls import NEAR, STILL, at_rest, clearance_of, motion_without, note
+from rattle.steppers.searching import clearance_of
+from rattle.steppers.walls import NEAR, STILL, at_rest, motion_without, note
 
 LOW = 1e-11  # bounces that rise less than this share of the clearance are closed
 

@@ -1,39 +1,51 @@
-"""Events of set-valued contacts inside a step: noticed at PARTS places of its dense output, then located."""
+"""Events of set-valued contacts inside a step.
+
+Hits of free contacts are found by `searching`; what lasting ones do is noticed at PARTS places of the dense output,
+then located.
+"""
 
 from __future__ import annotations
 
-from rattle.catalog import call_state, compiled
+from rattle.catalog import call_search, call_state, compiled
 from rattle.complementarity import FORWARD, OFF, STICK, friction_of
-from rattle.contact import touch_all
-from rattle.equations import place
 from rattle.impact import SIZE
-from rattle.memory import CHANGE, CONTACT, GRIP, HELD, LINKS, MODE, MOTION, SLIDE, STAGE, TOUCH, imat, ivec, mat, vec
-from rattle.plane import DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT, NORMAL, PEAK, SLIP, TANGENT
+from rattle.memory import (
+    CHANGE,
+    CONTACT,
+    GRIP,
+    HELD,
+    LINKS,
+    MODE,
+    MOTION,
+    SEARCH,
+    SLIDE,
+    STAGE,
+    TOUCH,
+    imat,
+    ivec,
+    mat,
+    vec,
+)
+from rattle.plane import IMPACT, NORMAL, PEAK, SLIP, TANGENT
 from rattle.steppers.closed import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
-from rattle.steppers.touching import NONE, interpolate
-from rattle.steppers.walls import noise
+from rattle.steppers.searching import NONE, may_reach
+from rattle.steppers.touching import interpolate
 
 PARTS = 8  # pieces of a step that are searched
 
 
 @compiled
-def at_share(m, t, h, theta, full):
-    """State at the share theta of the step: contacts alone, or with all forces."""
+def at_share(m, t, h, theta):
+    """State and forces at the share theta of the step."""
     stage, nq = vec(m, STAGE), vec(m, CHANGE).shape[0]
     interpolate(m, theta, stage)
-    if full:
-        call_state(ivec(m, LINKS)[MOTION], (m, t + theta * h, stage[:nq], stage[nq : 2 * nq]))
-    else:
-        place(m, stage[:nq], stage[nq : 2 * nq])
-        touch_all(m)
+    call_state(ivec(m, LINKS)[MOTION], (m, t + theta * h, stage[:nq], stage[nq : 2 * nq]))
 
 
 @compiled
 def indicator(m, n, what):
-    """What must not become negative for contact n: gap, N, mu N - |T|, or slip in its sense; touch is at hand."""
+    """What must not become negative for contact n: N, mu N - |T|, or slip in its sense; touch is at hand."""
     touch = mat(m, TOUCH)
-    if what == HIT:
-        return touch[n, GAP]
     if what == LET_GO:
         return touch[n, NORMAL]
     if what == BREAK_AWAY:
@@ -44,20 +56,19 @@ def indicator(m, n, what):
 @compiled
 def locate(m, t, h, n, what, low, high):
     """Share of the step between low and high at which an indicator becomes negative."""
-    full = what != HIT
-    at_share(m, t, h, low, full)
+    at_share(m, t, h, low)
     f_low = indicator(m, n, what)
     # slip that has just turned, or a contact that has just slipped, starts from zero: its sign is that of later places
     share = 0.5 * (high - low)
-    while f_low <= 0.0 and full and share > 1e-9 * (high - low) and share * h > 1e-15 * abs(t):
-        at_share(m, t, h, low + share, full)
+    while f_low <= 0.0 and share > 1e-9 * (high - low) and share * h > 1e-15 * abs(t):
+        at_share(m, t, h, low + share)
         if indicator(m, n, what) > 0.0:
             low += share
             f_low = indicator(m, n, what)
         share *= 0.5
     if f_low <= 0.0:
         return low
-    at_share(m, t, h, high, full)
+    at_share(m, t, h, high)
     f_high = indicator(m, n, what)
     for turn in range(100):
         if not (high - low) * h > 1e-16 * abs(t) + 1e-15 * h:
@@ -66,7 +77,7 @@ def locate(m, t, h, n, what, low, high):
         middle = low + min(max(share, 1e-3), 0.999) * (high - low) if turn % 3 < 2 else 0.5 * (low + high)
         if middle <= low or middle >= high:
             break
-        at_share(m, t, h, middle, full)
+        at_share(m, t, h, middle)
         value = indicator(m, n, what)
         if value < 0.0:
             high, f_high = middle, value
@@ -78,47 +89,15 @@ def locate(m, t, h, n, what, low, high):
 
 
 @compiled
-def turning_point(m, t, h, n, low, high, rising):
-    """Share between low and high at which the gap of contact n stops rising (or falling)."""
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if middle <= low or middle >= high:
-            break
-        at_share(m, t, h, middle, False)
-        if (mat(m, TOUCH)[n, DGAP] > 0.0) == rising:
-            low = middle
-        else:
-            high = middle
-    return low
-
-
-@compiled
-def hit_between(m, t, h, n, left, right, gap, rate):
-    """Share at which the gap of free contact n closes between left and right; NONE when it does not.
-
-    gap, rate: at the right end; those at the left end are in `grip`.
-    """
-    grip, deep = mat(m, GRIP)[n], noise(m, n)
-    if gap < -deep:
-        if grip[GAP_0] <= 0.0 and grip[DGAP_0] > 0.0:  # has just left the wall and comes back
-            left = turning_point(m, t, h, n, left, right, True)
-        return locate(m, t, h, n, HIT, left, right)
-    if grip[DGAP_0] < 0.0 and rate > 0.0:  # a minimum in between: does it dip below zero?
-        slope = max(-grip[DGAP_0], rate)
-        if min(grip[GAP_0], gap) < slope * h * (right - left):
-            low = turning_point(m, t, h, n, left, right, False)
-            at_share(m, t, h, low, False)
-            if mat(m, TOUCH)[n, GAP] < min(grip[GAP_0], 0.0) - deep:
-                return locate(m, t, h, n, HIT, left, low)
-    return NONE
-
-
-@compiled
-def may_hit(m, n, h):
-    """True when free contact n may close in the step: its gap is not out of reach at the rates of both ends."""
-    grip = mat(m, GRIP)[n]
-    bend = abs(grip[DGAP_1] - grip[DGAP_0])
-    return min(grip[GAP_0], grip[GAP_1]) <= h * (max(-grip[DGAP_0], grip[DGAP_1], 0.0) + bend)
+def first_hit(m, h):
+    """Share of the step at which the first free contact closes (NONE if none does), and which."""
+    contact, mode, best, who = imat(m, CONTACT), ivec(m, MODE), NONE, -1
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
+            share = call_search(ivec(m, LINKS)[SEARCH], (m, h, n, 1.0, min(best, 1.0)))
+            if share < best:
+                best, who = share, n
+    return best, who
 
 
 @compiled
@@ -128,23 +107,22 @@ def first_event(m, t, h):
     gaps and rates at both ends are in `grip`.
     """
     contact, touch, mode, grip = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP)
-    best, who, what = NONE, -1, NOTHING
-    any_held, any_free = False, False
+    best, who = first_hit(m, h)
+    what = HIT if who >= 0 else NOTHING
+    any_held = False
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1:
-            any_held = any_held or mode[n] != OFF
-            any_free = any_free or (mode[n] == OFF and may_hit(m, n, h))
-    if not any_held and not any_free:
+        any_held = any_held or (contact[n, IMPACT] == 1 and mode[n] != OFF)
+    if not any_held:
         return best, who, what
     for part in range(1, PARTS + 1):
-        left, right = (part - 1) / PARTS, part / PARTS
-        at_share(m, t, h, right, any_held)
-        for n in range(contact.shape[0]):
-            grip[n, GAP_1], grip[n, DGAP_1] = touch[n, GAP], touch[n, DGAP]
-            grip[n, PEAK] = max(grip[n, PEAK], touch[n, NORMAL]) if mode[n] != OFF else 0.0
+        left, right = (part - 1) / PARTS, min(part / PARTS, best)
+        if left >= right:
+            break
+        at_share(m, t, h, right)
         held = 0.0
         for n in range(contact.shape[0]):  # what has become negative, noted before the search overwrites touch
             slide = 0
+            grip[n, PEAK] = max(grip[n, PEAK], touch[n, NORMAL]) if mode[n] != OFF else 0.0
             if contact[n, IMPACT] == 1 and mode[n] != OFF:
                 held = max(held, touch[n, NORMAL])
                 if touch[n, NORMAL] < 0.0:
@@ -156,21 +134,12 @@ def first_event(m, t, h):
                         slide += 4
             ivec(m, SLIDE)[n] = slide
         for n in range(contact.shape[0]):
-            if contact[n, IMPACT] == 0:
-                continue
-            if mode[n] == OFF:
-                share = hit_between(m, t, h, n, left, right, grip[n, GAP_1], grip[n, DGAP_1]) if any_free else NONE
-                if share < best:
-                    best, who, what = share, n, HIT
-                continue
             broken = ivec(m, SLIDE)[n]
             for k in range(3):
                 if broken & (1 << k):
                     share = locate(m, t, h, n, LET_GO + k, left, right)
                     if share < best:
                         best, who, what = share, n, LET_GO + k
-        if who >= 0:
-            return best, who, what
-        for n in range(contact.shape[0]):
-            grip[n, GAP_0], grip[n, DGAP_0] = grip[n, GAP_1], grip[n, DGAP_1]
+        if what > HIT:
+            break
     return best, who, what

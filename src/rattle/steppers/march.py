@@ -63,8 +63,8 @@ from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.projecting import settle
 from rattle.steppers.rk4 import prepare_dense as prepare_rk4
 from rattle.steppers.rk4 import step as step_rk4
+from rattle.steppers.searching import ESCAPED, NONE, escaped, search
 from rattle.steppers.touching import (
-    NONE,
     change_contacts,
     contact_time,
     find_peaks,
@@ -105,7 +105,7 @@ def march_arrays(y: np.ndarray, watched: int, *more: Compiled) -> dict[str, np.n
     clock[H_MIN] = math.inf
     clock[FEWEST] = math.inf
     return {
-        "links": entries((derivative, solve_motion, free_motion, finish_step, look_back, settle, *more)),
+        "links": entries((derivative, solve_motion, free_motion, finish_step, look_back, settle, search, *more)),
         "y": y.copy(),
         **{name: np.zeros(ny) for name in ("f", "y_new", "f_new", "stage")},
         "k": np.zeros((16, ny)),
@@ -257,6 +257,7 @@ def look_back(m, t, h, changed, method, t_out, out):
     """Contacts, changes of sign and outputs inside the step from (t, y) to (t + h, y_new).
 
     Returns the contact that starts or ends first (-1 if none does); its share of the step goes to clock[SHARE].
+    -2 when a contact is inside its wall at an output though it has not started.
     """
     tally, stage = ivec(m, TALLY), vec(m, STAGE)
     share, who = NONE, -1
@@ -276,6 +277,9 @@ def look_back(m, t, h, changed, method, t_out, out):
     while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_until:
         k = tally[OUTPUTS]
         interpolate(m, (t_out[k] - t) / h, stage)
+        if escaped(m, stage):
+            vec(m, CLOCK)[TROUBLE] = t_out[k]
+            return -2
         project(m, t_out[k], stage)
         record(m, t_out[k], stage, out[k])
         tally[OUTPUTS] = k + 1
@@ -312,7 +316,7 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
     stages are projected too ("tame" steps).  Cutting the step would only creep closer, so a step well below the
     last sound one leaps across even if its error is above the tolerance.
 
-    Returns DONE, PAUSED, NOT_FINITE, STEP_TOO_SMALL or UNSOUND.
+    Returns DONE, PAUSED, NOT_FINITE, STEP_TOO_SMALL, ESCAPED or UNSOUND.
     """
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, power, most_found = vec(m, CLOCK), ivec(m, TALLY), vec(m, POWER), mat(m, CROSSINGS).shape[0] // 2
@@ -377,6 +381,12 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
         if who >= 0:
             interpolate(m, clock[SHARE], y_new)
             t_new = t + clock[SHARE] * (t_new - t)
+        if who == -2:
+            return ESCAPED
+        if contacts and escaped(m, y_new):
+            clock[TROUBLE] = t_new
+            return ESCAPED
+        if who >= 0:
             turn_contact(m, t_new, y_new, who)
         if contacts:
             pass_on(m)

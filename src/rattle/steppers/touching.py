@@ -3,24 +3,23 @@
 A contact has memory: in contact or not, approach speed v0, bristle state.  It changes only here, at the
 located instants, so that each step has one smooth right-hand side.
 
-No contact is missed because it is shorter than a step: the change of a gap over the step is bounded by its
-rates at both ends; where that bound reaches the wall the dense output is searched, its minima included.
+No contact and no release is missed because it is shorter than a step: see `searching`.
 """
 
 from __future__ import annotations
 
-from rattle.catalog import call_clearance, call_stiffness, compiled
+from rattle.catalog import call_search, call_stiffness, compiled
 from rattle.contact import press, touch_all
 from rattle.equations import place, set_bristles
 from rattle.memory import (
-    BODY,
     CHANGE,
-    CLEARANCE_TABLE,
     CONTACT,
     DENSE,
     EVENTS,
     GRIP,
+    LINKS,
     MASS,
+    SEARCH,
     STAGE,
     STATE,
     STIFFNESS_TABLE,
@@ -36,7 +35,6 @@ from rattle.plane import (
     B_BODY,
     CLOSED,
     CONTACT_EVENT,
-    CORNER,
     DGAP,
     DGAP_0,
     DGAP_1,
@@ -52,8 +50,6 @@ from rattle.plane import (
     OPEN,
     PEAK,
     RELEASE_EVENT,
-    SHAPE,
-    SHAPE_P,
     SHUT,
     SINCE,
     SPEED,
@@ -61,9 +57,9 @@ from rattle.plane import (
     STATIC_P,
     STEPS_IN,
 )  # fmt: skip
+from rattle.steppers.searching import NONE, may_reach
 
-PARTS = 16  # pieces of a step that are searched
-NONE = 2.0  # a share of the step that does not exist
+LATER = 1e-7  # share of a step after which a contact changes that was on the wrong side at its start by rounding
 
 
 @compiled
@@ -76,28 +72,6 @@ def interpolate(m, theta, out):
         for row in range(6, -1, -1):
             value = (value + dense[row, n]) * (theta if row % 2 == 0 else rest)
         out[n] = y[n] + value
-
-
-@compiled
-def gap_at(m, theta, n):
-    """Gap of contact n and its rate at the share theta of the step."""
-    contact, touch, stage, nq = imat(m, CONTACT), mat(m, TOUCH), vec(m, STAGE), vec(m, CHANGE).shape[0]
-    interpolate(m, theta, stage)
-    place(m, stage[:nq], stage[nq : 2 * nq])
-    call_clearance(
-        ivec(m, CLEARANCE_TABLE)[contact[n, SHAPE]],
-        (
-            mat(m, BODY),
-            contact[n, A_BODY],
-            contact[n, B_BODY],
-            vec(m, VALUES),
-            contact[n, SHAPE_P],
-            contact[n, CORNER],
-            n,
-            touch,
-        ),
-    )
-    return touch[n, GAP], touch[n, DGAP]
 
 
 @compiled
@@ -177,81 +151,25 @@ def pass_on(m):
 
 
 @compiled
-def may_change(m, n, h):
-    """True when contact n may start or end in the step, judged from both ends."""
-    grip = mat(m, GRIP)
-    if imat(m, CONTACT)[n, IMPACT] == 1:
-        return False
-    if grip[n, CLOSED] == SHUT:
-        return grip[n, GAP_1] > 0.0
-    if grip[n, GAP_1] < 0.0:
-        return True
-    d0, d1 = grip[n, DGAP_0], grip[n, DGAP_1]
-    return min(grip[n, GAP_0], grip[n, GAP_1]) <= h * (max(-d0, d1, 0.0) + abs(d1 - d0))
-
-
-@compiled
 def may_any_change(m, h):
     """True when any contact may start or end in the step."""
-    for n in range(mat(m, GRIP).shape[0]):
-        if may_change(m, n, h):
+    contact, grip = imat(m, CONTACT), mat(m, GRIP)
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 0 and may_reach(m, h, n, -1.0 if grip[n, CLOSED] == SHUT else 1.0):
             return True
     return False
 
 
 @compiled
-def locate(m, n, low, high, wanted):
-    """Share of the step at which the sign of the gap of contact n becomes `wanted`, between low and high."""
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        if middle <= low or middle >= high:
-            break
-        if gap_at(m, middle, n)[0] * wanted > 0.0:
-            high = middle
-        else:
-            low = middle
-    return high
-
-
-@compiled
-def change_of(m, n, h):
-    """Share of the step at which contact n changes first; NONE if it does not."""
-    grip = mat(m, GRIP)
-    wanted = 1.0 if grip[n, CLOSED] == SHUT else -1.0
-    left, gap_left, rate_left = 0.0, grip[n, GAP_0], grip[n, DGAP_0]
-    for part in range(1, PARTS + 1):
-        right = part / PARTS
-        gap, rate = gap_at(m, right, n)
-        if gap * wanted > 0.0:
-            if gap_left * wanted > 0.0 or (wanted < 0.0 and gap_left == 0.0):
-                return left + 1e-6 * (right - left)  # started on the wrong side by rounding
-            return locate(m, n, left, right, wanted)
-        if wanted < 0.0 and rate_left < 0.0 and rate > 0.0:  # a minimum in between: look whether it dips below zero
-            low, high = left, right
-            for _ in range(60):
-                middle = 0.5 * (low + high)
-                at, slope = gap_at(m, middle, n)
-                if at < 0.0:
-                    return locate(m, n, left, middle, wanted)
-                if slope < 0.0:
-                    low = middle
-                else:
-                    high = middle
-                if min(at, gap_left) - (high - low) * h * max(-rate_left, rate) > 0.0:
-                    break
-        left, gap_left, rate_left = right, gap, rate
-    return NONE
-
-
-@compiled
 def first_change(m, h):
     """Share of the step at which the first contact starts or ends (NONE if none does), and which."""
-    best, who = NONE, -1
-    for n in range(mat(m, GRIP).shape[0]):
-        if may_change(m, n, h):
-            share = change_of(m, n, h)
+    contact, grip, best, who = imat(m, CONTACT), mat(m, GRIP), NONE, -1
+    for n in range(contact.shape[0]):
+        side = -1.0 if grip[n, CLOSED] == SHUT else 1.0
+        if contact[n, IMPACT] == 0 and may_reach(m, h, n, side):
+            share = call_search(ivec(m, LINKS)[SEARCH], (m, h, n, side, min(best, 1.0)))
             if share < best:
-                best, who = share, n
+                best, who = max(share, LATER), n
     return best, who
 
 

@@ -23,24 +23,18 @@ from rattle.memory import (
     TALLY,
     TOUCH,
     TRIAL,
-    VALUES,
     imat,
     ivec,
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import CONTACT_EVENT, DGAP, GAP, IMPACT, IMPULSE_0, LOSS_0, PEAK, SHAPE_P, SINCE, SLIP, SPEED
+from rattle.plane import CONTACT_EVENT, DGAP, GAP, IMPACT, IMPULSE_0, LOSS_0, PEAK, SINCE, SLIP, SPEED
 from rattle.steppers.audit import LENGTH
 from rattle.steppers.march import EVENT_COUNT, project
+from rattle.steppers.searching import clearance_of
 
 NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above what integration leaves
 STILL = 1e-12  # share of the terms of a contact velocity that counts as rest
-
-
-@compiled
-def clearance_of(m, n):
-    """Clearance of contact n [m]."""
-    return vec(m, VALUES)[imat(m, CONTACT)[n, SHAPE_P] + 4]
 
 
 @compiled

@@ -1,0 +1,323 @@
+"""Where a gap reaches its wall inside a step: a search of the dense output that no contact escapes.
+
+A step may be as long as a free flight, with many turns of its bodies in it, so that looking at some places of it
+proves nothing.  What proves something is a bound on the second derivative of the gap.  With e the offset of the
+joint's point on B from that on A, s_A and s_B the longest arms from the mass centres to what may touch,
+
+    |e''| <= |a_B - a_A| + s_B (w_B^2 + |alpha_B|) + s_A (w_A^2 + |alpha_A|) = E
+
+(walls that turn with A, at most D away from its point, add (w_A^2 + |alpha_A|) D + 2 |w_A| |e'|).  Between two looks,
+dt apart, no gap lies deeper than E dt^2 / 8 below the smaller of the two that were seen: |e| is convex and the gap
+of a block is linear in e.  Where this does not decide, three looks and the rates make a cubic, which is wrong by as
+much as it misses the middle one and by what the turning brings, (E + (n')^2 |e|) (W dt)^2 dt^2 / 384; where that does
+not decide either, the time between the looks is halved.  Contacts out of reach cost no look at all.
+
+Accelerations are bounded by those of the stages of the step, with their spread on top.
+
+Source: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems (1996), on bounds for the time to
+collision; the remainders of linear and cubic interpolation.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import call_clearance, compiled, kernel
+from rattle.complementarity import OFF
+from rattle.contact import touch_all
+from rattle.equations import place
+from rattle.memory import (
+    BODY,
+    CHANGE,
+    CLEARANCE_TABLE,
+    CLOCK,
+    CONTACT,
+    DENSE,
+    GRIP,
+    LEVER,
+    MODE,
+    SLOPES,
+    STATE,
+    STATE_NEW,
+    TOUCH,
+    VALUES,
+    imat,
+    ivec,
+    mat,
+    vec,
+)  # fmt: skip
+from rattle.plane import (
+    A_BODY,
+    ACROSS,
+    B_BODY,
+    CLOSED,
+    CORNER,
+    COS,
+    DGAP,
+    DGAP_0,
+    DGAP_1,
+    GAP,
+    GAP_0,
+    GAP_1,
+    IMPACT,
+    OPEN,
+    SHAPE,
+    SHAPE_P,
+    SIN,
+    X,
+)  # fmt: skip
+
+NONE = 2.0  # a share of the step that does not exist
+STAGES = 12  # slopes of a step whose accelerations bound those in it
+WHOLE_TURN = 0.5  # angle [rad] up to which a cubic is looked at
+MOST_LOOKS = 1_000_000
+DEEP = 1e-6  # share of the clearance that a gap may be below zero: what integration and rounding leave is far less
+ESCAPED = 21  # ending of a run: a contact is inside its wall
+
+
+@compiled
+def clearance_of(m, n):
+    """Clearance of contact n [m]."""
+    return vec(m, VALUES)[imat(m, CONTACT)[n, SHAPE_P] + 4]
+
+
+@compiled
+def rounding(m, n):
+    """Depth that rounding may give to contact n [m]: coordinates and angles may be large."""
+    contact, lever, y = imat(m, CONTACT), mat(m, LEVER), vec(m, STATE)
+    size = 0.0
+    for end in range(2):
+        i = contact[n, A_BODY + end]
+        size += lever[n, end]
+        if i > 0:
+            size += abs(y[3 * i - 3]) + abs(y[3 * i - 2]) + lever[n, end] * abs(y[3 * i - 1])
+    return 1e-12 * clearance_of(m, n) + 1e-15 * size
+
+
+@compiled
+def largest(m, a, b, q):
+    """Bound on component q of the acceleration of body b less that of body a over the step."""
+    k, nq = mat(m, SLOPES), vec(m, CHANGE).shape[0]
+    first, top, spread = 0.0, 0.0, 0.0
+    for s in range(STAGES):
+        value = 0.0
+        if b > 0:
+            value += k[s, nq + 3 * b - 3 + q]
+        if a > 0:
+            value -= k[s, nq + 3 * a - 3 + q]
+        if s == 0:
+            first = value
+        top, spread = max(top, abs(value)), max(spread, abs(value - first))
+    return top + spread
+
+
+@compiled
+def fastest(m, h, i):
+    """Bounds on the rate [rad/s] and the angular acceleration of body i over the step of length h."""
+    if i == 0:
+        return 0.0, 0.0
+    k, alpha = vec(m, CHANGE).shape[0] + 3 * i - 1, largest(m, 0, i, 2)
+    return max(abs(vec(m, STATE)[k]), abs(vec(m, STATE_NEW)[k])) + 0.5 * h * alpha, alpha
+
+
+@compiled
+def apart(m, y, a, b, k):
+    """Distance of two mass centres (k = 0), or speed between them (k = 3 nb), in the state y."""
+    x = (y[k + 3 * b - 3] if b > 0 else 0.0) - (y[k + 3 * a - 3] if a > 0 else 0.0)
+    z = (y[k + 3 * b - 2] if b > 0 else 0.0) - (y[k + 3 * a - 2] if a > 0 else 0.0)
+    return math.sqrt(x * x + z * z)
+
+
+@compiled
+def bounds(m, h, n):
+    """E [m/s^2] and the largest rate of turning W [rad/s] of contact n over the step of length h, see above."""
+    contact, lever, y, y_new = imat(m, CONTACT), mat(m, LEVER), vec(m, STATE), vec(m, STATE_NEW)
+    a, b, s_a, s_b = contact[n, A_BODY], contact[n, B_BODY], lever[n, 0], lever[n, 1]
+    wa, alpha_a = fastest(m, h, a)
+    wb, alpha_b = fastest(m, h, b)
+    ax, ay = largest(m, a, b, 0), largest(m, a, b, 1)
+    linear = math.sqrt(ax * ax + ay * ay)
+    bend = linear + s_b * (wb * wb + alpha_b) + s_a * (wa * wa + alpha_a)
+    if lever[n, 2] > 0.0 and a > 0:
+        nq = vec(m, CHANGE).shape[0]
+        speed = max(apart(m, y, a, b, nq), apart(m, y_new, a, b, nq)) + 0.5 * h * linear + s_a * wa + s_b * wb
+        away = max(apart(m, y, a, b, 0), apart(m, y_new, a, b, 0)) + 0.125 * h * h * linear + s_a + s_b
+        bend += (wa * wa + alpha_a) * away + 2.0 * wa * speed
+    return bend, max(wa, wb)
+
+
+@compiled
+def sweep(m, n, bend, dt, gap):
+    """How fast the normal of contact n turns by the way of the pin round its bush [rad/s], |e| there [m]."""
+    c = clearance_of(m, n)
+    distance = max(0.25 * c, c - gap)
+    if mat(m, LEVER)[n, 2] > 0.0:
+        return 0.0, distance
+    return (abs(mat(m, TOUCH)[n, ACROSS]) + bend * dt) / distance, distance
+
+
+@compiled
+def may_reach(m, h, n, side):
+    """True unless the ends of the step prove that side * gap of contact n stays above zero in it."""
+    grip = mat(m, GRIP)[n]
+    at, rate = side * grip[GAP_0], side * grip[DGAP_0]
+    end, end_rate = side * grip[GAP_1], side * grip[DGAP_1]
+    slight = rounding(m, n)
+    least = min(at, 0.0) - slight
+    if end < least:
+        return True
+    bend, _ = bounds(m, h, n)
+    round_, distance = sweep(m, n, bend, h, max(abs(at), abs(end)) if side > 0.0 else 0.0)
+    curve = bend + round_ * round_ * distance
+    if min(at, end) - 0.125 * (bend if side > 0.0 else curve) * h * h >= least:
+        return False
+    return abs(rate + end_rate) < curve * h
+
+
+@compiled
+def gap_at(m, theta, n):
+    """Gap of contact n and its rate at the share theta of the step (dense output ready)."""
+    contact, touch, body, y, dense = imat(m, CONTACT), mat(m, TOUCH), mat(m, BODY), vec(m, STATE), mat(m, DENSE)
+    nq, rest = vec(m, CHANGE).shape[0], 1.0 - theta
+    for end in range(2):
+        i = contact[n, A_BODY + end]
+        if i == 0:
+            continue
+        for q in range(6):
+            k = 3 * i - 3 + q if q < 3 else nq + 3 * i - 6 + q
+            value = 0.0
+            for row in range(6, -1, -1):
+                value = (value + dense[row, k]) * (theta if row % 2 == 0 else rest)
+            body[i, X + q] = y[k] + value
+        body[i, COS], body[i, SIN] = math.cos(body[i, X + 2]), math.sin(body[i, X + 2])
+    call_clearance(
+        ivec(m, CLEARANCE_TABLE)[contact[n, SHAPE]],
+        (
+            body,
+            contact[n, A_BODY],
+            contact[n, B_BODY],
+            vec(m, VALUES),
+            contact[n, SHAPE_P],
+            contact[n, CORNER],
+            n,
+            touch,
+        ),
+    )
+    return touch[n, GAP], touch[n, DGAP]
+
+
+@compiled
+def lowest(left, slope_left, right, slope_right):
+    """Smallest value on [0, 1] of the cubic with these values and slopes at its ends."""
+    low = min(left, right)
+    c2 = 3.0 * (right - left) - 2.0 * slope_left - slope_right
+    c3 = 2.0 * (left - right) + slope_left + slope_right
+    inside = c2 * c2 - 3.0 * c3 * slope_left
+    if inside >= 0.0:
+        root = c2 + math.copysign(math.sqrt(inside), c2)
+        for turn in range(2):  # slope_left + 2 c2 x + 3 c3 x^2 = 0
+            above, below = (-root, 3.0 * c3) if turn == 0 else (-slope_left, root)
+            if below != 0.0:
+                x = above / below
+                if 0.0 < x < 1.0:
+                    low = min(low, left + x * (slope_left + x * (c2 + x * c3)))
+    return low
+
+
+@compiled
+def first_below(m, h, n, side, left, at, rate, right, end):
+    """Share between left and right at which side * gap, which is below zero at the right end, has fallen below it."""
+    t = vec(m, CLOCK)[0]
+    if at <= 0.0 and rate > 0.0:  # it rises from the wall, a little, and comes back: from its top on
+        top = right
+        for _ in range(60):
+            middle = 0.5 * (left + top)
+            value, slope = gap_at(m, middle, n)
+            if side * slope > 0.0:
+                left, at = middle, side * value
+            else:
+                top = middle
+    if at <= 0.0:
+        return left
+    for turn in range(100):
+        if not (right - left) * h > 1e-16 * abs(t) + 1e-15 * h:
+            break
+        middle = 0.5 * (left + right)
+        if turn % 3 < 2:
+            middle = left + min(max(at / (at - end), 1e-3), 0.999) * (right - left)
+        if middle <= left or middle >= right:
+            break
+        value = side * gap_at(m, middle, n)[0]
+        if value < 0.0:
+            right, end = middle, value
+            at *= 0.5 if turn % 3 == 1 else 1.0
+        else:
+            left, at = middle, value
+            end *= 0.5 if turn % 3 == 1 else 1.0
+    return right
+
+
+@kernel("search")
+def search(m, h, n, side, until):
+    """Share of the step, up to `until`, at which side * gap of contact n first falls below zero; NONE if it does not.
+
+    side: 1 for a contact that may close, -1 for one that may open.  The dense output is ready, gaps and rates at the
+    start of the step are in `grip`.  A contact that starts below zero (by rounding) has to get deeper.
+    """
+    grip, t = mat(m, GRIP)[n], vec(m, CLOCK)[0]
+    bend, turning = bounds(m, h, n)
+    slight = rounding(m, n)
+    left, at, rate, right = 0.0, side * grip[GAP_0], side * grip[DGAP_0], until
+    begin, at_begin, rate_begin = left, at, rate  # the last look that was above zero, or rising
+    end, end_rate = gap_at(m, right, n)
+    end, end_rate = side * end, side * end_rate
+    for _ in range(MOST_LOOKS):
+        dt, least = (right - left) * h, min(at, 0.0) - slight
+        tiny = dt <= 4e-16 * abs(t) or right - left <= 1e-12
+        round_, distance = sweep(m, n, bend, dt, max(at, end) if side > 0.0 else 0.0)
+        curve = bend + round_ * round_ * distance
+        falling, rising = rate + end_rate <= -curve * dt, rate + end_rate >= curve * dt
+        if end < least and (falling or tiny):
+            return first_below(m, h, n, side, begin, at_begin, rate_begin, right, end)
+        free = falling or rising or tiny or min(at, end) - 0.125 * (bend if side > 0.0 else curve) * dt * dt >= least
+        wide = max(turning, round_) * dt
+        if end < least or not free:
+            middle = 0.5 * (left + right)
+            value, slope = gap_at(m, middle, n)
+            value, slope = side * value, side * slope
+            free = False
+            if end >= least and value >= least and wide <= WHOLE_TURN:
+                missed = abs(value - 0.5 * (at + end) - 0.125 * dt * (rate - end_rate))
+                margin = 2.0 * missed + curve * (wide * dt) ** 2 / 384.0
+                free = lowest(at, rate * dt, end, end_rate * dt) - margin >= least
+            if not free:
+                right, end, end_rate = middle, value, slope
+                continue
+        if right >= until:
+            return NONE
+        step = (2.0 if wide <= 0.5 * WHOLE_TURN or min(at, end) > bend * dt * dt else 1.0) * (right - left)
+        left, at, rate = right, end, end_rate
+        if at > 0.0 or rate > 0.0:
+            begin, at_begin, rate_begin = left, at, rate
+        right = min(until, left + step)
+        end, end_rate = gap_at(m, right, n)
+        end, end_rate = side * end, side * end_rate
+    return NONE
+
+
+@compiled
+def escaped(m, y):
+    """True when a contact that is not in contact lies inside its wall in the state y, deeper than DEEP clearances.
+
+    One that came out of the projection inside may be as deep as it was at the start of the step.
+    """
+    contact, touch, grip, nq = imat(m, CONTACT), mat(m, TOUCH), mat(m, GRIP), vec(m, CHANGE).shape[0]
+    if contact.shape[0] == 0:
+        return False
+    place(m, y[:nq], y[nq : 2 * nq])
+    touch_all(m)
+    for n in range(contact.shape[0]):
+        free = ivec(m, MODE)[n] == OFF if contact[n, IMPACT] == 1 else grip[n, CLOSED] == OPEN
+        if free and not touch[n, GAP] >= min(grip[n, GAP_0], 0.0) - DEEP * clearance_of(m, n):
+            return True
+    return False
