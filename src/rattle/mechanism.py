@@ -328,10 +328,9 @@ class Mechanism(Building):
 
         t = times(t, "t")
         if np.ndim(t) == 0:
-            from rattle.resting import Equilibria
             from rattle.statics import equilibria
 
-            return Equilibria(equilibria(self.ready, float(t), branches))  # type: ignore[arg-type]  # any str is checked there
+            return equilibria(self.ready, float(t), branches)  # type: ignore[arg-type]  # any str is checked there
         from rattle.quasistatic import quasistatic
 
         return quasistatic(self.ready, np.asarray(t, dtype=float))

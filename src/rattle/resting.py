@@ -11,8 +11,10 @@ H > 0 is stability against small displacements (docs/theory.md, section 7).
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,12 +26,12 @@ from rattle.plane import AUTO, CLOSED, SPEED
 from rattle.recording import columns, geometry, width
 from rattle.result import Result, Trust
 from rattle.singular import RANK, nonunique_reactions
-from rattle.steppers.rest import force_at, stiffness
+from rattle.steppers import settling
+from rattle.steppers.rest import force_at
 from rattle.steppers.writing import write
 from rattle.system import Compiled, has_contacts, is_link
 
-MOST_TURN = 0.4  # of a body in one step [rad]; shifts as a share of the mechanism's extent
-ROUNDS = 150  # Newton steps before a start is given up
+CHUNK = 10_000_000  # operations, roughly, between two looks at whether the user wants to stop
 
 
 @dataclass(repr=False)
@@ -126,10 +128,21 @@ class Equilibrium:
 
 
 class Equilibria(list[Equilibrium]):
-    """The positions of rest that were found, in order; a list that shows itself as a table."""
+    """The positions of rest that were found, in order, and how far the search went; shows itself as a table."""
+
+    def __init__(self, found: Iterable[Equilibrium], starts: int, stopped: bool) -> None:
+        super().__init__(found)
+        self.starts = starts  # from which the search went, each to its end
+        self.stopped = stopped  # True where it was given up before all starts were used
+
+    @property
+    def note(self) -> str:
+        """What to know about the completeness of the list; empty where every start was used."""
+        return f"search stopped after {self.starts} starts; there may be more positions of rest" if self.stopped else ""
 
     def __repr__(self) -> str:
-        return "[" + ",\n ".join(repr(one) for one in self) + "]"
+        listed = "[" + ",\n ".join(repr(one) for one in self) + "]"
+        return f"{listed}\n{self.note}" if self.note else listed
 
     def _repr_html_(self) -> str:
         rows = []
@@ -140,7 +153,30 @@ class Equilibria(list[Equilibrium]):
             rows.append((str(n), "yes" if one.stable else "no", "yes" if one.admissible else "no", angles, str(one)))
         if not rows:
             return "no position of rest was found"
-        return table(("", "stable", "admissible", "angles", ""), rows)
+        said = f"<p>{self.note}</p>" if self.note else ""
+        return table(("", "stable", "admissible", "angles", ""), rows) + said
+
+
+class Room(NamedTuple):
+    """Arrays that `settling` works in; n coordinates, nr rows, k massless links."""
+
+    arm: np.ndarray  # (2 k, 2)
+    wide: np.ndarray  # (nr, n)
+    norm: np.ndarray  # (nr,)
+    order: np.ndarray  # (nr,)
+    pivot: np.ndarray  # (2, nr)
+    null: np.ndarray  # (n, n)
+    line: np.ndarray  # (7, n)
+    small: np.ndarray  # (2 n, n)
+    state: np.ndarray  # (9,)
+
+    @classmethod
+    def of(cls, n: int, rows: int, links: int) -> Room:
+        """Room for a mechanism of that size."""
+        return cls(
+            np.zeros((2 * links, 2)), np.zeros((rows, n)), np.zeros(rows), np.zeros(rows, np.int64),
+            np.zeros((2, rows)), np.zeros((n, n)), np.zeros((7, n)), np.zeros((2 * n, n)), np.zeros(9),
+        )  # fmt: skip
 
 
 class Rest:
@@ -160,9 +196,13 @@ class Rest:
         length = min([1e-4 * ready.size] + [3e-3 * one for one in arms])
         if len(self.memory["grip"]):  # penetrations are small
             length = min([length] + [1e-5 * one.clearance for one in joints if has_contacts(one)])
-        self.step = length * self.scale
+        self.length, self.step = length, length * self.scale
         self.out = np.zeros(3 * ready.body_count)
         self.links = [name for name, one in ready.model.joints.items() if is_link(one)]
+        entries = ready.arrays["joint"][np.array([ready.joints.index(name) for name in self.links], np.int64)]
+        self.pins = np.ascontiguousarray(entries[:, 1:4])
+        self.room = Room.of(3 * ready.body_count, ready.row_count, len(self.links))
+        self.trials = 0  # positions looked at
         self.at(t)
 
     def at(self, t: float) -> None:
@@ -192,9 +232,13 @@ class Rest:
 
     def hessian(self, q: np.ndarray, null: np.ndarray) -> np.ndarray:
         """Reduced Hessian H [N/m]; the multipliers of `look` are in the memory."""
-        tangent = np.zeros((len(q), len(q)))
-        stiffness(self.memory.handle, self.t, q, self.step, self.out, tangent)
-        return np.asarray(null.T @ tangent @ null)
+        room, freedoms = self.room, null.shape[1]
+        room.null[:freedoms] = null.T
+        settling.reduced_stiffness(
+            self.memory.handle, self.t, q, self.length, freedoms, room.null, room.line, room.small
+        )
+        force_at(self.memory.handle, self.t, q, self.out)
+        return room.small[:freedoms, :freedoms].T.copy()
 
     def offsets(self, q: np.ndarray) -> np.ndarray:
         """(k, 2) pin centre minus bush centre of every link, at q."""
@@ -212,49 +256,43 @@ class Rest:
             found.append(ends[1] - ends[0])
         return np.array(found).reshape(-1, 2)
 
-    def _too_far(self, before: np.ndarray, after: np.ndarray) -> bool:
-        """A pin that turned by more than 0.8 rad may have changed sides."""
-        if not len(before):
-            return False
-        cosine = (before * after).sum(axis=1) / (
-            np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1) + 1e-300
-        )
-        return bool((cosine < 0.7).any())
+    def settle(
+        self, start: np.ndarray, downhill: bool = False, known: np.ndarray | None = None, near: float = 0.0
+    ) -> tuple[np.ndarray, int] | None:
+        """A position of rest near a start, or None; downhill: a stable one.
 
-    def settle(self, start: np.ndarray, downhill: bool = False) -> tuple[np.ndarray, int] | None:
-        """A position of rest near a start, or None; downhill: a stable one."""
-        q = start.copy()
-        if not self.close(q) < 1e-9 * self.ready.size:
-            return None
-        g, null = self.look(q)
-        size = self.force_scale()
-        extent = max(self.ready.size, float(np.abs(np.delete(q, np.s_[2::3])).max()))
-        small = 0
-        for iteration in range(ROUNDS):
-            if not len(g) or not np.isfinite(g).all():
-                return (q, iteration) if not len(g) else None
-            h = self.hessian(q, null)
-            if downhill:
-                values, vectors = np.linalg.eigh(0.5 * (h + h.T))
-                dz = vectors @ ((vectors.T @ g) / np.maximum(np.abs(values), 1e-9 * np.abs(values).max() + 1e-300))
-            else:
-                dz = np.linalg.lstsq(h, g, rcond=1e-13)[0]
-            move = null @ dz
-            far = float(np.abs(move / self.scale).max())
-            turn, shift = float(np.abs(move[2::3]).max()), float(np.abs(np.delete(move, np.s_[2::3])).max())
-            dz *= min(1.0, MOST_TURN / max(turn, 1e-300), MOST_TURN * extent / max(shift, 1e-300))
-            if far < 1e-13 * self.ready.size or (np.abs(g).max() <= 1e-12 * size and far < 1e-10 * self.ready.size):
-                return q, iteration
-            taken = self._advance(q, g, null, dz, downhill)
-            if taken is None:
-                done = np.abs(g).max() <= 1e-8 * size
-                return (q, iteration) if done else None
-            before = float(np.abs(g).max())
-            q, g, null = taken
-            small = small + 1 if np.abs(g).max() <= 1e-11 * size and np.abs(g).max() > 0.1 * before else 0
-            if small == 2:
-                return q, iteration + 1
-        return (q, ROUNDS) if np.abs(g).max() <= 1e-8 * size else None
+        known (k, 3 nb): positions of rest that need not be found once more; None too where the way leads to within
+        `near` of one of them.  `trials` counts the positions looked at.
+        """
+        q, room = start.copy(), self.room
+        room.state[:] = 0.0
+        known = np.zeros((0, len(q))) if known is None else known
+        rounds = max(1, min(settling.ROUNDS, CHUNK // (len(q) ** 3 + 1)))
+        status = settling.GOING
+        while status == settling.GOING:  # in pieces, so that the user can stop it
+            status = settling.settle(
+                self.memory.handle, self.t, q, self.scale, self.ready.size, self.length, downhill, rounds, known,
+                len(known), near, self.pins, *room,
+            )  # fmt: skip
+        self.trials += int(room.state[settling.TRIALS]) + 1
+        return (q, int(room.state[settling.ITERATION])) if status == settling.SETTLED else None
+
+    def walk(self, q: np.ndarray, direction: np.ndarray, stride: float) -> tuple[bool, float, float]:
+        """A stride along the freedoms, in place; whether it could be taken, force along the way, largest force [N]."""
+        r = self.room
+        self.trials += 1
+        gap, along, most = settling.walk(
+            self.memory.handle, self.t, q, self.scale, self.ready.size, stride, direction, r.wide, r.norm, r.order,
+            r.pivot, r.null, r.line,
+        )  # fmt: skip
+        return gap < math.inf, float(along), float(most)
+
+    def displace(self, q: np.ndarray, target: np.ndarray) -> None:
+        """Bring the residuals of all rows to `target` (nr,) by the least change of q, in place."""
+        r = self.room
+        settling.displace(
+            self.memory.handle, q, target, self.scale, 6, r.wide, r.norm, r.order, r.pivot, r.line
+        )
 
     def force_scale(self) -> float:
         """A force typical of what acts [N]."""
@@ -267,35 +305,6 @@ class Rest:
                 np.abs(self.memory["force"][:, 2]).max() / self.ready.size,
                 1e-12,
             )
-        )
-
-    def _advance(
-        self, q: np.ndarray, g: np.ndarray, null: np.ndarray, dz: np.ndarray, downhill: bool
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-        """One step, halved until it is safe and helps."""
-        offsets = self.offsets(q)
-        share = 1.0
-        for _ in range(30):
-            trial = q + share * (null @ dz)
-            if self.close(trial) < 1e-9 * self.ready.size and not self._too_far(offsets, self.offsets(trial)):
-                g_new, null_new = self.look(trial)
-                if len(g_new) == len(g) and np.isfinite(g_new).all():
-                    if downhill:  # not beyond the point where the force along the way turns round
-                        along = float(self.out_along(null @ dz))
-                        better = along > -0.5 * float(g @ dz) or np.linalg.norm(g_new) < np.linalg.norm(g)
-                    else:
-                        better = float(np.linalg.norm(g_new)) < float(np.linalg.norm(g)) * (1 - 1e-4 * share)
-                    if better:
-                        return trial, g_new, null_new
-            share *= 0.5
-        return None
-
-    def out_along(self, direction: np.ndarray) -> float:
-        """Work of the applied forces per step in a direction, at the position looked at last."""
-        return (
-            float(self.out @ direction)
-            if not self.ready.row_count
-            else float(self.memory["force"][1:].ravel() @ direction)
         )
 
     def finish(self, q: np.ndarray, iterations: int) -> Equilibrium:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,16 +20,19 @@ from rattle.dense import dense_rows
 from rattle.equations import drive
 from rattle.errors import AssemblyError
 from rattle.model import Contact
-from rattle.resting import Equilibrium, Rest
+from rattle.resting import Equilibria, Equilibrium, Rest
 from rattle.singular import scaled_rows
 from rattle.system import Compiled, compile_system, has_contacts, is_link
 
 MOST_PINS = 6  # up to so many clearance pins all combinations of sides are tried
 RANDOM_STARTS = 48
 MANY = 12  # bodies from which on only the assembled position is a start
+MOST_STRIDES = 160  # along a freedom that does not close
+MOST_STARTS = 1000  # after which the search stops, and says so
+MOST_TRIALS = 20_000  # positions looked at, of all starts together
 
 
-def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near") -> list[Equilibrium]:
+def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near") -> Equilibria:
     """All positions of rest found; see `Mechanism.equilibrium`."""
     if branches not in ("near", "all"):
         raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
@@ -38,20 +41,18 @@ def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near") -> list[
     rigid = rigid_model(ready)
     ideal_ready = compile_system(ideal_model(ready.model)) if rigid is not None else ready
     start = position_at(ideal_ready, t)
-    rest = Rest(ideal_ready, t)
-    found = _settled(rest, _starts(rest, start, branches == "all"))
+    rest, search = Rest(ideal_ready, t), Search()
+    found = search.settled(rest, _starts(rest, start, branches == "all"))
     if rigid is None:
-        return _sorted(found, start)
+        return Equilibria(_sorted(found, start), search.starts, search.stopped)
     play = Rest(rigid, t)
-    partners: list[Equilibrium] = []
-    for one in found:
-        partners += _settled(play, _sides(rest, play, one))
+    partners = search.settled(play, (start for one in found for start in _sides(rest, play, one)))
     if not partners:
-        partners = _settled(play, _starts(play, position_at(rigid, t), True))
+        partners = search.settled(play, _starts(play, position_at(rigid, t), True))
     reference = start + _first_offset(rest, rigid, start)
     if any(has_contacts(joint) and _compliant(joint.contact) for joint in ready.model.joints.values()):
         partners = _pressed(ready, t, play, partners)
-    return _sorted(partners, reference)
+    return Equilibria(_sorted(partners, reference), search.starts, search.stopped)
 
 
 def _compliant(contact: Contact | None) -> bool:
@@ -110,15 +111,15 @@ def _starts(rest: Rest, start: np.ndarray, everywhere: bool) -> Iterator[np.ndar
         return
     _, null = rest.look(start)
     count = null.shape[1]
-    directions = [sign * null[:, k] for k in range(min(count, 4)) for sign in (1.0, -1.0)]
-    for direction in directions:
-        q = start.copy()
-        for _ in range(12):  # along one freedom, in steps of a quarter of the size
-            _, now = rest.look(q)
-            q = q + now @ (now.T @ (direction / rest.scale**2)) * 0.25 * rest.ready.size
-            if not rest.close(q) < 1e-9 * rest.ready.size:
-                break
-            yield q.copy()
+    if count == 1:
+        yield from _around(rest, start, null[:, 0])
+    else:
+        for direction in [sign * null[:, k] for k in range(min(count, 4)) for sign in (1.0, -1.0)]:
+            q = start.copy()
+            for _ in range(12):
+                if not rest.walk(q, direction, 0.25 * rest.ready.size)[0]:
+                    break
+                yield q.copy()
     random = np.random.default_rng(0)
     if everywhere or count:
         model = rest.ready.model
@@ -135,21 +136,64 @@ def _starts(rest: Rest, start: np.ndarray, everywhere: bool) -> Iterator[np.ndar
             yield q
 
 
-def _settled(rest: Rest, starts: Iterator[np.ndarray] | Sequence[np.ndarray]) -> list[Equilibrium]:
-    """Distinct positions of rest, by plain Newton and downhill from every start."""
-    found: list[Equilibrium] = []
-    for start in starts:
-        for downhill in (False, True):
-            settled = rest.settle(start, downhill)
-            if settled is None or any(_same(rest.ready, settled[0], other.q) for other in found):
-                continue
-            one = rest.finish(*settled)
-            if any(_one_family(rest, one, other) for other in found):
-                continue
-            found.append(one)
-            if not one.freedoms:
+def _around(rest: Rest, start: np.ndarray, direction: np.ndarray) -> Iterator[np.ndarray]:
+    """One freedom: walk along it, all around where it closes; the places where the force along it changes its sign."""
+    stride = rest.ready.size / 8
+    path, force = [start], [float(rest.look(start)[0][0])]
+    for sign in (1.0, -1.0):
+        q, ahead, closed = start.copy(), sign * direction, False
+        for n in range(MOST_STRIDES):
+            went, along, _ = rest.walk(q, ahead, stride)
+            if not went:
                 break
-    return found
+            path.insert(len(path) if sign > 0 else 0, q.copy())
+            force.insert(len(force) if sign > 0 else 0, sign * along)
+            closed = n > 2 and _apart(rest.ready, q, start) < stride
+            if closed:
+                break
+        if closed:
+            break
+    nothing = 1e-9 * max(rest.force_scale(), max(map(abs, force)))
+    size = [abs(one) if abs(one) > nothing else math.inf for one in force]  # where nothing acts it may be anywhere
+    for k in range(1, len(path)):
+        if size[k - 1] < math.inf and size[k] < math.inf and force[k - 1] * force[k] < 0.0:
+            yield path[k - 1]
+            yield path[k]
+    for k in range(1, len(path) - 1):  # without a change of sign: two positions of rest may lie close together
+        if size[k] < min(size[k - 1], size[k + 1]) and force[k - 1] * force[k + 1] > 0.0:
+            yield path[k]
+
+
+@dataclass
+class Search:
+    """How much has been tried; in each part of the search the starts and the positions looked at are limited."""
+
+    starts: int = 0
+    stopped: bool = False
+
+    def settled(self, rest: Rest, starts: Iterable[np.ndarray]) -> list[Equilibrium]:
+        """Distinct positions of rest, by plain Newton and downhill from every start."""
+        found: list[Equilibrium] = []
+        known = np.zeros((0, 3 * rest.ready.body_count))
+        near = 1e-3 * _tiny(rest.ready)
+        begun, before = self.starts, rest.trials
+        for start in starts:
+            for downhill in (False, True):
+                if self.starts - begun >= MOST_STARTS or rest.trials - before >= MOST_TRIALS:
+                    self.stopped = True
+                    return found
+                self.starts += 1
+                settled = rest.settle(start, downhill, known, near)
+                if settled is None or any(_same(rest.ready, settled[0], other) for other in known):
+                    continue
+                known = np.vstack([known, settled[0]])
+                one = rest.finish(*settled)
+                if any(_one_family(rest, one, other) for other in found):
+                    continue
+                found.append(one)
+                if not one.freedoms:
+                    break
+        return found
 
 
 def _one_family(rest: Rest, one: Equilibrium, other: Equilibrium) -> bool:
@@ -160,12 +204,21 @@ def _one_family(rest: Rest, one: Equilibrium, other: Equilibrium) -> bool:
     return apart <= 1e-9 * rest.force_scale() * rest.ready.size
 
 
-def _same(ready: Compiled, one: np.ndarray, other: np.ndarray) -> bool:
-    tiny = min([ready.size] + [joint.clearance for joint in ready.model.joints.values() if joint.clearance > 0])
+def _apart(ready: Compiled, one: np.ndarray, other: np.ndarray) -> float:
+    """Largest distance of two positions [m], angles as on a circle of the mechanism's size."""
     apart = one - other
     apart[2::3] = (apart[2::3] + math.pi) % (2 * math.pi) - math.pi
     apart[2::3] *= ready.size
-    return bool(np.abs(apart).max() < 1e-5 * tiny + 1e-10 * ready.size)
+    return float(np.abs(apart).max())
+
+
+def _tiny(ready: Compiled) -> float:
+    """The smallest length that tells positions apart [m]."""
+    return min([ready.size] + [joint.clearance for joint in ready.model.joints.values() if joint.clearance > 0])
+
+
+def _same(ready: Compiled, one: np.ndarray, other: np.ndarray) -> bool:
+    return _apart(ready, one, other) < 1e-5 * _tiny(ready) + 1e-10 * ready.size
 
 
 def _sides(ideal: Rest, play: Rest, one: Equilibrium) -> list[np.ndarray]:
@@ -190,19 +243,13 @@ def _sides(ideal: Rest, play: Rest, one: Equilibrium) -> list[np.ndarray]:
 
 def opened(ideal: Rest, q: np.ndarray, wanted: Mapping[str, np.ndarray]) -> np.ndarray:
     """The ideal mechanism's position with its pins displaced in their bushes, by least change."""
-    ready, memory = ideal.ready, ideal.memory
+    ready = ideal.ready
     target = np.zeros(ready.row_count)
     for name, offset in wanted.items():
         first = int(ready.arrays["joint"][ready.joints.index(name), 4])
         target[first : first + 2] = offset
     q = q.copy()
-    for _ in range(6):
-        merit_at(memory.handle, q)
-        rows = dense_rows(ready, memory) * ideal.scale
-        change = np.linalg.lstsq(rows, target - memory["rows"][:, 0], rcond=1e-9)[0] * ideal.scale
-        q += change
-        if np.abs(change).max() < 1e-13:
-            break
+    ideal.displace(q, target)
     return q
 
 

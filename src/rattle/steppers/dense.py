@@ -1,0 +1,195 @@
+"""Dense linear algebra of small matrices in scalar loops: rank, null space, least squares, singular values.
+
+    A^T P = Q R   by Householder reflections with pivoting, A (rows, n) kept row by row: row k becomes what row k of
+    A^T P = Q R needs: R above its diagonal, the reflection from there on
+
+    H = U S V^T   by rotations of the columns of H that make them orthogonal (one-sided Jacobi)
+
+Source: Golub, Van Loan, Matrix Computations (2013), sections 5.4.2 and 8.6.3.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import compiled
+
+SWEEPS = 30
+FINE = 1e-15  # cosine between two columns that counts as a right angle
+
+
+@compiled
+def triangulate(wide, order, pivot, share):
+    """Reflections that make A^T triangular, in place; returns the rank.
+
+    wide (rows, n): A, then reflections and R; order (rows,): which row stands where; pivot (2, rows): diagonal of R,
+    and 2 / |v|^2 of every reflection; share: of the longest row, what is left of a row that counts as dependent.
+    """
+    rows, n = wide.shape[0], wide.shape[1]
+    longest, rank = 0.0, 0
+    for r in range(rows):
+        order[r] = r
+    for k in range(min(rows, n)):
+        best, at = -1.0, k
+        for r in range(k, rows):
+            line = wide[r]
+            square = 0.0
+            for c in range(k, n):
+                square += line[c] * line[c]
+            if square > best:
+                best = square
+                at = r
+        best = math.sqrt(max(best, 0.0))
+        if k == 0:
+            longest = best
+        if not best > share * longest:
+            break
+        if at != k:
+            order[k], order[at] = order[at], order[k]
+            for c in range(n):
+                wide[k, c], wide[at, c] = wide[at, c], wide[k, c]
+        line = wide[k]
+        pivot[0, k] = -math.copysign(best, line[k])
+        pivot[1, k] = 1.0 / (best * (best + abs(line[k])))
+        line[k] -= pivot[0, k]
+        for r in range(k + 1, rows):
+            reflect_once(line, pivot[1, k], k, wide[r])
+        rank += 1
+    return rank
+
+
+@compiled
+def reflect_once(line, factor, k, x):
+    """Reflect x in the plane whose normal stands in `line` from place k on."""
+    dot = 0.0
+    for c in range(k, x.shape[0]):
+        dot += line[c] * x[c]
+    dot *= factor
+    for c in range(k, x.shape[0]):
+        x[c] -= dot * line[c]
+
+
+@compiled
+def into_basis(wide, pivot, rank, x):
+    """x = Q^T x, in place."""
+    for k in range(rank):
+        reflect_once(wide[k], pivot[1, k], k, x)
+
+
+@compiled
+def out_of_basis(wide, pivot, rank, x):
+    """x = Q x, in place."""
+    for n in range(rank):
+        k = rank - 1 - n
+        reflect_once(wide[k], pivot[1, k], k, x)
+
+
+@compiled
+def solve_upper(wide, pivot, rank, x):
+    """x = R^-1 x for the first `rank` numbers, in place."""
+    for n in range(rank):
+        k = rank - 1 - n
+        value = x[k]
+        for j in range(k + 1, rank):
+            value -= wide[j, k] * x[j]
+        x[k] = value / pivot[0, k]
+
+
+@compiled
+def solve_lower(wide, pivot, rank, x):
+    """x = R^-T x for the first `rank` numbers, in place."""
+    for k in range(rank):
+        value = x[k]
+        for j in range(k):
+            value -= wide[k, j] * x[j]
+        x[k] = value / pivot[0, k]
+
+
+@compiled
+def rotate_columns(small, n):
+    """Rotate the columns of a matrix H until they are orthogonal.
+
+    small (2 k, k), k >= n: line j holds column j of H, then of U S; line k + j is made column j of V.
+    """
+    half = small.shape[1]
+    for i in range(n):
+        for j in range(n):
+            small[half + i, j] = 1.0 if i == j else 0.0
+    for _ in range(SWEEPS):
+        turned = False
+        for i in range(n - 1):
+            for j in range(i + 1, n):
+                turned = rotate_pair(small[i], small[j], small[half + i], small[half + j], n) or turned
+        if not turned:
+            break
+
+
+@compiled
+def rotate_pair(one, other, v_one, v_other, n):
+    """Make two columns orthogonal by a rotation, the same for those of V; False where they are so already."""
+    alpha, beta, gamma = 0.0, 0.0, 0.0
+    for k in range(n):
+        alpha += one[k] * one[k]
+        beta += other[k] * other[k]
+        gamma += one[k] * other[k]
+    if not abs(gamma) > FINE * math.sqrt(alpha * beta):
+        return False
+    zeta = (beta - alpha) / (2.0 * gamma)
+    tangent = math.copysign(1.0, zeta) / (abs(zeta) + math.sqrt(1.0 + zeta * zeta))
+    c = 1.0 / math.sqrt(1.0 + tangent * tangent)
+    s = c * tangent
+    for k in range(n):
+        x, y = one[k], other[k]
+        one[k] = c * x - s * y
+        other[k] = s * x + c * y
+        x, y = v_one[k], v_other[k]
+        v_one[k] = c * x - s * y
+        v_other[k] = s * x + c * y
+    return True
+
+
+@compiled
+def length(x, n):
+    """Length of the first n numbers of a vector."""
+    square = 0.0
+    for k in range(n):
+        square += x[k] * x[k]
+    return math.sqrt(square)
+
+
+@compiled
+def solve_rotated(small, n, right, share, x):
+    """x = H^+ right, the shortest least-squares solution, from what `rotate_columns` has left; share: see there."""
+    half = small.shape[1]
+    largest = 0.0
+    for j in range(n):
+        largest = max(largest, length(small[j], n))
+    for k in range(n):
+        x[k] = 0.0
+    for j in range(n):
+        size = length(small[j], n)
+        if size > share * largest and size > 0.0:
+            part = 0.0
+            for k in range(n):
+                part += small[j, k] * right[k]
+            part /= size * size
+            for k in range(n):
+                x[k] += part * small[half + j, k]
+
+
+@compiled
+def solve_downhill(small, n, right, share, x):
+    """x = |H|^-1 right for a symmetric H, small values raised to a share of the largest."""
+    half = small.shape[1]
+    largest = 0.0
+    for j in range(n):
+        largest = max(largest, length(small[j], n))
+    for k in range(n):
+        x[k] = 0.0
+    for j in range(n):
+        part = 0.0
+        for k in range(n):
+            part += small[half + j, k] * right[k]
+        part /= max(length(small[j], n), share * largest + 1e-300)
+        for k in range(n):
+            x[k] += part * small[half + j, k]

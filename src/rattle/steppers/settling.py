@@ -1,0 +1,387 @@
+"""Newton to a position of rest on the freedoms that the joints leave, as one compiled loop.
+
+    Z = null space of Phi_q,   g = Z^T Q,   H = Z^T K Z,   K = -d(Q - Phi_q^T lambda)/dq,   q += Z H^-1 g
+
+H by differences along the columns of Z alone.  Coordinates are scaled, see `rattle.resting`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import compiled
+from rattle.closing import close_position, merit_at
+from rattle.memory import BODY, FORCE, MULTIPLIER, ROW_BODY, ROWS, VALUES, imat, mat, vec
+from rattle.plane import AX, BX, COS, RES, SIN, X, Y
+from rattle.steppers.dense import (
+    into_basis,
+    out_of_basis,
+    rotate_columns,
+    solve_downhill,
+    solve_lower,
+    solve_rotated,
+    solve_upper,
+    triangulate,
+)
+from rattle.steppers.rest import force_at
+
+RANK = 1e-9  # what is left of a row, as a share of the longest, that counts as dependent
+MOST_TURN = 0.4  # of a body in one step [rad]; shifts as a share of the mechanism's extent
+ROUNDS = 150  # Newton steps before a start is given up
+HALVINGS = 30
+MOST_TRIALS = 600.0  # positions tried from one start before it is given up
+LOST, SETTLED, KNOWN, GOING = range(4)
+# rows of `line`
+OUT, G, DZ, MOVE, TRIAL, START, WORK = range(7)
+# entries of `state`
+PHASE, ITERATION, SMALL, FORCE_SIZE, TRIALS, EXTENT, FREEDOMS, G_SIZE, G_LENGTH = range(9)
+
+
+@compiled
+def scaled_rows(m, scale, wide, norm):
+    """Phi_q of the rows at hand in scaled coordinates into wide (nr, 3 nb), every row of length one."""
+    rows, row_body = mat(m, ROWS), imat(m, ROW_BODY)
+    for r in range(rows.shape[0]):
+        line = wide[r]
+        for c in range(line.shape[0]):
+            line[c] = 0.0
+        i, j = 3 * row_body[r, 0] - 3, 3 * row_body[r, 1] - 3
+        for k in range(3):
+            if i >= 0:
+                line[i + k] += rows[r, AX + k] * scale[i + k]
+            if j >= 0:
+                line[j + k] += rows[r, BX + k] * scale[j + k]
+        square = 0.0
+        for c in range(line.shape[0]):
+            square += line[c] * line[c]
+        norm[r] = math.sqrt(square)
+        if square > 0.0:
+            for c in range(line.shape[0]):
+                line[c] /= norm[r]
+
+
+@compiled
+def look(m, t, q, scale, wide, norm, order, pivot, null, line):
+    """Reduced force into line[G], scaled null space into the first lines of `null`; leaves the multipliers.
+
+    Returns the number of freedoms.
+    """
+    n, multiplier = q.shape[0], vec(m, MULTIPLIER)
+    for r in range(multiplier.shape[0]):
+        multiplier[r] = 0.0
+    force_at(m, t, q, line[OUT])
+    scaled_rows(m, scale, wide, norm)
+    rank = triangulate(wide, order, pivot, RANK)
+    work, g = line[WORK], line[G]
+    for k in range(n):
+        work[k] = line[OUT, k] * scale[k]
+    into_basis(wide, pivot, rank, work)
+    for k in range(n - rank):
+        g[k] = work[rank + k]
+    solve_upper(wide, pivot, rank, work)
+    for k in range(rank):
+        multiplier[order[k]] = work[k] / norm[order[k]]
+    for j in range(n - rank):
+        direction = null[j]
+        for k in range(n):
+            direction[k] = 0.0
+        direction[rank + j] = 1.0
+        out_of_basis(wide, pivot, rank, direction)
+        for k in range(n):
+            direction[k] *= scale[k]
+    return n - rank
+
+
+@compiled
+def reduced_stiffness(m, t, q, step, freedoms, null, line, small):
+    """H^T = (Z^T K Z)^T into `small` (a line for each column of H), by differences of fourth order along Z."""
+    work, out, n = line[WORK], line[OUT], q.shape[0]
+    trial = line[TRIAL]
+    for j in range(freedoms):
+        for k in range(n):
+            work[k] = 0.0
+        for s in range(4):
+            shift = (-2.0, -1.0, 1.0, 2.0)[s] * step
+            factor = (-1.0, 8.0, -8.0, 1.0)[s] / (12.0 * step)
+            for k in range(n):
+                trial[k] = q[k] + shift * null[j, k]
+            force_at(m, t, trial, out)
+            for k in range(n):
+                work[k] += factor * out[k]
+        for i in range(freedoms):
+            value = 0.0
+            for k in range(n):
+                value += null[i, k] * work[k]
+            small[j, i] = value
+
+
+@compiled
+def offsets(m, links, first, arm):
+    """Pin centre minus bush centre of every massless link at the state in `body`, into arm from line `first` on."""
+    body, values = mat(m, BODY), vec(m, VALUES)
+    for n in range(links.shape[0]):
+        a, b, p = links[n, 0], links[n, 1], links[n, 2]
+        arm[first + n, 0] = (
+            body[b, X]
+            + body[b, COS] * values[p + 2]
+            - body[b, SIN] * values[p + 3]
+            - (body[a, X] + body[a, COS] * values[p] - body[a, SIN] * values[p + 1])
+        )
+        arm[first + n, 1] = (
+            body[b, Y]
+            + body[b, SIN] * values[p + 2]
+            + body[b, COS] * values[p + 3]
+            - (body[a, Y] + body[a, SIN] * values[p] + body[a, COS] * values[p + 1])
+        )
+
+
+@compiled
+def changed_side(arm, links):
+    """True where a pin has turned by more than 0.8 rad: it may have changed sides."""
+    count = links.shape[0]
+    for n in range(count):
+        x, y, x_new, y_new = arm[n, 0], arm[n, 1], arm[count + n, 0], arm[count + n, 1]
+        size = math.sqrt((x * x + y * y) * (x_new * x_new + y_new * y_new)) + 1e-300
+        if (x * x_new + y * y_new) / size < 0.7:
+            return True
+    return False
+
+
+@compiled
+def force_size(m, size):
+    """A force typical of what acts [N]."""
+    rows, force, multiplier = mat(m, ROWS), mat(m, FORCE), vec(m, MULTIPLIER)
+    most = 1e-12
+    for r in range(rows.shape[0]):
+        for k in range(6):
+            most = max(most, abs(multiplier[r] * rows[r, AX + k]))
+    for i in range(force.shape[0]):
+        most = max(most, max(abs(force[i, 0]), abs(force[i, 1])))
+        most = max(most, abs(force[i, 2]) / size)
+    return most
+
+
+@compiled
+def largest_of(x, n):
+    """Largest component; inf where one is not finite."""
+    most = 0.0
+    for k in range(n):
+        value = abs(x[k])
+        if not value < math.inf:
+            return math.inf
+        most = max(most, value)
+    return most
+
+
+@compiled
+def is_known(q, known, count, near, scale):
+    """True where q is within a distance of one of the first `count` positions, angles taken as on a circle."""
+    for n in range(count):
+        apart = 0.0
+        for k in range(q.shape[0]):
+            value = q[k] - known[n, k]
+            if k % 3 == 2:
+                value -= 2.0 * math.pi * math.floor(value / (2.0 * math.pi) + 0.5)
+            apart = max(apart, abs(value) / scale[k])
+            if apart > near:
+                break
+        if apart <= near:
+            return True
+    return False
+
+
+@compiled
+def newton_step(freedoms, downhill, line, small, null, state, size):
+    """The step dz and its move of all coordinates; returns how far it would go unlimited."""
+    g, dz, move = line[G], line[DZ], line[MOVE]
+    if downhill:
+        for i in range(freedoms):
+            for j in range(i):
+                value = 0.5 * (small[i, j] + small[j, i])
+                small[i, j] = value
+                small[j, i] = value
+    rotate_columns(small, freedoms)
+    if downhill:
+        solve_downhill(small, freedoms, g, 1e-9, dz)
+    else:
+        solve_rotated(small, freedoms, g, 1e-13, dz)
+    turn, shift = 1e-300, 1e-300
+    for k in range(move.shape[0]):
+        value = 0.0
+        for j in range(freedoms):
+            value += null[j, k] * dz[j]
+        move[k] = value
+        if k % 3 == 2:
+            turn = max(turn, abs(value))
+        else:
+            shift = max(shift, abs(value))
+    share = min(1.0, min(MOST_TURN / turn, MOST_TURN * state[EXTENT] / shift))
+    for j in range(freedoms):
+        dz[j] *= share
+    for k in range(move.shape[0]):
+        move[k] *= share
+    return max(turn * size, shift)
+
+
+@compiled
+def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot, null, line, state):
+    """One step along line[MOVE], halved until it is safe and helps; q and the state go there. False when none does."""
+    force, n = mat(m, FORCE), q.shape[0]
+    move, trial, freedoms = line[MOVE], line[TRIAL], int(state[FREEDOMS])
+    ahead = 0.0  # force along the way, here
+    for j in range(freedoms):
+        ahead += line[G, j] * line[DZ, j]
+    merit_at(m, q)
+    offsets(m, links, 0, arm)
+    share = 1.0
+    for _ in range(HALVINGS):
+        state[TRIALS] += 1.0
+        if state[TRIALS] > MOST_TRIALS:
+            return False
+        for k in range(n):
+            trial[k] = q[k] + share * move[k]
+        gap, _ = close_position(m, t, trial, line[START], 1e-13 * size, 60)
+        fine = gap < 1e-9 * size
+        if fine:
+            offsets(m, links, links.shape[0], arm)
+            fine = not changed_side(arm, links)
+        if fine:
+            fine = look(m, t, trial, scale, wide, norm, order, pivot, null, line) == freedoms
+        if fine:
+            length = 0.0
+            for j in range(freedoms):
+                length += line[G, j] * line[G, j]
+            length = math.sqrt(length)
+            if downhill:  # not beyond the point where the force along the way turns round
+                along = 0.0
+                for k in range(n):
+                    along += force[k // 3 + 1, k % 3] * move[k]
+                fine = (along > -0.5 * ahead and length < math.inf) or length < state[G_LENGTH]
+            else:
+                fine = length < state[G_LENGTH] * (1.0 - 1e-4 * share)
+            if fine:
+                for k in range(n):
+                    q[k] = trial[k]
+                state[G_LENGTH] = length
+                state[G_SIZE] = largest_of(line[G], freedoms)
+                return True
+        share *= 0.5
+    return False
+
+
+@compiled
+def begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
+    """Put the joints together at a start and look at it; False where they cannot be."""
+    gap, _ = close_position(m, t, q, line[START], 1e-13 * size, 60)
+    if not gap < 1e-9 * size:
+        return False
+    freedoms = look(m, t, q, scale, wide, norm, order, pivot, null, line)
+    extent, square = size, 0.0
+    for k in range(q.shape[0]):
+        if k % 3 < 2:
+            extent = max(extent, abs(q[k]))
+    for j in range(freedoms):
+        square += line[G, j] * line[G, j]
+    state[EXTENT], state[FORCE_SIZE], state[FREEDOMS] = extent, force_size(m, size), float(freedoms)
+    state[G_SIZE], state[G_LENGTH], state[PHASE] = largest_of(line[G], freedoms), math.sqrt(square), 1.0
+    return True
+
+
+@compiled
+def settle(
+    m, t, q, scale, size, step, downhill, rounds, known, count, near,
+    links, arm, wide, norm, order, pivot, null, line, small, state,
+):  # fmt: skip
+    """From a start q to a position of rest, in place; to a stable one if `downhill`.
+
+    rounds: after so many the call returns GOING, to be called again; known (k, 3 nb): positions that need not be
+    reached once more, the first `count` of them, to within `near`.  state[PHASE] is 0 at the start.
+    """
+    if state[PHASE] == 0.0 and not begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
+        return LOST
+    freedoms = int(state[FREEDOMS])
+    for _ in range(rounds):
+        if freedoms == 0:
+            return SETTLED
+        if not state[G_SIZE] < math.inf:
+            return LOST
+        if is_known(q, known, count, near, scale):
+            return KNOWN
+        reduced_stiffness(m, t, q, step, freedoms, null, line, small)
+        far = newton_step(freedoms, downhill, line, small, null, state, size)
+        before = state[G_SIZE]
+        if not far < math.inf:
+            return LOST
+        if far < 1e-13 * size or (before <= 1e-12 * state[FORCE_SIZE] and far < 1e-10 * size):
+            return SETTLED
+        rest = before <= 1e-8 * state[FORCE_SIZE]
+        if not advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot, null, line, state):
+            return SETTLED if rest else LOST
+        state[ITERATION] += 1.0
+        slow = state[G_SIZE] <= 1e-11 * state[FORCE_SIZE] and state[G_SIZE] > 0.1 * before
+        state[SMALL] = state[SMALL] + 1.0 if slow else 0.0
+        if state[SMALL] == 2.0:
+            return SETTLED
+        if state[ITERATION] >= ROUNDS:
+            return SETTLED if state[G_SIZE] <= 1e-8 * state[FORCE_SIZE] else LOST
+    return GOING
+
+
+@compiled
+def walk(m, t, q, scale, size, stride, direction, wide, norm, order, pivot, null, line):
+    """A stride along the freedoms in the direction of the last one; both in place.
+
+    Returns the gap that is left (inf where there is no way on), the force along the way and the largest reduced one.
+    """
+    n = q.shape[0]
+    freedoms = look(m, t, q, scale, wide, norm, order, pivot, null, line)
+    move, square = line[MOVE], 0.0
+    for k in range(n):
+        move[k] = 0.0
+    for j in range(freedoms):
+        part = 0.0
+        for k in range(n):
+            part += null[j, k] * direction[k] / (scale[k] * scale[k])
+        square += part * part
+        for k in range(n):
+            move[k] += part * null[j, k]
+    if not square > 1e-8:
+        return math.inf, 0.0, 0.0
+    for k in range(n):
+        direction[k] = move[k] / math.sqrt(square)
+        q[k] += stride * direction[k]
+    gap, _ = close_position(m, t, q, line[START], 1e-13 * size, 60)
+    if not gap < 1e-9 * size:
+        return math.inf, 0.0, 0.0
+    freedoms = look(m, t, q, scale, wide, norm, order, pivot, null, line)
+    along = 0.0
+    for j in range(freedoms):
+        part = 0.0
+        for k in range(n):
+            part += null[j, k] * direction[k] / (scale[k] * scale[k])
+        along += part * line[G, j]
+    return gap, along, largest_of(line[G], freedoms)
+
+
+@compiled
+def displace(m, q, target, scale, rounds, wide, norm, order, pivot, line):
+    """Bring the rows' residuals to `target` (nr,) by the least change of q, in place."""
+    rows, change, n = mat(m, ROWS), line[WORK], q.shape[0]
+    for _ in range(rounds):
+        merit_at(m, q)
+        scaled_rows(m, scale, wide, norm)
+        rank = triangulate(wide, order, pivot, RANK)
+        for k in range(n):
+            change[k] = 0.0
+        for k in range(rank):
+            r = order[k]
+            change[k] = (target[r] - rows[r, RES]) / norm[r]
+        solve_lower(wide, pivot, rank, change)
+        out_of_basis(wide, pivot, rank, change)
+        most = 0.0
+        for k in range(n):
+            change[k] *= scale[k]
+            q[k] += change[k]
+            most = max(most, abs(change[k]))
+        if most < 1e-13:
+            break
