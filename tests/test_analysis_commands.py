@@ -86,3 +86,20 @@ def test_modes_name_frequencies_and_draw_a_shape(tmp_path):
     assert "mode 1: 0.251" in seen.stdout
     assert "Hz" in seen.stdout
     assert figure.stat().st_size > 1000
+
+
+def test_options_that_would_do_nothing_are_refused(tmp_path):
+    seen = run("equilibrium", "fourbar", "-o", str(tmp_path / "x.nc"))
+    assert seen.exit_code == 2
+    assert "add --path" in seen.stderr
+    seen = run("modes", "balanced_arm", "--mode", "7", "-o", str(tmp_path / "x.svg"))
+    assert seen.exit_code == 2
+    assert "there are 2 modes, counted from 1" in seen.stderr
+
+
+def test_a_search_that_was_given_up_is_said_beside_the_results(monkeypatch):
+    monkeypatch.setattr("rattle.statics.MOST_STARTS", 2)
+    seen = run("equilibrium", "double_pendulum", "--json")
+    assert seen.exit_code == 0
+    assert json.loads(seen.stdout)
+    assert "search stopped after 2 starts; there may be more" in seen.stderr

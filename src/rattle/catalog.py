@@ -159,6 +159,7 @@ class Compiled:
         self.ours = ours
         self._whole: Any = None
         self._part: Any = None
+        self._called = False  # from Python: its machine code is there
         self._address = 0
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
@@ -167,10 +168,12 @@ class Compiled:
     def __call__(self, *args: Any) -> Any:
         if not _jit or (args and type(args[0]) is tuple):  # a memory made before machine code ran stays plain
             return self.python(*args)
-        if self.dispatcher.signatures:
-            return self.dispatcher(*args)
+        if self._called:
+            return self._whole(*args)
         with _compiling():
-            return self.dispatcher(*args)
+            found = self.dispatcher(*args)
+        self._called = True
+        return found
 
     @property
     def dispatcher(self) -> Any:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rattle.checking import Check
     from rattle.compare import Comparison
     from rattle.modes import Modes
-    from rattle.resting import Equilibrium
+    from rattle.resting import Equilibria, Equilibrium
     from rattle.result import Result
     from rattle.system import Compiled
 
@@ -303,18 +303,19 @@ class Mechanism(Building):
         )
 
     @overload
-    def equilibrium(self, t: Seconds = 0.0, *, branches: str = "near") -> list[Equilibrium]: ...
+    def equilibrium(self, t: Seconds = 0.0, *, branches: str = "near") -> Equilibria: ...
     @overload
     def equilibrium(self, t: Sequence[float] | np.ndarray, *, branches: str = "near") -> Result: ...
     def equilibrium(
         self, t: Seconds | Sequence[float] | np.ndarray = 0.0, *, branches: str = "near"
-    ) -> list[Equilibrium] | Result:
+    ) -> Equilibria | Result:
         """Positions of rest with the drivers held where they are at time t [s]; loads are taken at rest.
 
         Returns a list: admissible (no bush has to pull) and stable ones first, then by their distance from the
         initial guess.  A clearance pin is a massless link; its partners on the other side (n and -n at every pin)
         are in the list too.  A compliant pin sinks in by its law, an impact pin is taken as hard; friction is left
         out.  branches: "near" keeps the way in which the mechanism is put together, "all" looks for others too.
+        The search is limited (positions looked at, starts); where it was given up `.note` of the list says so.
 
         With an array of times: the slow motion over them as a Result, with the drivers' efforts, the mechanical
         advantage `<load>.advantage` (force or moment held at the load per unit of effort), `equilibrium.stiffness`
@@ -343,10 +344,11 @@ class Mechanism(Building):
         from rattle.modes import modes
         from rattle.statics import rest_of
 
-        found = [equilibrium] if equilibrium is not None else self.equilibrium(seconds(t, "t"))
+        searched = self.equilibrium(seconds(t, "t")) if equilibrium is None else None
+        found = [equilibrium] if equilibrium is not None else searched
         if not found:
             raise ValueError(f"no position of rest was found at t = {seconds(t, 't'):g} s")
-        return modes(rest_of(self.ready, found[0]), found[0])
+        return modes(rest_of(self.ready, found[0]), found[0], searched.note if searched is not None else "")
 
     def accuracy(
         self, of: str, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *, extremes: bool = True, loaded: bool = True

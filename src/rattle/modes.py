@@ -34,6 +34,7 @@ class Modes:
     damping: np.ndarray  # (f,) share of critical damping (of the mode alone)
     shapes: np.ndarray  # (f, 3 nb) x, y, angle of every body [m, m, rad] at the largest displacement
     rest: Rest = field(repr=False)
+    note: str = ""  # how far the search for the position of rest went, where it was given up
 
     @property
     def frequency(self) -> np.ndarray:
@@ -68,8 +69,8 @@ class Modes:
         said = [
             f"mode {k}: {swing}{', damping ' if damping else ''}{damping} ({movers})"
             for k, swing, damping, movers in self.rows()
-        ]
-        return "\n".join(said) or "no degree of freedom is left that could vibrate"
+        ] or ["no degree of freedom is left that could vibrate"]
+        return "\n".join([*said, self.note] if self.note else said)
 
     def motion(self, mode: int, amplitude: float = 0.1) -> Result:
         """One cycle of a mode (0 = lowest) as a result that can be plotted and animated.
@@ -78,7 +79,7 @@ class Modes:
         so that joints stay closed. An unstable mode is shown over one unit of time.
         """
         if not 0 <= mode < len(self):
-            raise ValueError(f"mode {mode}: there are {len(self)}, counted from 0")
+            raise ValueError(f"mode {mode}: there are {len(self)} modes, here numbered from 0")
         rest, q0 = self.rest, self.equilibrium.q
         omega = 2 * math.pi if math.isnan(self.omega[mode]) or self.omega[mode] == 0.0 else self.omega[mode]
         t = np.linspace(0.0, 2 * math.pi / omega, FRAMES)
@@ -124,13 +125,13 @@ class Modes:
         self.motion(mode, amplitude).animate(path, **options)
 
 
-def modes(rest: Rest, one: Equilibrium) -> Modes:
+def modes(rest: Rest, one: Equilibrium, note: str = "") -> Modes:
     """Natural modes about a position of rest found with `rest`; see `Mechanism.modes`."""
     rest.at(one.t)
     g, null = rest.look(one.q)
     if not len(g):
         empty = np.zeros(0)
-        return Modes(one, empty, empty, empty, np.zeros((0, len(one.q))), rest)
+        return Modes(one, empty, empty, empty, np.zeros((0, len(one.q))), rest, note)
     h = rest.hessian(one.q, null)
     h = 0.5 * (h + h.T)
     mass = null.T @ (rest.ready.arrays["mass"][1:].ravel()[:, None] * null)
@@ -146,7 +147,7 @@ def modes(rest: Rest, one: Equilibrium) -> Modes:
     damping = np.einsum("ik,ij,jk->k", vectors, c, vectors) / critical
     shapes = (null @ vectors).T
     largest = np.abs(shapes / rest.scale).max(axis=1, keepdims=True)
-    return Modes(one, omega, growth, np.nan_to_num(damping), shapes / largest * rest.ready.size, rest)
+    return Modes(one, omega, growth, np.nan_to_num(damping), shapes / largest * rest.ready.size, rest, note)
 
 
 def _damping(rest: Rest, q: np.ndarray) -> np.ndarray:

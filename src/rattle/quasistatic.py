@@ -29,6 +29,8 @@ log = logging.getLogger("rattle")
 
 SMALLEST = 1e-7  # share of an interval below which no step is tried
 MOST_SNAPS = 5  # in one interval
+MOST_STEPS = 300  # in one interval
+MOST_TRIALS = 20_000  # positions looked at in one interval
 
 
 @dataclass
@@ -90,7 +92,7 @@ def quasistatic(ready: Compiled, t_eval: np.ndarray) -> Result:
         kept.append(path.last)
     if message:
         log.warning(message)
-    return _result(path.rest, kept, events, message, time.perf_counter() - began)
+    return _result(path.rest, kept, events, message, first.note, time.perf_counter() - began)
 
 
 def _on_links(path: Path, start: Equilibrium) -> Equilibrium:
@@ -101,8 +103,14 @@ def _on_links(path: Path, start: Equilibrium) -> Equilibrium:
 
 def _lead(path: Path, t: float, events: list[Event]) -> str:
     """Go to time t in as many steps as needed; returns why not, if not."""
-    snaps = 0
+    snaps, steps, before = 0, 0, path.rest.trials
     while path.last.t < t:
+        steps += 1
+        if steps > MOST_STEPS or path.rest.trials - before > MOST_TRIALS:
+            return (
+                f"search stopped at t = {path.last.t:.8g} s after {steps - 1} steps towards t = {t:.8g} s: the position"
+                " of rest changes too fast there; ask for more instants, or for the motion with simulate"
+            )
         whole = t - path.last.t
         share, found = 1.0, None
         while found is None and share > SMALLEST:
@@ -217,7 +225,7 @@ def _direction(rest: Rest, one: Equilibrium, name: str) -> np.ndarray:
 ADVANTAGE_UNITS = {("torque", "N*m"): "", ("force", "N"): "", ("force", "N*m"): "1/m", ("torque", "N"): "m"}
 
 
-def _result(rest: Rest, kept: list[Equilibrium], events: list[Event], message: str, wall: float) -> Result:
+def _result(rest: Rest, kept: list[Equilibrium], events: list[Event], message: str, note: str, wall: float) -> Result:
     from rattle import __version__
 
     ready, first = rest.ready, kept[0].result
@@ -236,7 +244,7 @@ def _result(rest: Rest, kept: list[Equilibrium], events: list[Event], message: s
     first_pull = {name: next((one.t for one in kept if name in one.pulled), None) for name in pulled}
     trust = Trust(
         drift=max(one.gap for one in kept), t_end=kept[-1].t, horizon=kept[-1].t, pulled=pulled, first_pull=first_pull,
-        nonunique=kept[0].nonunique,
+        nonunique=kept[0].nonunique, notes=(note,) if note else (),
     )  # fmt: skip
     return Result(
         t=[one.t for one in kept], data=np.array(table, dtype=float), names=[*names, *extra], units=units | extra,

@@ -31,6 +31,7 @@ from rattle.steppers.rest import force_at
 from rattle.steppers.writing import write
 from rattle.system import Compiled, has_contacts, is_link
 
+MOST_TRIALS = 600  # positions tried from one start before it is given up
 CHUNK = 10_000_000  # operations, roughly, between two looks at whether the user wants to stop
 
 
@@ -169,6 +170,8 @@ class Room(NamedTuple):
     line: np.ndarray  # (7, n)
     small: np.ndarray  # (2 n, n)
     state: np.ndarray  # (9,)
+    order_h: np.ndarray  # (n,)
+    pivot_h: np.ndarray  # (2, n)
 
     @classmethod
     def of(cls, n: int, rows: int, links: int) -> Room:
@@ -176,6 +179,7 @@ class Room(NamedTuple):
         return cls(
             np.zeros((2 * links, 2)), np.zeros((rows, n)), np.zeros(rows), np.zeros(rows, np.int64),
             np.zeros((2, rows)), np.zeros((n, n)), np.zeros((7, n)), np.zeros((2 * n, n)), np.zeros(9),
+            np.zeros(n, np.int64), np.zeros((2, n)),
         )  # fmt: skip
 
 
@@ -203,6 +207,9 @@ class Rest:
         self.pins = np.ascontiguousarray(entries[:, 1:4])
         self.room = Room.of(3 * ready.body_count, ready.row_count, len(self.links))
         self.trials = 0  # positions looked at
+        self.arrived = False  # whether the last start led to a position of rest, known or new
+        self.redundant = False  # whether the rows looked at last depend on each other
+        self.geometry = geometry(ready.model)
         self.at(t)
 
     def at(self, t: float) -> None:
@@ -217,11 +224,16 @@ class Rest:
 
     def look(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Reduced force g [N] and the scaled null space Z at q; leaves the least-squares multipliers."""
-        self.memory["multiplier"][:] = 0.0
+        r, rows_all = self.room, self.ready.row_count
+        freedoms = settling.look(
+            self.memory.handle, self.t, q, self.scale, r.wide, r.norm, r.order, r.pivot, r.null, r.line
+        )
+        self.redundant = freedoms > len(q) - rows_all
+        if not self.redundant:
+            return r.line[settling.G, :freedoms].copy(), r.null[:freedoms].T.copy()
+        self.memory["multiplier"][:] = 0.0  # of all that hold the balance, those of least size
         force_at(self.memory.handle, self.t, q, self.out)
         applied = self.out * self.scale
-        if not self.ready.row_count:
-            return applied, np.diag(self.scale)
         rows = dense_rows(self.ready, self.memory) * self.scale
         norm = np.linalg.norm(rows, axis=1)
         _, values, right = np.linalg.svd(rows / norm[:, None])
@@ -235,7 +247,7 @@ class Rest:
         room, freedoms = self.room, null.shape[1]
         room.null[:freedoms] = null.T
         settling.reduced_stiffness(
-            self.memory.handle, self.t, q, self.length, freedoms, room.null, room.line, room.small
+            self.memory.handle, self.t, q, self.length, freedoms, 4, room.null, room.line, room.small
         )
         force_at(self.memory.handle, self.t, q, self.out)
         return room.small[:freedoms, :freedoms].T.copy()
@@ -257,12 +269,17 @@ class Rest:
         return np.array(found).reshape(-1, 2)
 
     def settle(
-        self, start: np.ndarray, downhill: bool = False, known: np.ndarray | None = None, near: float = 0.0
+        self,
+        start: np.ndarray,
+        downhill: bool = False,
+        known: np.ndarray | None = None,
+        near: float = 0.0,
+        most: int = MOST_TRIALS,
     ) -> tuple[np.ndarray, int] | None:
         """A position of rest near a start, or None; downhill: a stable one.
 
         known (k, 3 nb): positions of rest that need not be found once more; None too where the way leads to within
-        `near` of one of them.  `trials` counts the positions looked at.
+        `near` of one of them.  most: positions to try before the start is given up; `trials` counts them.
         """
         q, room = start.copy(), self.room
         room.state[:] = 0.0
@@ -272,9 +289,10 @@ class Rest:
         while status == settling.GOING:  # in pieces, so that the user can stop it
             status = settling.settle(
                 self.memory.handle, self.t, q, self.scale, self.ready.size, self.length, downhill, rounds, known,
-                len(known), near, self.pins, *room,
+                len(known), near, self.pins, *room, float(most),
             )  # fmt: skip
         self.trials += int(room.state[settling.TRIALS]) + 1
+        self.arrived = status in (settling.SETTLED, settling.KNOWN)
         return (q, int(room.state[settling.ITERATION])) if status == settling.SETTLED else None
 
     def walk(self, q: np.ndarray, direction: np.ndarray, stride: float) -> tuple[bool, float, float]:
@@ -290,9 +308,7 @@ class Rest:
     def displace(self, q: np.ndarray, target: np.ndarray) -> None:
         """Bring the residuals of all rows to `target` (nr,) by the least change of q, in place."""
         r = self.room
-        settling.displace(
-            self.memory.handle, q, target, self.scale, 6, r.wide, r.norm, r.order, r.pivot, r.line
-        )
+        settling.displace(self.memory.handle, q, target, self.scale, 6, r.wide, r.norm, r.order, r.pivot, r.line)
 
     def force_scale(self) -> float:
         """A force typical of what acts [N]."""
@@ -331,11 +347,11 @@ class Rest:
         data, names, units = columns(ready, raw)
         keep = [k for k, name in enumerate(names) if name not in ("energy.work", "energy.dissipated", "energy.balance")]
         names = [names[k] for k in keep]
-        nonunique = nonunique_reactions(ready, memory)
+        nonunique = nonunique_reactions(ready, memory) if self.redundant else ()
         result = Result(
             t=[self.t], data=np.ascontiguousarray(data[:, keep]),
             names=names, units={name: units[name] for name in names},
-            geometry=geometry(ready.model), stats={"iterations": iterations},
+            geometry=self.geometry, stats={"iterations": iterations},
             trust=Trust(drift=gap, t_end=self.t, horizon=self.t, nonunique=nonunique),
             provenance={"model": ready.model.name, "program": f"rattle {__version__}", "analysis": "equilibrium"},
         )  # fmt: skip

@@ -29,7 +29,9 @@ RANDOM_STARTS = 48
 MANY = 12  # bodies from which on only the assembled position is a start
 MOST_STRIDES = 160  # along a freedom that does not close
 MOST_STARTS = 1000  # after which the search stops, and says so
-MOST_TRIALS = 20_000  # positions looked at, of all starts together
+FEW, FEW_BODIES = 3, 4  # freedoms and bodies up to which every start goes downhill too
+MOST_TRIALS = 12_000  # positions looked at, of all starts together
+TRIALS_EACH = 250  # and from one start: Newton that arrives does so in far fewer
 
 
 def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near") -> Equilibria:
@@ -46,7 +48,7 @@ def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near") -> Equil
     if rigid is None:
         return Equilibria(_sorted(found, start), search.starts, search.stopped)
     play = Rest(rigid, t)
-    partners = search.settled(play, (start for one in found for start in _sides(rest, play, one)))
+    partners = search.settled(play, (start for one in found for start in _sides(rest, play, one)), True)
     if not partners:
         partners = search.settled(play, _starts(play, position_at(rigid, t), True))
     reference = start + _first_offset(rest, rigid, start)
@@ -148,7 +150,7 @@ def _around(rest: Rest, start: np.ndarray, direction: np.ndarray) -> Iterator[np
                 break
             path.insert(len(path) if sign > 0 else 0, q.copy())
             force.insert(len(force) if sign > 0 else 0, sign * along)
-            closed = n > 2 and _apart(rest.ready, q, start) < stride
+            closed = n > 2 and _apart(rest.ready, q, start[None])[0] < stride
             if closed:
                 break
         if closed:
@@ -171,20 +173,28 @@ class Search:
     starts: int = 0
     stopped: bool = False
 
-    def settled(self, rest: Rest, starts: Iterable[np.ndarray]) -> list[Equilibrium]:
-        """Distinct positions of rest, by plain Newton and downhill from every start."""
+    def settled(self, rest: Rest, starts: Iterable[np.ndarray], partners: bool = False) -> list[Equilibrium]:
+        """Distinct positions of rest, by plain Newton and downhill, with many freedoms from every other start.
+
+        partners: the starts are close to what is sought; downhill only where Newton fails.
+        """
         found: list[Equilibrium] = []
         known = np.zeros((0, 3 * rest.ready.body_count))
         near = 1e-3 * _tiny(rest.ready)
         begun, before = self.starts, rest.trials
-        for start in starts:
+        many = 3 * rest.ready.body_count - rest.ready.row_count > FEW and rest.ready.body_count > FEW_BODIES
+        for n, start in enumerate(starts):
+            plain = False
             for downhill in (False, True):
+                if downhill and (plain if partners else n % 2 and many):  # most ways downhill lead to a few places
+                    continue
                 if self.starts - begun >= MOST_STARTS or rest.trials - before >= MOST_TRIALS:
                     self.stopped = True
                     return found
                 self.starts += 1
-                settled = rest.settle(start, downhill, known, near)
-                if settled is None or any(_same(rest.ready, settled[0], other) for other in known):
+                settled = rest.settle(start, downhill, known, near, TRIALS_EACH)
+                plain = plain or rest.arrived
+                if settled is None or _same(rest.ready, settled[0], known):
                     continue
                 known = np.vstack([known, settled[0]])
                 one = rest.finish(*settled)
@@ -204,12 +214,12 @@ def _one_family(rest: Rest, one: Equilibrium, other: Equilibrium) -> bool:
     return apart <= 1e-9 * rest.force_scale() * rest.ready.size
 
 
-def _apart(ready: Compiled, one: np.ndarray, other: np.ndarray) -> float:
-    """Largest distance of two positions [m], angles as on a circle of the mechanism's size."""
-    apart = one - other
-    apart[2::3] = (apart[2::3] + math.pi) % (2 * math.pi) - math.pi
-    apart[2::3] *= ready.size
-    return float(np.abs(apart).max())
+def _apart(ready: Compiled, one: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(k,) largest distance [m] of a position from others (k, 3 nb), angles as on a circle of the mechanism's size."""
+    apart = one - others
+    apart[:, 2::3] = (apart[:, 2::3] + math.pi) % (2 * math.pi) - math.pi
+    apart[:, 2::3] *= ready.size
+    return np.asarray(np.abs(apart).max(axis=1))
 
 
 def _tiny(ready: Compiled) -> float:
@@ -217,8 +227,11 @@ def _tiny(ready: Compiled) -> float:
     return min([ready.size] + [joint.clearance for joint in ready.model.joints.values() if joint.clearance > 0])
 
 
-def _same(ready: Compiled, one: np.ndarray, other: np.ndarray) -> bool:
-    return _apart(ready, one, other) < 1e-5 * _tiny(ready) + 1e-10 * ready.size
+def _same(ready: Compiled, one: np.ndarray, others: np.ndarray) -> bool:
+    """True where a position is one of the others (k, 3 nb)."""
+    if not len(others):
+        return False
+    return bool(_apart(ready, one, others).min() < 1e-5 * _tiny(ready) + 1e-10 * ready.size)
 
 
 def _sides(ideal: Rest, play: Rest, one: Equilibrium) -> list[np.ndarray]:
@@ -277,7 +290,7 @@ def _pressed(ready: Compiled, t: float, play: Rest, rigid: list[Equilibrium]) ->
             start = opened(ideal, one.q, {name: e * (1 + depth) for name, e in offsets.items()})
             settled = rest.settle(start)
             if settled is not None:
-                if not any(_same(ready, settled[0], other.q) for other in found):
+                if not found or not _same(ready, settled[0], np.array([other.q for other in found])):
                     found.append(rest.finish(*settled))
                 break
     return found

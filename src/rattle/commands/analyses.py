@@ -219,7 +219,11 @@ def equilibrium(
             click.echo(_notes(result))
         finish(ctx, result, keep(result, output, csv, fallback))
         return
+    if output is not None or csv is not None:
+        raise click.UsageError("-o and --csv save a slow motion: add --path (single positions: --json)")
     found = m.equilibrium(t, branches=branches)
+    if found.note:
+        click.echo(found.note, err=True)
     if as_json:
         click.echo(to_json([_entry(one) for one in found]))
     else:
@@ -284,6 +288,8 @@ def modes(file: str, settings: tuple[str, ...], ideal: bool, t: float, mode: int
 
     check_pictures(file, output, moving=True)
     found = read_model(file, settings, ideal).modes(t)
+    if len(found) < mode and (output is not None or mode > 1):
+        raise click.UsageError(f"--mode {mode}: there are {len(found)} modes, counted from 1")
     click.echo(f"about: {found.equilibrium}")
     click.echo(str(found))
     if output is not None:

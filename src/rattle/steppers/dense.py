@@ -19,13 +19,14 @@ FINE = 1e-15  # cosine between two columns that counts as a right angle
 
 
 @compiled
-def triangulate(wide, order, pivot, share):
+def triangulate(wide, rows, order, pivot, share):
     """Reflections that make A^T triangular, in place; returns the rank.
 
-    wide (rows, n): A, then reflections and R; order (rows,): which row stands where; pivot (2, rows): diagonal of R,
-    and 2 / |v|^2 of every reflection; share: of the longest row, what is left of a row that counts as dependent.
+    wide: A in its first lines (rows, n), then reflections and R; order (rows,): which row stands where;
+    pivot (2, rows): diagonal of R, and 2 / |v|^2 of every reflection; share: of the longest row, what is left of a
+    row that counts as dependent.
     """
-    rows, n = wide.shape[0], wide.shape[1]
+    n = wide.shape[1]
     longest, rank = 0.0, 0
     for r in range(rows):
         order[r] = r
@@ -158,23 +159,21 @@ def length(x, n):
 
 
 @compiled
-def solve_rotated(small, n, right, share, x):
-    """x = H^+ right, the shortest least-squares solution, from what `rotate_columns` has left; share: see there."""
-    half = small.shape[1]
-    largest = 0.0
-    for j in range(n):
-        largest = max(largest, length(small[j], n))
+def solve_square(small, n, order, pivot, right, share, work, x):
+    """x = H^-1 right, with zeros for what a column of H that depends on the others would add.
+
+    small (k, k), k >= n: line j holds column j of H; changed.  order (k,), pivot (2, k), work (k,): scratch.
+    """
     for k in range(n):
+        work[k] = right[k]
         x[k] = 0.0
-    for j in range(n):
-        size = length(small[j], n)
-        if size > share * largest and size > 0.0:
-            part = 0.0
-            for k in range(n):
-                part += small[j, k] * right[k]
-            part /= size * size
-            for k in range(n):
-                x[k] += part * small[half + j, k]
+        for c in range(n, small.shape[1]):
+            small[k, c] = 0.0
+    rank = triangulate(small, n, order, pivot, share)
+    into_basis(small, pivot, rank, work)
+    solve_upper(small, pivot, rank, work)
+    for k in range(rank):
+        x[order[k]] = work[k]
 
 
 @compiled

@@ -19,7 +19,7 @@ from rattle.steppers.dense import (
     rotate_columns,
     solve_downhill,
     solve_lower,
-    solve_rotated,
+    solve_square,
     solve_upper,
     triangulate,
 )
@@ -29,7 +29,6 @@ RANK = 1e-9  # what is left of a row, as a share of the longest, that counts as 
 MOST_TURN = 0.4  # of a body in one step [rad]; shifts as a share of the mechanism's extent
 ROUNDS = 150  # Newton steps before a start is given up
 HALVINGS = 30
-MOST_TRIALS = 600.0  # positions tried from one start before it is given up
 LOST, SETTLED, KNOWN, GOING = range(4)
 # rows of `line`
 OUT, G, DZ, MOVE, TRIAL, START, WORK = range(7)
@@ -71,7 +70,7 @@ def look(m, t, q, scale, wide, norm, order, pivot, null, line):
         multiplier[r] = 0.0
     force_at(m, t, q, line[OUT])
     scaled_rows(m, scale, wide, norm)
-    rank = triangulate(wide, order, pivot, RANK)
+    rank = triangulate(wide, wide.shape[0], order, pivot, RANK)
     work, g = line[WORK], line[G]
     for k in range(n):
         work[k] = line[OUT, k] * scale[k]
@@ -93,16 +92,23 @@ def look(m, t, q, scale, wide, norm, order, pivot, null, line):
 
 
 @compiled
-def reduced_stiffness(m, t, q, step, freedoms, null, line, small):
-    """H^T = (Z^T K Z)^T into `small` (a line for each column of H), by differences of fourth order along Z."""
+def reduced_stiffness(m, t, q, step, freedoms, points, null, line, small):
+    """H^T = (Z^T K Z)^T into `small` (a line for each column of H), by differences along Z.
+
+    points: 2, exact enough to find the way; 4, of fourth order.
+    """
     work, out, n = line[WORK], line[OUT], q.shape[0]
     trial = line[TRIAL]
     for j in range(freedoms):
         for k in range(n):
             work[k] = 0.0
-        for s in range(4):
-            shift = (-2.0, -1.0, 1.0, 2.0)[s] * step
-            factor = (-1.0, 8.0, -8.0, 1.0)[s] / (12.0 * step)
+        for s in range(points):
+            if points == 4:
+                shift = (-2.0, -1.0, 1.0, 2.0)[s] * step
+                factor = (-1.0, 8.0, -8.0, 1.0)[s] / (12.0 * step)
+            else:
+                shift = (-1.0, 1.0)[s] * step
+                factor = (1.0, -1.0)[s] / (2.0 * step)
             for k in range(n):
                 trial[k] = q[k] + shift * null[j, k]
             force_at(m, t, trial, out)
@@ -191,7 +197,7 @@ def is_known(q, known, count, near, scale):
 
 
 @compiled
-def newton_step(freedoms, downhill, line, small, null, state, size):
+def newton_step(freedoms, downhill, order, pivot, line, small, null, state, size):
     """The step dz and its move of all coordinates; returns how far it would go unlimited."""
     g, dz, move = line[G], line[DZ], line[MOVE]
     if downhill:
@@ -200,11 +206,10 @@ def newton_step(freedoms, downhill, line, small, null, state, size):
                 value = 0.5 * (small[i, j] + small[j, i])
                 small[i, j] = value
                 small[j, i] = value
-    rotate_columns(small, freedoms)
-    if downhill:
+        rotate_columns(small, freedoms)
         solve_downhill(small, freedoms, g, 1e-9, dz)
     else:
-        solve_rotated(small, freedoms, g, 1e-13, dz)
+        solve_square(small, freedoms, order, pivot, g, 1e-13, line[WORK], dz)
     turn, shift = 1e-300, 1e-300
     for k in range(move.shape[0]):
         value = 0.0
@@ -224,7 +229,7 @@ def newton_step(freedoms, downhill, line, small, null, state, size):
 
 
 @compiled
-def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot, null, line, state):
+def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot, null, line, state, most):
     """One step along line[MOVE], halved until it is safe and helps; q and the state go there. False when none does."""
     force, n = mat(m, FORCE), q.shape[0]
     move, trial, freedoms = line[MOVE], line[TRIAL], int(state[FREEDOMS])
@@ -236,7 +241,7 @@ def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot
     share = 1.0
     for _ in range(HALVINGS):
         state[TRIALS] += 1.0
-        if state[TRIALS] > MOST_TRIALS:
+        if state[TRIALS] >= most:
             return False
         for k in range(n):
             trial[k] = q[k] + share * move[k]
@@ -290,12 +295,13 @@ def begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
 @compiled
 def settle(
     m, t, q, scale, size, step, downhill, rounds, known, count, near,
-    links, arm, wide, norm, order, pivot, null, line, small, state,
+    links, arm, wide, norm, order, pivot, null, line, small, state, order_h, pivot_h, most,
 ):  # fmt: skip
     """From a start q to a position of rest, in place; to a stable one if `downhill`.
 
     rounds: after so many the call returns GOING, to be called again; known (k, 3 nb): positions that need not be
-    reached once more, the first `count` of them, to within `near`.  state[PHASE] is 0 at the start.
+    reached once more, the first `count` of them, to within `near`; most: positions to try.  state[PHASE] is 0 at the
+    start.
     """
     if state[PHASE] == 0.0 and not begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
         return LOST
@@ -307,15 +313,17 @@ def settle(
             return LOST
         if is_known(q, known, count, near, scale):
             return KNOWN
-        reduced_stiffness(m, t, q, step, freedoms, null, line, small)
-        far = newton_step(freedoms, downhill, line, small, null, state, size)
+        reduced_stiffness(m, t, q, step, freedoms, 2, null, line, small)
+        far = newton_step(freedoms, downhill, order_h, pivot_h, line, small, null, state, size)
         before = state[G_SIZE]
         if not far < math.inf:
             return LOST
-        if far < 1e-13 * size or (before <= 1e-12 * state[FORCE_SIZE] and far < 1e-10 * size):
-            return SETTLED
         rest = before <= 1e-8 * state[FORCE_SIZE]
-        if not advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot, null, line, state):
+        if far < 1e-13 * size:  # where H vanishes there is no step either
+            return SETTLED if rest else LOST
+        if before <= 1e-12 * state[FORCE_SIZE] and far < 1e-10 * size:
+            return SETTLED
+        if not advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot, null, line, state, most):
             return SETTLED if rest else LOST
         state[ITERATION] += 1.0
         slow = state[G_SIZE] <= 1e-11 * state[FORCE_SIZE] and state[G_SIZE] > 0.1 * before
@@ -370,7 +378,7 @@ def displace(m, q, target, scale, rounds, wide, norm, order, pivot, line):
     for _ in range(rounds):
         merit_at(m, q)
         scaled_rows(m, scale, wide, norm)
-        rank = triangulate(wide, order, pivot, RANK)
+        rank = triangulate(wide, wide.shape[0], order, pivot, RANK)
         for k in range(n):
             change[k] = 0.0
         for k in range(rank):
