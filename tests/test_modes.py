@@ -95,7 +95,7 @@ free_angle = "-pi/2"
 def test_no_freedom_no_mode():
     found = rt.loads(paper()).ideal().modes()
     assert len(found) == 0
-    assert "no freedom" in str(found)
+    assert "no degree of freedom is left" in str(found)
 
 
 @nojit
