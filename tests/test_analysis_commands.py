@@ -89,9 +89,6 @@ def test_modes_name_frequencies_and_draw_a_shape(tmp_path):
 
 
 def test_options_that_would_do_nothing_are_refused(tmp_path):
-    seen = run("equilibrium", "fourbar", "-o", str(tmp_path / "x.nc"))
-    assert seen.exit_code == 2
-    assert "add --path" in seen.stderr
     seen = run("modes", "balanced_arm", "--mode", "7", "-o", str(tmp_path / "x.svg"))
     assert seen.exit_code == 2
     assert "there are 2 modes, counted from 1" in seen.stderr

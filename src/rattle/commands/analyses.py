@@ -219,8 +219,6 @@ def equilibrium(
             click.echo(_notes(result))
         finish(ctx, result, keep(result, output, csv, fallback))
         return
-    if output is not None or csv is not None:
-        raise click.UsageError("-o and --csv save a slow motion: add --path (single positions: --json)")
     found = m.equilibrium(t, branches=branches)
     if found.note:
         click.echo(found.note, err=True)
