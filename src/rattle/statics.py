@@ -16,7 +16,6 @@ import numpy as np
 from rattle import catalog
 from rattle.assembly import assemble, ideal_model
 from rattle.closing import merit_at
-from rattle.dense import dense_rows
 from rattle.equations import drive
 from rattle.errors import AssemblyError
 from rattle.model import Contact
