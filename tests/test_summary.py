@@ -57,7 +57,7 @@ def test_table_has_no_columns_of_contacts_where_nothing_has_play():
         trust=Trust(0.0), stats={}, provenance={},
     )  # fmt: skip
     assert plain.contacts == {}
-    assert joint_table(plain).splitlines()[0].split() == ["joint", "peak", "force", "RMS", "force"]
+    assert joint_table(plain).splitlines()[0].split() == ["joint", "peak", "force", "at", "t", "RMS", "force"]
 
 
 @pytest.mark.parametrize(

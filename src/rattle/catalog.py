@@ -47,6 +47,8 @@ SIGNATURE = {
     "event": ("i", "h", "f", "v", "i", "i"),  # m, t, y, contact, what happens to it -> status, see steppers.event
     "search": ("f", "h", "f", "i", "f", "f"),  # m, h, contact, side, until -> share of the step
     "look_back": ("i", "h", "f", "f", "i", "i", "v", "m"),  # m, t, h, changed, method, t_out, out
+    "gauge": ("void", "h", "i", "f"),  # m, sample, t, see steppers.peaks
+    "peak": ("i", "h", "f", "f", "f", "i", "i"),  # m, t, h, until, layout, dense -> states solved for
 }
 REQUIRED: Any = object()
 _lock = threading.RLock()
@@ -320,6 +322,16 @@ def call_look_back(entry: Any, arguments: Any) -> int:
     return int(entry(*arguments))
 
 
+def call_gauge(entry: Any, arguments: Any) -> None:
+    """Call what measures all forces of one instant."""
+    entry(*arguments)
+
+
+def call_peak(entry: Any, arguments: Any) -> int:
+    """Call the search of a step for peaks; returns for how many states it solved."""
+    return int(entry(*arguments))
+
+
 def call_hold(entry: Any, arguments: Any) -> None:
     """Call the kernel that adds the forces of lasting set-valued contacts."""
     entry(*arguments)
@@ -343,6 +355,8 @@ _CALLERS: dict[str, Callable[..., Any]] = {
     "event": call_event,
     "search": call_search,
     "look_back": call_look_back,
+    "gauge": call_gauge,
+    "peak": call_peak,
 }
 
 

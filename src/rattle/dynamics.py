@@ -18,11 +18,11 @@ from rattle.errors import SolverError
 from rattle.happenings import contact_counts, contact_events, contact_notes, require_workable
 from rattle.memory import Memory
 from rattle.passivity import law_faults
-from rattle.recording import columns, geometry, width
-from rattle.result import Result, Trust
+from rattle.recording import JOINT, columns, geometry, quantities, width
+from rattle.result import Peak, Result, Trust
 from rattle.singular import nonunique_reactions
 from rattle.soundness import audit_arrays, remarks, set_floor, why_unsound
-from rattle.steppers import audit, march
+from rattle.steppers import audit, march, peaks
 from rattle.steppers.audit import UNSOUND
 from rattle.steppers.hitting import LOW
 from rattle.steppers.writing import record
@@ -69,10 +69,8 @@ class Run:
 
     def prepare(self) -> Memory:
         """Memory of the run."""
-        return self.ready.memory(
-            **march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched)),
-            **audit_arrays(self.ready, self.method),
-        )
+        arrays = march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched))
+        return self.ready.memory(**arrays, **audit_arrays(self.ready, self.method), **peak_arrays(self.ready))
 
     def begin(self, t: float) -> int:
         """Get ready to march from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
@@ -132,6 +130,31 @@ class Run:
             if bar is not None:
                 bar.close()
             self.wall = time.perf_counter() - began
+
+    def peaks(self) -> dict[str, Peak]:
+        """Largest size, its time and RMS of every watched force over the whole run, from within its steps."""
+        span = float(self.clock[march.T]) - self.start.t
+        found = {}
+        for (name, *_), row in zip(quantities(self.ready), self.memory["peaks"], strict=True):
+            best, when, squares = (float(row[k]) for k in (peaks.BEST, peaks.WHEN, peaks.SQUARES))
+            rms = math.sqrt(max(squares, 0.0) / span) if span > 0.0 else abs(best)
+            found[name] = Peak(best, when, rms)
+        for name, joint in self.ready.model.joints.items():
+            if joint.contact is not None:  # without contacts N is as large as the force
+                found.setdefault(f"{name}.normal", found[f"{name}.force"])
+        return found
+
+
+def peak_arrays(ready: Compiled) -> dict[str, np.ndarray]:
+    """What a run needs to watch its forces for peaks, see `steppers.peaks`."""
+    watched = [(what, column) for _, what, column in quantities(ready)]
+    table = np.zeros((len(watched), peaks.WIDTH))
+    table[:, peaks.BEST] = -math.inf
+    return {
+        "quantity": np.array(watched, np.int64).reshape(-1, 2),
+        "peaks": table,
+        "peak_row": np.zeros(JOINT * len(ready.joints)),
+    }
 
 
 def start_state(ready: Compiled, start: Assembled) -> np.ndarray:
@@ -295,8 +318,10 @@ def _result(run: Run, reach: Reach | None) -> Result:
             notes += ("the run passed through a position where the joints lose independence (a singular position)",)
     events = contact_events(ready, run.contacts, run.memory, reached)
     notes += contact_notes(ready, events)
-    if run.method == "moreau" and any(event.kind == "impact" for event in events):
-        notes += ("Moreau-Jean: in the step of an impact a force is its impulse over the step",)
+    if run.method == "moreau":
+        impact = "; in the step of an impact a force is its impulse over the step"
+        impacts = any(event.kind == "impact" for event in events)
+        notes += (f"Moreau-Jean: peaks are the largest of its steps{impact if impacts else ''}",)
     if not run.message:
         notes += remarks(ready, run.memory, run.method)
     if series := int(tally[march.SERIES]):
@@ -350,6 +375,7 @@ def _result(run: Run, reach: Reach | None) -> Result:
         success=not run.message,
         message=run.message,
         events=events,
+        peaks=run.peaks(),
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from rattle import catalog, complementarity, following, impact, network, uniqueness
 from rattle.complementarity import BACKWARD, FORWARD
-from rattle.dynamics import Run, start_state
+from rattle.dynamics import Run, peak_arrays, start_state
 from rattle.equations import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from rattle.errors import ModelError, Problem
 from rattle.memory import Memory
@@ -79,7 +79,8 @@ class ImpactRun(Run):
         more = [event.happen] if self.method == "event" else []
         arrays = march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched), *more)
         arrays |= audit_arrays(self.ready, self.method)
-        return self.ready.memory(**arrays, **contact_arrays(self.ready, self.method == "event"))
+        contacts = contact_arrays(self.ready, self.method == "event")
+        return self.ready.memory(**arrays, **contacts, **peak_arrays(self.ready))
 
     def begin(self, t: float) -> int:
         """Closed contacts find their modes and those that hit take their impact; see `Run.begin`."""

@@ -114,6 +114,9 @@ FIELDS = {
     "events": "f2",  # (n, 8) see plane
     "measure": "f1",  # (nr,) what a residual is measured with: 1 / length of the mechanism [1/m], or 1 for angles
     "audit": "f1",  # see steppers.audit
+    "quantity": "i2",  # (np, 2) what is watched for peaks, and its first column behind those of bodies, see plane
+    "peaks": "f2",  # (np, 14) their largest values, mean squares and samples of the present step
+    "peak_row": "f1",  # the columns of joints of an output row, scratch
 }
 
 (
@@ -124,9 +127,11 @@ FIELDS = {
     SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, PUSHED, CALLED, PATH, HELD,
     NET_PLACE, NET_FIRST, NET_BELOW, NET_TARGET, NET_PAIRS, NET_ROW, NET_ON, NET_LINE, NET_COLUMN, NET_SIZE, NET_LOWER,
     NET_UPPER, NET_X, HOLD_TABLE, PROBLEM_TABLE, LINKS, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE,
-    CLOCK, TALLY, SIGN, CROSSINGS, EVENTS, MEASURE, AUDIT,
+    CLOCK, TALLY, SIGN, CROSSINGS, EVENTS, MEASURE, AUDIT, QUANTITY, PEAKS, PEAK_ROW,
 ) = range(len(FIELDS))  # fmt: skip
-DERIVATIVE, MOTION, FREE_MOTION, FINISH, LOOK_BACK, SETTLE, SEARCH, HAPPEN = range(8)  # places in `links`
+DERIVATIVE, MOTION, FREE_MOTION, FINISH, LOOK_BACK, SETTLE, SEARCH, GAUGE, END_STEP, HAPPEN = range(
+    10
+)  # places in `links`
 
 
 class Memory:

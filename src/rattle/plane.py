@@ -31,6 +31,9 @@ ACROSS = 17
 CLOSED, SPEED, SINCE, PEAK, IMPULSE_0, LOSS_0, STEPS_IN, GAP_0, DGAP_0, N_0, GAP_1, DGAP_1, N_1 = range(13)
 # columns of `events`: time, contact, kind, normal speed, duration, peak force, impulse, energy lost
 CONTACT_EVENT, RELEASE_EVENT, IMPACT_EVENT, STICK_EVENT, SLIP_EVENT = 0.0, 1.0, 2.0, 3.0, 4.0
+# what a watched quantity makes of its columns of an output row: length of a vector, size of a number, the number, or
+# its negative
+OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE = range(4)
 OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)
 
 

@@ -1,4 +1,8 @@
-"""What is recorded: the columns that `steppers.march.write` fills, their names and units, and what is derived."""
+"""What is recorded: the columns that `steppers.writing` fills, their names and units, and what is derived from them.
+
+`<joint>.ex .ey` of a joint with clearance are its play in every model: the offset of the pin from the bush, and of a
+block the part across its guide.  The way along a guide is motion, `<body>.x .y` show it.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,7 @@ import numpy as np
 
 from rattle import catalog
 from rattle.model import Joint, Model
+from rattle.plane import OF_NEGATIVE, OF_SIZE, OF_VALUE, OF_VECTOR
 from rattle.system import Compiled, joint_rows
 
 BODY = (
@@ -21,6 +26,34 @@ ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
 def width(ready: Compiled) -> int:
     """Columns of one raw output row."""
     return 9 * ready.body_count + JOINT * len(ready.joints) + len(ready.model.signals) + 4
+
+
+def quantities(ready: Compiled) -> list[tuple[str, int, int]]:
+    """What is watched for peaks within steps: name, what is made of it, first column behind those of bodies.
+
+    The force of every joint, its moment, normal and tangential force, and effort and power of the drivers: the
+    largest size of each.  Held by a joint without play or a link N is as large as the force; `<joint>.pressing` is
+    the largest N of a link, which may also pull.
+    """
+    found: list[tuple[str, int, int]] = []
+    for n, name in enumerate(ready.joints):
+        c = JOINT * n
+        if name in ready.model.drivers:
+            effort = catalog.kinds("driver")[ready.model.drivers[name].kind].leaf.effort[0]
+            found += [(f"{name}.{effort}", OF_SIZE, c + 5), (f"{name}.power", OF_SIZE, c + 6)]
+            continue
+        joint = ready.model.joints[name]
+        kind = joint_rows(joint)[0]
+        found.append((f"{name}.force", OF_VECTOR, c))
+        if kind is None or kind.leaf.moment:
+            found.append((f"{name}.moment", OF_SIZE, c + 2))
+        if joint.contact is None:
+            continue
+        if kind is None:
+            found += [(f"{name}.normal", OF_VALUE, c + 5), (f"{name}.tangential", OF_SIZE, c + 6)]
+        elif kind.name != joint.kind:
+            found.append((f"{name}.pressing", OF_NEGATIVE, c + 5))
+    return found
 
 
 def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], dict[str, str]]:
@@ -57,8 +90,6 @@ def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], di
         if joint.contact is not None:
             if kind is None:  # contacts alone act on it
                 normal, tangential, penetration = effort, power, deep
-                if "axis" in joint.fields:
-                    ex, ey = _across(ready, joint, raw, ex, ey)
             else:
                 distance = np.hypot(ex, ey)
                 tangential = np.zeros_like(fx)
@@ -67,6 +98,8 @@ def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], di
                 link = kind.name != joint.kind
                 normal = pull if link else np.hypot(fx, fy)
                 penetration = distance - joint.clearance if link else tangential
+            if "axis" in joint.fields:
+                ex, ey = _across(ready, joint, raw, ex, ey)
             add(f"{name}.ex", "m", ex)
             add(f"{name}.ey", "m", ey)
             add(f"{name}.normal", "N", normal)

@@ -45,6 +45,14 @@ class Event(NamedTuple):
     energy_lost: float = 0.0  # [J]
 
 
+class Peak(NamedTuple):
+    """The largest size of one quantity over a whole run, from within its steps."""
+
+    value: float  # in the unit of the quantity
+    t: float  # [s]
+    rms: float  # root mean square over the run
+
+
 class UnknownName(KeyError):
     """A result has no curve of this name."""
 
@@ -180,6 +188,7 @@ class Result:
         events: Iterable[Event] = (),
         success: bool = True,
         message: str = "",
+        peaks: Mapping[str, Peak] | None = None,
     ) -> None:
         self.t: Array = _frozen(t)
         self.stored: tuple[str, ...] = tuple(names)
@@ -190,6 +199,7 @@ class Result:
         self.events: tuple[Event, ...] = tuple(events)
         self.success = success
         self.message = message
+        self.peaks: dict[str, Peak] = dict(peaks or {})
         self._data = _frozen(data)
         if self._data.shape != (len(self.t), len(self.stored)):
             raise ValueError(f"data is {self._data.shape}; wanted {(len(self.t), len(self.stored))}")
@@ -251,6 +261,24 @@ class Result:
         if name not in self._units:
             raise UnknownName(self._unknown(name))
         return self._units[name]
+
+    def peak(self, name: str) -> tuple[float, float]:
+        """Largest size of a curve and when [s].
+
+        For the force, moment, normal and tangential force of joints and effort and power of drivers of a run in time
+        it comes from within the steps of the whole run, whatever the outputs are; `.peaks` holds all of them.  For
+        other curves it is the top of a smooth curve through the outputs.  Raises UnknownName, ValueError without
+        any output.
+        """
+        from rattle import summary
+
+        return summary.peak(self, name)
+
+    def rms(self, name: str) -> float:
+        """Root mean square of a curve over time: where `peak` knows the steps theirs, else that of the outputs."""
+        from rattle import summary
+
+        return summary.rms_of(self, name)
 
     def _unknown(self, name: str) -> str:
         owner, _, _ = name.partition(".")
@@ -327,6 +355,7 @@ class Result:
             "provenance": self.provenance,
             "success": self.success,
             "message": self.message,
+            "peaks": self.peaks,
         }
         return _first_place(lambda place: archive.write(place, record, self.t, self._data), path, fallback)
 
@@ -374,6 +403,7 @@ def load_result(path: str | os.PathLike[str]) -> Result:
             provenance=record["provenance"],
             success=record["success"],
             message=record["message"],
+            peaks={name: Peak(*values) for name, values in record.get("peaks", {}).items()},
         )
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise ValueError(f"{path} {archive.NO_RESULT}") from error

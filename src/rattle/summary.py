@@ -11,13 +11,59 @@ if TYPE_CHECKING:
     from rattle.result import Event, Result
 
 
+SMOOTH = 0.1  # share of a curve's change by which the polynomial through five outputs may miss the two beside them
+
+
+def peak(result: Result, name: str) -> tuple[float, float]:
+    """Largest size of a curve and its time [s], see `Result.peak`."""
+    known = result.peaks.get(name)
+    if known is not None:
+        return known.value, known.t
+    values = np.abs(result[name])
+    if not len(values):
+        raise ValueError(f"no output, so {name!r} has no peak")
+    return extreme(result.t, values)
+
+
+def rms_of(result: Result, name: str) -> float:
+    """Root mean square of a curve over time, see `Result.rms`."""
+    known = result.peaks.get(name)
+    return known.rms if known is not None else rms(result.t, result[name])
+
+
+def extreme(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:
+    """Maximum of a sampled curve and its time, between the samples where the curve is smooth there.
+
+    t: (n,) increasing.  The polynomial through the five samples about the largest must also meet the two beside them;
+    at kinks, jumps and poles it does not, and the largest sample is returned.
+    """
+    finite = np.isfinite(values)
+    if not finite.any():
+        return math.nan, math.nan
+    k = int(np.argmax(np.where(finite, values, -math.inf)))
+    best = (float(values[k]), float(t[k]))
+    if not 3 <= k < len(t) - 3 or not finite[k - 3 : k + 4].all():
+        return best
+    near, wide = values[k - 3 : k + 4] - values[k], float(np.ptp(values[k - 3 : k + 4]))
+    x = (t[k - 3 : k + 4] - t[k]) / (t[k + 1] - t[k])
+    polynomial = np.polynomial.Polynomial.fit(x[1:-1], near[1:-1], 4)
+    if wide == 0.0 or np.abs(polynomial(x) - near).max() > SMOOTH * wide:
+        return best
+    roots = polynomial.deriv().roots()
+    at = roots[(abs(roots.imag) < 1e-9) & (roots.real > x[2]) & (roots.real < x[4])].real
+    if not len(at) or float(polynomial(at).max()) <= 0.0:
+        return best
+    top = at[int(np.argmax(polynomial(at)))]
+    return best[0] + float(polynomial(top)), float(t[k] + (t[k + 1] - t[k]) * top)
+
+
 class ContactSummary(NamedTuple):
     """One joint with play over a whole run."""
 
     share: float  # of the time in which pin and bush press on each other, 0 to 1
     contacts: int  # contacts that started
     impacts: int  # impacts without duration
-    peak: float  # largest normal force [N], located within the contacts where events know it
+    peak: float  # largest normal force [N], from within the steps
     rms: float  # of the normal force over the whole run [N]
     longest_flight: float  # longest time without contact [s]
     energy_lost: float  # in impacts and contacts, friction included [J]
@@ -59,12 +105,18 @@ def _summary(result: Result, joint: str) -> ContactSummary:
         share=share,
         contacts=len(lasting),
         impacts=sum(event.kind == "impact" for event in events),
-        peak=max([float(normal.max()), *(event.peak_force for event in lasting)]),
-        rms=rms(t, normal),
+        peak=max([_pressing(result, joint), *(event.peak_force for event in lasting)]),
+        rms=rms_of(result, f"{joint}.normal"),
         longest_flight=flight,
         energy_lost=lost,
         power_lost=lost / span if span else 0.0,
     )
+
+
+def _pressing(result: Result, joint: str) -> float:
+    """Largest normal force [N]; that of a link, which may also pull, where it presses."""
+    known = result.peaks.get(f"{joint}.pressing") or result.peaks.get(f"{joint}.normal")
+    return known.value if known is not None else float(result[f"{joint}.normal"].max())
 
 
 def pressing_spans(events: list[Event]) -> list[tuple[float, float]]:
@@ -92,26 +144,26 @@ def rms(t: np.ndarray, values: np.ndarray) -> float:
 
 
 def joint_table(result: Result) -> str:
-    """Per joint: peak and RMS force; with play also share of time in contact, impacts, energy lost.
+    """Per joint: peak force and its time, RMS force; with play also share of time pressing, contacts, impacts, losses.
 
-    Peak and RMS are those of the outputs; where events know the peak inside a contact it is that.
+    Peak and RMS of a run in time come from within its steps; otherwise from a smooth curve through the positions.
     """
     loose = contacts(result)
     wide = max([10, *(len(joint) for joint in result.geometry["joints"])]) + 2
-    head = f"{'joint':{wide}s}{'peak force':>14s}{'RMS force':>14s}"
+    head = f"{'joint':{wide}s}{'peak force':>14s}{'at t':>12s}{'RMS force':>14s}"
     if loose:
-        head += f"{'pressing':>10s}{'impacts':>9s}{'energy lost':>14s}{'mean power':>13s}"
+        head += f"{'pressing':>10s}{'contacts':>10s}{'impacts':>9s}{'energy lost':>14s}{'mean power':>13s}"
     lines = [head]
     for joint in result.geometry["joints"]:
         if f"{joint}.fx" not in result or not len(result.t):
             continue
-        force, one = result[f"{joint}.force"], loose.get(joint)
-        peak = max(float(force.max()), one.peak) if one else float(force.max())
-        line = f"{joint:{wide}s}{peak:12.4g} N{rms(result.t, force):12.4g} N"
+        one = loose.get(joint)
+        (force, when), mean = peak(result, f"{joint}.force"), rms_of(result, f"{joint}.force")
+        line = f"{joint:{wide}s}{force:12.4g} N{when:10.4g} s{mean:12.4g} N"
         if one:
-            line += f"{100 * one.share:8.0f} %{one.contacts + one.impacts:9d}"
+            line += f"{100 * one.share:8.0f} %{one.contacts:10d}{one.impacts:9d}"
             line += f"{one.energy_lost:12.4g} J{one.power_lost:11.4g} W"
         elif loose:
-            line += f"{'-':>10s}{'-':>9s}{'-':>14s}{'-':>13s}"
+            line += f"{'-':>10s}{'-':>10s}{'-':>9s}{'-':>14s}{'-':>13s}"
         lines.append(line)
     return "\n".join(lines)

@@ -69,16 +69,11 @@ def run(
 
 
 def _peaks(result: Result) -> dict[str, dict[str, float | str]]:
-    import numpy as np
-
-    names = [name for name in result.names if name.endswith((".force", ".torque", ".normal"))]
+    """Largest size, its time and RMS of all forces, moments, efforts and powers, from within the steps."""
     return {
-        name: {
-            "peak": float(np.abs(result[name]).max()),
-            "rms": float(np.sqrt(np.mean(result[name] ** 2))),
-            "unit": result.unit(name),
-        }
-        for name in names
+        name: {"peak": one.value, "t": one.t, "rms": one.rms, "unit": result.unit(name)}
+        for name, one in result.peaks.items()
+        if name in result
     }
 
 

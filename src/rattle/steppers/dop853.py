@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_state, compiled
+from rattle.catalog import call_gauge, call_state, compiled
 from rattle.memory import (
     CHANGE,
     DENSE,
     DERIVATIVE,
+    GAUGE,
     LINKS,
     RATE,
     RATE_NEW,
@@ -24,6 +25,7 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
+from rattle.steppers.peaks import NODE_OF_STAGE
 from rattle.steppers.tableau import E3, E5, A, B, C, D
 from rattle.steppers.watch import watched_change
 
@@ -38,7 +40,7 @@ def step(m, t, h, rtol, atol, tame):
     Returns the error relative to the tolerance, and True when a watched force changed its sign on the way.
     """
     y, f, k, stage, y_new = vec(m, STATE), vec(m, RATE), mat(m, SLOPES), vec(m, STAGE), vec(m, STATE_NEW)
-    ny, derivative = y.shape[0], ivec(m, LINKS)[DERIVATIVE]
+    ny, derivative, gauge = y.shape[0], ivec(m, LINKS)[DERIVATIVE], ivec(m, LINKS)[GAUGE]
     nq = 2 * vec(m, CHANGE).shape[0]
     changed = False
     for n in range(ny):
@@ -56,6 +58,8 @@ def step(m, t, h, rtol, atol, tame):
         if tame == 1:
             call_state(ivec(m, LINKS)[SETTLE], (m, t + C[s] * h, stage, stage))
         call_state(derivative, (m, t + C[s] * h, stage, k[s]))
+        if NODE_OF_STAGE[s] >= 0:
+            call_gauge(gauge, (m, NODE_OF_STAGE[s], t + C[s] * h))
         changed |= watched_change(m)
     error3, error5 = 0.0, 0.0
     for n in range(ny):

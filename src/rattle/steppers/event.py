@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_event, call_state, compiled, kernel
+from rattle.catalog import call_event, call_gauge, call_peak, call_state, compiled, kernel
 from rattle.complementarity import OFF, STICK
 from rattle.contact import touch_all
 from rattle.equations import DONE, OK, PAUSED, STEP_TOO_SMALL
@@ -29,7 +29,9 @@ from rattle.memory import (
     CLOCK,
     CONTACT,
     DERIVATIVE,
+    END_STEP,
     EVENTS,
+    GAUGE,
     GRIP,
     HAPPEN,
     HELD,
@@ -72,6 +74,7 @@ from rattle.steppers.march import (
     prepare_dense,
     project,
 )  # fmt: skip
+from rattle.steppers.peaks import DOP853, END, START
 from rattle.steppers.searching import ESCAPED, clearance_of, escaped
 from rattle.steppers.touching import interpolate
 from rattle.steppers.walls import NEAR, noise, settle
@@ -205,14 +208,17 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
                 tally[REJECTED] += 1
                 continue
             return UNSOUND
+        call_gauge(links[GAUGE], (m, END, t_new))
         changed |= watched_change(m)
         for n in range(touch.shape[0]):
             grip[n, GAP_1], grip[n, DGAP_1] = touch[n, GAP], touch[n, DGAP]
         prepare_dense(m, t, t_new - t, 0)
         share, who, what = first_event(m, t, t_new - t)
         t_until = t + share * (t_new - t) if who >= 0 else t_new
+        until = share if who >= 0 else 1.0
+        tally[EVALUATIONS] += call_peak(links[END_STEP], (m, t, t_new - t, until, DOP853, 1))
         if changed:
-            find_crossings(m, t, t_new - t, share if who >= 0 else 1.0)
+            find_crossings(m, t, t_new - t, until)
         if who >= 0:
             interpolate(m, share, y_new)
         if not write_until(m, t, t_new - t, t_until, t_out, out):
@@ -234,6 +240,8 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
                 return status
             clock[H] = max(clock[H], h)
         call_state(links[DERIVATIVE], (m, t_until, y_new, f_new))
+        if who >= 0:
+            call_gauge(links[GAUGE], (m, START, t_until))
         cross_at_once(m, t_until)
         tally[EVALUATIONS] += 5 + PARTS
         remember(m)

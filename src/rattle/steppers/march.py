@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from rattle.catalog import Compiled, call_look_back, call_state, compiled, entries, kernel
+from rattle.catalog import Compiled, call_gauge, call_look_back, call_peak, call_state, compiled, entries, kernel
 from rattle.equations import (
     DONE,
     NOT_FINITE,
@@ -32,6 +32,7 @@ from rattle.memory import (
     CROSSINGS,
     DENSE,
     DERIVATIVE,
+    END_STEP,
     FINISH,
     GRIP,
     LINKS,
@@ -60,6 +61,7 @@ from rattle.steppers import audit, dop853, rk4
 from rattle.steppers.audit import UNSOUND, note_drift, stands
 from rattle.steppers.dop853 import prepare_dense as prepare_dop853
 from rattle.steppers.dop853 import step as step_dop853
+from rattle.steppers.peaks import END, START, end_step, gauge, may_rise
 from rattle.steppers.projecting import settle
 from rattle.steppers.rk4 import prepare_dense as prepare_rk4
 from rattle.steppers.rk4 import step as step_rk4
@@ -105,7 +107,9 @@ def march_arrays(y: np.ndarray, watched: int, *more: Compiled) -> dict[str, np.n
     clock[H_MIN] = math.inf
     clock[FEWEST] = math.inf
     return {
-        "links": entries((derivative, solve_motion, free_motion, finish_step, look_back, settle, search, *more)),
+        "links": entries(
+            (derivative, solve_motion, free_motion, finish_step, look_back, settle, search, gauge, end_step, *more)
+        ),
         "y": y.copy(),
         **{name: np.zeros(ny) for name in ("f", "y_new", "f_new", "stage")},
         "k": np.zeros((16, ny)),
@@ -212,6 +216,7 @@ def begin(m, t, t_end, rtol, atol, h_max):
     start_contacts(m, t, y)
     derivative = ivec(m, LINKS)[DERIVATIVE]
     tally[LOST] = call_state(derivative, (m, t, y, f))
+    call_gauge(ivec(m, LINKS)[GAUGE], (m, START, t))
     remember_end(m)
     pass_on(m)
     for n in range(watch.shape[0]):
@@ -264,13 +269,15 @@ def look_back(m, t, h, changed, method, t_out, out):
     suspect = may_any_change(m, h)
     peak = near_peak(m)
     wanted = tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t + h
-    if suspect or peak or wanted or changed:
+    dense = suspect or peak or wanted or changed or may_rise(m, h, method)
+    if dense:
         prepare_dense(m, t, h, method)
         tally[EVALUATIONS] += 3
     if suspect:
         share, who = first_change(m, h)
     until = min(share, 1.0)
     find_peaks(m, until, peak)
+    tally[EVALUATIONS] += call_peak(ivec(m, LINKS)[END_STEP], (m, t, h, until, method, dense))
     if changed:
         find_crossings(m, t, h, until)
     t_until = t + until * h if until < 1.0 else t + h
@@ -332,8 +339,8 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
             h = t_end - t
         if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t:
             return STEP_TOO_SMALL
+        power[3] = 1.0
         if method == 0:
-            power[3] = 1.0
             error, changed = step_dop853(m, t, h, rtol, atol, tally[TAME])
             tally[EVALUATIONS] += 12
             weak = power[3] < WEAK and h <= LEAP * clock[H_SOUND]
@@ -374,6 +381,7 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
                 tally[REJECTED] += 1
                 continue
             return UNSOUND
+        call_gauge(links[GAUGE], (m, END, t_new))
         changed |= watched_change(m)
         if contacts:
             remember_end(m)
@@ -388,6 +396,7 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
             return ESCAPED
         if who >= 0:
             turn_contact(m, t_new, y_new, who)
+            call_gauge(links[GAUGE], (m, START, t_new))
         if contacts:
             pass_on(m)
         for n in range(y.shape[0]):

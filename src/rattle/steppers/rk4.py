@@ -5,8 +5,9 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993
 
 from __future__ import annotations
 
-from rattle.catalog import call_state, compiled
-from rattle.memory import DENSE, DERIVATIVE, LINKS, RATE, SLOPES, STAGE, STATE, STATE_NEW, ivec, mat, vec
+from rattle.catalog import call_gauge, call_state, compiled
+from rattle.memory import DENSE, DERIVATIVE, GAUGE, LINKS, RATE, SLOPES, STAGE, STATE, STATE_NEW, ivec, mat, vec
+from rattle.steppers.peaks import LAST_STAGE
 from rattle.steppers.watch import watched_change
 
 ORDER = 4
@@ -25,6 +26,7 @@ def step(m, t, h):
         for n in range(ny):
             stage[n] = y[n] + share * h * k[s - 1, n]
         call_state(derivative, (m, t + share * h, stage, k[s]))
+        call_gauge(ivec(m, LINKS)[GAUGE], (m, LAST_STAGE if s == 3 else 2 + s, t + share * h))
         changed |= watched_change(m)
     for n in range(ny):
         y_new[n] = y[n] + h / 6.0 * (k[0, n] + 2.0 * k[1, n] + 2.0 * k[2, n] + k[3, n])

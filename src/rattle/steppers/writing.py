@@ -64,14 +64,8 @@ def record(m, t, y, row):
 @compiled
 def write(m, work_done, dissipated, row):
     """Copy what the memory holds at this instant into one output row."""
-    body, rows, values, joint, signal = mat(m, BODY), mat(m, ROWS), vec(m, VALUES), imat(m, JOINT), imat(m, SIGNAL)
-    mass, acceleration, multiplier, power, signals = (
-        mat(m, MASS),
-        mat(m, ACCELERATION),
-        vec(m, MULTIPLIER),
-        vec(m, POWER),
-        vec(m, SIGNALS),
-    )
+    body, signal, signals = mat(m, BODY), imat(m, SIGNAL), vec(m, SIGNALS)
+    mass, acceleration, power = mat(m, MASS), mat(m, ACCELERATION), vec(m, POWER)
     c = 0
     kinetic = 0.0
     for i in range(1, body.shape[0]):
@@ -81,7 +75,27 @@ def write(m, work_done, dissipated, row):
             row[c + 6 + k] = acceleration[i, k]
             kinetic += 0.5 * mass[i, k] * body[i, VX + k] ** 2
         c += 9
-    first = c
+    c = write_joints(m, row, c)
+    for n in range(signal.shape[0]):
+        row[c] = signals[signal[n, 2]]
+        c += 1
+    row[c] = kinetic
+    row[c + 1] = power[0]
+    row[c + 2] = work_done
+    row[c + 3] = dissipated
+
+
+@compiled
+def write_joints(m, row, first):
+    """Forces, offsets and efforts of joints and drivers from column `first` on; returns the column behind them."""
+    body, rows, values, joint, multiplier = (
+        mat(m, BODY),
+        mat(m, ROWS),
+        vec(m, VALUES),
+        imat(m, JOINT),
+        vec(m, MULTIPLIER),
+    )
+    c = first
     for n in range(joint.shape[0]):
         a, b, p, r = joint[n, 1], joint[n, 2], joint[n, 3], joint[n, 4]
         end = joint[n + 1, 4] if n + 1 < joint.shape[0] else rows.shape[0]
@@ -105,13 +119,7 @@ def write(m, work_done, dissipated, row):
         row[c + 7] = 0.0
         c += 8
     write_contacts(m, row, first)
-    for n in range(signal.shape[0]):
-        row[c] = signals[signal[n, 2]]
-        c += 1
-    row[c] = kinetic
-    row[c + 1] = power[0]
-    row[c + 2] = work_done
-    row[c + 3] = dissipated
+    return c
 
 
 @compiled

@@ -1,0 +1,320 @@
+"""Largest values and mean squares of forces, from within the steps: outputs have no part in them.
+
+At the stages and the end of a step all forces are solved for anyway.  As the error of a Runge-Kutta step stays below
+the tolerance for any integral along the motion, the weights of its stages give the integral of f^2 to the same
+order.  The stages also say where f may exceed its largest value so far: a parabola through a highest sample and its
+neighbours, with three times its height above that sample.  Only there the dense output is climbed, with every state
+brought onto the joints like an output.  A step that an event cuts is summed at three Gauss points of its dense
+output, and one in which f changes faster than the motion does in pieces, halved until they resolve it; next to a
+singular position, where stages say little, only the ends of steps count.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rattle.catalog import call_gauge, call_state, compiled, kernel
+from rattle.equations import set_bristles
+from rattle.memory import (
+    CHANGE,
+    GAUGE,
+    LINKS,
+    MOTION,
+    PEAK_ROW,
+    PEAKS,
+    POWER,
+    QUANTITY,
+    SETTLE,
+    STAGE,
+    imat,
+    ivec,
+    mat,
+    vec,
+)  # fmt: skip
+from rattle.plane import OF_SIZE, OF_VALUE, OF_VECTOR
+from rattle.schur import WEAK
+from rattle.steppers.tableau import B, C
+from rattle.steppers.touching import interpolate
+from rattle.steppers.writing import write_joints
+
+# columns of `peaks`: largest value so far, its time, integral of the square, then the samples of the present step
+BEST, WHEN, SQUARES, SAMPLE = range(4)
+START, END, LAST_STAGE, PROBE = 0, 7, 8, 9  # samples; 1 to 6 lie between the ends
+WIDTH = SAMPLE + 10
+DOP853, RK4, CUT = range(3)  # where the samples lie
+NODE_OF_STAGE = np.array([0, -1, -1, -1, -1, 3, 1, 2, 5, 4, 6, 8])  # of dop853; -1: no weight
+GAUSS = math.sqrt(0.15)
+COUNT = np.array([8, 3, 5])
+ORDER = np.array([[0, 1, 2, 3, 4, 5, 6, 7], [0, 4, 7, 0, 0, 0, 0, 0], [0, 1, 2, 3, 7, 0, 0, 0]])  # in order of time
+SHARES = np.array([
+    [0.0, C[6], C[7], C[5], C[9], C[8], C[10], 1.0],
+    [0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [0.0, 0.5 - GAUSS, 0.5, 0.5 + GAUSS, 1.0, 0.0, 0.0, 0.0],
+])  # fmt: skip
+WEIGHTS = np.array([
+    [B[0], B[6], B[7], B[5], B[9], B[8], B[10], 0.0, B[11]],
+    [1.0 / 6.0, 0.0, 0.0, 1.0 / 3.0, 1.0 / 3.0, 0.0, 0.0, 0.0, 1.0 / 6.0],
+    [0.0, 5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+])  # fmt: skip
+FEW = np.array([0, 1, 4, 6, 7])  # samples of dop853 for a second rule, of order 5; Simpson's for pieces of a step
+COARSE = np.zeros((3, 9))
+COARSE[DOP853, FEW] = np.linalg.solve(np.vander(SHARES[DOP853, FEW], increasing=True).T, 1.0 / np.arange(1.0, 6.0))
+COARSE[CUT, [0, 2, 7]] = 1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0
+SHORTEST = 1.0 / 1024.0  # share of a step that is not halved again
+APART = 1e-2  # share of the mean of f^2 by which two rules may differ
+MATTERS = 1e-4  # share of the integral so far below which they may differ more
+ROUNDING = 1e-9  # share of the largest force below which a force is rounding
+SAME = 1e-9  # share of a peak that is not worth a look
+FINE = 1e-8  # share of a peak by which the last try of a climb may exceed the one before
+TRIES = 8
+
+
+@compiled
+def value_of(row, kind, c):
+    """One quantity from an output row."""
+    if kind == OF_VECTOR:
+        return math.sqrt(row[c] * row[c] + row[c + 1] * row[c + 1])
+    if kind == OF_SIZE:
+        return abs(row[c])
+    return row[c] if kind == OF_VALUE else -row[c]
+
+
+@kernel("gauge")
+def gauge(m, sample, t):
+    """Put all quantities, as the memory holds them at t, into a sample; START and PROBE may be peaks."""
+    quantity, peaks, row = imat(m, QUANTITY), mat(m, PEAKS), vec(m, PEAK_ROW)
+    if quantity.shape[0] == 0:
+        return
+    write_joints(m, row, 0)
+    for n in range(quantity.shape[0]):
+        value = value_of(row, quantity[n, 0], quantity[n, 1])
+        peaks[n, SAMPLE + sample] = value
+        if value > peaks[n, BEST] and sample in (START, PROBE):
+            peaks[n, BEST], peaks[n, WHEN] = value, t
+
+
+@compiled
+def add_step(m, h):
+    """Count the sample START for a time h: methods whose forces are those of whole steps."""
+    peaks = mat(m, PEAKS)
+    for n in range(peaks.shape[0]):
+        peaks[n, SQUARES] += h * peaks[n, SAMPLE + START] ** 2
+
+
+@compiled
+def summit(samples, layout, i):
+    """Place of the maximum near sample i and its height above it, by a parabola; height 0 where it is no maximum."""
+    last = COUNT[layout] - 1
+    x, f = SHARES[layout, i], samples[SAMPLE + ORDER[layout, i]]
+    before, after = i - 1, i + 1
+    if before >= 0 and samples[SAMPLE + ORDER[layout, before]] > f:
+        return x, 0.0
+    if after <= last and samples[SAMPLE + ORDER[layout, after]] > f:
+        return x, 0.0
+    before = before if before >= 0 else 2
+    after = after if after <= last else last - 2
+    left, right = SHARES[layout, before] - x, SHARES[layout, after] - x
+    down_left = (samples[SAMPLE + ORDER[layout, before]] - f) / left
+    down_right = (samples[SAMPLE + ORDER[layout, after]] - f) / right
+    bend = (down_left - down_right) / (left - right)
+    if not bend < 0.0:
+        return x, 0.0
+    slope = down_left - bend * left
+    top = x - 0.5 * slope / bend
+    if not 0.0 < top < 1.0:
+        return x, 0.0
+    return top, -0.25 * slope * slope / bend
+
+
+@compiled
+def rises(samples, layout, i):
+    """True when the maximum near sample i may exceed what is known."""
+    known = max(samples[BEST], samples[SAMPLE + END])
+    height = summit(samples, layout, i)[1]
+    return height > 0.0 and samples[SAMPLE + ORDER[layout, i]] + 3.0 * height > known + SAME * abs(known)
+
+
+@compiled
+def near_peak(peaks):
+    """True when a quantity could reach its largest value were it to go on as it has changed over the step."""
+    for n in range(peaks.shape[0]):
+        one, two, known = peaks[n, SAMPLE + START], peaks[n, SAMPLE + END], peaks[n, BEST]
+        if max(one, two) + abs(one - two) > known + SAME * abs(known):
+            return True
+    return False
+
+
+@compiled
+def may_rise(m, h, layout):
+    """True when the step wants a look at its dense output; the stages of rk4 are too coarse to tell."""
+    peaks = mat(m, PEAKS)
+    if layout == RK4:
+        return near_peak(peaks)
+    if not vec(m, POWER)[3] > WEAK:
+        return False
+    if unresolved(m, h, DOP853):
+        return True
+    for n in range(peaks.shape[0]):
+        for i in range(COUNT[layout]):
+            if rises(peaks[n], layout, i):
+                return True
+    return False
+
+
+@compiled
+def probe(m, t, h, theta, n):
+    """Measure at the share theta of the step, on its dense output; returns quantity n."""
+    stage, nq = vec(m, STAGE), vec(m, CHANGE).shape[0]
+    links = ivec(m, LINKS)
+    interpolate(m, theta, stage)
+    call_state(links[SETTLE], (m, t + theta * h, stage, stage))
+    set_bristles(m, stage)
+    call_state(links[MOTION], (m, t + theta * h, stage[:nq], stage[nq : 2 * nq]))
+    call_gauge(links[GAUGE], (m, PROBE, t + theta * h))
+    return mat(m, PEAKS)[n, SAMPLE + PROBE]
+
+
+@compiled
+def climb(m, t, h, n, low, top, high, height):
+    """Maximum of quantity n between the shares low and high of the step, from `top` on; returns the tries it took.
+
+    Successive parabolas: the lowest of three points makes room for the top of the parabola through them.
+    """
+    known = mat(m, PEAKS)[n, BEST]
+    fb = probe(m, t, h, top, n)
+    if not fb + height > known:
+        return 1
+    b, wide = top, 0.3 * max(top - low, high - top)
+    a, c = max(low, b - wide), min(high, b + wide)
+    fa, fc = probe(m, t, h, a, n), probe(m, t, h, c, n)
+    for tried in range(TRIES):
+        best = max(fa, fb, fc)
+        bend = ((fa - fb) / (a - b) - (fc - fb) / (c - b)) / (a - c)
+        if bend < 0.0:
+            x = b - 0.5 * ((fa - fb) / (a - b) - bend * (a - b)) / bend
+        else:
+            x = low if fa > fc else high
+        x = min(max(x, low), high)
+        if min(abs(x - a), abs(x - b), abs(x - c)) <= 1e-6 * (high - low):
+            return tried + 3
+        f = probe(m, t, h, x, n)
+        if not f - best > FINE * abs(best) and tried > 0:
+            return tried + 4
+        if fa <= fb and fa <= fc:
+            a, fa = x, f
+        elif fc <= fb:
+            c, fc = x, f
+        else:
+            b, fb = x, f
+    return TRIES + 3
+
+
+@compiled
+def unresolved(m, h, layout):
+    """True when two rules for the mean of f^2 over a stretch differ: a force changes faster than the motion."""
+    peaks, quantity, largest = mat(m, PEAKS), imat(m, QUANTITY), 0.0
+    for n in range(peaks.shape[0]):
+        if quantity[n, 0] == OF_VECTOR:
+            largest = max(largest, peaks[n, BEST])
+    for n in range(peaks.shape[0]):
+        if quantity[n, 0] != OF_VECTOR or peaks[n, BEST] < ROUNDING * largest:
+            continue
+        mean, apart = 0.0, 0.0
+        for k in range(9):
+            square = peaks[n, SAMPLE + k] ** 2
+            mean += WEIGHTS[layout, k] * square
+            apart += (WEIGHTS[layout, k] - COARSE[layout, k]) * square
+        if abs(apart) > APART * abs(mean) and h * abs(apart) > MATTERS * peaks[n, SQUARES]:
+            return True
+    return False
+
+
+@compiled
+def add(m, t, h, layout, sound):
+    """Count the samples of a stretch of length h and its end, which is at t."""
+    peaks = mat(m, PEAKS)
+    for n in range(peaks.shape[0]):
+        mean = 0.5 * (peaks[n, SAMPLE + START] ** 2 + peaks[n, SAMPLE + END] ** 2)
+        if sound:
+            mean = 0.0
+            for k in range(9):
+                mean += WEIGHTS[layout, k] * peaks[n, SAMPLE + k] ** 2
+        peaks[n, SQUARES] += h * mean
+        if peaks[n, SAMPLE + END] > peaks[n, BEST]:
+            peaks[n, BEST], peaks[n, WHEN] = peaks[n, SAMPLE + END], t
+
+
+@compiled
+def climb_all(m, t, h, low, high, layout):
+    """New peaks between the shares low and high of a step, where the samples are; returns the states solved for."""
+    peaks, solved, wide = mat(m, PEAKS), 0, high - low
+    for n in range(peaks.shape[0]):
+        for i in range(COUNT[layout]):
+            if rises(peaks[n], layout, i):
+                top, height = summit(peaks[n], layout, i)
+                left, right = SHARES[layout, max(i - 1, 0)], SHARES[layout, min(i + 1, COUNT[layout] - 1)]
+                solved += climb(m, t, h, n, low + wide * left, low + wide * top, low + wide * right, height)
+    return solved
+
+
+@compiled
+def sample_pieces(m, t, h, until, wide, sound):
+    """Count a step up to the share `until` in pieces of its dense output, as short as the forces ask for.
+
+    wide: share of the first piece.  Returns the states solved for.
+    """
+    peaks, low, solved = mat(m, PEAKS), 0.0, 0
+    while low < until:
+        high = low + wide if low + 1.001 * wide < until else until
+        for k in range(1, COUNT[CUT]):
+            probe(m, t, h, low + (high - low) * SHARES[CUT, k], 0)
+            for n in range(peaks.shape[0]):
+                peaks[n, SAMPLE + ORDER[CUT, k]] = peaks[n, SAMPLE + PROBE]
+        solved += COUNT[CUT] - 1
+        if sound and wide > SHORTEST and unresolved(m, (high - low) * h, CUT):
+            wide = 0.5 * (high - low)
+            continue
+        add(m, t + high * h, (high - low) * h, CUT, sound)
+        if sound:
+            solved += climb_all(m, t, h, low, high, CUT)
+        pass_end_on(m)
+        low, wide = high, 2.0 * wide
+    return solved
+
+
+@compiled
+def pass_end_on(m):
+    """The end of a stretch is the start of the next."""
+    peaks = mat(m, PEAKS)
+    for n in range(peaks.shape[0]):
+        peaks[n, SAMPLE + START] = peaks[n, SAMPLE + END]
+
+
+@kernel("peak")
+def end_step(m, t, h, until, layout, dense):
+    """Peaks and sums of the step from t of length h up to the share `until`; returns the states that were solved for.
+
+    The samples of the step are those of `layout`; dense: its dense output is there.  Where until < 1 an event cuts
+    the step: what comes after it is measured as START of the next.
+    """
+    peaks = mat(m, PEAKS)
+    if peaks.shape[0] == 0:
+        return 0
+    sound, solved = vec(m, POWER)[3] > WEAK, 0
+    if until < 1.0:
+        return sample_pieces(m, t, h, until, until, sound)
+    if layout == DOP853 and dense and sound and unresolved(m, h, DOP853):
+        return sample_pieces(m, t, h, 1.0, 0.125, sound)
+    add(m, t + h, h, layout, sound)
+    if layout == RK4 and dense:
+        dense = 1 if near_peak(peaks) else 0
+        if dense:
+            probe(m, t, h, 0.5, 0)
+            for n in range(peaks.shape[0]):
+                peaks[n, SAMPLE + ORDER[RK4, 1]] = peaks[n, SAMPLE + PROBE]
+    if dense and sound:
+        solved += climb_all(m, t, h, 0.0, 1.0, layout)
+    pass_end_on(m)
+    return solved
