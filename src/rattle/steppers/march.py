@@ -34,6 +34,7 @@ from rattle.memory import (
     DERIVATIVE,
     END_STEP,
     FINISH,
+    GAUGE,
     GRIP,
     LINKS,
     LOOK_BACK,
