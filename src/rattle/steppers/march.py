@@ -206,13 +206,8 @@ def cross_at_once(m, t):
 def begin(m, t, t_end, rtol, atol, h_max):
     """Derivative at the start, signs of the watched forces, a first step size."""
     y, f, stage, k1 = vec(m, STATE), vec(m, RATE), vec(m, STAGE), mat(m, SLOPES)[1]
-    clock, tally, sign, watch, multiplier = (
-        vec(m, CLOCK),
-        ivec(m, TALLY),
-        vec(m, SIGN),
-        ivec(m, WATCH),
-        vec(m, MULTIPLIER),
-    )
+    clock, tally = vec(m, CLOCK), ivec(m, TALLY)
+    sign, watch, multiplier = vec(m, SIGN), ivec(m, WATCH), vec(m, MULTIPLIER)
     clock[T] = t
     start_contacts(m, t, y)
     derivative = ivec(m, LINKS)[DERIVATIVE]
