@@ -60,7 +60,7 @@ def _quantity(values: Values, given: Any, path: Path) -> tuple[float, Dimension 
 def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, tuple[Any, Path]]) -> None:
     """Parameters given by other parameters, in order of dependence."""
     order, cycles = in_order(nodes)
-    values.broken.update(name for name in nodes if name not in order)
+    values.broken.update(nodes.keys() - set(order))
     for cycle in cycles:
         values.wrong(written[cycle[0]][1], describe_cycle(cycle))
     for name in order:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import os
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -16,6 +17,11 @@ from rattle.files import atomic
 LARGEST = 8_000_000  # bytes; a chain of 10,000 links has about 2 MB
 MAY_BE_MISSING = ("simulate", "initial")  # tables that a change makes where there are none
 IN_ONE_LINE = ("points", "contact", "block")
+DEEPEST_KEY = 12  # parts of a dotted key; no table of a model lies that deep
+_LONG_TEXT = re.compile(r'"""(?:[^"\\]|\\.|"(?!""))*+"""|\'\'\'(?:[^\']|\'(?!\'\'))*+\'\'\'', re.DOTALL)
+_TEXT = re.compile(r'"(?:[^"\\]|\\.)*+"|\'[^\']*+\'')
+_DOT = re.compile(r"[\w-][ \t]*+\.(?=[ \t]*+[\w-])")
+_NO_KEY = re.compile(r"[^\w.\- \t]+")
 Change = tuple[tuple[str, ...], Any]  # path and new value
 
 
@@ -58,6 +64,7 @@ def parse(text: str, file: str = "") -> dict[str, Any]:
     try:
         if is_json(text):
             return dict(json.loads(text.lstrip("\ufeff"), object_pairs_hook=_without_repetition))
+        _require_shallow(text, file)
         return tomllib.loads(text.removeprefix("\ufeff"))
     except json.JSONDecodeError as error:
         problem = _at(text, error.lineno, error.colno, f"not valid JSON: {error.msg}")
@@ -70,6 +77,17 @@ def parse(text: str, file: str = "") -> dict[str, Any]:
     except ValueError as error:  # a number of thousands of digits
         problem = Problem((), f"cannot read the text: {str(error).split(';')[0]}")
     raise ModelError([problem], file)
+
+
+def _require_shallow(text: str, file: str) -> None:
+    """Refuse keys of very many parts, over which `tomllib` takes a time that grows with their square."""
+    if all(line.count(".") < DEEPEST_KEY for line in text.split("\n")):
+        return
+    for n, line in enumerate(_LONG_TEXT.sub(lambda found: "\n" * found[0].count("\n"), text).split("\n")):
+        if line.count(".") >= DEEPEST_KEY:
+            bare = _TEXT.sub("q", line).partition("#")[0]
+            if any(len(_DOT.findall(part)) >= DEEPEST_KEY for part in _NO_KEY.split(bare)):
+                raise ModelError([_at(text, n + 1, 1, f"a key of more than {DEEPEST_KEY} parts")], file)
 
 
 def is_json(text: str) -> bool:
@@ -88,8 +106,6 @@ def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 def _not_toml(text: str, message: str) -> Problem:
     """What `tomllib` met, in words for someone who writes mechanisms."""
-    import re
-
     found = re.search(r"line (\d+), column (\d+)", message)
     lines = text.split("\n")
     line, column = (int(found[1]), int(found[2])) if found else (len(lines), len(lines[-1]) + 1)
@@ -114,26 +130,26 @@ def _at(text: str, line: int, column: int, message: str) -> Problem:
 
 def point_out(error: ModelError, text: str) -> ModelError:
     """The same error with the line and a caret for each problem, in the order of the file."""
-    from rattle.positions import caret, locate
+    from rattle.positions import caret_under, locate_all
 
     if is_json(text):
         return error
-    for problem in error.problems:
-        found = locate(text, problem.path, problem.at_key) if problem.path else None
+    places = locate_all(text, [(problem.path, problem.at_key) for problem in error.problems])
+    lines = text.split("\n")
+    for problem, found in zip(error.problems, places, strict=True):
         if found is None:
             continue
         line, column = found
         problem.line = line
         if problem.column is not None:
-            column += _inside(text, line, column, problem.column)
+            column += _inside(lines[line - 1], column, problem.column)
         width = len(str(problem.path[-1])) if problem.at_key else 1
-        problem.caret = caret(text, line, column, width)
+        problem.caret = caret_under(lines[line - 1], column, width)
     return ModelError(sorted(error.problems, key=lambda one: one.line or 0), error.file)
 
 
-def _inside(text: str, line: int, column: int, spot: int) -> int:
+def _inside(source: str, column: int, spot: int) -> int:
     """How far behind the start of a quoted text on one line its character `spot` stands."""
-    source = text.split("\n")[line - 1]
     quote = source[column - 1 : column]
     inner = source[column : column + spot]
     plain = quote in ('"', "'") and source[column : column + 2] != 2 * quote and "\\" not in inner

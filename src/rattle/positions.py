@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 WIDTH = 120  # longest piece of a source line that is shown
@@ -33,12 +34,30 @@ def locate(text: str, path: tuple[str | int, ...], key: bool = False) -> tuple[i
     names it.  With `key` the place of the key instead of its value (array elements have none).  If there
     is no such value: the nearest parent that exists; None if there is none, or for an empty path.
     """
-    scanner = _Scanner(text, path)
-    scanner.run()
-    if not scanner.depth:
-        return None
-    at = scanner.key_at if key else scanner.value_at
-    return text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
+    return locate_all(text, [(path, key)])[0]
+
+
+def locate_all(text: str, wanted: Sequence[tuple[tuple[str | int, ...], bool]]) -> list[tuple[int, int] | None]:
+    """The same for many paths (and whether their keys are meant), in one pass through the text."""
+    top = _Place()
+    for path, _ in wanted:
+        place = top
+        for part in path:
+            place = place.parts.setdefault(part, _Place())
+        place.wanted = bool(path)
+    _Scanner(text, top).run()
+    found: list[tuple[int, int] | None] = []
+    for path, key in wanted:
+        best, place = None, top
+        for part in path:
+            place = place.parts[part]
+            best = place if place.seen else best
+        if best is None:
+            found.append(None)
+            continue
+        at = best.key_at if key else best.value_at
+        found.append((text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)))
+    return found
 
 
 def caret(text: str, line: int, column: int, width: int = 1) -> str:
@@ -52,7 +71,12 @@ def caret(text: str, line: int, column: int, width: int = 1) -> str:
         if start == 0:
             return ""
     end = text.find("\n", start)
-    source = text[start : len(text) if end < 0 else end].rstrip("\r")
+    return caret_under(text[start : len(text) if end < 0 else end], column, width)
+
+
+def caret_under(source: str, column: int, width: int = 1) -> str:
+    """The same for one line of source."""
+    source = source.rstrip("\r")
     column = min(max(column, 1), len(source) + 1)
     begin = column - WIDTH // 2 if column > WIDTH - 20 else 0
     shown = source[begin : begin + WIDTH]
@@ -63,37 +87,56 @@ def caret(text: str, line: int, column: int, width: int = 1) -> str:
     return f"{left}{shown}{right}\n{indent}{'^' * width}"
 
 
+class _Place:
+    """One part of the wanted paths: where in the text it was met.
+
+    The best place is kept: one that is spelled out rather than passed through ("[a.b]" defines a.b, but passes
+    through a); of these, the first.
+    """
+
+    __slots__ = ("exact", "key_at", "last", "parts", "seen", "value_at", "wanted")
+
+    def __init__(self) -> None:
+        self.parts: dict[str | int, _Place] = {}
+        self.wanted = self.seen = self.exact = False
+        self.key_at = self.value_at = 0
+        self.last: int | None = None  # of an array of tables: its last index
+
+
 @dataclass(slots=True)
 class _Frame:
-    """An array or inline table that is open: how much of the path leads to it, and the running index."""
+    """An array or inline table that is open: its place, if a path leads to it, and the running index."""
 
     array: bool
-    depth: int
+    place: _Place | None
     index: int = 0
 
 
+def _count(top: _Place) -> int:
+    """How many places below are wanted themselves."""
+    found, ahead = 0, [top]
+    while ahead:
+        place = ahead.pop()
+        found += place.wanted
+        ahead += place.parts.values()
+    return found
+
+
 class _Scanner:
-    """Follows one path through the text.
+    """Follows all wanted paths through the text; a place is None where none of them leads."""
 
-    `depth` counts the leading elements of the path that a place agrees with, -1 if it lies elsewhere.
-    The best place so far is kept: the deepest; of these, one that is spelled out rather than passed
-    through ("[a.b]" defines a.b, but passes through a); of these, the first.
-    """
-
-    def __init__(self, text: str, path: tuple[str | int, ...]) -> None:
+    def __init__(self, text: str, top: _Place) -> None:
         self.text = text
-        self.path = path
-        self.depth = 0
-        self.exact = False
-        self.key_at = self.value_at = 0
-        self.tables: dict[int, int] = {}  # depth of an array of tables on the path: its last index
+        self.top = top
+        self.missing = _count(top)  # wanted places that were not spelled out yet
 
     def run(self) -> None:
-        text, here = self.text, 0
+        text = self.text
+        here: _Place | None = self.top
         at: int | None = 1 if text.startswith("\ufeff") else 0
         while at is not None:
             at = self.skip(_GAP, at)
-            if at >= len(text) or (self.exact and self.depth == len(self.path)):
+            if at >= len(text) or not self.missing:
                 return
             if text[at] == "[":
                 many = text.startswith("[[", at)
@@ -106,40 +149,38 @@ class _Scanner:
                 at = self.entry(at, here)
 
     # -------------------------------------------------- what agrees with the path
-    def note(self, depth: int, key_at: int, value_at: int, exact: bool) -> None:
-        if (depth, exact) > (self.depth, self.exact):
-            self.depth, self.exact, self.key_at, self.value_at = depth, exact, key_at, value_at
+    def note(self, place: _Place, key_at: int, value_at: int, exact: bool) -> None:
+        if not place.seen or (exact and not place.exact):
+            place.seen, place.exact, place.key_at, place.value_at = True, exact, key_at, value_at
+            self.missing -= place.wanted and exact
 
-    def wants(self, depth: int, part: str | int) -> bool:
-        return 0 <= depth < len(self.path) and self.path[depth] == part and type(self.path[depth]) is type(part)
-
-    def header(self, keys: list[tuple[str, int]], many: bool) -> int:
-        """Depth of the table that a [header] or [[header]] opens."""
-        depth = 0
+    def header(self, keys: list[tuple[str, int]], many: bool) -> _Place | None:
+        """Place of the table that a [header] or [[header]] opens."""
+        place: _Place | None = self.top
         for n, (key, at) in enumerate(keys):
             last = n == len(keys) - 1
-            if not self.wants(depth, key):
-                return -1
-            depth += 1
-            self.note(depth, at, at, last and not many)
+            place = place.parts.get(key) if place is not None else None
+            if place is None:
+                return None
+            self.note(place, at, at, last and not many)
             if last and many:
-                self.tables[depth] = self.tables.get(depth, -1) + 1
-            if depth in self.tables:
-                if not self.wants(depth, self.tables[depth]):
-                    return -1
-                depth += 1
-                self.note(depth, at, at, last)
-        return depth
+                place.last = 0 if place.last is None else place.last + 1
+            if place.last is not None:
+                place = place.parts.get(place.last)
+                if place is None:
+                    return None
+                self.note(place, at, at, last)
+        return place
 
-    def follow(self, keys: list[tuple[str, int]], depth: int, value_at: int) -> int:
-        """Depth of the value behind a (dotted) key in a table of the given depth."""
+    def follow(self, keys: list[tuple[str, int]], place: _Place | None, value_at: int) -> _Place | None:
+        """Place of the value behind a (dotted) key in a table."""
         for n, (key, at) in enumerate(keys):
-            if not self.wants(depth, key):
-                return -1
-            depth += 1
+            place = place.parts.get(key) if place is not None else None
+            if place is None:
+                return None
             last = n == len(keys) - 1
-            self.note(depth, at, value_at if last else at, last)
-        return depth
+            self.note(place, at, value_at if last else at, last)
+        return place
 
     # -------------------------------------------------- what stands in the text
     def skip(self, pattern: re.Pattern[str], at: int) -> int:
@@ -160,21 +201,21 @@ class _Scanner:
                 return found, at
             at += 1
 
-    def entry(self, at: int, depth: int) -> int | None:
-        """One `key = value` in a table of the given depth; the place behind it, None if it is no entry."""
+    def entry(self, at: int, here: _Place | None) -> int | None:
+        """One `key = value` in a table; the position behind it, None if it is no entry."""
         keys, at = self.keys(at)
         if not keys or not self.text.startswith("=", at):
             return None
         at = self.skip(_SPACE, at + 1)
-        return self.value(at, self.follow(keys, depth, at))
+        return self.value(at, self.follow(keys, here, at))
 
-    def value(self, at: int, depth: int) -> int | None:
-        """A value with all that it contains; the place behind it, None if it never ends."""
+    def value(self, at: int, place: _Place | None) -> int | None:
+        """A value with all that it contains; the position behind it, None if it never ends."""
         text = self.text
         frames: list[_Frame] = []
         while True:
             if text.startswith(("[", "{"), at):
-                frames.append(_Frame(text[at] == "[", depth))
+                frames.append(_Frame(text[at] == "[", place))
                 at += 1
             else:
                 at = self.skip(_SCALAR, at)
@@ -191,16 +232,16 @@ class _Scanner:
                     frames.pop()
                     at += 1
                 elif frame.array:
-                    inside = self.wants(frame.depth, frame.index)
-                    depth = frame.depth + 1 if inside else -1
-                    self.note(depth, at, at, True)
+                    place = frame.place.parts.get(frame.index) if frame.place is not None else None
+                    if place is not None:
+                        self.note(place, at, at, True)
                     break
                 else:
                     keys, at = self.keys(at)
                     if not keys or not text.startswith("=", at):
                         return None
                     at = self.skip(_GAP, at + 1)
-                    depth = self.follow(keys, frame.depth, at)
+                    place = self.follow(keys, frame.place, at)
                     break
             else:
                 return at

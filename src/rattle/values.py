@@ -23,6 +23,7 @@ from rattle.syntax import KNOWN
 
 Path = tuple[str | int, ...]
 
+LONGEST_CYCLE = 10  # names that a message shows
 TAKEN = RESERVED | {"ground", "energy"}
 LIMITS: Mapping[str, Callable[[float], bool]] = {"positive": lambda x: x > 0.0, "not negative": lambda x: x >= 0.0}
 
@@ -245,35 +246,43 @@ def _is_bare(given: Any) -> bool:
 
 
 def in_order(nodes: Mapping[str, Node]) -> tuple[list[str], list[list[str]]]:
-    """Names such that each comes after those it uses, and the cycles among them (whose names are left out)."""
+    """Names such that each comes after those it uses, and the first cycles among them (whose names are left out)."""
     uses = {name: sorted(names(node) & nodes.keys()) for name, node in nodes.items()}
     order: list[str] = []
     cycles: list[list[str]] = []
-    is_open: dict[str, bool] = {}
+    depth: dict[str, int] = {}  # of what is open, -1 when it is done
     for root in nodes:
-        stack = [] if root in is_open else [(root, iter(uses[root]))]
-        is_open.setdefault(root, True)
-        while stack:
-            name, following = stack[-1]
-            for one in following:
-                if one not in is_open:
-                    is_open[one] = True
-                    stack.append((one, iter(uses[one])))
+        if root in depth:
+            continue
+        depth[root] = 0
+        trail, ahead, back = [root], [iter(uses[root])], [1]  # back: depth of the outermost name that it leads back to
+        while trail:
+            for one in ahead[-1]:
+                if one not in depth:
+                    depth[one] = len(trail)
+                    trail.append(one)
+                    ahead.append(iter(uses[one]))
+                    back.append(len(trail))
                     break
-                if is_open[one]:
-                    path = [entry[0] for entry in stack]
-                    cycles.append(path[path.index(one) :])
+                if depth[one] >= 0:
+                    back[-1] = min(back[-1], depth[one])
+                    if len(cycles) < MOST:
+                        cycles.append(trail[depth[one] : depth[one] + LONGEST_CYCLE + 1])
             else:
-                is_open[name] = False
-                order.append(name)
-                stack.pop()
-    on_cycle = {name for cycle in cycles for name in cycle}
-    return [name for name in order if name not in on_cycle], cycles
+                name = trail.pop()
+                ahead.pop()
+                outermost = back.pop()
+                if outermost > len(trail):
+                    order.append(name)
+                elif trail:
+                    back[-1] = min(back[-1], outermost)
+                depth[name] = -1
+    return order, cycles
 
 
 def describe_cycle(cycle: list[str]) -> str:
     """A cycle in words."""
-    shown = cycle if len(cycle) <= 10 else [*cycle[:9], "..."]
+    shown = cycle if len(cycle) <= LONGEST_CYCLE else [*cycle[: LONGEST_CYCLE - 1], "..."]
     return "defined by itself: " + " -> ".join([*shown, cycle[0]]) + "; one of them must not depend on the others"
 
 
