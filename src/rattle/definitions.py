@@ -65,9 +65,10 @@ def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, 
         values.wrong(written[cycle[0]][1], describe_cycle(cycle))
     for name in order:
         given, path = written[name]
-        node = values.expression(given, path, None, live=False)
-        number = None if node is None else values.constant(node, path)
-        if node is None or number is None:
+        node, text = nodes[name], str(given)
+        right = values.names_known(node, text, path, None, live=False)
+        number = values.constant(node, path) if right and values.dimension_fits(node, text, path, None) else None
+        if number is None:
             values.broken.add(name)
         else:
             values.constants[name], values.dimensions[name] = number, values.dimension(node)

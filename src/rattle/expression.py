@@ -145,7 +145,9 @@ class Program:
 
 def value(node: Node, constants: Mapping[str, float]) -> float:
     """Value of an expression over constants.  Raises ExpressionError for other names and if it is not finite."""
-    return float(_Assembler(constants, {}, {}, time=False).assemble(node).const[0])
+    assembler = _Assembler(constants, {}, {}, time=False)
+    assembler.read(node)
+    return assembler.const[0]
 
 
 def compile_program(
@@ -191,7 +193,8 @@ class _Assembler:
         self.folded: list[bool] = []  # operands waiting on the stack: is it one constant?
         self.depth = 0
 
-    def assemble(self, node: Node) -> Program:
+    def read(self, node: Node) -> None:
+        """Rows and constants of an expression.  Raises ExpressionError."""
         for part in walk(node):
             if isinstance(part, Number):
                 self.constant(part.value, part.column)
@@ -203,6 +206,9 @@ class _Assembler:
         for number, column in zip(self.const, self.columns, strict=True):
             if not math.isfinite(number):
                 raise ExpressionError(f"the result is not a finite number ({number})", column)
+
+    def assemble(self, node: Node) -> Program:
+        self.read(node)
         code = np.array(self.code, dtype=np.int64).reshape(-1, 2)
         return Program(
             code=code,

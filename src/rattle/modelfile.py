@@ -17,6 +17,7 @@ from rattle.files import atomic
 LARGEST = 8_000_000  # bytes; a chain of 10,000 links has about 2 MB
 MAY_BE_MISSING = ("simulate", "initial")  # tables that a change makes where there are none
 IN_ONE_LINE = ("points", "contact", "block")
+MOST_ENTRIES = 200_000  # a chain of 10,000 links has about 80,000
 DEEPEST_KEY = 12  # parts of a dotted key; no table of a model lies that deep
 _LONG_TEXT = re.compile(r'"""(?:[^"\\]|\\.|"(?!""))*+"""|\'\'\'(?:[^\']|\'(?!\'\'))*+\'\'\'', re.DOTALL)
 _TEXT = re.compile(r'"(?:[^"\\]|\\.)*+"|\'[^\']*+\'')
@@ -62,6 +63,7 @@ def parse(text: str, file: str = "") -> dict[str, Any]:
     if len(text) > LARGEST:
         raise ModelError([Problem((), _too_large("text", len(text)))], file)
     try:
+        _require_moderate(text, file)
         if is_json(text):
             return dict(json.loads(text.lstrip("\ufeff"), object_pairs_hook=_without_repetition))
         _require_shallow(text, file)
@@ -77,6 +79,16 @@ def parse(text: str, file: str = "") -> dict[str, Any]:
     except ValueError as error:  # a number of thousands of digits
         problem = Problem((), f"cannot read the text: {str(error).split(';')[0]}")
     raise ModelError([problem], file)
+
+
+def _require_moderate(text: str, file: str) -> None:
+    """Refuse texts of so many entries that their tables would fill the memory."""
+    entries = text.count(":") if is_json(text) else text.count("=")
+    if not is_json(text) and "\n[" in text:
+        entries += sum(line.count(".") + 1 for line in text.split("\n") if line.startswith("["))
+    if entries > MOST_ENTRIES:
+        said = f"the text has {entries} entries; a model has at most {MOST_ENTRIES}. Is it the right text?"
+        raise ModelError([Problem((), said)], file)
 
 
 def _require_shallow(text: str, file: str) -> None:

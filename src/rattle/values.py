@@ -23,6 +23,7 @@ from rattle.syntax import KNOWN
 
 Path = tuple[str | int, ...]
 
+MOST_CHARACTERS = 600_000  # of all expressions of a model: two seconds of reading
 LONGEST_CYCLE = 10  # names that a message shows
 TAKEN = RESERVED | {"ground", "energy"}
 LIMITS: Mapping[str, Callable[[float], bool]] = {"positive": lambda x: x > 0.0, "not negative": lambda x: x >= 0.0}
@@ -41,6 +42,7 @@ class Values:
     def __init__(self) -> None:
         self.problems: list[Problem] = []
         self.remarks: list[str] = []  # on values that may not be what was meant
+        self.characters = 0  # of the expressions read so far
         self.constants: dict[str, float] = {}  # parameters [SI]
         self.dimensions: dict[str, Dimension | None] = {}  # of parameters, signals and states
         self.live: dict[str, None] = {}  # names that change during a run, in the order of the file
@@ -81,6 +83,10 @@ class Values:
     # ------------------------------------------------------------ expressions
     def parse(self, text: str, path: Path) -> Node | None:
         """The tree of an expression."""
+        self.characters += len(text)
+        if self.characters > MOST_CHARACTERS:
+            self.wrong(path, f"up to here the expressions have more than {MOST_CHARACTERS} characters in all")
+            raise TooManyProblems
         try:
             return parse(text)
         except ExpressionError as error:
