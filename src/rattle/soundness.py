@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 LIMIT = 1e-3  # share of its measure that drift or energy may be off by
 MOREAU = 0.2  # the same for the energy of Moreau-Jean, whose accounts close in proportion to the step
 SAID = 1e-6  # share beyond which it is said
+SUNK = 0.01  # share of its clearance by which a contact of Moreau-Jean may be in its wall unsaid
 FAR = 1e6  # distance from the origin, in sizes, that leaves too few digits for the motion
 
 
@@ -45,7 +46,7 @@ def extent(ready: Compiled) -> float:
 def audit_arrays(ready: Compiled, method: str) -> dict[str, np.ndarray]:
     """What a run needs to tell whether its steps stand, see `steppers.audit`."""
     size = extent(ready)
-    seen = np.zeros(audit.CORRECTION + 1)
+    seen = np.zeros(audit.SUNK + 1)
     seen[audit.OPEN_LIMIT], seen[audit.UNREST_LIMIT] = LIMIT, MOREAU if method == "moreau" else LIMIT
     return {"measure": np.array([-1.0 if row.unit == "rad" else 1.0 / size for row in ready.rows]), "audit": seen}
 
@@ -72,6 +73,11 @@ def remarks(ready: Compiled, memory: Memory, method: str) -> tuple[str, ...]:
     shorter = "a shorter step" if method in ("moreau", "rk4") else "a smaller rtol"
     if opened > SAID:
         found.append(f"joints opened by {opened:.2g} of the mechanism's size (or rad): {shorter} closes them better")
+    if seen[audit.SUNK] > SUNK:
+        found.append(
+            f"contacts sank up to {100 * seen[audit.SUNK]:.2g} % of the play into their walls: Moreau-Jean finds them"
+            " only from step to step, a shorter step finds them sooner"
+        )
     share = float(seen[audit.SHARE])
     if share > SAID and method == "moreau":
         found.append(f"energy is off by {share:.2g} of the largest energy: Moreau-Jean, in proportion to its step")

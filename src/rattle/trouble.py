@@ -14,7 +14,7 @@ from rattle.plane import CLOSED, GAP, IMPACT, OPEN, OWNER, SHAPE_P, SHUT
 from rattle.recording import width
 from rattle.singular import describe_rank_loss
 from rattle.steppers import march
-from rattle.steppers.searching import ESCAPED
+from rattle.steppers.searching import DEEP, ESCAPED
 from rattle.steppers.writing import record
 from rattle.system import Compiled
 
@@ -54,16 +54,18 @@ def _escaped(ready: Compiled, memory: Memory) -> str:
     """Which joint's contact is inside its wall, from the gaps at hand, and by how much."""
     contact = ready.arrays["contact"]
     clearance = memory["values"][contact[:, SHAPE_P] + 4]
-    free = np.where(
-        contact[:, IMPACT] == 1, len(memory["mode"]) and memory["mode"] == OFF, memory["grip"][:, CLOSED] == OPEN
-    )
-    depth = np.where(free, -memory["touch"][:, GAP] / clearance, -np.inf)
+    rigid = contact[:, IMPACT] == 1
+    off = np.resize(memory["mode"] == OFF, len(contact)) if rigid.any() else rigid
+    shares = -memory["touch"][:, GAP] / clearance
+    depth = np.where(np.where(rigid, off, memory["grip"][:, CLOSED] == OPEN), shares, -np.inf)
+    if not (depth > 0.1 * DEEP).any():  # Moreau-Jean, whose contacts know no modes between steps
+        depth = shares
     n = int(np.argmax(depth))
     joint = ready.joints[contact[n, OWNER]]
     return (
         f"a contact was missed: at t = {memory['clock'][march.TROUBLE]:.9g} s joint '{joint}' is"
         f" {depth[n] * clearance[n]:.3g} m inside its wall (play {clearance[n]:g} m), though not in contact;"
-        " try a smaller rtol, or give a step"
+        " try a smaller rtol, or a shorter step"
     )
 
 

@@ -14,11 +14,12 @@ from rattle.catalog import compiled
 from rattle.memory import AUDIT, BODY, CHANGE, MASS, MEASURE, POWER, ROWS, TOUCH, mat, vec
 from rattle.plane import RES, VX
 
-# entries of `audit`: limits and floor, set by the host; then the start, what was seen so far, and the present step
+# entries of `audit`: limits and floor, set by the host; then the start, what was seen so far, and the present step;
+# SUNK: the largest depth of a set-valued contact in its wall so far, in clearances (Moreau-Jean only)
 (
     OPEN_LIMIT, UNREST_LIMIT, FLOOR, STARTED, TOTAL_0, WORK_0, KINETIC, WORK, LOW, HIGH, SHARE, ANGLE, LENGTH, OPEN,
-    OPEN_ROW, UNREST, CORRECTION,
-) = range(17)  # fmt: skip
+    OPEN_ROW, UNREST, CORRECTION, SUNK,
+) = range(18)  # fmt: skip
 UNSOUND = 20  # ending of a run whose next step does not stand
 TOO_FAR = 1e-2  # openness that one step may leave to be corrected
 ROUNDING = 1e-14  # share of the energies themselves that their sum may be off by

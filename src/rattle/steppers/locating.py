@@ -119,12 +119,10 @@ def first_event(m, t, h):
         if left >= right:
             break
         at_share(m, t, h, right)
-        held = 0.0
         for n in range(contact.shape[0]):  # what has become negative, noted before the search overwrites touch
             slide = 0
             grip[n, PEAK] = max(grip[n, PEAK], touch[n, NORMAL]) if mode[n] != OFF else 0.0
             if contact[n, IMPACT] == 1 and mode[n] != OFF:
-                held = max(held, touch[n, NORMAL])
                 if touch[n, NORMAL] < 0.0:
                     slide += 1
                 if friction_of(m, n) > 0.0:

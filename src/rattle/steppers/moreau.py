@@ -107,7 +107,7 @@ from rattle.plane import (
     VX,
 )  # fmt: skip
 from rattle.schur import factorise
-from rattle.steppers.audit import STARTED, UNSOUND, note_drift, stands
+from rattle.steppers.audit import STARTED, SUNK, UNSOUND, note_drift, stands
 from rattle.steppers.march import (
     DRIFT_ROW,
     EVALUATIONS,
@@ -123,6 +123,7 @@ from rattle.steppers.march import (
     project,
 )  # fmt: skip
 from rattle.steppers.peaks import START, add_step
+from rattle.steppers.searching import ESCAPED, deepest
 from rattle.steppers.walls import note
 from rattle.steppers.writing import write
 
@@ -333,11 +334,11 @@ def write_until(m, t, h, t_out, out):
 def advance(m, t_start, h, count, t_out, out, most_steps):
     """Take up to `most_steps` of the `count` steps of length h from t_start on; writes outputs on the way.
 
-    Returns DONE, PAUSED, NOT_FINITE, NO_SOLUTION, NOT_FOUND or UNSOUND.
+    Returns DONE, PAUSED, NOT_FINITE, NO_SOLUTION, NOT_FOUND, UNSOUND or ESCAPED.
     """
     y, y_new, clock, tally, body = vec(m, STATE), vec(m, STATE_NEW), vec(m, CLOCK), ivec(m, TALLY), mat(m, BODY)
     acceleration, nq, most_found = mat(m, ACCELERATION), vec(m, CHANGE).shape[0], mat(m, EVENTS).shape[0] // 2
-    begun, rate = tally[STEPS], vec(m, RATE)
+    begun, rate, audit = tally[STEPS], vec(m, RATE), vec(m, AUDIT)
     clock[H] = clock[H_MIN] = h
     while (
         tally[STEPS] < begun + most_steps
@@ -386,6 +387,11 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
         if not stands(m, y_new):
             clock[TROUBLE] = t + h
             return UNSOUND
+        touch_all(m)
+        audit[SUNK] = max(audit[SUNK], deepest(m))
+        if audit[SUNK] > 1.0:
+            clock[TROUBLE] = t + h
+            return ESCAPED
         write_until(m, t, h, t_out, out)
         for c in range(y.shape[0]):
             y[c] = y_new[c]

@@ -321,3 +321,12 @@ def escaped(m, y):
         if free and not touch[n, GAP] >= min(grip[n, GAP_0], 0.0) - DEEP * clearance_of(m, n):
             return True
     return False
+
+
+@compiled
+def deepest(m):
+    """Largest depth of a contact in its wall, in clearances, from the gaps at hand."""
+    touch, worst = mat(m, TOUCH), 0.0
+    for n in range(touch.shape[0]):
+        worst = max(worst, -touch[n, GAP] / clearance_of(m, n))
+    return worst
