@@ -369,7 +369,7 @@ def test_programs_one_after_the_other_keep_their_constants(mode):
     found = [programs.evaluate(code, const, int(first[n]), int(first[n + 1]), 4.0, *none) for n in range(4)]
     assert found == [11.0, 4.0, 7.0, 55.0]
     code, const, first, depth = concatenate([])
-    assert (code.shape, const.shape, first.tolist(), depth) == ((0, 2), (0,), [0], 1)
+    assert (code.shape, const.shape, first.tolist(), depth) == ((0, 4), (0,), [0], 1)
 
 
 # ---------------------------------------------------------------- derivatives in time

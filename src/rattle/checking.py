@@ -17,6 +17,7 @@ from rattle.model import Model
 from rattle.passivity import law_faults
 from rattle.singular import nonunique_reactions, rank
 from rattle.system import Compiled, compile_system, is_link
+from rattle.timetable import jump_lines, timetable
 
 TURN = 72  # positions of a driver tried around a full turn
 
@@ -74,6 +75,7 @@ class Check:
 def check(ready: Compiled, start: Assembled) -> Check:
     """Look a mechanism over at its assembled start."""
     model = ready.model
+    jumps = timetable(ready, start.t, model.settings.t_end).jumps
     memory = ready.memory()
     open_by(memory.handle, start.t, start.q, start.v)
     if ready.row_count > LARGE:
@@ -92,7 +94,7 @@ def check(ready: Compiled, start: Assembled) -> Check:
         loops=tuple(describe_loop(model, joint, path) for joint, path in loops(model)),
         branches=tuple(_branches(ready, start)),
         clearances=tuple(_clearances(model)),
-        reach=tuple(_reach(ready, start)),
+        reach=(*_reach(ready, start), *jump_lines(jumps)),
         laws=tuple(law_faults(model)),
         start=start.notes,
         residual=start.residual,

@@ -24,9 +24,13 @@ from rattle.singular import nonunique_reactions
 from rattle.soundness import audit_arrays, remarks, set_floor, why_unsound
 from rattle.steppers import audit, march, peaks
 from rattle.steppers.audit import UNSOUND
+from rattle.steppers.branching import TURNS, choose_sides
 from rattle.steppers.hitting import LOW
+from rattle.steppers.jolting import jolt, speeds
 from rattle.steppers.writing import record
+from rattle.switching import SAME
 from rattle.system import Compiled
+from rattle.timetable import Jolt, jolt_events, jolt_notes, timetable
 from rattle.trouble import explain
 
 log = logging.getLogger("rattle")
@@ -38,6 +42,7 @@ MOTION = ("m", "rad", "m/s", "rad/s")  # units of positions and rates
 LIKE = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N", "N*m"))
 POINTS = 1000  # output intervals when nothing is said
 stop = threading.Event()  # set: all runs of the process end where they are, as after Ctrl-C in each of them
+GLANCE = 1e-6  # share of a run by which it is looked ahead for the side of a switching function that is zero
 CHUNK = 2000  # steps between two looks at the clock and the keyboard
 
 
@@ -57,6 +62,9 @@ class Run:
     ) -> None:
         self.ready, self.start, self.t_eval, self.t_end = ready, start, t_eval, t_end
         self.method, self.rtol, self.atol, self.step = method, rtol, atol, step
+        self.table = timetable(ready, start.t, t_end)
+        self.piece = 0  # smooth pieces of the run that are over
+        self.jolts: list[Jolt] = []
         self.memory = self.prepare()
         self.clock, self.tally = self.memory["clock"], self.memory["tally"]
         self.raw = np.zeros((len(t_eval), width(ready)))
@@ -74,21 +82,93 @@ class Run:
 
     def begin(self, t: float) -> int:
         """Get ready to march from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
-        h_max, ahead = self.step or math.inf, self.t_end - t
-        status = march.begin(self.memory.handle, t, self.t_end, self.rtol, self.atol, h_max)
+        self.take_sides(t)
+        status = march.begin(self.memory.handle, t, self.t_end, self.rtol, self.atol, self.step or math.inf)
         set_floor(self.ready, self.memory, self.rtol, self.atol)
-        if self.method == "rk4":
-            self.clock[march.H] = ahead / max(1, math.ceil(ahead / h_max - 1e-9))
+        self.pace(t)
         return PAUSED if status == OK else int(status)
 
+    def take_sides(self, t: float) -> None:
+        """Every switch takes the side that it has from the time t [s] on."""
+        self.piece = self.table.piece_at(t)
+        self.table.take(self.memory["code"], self.piece)
+        if len(self.memory["switch"]):
+            choose_sides(self.memory.handle, t, GLANCE * (self.t_end - t))
+
+    def pace(self, t: float) -> None:
+        """rk4: equal steps from the time t [s] to the next instant known beforehand."""
+        if self.method == "rk4":
+            ahead = min(self.ahead(), self.t_end) - t
+            if ahead > 0.0:
+                self.clock[march.H] = ahead / max(1, math.ceil(ahead / (self.step or math.inf) - 1e-9))
+
+    def ahead(self) -> float:
+        """The next instant at which an expression of time switches [s]; inf if there is none."""
+        instants = self.table.instants
+        return float(instants[self.piece]) if self.piece < len(instants) else math.inf
+
     def advance(self, t: float, chunk: int) -> int:
-        """Some steps towards the time t [s]; returns PAUSED while it is ahead, DONE, or the status of a trouble."""
+        """Some steps towards the time t [s]; returns PAUSED while it is ahead, DONE, or the status of a trouble.
+
+        Steps end on the instants at which expressions switch.
+        """
+        instant = self.ahead()
+        if instant > t:
+            return self.march(t, chunk, len(self.t_eval))
+        status = self.march(instant, chunk, self.outputs_before(instant))
+        if status == DONE:
+            status = self.switch(instant)
+        return DONE if status == PAUSED and self.clock[march.T] >= t and self.ahead() > t else status
+
+    def outputs_before(self, t: float) -> int:
+        """Number of outputs before the time t [s]; what is recorded at an instant is that of the right side."""
+        return int(np.searchsorted(self.t_eval, t - SAME * self.t_end))
+
+    def march(self, t: float, chunk: int, outputs: int) -> int:
+        """Some steps towards the time t [s] on the sides at hand, with the first outputs; returns as `advance`."""
         return int(
             march.advance(
                 self.memory.handle, t, self.rtol, self.atol, self.step or math.inf, march.METHODS[self.method],
-                self.t_eval, self.raw, chunk,
+                self.t_eval[:outputs], self.raw, chunk,
             )
         )  # fmt: skip
+
+    def switch(self, t: float) -> int:
+        """Expressions switch at t [s]: sides of the next piece, a jolt where a driver jumps; PAUSED or a trouble."""
+        handle, nr = self.memory.handle, self.ready.row_count
+        before, after, percussion = np.zeros((3, nr))
+        jumps = [jump for jump in self.table.jumps if jump.t == t]
+        if jumps:
+            speeds(handle, t, before)
+        self.piece += 1
+        self.table.take(self.memory["code"], self.piece)
+        if jumps:
+            speeds(handle, t, after)
+            status = int(jolt(handle, t, before, percussion))
+            if status != OK:
+                return status
+            work = -0.5 * percussion * (before + after)
+            for jump in jumps:
+                row = self.ready.arrays["joint"][self.ready.joints.index(jump.driver), 4]
+                self.jolts.append(Jolt(jump, -float(percussion[row]), float(work[row])))
+        status = self.go_on(t, bool(jumps))
+        if status == PAUSED:
+            self.record_now(t)
+            self.pace(t)
+        return status
+
+    def go_on(self, t: float, jolted: bool) -> int:
+        """Get ready to march on from t [s] after expressions have switched there; PAUSED or a trouble."""
+        march.resume(self.memory.handle, t)
+        return PAUSED
+
+    def record_now(self, t: float) -> None:
+        """Write the outputs at the instant t [s], those of its right side."""
+        k = int(self.tally[march.OUTPUTS])
+        while k < len(self.t_eval) and self.t_eval[k] <= t + SAME * self.t_end:
+            record(self.memory.handle, t, self.memory["y"], self.raw[k])
+            k += 1
+        self.tally[march.OUTPUTS] = k
 
     def trouble(self, status: int) -> str:
         """Why the run cannot go on."""
@@ -318,6 +398,8 @@ def _result(run: Run, reach: Reach | None) -> Result:
             notes += ("the run passed through a position where the joints lose independence (a singular position)",)
     events = contact_events(ready, run.contacts, run.memory, reached)
     notes += contact_notes(ready, events)
+    events = tuple(sorted((*events, *jolt_events(run.jolts)), key=lambda event: event.t))
+    notes += jolt_notes(run.jolts, run.table)
     if run.method == "moreau":
         impact = "; in the step of an impact a force is its impulse over the step"
         impacts = any(event.kind == "impact" for event in events)
@@ -351,6 +433,7 @@ def _result(run: Run, reach: Reach | None) -> Result:
         "smallest_step": float(clock[march.H_MIN]) if tally[march.STEPS] else 0.0,
         "wall_time": run.wall,
         "contacts": int(tally[march.CONTACTS]),
+        "switchings": run.piece + int(run.memory["landing"][TURNS]),
         "singular_positions_leapt": int(tally[march.LEAPS]),
     }
     provenance = {

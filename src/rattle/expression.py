@@ -135,7 +135,7 @@ def _word(known: Dimension | None) -> str:
 class Program:
     """An expression as `programs.evaluate` runs it."""
 
-    code: np.ndarray  # (n, 2) int64: op, argument
+    code: np.ndarray  # (n, 4) int64: op, argument, side, crossed; see `programs`
     const: np.ndarray  # (nc,)
     depth: int  # length of the stack it needs
     uses_state: bool
@@ -162,13 +162,13 @@ def compile_program(
 
 
 def concatenate(parts: Sequence[Program]) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-    """Several programs in one: code (n, 2), const (nc,), first (np+1,) and the greatest depth.
+    """Several programs in one: code (n, 4), const (nc,), first (np+1,) and the greatest depth.
 
     Program i is rows first[i] to first[i + 1] - 1 of `code`; its constants are counted from the start of `const`.
     """
     first = np.zeros(len(parts) + 1, dtype=np.int64)
     first[1:] = np.cumsum([len(part.code) for part in parts])
-    code = np.zeros((int(first[-1]), 2), dtype=np.int64)
+    code = np.zeros((int(first[-1]), 4), dtype=np.int64)
     const = np.zeros(sum(len(part.const) for part in parts))
     offset = 0
     for part, start in zip(parts, first, strict=False):
@@ -209,7 +209,8 @@ class _Assembler:
 
     def assemble(self, node: Node) -> Program:
         self.read(node)
-        code = np.array(self.code, dtype=np.int64).reshape(-1, 2)
+        code = np.zeros((len(self.code), 4), dtype=np.int64)
+        code[:, :2] = self.code
         return Program(
             code=code,
             const=np.array(self.const, dtype=np.float64),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -71,6 +71,15 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
     }
 
 
+class Leg(NamedTuple):
+    """Equal steps of Moreau-Jean up to an instant, as if the run had taken such steps from its start on."""
+
+    start: float  # [s]
+    end: float  # [s]
+    h: float  # [s]
+    steps: int  # of the run at the end
+
+
 class ImpactRun(Run):
     """A run of a model whose contacts are set-valued."""
 
@@ -84,8 +93,9 @@ class ImpactRun(Run):
 
     def begin(self, t: float) -> int:
         """Closed contacts find their modes and those that hit take their impact; see `Run.begin`."""
+        self.take_sides(t)
         if self.method == "moreau":
-            self.count = max(1, math.ceil((self.t_end - t) / (self.step or self.t_end) * (1 - 1e-12)))
+            self.leg = Leg(t, t, 0.0, 0)
             moreau.start(self.memory.handle, t)
             set_floor(self.ready, self.memory, self.rtol, self.atol)
             return PAUSED
@@ -94,14 +104,39 @@ class ImpactRun(Run):
         status = event.start(self.memory.handle, t)
         return super().begin(t) if status == OK else int(status)
 
-    def advance(self, t: float, chunk: int) -> int:
-        """Some steps towards the time t [s], which is the end for Moreau-Jean; see `Run.advance`."""
+    def take_sides(self, t: float) -> None:
+        """Moreau-Jean lets the value of a switching function decide where it depends on the state."""
+        if self.method == "event":
+            super().take_sides(t)
+            return
+        self.piece = self.table.piece_at(t)
+        self.table.take(self.memory["code"], self.piece)
+
+    def march(self, t: float, chunk: int, outputs: int) -> int:
+        """Some steps towards the time t [s]; see `Run.march`."""
         handle = self.memory.handle
         if self.method == "moreau":
-            h = (self.t_end - self.start.t) / self.count
-            return int(moreau.advance(handle, self.start.t, h, self.count, self.t_eval, self.raw, chunk))
-        h_max = self.step or math.inf
-        return int(event.advance(handle, t, self.rtol, self.atol, h_max, self.t_eval, self.raw, chunk, self.stuck))
+            if t != self.leg.end:
+                now, done = self.leg.end, int(self.tally[march.STEPS])
+                count = max(1, math.ceil((t - now) / (self.step or self.t_end) * (1 - 1e-12)))
+                h = (t - now) / count
+                self.leg = Leg(now - done * h, t, h, done + count)
+            out = self.t_eval[: len(self.t_eval) if t >= self.t_end else outputs]
+            return int(moreau.advance(handle, self.leg.start, self.leg.h, self.leg.steps, out, self.raw, chunk))
+        h_max, out = self.step or math.inf, self.t_eval[:outputs]
+        return int(event.advance(handle, t, self.rtol, self.atol, h_max, out, self.raw, chunk, self.stuck))
+
+    def go_on(self, t: float, jolted: bool) -> int:
+        """Closed contacts find their modes anew; see `Run.go_on`."""
+        if self.method == "moreau":
+            return PAUSED
+        status = int(event.go_on(self.memory.handle, t, 1 if jolted else 0))
+        return super().go_on(t, jolted) if status == OK else status
+
+    def record_now(self, t: float) -> None:
+        """Outputs at an instant are those of the step after it with Moreau-Jean; see `Run.record_now`."""
+        if self.method == "event":
+            super().record_now(t)
 
     def trouble(self, status: int) -> str:
         """Why the run cannot go on; contact problems are named."""

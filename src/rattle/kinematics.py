@@ -22,6 +22,7 @@ from rattle.result import Event, Result, Trust
 from rattle.singular import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
 from rattle.steppers import sweep as swept
 from rattle.system import Compiled
+from rattle.timetable import jump_notes, timetable
 
 log = logging.getLogger("rattle")
 
@@ -154,6 +155,7 @@ def analyse(
             raise AssemblyError(f"{error}{hint}") from None
     if ready.row_count <= LARGE:
         require_driven(ready, start, what)
+    jumps = timetable(ready, min(start.t, float(times[0])), float(times[-1])).jumps
     motors = _motors(ready, effort_at)
     sweep = begin(ready, start, motors)
     if times[0] != start.t:  # what the user says about the start holds at t = 0: go from there
@@ -170,6 +172,7 @@ def analyse(
     if message:
         ends = float(sweep.clock[swept.NOW])
         events.append(Event(ends, _blocking(sweep), "dead centre" if "dead centre" in message else "end"))
+    notes += jump_notes([jump for jump in jumps if len(reached) and jump.t <= reached[-1]], forces)
     result = _result(sweep, reached, raw, forces, motors, message, events, notes, time.perf_counter() - began)
     if message:
         log.warning(message)

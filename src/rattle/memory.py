@@ -25,12 +25,13 @@ FIELDS = {
     "load": "i2",  # (nl, 5) kernel, A, B, first parameter, 1 if its values change during the run
     "contact": "i2",  # (nc, 13) one per contact point, see plane
     "lever": "f2",  # (nc, 3) longest arms on A and on B to what may touch [m]; 1 if the walls turn with A, else 0
-    "code": "i2",  # (nc, 2) programs of all expressions, one after the other
+    "code": "i2",  # (nc, 4) programs of all expressions, one after the other, with the sides of their switches
     "const": "f1",  # numbers in them
     "jet": "i2",  # (nd, 3) first, last code row and parameter of every driver's function
     "jet_signal": "i2",  # (ne, 3) first, last code row and number of every signal a driver uses
     "signal": "i2",  # (ns, 3) first, last code row and number of every signal
     "live": "i2",  # (nv, 3) first, last code row and parameter of every changing value of a load
+    "switch": "i2",  # (nk, 4) switches that depend on the state: first, last row of operands, own row, their number
     "watch": "i1",  # (nw,) rows whose force must not become negative (two-sided contact)
     "place": "i1",  # see schur.Pattern, also the next four
     "first": "i1",
@@ -117,17 +118,19 @@ FIELDS = {
     "quantity": "i2",  # (np, 2) what is watched for peaks, and its first column behind those of bodies, see plane
     "peaks": "f2",  # (np, 14) their largest values, mean squares and samples of the present step
     "peak_row": "f1",  # the columns of joints of an output row, scratch
+    "landing": "f1",  # (5,) see steppers.branching
 }
 
 (
-    MASS, WEIGHT, GRAVITY, JOINT, LOAD, CONTACT, LEVER, CODE, CONST, JET, JET_SIGNAL, SIGNAL, LIVE, WATCH, PLACE, FIRST,
-    BELOW, TARGET, PAIRS, ROW_BODY, JOINT_TABLE, LOAD_TABLE, CLEARANCE_TABLE, STIFFNESS_TABLE, NORMAL_TABLE,
+    MASS, WEIGHT, GRAVITY, JOINT, LOAD, CONTACT, LEVER, CODE, CONST, JET, JET_SIGNAL, SIGNAL, LIVE, SWITCH, WATCH,
+    PLACE, FIRST, BELOW, TARGET, PAIRS, ROW_BODY, JOINT_TABLE, LOAD_TABLE, CLEARANCE_TABLE, STIFFNESS_TABLE,
+    NORMAL_TABLE,
     FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER, SCHUR,
     INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, MODE, CHOSEN, TRIAL,
     SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, PUSHED, CALLED, PATH, HELD,
     NET_PLACE, NET_FIRST, NET_BELOW, NET_TARGET, NET_PAIRS, NET_ROW, NET_ON, NET_LINE, NET_COLUMN, NET_SIZE, NET_LOWER,
     NET_UPPER, NET_X, HOLD_TABLE, PROBLEM_TABLE, LINKS, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE,
-    CLOCK, TALLY, SIGN, CROSSINGS, EVENTS, MEASURE, AUDIT, QUANTITY, PEAKS, PEAK_ROW,
+    CLOCK, TALLY, SIGN, CROSSINGS, EVENTS, MEASURE, AUDIT, QUANTITY, PEAKS, PEAK_ROW, LANDING,
 ) = range(len(FIELDS))  # fmt: skip
 DERIVATIVE, MOTION, FREE_MOTION, FINISH, LOOK_BACK, SETTLE, SEARCH, GAUGE, END_STEP, HAPPEN = range(
     10

@@ -1,6 +1,6 @@
 """Expressions at run time: small stack programs and the two loops that execute them.
 
-A program is rows (op, argument) of an integer array.  An op takes its operands from the top of the
+A program is rows (op, argument, side, crossed) of an integer array.  An op takes its operands from the top of the
 stack and leaves its result there; a choice takes four (the two compared, then, otherwise), so that
 there are no jumps.  Outside its domain a function gives nan or inf and never raises: the guards below
 do nothing in machine code that C would not do, but keep plain Python from raising.
@@ -10,7 +10,12 @@ do nothing in machine code that C would not do, but keep plain Python from raisi
     dz  = f' dx
     ddz = f'' dx**2 + f' ddx
 
-At a kink (abs, sign, step, min, max, if) the derivatives are those of the branch that is taken.
+Switches (abs, sign, step, min, max, if) have a switching function s: their operand, or the difference of the two
+that are compared.  A side of +1 or -1 in the program fixes the branch of s > 0 or s < 0 whatever s is, so that a run
+has one smooth right-hand side between two switching instants; `crossed` then notes that s was seen on the other side.
+With side 0 the value of s decides: at s = 0 values are those of the definition (sign(0) = 0, step(0) = 1), the
+derivatives of a jet are those of the side to which s is going, the right-hand ones.  A branch that has no finite
+value at s = 0 itself is not taken there: "sin(t)/t if t > 0 else 1" may be written.
 
 Source: Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), ch. 13 (Taylor arithmetic).
 """
@@ -26,6 +31,8 @@ CONST, TIME, STATE, SIGNAL = range(4)
 NEG, SQUARE, ABS, SIGN, STEP, SQRT, EXP, LOG, SIN, COS, TAN, ASIN, ACOS, ATAN, TANH = range(4, 19)
 ADD, SUB, MUL, DIV, POW, ATAN2, HYPOT, MIN, MAX = range(19, 28)
 LESS, AT_MOST, MORE, AT_LEAST = range(28, 32)
+
+SIDE, CROSSED = 2, 3  # columns of a program
 
 NAN = math.nan
 INF = math.inf
@@ -141,8 +148,38 @@ def holds(op, x, y):
 
 
 @compiled
+def branch(op, side, x, y):
+    """A switch of one or two operands on a given side of its switching function; y is not read by one of one."""
+    if op == ABS:
+        return x if side > 0 else -x
+    if op == MIN:
+        return y if side > 0 else x
+    if op == MAX:
+        return x if side > 0 else y
+    if x != x:
+        return x
+    if op == SIGN:
+        return 1.0 if side > 0 else -1.0
+    return 1.0 if side > 0 else 0.0
+
+
+@compiled
+def heading(s, ds, dds):
+    """Side of a switching function: its sign, at zero the one it is going to; 0 where it stays at zero."""
+    for n in range(3):
+        value = s if n == 0 else (ds if n == 1 else dds)
+        if value > 0.0:
+            return 1
+        if value < 0.0:
+            return -1
+        if value != value:
+            return 0
+    return 0
+
+
+@compiled
 def evaluate(code, const, first, last, t, body, signals, stack):
-    """Value of the program in rows first..last-1 of `code` (n, 2).
+    """Value of the program in rows first..last-1 of `code` (n, 4); notes in it which switches were crossed.
 
     const: (nc,) constants of all programs; body: (nb+1, 8), argument k of STATE is body[k >> 3, k & 7];
     signals: (ns,); stack: scratch, at least as long as the program is deep.
@@ -164,13 +201,37 @@ def evaluate(code, const, first, last, t, body, signals, stack):
             top += 1
             stack[top] = signals[k]
         elif op < ADD:
-            stack[top] = unary(op, float(stack[top]))
+            x = float(stack[top])
+            side = code[row, SIDE]
+            if side == 0:
+                stack[top] = unary(op, x)
+            else:
+                stack[top] = branch(op, side, x, 0.0)
+                if x * side < 0.0:
+                    code[row, CROSSED] = 1
         elif op < LESS:
             top -= 1
-            stack[top] = binary(op, float(stack[top]), float(stack[top + 1]))
+            x = float(stack[top])
+            y = float(stack[top + 1])
+            side = code[row, SIDE]
+            if side == 0:
+                stack[top] = binary(op, x, y)
+            else:
+                stack[top] = branch(op, side, x, y)
+                if (x - y) * side < 0.0:
+                    code[row, CROSSED] = 1
         else:
             top -= 3
-            stack[top] = stack[top + 2] if holds(op, stack[top], stack[top + 1]) else stack[top + 3]
+            side = code[row, SIDE]
+            s = stack[top] - stack[top + 1]
+            taken = top + 2 if holds(op, stack[top], stack[top + 1]) else top + 3
+            if side != 0:
+                far = top + 2 if (side < 0) == (op <= AT_MOST) else top + 3
+                if s != 0.0 or abs(stack[far]) < INF:
+                    taken = far
+                if s * side < 0.0:
+                    code[row, CROSSED] = 1
+            stack[top] = stack[taken]
     return float(stack[0])
 
 
@@ -232,8 +293,15 @@ def power_jet(x, dx, ddx, y, dy, ddy, z):
 
 
 @compiled
-def binary_jet(op, x, dx, ddx, y, dy, ddy):
+def binary_jet(op, side, x, dx, ddx, y, dy, ddy):
     """A function of two operands in jet arithmetic: value, first and second time derivative."""
+    if op >= MIN:
+        if side == 0:
+            side = heading(x - y, dx - dy, ddx - ddy)
+        if side != 0:
+            if (side < 0) == (op == MIN):
+                return x, dx, ddx
+            return y, dy, ddy
     z = binary(op, x, y)
     dz = NAN
     ddz = NAN
@@ -289,8 +357,15 @@ def evaluate_jet(code, const, first, last, t, jets, stack, out):
         elif op < ADD:
             x = float(stack[top, 0])
             dx = float(stack[top, 1])
-            f = unary(op, x)
-            f1, f2 = slopes(op, x, f)
+            side = code[row, SIDE]
+            if op == ABS and side == 0:
+                side = heading(x, dx, float(stack[top, 2]))
+            if side == 0:
+                f = unary(op, x)
+                f1, f2 = slopes(op, x, f)
+            else:
+                f = branch(op, side, x, 0.0)
+                f1, f2 = (float(side) if op == ABS else 0.0), 0.0
             stack[top, 0] = f
             stack[top, 1] = f1 * dx
             stack[top, 2] = f2 * dx * dx + f1 * float(stack[top, 2])
@@ -298,6 +373,7 @@ def evaluate_jet(code, const, first, last, t, jets, stack, out):
             top -= 1
             z, dz, ddz = binary_jet(
                 op,
+                code[row, SIDE],
                 float(stack[top, 0]),
                 float(stack[top, 1]),
                 float(stack[top, 2]),
@@ -310,7 +386,19 @@ def evaluate_jet(code, const, first, last, t, jets, stack, out):
             stack[top, 2] = ddz
         else:
             top -= 3
+            side = code[row, SIDE]
+            s = float(stack[top, 0]) - float(stack[top + 1, 0])
+            if side == 0:
+                side = heading(
+                    s,
+                    float(stack[top, 1]) - float(stack[top + 1, 1]),
+                    float(stack[top, 2]) - float(stack[top + 1, 2]),
+                )
             taken = top + 2 if holds(op, stack[top, 0], stack[top + 1, 0]) else top + 3
+            if side != 0:
+                far = top + 2 if (side < 0) == (op <= AT_MOST) else top + 3
+                if s != 0.0 or abs(stack[far, 0]) + abs(stack[far, 1]) + abs(stack[far, 2]) < INF:
+                    taken = far
             for n in range(3):
                 stack[top, n] = stack[taken, n]
     for n in range(3):

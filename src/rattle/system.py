@@ -13,6 +13,7 @@ from rattle.expression import Node, compile_program, concatenate
 from rattle.memory import Memory
 from rattle.model import Choice, Joint, Model, driven_ends
 from rattle.plane import AUTO, CLOSED
+from rattle.switching import Signals, Switch, find_switches
 
 CONTACT_FAMILIES = ("clearance", "stiffness", "normal", "friction")
 STATE = {"x": 0, "y": 1, "angle": 2, "vx": 3, "vy": 4, "omega": 5}  # columns of `body`
@@ -41,11 +42,18 @@ class Compiled:
     live_names: tuple[str, ...]  # path of every expression evaluated in a run, programs in order
     program_starts: tuple[int, ...]  # first code row of each of them
     size: float  # a length that is typical of the mechanism [m]
+    switches: tuple[Switch, ...] = ()  # of all expressions that the motion depends on
 
     @property
     def body_count(self) -> int:
         """Moving bodies."""
         return len(self.bodies)
+
+    @property
+    def signals(self) -> Signals:
+        """Programs of all signals."""
+        rows = [(int(a), int(b), int(k)) for a, b, k in self.arrays["signal"]]
+        return Signals(self.arrays["code"], self.arrays["const"], rows)
 
     @property
     def row_count(self) -> int:
@@ -68,6 +76,7 @@ class Compiled:
                 "load_table": catalog.table("load", machine=machine),
                 **{f"{family}_table": catalog.table(family, machine=machine) for family in CONTACT_FAMILIES if nc},
                 "values": self.arrays["values"].copy(),
+                "code": self.arrays["code"].copy(),  # the sides of switches are those of one run
                 "signals": np.zeros(ns),
                 "jets": np.zeros((ns, 3)),
                 "stack": np.zeros(self.depth),
@@ -163,6 +172,7 @@ def compile_system(model: Model) -> Compiled:
     signals = [programs.add(node, f"signals.{name}") for name, node in model.signals.items()]
     code, const, first, depth = concatenate(programs.programs)
     needed = _needed_by_drivers(programs, [program for program, _ in jets], signals)
+    switches = _switches(programs, code, const, first, [n for n, _ in jets], [n for n, _ in live], signals)
     ends = [*(entry[4] for entry in joint[1:]), len(rows)]
     blocks = [range(entry[4], end) for entry, end in zip(joint, ends, strict=False) if end > entry[4]]
     pattern = schur.analyse(row_body, blocks)
@@ -184,13 +194,14 @@ def compile_system(model: Model) -> Compiled:
         "jet_signal": _table([(first[signals[k]], first[signals[k] + 1], k) for k in needed], 3),
         "signal": _table([(first[n], first[n + 1], k) for k, n in enumerate(signals)], 3),
         "live": _table([(first[n], first[n + 1], slot) for n, slot in live], 3),
+        "switch": _table([(one.first, one.last, one.row, one.count) for one in switches if not one.timed], 4),
         "watch": np.array(watch, np.int64),
         **pattern._asdict(),
         "row_body": _table(row_body, 2),
     }
     return Compiled(
         model, arrays, tuple(model.bodies), (*model.joints, *model.drivers), tuple(rows), tuple(watched), depth + 1,
-        tuple(programs.names), tuple(int(n) for n in first[:-1]), _size(model),
+        tuple(programs.names), tuple(int(n) for n in first[:-1]), _size(model), tuple(switches),
     )  # fmt: skip
 
 
@@ -288,6 +299,17 @@ def _loads(
                 values.append(0.0)
         load.append((tag, number[one.a.body], number[one.b.body], start, int(len(live) > before)))
     return load, live
+
+
+def _switches(
+    programs: _Programs, code: np.ndarray, const: np.ndarray, first: np.ndarray, drivers: Sequence[int],
+    live: Sequence[int], signals: Sequence[int],
+) -> list[Switch]:  # fmt: skip
+    """Switches of all expressions that the motion depends on."""
+    names = programs.names
+    rows = [(int(first[n]), int(first[n + 1]), k) for k, n in enumerate(signals)]
+    used = [(int(first[n]), int(first[n + 1]), names[n], n in drivers) for n in (*drivers, *live)]
+    return find_switches(Signals(code, const, rows, [names[n] for n in signals]), used)
 
 
 def _needed_by_drivers(programs: _Programs, jets: Sequence[int], signals: Sequence[int]) -> list[int]:

@@ -14,6 +14,7 @@ from rattle.plane import CLOSED, GAP, IMPACT, OPEN, OWNER, SHAPE_P, SHUT
 from rattle.recording import width
 from rattle.singular import describe_rank_loss
 from rattle.steppers import march
+from rattle.steppers.branching import LAST, SLIDES, argument, see
 from rattle.steppers.searching import DEEP, ESCAPED
 from rattle.steppers.writing import record
 from rattle.system import Compiled
@@ -30,6 +31,8 @@ def explain(ready: Compiled, memory: Memory, t_end: float, status: int) -> str:
     what = pythonlaw.complaint(t) or not_finite(ready, memory, t_end)
     if what:
         return what
+    if status == SLIDES:
+        return _sliding(ready, memory)
     record(memory.handle, t, memory["y"], np.zeros(width(ready)))
     rank = describe_rank_loss(ready, memory)
     if rank:
@@ -66,6 +69,20 @@ def _escaped(ready: Compiled, memory: Memory) -> str:
         f"a contact was missed: at t = {memory['clock'][march.TROUBLE]:.9g} s joint '{joint}' is"
         f" {depth[n] * clearance[n]:.3g} m inside its wall (play {clearance[n]:g} m), though not in contact;"
         " try a smaller rtol, or a shorter step"
+    )
+
+
+def _sliding(ready: Compiled, memory: Memory) -> str:
+    """Which switch changes its side without end."""
+    t = float(memory["landing"][LAST])
+    see(memory.handle, t, memory["y"])
+    sizes = [abs(float(argument(memory.handle, n, t))) for n in range(len(memory["switch"]))]
+    row = int(memory["switch"][int(np.argmin(sizes)), 2])
+    name = next(one.name for one in ready.switches if one.row == row)
+    return (
+        f"cannot go on at t = {t:.6g} s: {name} switches to and fro without end, each of its branches drives the motion"
+        " back to the other. Make the change gradual, as tanh(x/width) for sign(x); dry friction is `friction` of a"
+        " joint with play"
     )
 
 

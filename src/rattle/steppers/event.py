@@ -35,6 +35,7 @@ from rattle.memory import (
     GRIP,
     HAPPEN,
     HELD,
+    LANDING,
     LINKS,
     MODE,
     MOTION,
@@ -44,6 +45,7 @@ from rattle.memory import (
     STAGE,
     STATE,
     STATE_NEW,
+    SWITCH,
     TALLY,
     TOUCH,
     imat,
@@ -53,6 +55,7 @@ from rattle.memory import (
 )  # fmt: skip
 from rattle.plane import DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT
 from rattle.steppers.audit import LENGTH, UNSOUND, stands
+from rattle.steppers.branching import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
 from rattle.steppers.closed import HIT, NOTHING, TURN, regroup
 from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.hitting import collide
@@ -152,6 +155,20 @@ def start(m, t):
 
 
 @compiled
+def go_on(m, t, jolted):
+    """Modes after expressions have switched at t; jolted: rates have jumped, contacts may part. Returns a status."""
+    y = vec(m, STATE)
+    if jolted == 0:
+        status = call_event(ivec(m, LINKS)[HAPPEN], (m, t, y, -1, NOTHING))
+    else:
+        status = regroup(m, t, y, -1, HIT)
+        if status == OK:
+            settle(m, t, y, -1)
+    remember(m)
+    return status
+
+
+@compiled
 def write_until(m, t, h, t_until, t_out, out):
     """Outputs of the step from t of length h up to t_until; the dense output is ready. False if a contact escaped."""
     tally, stage = ivec(m, TALLY), vec(m, STAGE)
@@ -173,17 +190,18 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
 
     stuck (4,): time of the last event, events at that time so far, contact of the last event, events in a row that
     followed each other at once.
-    Returns DONE, PAUSED, STEP_TOO_SMALL, ESCAPED, NO_SOLUTION, NOT_FOUND, NOT_UNIQUE, LOCKED, CHATTER or
-    UNSOUND.
+    Returns DONE, PAUSED, STEP_TOO_SMALL, ESCAPED, NO_SOLUTION, NOT_FOUND, NOT_UNIQUE, LOCKED, CHATTER,
+    UNSOUND, or SLIDES.
     """
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, touch, grip = vec(m, CLOCK), ivec(m, TALLY), mat(m, TOUCH), mat(m, GRIP)
     begun, most_found, links = tally[STEPS], mat(m, EVENTS).shape[0] // 2, ivec(m, LINKS)
+    landing, switches = vec(m, LANDING), imat(m, SWITCH).shape[0] > 0
     while tally[STEPS] < begun + most_steps and max(tally[EVENT_COUNT], tally[FOUND]) < most_found:
         t, h = clock[T], clock[H]
         if t >= t_end:
             return DONE
-        last = t + 1.000001 * h >= t_end
+        last = t + (1.000001 if landing[LANDS] == 0.0 else 1.0) * h >= t_end
         if last:
             h = t_end - t
         if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t:
@@ -195,14 +213,19 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         if not error <= 1.0:
             tally[REJECTED] += 1
             clock[TROUBLE] = t + h
+            landing[LANDS] = 0.0
+            if switches and not error < math.inf and release(m):
+                continue
             clock[H] = h * (max(0.2, 0.9 * error ** (-0.125)) if error < math.inf else 0.1)
             continue
-        clock[H] = min(h_max, h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-0.125))))
+        ahead = h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-0.125)))
+        clock[H] = min(h_max, max(ahead, clock[H] if last else 0.0))
         t_new = t_end if last else t + h
         settle(m, t_new, y_new, -1)
         call_state(links[DERIVATIVE], (m, t_new, y_new, f_new))
         if not stands(m, y_new):
             clock[TROUBLE] = t_new
+            landing[LANDS] = 0.0
             if h > SHORT * (t_end - t):
                 clock[H] = 0.25 * h
                 tally[REJECTED] += 1
@@ -213,6 +236,13 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         for n in range(touch.shape[0]):
             grip[n, GAP_1], grip[n, DGAP_1] = touch[n, GAP], touch[n, DGAP]
         prepare_dense(m, t, t_new - t, 0)
+        if switches and landing[LANDS] == 0.0 and crossed(m):
+            verdict, shorter = land(m, t, t_new - t, t_end, clock[H])
+            if verdict == SLIDES:
+                return SLIDES
+            if verdict == REPEAT:
+                clock[H] = shorter
+                continue
         share, who, what = first_event(m, t, t_new - t)
         t_until = t + share * (t_new - t) if who >= 0 else t_new
         until = share if who >= 0 else 1.0
@@ -239,6 +269,14 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
                 clock[T] = t_until
                 return status
             clock[H] = max(clock[H], h)
+        if switches:
+            clock[H] = landing[GO_ON] if landing[LANDS] > 0.0 and who < 0 else clock[H]
+            landing[LANDS] = landing[LANDS] if who < 0 else 0.0
+            if arrive(m, t_until, y_new, f_new, landing[GO_ON]):
+                status = call_event(links[HAPPEN], (m, t_until, y_new, -1, NOTHING))
+                if status != OK:
+                    clock[T] = t_until
+                    return status
         call_state(links[DERIVATIVE], (m, t_until, y_new, f_new))
         if who >= 0:
             call_gauge(links[GAUGE], (m, START, t_until))

@@ -36,6 +36,7 @@ from rattle.memory import (
     FINISH,
     GAUGE,
     GRIP,
+    LANDING,
     LINKS,
     LOOK_BACK,
     MOTION,
@@ -49,6 +50,7 @@ from rattle.memory import (
     STAGE,
     STATE,
     STATE_NEW,
+    SWITCH,
     TALLY,
     WATCH,
     imat,
@@ -60,6 +62,7 @@ from rattle.plane import CLOSED, SHUT, STEPS_IN
 from rattle.schur import WEAK
 from rattle.steppers import audit, dop853, rk4
 from rattle.steppers.audit import UNSOUND, note_drift, stands
+from rattle.steppers.branching import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
 from rattle.steppers.dop853 import prepare_dense as prepare_dop853
 from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.peaks import END, START, end_step, gauge, may_rise
@@ -120,6 +123,7 @@ def march_arrays(y: np.ndarray, watched: int, *more: Compiled) -> dict[str, np.n
         "sign": np.zeros(watched),
         "crossings": np.zeros((4096, 3)),
         "events": np.zeros((4096, 8)),
+        "landing": np.zeros(5),
     }
 
 
@@ -200,6 +204,16 @@ def cross_at_once(m, t):
     for n in range(watch.shape[0]):
         if multiplier[watch[n]] * sign[n] < 0.0:
             cross(m, t, n)
+
+
+@compiled
+def resume(m, t):
+    """Go on from (t, y) where the right-hand side has changed: its derivative, contacts and signs as from now on."""
+    y, f = vec(m, STATE), vec(m, RATE)
+    call_state(ivec(m, LINKS)[DERIVATIVE], (m, t, y, f))
+    remember_end(m)
+    pass_on(m)
+    cross_at_once(m, t)
 
 
 @compiled
@@ -312,6 +326,15 @@ def turn_contact(m, t, y, who):
 
 
 @compiled
+def finite(y):
+    """True when all of y is finite."""
+    for n in range(y.shape[0]):
+        if not abs(y[n]) < math.inf:
+            return False
+    return True
+
+
+@compiled
 def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
     """Take up to `most_steps` steps towards t_end; writes every output with t_out <= the time reached.
 
@@ -319,18 +342,19 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
     stages are projected too ("tame" steps).  Cutting the step would only creep closer, so a step well below the
     last sound one leaps across even if its error is above the tolerance.
 
-    Returns DONE, PAUSED, NOT_FINITE, STEP_TOO_SMALL, ESCAPED or UNSOUND.
+    Returns DONE, PAUSED, NOT_FINITE, STEP_TOO_SMALL, ESCAPED, UNSOUND or SLIDES.
     """
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, power, most_found = vec(m, CLOCK), ivec(m, TALLY), vec(m, POWER), mat(m, CROSSINGS).shape[0] // 2
     start = tally[STEPS]
     links, contacts = ivec(m, LINKS), imat(m, CONTACT).shape[0] > 0
+    landing, switches = vec(m, LANDING), imat(m, SWITCH).shape[0] > 0
     while tally[STEPS] < start + most_steps and tally[FOUND] < most_found and tally[EVENT_COUNT] < most_found:
         t = clock[T]
         if t >= t_end:
             return DONE
         h = clock[H]
-        last = t + 1.000001 * h >= t_end
+        last = t + (1.000001 if landing[LANDS] == 0.0 else 1.0) * h >= t_end
         if last:
             h = t_end - t
         if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t:
@@ -346,6 +370,9 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
             if not error <= 1.0:
                 tally[REJECTED] += 1
                 clock[TROUBLE] = t + h
+                landing[LANDS] = 0.0
+                if switches and not error < math.inf and release(m):
+                    continue
                 if power[3] < WEAK and tally[TAME] == 0:
                     tally[TAME] = 1
                     continue
@@ -359,19 +386,23 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
             if not weak:
                 tally[STREAK] = 0
                 clock[H_SOUND] = max(h, 0.7 * clock[H_SOUND])
-            clock[H] = min(h_max, h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-0.125))))
+            ahead = h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-0.125)))
+            clock[H] = min(h_max, max(ahead, clock[H] if last else 0.0))
         else:
             changed = step_rk4(m, t, h)
             tally[EVALUATIONS] += 4
-            for n in range(y.shape[0]):
-                if not abs(y_new[n]) < math.inf:
-                    clock[TROUBLE] = t + h
-                    return NOT_FINITE
+            if not finite(y_new):
+                clock[TROUBLE] = t + h
+                landing[LANDS] = 0.0
+                if switches and release(m):
+                    continue
+                return NOT_FINITE
         t_new = t_end if last else t + h
         call_state(links[FINISH], (m, t_new, y_new, f_new))
         tally[EVALUATIONS] += 2
         if not stands(m, y_new):
             clock[TROUBLE] = t_new
+            landing[LANDS] = 0.0
             if method == 0 and h > SHORT * (t_end - t):
                 clock[H] = 0.25 * h
                 tally[REJECTED] += 1
@@ -381,6 +412,14 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
         changed |= watched_change(m)
         if contacts:
             remember_end(m)
+        if switches and landing[LANDS] == 0.0 and crossed(m):
+            prepare_dense(m, t, t_new - t, method)
+            verdict, shorter = land(m, t, t_new - t, t_end, clock[H])
+            if verdict == SLIDES:
+                return SLIDES
+            if verdict == REPEAT:
+                clock[H] = shorter
+                continue
         who = call_look_back(links[LOOK_BACK], (m, t, t_new - t, changed, method, t_out, out))
         if who >= 0:
             interpolate(m, clock[SHARE], y_new)
@@ -393,6 +432,13 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
         if who >= 0:
             turn_contact(m, t_new, y_new, who)
             call_gauge(links[GAUGE], (m, START, t_new))
+        if switches:
+            clock[H] = landing[GO_ON] if landing[LANDS] > 0.0 and who < 0 else clock[H]
+            landing[LANDS] = landing[LANDS] if who < 0 else 0.0
+            if arrive(m, t_new, y_new, f_new, landing[GO_ON]):
+                remember_end(m)
+                cross_at_once(m, t_new)
+                call_gauge(links[GAUGE], (m, START, t_new))
         if contacts:
             pass_on(m)
         for n in range(y.shape[0]):

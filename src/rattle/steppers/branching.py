@@ -1,0 +1,208 @@
+"""Switches of expressions that depend on the state: each smooth piece of a run stays on one side of every one.
+
+A step is taken with the sides of its start.  Where it has seen a switching function on the far side the dense output
+is searched for the first change of sign, the step is taken once more up to there, and there the switch changes its
+side: no step straddles a kink.  A stage that has no finite value on the near side (a square root beyond zero) frees
+its switch for one step, whose error control then passes the kink as well as it can.
+"""
+
+from __future__ import annotations
+
+from rattle.catalog import call_state, compiled
+from rattle.equations import place
+from rattle.memory import (
+    BODY,
+    CHANGE,
+    CODE,
+    CONST,
+    DERIVATIVE,
+    LANDING,
+    LINKS,
+    RATE,
+    SIGNAL,
+    SIGNALS,
+    STACK,
+    STAGE,
+    STATE,
+    SWITCH,
+    imat,
+    ivec,
+    mat,
+    vec,
+)  # fmt: skip
+from rattle.programs import CROSSED, SIDE, evaluate
+from rattle.steppers.touching import NONE, interpolate
+
+# landing: 1 + switch at which the step ends (0: none), step to go on with [s], switchings so far, time of the last,
+# switchings since time went on
+LANDS, GO_ON, TURNS, LAST, AGAIN = range(5)
+ACCEPT, REPEAT, SLIDES = 0, 1, 22  # the step stands; it is taken anew; a switch changes its side without end
+PARTS = 16  # pieces of a step that are searched
+ENDLESS = 200  # switchings without progress in time after which a run stops
+CLOSE = 1e-7  # share of a step that does not count as progress
+
+
+@compiled
+def argument(m, n, t):
+    """Switching function n at the state in `body`, with the signals at hand."""
+    switch, stack = imat(m, SWITCH), vec(m, STACK)
+    evaluate(imat(m, CODE), vec(m, CONST), switch[n, 0], switch[n, 1], t, mat(m, BODY), vec(m, SIGNALS), stack)
+    return stack[0] - stack[1] if switch[n, 3] == 2 else stack[0]
+
+
+@compiled
+def see(m, t, y):
+    """State y with its signals into the memory."""
+    nq, signal, signals = vec(m, CHANGE).shape[0], imat(m, SIGNAL), vec(m, SIGNALS)
+    place(m, y[:nq], y[nq : 2 * nq])
+    for n in range(signal.shape[0]):
+        signals[signal[n, 2]] = evaluate(
+            imat(m, CODE), vec(m, CONST), signal[n, 0], signal[n, 1], t, mat(m, BODY), signals, vec(m, STACK)
+        )
+
+
+@compiled
+def take_sides(m, t):
+    """Switches without a side take that of their switching function at the state in `body`."""
+    switch, code = imat(m, SWITCH), imat(m, CODE)
+    for n in range(switch.shape[0]):
+        row = switch[n, 2]
+        if code[row, SIDE] == 0:
+            s = argument(m, n, t)
+            code[row, SIDE] = 1 if s > 0.0 else (-1 if s < 0.0 else 0)
+
+
+@compiled
+def choose_sides(m, t, ahead):
+    """Sides at the start of a run; where a switching function is zero the side to which it goes in a time `ahead`."""
+    y, f, stage, nq = vec(m, STATE), vec(m, RATE), vec(m, STAGE), vec(m, CHANGE).shape[0]
+    switch, code, landing = imat(m, SWITCH), imat(m, CODE), vec(m, LANDING)
+    landing[LANDS], landing[AGAIN] = 0.0, 0.0
+    for n in range(switch.shape[0]):
+        code[switch[n, 2], SIDE] = 0
+    call_state(ivec(m, LINKS)[DERIVATIVE], (m, t, y, f))
+    see(m, t, y)
+    take_sides(m, t)
+    for k in range(nq):
+        stage[nq + k] = y[nq + k] + ahead * f[nq + k]
+        stage[k] = y[k] + 0.5 * ahead * (y[nq + k] + stage[nq + k])
+    see(m, t + ahead, stage)
+    take_sides(m, t + ahead)
+    for n in range(switch.shape[0]):
+        code[switch[n, 2], CROSSED] = 0
+
+
+@compiled
+def crossed(m):
+    """True when a switching function has been seen on the far side since this was asked last."""
+    switch, code, found = imat(m, SWITCH), imat(m, CODE), False
+    for n in range(switch.shape[0]):
+        row = switch[n, 2]
+        found = found or (code[row, CROSSED] == 1 and code[row, SIDE] != 0)
+        code[row, CROSSED] = 0
+    return found
+
+
+@compiled
+def release(m):
+    """Free the switches whose switching functions have been seen on the far side; True when there are any."""
+    switch, code, found = imat(m, SWITCH), imat(m, CODE), False
+    for n in range(switch.shape[0]):
+        row = switch[n, 2]
+        if code[row, CROSSED] == 1 and code[row, SIDE] != 0:
+            code[row, SIDE] = 0
+            found = True
+        code[row, CROSSED] = 0
+    return found
+
+
+@compiled
+def argument_at(m, t, h, share, n):
+    """Switching function n at a share of the step."""
+    stage = vec(m, STAGE)
+    interpolate(m, share, stage)
+    see(m, t + share * h, stage)
+    return argument(m, n, t + share * h)
+
+
+@compiled
+def first_switch(m, t, h):
+    """Share of the step at which the first switching function changes its sign (NONE), and which; dense is ready."""
+    switch, code = imat(m, SWITCH), imat(m, CODE)
+    best, who = NONE, -1
+    for n in range(switch.shape[0]):
+        side = code[switch[n, 2], SIDE]
+        left = 0.0
+        for part in range(1, PARTS + 1):
+            right = part / PARTS
+            if side == 0 or left >= best:
+                break
+            if argument_at(m, t, h, right, n) * side < 0.0:
+                low, high = left, right
+                for _ in range(60):
+                    middle = 0.5 * (low + high)
+                    if middle <= low or middle >= high or (high - low) * h <= 1e-16 * abs(t):
+                        break
+                    if argument_at(m, t, h, middle, n) * side < 0.0:
+                        high = middle
+                    else:
+                        low = middle
+                if high < best:
+                    best, who = high, n
+                break
+            left = right
+    return best, who
+
+
+@compiled
+def land(m, t, h, t_end, go_on):
+    """Whether the step from t of length h stands, see ACCEPT; the dense output is ready.
+
+    Returns that and the length to try next.  go_on: the step that would follow [s].
+    """
+    landing = vec(m, LANDING)
+    share, who = first_switch(m, t, h)
+    crossed(m)
+    if who < 0:
+        return ACCEPT, h
+    landing[GO_ON] = go_on
+    if share * h <= 1e-15 * abs(t) + 1e-16 * t_end:  # at once, without a step
+        y, f = vec(m, STATE), vec(m, RATE)
+        turn(m, t, y, who, h)
+        call_state(ivec(m, LINKS)[DERIVATIVE], (m, t, y, f))
+        return (SLIDES if landing[AGAIN] > ENDLESS else REPEAT), h
+    landing[LANDS] = 1.0 + who
+    if (1.0 - share) * h <= 1e-13 * t_end:
+        return ACCEPT, h
+    return REPEAT, share * h
+
+
+@compiled
+def turn(m, t, y, who, h):
+    """Switch `who` changes its side at (t, y), and with it all that are found on the far side; h: usual step [s]."""
+    switch, code, landing = imat(m, SWITCH), imat(m, CODE), vec(m, LANDING)
+    see(m, t, y)
+    for n in range(switch.shape[0]):
+        row = switch[n, 2]
+        if n == who or argument(m, n, t) * code[row, SIDE] < 0.0:
+            code[row, SIDE] = -code[row, SIDE]
+            landing[TURNS] += 1.0
+    take_sides(m, t)
+    for n in range(switch.shape[0]):
+        code[switch[n, 2], CROSSED] = 0
+    landing[AGAIN] = landing[AGAIN] + 1.0 if t - landing[LAST] <= CLOSE * h else 0.0
+    landing[LAST] = t
+
+
+@compiled
+def arrive(m, t, y, f, h):
+    """Turn the switch on which the step has ended; True when there was one, with the new derivative in f."""
+    landing = vec(m, LANDING)
+    if landing[LANDS] == 0.0:
+        see(m, t, y)
+        take_sides(m, t)
+        return False
+    turn(m, t, y, int(landing[LANDS]) - 1, h)
+    landing[LANDS] = 0.0
+    call_state(ivec(m, LINKS)[DERIVATIVE], (m, t, y, f))
+    return True

@@ -1,0 +1,166 @@
+"""Jolts: drivers that jump in speed make all rates jump at once.
+
+    M (v+ - v-) = -Phi_q^T Lambda - W P,    Phi_q v+ = nu+
+    0 <= g'+ (+ e g'-, e = 0),  0 <= P_N, complementary, and Coulomb's law for P_T, at closed set-valued contacts
+
+Contacts that close at this instant rest on each other before the jolt or are met by it: restitution is zero.  What
+the drivers do is -Lambda . (nu+ + nu-)/2; contacts lose P times the mean of their velocities before and after.
+
+Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 8; Haug, Computer Aided
+Kinematics and Dynamics of Mechanical Systems (1989), section 6.6 (impulsive motion).
+"""
+
+from __future__ import annotations
+
+from rattle.catalog import compiled
+from rattle.complementarity import FORWARD, OFF, STICK, B, F, friction_of
+from rattle.contact import touch_all
+from rattle.equations import OK, constraints, correct, drive, place, rate_residual
+from rattle.impact import (
+    NOT_UNIQUE,
+    add_forces,
+    contact_rows,
+    count_solutions,
+    ending,
+    is_rough,
+    shift,
+    solve_contacts,
+    swing,
+)  # fmt: skip
+from rattle.memory import (
+    ACCELERATION,
+    CHANGE,
+    CHOSEN,
+    CONTACT,
+    GRIP,
+    MODE,
+    MULTIPLIER,
+    PLACE,
+    RATE_NEW,
+    ROWS,
+    SIDE,
+    SLIDE,
+    SOLUTION,
+    STATE,
+    TOUCH,
+    TRIAL,
+    imat,
+    ivec,
+    mat,
+    vec,
+)  # fmt: skip
+from rattle.plane import DGAP, DGAP_1, GAP, GAP_1, IMPACT, IMPACT_EVENT, N_1, NU, SLIP, SPEED, STEPS_IN
+from rattle.schur import factorise
+from rattle.steppers.walls import NEAR, clearance_of, note
+
+ROUNDS = 2  # the second takes what rounding left
+
+
+@compiled
+def speeds(m, t, out):
+    """nu of every row at t and the state y into out (nr,), on the sides that hold now."""
+    y, nq, rows = vec(m, STATE), vec(m, CHANGE).shape[0], mat(m, ROWS)
+    place(m, y[:nq], y[nq : 2 * nq])
+    drive(m, t)
+    constraints(m)
+    for r in range(rows.shape[0]):
+        out[r] = rows[r, NU]
+
+
+@compiled
+def jolt(m, t, before, percussion):
+    """Rates in y jump to what the drivers want from t on; work is booked, percussion (nr,) is Lambda.
+
+    before: (nr,) nu at t as it was.  Returns OK, or why the contact problem has no solution.
+    """
+    y, rows, place_of, x = vec(m, STATE), mat(m, ROWS), ivec(m, PLACE), vec(m, SOLUTION)
+    change, old = vec(m, CHANGE), vec(m, RATE_NEW)
+    nq = change.shape[0]
+    q, v = y[:nq], y[nq : 2 * nq]
+    for k in range(nq):
+        old[k] = v[k]
+    place(m, q, v)
+    drive(m, t)
+    constraints(m)
+    factorise(m)
+    for r in range(rows.shape[0]):
+        percussion[r] = 0.0
+    for _ in range(ROUNDS):
+        rate_residual(m)
+        correct(m)
+        for r in range(rows.shape[0]):
+            percussion[r] += x[place_of[r]]
+        for k in range(nq):
+            v[k] += change[k]
+        place(m, q, v)
+    status = OK
+    if ivec(m, MODE).shape[0] > 0:
+        status = with_contacts(m, t, y, old, percussion)
+    work = 0.0
+    for r in range(rows.shape[0]):
+        work -= 0.5 * percussion[r] * (rows[r, NU] + before[r])
+    y[2 * nq] += work
+    return status
+
+
+@compiled
+def with_contacts(m, t, y, old, percussion):
+    """Closed contacts do not let the jolt drive them together: their percussions, in one problem."""
+    contact, touch, mode, grip = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP)
+    chosen, trial, slide, side = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE)
+    multiplier, nq = vec(m, MULTIPLIER), vec(m, CHANGE).shape[0]
+    v = y[nq : 2 * nq]
+    touch_all(m)
+    count = 0
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 1 and (mode[n] != OFF or touch[n, GAP] <= NEAR * clearance_of(m, n)):
+            chosen[count] = n
+            count += 1
+    if count == 0:
+        return OK
+    contact_rows(m, count)
+    for k in range(count):
+        n = chosen[k]
+        grip[n, STEPS_IN] = 0.0
+        grip[n, N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
+        side[B, 2 * k], side[B, 2 * k + 1] = touch[n, DGAP], -touch[n, SLIP]
+        slide[k] = 0
+        trial[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
+    if not solve_contacts(m, count):
+        return ending(m)
+    if is_rough(m, count) and count_solutions(m, count) > 1:
+        return NOT_UNIQUE
+    shift(m, count, v, -1.0)
+    for r in range(multiplier.shape[0]):
+        multiplier[r] = 0.0
+    add_forces(m, count, mat(m, ACCELERATION), multiplier)
+    for r in range(multiplier.shape[0]):
+        percussion[r] += multiplier[r]
+    account(m, t, y, count, old)
+    return OK
+
+
+@compiled
+def account(m, t, y, count, old):
+    """Impulses and losses of the contacts of a jolt into y, and their events; old (3 nb,): rates before it."""
+    touch, grip, chosen, side = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), mat(m, SIDE)
+    nq = vec(m, CHANGE).shape[0]
+    place(m, y[:nq], old[:nq])
+    touch_all(m)
+    for k in range(count):
+        n = chosen[k]
+        grip[n, GAP_1], grip[n, DGAP_1] = touch[n, DGAP], touch[n, SLIP]
+    place(m, y[:nq], y[nq : 2 * nq])
+    constraints(m)
+    touch_all(m)
+    for k in range(count):
+        n = chosen[k]
+        pressed, held = side[F, 2 * k], side[F, 2 * k + 1]
+        if pressed == 0.0 and held == 0.0:
+            continue
+        lost = 0.5 * (held * (grip[n, DGAP_1] + touch[n, SLIP]) - pressed * (grip[n, GAP_1] + touch[n, DGAP]))
+        j = y.shape[0] - 4 * grip.shape[0] + 4 * n
+        y[j + 1] += pressed
+        y[j + 2] += lost
+        grip[n, SPEED] = max(-grip[n, GAP_1], 0.0)
+        note(m, IMPACT_EVENT, n, t, y, grip[n, SPEED], 0.0, pressed, lost)

@@ -1,0 +1,227 @@
+"""Switches of expressions (abs, sign, step, min, max, if) and the instants at which those of time alone switch.
+
+A switching function of time is bounded, with its rate, over spans of time that are halved until it has no zero in
+a span, or is monotone there: then its sign at both ends tells, and false position gives the first instant on the
+far side.  Switches inside come first, so that it is smooth between their instants.
+
+Source: Moore, Kearfott, Cloud, Introduction to Interval Analysis (2009), section 8.1 (interval Newton, exclusion).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rattle import intervals, programs
+from rattle.intervals import SWITCHES, Span
+
+MOST = 200_000  # spans of one switching function that are looked at together
+NARROW = 2.0**-44  # share of the whole time below which a span is not halved
+SAME = 1e-13  # share of the whole time within which instants are one
+
+
+@dataclass
+class Switch:
+    """One switch in a program, with its switching function: the operand, or the difference of the two, of `row`."""
+
+    row: int
+    first: int  # rows of the operands: first..last-1
+    last: int
+    count: int  # operands compared, 1 or 2
+    name: str  # path of the expression
+    timed: bool  # True: a function of time alone
+    driving: bool = False  # a driver depends on it
+    instants: np.ndarray = field(default_factory=lambda: np.zeros(0))  # in order [s]
+    sides: np.ndarray = field(default_factory=lambda: np.zeros(1))  # before, between and after them
+    resolved: bool = True
+
+
+@dataclass(frozen=True)
+class Signals:
+    """Programs of all signals in order of evaluation: first and last row, number."""
+
+    code: np.ndarray
+    const: np.ndarray
+    rows: Sequence[tuple[int, int, int]]
+    names: Sequence[str] = ()
+
+    def used(self, first: int, last: int) -> set[int]:
+        """Numbers of the signals that rows first..last-1 use, directly or through others."""
+        where = {k: (a, b) for a, b, k in self.rows}
+        found: set[int] = set()
+        ahead = [(first, last)]
+        while ahead:
+            a, b = ahead.pop()
+            part = self.code[a:b]
+            for k in part[part[:, 0] == programs.SIGNAL, 1].tolist():
+                if k not in found:
+                    found.add(k)
+                    ahead.append(where[k])
+        return found
+
+    def depends_on_state(self, first: int, last: int) -> bool:
+        """Whether anything in rows first..last-1 depends on the state."""
+        where = {k: (a, b) for a, b, k in self.rows}
+        spans = [(first, last), *(where[k] for k in self.used(first, last))]
+        return any((self.code[a:b, 0] == programs.STATE).any() for a, b in spans)
+
+
+def find_switches(signals: Signals, used: Sequence[tuple[int, int, str, bool]]) -> list[Switch]:
+    """Switches of the programs `used` (first, last row, path, for a driver), those inside before what uses them.
+
+    Signals that are only recorded are not among them: nothing in the motion depends on these.
+    """
+    wanted: dict[int, bool] = {}
+    for first, last, _, driving in used:
+        for k in signals.used(first, last):
+            wanted[k] = wanted.get(k, False) or driving
+    spans = [(a, b, signals.names[k], wanted[k]) for a, b, k in signals.rows if k in wanted]
+    found = []
+    for first, last, name, driving in [*spans, *used]:
+        starts: list[int] = []  # first row of every operand that waits on the stack
+        for row in range(first, last):
+            op = int(signals.code[row, 0])
+            if op <= programs.SIGNAL:
+                starts.append(row)
+                continue
+            count = 1 if op < programs.ADD else 2 if op < programs.LESS else 4
+            operands = starts[-count:]
+            del starts[len(starts) - count + 1 :]
+            if op in SWITCHES:
+                ends = operands[2] if count == 4 else row
+                timed = not signals.depends_on_state(operands[0], ends)
+                found.append(Switch(row, operands[0], ends, min(count, 2), name, timed, driving))
+    return found
+
+
+def locate_all(signals: Signals, switches: Sequence[Switch], start: float, end: float) -> None:
+    """Give every switch of time alone its instants and sides between two times [s]."""
+    known = {switch.row: switch for switch in switches if switch.timed}
+    for switch in known.values():
+        _locate(signals, switch, known, start, end)
+
+
+def _inside(signals: Signals, switch: Switch, known: dict[int, Switch]) -> list[Switch]:
+    """Switches that the switching function of one contains, signals included."""
+    where = {k: (a, b) for a, b, k in signals.rows}
+    spans = [(switch.first, switch.last), *(where[k] for k in signals.used(switch.first, switch.last))]
+    return [other for row, other in known.items() if row != switch.row and any(a <= row < b for a, b in spans)]
+
+
+def side_at(switch: Switch, t: np.ndarray) -> np.ndarray:
+    """Sides of a switch of time alone at the times t (n,)."""
+    return switch.sides[np.searchsorted(switch.instants, t, side="right")]
+
+
+class _Function:
+    """Switching function of one switch, with the sides of those inside it taken from the middle of each span."""
+
+    def __init__(self, signals: Signals, switch: Switch, known: dict[int, Switch]) -> None:
+        self.signals, self.switch, self.known = signals, switch, known
+        self.needed = signals.used(switch.first, switch.last)
+
+    def __call__(self, low: np.ndarray, high: np.ndarray, at: np.ndarray) -> Span:
+        code, const = self.signals.code, self.signals.const
+
+        def side_of(row: int) -> np.ndarray | None:
+            return side_at(self.known[row], at) if row in self.known else None
+
+        with np.errstate(all="ignore"):
+            spans: dict[int, Span] = {}
+            for a, b, k in self.signals.rows:
+                if k in self.needed:
+                    spans[k] = intervals.enclose(code, const, a, b, low, high, spans, side_of)[0]
+            stack = intervals.enclose(code, const, self.switch.first, self.switch.last, low, high, spans, side_of)
+            return stack[0] if self.switch.count == 1 else intervals.minus(stack[0], stack[1])
+
+    def value(self, t: np.ndarray, at: np.ndarray) -> np.ndarray:
+        """The function at times t (n,), on the sides of the times `at`."""
+        return self(t, t, at).low
+
+
+def _locate(signals: Signals, switch: Switch, known: dict[int, Switch], start: float, end: float) -> None:
+    function = _Function(signals, switch, known)
+    inner = [one.instants for one in _inside(signals, switch, known)]
+    edges = np.unique(np.concatenate([[start, end], *inner]))
+    edges = edges[(edges >= start) & (edges <= end)]
+    roots, switch.resolved = _roots(function, edges[:-1], edges[1:], NARROW * (end - start), 1e-18 * (end - start))
+    if not switch.resolved:
+        return
+    roots = roots[(roots > start + SAME * (end - start)) & (roots < end)]
+    cuts = np.unique(np.concatenate([edges, roots]))
+    middle = 0.5 * (cuts[:-1] + cuts[1:])
+    sides = np.nan_to_num(np.sign(function.value(middle, middle)))
+    change = np.flatnonzero(sides[1:] != sides[:-1])
+    switch.instants = cuts[1:-1][change]
+    switch.sides = np.concatenate([sides[:1], sides[1:][change]])
+
+
+def _roots(
+    function: _Function, low: np.ndarray, high: np.ndarray, narrow: float, tiny: float
+) -> tuple[np.ndarray, bool]:
+    """First instants on the far side of all changes of sign in the spans low..high; False when there are too many."""
+    found = [np.zeros(0)]
+    with np.errstate(all="ignore"):
+        while len(low):
+            if len(low) > MOST:
+                return np.zeros(0), False
+            middle, half = 0.5 * (low + high), 0.5 * (high - low)
+            s = function(low, high, middle)
+            here = function.value(middle, middle)
+            reach = half * np.maximum(np.abs(s.slow), np.abs(s.fast))
+            reach = np.where(np.isfinite(reach), reach, np.inf) * (1.0 + 1e-12)
+            least, most = np.fmax(s.low, here - reach), np.fmin(s.high, here + reach)
+            undefined = np.isnan(s.low) | np.isnan(s.high)
+            open_ = ~undefined & (least <= 0.0) & (most >= 0.0) & ((s.low != 0.0) | (s.high != 0.0))
+            low, high, middle = low[open_], high[open_], middle[open_]
+            monotone = (s.slow[open_] > 0.0) | (s.fast[open_] < 0.0)
+            monotone &= np.isfinite(s.low[open_]) & np.isfinite(s.high[open_])  # it has no pole
+            done = monotone | (high - low <= np.maximum(narrow, 8.0 * np.spacing(np.abs(high))))
+            found.append(_far_side(function, low[done], high[done], middle[done], tiny))
+            low, high, middle = low[~done], high[~done], middle[~done]
+            low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+    return np.concatenate(found), True
+
+
+def _far_side(function: _Function, low: np.ndarray, high: np.ndarray, at: np.ndarray, tiny: float) -> np.ndarray:
+    """First instants with another sign than at `low`, in every span whose ends differ in sign.
+
+    False position (Illinois), every third time bisection, until neighbouring numbers or `tiny` [s] are left.
+    """
+    f_low, f_high = function.value(low, at), function.value(high, at)
+    differ = np.sign(f_low) != np.sign(f_high)
+    low, high, at, f_low, f_high = (one[differ] for one in (low, high, at, f_low, f_high))
+    before = np.sign(f_low)
+    found = np.where(before == 0.0, low, high)
+    high = found.copy()  # nothing is left to search where the span begins with zero
+    ahead = np.arange(len(high))
+    for turn in range(400):
+        wide = high - low > np.maximum(tiny, np.spacing(np.abs(high)))
+        found[ahead[~wide]] = high[~wide]
+        low, high, at, f_low, f_high, before, ahead = (
+            one[wide] for one in (low, high, at, f_low, f_high, before, ahead)
+        )
+        if not len(ahead):
+            break
+        middle = 0.5 * (low + high)
+        if turn % 3 < 2:
+            chord = low + f_low / (f_low - f_high) * (high - low)
+            inside = np.clip(chord, np.nextafter(low, np.inf), np.nextafter(high, -np.inf))
+            middle = np.where(np.isfinite(chord) & (inside > low) & (inside < high), inside, middle)
+        value = function.value(middle, at)
+        same = np.sign(value) == before
+        f_high = np.where(same, 0.5 * f_high, value)
+        f_low = np.where(same, value, 0.5 * f_low)
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return found
+
+
+def merged(switches: Sequence[Switch], span: float) -> np.ndarray:
+    """Instants of all switches of time alone in order; those closer than rounding are one."""
+    every = np.unique(np.concatenate([np.zeros(0), *(switch.instants for switch in switches if switch.timed)]))
+    if not len(every):
+        return every
+    apart: np.ndarray = np.concatenate([[True], np.diff(every) > SAME * span])
+    return np.asarray(every[apart])

@@ -1,0 +1,171 @@
+"""When the expressions of a run switch: instants known beforehand, with the jumps of drivers at them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rattle.assembly import driver_slot
+from rattle.equations import drive
+from rattle.errors import ModelError, Problem
+from rattle.programs import SIDE
+from rattle.result import Event
+from rattle.switching import SAME, locate_all, merged, side_at
+from rattle.system import Compiled
+
+BEYOND = 1e-6  # share of a run by which it is looked further: what happens at its very end counts
+FEW = 3  # jolts of a driver that are told one by one
+LEAP = 1e-9  # change of a driver's function that is taken for a jump, as a share of 1 rad or of the mechanism's size
+KICK = 1e-9  # change of its speed that is taken for a jump, as a share of its largest speed
+UNITS = {"rad": ("rad", "rad/s", "N*m*s"), "m": ("m", "m/s", "N*s")}
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A driver jumps in speed."""
+
+    t: float  # [s]
+    driver: str
+    size: float  # speed after less speed before [rad/s or m/s]
+    unit: str  # of the driver's function
+
+
+@dataclass(frozen=True)
+class Jolt:
+    """What a jump in speed took."""
+
+    jump: Jump
+    impulse: float  # of the driver on its body B [N*m*s or N*s]
+    work: float  # put in by the driver [J]
+
+
+@dataclass(frozen=True)
+class Timetable:
+    """Instants at which expressions of time switch, and the sides of all such switches between them."""
+
+    instants: np.ndarray  # (n,) [s]
+    rows: np.ndarray  # (k,) rows of the switches in the programs
+    sides: np.ndarray  # (n + 1, k)
+    driving: np.ndarray  # (n,) whether a driver may jump at this instant
+    jumps: tuple[Jump, ...]
+    unresolved: tuple[str, ...]  # expressions whose instants are too many to be followed
+
+    def piece_at(self, t: float) -> int:
+        """Number of the smooth piece that starts at or before t [s]."""
+        return int(np.searchsorted(self.instants, t, side="right"))
+
+    def take(self, code: np.ndarray, piece: int) -> None:
+        """Put the sides of a piece into the programs of a run."""
+        code[self.rows, SIDE] = self.sides[piece]
+
+
+def timetable(ready: Compiled, start: float, end: float) -> Timetable:
+    """Instants of a run between two times [s].  Raises ModelError where a driver jumps in position."""
+    span = end - start
+    switches = [replace(one) for one in ready.switches if one.timed] if span > 0.0 else []
+    beyond = end + BEYOND * span
+    locate_all(ready.signals, switches, start, beyond)
+    every = merged(switches, span)
+    instants = np.minimum(every[every <= end + SAME * span], end)
+    edges = np.concatenate([[start], instants, [*every, beyond][len(instants) : len(instants) + 1]])
+    middle = 0.5 * (edges[:-1] + edges[1:])
+    sides = np.array([side_at(one, middle) for one in switches], np.int64).reshape(len(switches), len(middle)).T
+    of_drivers = merged([one for one in switches if one.driving], span)
+    driving = np.array([bool((np.abs(of_drivers - t) <= 2.0 * SAME * span).any()) for t in instants], bool)
+    unresolved = tuple(dict.fromkeys(one.name for one in switches if not one.resolved))
+    rows = np.array([one.row for one in switches], np.int64)
+    table = Timetable(instants, rows, np.ascontiguousarray(sides), driving, (), unresolved)
+    if any(one.driving for one in switches):
+        return replace(table, jumps=_jumps(ready, table, start))
+    return table
+
+
+def _jumps(ready: Compiled, table: Timetable, start: float) -> tuple[Jump, ...]:
+    """Jumps in speed of all drivers. Raises ModelError where one jumps in position, the start included."""
+    memory = ready.memory()
+    names = [name for name in ready.joints if name in ready.model.drivers]
+    at = [ready.joints.index(name) for name in names]
+    slots = np.array([ready.arrays["joint"][n, 3] + driver_slot(ready, n) for n in at])
+    units = [ready.rows[ready.arrays["joint"][n, 4]].unit for n in at]
+    pieces = np.flatnonzero(table.driving).tolist()
+    times = [start, *table.instants[pieces].tolist()]
+    found = np.zeros((len(times), 2, 2, len(names)))  # instant, before and after, value and speed, driver
+    for k, (t, piece) in enumerate(zip(times, [-1, *pieces], strict=True)):
+        for side in range(2):
+            if piece + side >= 0:  # at the start there is no piece before: what the definition says stands for it
+                table.take(memory["code"], piece + side)
+            drive(memory.handle, t)
+            for rate in range(2):
+                found[k, side, rate] = memory["values"][slots + rate]
+    problems, jumps = [], []
+    for d, (name, unit) in enumerate(zip(names, units, strict=True)):
+        leap = found[:, 1, 0, d] - found[:, 0, 0, d]
+        scale = (1.0 if unit == "rad" else ready.size) + np.abs(found[:, :, 0, d]).max(axis=1)
+        broken = np.flatnonzero(np.abs(leap) > LEAP * scale)
+        if len(broken):
+            t, size = times[int(broken[0])], float(leap[broken[0]])
+            more = f" (and {len(broken) - 1} times more)" if len(broken) > 1 else ""
+            said = (
+                f"driver '{name}' jumps by {size:.6g} {unit} at t = {t:.9g} s{more}: no body can follow;"
+                " write a ramp, or a step in speed such as 10*max(0, t - 0.5)"
+            )
+            problems.append(Problem(("drivers", name), said))
+        kick = found[:, 1, 1, d] - found[:, 0, 1, d]
+        most = float(np.abs(found[:, :, 1, d]).max(initial=0.0))
+        for k in np.flatnonzero(np.abs(kick) > KICK * most).tolist():
+            if k > 0:  # at the start rates are a matter of the start
+                jumps.append(Jump(times[k], name, float(kick[k]), unit))
+    if problems:
+        raise ModelError(problems)
+    return tuple(sorted(jumps, key=lambda jump: jump.t))
+
+
+def jolt_events(jolts: Sequence[Jolt]) -> list[Event]:
+    """Jolts as events: `joint` is the driver, `normal_speed` the jump, `energy_lost` minus what it puts in."""
+    return [
+        Event(one.jump.t, one.jump.driver, "jolt", one.jump.size, impulse=one.impulse, energy_lost=-one.work)
+        for one in jolts
+    ]
+
+
+def jolt_notes(jolts: Sequence[Jolt], table: Timetable) -> tuple[str, ...]:
+    """What a run says of its jolts, and of expressions whose switching instants are too many."""
+    said = []
+    for name in dict.fromkeys(one.jump.driver for one in jolts):
+        own = [one for one in jolts if one.jump.driver == name]
+        for one in own if len(own) <= FEW else own[:1]:
+            _, rate, impulse = UNITS[one.jump.unit]
+            said.append(
+                f"driver '{name}' jumps in speed by {one.jump.size:.4g} {rate} at t = {one.jump.t:.9g} s:"
+                f" an impulse of {one.impulse:.4g} {impulse}, {one.work:.4g} J put in"
+            )
+        if len(own) > FEW:
+            total = sum(one.work for one in own)
+            said.append(f"driver '{name}' jumps in speed {len(own)} times, {total:.4g} J put in in all")
+    for name in table.unresolved:
+        said.append(f"{name} switches too often to be followed: steps do not end on its switching instants")
+    return tuple(said)
+
+
+def jump_lines(jumps: Sequence[Jump]) -> list[str]:
+    """Which drivers jump in speed, when and by how much, one line each."""
+    lines = []
+    for name in dict.fromkeys(jump.driver for jump in jumps):
+        own = [jump for jump in jumps if jump.driver == name]
+        first = own[0]
+        more = f", and {len(own) - 1} times more" if len(own) > 1 else ""
+        lines.append(
+            f"{name} jumps in speed by {first.size:.4g} {UNITS[first.unit][1]} at t = {first.t:.9g} s{more}: an impulse"
+        )
+    return lines
+
+
+def jump_notes(jumps: Sequence[Jump], forces: bool) -> list[str]:
+    """What kinematics says of jumps in speed: at these instants there is no acceleration, and no finite force."""
+    lost = "no acceleration and no finite force" if forces else "no acceleration"
+    return [
+        f"driver {line}; there is {lost} at such an instant, what stands there is that of its right side"
+        for line in jump_lines(jumps)
+    ]
