@@ -31,7 +31,8 @@ from rattle.memory import (
     vec,
 )  # fmt: skip
 from rattle.programs import CROSSED, SIDE, evaluate
-from rattle.steppers.touching import NONE, interpolate
+from rattle.steppers.searching import NONE
+from rattle.steppers.touching import interpolate
 
 # landing: 1 + switch at which the step ends (0: none), step to go on with [s], switchings so far, time of the last,
 # switchings since time went on

@@ -51,7 +51,8 @@ from rattle.memory import (
 )  # fmt: skip
 from rattle.plane import DGAP, DGAP_1, GAP, GAP_1, IMPACT, IMPACT_EVENT, N_1, NU, SLIP, SPEED, STEPS_IN
 from rattle.schur import factorise
-from rattle.steppers.walls import NEAR, clearance_of, note
+from rattle.steppers.searching import clearance_of
+from rattle.steppers.walls import NEAR, note
 
 ROUNDS = 2  # the second takes what rounding left
 
