@@ -278,7 +278,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
                     clock[T] = t_until
                     return status
         call_state(links[DERIVATIVE], (m, t_until, y_new, f_new))
-        if who >= 0:
+        if who >= 0 or switches:
             call_gauge(links[GAUGE], (m, START, t_until))
         cross_at_once(m, t_until)
         tally[EVALUATIONS] += 5 + PARTS

@@ -214,6 +214,7 @@ def resume(m, t):
     remember_end(m)
     pass_on(m)
     cross_at_once(m, t)
+    call_gauge(ivec(m, LINKS)[GAUGE], (m, START, t))
 
 
 @compiled
