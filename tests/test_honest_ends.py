@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from linkages import slider_crank
+from linkages import paper, slider_crank
+from rattle import soundness
+from rattle.agreement import tighter
+from rattle.chaos import Lyapunov
 from rattle.soundness import extent, jump
 
 TRIANGLE = """
@@ -158,3 +161,106 @@ def test_place_of_the_origin_does_not_change_what_drift_is_measured_with():
     near = rt.loads(slider_crank())
     far = rt.loads(slider_crank().replace("O = [0, 0]\n[bodies.crank]", "O = [1000, 500]\n[bodies.crank]"))
     assert extent(far.ready) == pytest.approx(extent(near.ready), rel=1e-12)
+
+
+# ---------------------------------------------------------------- runs that get nowhere
+def test_a_run_that_creeps_is_ended_and_says_how_long_it_would_take(monkeypatch):
+    monkeypatch.setattr(soundness, "CREEPING", 2000)
+    run = rt.loads(paper(r=1e-9)).simulate(1000.0)
+    assert not run.success
+    assert "most_steps lets it go on" in run.message
+    assert run.stats["steps"] < 10_000
+
+
+def test_a_run_takes_the_steps_it_was_given():
+    creeping = rt.loads(paper(r=1e-7)).simulate(1000.0, t_eval=[0.0, 1000.0], most_steps=3000)
+    assert not creeping.success
+    assert "as most_steps asked" in creeping.message
+    assert rt.loads(paper()).simulate(0.01, most_steps=10_000).success
+
+
+@pytest.mark.nojit
+def test_tolerances_below_the_digits_of_numbers_are_refused():
+    with pytest.raises(ValueError, match="rtol = 1e-20 is below the digits"):
+        rt.example("double_pendulum").simulate(0.1, rtol=1e-20)
+
+
+def test_loads_too_large_for_numbers_are_named_and_no_other_method_is_advised():
+    m = rt.example("double_pendulum").load("M", "torque", body="upper", torque=1e300)
+    run = m.simulate(0.1)
+    assert not run.success
+    assert "too large for numbers" in run.message
+    assert "dop853" not in run.message
+
+
+# ---------------------------------------------------------------- massless links
+def test_a_massless_link_driven_through_a_change_point_says_how_fast_it_turns():
+    m = rt.Mechanism("parallelogram", gravity=[0, -9.81]).ground(A=[0, 0], D=[0.3, 0])
+    m.bar("crank", "A", "B", length=0.1, mass=0.3).bar("coupler", "B", "C", length=0.3, mass=0.5)
+    m.bar("rocker", "D", "C", length=0.1, mass=0.3)
+    m.revolute("A", "ground.A", "crank.A").revolute("B", "crank.B", "coupler.B")
+    m.revolute("C", "coupler.C", "rocker.C", clearance=2e-4, contact="massless-link")
+    m.revolute("D", "ground.D", "rocker.D").driver("motor", "A", angle="0.5 + 10*t")
+    m.initial("crank", angle=0.5).initial("coupler", angle=0.0).initial("rocker", angle=0.5)
+    before, behind = m.simulate(0.2), m.simulate(0.36)  # change point at (pi - 0.5)/10 s
+    assert "massless link" not in " ".join(before.trust.notes)
+    assert "the massless link of 'C' turns at up to" in " ".join(behind.trust.notes)
+    assert "times as fast as its driver" in " ".join(behind.trust.notes)
+
+
+# ---------------------------------------------------------------- horizon
+def test_a_curve_that_only_shows_rounding_sets_no_horizon():
+    """The energy of a pendulum does not change: what is seen of that is tolerance, in both runs differently."""
+    m = rt.Mechanism("pendulum", gravity=[0, -9.81]).ground(O=[0, 0]).bar("rod", "A", "B", length=1, mass=2)
+    m.revolute("O", "ground.O", "rod.A").initial("rod", angle=0.3, omega=1.0)
+    m.signal("energy_left", "(rod.vx**2 + rod.vy**2 + rod.omega**2/12)/2 + 9.81*rod.y")
+    run = m.simulate(4.0, horizon=True)
+    assert 0.0 < np.ptp(run["energy_left"]) < 1e-6
+    assert run.trust.horizon == 4.0
+    assert "over the whole run" in str(run.trust)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-8])
+def test_up_to_the_horizon_positions_are_those_of_a_far_tighter_run(rtol):
+    m = rt.example("slider_crank_play")
+    run, reference = m.simulate(horizon=True, rtol=rtol), m.simulate(rtol=1e-12)
+    trusted = run.t <= run.trust.horizon
+    assert ("is loose" in " ".join(run.trust.notes)) == (rtol > 1e-6)
+    for name in ("slider.x", "rod.angle", "slider.vx"):
+        apart = np.abs(run[name] - reference[name])[trusted]
+        assert apart.max() < 0.02 * np.ptp(reference[name])  # 1 % between two runs, and as much for the tighter one
+
+
+@pytest.mark.nojit
+def test_two_loose_runs_are_never_compared_with_each_other():
+    assert tighter(1e-4, 1e-8) == 1e-8
+    assert tighter(1e-8, 1e-8) == pytest.approx(1e-9)
+    assert tighter(1e-11, 1e-8) == pytest.approx(1e-12)
+
+
+# ---------------------------------------------------------------- Lyapunov exponent
+def test_no_exponent_is_given_where_nothing_can_grow():
+    with pytest.raises(ValueError, match="the drivers fix every position"):
+        rt.example("slider_crank").lyapunov(0.01)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"t_end": 0.0}, "t_end must be positive"),
+        ({"t_end": float("nan")}, "t_end"),
+        ({"stretch": float("inf")}, "stretch"),
+        ({"stretch": 0.0}, "stretch must be positive"),
+        ({"t_end": 1.0, "stretch": 0.9}, "too long for 1 s"),
+    ],
+)
+def test_times_of_an_exponent_are_checked_before_it_is_measured(given, said):
+    with pytest.raises(ValueError, match=said):
+        rt.example("double_pendulum").lyapunov(**{"t_end": 1.0} | given)
+
+
+def test_an_exponent_with_a_large_uncertainty_says_so():
+    made = Lyapunov(2.0, 1.0, 100.0, np.zeros(10), 0.1)
+    assert "rough number: uncertain by 50 %" in str(made)
+    assert "not determined" in str(made._replace(uncertainty=3.0))
+    assert "rough" not in str(made._replace(uncertainty=0.2))

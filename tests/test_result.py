@@ -75,6 +75,14 @@ def test_trust_says_pulling_in_plain_words():
     [
         ({"horizon": None}, "was not asked (horizon=True"),
         ({"horizon": 2.0}, "over the whole run"),
+        # a sleeve that jams on two corners: how they share the load is not determined, where the sleeve is is
+        (
+            {"horizon": 0.1, "horizon_motion": 2.0, "horizon_curve": "J.normal"},
+            "positions and rates can be trusted over the whole run, to t = 2 s, all other curves up to t = 0.1 s"
+            " (J.normal parts first)",
+        ),
+        ({"horizon": 0.6, "horizon_motion": 1.0, "horizon_curve": "J.normal"}, "up to t = 0.6 s (horizon), after it"),
+        ({"horizon": 1.9, "horizon_motion": 1.9, "stopped": True}, "up to where the run ended, t = 2 s"),
         ({}, "no joint has play"),
         ({"pulled": {"A": 0.0, "B": 0.0}}, "A and B would never have to pull"),
         (

@@ -16,9 +16,12 @@ import numpy as np
 
 from rattle import catalog, dynamics
 from rattle.assembly import driver_slot
+from rattle.closing import open_by
+from rattle.dense import LARGE
 from rattle.display import lines
 from rattle.equations import DONE, PAUSED, drive
 from rattle.plane import CLOSED, SHUT, SPEED
+from rattle.singular import rank
 from rattle.steppers import march
 from rattle.steppers.audit import STARTED
 from rattle.steppers.touching import pass_on, remember_end
@@ -33,6 +36,8 @@ if TYPE_CHECKING:
 
 APART = 1e-7  # distance at which the second run of a Lyapunov exponent starts anew, positions in mechanism lengths
 LARGEST_GROWTH = 1e4  # of that distance between two renewals; beyond it the growth is no longer linear
+UNSURE = 0.8  # uncertainty, as a share of the exponent, beyond which it is not determined
+ROUGH = 0.3  # the same beyond which it is called rough
 ENOUGH = 100.0  # growth of differences below which motion may be regular yet: there they grow in proportion to time
 LATE = 6  # times that the end of a stretch is put off, where one of two runs has just had an impact
 BLOCKS = 10  # parts of the run from whose scatter the uncertainty follows
@@ -251,12 +256,16 @@ class Lyapunov(NamedTuple):
 
     def __str__(self) -> str:
         said = f"largest Lyapunov exponent {self.exponent:.3g} +- {self.uncertainty:.2g} 1/s over {self.span:.4g} s"
+        if not self.uncertainty <= UNSURE * abs(self.exponent) and self.uncertainty * self.span > math.log(ENOUGH):
+            return f"{said}: not determined, the uncertainty is as large as the exponent; run much longer"
         if self.exponent > self.uncertainty and not self.chaotic:
             seen = math.exp(self.exponent * self.span)
             return f"{said}: differences grew {seen:.2g}-fold only; a longer run tells whether that goes on"
         if not self.chaotic:
             return f"{said}: no exponential growth of errors beyond the uncertainty"
         tenfold = math.log(10.0) / self.exponent
+        if self.uncertainty > ROUGH * self.exponent:
+            said += f" (a rough number: uncertain by {100 * self.uncertainty / self.exponent:.0f} %)"
         return f"{said}: an error grows tenfold every {tenfold:.2g} s, from 1e-9 to 1 % in {self.horizon():.2g} s"
 
 
@@ -273,11 +282,19 @@ def lyapunov(
     grows most.  rtol: of both runs.
     With set-valued contacts both runs go from event to event; a stretch at whose end one of them has had an impact
     that the other is about to have lasts a little longer.
-    Raises ValueError where the run cannot go on.
+    Raises ValueError where the drivers fix every position (then nothing can grow), or the run cannot go on.
     """
     catalog.start()
     span = m.model.settings.t_end if t_end is None else t_end
-    length = stretch or span / 400
+    for name, given in (("t_end", span), ("stretch", span / 400 if stretch is None else stretch)):
+        if not 0.0 < given < math.inf:
+            raise ValueError(f"{name} must be positive and finite, got {given}")
+    length = span / 400 if stretch is None else stretch
+    if 2 * BLOCKS * length > span * (1.0 + 1e-9):
+        raise ValueError(f"a stretch of {length:g} s is too long for {span:g} s; wanted at most a {2 * BLOCKS}th of it")
+    if not 0.0 <= skip < 1.0:
+        raise ValueError(f"skip is a share of the run, from 0 to below 1; got {skip}")
+    _require_freedom(m)
     for _ in range(6):
         growth = _growths(m, span, length, rtol)
         if growth is not None:
@@ -289,6 +306,19 @@ def lyapunov(
     blocks = np.array([part.mean() for part in np.array_split(kept, BLOCKS)]) / length
     error = STUDENT * float(blocks.std(ddof=1)) / math.sqrt(BLOCKS)
     return Lyapunov(float(kept.mean()) / length, error, len(kept) * length, growth, length)
+
+
+def _require_freedom(m: Mechanism) -> None:
+    """Refuse a mechanism in which nothing is free to grow apart."""
+    ready, memory = m.ready, m.ready.memory()
+    if len(ready.arrays["contact"]) or ready.row_count > LARGE:
+        return
+    open_by(memory.handle, m.start.t, m.start.q, m.start.v)
+    if rank(ready, memory) == 3 * ready.body_count:
+        raise ValueError(
+            "the drivers fix every position: there is no freedom in which errors could grow, so no exponent"
+            " (a joint with play, or a driver less, gives one)"
+        )
 
 
 def _growths(m: Mechanism, span: float, length: float, rtol: float) -> np.ndarray | None:

@@ -7,11 +7,12 @@ import math
 import threading
 import time
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from rattle import catalog, pythonlaw
+from rattle.agreement import Reach, agreement, tighter
 from rattle.assembly import Assembled
 from rattle.equations import DONE, OK, PAUSED
 from rattle.errors import SolverError
@@ -21,7 +22,7 @@ from rattle.passivity import law_faults
 from rattle.recording import JOINT, columns, geometry, quantities, width
 from rattle.result import Peak, Result, Trust
 from rattle.singular import nonunique_reactions
-from rattle.soundness import audit_arrays, remarks, set_floor, why_unsound
+from rattle.soundness import audit_arrays, fast_links, loose, remarks, set_floor, too_slow, why_unsound
 from rattle.steppers import audit, march, peaks
 from rattle.steppers.audit import UNSOUND
 from rattle.steppers.branching import TURNS, choose_sides
@@ -37,9 +38,7 @@ log = logging.getLogger("rattle")
 
 METHODS = (*march.METHODS, "event", "moreau")
 RTOL = 1e-8
-STILL = 1e-7  # a curve whose range is below this share of the widest of its unit does not move
-MOTION = ("m", "rad", "m/s", "rad/s")  # units of positions and rates
-LIKE = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N", "N*m"))
+FINEST = 1e-14  # tolerance below which numbers have no digits
 POINTS = 1000  # output intervals when nothing is said
 stop = threading.Event()  # set: all runs of the process end where they are, as after Ctrl-C in each of them
 GLANCE = 1e-6  # share of a run by which it is looked ahead for the side of a switching function that is zero
@@ -72,6 +71,7 @@ class Run:
         self.contacts: list[np.ndarray] = []
         self.first_sign = np.ones(len(ready.watched))
         self.message = ""
+        self.most_steps: int | None = None
         self.interrupted = False
         self.wall = 0.0
 
@@ -174,7 +174,7 @@ class Run:
         """Why the run cannot go on."""
         if status == UNSOUND:
             return why_unsound(self)
-        return explain(self.ready, self.memory, self.t_end, status)
+        return explain(self.ready, self.memory, self.t_end, status, self.method, self.rtol)
 
     def go(self, progress: bool = False, what: str = "simulate") -> None:
         """March to the end, or to where it cannot go on (then `message` says why)."""
@@ -184,6 +184,7 @@ class Run:
         bar = progress_bar(self.t_end, what) if progress else None
         try:
             status = self.begin(self.start.t)
+            mark = (0, self.start.t)
             self.first_sign[:] = m["sign"]
             if status == PAUSED and self.method != "moreau" and len(self.t_eval) and self.t_eval[0] <= self.start.t:
                 record(m.handle, self.start.t, m["y"], self.raw[0])
@@ -197,7 +198,11 @@ class Run:
                 tally[march.FOUND] = tally[march.EVENT_COUNT] = 0
                 if bar is not None:
                     bar.update(self.clock[march.T] - bar.n)
-            if status != DONE:
+                if status == PAUSED:
+                    self.message, mark = too_slow(self, mark)
+                    if self.message:
+                        break
+            if status not in (DONE, PAUSED):
                 if not tally[march.OUTPUTS] and len(self.t_eval) and self.t_eval[0] <= self.start.t:
                     record(m.handle, self.start.t, start_state(self.ready, self.start), self.raw[0])
                     tally[march.OUTPUTS] = 1
@@ -246,7 +251,7 @@ def simulate(
     ready: Compiled, start: Assembled, *, t_end: float | None = None,
     t_eval: Sequence[float] | np.ndarray | None = None, method: str | None = None, rtol: float | None = None,
     atol: float | None = None, step: float | None = None, progress: bool = False, strict: bool = False,
-    horizon: bool = False,
+    horizon: bool = False, most_steps: int | None = None,
 ) -> Result:  # fmt: skip
     """Integrate the equations of motion; see `Mechanism.simulate`."""
     catalog.start()
@@ -256,6 +261,8 @@ def simulate(
     if method not in METHODS:
         raise ValueError(f"unknown method '{method}'; wanted {' or '.join(METHODS)}")
     rtol = _positive("rtol", rtol or settings.rtol or RTOL)
+    if rtol < FINEST:
+        raise ValueError(f"rtol = {rtol:g} is below the digits that numbers have; wanted {FINEST:g} or more")
     atol = _positive("atol", atol or settings.atol or 1e-2 * rtol)
     step = step or settings.step
     if step is not None:
@@ -267,11 +274,16 @@ def simulate(
         log.warning(fault)
     one_run, method, step = kind_of_run(ready, method, step, end)
     run = one_run(ready, start, times, end, method, rtol, atol, step)
+    if most_steps is not None and most_steps < 1:
+        raise ValueError(f"most_steps must be at least 1, got {most_steps}")
+    run.most_steps = most_steps
     run.go(progress)
     reach, second = None, None
     if horizon and run.tally[march.OUTPUTS] > 1 and not run.interrupted:
         finer = None if step is None else step / 10 ** (1 / march.ORDERS.get(method, 1))
-        second = one_run(ready, start, times, end, method, rtol / 10, atol / 10, finer)
+        fine = tighter(rtol, RTOL)
+        second = one_run(ready, start, times, end, method, fine, atol * fine / rtol, finer)
+        second.most_steps = None if most_steps is None else 10 * most_steps
         second.go(progress, "once more, tighter")
         reach = None if second.interrupted else agreement(run, second)
     result = _result(run, reach)
@@ -280,7 +292,7 @@ def simulate(
     elif second is not None and second.interrupted:
         result.stats["horizon_interrupted"] = True
     if not result.success:
-        log.warning(result.message)
+        log.error(result.message)
         if strict:
             raise SolverError(result.message, result)
     return result
@@ -329,48 +341,6 @@ def _positive(name: str, value: float) -> float:
     return float(value)
 
 
-class Reach(NamedTuple):
-    """How long two runs agree."""
-
-    time: float  # every curve [s]
-    first: str  # the curve that parts first; "" if none does
-    motion: float  # all positions and rates [s]
-
-    def note(self) -> tuple[str, ...]:
-        """What to say where forces part long before the motion does."""
-        if self.motion <= 2.0 * self.time:
-            return ()
-        return (f"the horizon is that of {self.first}; all positions and rates agree up to t = {self.motion:.3g} s",)
-
-
-def agreement(run: Run, second: Run) -> Reach:
-    """Time up to which every curve of two runs agrees within 1 % of its range (docs/theory.md, section 8)."""
-    n = int(min(run.tally[march.OUTPUTS], second.tally[march.OUTPUTS]))
-    one, names, units = columns(run.ready, run.raw[:n])
-    other, _, _ = columns(second.ready, second.raw[:n])
-    keep = [k for k, name in enumerate(names) if not name.startswith("energy.")]
-    one, other = one[:, keep], other[:, keep]
-    span = np.ptp(one, axis=0)
-    widest: dict[str, float] = {}
-    for k, width_ in zip(keep, span, strict=True):
-        widest[units[names[k]]] = max(widest.get(units[names[k]], 0.0), float(width_))
-    for linear, angular in LIKE:  # a length at the mechanism's size is worth an angle of one
-        arm = 1.0 / run.ready.size if angular == "N*m" else run.ready.size
-        wide = max(widest.get(linear, 0.0), widest.get(angular, 0.0) * arm)
-        widest[linear], widest[angular] = wide, wide / arm
-    # a curve that stays put beside others of its unit has no range of its own, only rounding
-    floor = np.array([STILL * widest[units[names[k]]] for k in keep])
-    apart = np.abs(one - other) > np.maximum(0.01 * span, floor)
-    moving = np.array([units[names[k]] in MOTION for k in keep])
-
-    def until(some: np.ndarray) -> float:
-        parted = some.any(axis=1)
-        return float(run.t_eval[max(0, int(np.argmax(parted)) - 1) if parted.any() else n - 1])
-
-    which = np.argmax(apart[np.argmax(apart.any(axis=1))])
-    return Reach(until(apart), names[keep[which]] if apart.any() else "", until(apart[:, moving]))
-
-
 def progress_bar(t_end: float, what: str = "simulate") -> Any:
     """A progress bar that appears when a run takes longer than a second."""
     from tqdm import tqdm
@@ -406,10 +376,10 @@ def _result(run: Run, reach: Reach | None) -> Result:
         notes += (f"Moreau-Jean: peaks are the largest of its steps{impact if impacts else ''}",)
     if not run.message:
         notes += remarks(ready, run.memory, run.method)
+    notes += loose(run.method, run.rtol) + fast_links(ready, data, names)
     if series := int(tally[march.SERIES]):
         one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
         notes += (f"{one} closed: bounces that rise less than {LOW:g} clearances are counted as contact",)
-    notes += reach.note() if reach else ()
     owner = ready.rows[tally[march.DRIFT_ROW]].owner if ready.rows else ""
     trust = Trust(
         drift=float(seen[audit.LENGTH]),
@@ -419,6 +389,9 @@ def _result(run: Run, reach: Reach | None) -> Result:
         energy_balance=float(np.abs(balance).max()) if n else math.nan,
         t_end=reached,
         horizon=reach.time if reach else None,
+        horizon_motion=reach.motion if reach else None,
+        horizon_curve=reach.first if reach else "",
+        stopped=bool(run.message),
         pulled=pulled,
         first_pull=first,
         intervals=intervals,

@@ -184,7 +184,7 @@ class ImpactRun(Run):
             return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; method moreau goes on"
         if status == NOT_FINITE and self.method == "moreau":
             return f"the motion ran away at t = {t:.6g} s with the step of {self.step:.3g} s; try a smaller step"
-        return explain(self.ready, self.memory, self.t_end, status)
+        return explain(self.ready, self.memory, self.t_end, status, self.method, self.rtol)
 
     def _closed(self) -> list[str]:
         owner, mode = self.ready.arrays["contact"][:, OWNER], self.memory["mode"]

@@ -189,7 +189,7 @@ class Mechanism(Building):
     def simulate(
         self, t_end: Seconds | None = None, *, t_eval: Sequence[Seconds] | np.ndarray | None = None,
         method: str | None = None, rtol: float | None = None, atol: float | None = None, step: Seconds | None = None,
-        progress: bool = False, strict: bool = False, horizon: bool = False,
+        progress: bool = False, strict: bool = False, horizon: bool = False, most_steps: int | None = None,
     ) -> Result:  # fmt: skip
         """Motion in time from the assembled start.
 
@@ -198,10 +198,14 @@ class Mechanism(Building):
         method: "dop853" (adaptive) or "rk4" (fixed step); for impact contacts "event" (default) or "moreau".
         rtol, atol: tolerances per step of dop853 and event on positions and rates [m, rad, m/s, rad/s].
         step: step of rk4 and moreau, largest step of dop853 [s].
-        progress: show a bar.  horizon: run once more with a ten times tighter tolerance and report how long
-        both agree within 1 % of every curve's range.
+        progress: show a bar.  horizon: run once more with a ten times tighter tolerance (1e-8 where rtol is looser
+        than 1e-7) and report how long both agree within 1 % of every curve's range.
+        most_steps: the run ends after that many (default: where 200 000 steps bring it no further than 1e-4 of its
+        time).
 
-        A run that cannot go on returns what was computed with success = False and a message (strict=True
+        A run ends before drift (of the mechanism's extent, or 1 rad) or unaccounted energy (of the largest of kinetic
+        energy, work and range of the potential) exceeds 1e-3; for Moreau-Jean the energy may be off by 0.2.  A run that
+        cannot go on returns what was computed with success = False and a message (strict=True
         raises SolverError).  Source: docs/theory.md, section 3; Grigore et al., equation (1).
         """
         from rattle import dynamics
@@ -209,7 +213,7 @@ class Mechanism(Building):
         return dynamics.simulate(
             self.ready, self.start, t_end=seconds_or_none(t_end, "t_end"), t_eval=times(t_eval, "t_eval"),
             method=method, rtol=rtol, atol=atol, step=seconds_or_none(step, "step"), progress=progress, strict=strict,
-            horizon=horizon,
+            horizon=horizon, most_steps=most_steps,
         )  # fmt: skip
 
     def compare(

@@ -79,6 +79,9 @@ class Trust:
     nonunique: tuple[str, ...] = ()  # joints whose reactions are not unique
     notes: tuple[str, ...] = ()
     drift_angle: float = 0.0  # largest angle between bodies that belong together [rad]
+    stopped: bool = False  # the run ended before its time
+    horizon_motion: float | None = None  # time up to which positions and rates agree [s]
+    horizon_curve: str = ""  # the curve that parts first
     energy_share: float | None = None  # the same change as a share of the largest of kinetic energy, work and potential
 
     def __repr__(self) -> str:
@@ -103,8 +106,17 @@ class Trust:
     def _reach(self) -> str:
         if self.horizon is None:
             return "how long the curves can be trusted was not asked (horizon=True does)"
-        if self.horizon >= self.t_end:
-            return f"the curves can be trusted over the whole run, to t = {self.t_end:.4g} s"
+        whole = f"up to where the run ended, t = {self.t_end:.4g} s"
+        if not self.stopped:
+            whole = f"over the whole run, to t = {self.t_end:.4g} s"
+        agree = self.horizon >= self.t_end or (self.stopped and not self.horizon_curve)
+        if agree and self.horizon > 0.0:
+            return f"the curves can be trusted {whole}"
+        motion = self.horizon_motion
+        if motion is not None and motion > 2.0 * self.horizon:
+            until = whole if motion >= self.t_end else f"up to t = {motion:.3g} s (horizon)"
+            first = f" ({self.horizon_curve} parts first)" if self.horizon_curve else ""
+            return f"positions and rates can be trusted {until}, all other curves up to t = {self.horizon:.3g} s{first}"
         return f"the curves can be trusted up to t = {self.horizon:.3g} s (horizon), after it statistics only"
 
     def _touching(self) -> str:

@@ -7,6 +7,7 @@ a run ends before the step that would take it there; beyond `SAID` it says so.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,7 @@ from rattle.assembly import driver_slot
 from rattle.contradiction import contradicted
 from rattle.equations import drive
 from rattle.memory import Memory
+from rattle.model import Point
 from rattle.singular import describe_rank_loss, unlike_masses
 from rattle.steppers import audit, march
 from rattle.system import Compiled
@@ -28,6 +30,10 @@ LIMIT = 1e-3  # share of its measure that drift or energy may be off by
 MOREAU = 0.2  # the same for the energy of Moreau-Jean, whose accounts close in proportion to the step
 SAID = 1e-6  # share beyond which it is said
 SUNK = 0.01  # share of its clearance by which a contact of Moreau-Jean may be in its wall unsaid
+LOOSE = 1e-6  # tolerance beyond which short contacts may be missed
+SWIFT = 1000.0  # speed of a massless link, in speeds of the driver, that is out of all reason; a few hundred are usual
+CREEPING = 200_000  # steps that must bring a run further than
+LEAST_GONE = 1e-4  # this share of its time, unless the user says how many steps it may take
 FAR = 1e6  # distance from the origin, in sizes, that leaves too few digits for the motion
 
 
@@ -84,6 +90,80 @@ def remarks(ready: Compiled, memory: Memory, method: str) -> tuple[str, ...]:
     elif share > SAID:
         found.append(f"energy is off by {share:.2g} of the largest energy: {shorter} accounts for it better")
     return tuple(found)
+
+
+def loose(method: str, rtol: float) -> tuple[str, ...]:
+    """What to say of a tolerance that may miss things."""
+    if method not in ("dop853", "event") or rtol <= LOOSE:
+        return ()
+    return (f"rtol = {rtol:g} is loose: short contacts may be missed and the horizon may be said too late",)
+
+
+def fast_links(ready: Compiled, data: np.ndarray, names: Sequence[str]) -> tuple[str, ...]:
+    """What to say of massless links that turn out of all reason beside their mechanism (data: (n, len(names)))."""
+    if not len(data) or not ready.watched:
+        return ()
+    curve = dict(zip(names, data.T, strict=True))
+    usual = max(float(np.abs(curve[f"{body}.omega"][0])) for body in ready.bodies)
+    what = "the fastest body at the start"
+    drivers = _driver_rates(ready)
+    if drivers and max(drivers) > 0.0:
+        usual, what = max(drivers), "its driver"
+    found = []
+    for name in ready.watched:
+        joint = ready.model.joints[name]
+        ax, ay = _point_rate(curve, joint.a)
+        bx, by = _point_rate(curve, joint.b)
+        turning = np.abs(curve[f"{name}.ex"] * (by - ay) - curve[f"{name}.ey"] * (bx - ax)) / joint.clearance**2
+        fastest = float(turning.max())
+        if fastest > SWIFT * usual > 0.0:
+            found.append(
+                f"the massless link of '{name}' turns at up to {fastest:.2g} rad/s, {fastest / usual:.2g} times as fast"
+                f" as {what}: out of all reason, as behind a change point or where the play is tiny; trust an impact or"
+                " compliant contact there instead"
+            )
+    return tuple(found)
+
+
+def _driver_rates(ready: Compiled) -> list[float]:
+    """Rates of all drivers at the start [rad/s], those along a line at the mechanism's size."""
+    memory = ready.memory()
+    drive(memory.handle, 0.0)
+    found = []
+    for n, name in enumerate(ready.joints):
+        if name in ready.model.drivers:
+            rate = abs(float(memory["values"][ready.arrays["joint"][n, 3] + driver_slot(ready, n) + 1]))
+            turns = ready.rows[ready.arrays["joint"][n, 4]].unit == "rad"
+            found.append(rate if turns else rate / extent(ready))
+    return found
+
+
+def _point_rate(curve: Mapping[str, np.ndarray], point: Point) -> tuple[np.ndarray, np.ndarray]:
+    """Velocity of a point over time."""
+    if point.body == "ground":
+        return np.zeros(1), np.zeros(1)
+    angle, omega = curve[f"{point.body}.angle"], curve[f"{point.body}.omega"]
+    x = np.cos(angle) * point.at[0] - np.sin(angle) * point.at[1]
+    y = np.sin(angle) * point.at[0] + np.cos(angle) * point.at[1]
+    return curve[f"{point.body}.vx"] - omega * y, curve[f"{point.body}.vy"] + omega * x
+
+
+def too_slow(run: Run, mark: tuple[int, float]) -> tuple[str, tuple[int, float]]:
+    """Why a run that gets nowhere is ended ("" while it gets on), and the steps and time [s] to measure from next."""
+    steps, t = int(run.tally[march.STEPS]), float(run.clock[march.T])
+    if run.most_steps is not None:
+        done = f"ended at t = {t:.6g} s after {steps} steps, as most_steps asked"
+        return (done if steps >= run.most_steps else ""), mark
+    if steps - mark[0] < CREEPING:
+        return "", mark
+    gone, ahead = t - mark[1], run.t_end - run.start.t
+    if gone > LEAST_GONE * ahead:
+        return "", (steps, t)
+    more = (run.t_end - t) / max(gone, 1e-300) * (steps - mark[0])
+    return (
+        f"ended at t = {t:.6g} s: the last {steps - mark[0]} steps went {gone:.2g} s, the rest would take {more:.1g}"
+        " more. Look for lengths, masses or stiffnesses out of all proportion; most_steps lets it go on"
+    ), mark
 
 
 def why_unsound(run: Run) -> str:

@@ -22,8 +22,8 @@ from rattle.system import Compiled
 TINY = 1e-12  # a contact that wants shorter steps is too stiff [s]
 
 
-def explain(ready: Compiled, memory: Memory, t_end: float, status: int) -> str:
-    """One or two sentences on why a run stopped at memory["clock"][T]."""
+def explain(ready: Compiled, memory: Memory, t_end: float, status: int, method: str = "", rtol: float = 0.0) -> str:
+    """One or two sentences on why a run with this method and tolerance stopped at memory["clock"][T]."""
     clock, nq = memory["clock"], 3 * ready.body_count
     t, h = float(clock[march.T]), float(clock[march.H])
     if status == ESCAPED:
@@ -44,12 +44,19 @@ def explain(ready: Compiled, memory: Memory, t_end: float, status: int) -> str:
             f"cannot go on at t = {t:.6g} s: the contact of joint '{joint}' is so stiff that it wants steps below"
             f' {TINY:g} s. Lower its stiffness, or use contact = {{ model = "impact" }}'
         )
-    if status == NOT_FINITE:
+    if status == NOT_FINITE and method in ("rk4", "moreau"):
         return f"the motion ran away at t = {t:.6g} s with the step of {h:.3g} s; try a smaller step or method dop853"
+    if status == NOT_FINITE:
+        size = np.abs(memory["acceleration"][1:]).max(axis=1)
+        body = ready.bodies[int(np.argmax(np.where(np.isfinite(size), size, np.inf)))]
+        return (
+            f"cannot go on at t = {t:.6g} s: forces, rates or accelerations are too large for numbers (worst at body"
+            f" '{body}', {size.max():.3g} in SI units); look for a load, mass or rate that is far too large or small"
+        )
     fastest = ready.bodies[int(np.argmax(np.abs(memory["f"][nq : 2 * nq]))) // 3]
     return (
         f"cannot go on at t = {t:.6g} s: the step fell below {h:.1g} s (worst at body '{fastest}');"
-        " try a larger rtol, and look for a position that cannot be passed"
+        f" {'look' if rtol >= 1e-6 else 'try a larger rtol, and look'} for a position that cannot be passed"
     )
 
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 @click.option("--rtol", type=float, help="Relative tolerance of dop853.")
 @click.option("--atol", type=float, help="Absolute tolerance of dop853 [m, rad, m/s, rad/s].")
 @click.option("--step", type=time, help="Step of rk4 and moreau, largest step of dop853, in s or as '10 us'.")
+@click.option("--most-steps", type=int, help="End after that many steps; default: where a run gets nowhere.")
 @click.option(
     "--horizon/--no-horizon",
     default=True,
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 def run(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str | None, csv: str | None,
     fallback: str | None, contact: str | None, t_end: float | None, method: str | None, rtol: float | None,
-    atol: float | None, step: float | None, horizon: bool, as_json: bool,
+    atol: float | None, step: float | None, most_steps: int | None, horizon: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Motion in time: peak and RMS force of every joint, energy, and how far the result can be trusted.
 
@@ -50,8 +51,9 @@ def run(
         m = m.with_contact(contact)
     check_results(file, output, csv, fallback)
     result = m.simulate(
-        t_end, method=method, rtol=rtol, atol=atol, step=step, horizon=horizon, progress=not ctx.obj["quiet"]
-    )
+        t_end, method=method, rtol=rtol, atol=atol, step=step, horizon=horizon, most_steps=most_steps,
+        progress=not ctx.obj["quiet"],
+    )  # fmt: skip
     kept = keep(result, output, csv, fallback)
     if as_json:
         record = {

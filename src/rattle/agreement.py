@@ -1,0 +1,89 @@
+"""How long two runs agree: the horizon up to which curves can be trusted, and what parts first (THEORY section 8)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rattle.recording import columns
+from rattle.steppers import march
+from rattle.steppers.writing import record
+
+if TYPE_CHECKING:
+    from rattle.dynamics import Run
+
+AGREE = 0.01  # share of its range within which a curve agrees
+STILL = 1e-7  # a curve whose range is below this share of the widest of its unit does not move
+NOISE = 10.0  # tolerances by which a state is shaken to see what of a curve is rounding
+MOST_NOISE = 1e-3  # share of the widest of its unit that may count as rounding
+SHAKEN = 12  # instants at which that is seen
+MOTION = ("m", "rad", "m/s", "rad/s")  # units of positions and rates
+LIKE = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N", "N*m"))
+
+
+class Reach(NamedTuple):
+    """How long two runs agree."""
+
+    time: float  # every curve [s]
+    first: str  # the curve that parts first; "" if none does
+    motion: float  # all positions and rates [s]
+
+
+def tighter(rtol: float, usual: float) -> float:
+    """Tolerance of the second run: a tenth, and where the first is loose no looser than what is usual.
+
+    Two loose runs may miss the same contact and agree.
+    """
+    return min(rtol / 10.0, usual) if rtol > usual else rtol / 10.0
+
+
+def agreement(run: Run, second: Run) -> Reach:
+    """Time up to which every curve of two runs agrees within 1 % of its range."""
+    n = int(min(run.tally[march.OUTPUTS], second.tally[march.OUTPUTS]))
+    one, names, units = columns(run.ready, run.raw[:n])
+    other, _, _ = columns(second.ready, second.raw[:n])
+    keep = [k for k, name in enumerate(names) if not name.startswith("energy.")]
+    one, other = one[:, keep], other[:, keep]
+    span = np.ptp(one, axis=0)
+    widest: dict[str, float] = {}
+    for k, width_ in zip(keep, span, strict=True):
+        widest[units[names[k]]] = max(widest.get(units[names[k]], 0.0), float(width_))
+    for linear, angular in LIKE:  # a length at the mechanism's size is worth an angle of one
+        arm = 1.0 / run.ready.size if angular == "N*m" else run.ready.size
+        wide = max(widest.get(linear, 0.0), widest.get(angular, 0.0) * arm)
+        widest[linear], widest[angular] = wide, wide / arm
+    # a curve that stays put beside others of its unit, or moves less than the tolerance does, has no range of its own
+    wide_ = np.array([widest[units[names[k]]] for k in keep])
+    signal = np.array([names[k] in run.ready.model.signals for k in keep])
+    shaken = _rounding(run, n)[keep]
+    floor = np.maximum(STILL * wide_, np.where(signal, shaken, np.minimum(shaken, MOST_NOISE * wide_)))
+    apart = np.abs(one - other) > np.maximum(AGREE * span, floor)
+    moving = np.array([units[names[k]] in MOTION and names[k] not in run.ready.model.signals for k in keep])
+
+    def until(some: np.ndarray) -> float:
+        parted = some.any(axis=1)
+        return float(run.t_eval[max(0, int(np.argmax(parted)) - 1) if parted.any() else n - 1])
+
+    which = np.argmax(apart[np.argmax(apart.any(axis=1))])
+    return Reach(until(apart), names[keep[which]] if apart.any() else "", until(apart[:, moving]))
+
+
+def _rounding(run: Run, n: int) -> np.ndarray:
+    """(columns,) how far every curve moves when positions and rates are shaken by some tolerances."""
+    nq = 3 * run.ready.body_count
+    y = np.zeros_like(run.memory["y"])
+    random = np.random.default_rng(0)
+    rows = np.zeros((2, run.raw.shape[1]))
+    most = np.zeros(len(columns(run.ready, rows[:1])[1]))
+    for k in np.unique(np.linspace(0, n - 1, SHAKEN).astype(int)):
+        state = run.raw[k, : 9 * run.ready.body_count].reshape(-1, 3, 3)
+        y[:nq], y[nq : 2 * nq] = state[:, 0].ravel(), state[:, 1].ravel()
+        record(run.memory.handle, run.t_eval[k], y, rows[0])
+        near = y.copy()
+        near[: 2 * nq] += NOISE * (run.atol + run.rtol * np.abs(y[: 2 * nq])) * random.uniform(-1.0, 1.0, 2 * nq)
+        record(run.memory.handle, run.t_eval[k], near, rows[1])
+        found = columns(run.ready, rows)[0]
+        change = np.abs(found[1] - found[0])
+        most = np.maximum(most, np.where(np.isfinite(change), change, 0.0))
+    return most
