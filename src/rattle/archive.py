@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.errors import MissingPackage
+from rattle.errors import MissingPackage, shown
 from rattle.files import atomic, is_special
 
 Array = NDArray[np.float64]
@@ -268,6 +268,13 @@ def _require_plain(record: Any, count: int) -> None:
         raise ValueError("not as a result is written")
     if not all(isinstance(record["units"][name], str) and record["units"][name].isprintable() for name in names):
         raise ValueError("units are texts")
+    ahead: list[Any] = [record]
+    while ahead:
+        one = ahead.pop()
+        if isinstance(one, dict | list):
+            ahead += [*one, *one.values()] if isinstance(one, dict) else one
+        elif isinstance(one, str) and shown(one) != one:
+            raise ValueError("texts that would steer a terminal")
     for event in record["events"]:
         _, joint, kind, *numbers = event
         texts = isinstance(joint, str) and isinstance(kind, str)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rattle import catalog, dynamics
+from rattle import asked, catalog, dynamics
 from rattle.assembly import driver_slot
 from rattle.closing import open_by
 from rattle.dense import LARGE
@@ -111,6 +111,8 @@ def section(
     skip: points left out at the start.  points: how many are wanted (a crossing may come less often than that).
     method, rtol, atol, step: as in `simulate`.  Raises ValueError, UnknownName.
     """
+    asked.whole("skip", skip, 0)
+    asked.whole("points", points, 1)
     settings: dict[str, Any] = {"method": method, "rtol": rtol, "atol": atol, "step": step}
     if crossing is None:
         T = _period(m, period)
@@ -177,7 +179,11 @@ def bifurcation(
     the result does not depend on it.  method, rtol, atol, step: as in `simulate`.
     Raises ModelError, ValueError, UnknownName.
     """
+    asked.whole("skip", skip, 0)
+    asked.whole("points", points, 1)
     given = np.asarray(values, dtype=float)
+    if not given.size or given.ndim != 1:
+        raise ValueError("values of the parameter: at least one is needed, in one row")
     changed = [m.set({parameter: float(value)}) for value in given]
 
     def run(one: Mechanism) -> tuple[np.ndarray, str]:
@@ -285,11 +291,9 @@ def lyapunov(
     Raises ValueError where the drivers fix every position (then nothing can grow), or the run cannot go on.
     """
     catalog.start()
-    span = m.model.settings.t_end if t_end is None else t_end
-    for name, given in (("t_end", span), ("stretch", span / 400 if stretch is None else stretch)):
-        if not 0.0 < given < math.inf:
-            raise ValueError(f"{name} must be positive and finite, got {given}")
-    length = span / 400 if stretch is None else stretch
+    span = asked.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
+    length = span / 400 if stretch is None else asked.positive("stretch", stretch)
+    rtol = asked.relative_tolerance(rtol)
     if 2 * BLOCKS * length > span * (1.0 + 1e-9):
         raise ValueError(f"a stretch of {length:g} s is too long for {span:g} s; wanted at most a {2 * BLOCKS}th of it")
     if not 0.0 <= skip < 1.0:

@@ -119,6 +119,8 @@ def compare(
         raise ModelError([Problem((), "no joint has a clearance, so there is nothing to compare")])
     if joint is not None and joint not in loose:
         raise ModelError([Problem(("joints", joint), f"has no clearance{suggest(joint, loose)}")])
+    if law is not None and law not in catalog.kinds("normal"):
+        raise ValueError(f"law: no compliant law '{law}'{suggest(str(law), catalog.kinds('normal'))}")
     end = t_end if t_end is not None else min(driver_period(m.ready) or math.inf, m.model.settings.t_end)
     times = np.linspace(0.0, end, POINTS + 1)
     compliant, assumed = _compliant(m, loose, law)

@@ -168,6 +168,8 @@ def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str,
     for name in order:
         if name not in fixed and not values.dimension_fits(nodes[name], str(table[name]), ("signals", name), None):
             continue
+        if not values.is_finite(nodes[name], ("signals", name)):
+            continue
         seen = fixed[name] if name in fixed else values.dimension(nodes[name])
         values.dimensions[name] = seen
         units[name] = unit_name(seen) if seen is not None else ""

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle import catalog, pythonlaw
+from rattle import asked, catalog, pythonlaw
 from rattle.agreement import Reach, agreement, tighter
 from rattle.assembly import Assembled
 from rattle.equations import DONE, OK, PAUSED
@@ -38,7 +38,6 @@ log = logging.getLogger("rattle")
 
 METHODS = (*march.METHODS, "event", "moreau")
 RTOL = 1e-8
-FINEST = 1e-14  # tolerance below which numbers have no digits
 POINTS = 1000  # output intervals when nothing is said
 stop = threading.Event()  # set: all runs of the process end where they are, as after Ctrl-C in each of them
 GLANCE = 1e-6  # share of a run by which it is looked ahead for the side of a switching function that is zero
@@ -257,16 +256,15 @@ def simulate(
     catalog.start()
     settings = ready.model.settings
     end, times = output_times(settings, t_end, t_eval)
-    method = method or settings.method
+    method = settings.method if method is None else method
     if method not in METHODS:
         raise ValueError(f"unknown method '{method}'; wanted {' or '.join(METHODS)}")
-    rtol = _positive("rtol", rtol or settings.rtol or RTOL)
-    if rtol < FINEST:
-        raise ValueError(f"rtol = {rtol:g} is below the digits that numbers have; wanted {FINEST:g} or more")
-    atol = _positive("atol", atol or settings.atol or 1e-2 * rtol)
-    step = step or settings.step
+    rtol = asked.relative_tolerance(_first_given(rtol, settings.rtol, RTOL))
+    atol = asked.positive("atol", _first_given(atol, settings.atol, 1e-2 * rtol))
+    step = settings.step if step is None else step
     if step is not None:
-        _positive("step", step)
+        asked.positive("step", step)
+    asked.require_room(len(times), width(ready))
     if method == "rk4" and any(one.contact and one.contact.model == "compliant" for one in ready.model.joints.values()):
         raise ValueError("rk4 takes fixed steps, which contacts do not allow; use method dop853")
     require_workable(ready)
@@ -314,7 +312,7 @@ def output_times(
 ) -> tuple[float, np.ndarray]:
     """End of a run and its output instants, from what was asked and what the model says."""
     if t_eval is not None:
-        times = np.ascontiguousarray(t_eval, dtype=float)
+        times = asked.instants(t_eval)
         if (
             times.ndim != 1
             or len(times) == 0
@@ -323,22 +321,20 @@ def output_times(
             or times[0] < 0
         ):
             raise ValueError("t_eval must be increasing finite times in s, from 0 on")
-        end = float(times[-1]) if t_end is None else _positive("t_end", t_end)
+        end = float(times[-1]) if t_end is None else asked.positive("t_end", t_end)
         if times[-1] > end * (1 + 1e-12):
             raise ValueError(f"t_eval goes to {times[-1]:g} s, beyond t_end = {end:g} s")
         return max(end, float(times[-1])), times
-    end = _positive("t_end", settings.t_end if t_end is None else t_end)
+    end = asked.positive("t_end", settings.t_end if t_end is None else t_end)
     interval = settings.output or end / POINTS
     count = max(1, round(end / interval))
-    if count > 10_000_000:
+    if count > asked.MOST_POINTS:
         raise ValueError(f"{count} outputs are too many; choose a larger output interval")
     return end, np.linspace(0.0, end, count + 1)
 
 
-def _positive(name: str, value: float) -> float:
-    if not 0.0 < value < math.inf:
-        raise ValueError(f"{name} must be positive and finite, got {value}")
-    return float(value)
+def _first_given(*values: float | None) -> float:
+    return next(one for one in values if one is not None)
 
 
 def progress_bar(t_end: float, what: str = "simulate") -> Any:

@@ -43,6 +43,7 @@ __all__ = [
     "dimension",
     "names",
     "parse",
+    "require_finite",
     "value",
     "walk",
 ]
@@ -148,6 +149,12 @@ def value(node: Node, constants: Mapping[str, float]) -> float:
     assembler = _Assembler(constants, {}, {}, time=False)
     assembler.read(node)
     return assembler.const[0]
+
+
+def require_finite(node: Node, constants: Mapping[str, float]) -> None:
+    """Raise ExpressionError where a part without `t`, state and signals has no finite value."""
+    live = {name: 0 for name in names(node) if name not in constants}
+    _Assembler(constants, live, {}, time=True).read(node)
 
 
 def compile_program(

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rattle import catalog
+from rattle import asked, catalog
 from rattle.assembly import Assembled, assemble
 from rattle.closing import open_by
 from rattle.dense import LARGE
@@ -157,6 +157,7 @@ def analyse(
         require_driven(ready, start, what)
     jumps = timetable(ready, min(start.t, float(times[0])), float(times[-1])).jumps
     motors = _motors(ready, effort_at)
+    asked.require_room(len(times), width(ready))
     sweep = begin(ready, start, motors)
     if times[0] != start.t:  # what the user says about the start holds at t = 0: go from there
         if not len(sweep.go(times[:1], False)):
@@ -183,7 +184,7 @@ def analyse(
 
 def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
     """t_eval as an array. Raises ValueError unless it is increasing and finite."""
-    times = np.atleast_1d(np.ascontiguousarray(t_eval, dtype=float))
+    times = np.atleast_1d(asked.instants(t_eval))
     if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise ValueError("t_eval must be one time or increasing finite times in s")
     return times

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
-from rattle import modelfile
+from rattle import asked, modelfile
 from rattle.building import Building
 from rattle.errors import ModelError, Problem, suggest
 from rattle.model import Model
@@ -131,6 +131,8 @@ class Mechanism(Building):
         made._document, made._text, made._file = self._document, self._text, self._file
         made._changes = list(self._changes)
         for name, value in {**(values or {}), **parameters}.items():
+            if not isinstance(name, str):
+                raise TypeError(f"what is set has a name, as in {{'r3': '2 mm'}}; got {name!r:.60}")
             path = self._path_of(name, made._document)
             made._document = modelfile.with_change(made._document, path, value)
             made._changes.append((path, value))
@@ -175,9 +177,10 @@ class Mechanism(Building):
         return self.set({f"joints.{name}.contact": recontact(joints[name].get("contact"), model) for name in loose})
 
     def contact_of(self, joint: str) -> dict[str, Any]:
-        """What the model says about the contact of a joint, as a table."""
-        written = self._document["joints"][joint].get("contact", "massless-link")
-        return {"model": written} if isinstance(written, str) else dict(written)
+        """What the model says about the contact of a joint, as a table. Raises ModelError where it has none."""
+        from rattle.recontact import contact_of
+
+        return contact_of(self._document, joint)
 
     # ------------------------------------------------------------ analyses
     def check(self) -> Check:
@@ -335,7 +338,7 @@ class Mechanism(Building):
         if np.ndim(t) == 0:
             from rattle.statics import equilibria
 
-            return equilibria(self.ready, float(t), branches)  # type: ignore[arg-type]  # any str is checked there
+            return equilibria(self.ready, asked.number("t", t), branches)
         from rattle.quasistatic import quasistatic
 
         return quasistatic(self.ready, np.asarray(t, dtype=float))
@@ -403,5 +406,5 @@ def example(name: str) -> Mechanism:
     """A shipped example. Raises ValueError for an unknown name."""
     known = examples()
     if name not in known:
-        raise ValueError(f"no example '{name}'{suggest(name, known)}")
+        raise ValueError(f"no example '{name}'{suggest(str(name), known)}")
     return load(known[name])

@@ -31,6 +31,8 @@ def read_file(path: str | os.PathLike[str]) -> tuple[str, str]:
 
     Raises ModelError for a file that is missing, too large or not UTF-8.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise TypeError(f"a model file is given by its name, got {path!r:.60}")
     name = str(path)
     try:
         with Path(path).open("rb") as file:
@@ -60,6 +62,8 @@ def parse(text: str, file: str = "") -> dict[str, Any]:
 
     Raises ModelError with line and caret when the text is neither.
     """
+    if not isinstance(text, str):
+        raise TypeError(f"a model is given as text, got {text!r:.60}")
     if len(text) > LARGEST:
         raise ModelError([Problem((), _too_large("text", len(text)))], file)
     try:

@@ -191,6 +191,9 @@ def _elastic(
             parts.values.keys(given, ("E", "nu"), here)
             modulus = parts.values.value(given.get("E", "missing"), "Pa", (*here, "E"), "positive")
             return {"E": modulus, "nu": parts.values.value(given.get("nu", 0.3), "", (*here, "nu"))}
+        if not isinstance(given, str):
+            parts.values.wrong((*path, key), f"expected the name of a material or {{ E, nu }}, got {said(given)}")
+            return "steel"
         return given
     if key == "stiffness":
         exponent = parts.values.value(table.get("exponent", 1.5), "", (*path, "exponent"), "positive")
@@ -205,7 +208,7 @@ def _friction(parts: Parts, given: Any, path: Path) -> Choice | None:
         parts.values.keys(given, ["model", "mu"], path)
         given = given.get("mu", 0.0)
     if isinstance(given, Mapping):
-        if given.get("model") not in laws:
+        if not isinstance(given.get("model"), str) or given["model"] not in laws:
             parts.values.wrong(
                 (*path, "model"), f"unknown friction {said(given.get('model'))}{suggest(str(given.get('model')), laws)}"
             )

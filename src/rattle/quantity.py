@@ -193,6 +193,8 @@ def seconds(value: Seconds, what: str) -> float:
         return found[0]
     try:
         return float(value)
+    except OverflowError:
+        raise ValueError(f"{what}: the number is too large") from None
     except (TypeError, ValueError):
         raise TypeError(f'{what} is a time in s, as in 0.02 or "20 ms"; got {value!r}') from None
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from rattle import catalog
 from rattle.definitions import read_parameters, read_signals
-from rattle.errors import ModelError, suggest
+from rattle.errors import ModelError, shown, suggest
 from rattle.expression import Node, names
 from rattle.model import Driver, Initial, Model, Settings, Vector
 from rattle.parts import Parts
@@ -105,7 +105,7 @@ def _header(document: Mapping[str, Any], values: Values) -> str:
     title = document.get("name", "")
     if not isinstance(title, str):
         values.wrong(("name",), f"wanted a text, got {said(title)}")
-    return str(title)
+    return shown(str(title)).replace("\n", " ").replace("\t", " ")  # it goes to terminals and pictures
 
 
 def _named(values: Values, document: Mapping[str, Any], key: str) -> dict[str, Mapping[str, Any]]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle import catalog
+from rattle.errors import ModelError, Problem, suggest
 
 ELASTIC = ("stiffness", "exponent", "bush_material", "pin_material", "length", "geometry")
 
@@ -29,3 +30,14 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
     if "restitution" in made and model in laws and laws[model].fields["restitution"].default == 1.0:
         del made["restitution"]  # a law without loss
     return made if len(made) > 1 else model
+
+
+def contact_of(document: Mapping[str, Any], joint: str) -> dict[str, Any]:
+    """What a document says about the contact of a joint, as a table.  Raises ModelError where it has none."""
+    joints = document.get("joints", {})
+    if joint not in joints:
+        raise ModelError([Problem(("joints", str(joint)), f"is not there{suggest(str(joint), joints)}")])
+    if "clearance" not in joints[joint]:
+        raise ModelError([Problem(("joints", joint), "has no clearance, so no contact")])
+    written = joints[joint].get("contact", "massless-link")
+    return {"model": written} if isinstance(written, str) else dict(written)

@@ -7,7 +7,18 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from rattle.errors import MOST, Problem, suggest
-from rattle.expression import RESERVED, ExpressionError, Name, Node, dimension, names, parse, value, walk
+from rattle.expression import (
+    RESERVED,
+    ExpressionError,
+    Name,
+    Node,
+    dimension,
+    names,
+    parse,
+    require_finite,
+    value,
+    walk,
+)
 from rattle.model import Vector
 from rattle.quantity import (
     DIMENSIONLESS,
@@ -203,9 +214,20 @@ class Values:
             self.wrong(path, f"{said(given)} is not {describe(dimension_of(unit))}; wanted {wanted(unit)}")
             return None
         node = self.expression(given, path, unit, live)
-        if node is None or not names(node) <= self.constants.keys():
-            return node
+        if node is None:
+            return None
+        if not names(node) <= self.constants.keys():
+            return node if self.is_finite(node, path) else None
         return self.constant(node, path)
+
+    def is_finite(self, node: Node, path: Path) -> bool:
+        """True when no part of a live expression is already known to be without a finite value."""
+        try:
+            require_finite(node, self.constants)
+        except ExpressionError as error:
+            self.in_expression(error, path)
+            return False
+        return True
 
     def constant(self, node: Node, path: Path) -> float | None:
         """Value of an expression over parameters; None after a problem."""

@@ -27,7 +27,7 @@ def span_options(points: int) -> Callable[[Callable[..., Any]], Callable[..., An
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
         function = click.option(
-            "--points", type=click.IntRange(2), default=points, show_default=True, help="Positions."
+            "--points", type=click.IntRange(2, 10_000_000), default=points, show_default=True, help="Positions."
         )(function)
         return click.option(
             "--t-end", type=time, help="Up to this time, in s or as '20 ms'; default: what the model says."

@@ -1,0 +1,76 @@
+"""Numbers that a caller asks for - steps, tolerances, counts - checked once, in words that name the argument."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+TIGHTEST = 1e-14  # relative tolerance below which numbers have no digits
+MOST_POINTS = 10_000_000
+MOST_BYTES = 2e9  # of the outputs of one run
+
+
+def number(name: str, value: Any) -> float:
+    """A finite float.  Raises TypeError for what is no number, ValueError for nan, inf and beyond."""
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
+        raise TypeError(f"{name} is a number, got {value!r:.60}")
+    try:
+        found = float(value)
+    except OverflowError:
+        found = math.inf
+    if not math.isfinite(found):
+        raise ValueError(f"{name} must be a finite number, got {found}")
+    return found
+
+
+def positive(name: str, value: Any) -> float:
+    """A positive, finite float.  Raises as `number` does."""
+    try:
+        found = number(name, value)
+    except ValueError:
+        found = math.nan
+    if not found > 0.0:
+        raise ValueError(f"{name} must be positive and finite, got {value!s:.60}")
+    return found
+
+
+def relative_tolerance(value: Any) -> float:
+    """A relative tolerance that numbers of 16 digits can keep.  Raises as `number` does."""
+    found = positive("rtol", value)
+    if found < TIGHTEST:
+        raise ValueError(f"rtol = {found:g} is below the digits that numbers have; wanted {TIGHTEST:g} or more")
+    if found >= 1.0:
+        raise ValueError(f"rtol = {found:g} asks for no digit at all; 1e-3 is coarse, 1e-8 the default")
+    return found
+
+
+def whole(name: str, value: Any, least: int, most: int = MOST_POINTS) -> int:
+    """A whole number within limits.  Raises TypeError for what is none, ValueError beyond them."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise TypeError(f"{name} is a whole number, got {value!r:.60}")
+    if not least <= int(value) <= most:
+        got = f"{int(value)}" if -(10**20) < int(value) < 10**20 else "a number far beyond"
+        raise ValueError(f"{name} must be from {least} to {most}, got {got}")
+    return int(value)
+
+
+def instants(value: Any) -> np.ndarray:
+    """Times as a contiguous array of floats.  Raises TypeError or ValueError for what is none."""
+    try:
+        return np.ascontiguousarray(value, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise (TypeError if not isinstance(value, list | tuple | int) else ValueError)(
+            f"t_eval is a time or an array of times in s, got {value!r:.60}"
+        ) from None
+
+
+def require_room(rows: int, columns: int) -> None:
+    """Raise ValueError where so many outputs of so many numbers would fill the memory."""
+    size = 8.0 * rows * columns
+    if size > MOST_BYTES:
+        raise ValueError(
+            f"{rows} outputs of {columns} numbers take {size / 1e9:.1f} GB; at most {MOST_BYTES / 1e9:g} GB are kept:"
+            " choose fewer outputs (a larger output interval)"
+        )
