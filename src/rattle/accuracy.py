@@ -6,7 +6,7 @@ With all other joints closed the output o is a function of these displacements:
     Phi_i(q) = e_i,   o(q):     do/de = y,   Phi_q^T y = do/dq     (one linear solve per output)
     |o - o_ideal| <= sum_i r_i |y_i|  to first order: the worst case;  sqrt(sum_i (r_i |y_i|)^2): root sum square
 
-The exact extremes lie on the circles; e_i = +- r_i y_i / |y_i| is repeated with y at the displaced position.
+The exact extremes lie on the circles and on the curved sides of the room that a block has, see `extremes`.
 Loads press the pins to one side: e_i = r_i n_i; with one load conjugate to the output this is sum r_i |R_i| / |load|.
 """
 
@@ -25,6 +25,7 @@ from rattle.assembly import assemble, ideal_model
 from rattle.displaced import Displaced, widest
 from rattle.display import quantity, table
 from rattle.errors import ModelError, Problem
+from rattle.extremes import extreme, largest_turn
 from rattle.kinematics import Sweep, begin, instants, require_driven, why_stuck
 from rattle.model import Joint
 from rattle.resting import Rest
@@ -35,7 +36,6 @@ from rattle.system import Compiled, compile_system
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ROUNDS = 12
 RATES = ("vx", "vy", "omega", "ax", "ay", "alpha", "power")  # nothing to compare at rest
 
 
@@ -58,6 +58,7 @@ class Accuracy:
     )  # (n,) sum r_i |R_i| / |load| where one load is conjugate to the output, or nan
     clearances: dict[str, float]  # [m]
     stats: dict[str, Any] = field(repr=False, default_factory=dict)
+    notes: tuple[str, ...] = ()  # what the figures do not cover
 
     @property
     def worst(self) -> np.ndarray:
@@ -110,7 +111,7 @@ class Accuracy:
         also = f" (or {' or '.join(equal)}: as much)" if equal else ""
         half = self.worst[k] - 0.5 * self.contributions[k, self.joints.index(first)]
         lines.append(f"tighten {first} first{also}: half its clearance makes the worst case {said(half)}")
-        return "\n".join(lines)
+        return "\n".join([*lines, *self.notes])
 
     def __repr__(self) -> str:
         half = quantity(float(self.worst.max()), self.unit)
@@ -175,15 +176,26 @@ def accuracy(
         slopes[i] = shown.gradient(t, node, none)
         part[i] = [widest(one, y)[0] for one, y in zip(joints, slopes[i], strict=True)]
         if extremes:
-            low[i], high[i] = (_extreme(shown, t, node, sign, slopes[i]) for sign in (-1.0, 1.0))
+            low[i], high[i] = (extreme(shown, t, node, sign, slopes[i]) for sign in (-1.0, 1.0))
     nothing = np.full(n, math.nan)
     at_rest = _loaded(ready, ideal, shown, times, nodes, slopes) if loaded else [nothing] * 3
     record = Accuracy(
         of=of, unit=shown.unit, t=times, nominal=nominal, joints=tuple(one.name for one in joints),
         contributions=part, low=low, high=high, loaded=at_rest[0], pressed=at_rest[1], rule=at_rest[2],
         clearances={one.name: one.clearance for one in joints}, stats={"wall_time": time.perf_counter() - began},
+        notes=tuple(_turning_over(one) for one in joints if one.block and largest_turn(one) == math.inf),
     )  # fmt: skip
     return record
+
+
+def _turning_over(joint: Joint) -> str:
+    """What to say of a guide whose block does not stay upright."""
+    long, high = joint.block
+    return (
+        f"the block of '{joint.name}' can turn over: its diagonal of {1e3 * math.hypot(long, high):.4g} mm fits between"
+        f" walls {1e3 * (high + 2 * joint.clearance):.4g} mm apart; nothing bounds its angle, so there are no exact"
+        " extremes, and the figures of first order hold for small turns only"
+    )
 
 
 def _node(lead: Sweep) -> np.ndarray:
@@ -191,23 +203,6 @@ def _node(lead: Sweep) -> np.ndarray:
     node = np.zeros_like(lead.node)
     node[: swept.Q_NEW] = lead.node[swept.Q_NEW : swept.Q_OLD]
     return node
-
-
-def _extreme(shown: Displaced, t: float, node: np.ndarray, sign: float, slope: np.ndarray) -> float:
-    """Least or greatest output over all displacements: each pin goes where the slope at the last place says."""
-    best = math.nan
-    for _ in range(ROUNDS):
-        e = np.array([widest(one, sign * y)[1] for one, y in zip(shown.joints, slope, strict=True)])
-        value = shown.value(t, node, e)
-        if math.isnan(value):
-            return best
-        if not math.isnan(best) and sign * (value - best) <= 1e-12 * (abs(best) + 1e-12):
-            return best if sign * best >= sign * value else value
-        best = value
-        slope = shown.gradient(t, node, e)
-        if not np.isfinite(slope).all():
-            return best
-    return best
 
 
 def _loaded(

@@ -169,7 +169,7 @@ def analyse(
     reached = times[: len(raw)]
     message = why_stuck(sweep) if len(raw) < len(times) else ""
     events, notes = _branch_points(first, sweep, times, raw, bool(message))
-    notes = [*start.notes, *notes]
+    notes = [*start.notes, *notes, *_without_effort(sweep, reached, raw, motors)]
     if message:
         ends = float(sweep.clock[swept.NOW])
         events.append(Event(ends, _blocking(sweep), "dead centre" if "dead centre" in message else "end"))
@@ -180,6 +180,22 @@ def analyse(
         if strict:
             raise SolverError(message, result)
     return result
+
+
+def _without_effort(sweep: Sweep, t: np.ndarray, raw: np.ndarray, motors: list[tuple[int, str]]) -> list[str]:
+    """A note for every motor that cannot do the work of its driver at some instants, with how many and where."""
+    notes = []
+    for n, (row, joint) in enumerate(motors):
+        dead = ~np.isfinite(raw[:, width(sweep.ready) + 2 * n])
+        if dead.any():
+            listed = ", ".join(f"{one:.6g}" for one in t[dead][:4]) + (" ..." if dead.sum() > 4 else "")
+            effort = MOTORS[sweep.ready.model.joints[joint].kind][1]
+            notes.append(
+                f"{joint}.{effort}: none at {int(dead.sum())} of {len(t)} instants (t = {listed} s): '{joint}' is at a dead"
+                f" centre there, no effort of it does the work of driver '{sweep.ready.rows[row].owner}'; forces and"
+                " efforts are nan at these instants and grow without bound next to them"
+            )
+    return notes
 
 
 def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:

@@ -52,12 +52,17 @@ def _shown(value: float, unit: str) -> tuple[float, str]:
 
 
 def _ranges(result: Result, names: list[str]) -> str:
-    """Least and greatest value of curves and when."""
+    """Least and greatest value of curves and when; instants without a value are left out."""
+    import numpy as np
+
     wide = max([len(name) for name in names] + [8]) + 2
     lines = [f"{'':{wide}s}{'least':>14s} at t{'greatest':>22s} at t"]
     for name in names:
         curve = result[name]
-        low, high = int(curve.argmin()), int(curve.argmax())
+        if np.isnan(curve).all():
+            lines.append(f"{name:{wide}s}{'no value':>12s}")
+            continue
+        low, high = int(np.nanargmin(curve)), int(np.nanargmax(curve))
         (least, unit), (most, _) = (
             _shown(float(curve[low]), result.unit(name)),
             _shown(float(curve[high]), result.unit(name)),
@@ -81,7 +86,11 @@ def _record(result: Result) -> str:
     import numpy as np
 
     curves = {
-        n: {"min": float(np.min(result[n])), "max": float(np.max(result[n])), "unit": result.unit(n)}
+        n: {
+            "min": float(np.min(result[n], initial=math.inf, where=~np.isnan(result[n]))),
+            "max": float(np.max(result[n], initial=-math.inf, where=~np.isnan(result[n]))),
+            "unit": result.unit(n),
+        }
         for n in result.names
         if len(result.t)
     }

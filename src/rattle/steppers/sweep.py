@@ -51,6 +51,7 @@ WEAK_ROOT = 4e-3  # closer than this to a singular position nothing is solved th
 CORRECTION = 5e-3  # largest correction of a prediction, as a share of the mechanism's size or in rad
 SHARE = 0.1  # the same as a share of the distance to another branch
 TURN = 0.2  # largest predicted motion in one step [rad, or share of the size]
+DEAD = 1e-11  # a motor that moves the driver by less, as a share of what else it moves, is at a dead centre
 LEAPS = 12  # doublings of a step that tries to get across
 
 
@@ -204,8 +205,10 @@ def exchange(m, probe, line, row):
                     value += rows[r, c + k] * weight[i, k] * line[0, BX + k]
         x[place_of[r]] = value
     solve(m)
-    ratio = x[place_of[d]]
-    motor = multiplier[d] / ratio if ratio != 0.0 else math.nan
+    ratio, most = x[place_of[d]], 0.0
+    for r in range(rows.shape[0]):
+        most = max(most, abs(x[r]))
+    motor = multiplier[d] / ratio if abs(ratio) > DEAD * most else math.nan
     rate = 0.0
     for k in range(3):
         rate += line[0, AX + k] * body[a, VX + k] + line[0, BX + k] * body[b, VX + k]
