@@ -100,3 +100,17 @@ def test_a_search_that_was_given_up_is_said_beside_the_results(monkeypatch):
     assert seen.exit_code == 0
     assert json.loads(seen.stdout)
     assert "search stopped after 2 starts; there may be more" in seen.stderr
+
+
+def test_efforts_at_a_dead_centre_are_left_out_and_said():
+    seen = run("inverse-dynamics", "slider_crank", "--effort-at", "guide", "--points", "41")
+    assert seen.exit_code == 0
+    assert "nan N" not in seen.stdout
+    assert "guide.thrust: none at" in seen.stdout
+    assert "'guide' is at a dead centre there, no effort of it does the work of driver 'motor'" in seen.stdout
+    record = json.loads(
+        run("inverse-dynamics", "slider_crank", "--effort-at", "guide", "--points", "41", "--json").stdout
+    )
+    assert record["success"] is True
+    assert record["curves"]["guide.thrust"]["max"] > 0.0
+    assert any("dead centre" in note for note in record["trust"]["notes"])

@@ -138,7 +138,12 @@ def _longest_gap(t: np.ndarray, pressing: np.ndarray, span: float) -> float:
 
 
 def rms(t: np.ndarray, values: np.ndarray) -> float:
-    """Root mean square over time of a sampled curve."""
+    """Root mean square over time of a sampled curve; intervals that touch an instant without a value are left out."""
+    finite = np.isfinite(values)
+    if not finite.all():
+        whole = finite[:-1] & finite[1:]
+        parts = 0.5 * (values[:-1] ** 2 + values[1:] ** 2)[whole] * np.diff(t)[whole]
+        return math.sqrt(float(parts.sum()) / float(np.diff(t)[whole].sum())) if whole.any() else math.nan
     span = float(t[-1] - t[0])
     return math.sqrt(float(np.trapezoid(values**2, t)) / span) if span else abs(float(values[0]))
 
