@@ -192,8 +192,8 @@ def _without_effort(sweep: Sweep, t: np.ndarray, raw: np.ndarray, motors: list[t
             effort = MOTORS[sweep.ready.model.joints[joint].kind][1]
             notes.append(
                 f"{joint}.{effort}: none at {int(dead.sum())} of {len(t)} instants (t = {listed} s): '{joint}' is at a"
-                f" dead centre there, no effort of it does the work of driver '{sweep.ready.rows[row].owner}'; forces and"
-                " efforts are nan at these instants and grow without bound next to them"
+                f" dead centre there, no effort of it does the work of driver '{sweep.ready.rows[row].owner}';"
+                " forces and efforts are nan at these instants and grow without bound next to them"
             )
     return notes
 
