@@ -190,7 +190,7 @@ def accuracy(
 
 def _turning_over(joint: Joint) -> str:
     """What to say of a guide whose block does not stay upright."""
-    long, high = joint.block
+    long, high = joint.block or (0.0, 0.0)
     return (
         f"the block of '{joint.name}' can turn over: its diagonal of {1e3 * math.hypot(long, high):.4g} mm fits between"
         f" walls {1e3 * (high + 2 * joint.clearance):.4g} mm apart; nothing bounds its angle, so there are no exact"
