@@ -51,7 +51,7 @@ CASES = {
     "unknown unit": ('l1 = "0.2 m"', 'l1 = "0.2 metre"', "parameters.l1", ["unknown unit 'metre'"], '"0.2 metre"'),
     "unit in other case": ('M = "40 N*m"', 'M = "40 n*m"', "parameters.M", ["unknown unit 'n'", "'N'"], '"40 n*m"'),
     "wrong dimension of a limit": ('tol = "0.5 mm"', 'tol = "0.5 kg"', "parameters.r3.tol", ["not a length", "wanted m"], '"0.5 kg"'),
-    "value outside its limits": ('max = "10 mm"', 'max = "1 mm"', "parameters.r3", ["min and max"], "{ value"),
+    "value outside its limits": ('max = "10 mm"', 'max = "1 mm"', "parameters.r3.value", ["not between min = '0.5 mm' and max = '1 mm'"], '"5 mm"'),
     "missing body": ('"crank.O2", "coupler', '"crnak.O2", "coupler', "joints.O2.connect[0]", ["no body 'crnak'", "'crank'"], '"crnak'),
     "missing point": ('"coupler.O3", "rocker', '"coupler.O33", "rocker', "joints.O3.connect[0]", ["no point 'O33' on body 'coupler'", "'O3'"], '"coupler.O33'),
     "missing ground point": ('"ground.O1", "crank', '"ground.O7", "crank', "joints.O1.connect[0]", ["the ground"], '"ground.O7'),

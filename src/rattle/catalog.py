@@ -149,6 +149,12 @@ def _discover() -> None:
 
 
 # ---------------------------------------------------------------- compiled functions
+class PlainHandle(tuple[Any, ...]):
+    """The arrays of a memory that was made before machine code ran: functions that get it stay plain Python."""
+
+    __slots__ = ()
+
+
 class Compiled:
     """A function that Numba compiles on first use after `start()`; plain Python before.
 
@@ -168,7 +174,7 @@ class Compiled:
         self.__module__ = function.__module__
 
     def __call__(self, *args: Any) -> Any:
-        if not _jit or (args and type(args[0]) is tuple):  # a memory made before machine code ran stays plain
+        if not _jit or (args and type(args[0]) is PlainHandle):  # a memory made before machine code ran stays plain
             return self.python(*args)
         if self._called:
             return self._whole(*args)

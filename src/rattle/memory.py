@@ -148,7 +148,7 @@ class Memory:
                 dtype = np.float64 if kind[0] == "f" else np.int64
                 if array.dtype != dtype or array.ndim != int(kind[1]) or not array.flags.c_contiguous:
                     raise TypeError(f"array '{name}' is not a contiguous {kind}: {array.dtype}, {array.shape}")
-        self.handle: Any = tuple(self._arrays.values())
+        self.handle: Any = catalog.PlainHandle(self._arrays.values())
         if isinstance(self._arrays["joint_table"], np.ndarray) and catalog.jit_runs():
             self.handle = np.array(
                 [(a.ctypes.data, a.shape[0], a.shape[-1]) for a in self._arrays.values()], np.int64
