@@ -103,18 +103,25 @@ def _unused(model: Model) -> list[str]:
     return [f"{', '.join(names)}: {what}" for what, names in joints.items()]
 
 
+def _gains(events: Sequence[Event]) -> list[float]:
+    """Energy [J] that impacts gave, each with all its contacts together, where it is more than rounding."""
+    gained: dict[float, float] = {}
+    least: dict[float, float] = {}
+    for event in events:
+        if event.kind == "impact":
+            gained[event.t] = gained.get(event.t, 0.0) - event.energy_lost
+            least[event.t] = least.get(event.t, 0.0) + 1e-9 * (event.impulse * event.normal_speed)
+            least[event.t] += 1e-9 * abs(event.energy_lost)
+    return [gain for t, gain in gained.items() if gain > least[t]]
+
+
 def contact_notes(ready: Compiled, events: Sequence[Event]) -> tuple[str, ...]:
     """Remarks on contacts: values without use, laws outside their range, laws of the user that give energy back."""
     found = [*_unused(ready.model), *law_faults(ready.model)]
-    gains = [
-        -event.energy_lost
-        for event in events
-        if event.kind == "impact" and -event.energy_lost > 1e-9 * event.impulse * event.normal_speed
-    ]
-    if gains:
+    if gains := _gains(events):
         found.append(
             f"{len(gains)} impact{'s' if len(gains) > 1 else ''} gave energy, {sum(gains):.3g} J in all:"
-            " Newton's restitution with friction can; a smaller restitution or friction, or a compliant law, does not"
+            " Newton's and Poisson's restitution with friction can; restitution_law = \"energetic\" cannot"
         )
     for name, joint in ready.model.joints.items():
         contact = joint.contact

@@ -68,6 +68,7 @@ from rattle.plane import (
 from rattle.schur import solve
 
 DETERMINANT, SIZE = range(2)  # entries of `held`; more in complementarity
+EXPAND, TRACE = 6, 7  # places in `problem_table`, after those of complementarity: see phases and paths
 # endings of a run that only set-valued contacts have
 NO_SOLUTION, NOT_UNIQUE, LOCKED, CHATTER, NOT_FOUND = range(10, 15)
 

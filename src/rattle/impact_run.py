@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rattle import catalog, complementarity, following, impact, network, uniqueness
+from rattle import catalog, complementarity, following, impact, network, paths, phases, uniqueness
 from rattle.complementarity import BACKWARD, FORWARD
 from rattle.dynamics import Run, peak_arrays, start_state
 from rattle.equations import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
@@ -39,6 +39,7 @@ def choose_method(ready: Compiled, method: str, step: float | None, span: float)
         said = f"impact and compliant contacts do not go together ({listed}); give all joints one kind"
         first = next(name for name, law in laws.items() if law == "compliant")
         raise ModelError([Problem(("joints", first, "contact"), said)])
+    require_one_law(ready, method)
     settings = ready.model.settings
     if method != "moreau" and settings.method == "moreau" and step == settings.step:
         step = None  # it was meant for the other method
@@ -47,10 +48,32 @@ def choose_method(ready: Compiled, method: str, step: float | None, span: float)
     return "event", step
 
 
+def require_one_law(ready: Compiled, method: str) -> None:
+    """Raise ModelError when joints differ in their restitution law, or Moreau-Jean is to follow another than Newton's.
+
+    An impact at several joints is one problem: it has one law.
+    """
+    choices = catalog.kinds("contact")["impact"].fields["restitution_law"].choices
+    laws = {
+        ready.joints[row[OWNER]]: choices[int(ready.arrays["values"][row[NORMAL_P] + 3])]
+        for row in ready.arrays["contact"]
+    }
+    first = next(iter(laws))
+    for name, law in laws.items():
+        if law != laws[first]:
+            listed = ", ".join(f"{one}: {which}" for one, which in laws.items())
+            said = f"impacts at several joints are one problem and want one law for all joints (now {listed})"
+            raise ModelError([Problem(("joints", name, "contact", "restitution_law"), said)])
+    if method == "moreau" and laws[first] != choices[0]:
+        said = f'"{laws[first]}" works with method "event" only; Moreau-Jean has Newton\'s restitution'
+        raise ModelError([Problem(("joints", first, "contact", "restitution_law"), said)])
+
+
 def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
     """What set-valued contacts need besides the arrays of one instant; lasting: their forces are part of the motion."""
     nc, nr, nb = len(ready.arrays["contact"]), ready.row_count, ready.body_count
     contact, solvers = ready.arrays["contact"], (network.KERNEL, following.KERNEL, uniqueness.KERNEL)
+    laws = (phases.expand_kernel, paths.path_kernel)
     return {
         **(network.arrays(ready.arrays["row_body"], contact) if nc > complementarity.FEW else {}),
         **{name: np.zeros(nc, np.int64) for name in ("mode", "chosen", "trial", "slide")},
@@ -65,8 +88,9 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "pushed": np.zeros((nb + 1, 3)),
         "called": np.zeros(nr),
         "path": np.zeros((4, 2 * nc)),
+        "bounce": np.zeros((7, 2 * nc)),
         "held": np.array([1.0, ready.size, 0.0, 0.0, 0.0, 0.0]),
-        "problem_table": catalog.entries((*complementarity.KERNELS, *solvers)),
+        "problem_table": catalog.entries((*complementarity.KERNELS, *solvers, *laws)),
         **({"hold_table": catalog.entries([impact.hold])} if lasting else {}),
     }
 

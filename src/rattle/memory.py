@@ -83,6 +83,7 @@ FIELDS = {
     "pushed": "f2",  # (nb + 1, 3) M^-1 (W^T f - Phi_q^T z): what all forces f change together
     "called": "f1",  # (nr,) z: multipliers that they call up
     "path": "f2",  # (4, 2 nc) b, d, and f, a that d alone would have, see following
+    "bounce": "f2",  # (7, 2 nc) see paths and phases
     "held": "f1",  # (6,) see impact and complementarity
     "net_place": "i1",  # (nr + 2 nc,) rows of joints and contacts together, see network, also the next twelve
     "net_first": "i1",
@@ -127,8 +128,8 @@ FIELDS = {
     NORMAL_TABLE,
     FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER, SCHUR,
     INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, MODE, CHOSEN, TRIAL,
-    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, PUSHED, CALLED, PATH, HELD,
-    NET_PLACE, NET_FIRST, NET_BELOW, NET_TARGET, NET_PAIRS, NET_ROW, NET_ON, NET_LINE, NET_COLUMN, NET_SIZE, NET_LOWER,
+    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, PUSHED, CALLED, PATH, BOUNCE,
+    HELD, NET_PLACE, NET_FIRST, NET_BELOW, NET_TARGET, NET_PAIRS, NET_ROW, NET_ON, NET_LINE, NET_COLUMN, NET_SIZE, NET_LOWER,
     NET_UPPER, NET_X, HOLD_TABLE, PROBLEM_TABLE, LINKS, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE,
     CLOCK, TALLY, SIGN, CROSSINGS, EVENTS, MEASURE, AUDIT, QUANTITY, PEAKS, PEAK_ROW, LANDING,
 ) = range(len(FIELDS))  # fmt: skip

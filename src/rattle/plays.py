@@ -117,6 +117,10 @@ def _plain(parts: Parts, table: Mapping[str, Any], model: str, joint: str, clear
         unused += tuple(left) if law is None or "mu" in law.values else ("friction",)
     fields = parts.fields(kind, given, path)
     _unit_interval(parts, fields, path)
+    if fields.get("restitution_law", 0.0) > 0.0 and fields.get("tangential_restitution", 0.0) > 0.0:
+        other = kind.fields["restitution_law"].choices[int(fields["restitution_law"])]
+        unfit = f'goes with restitution_law = "newton" only, not with "{other}"'
+        parts.values.wrong((*path, "tangential_restitution"), unfit, at_key=True)
     needed = "friction" if fields.get("friction", 0.0) > 0.0 or fields.get("tangential_restitution", 0.0) > 0.0 else ""
     radius = _radius(parts, table, joint, clearance, needed, path) if contacts else 0.0
     return Contact(model, fields, radius, unused=unused)

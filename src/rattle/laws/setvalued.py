@@ -1,6 +1,8 @@
 """Set-valued contact: no penetration, restitution at impacts, Coulomb friction with true sticking.
 
-g >= 0, N >= 0, g N = 0;     impact: u_n+ = -e_N u_n-, u_t+ = -e_T u_t- within |P_t| <= mu P_n
+g >= 0, N >= 0, g N = 0;     impact (newton): u_n+ = -e_N u_n-, u_t+ = -e_T u_t- within |P_t| <= mu P_n
+                                    (poisson):  P_n of expansion = e_N that of compression
+                                    (energetic): work of P_n in expansion = -e_N^2 that in compression
 """
 
 from __future__ import annotations
@@ -22,3 +24,17 @@ class Impact:
     restitution = Field("", "normal restitution e_N, 0 to 1", default=0.0, least="not negative")
     tangential_restitution = Field("", "tangential restitution e_T, 0 to 1", default=0.0, least="not negative")
     friction = Field("", "coefficient of friction mu", default=0.0, least="not negative")
+    restitution_law = Field(
+        "",
+        "what restitution compares: velocities (newton), impulses (poisson) or work (energetic: never gives energy)",
+        default="newton",
+        shape="choice",
+        choices=("newton", "poisson", "energetic"),
+    )
+    jam = Field(
+        "",
+        "where friction locks (Painleve): stop, or go on by an impact without collision (impact)",
+        default="stop",
+        shape="choice",
+        choices=("stop", "impact"),
+    )

@@ -15,13 +15,16 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled
+from rattle.catalog import call_problem, compiled
 from rattle.complementarity import BACKWARD, FORWARD, OFF, OTHER, STICK, A, B, F, friction_of
 from rattle.contact import touch_all
 from rattle.equations import OK, constraints, place
 from rattle.impact import (
+    EXPAND,
+    NOT_FOUND,
     NOT_UNIQUE,
     SIZE,
+    TRACE,
     add_forces,
     along,
     contact_rows,
@@ -36,6 +39,7 @@ from rattle.impact import (
 )  # fmt: skip
 from rattle.memory import (
     ACCELERATION,
+    BOUNCE,
     CHANGE,
     CHOSEN,
     CONTACT,
@@ -43,6 +47,7 @@ from rattle.memory import (
     HELD,
     MODE,
     MULTIPLIER,
+    PROBLEM_TABLE,
     RATE_NEW,
     RECENT,
     ROWS,
@@ -57,6 +62,8 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
+from rattle.paths import BEFORE, E
+from rattle.phases import ENERGETIC, NEWTON, law_of
 from rattle.plane import (
     DGAP,
     DGAP_1,
@@ -86,9 +93,8 @@ def collide(m, t, y, who):
     Bounces that are too low to follow are closed (restitution 0).  Returns OK, NO_SOLUTION, NOT_FOUND or
     NOT_UNIQUE.
     """
-    contact, touch, mode, grip, values = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP), vec(m, VALUES)
-    chosen, trial, slide, side = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE)
-    nq = vec(m, CHANGE).shape[0]
+    contact, touch, mode, grip = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP)
+    chosen, side, nq = ivec(m, CHOSEN), mat(m, SIDE), vec(m, CHANGE).shape[0]
     v, before = y[nq : 2 * nq], vec(m, RATE_NEW)
     count = 0
     for n in range(contact.shape[0]):
@@ -100,19 +106,9 @@ def collide(m, t, y, who):
         before[c] = v[c]
     for _ in range(2 * count + 1):
         contact_rows(m, count)
-        for k in range(count):
-            n, p = chosen[k], contact[chosen[k], NORMAL_P]
-            grip[n, N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
-            hits = touch[n, DGAP] < -STILL * grip[n, N_1]
-            e = values[p] if hits and grip[n, STEPS_IN] == 0.0 else 0.0
-            side[B, 2 * k] = (1.0 + e) * touch[n, DGAP]
-            side[B, 2 * k + 1] = -(1.0 + (values[p + 1] if hits else 0.0)) * touch[n, SLIP]
-            slide[k] = 0
-            trial[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
-        if not solve_contacts(m, count):
-            return ending(m)
-        if is_rough(m, count) and count_solutions(m, count) > 1:
-            return NOT_UNIQUE
+        status = percussions(m, count)
+        if status != OK:
+            return status
         hold_down(m, count)
         shift(m, count, v, -1.0)
         if not low_bounce(m, t, y, count):
@@ -122,6 +118,41 @@ def collide(m, t, y, who):
         motion_without(m, t, y)
     # rows and touch belong to the rates before the impact again, to tell what it did
     settle_accounts(m, t, y, count, before)
+    return OK
+
+
+@compiled
+def rates_before(m, count, law):
+    """b of an impact from the rates in `touch`: those before, times 1 + e under Newton's law."""
+    contact, touch, grip, values = imat(m, CONTACT), mat(m, TOUCH), mat(m, GRIP), vec(m, VALUES)
+    chosen, trial, slide, side, bounce = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE), mat(m, BOUNCE)
+    for k in range(count):
+        n, p = chosen[k], contact[chosen[k], NORMAL_P]
+        grip[n, N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
+        hits = touch[n, DGAP] < -STILL * grip[n, N_1]
+        bounce[E, 2 * n] = values[p] if grip[n, STEPS_IN] == 0.0 else 0.0
+        bounce[BEFORE, 2 * n] = touch[n, DGAP] if hits else 0.0
+        e, e_t = (bounce[E, 2 * n], values[p + 1]) if law == NEWTON and hits else (0.0, 0.0)
+        side[B, 2 * k], side[B, 2 * k + 1] = (1.0 + e) * touch[n, DGAP], -(1.0 + e_t) * touch[n, SLIP]
+        slide[k] = 0
+        trial[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
+
+
+@compiled
+def percussions(m, count):
+    """Percussions of the chosen contacts after their law of restitution; returns a status as `collide` does."""
+    law = law_of(m, ivec(m, CHOSEN)[0])
+    rates_before(m, count, law)
+    if law == ENERGETIC:
+        if call_problem(ivec(m, PROBLEM_TABLE)[TRACE], (m, count)) > 0:
+            return OK
+        rates_before(m, count, law)
+    if not solve_contacts(m, count):
+        return ending(m)
+    if is_rough(m, count) and count_solutions(m, count) > 1:
+        return NOT_UNIQUE
+    if law != NEWTON and call_problem(ivec(m, PROBLEM_TABLE)[EXPAND], (m, count)) == 0:
+        return NOT_FOUND
     return OK
 
 
@@ -176,7 +207,7 @@ def stay_together(m, count):
 def low_bounce(m, t, y, count):
     """Mark contacts that rise after the impact, but too low to follow; True when there is a new one."""
     touch, grip, chosen, side = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), mat(m, SIDE)
-    values, contact, recent = vec(m, VALUES), imat(m, CONTACT), mat(m, RECENT)
+    values, contact, recent, bounce = vec(m, VALUES), imat(m, CONTACT), mat(m, RECENT), mat(m, BOUNCE)
     found, lifted, end = False, False, t
     motion_without(m, t, y)
     for r in range(2 * count):
@@ -188,13 +219,16 @@ def low_bounce(m, t, y, count):
     least = 4e-15 * vec(m, HELD)[SIZE]
     for k in range(count):
         n = chosen[k]
-        speed, e = touch[n, DGAP], values[contact[n, NORMAL_P]]
+        speed, came = touch[n, DGAP], -bounce[BEFORE, 2 * n]
         if grip[n, STEPS_IN] != 0.0 or speed <= STILL * swing(m, 2 * k, n):
             continue
         pull = touch[n, GAMMA_N] - along(m, 2 * k, n, mat(m, ACCELERATION), 0)
         if pull < 0.0 and speed * speed < -2.0 * pull * max(LOW * clearance_of(m, n), least):
             found = True
-            if side[F, 2 * k] > 0.0:
+            if side[F, 2 * k] > 0.0 and came > 0.0:
+                e = values[contact[n, NORMAL_P]]
+                if law_of(m, n) != NEWTON:
+                    e = min(speed / came, 1.0)
                 grip[n, STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
                 ivec(m, TALLY)[SERIES] += 1 if 0.0 < e < 1.0 else 0
             else:

@@ -1,0 +1,243 @@
+"""Energetic impacts along their path: rates as functions of growing percussions, friction opposing slip at any moment.
+
+    one contact        dT = +-mu dN while it slides, or what keeps it from sliding (Darboux, Keller); compression ends
+                       at g' = 0, expansion where the work of N is -e^2 times that in compression (Stronge)
+    several contacts   all approach rates are led to zero together, g'(s) = (1 - s) g'-; then every contact expands,
+                       dg'/ds >= e |g'-|, complementary to dN >= 0, until its work is done;
+                       contacts without approach keep 0 <= g', dN >= 0, complementary
+
+Percussions grow along straight pieces, from one instant to the next at which slip ends or turns around, a contact
+opens, closes or has done its work; each piece is a contact problem for rates.  Normal percussions take energy while
+g' < 0, as much as e^2 times of that is given back while g' > 0, and friction takes it always: no impact gives energy.
+What a contact gets does not depend on whether others are near that do not take part, nor on how two contacts at the
+same place share the load.
+
+Source: Stronge, Impact Mechanics (2000), chapters 3 and 8; Darboux, Keller, Impact with friction, J. Appl. Mech. 53
+(1986) 1-4.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import call_problem, compiled, kernel
+from rattle.complementarity import (
+    BACKWARD,
+    FORWARD,
+    OFF,
+    ROWS_OF,
+    SEARCH,
+    SPARSE,
+    STICK,
+    A,
+    B,
+    F,
+    fill_delassus,
+    friction_of,
+)  # fmt: skip
+from rattle.memory import BOUNCE, CHOSEN, DELASSUS, HELD, PROBLEM_TABLE, SIDE, SLIDE, TRIAL, ivec, mat, vec
+
+# rows of `bounce`, two columns for every contact of the model: restitution e and rate of the gap before the impact
+# (first column), percussions so far, rates now, work of N in this phase (first column) and what it may still become
+# in expansion (second column)
+E, BEFORE, SO_FAR, NOW, WORK = range(5)
+ZERO = 1e-13  # share of the largest rate below which a rate is zero
+
+
+@compiled
+def follow_path(m):
+    """Percussions f of the one chosen contact, from the rates b before; e is in `bounce`."""
+    side, g, e = mat(m, SIDE), mat(m, DELASSUS), mat(m, BOUNCE)[E, 2 * ivec(m, CHOSEN)[0]]
+    mu = friction_of(m, ivec(m, CHOSEN)[0])
+    rate, w = side[B, 0], side[B, 1]  # g' and -slip
+    pressed, held, work, target, expands = 0.0, 0.0, 0.0, 0.0, False
+    for _ in range(8):  # slide, stick or turn, before and after the end of compression: four pieces at most
+        if rate >= 0.0 and not expands:
+            break
+        if mu <= 0.0 or not g[1, 1] > 0.0:
+            slope, grip, turn = g[0, 0], 0.0, 0.0
+        elif w != 0.0 or abs(g[0, 1]) > mu * g[1, 1]:
+            sense = (-1.0 if w > 0.0 else 1.0) if w != 0.0 else (-1.0 if g[0, 1] > 0.0 else 1.0)
+            slope, grip, turn = g[0, 0] + sense * mu * g[0, 1], sense * mu, g[0, 1] + sense * mu * g[1, 1]
+        else:
+            slope, grip, turn = g[0, 0] - g[0, 1] * g[0, 1] / g[1, 1], -g[0, 1] / g[1, 1], 0.0
+        piece = -w / turn if w * turn < 0.0 else math.inf  # of N to where slip ends
+        whole = math.inf  # of N to where the phase ends
+        if slope > 0.0:
+            whole = -rate / slope
+            if expands:
+                whole = (math.sqrt(rate * rate + 2.0 * slope * max(target - work, 0.0)) - rate) / slope
+        ends = whole <= piece
+        piece = min(piece, whole)
+        if not piece < math.inf:
+            break
+        work += piece * (rate + 0.5 * slope * piece)
+        pressed += piece
+        held += grip * piece
+        rate += slope * piece
+        w = w + turn * piece if ends else 0.0
+        if ends and expands:
+            break
+        if ends:
+            expands, rate, target, work = True, 0.0, -e * e * work, 0.0
+    side[F, 0], side[F, 1] = pressed, held
+    for r in range(2):
+        side[A, r] = side[B, r] + g[r, 0] * pressed + g[r, 1] * held
+
+
+@compiled
+def as_full_matrix(m, count):
+    """Make G of the chosen contacts a full matrix where it is not."""
+    if vec(m, HELD)[SPARSE] == 1.0:
+        vec(m, HELD)[SPARSE] = 0.0
+        fill_delassus(m, count)
+
+
+@compiled
+def sort_contacts(m, count, expands):
+    """Chosen contacts that press or may, first; then those that part. Makes their rows; returns how many press."""
+    chosen, bounce = ivec(m, CHOSEN), mat(m, BOUNCE)
+    active = 0
+    for k in range(count):
+        n = chosen[k]
+        if bounce[NOW, 2 * n] <= 0.0 or (expands and bounce[WORK, 2 * n + 1] > 0.0):
+            chosen[k], chosen[active] = chosen[active], n
+            active += 1
+    call_problem(ivec(m, PROBLEM_TABLE)[ROWS_OF], (m, count))
+    as_full_matrix(m, count)
+    return active
+
+
+@compiled
+def growth(m, active, expands, left):
+    """Solve for the rates at which percussions grow; 1 when they do, 0 at the end of a phase, -1 without a solution.
+
+    left: what is left of compression.
+    """
+    chosen, bounce, side = ivec(m, CHOSEN), mat(m, BOUNCE), mat(m, SIDE)
+    slide, trial = ivec(m, SLIDE), ivec(m, TRIAL)
+    drives = False
+    for k in range(active):
+        n = chosen[k]
+        lead = bounce[NOW, 2 * n] / left
+        if expands:
+            lead = bounce[E, 2 * n] * bounce[BEFORE, 2 * n] if bounce[WORK, 2 * n + 1] > 0.0 else 0.0
+        side[B, 2 * k], side[B, 2 * k + 1] = lead, 0.0
+        drives = drives or lead < 0.0
+        w = bounce[NOW, 2 * n + 1]
+        slide[k] = 0 if w == 0.0 else (-1 if w > 0.0 else 1)
+        trial[k] = STICK if slide[k] == 0 and friction_of(m, n) > 0.0 else (BACKWARD if slide[k] < 0 else FORWARD)
+    if not drives:
+        return 0
+    if call_problem(ivec(m, PROBLEM_TABLE)[SEARCH], (m, active)) <= 0:
+        return -1
+    for k in range(active):
+        if not expands or (bounce[WORK, 2 * chosen[k] + 1] > 0.0 and side[F, 2 * k] > 0.0):
+            return 1
+    return 0
+
+
+@compiled
+def piece_of(m, count, active, expands, left):
+    """How far percussions grow at these rates until a contact changes; rates of change of all contacts go to a."""
+    chosen, bounce, side, g = ivec(m, CHOSEN), mat(m, BOUNCE), mat(m, SIDE), mat(m, DELASSUS)
+    piece = math.inf if expands else left
+    for k in range(count):
+        n, rough = chosen[k], friction_of(m, chosen[k]) > 0.0
+        for r in range(2 * k, 2 * k + 2):
+            side[A, r] = 0.0
+            for s in range(2 * active):
+                side[A, r] += g[r, s] * side[F, s]
+        now, w, grows = bounce[NOW, 2 * n], bounce[NOW, 2 * n + 1], side[F, 2 * k] if k < active else 0.0
+        if k < active and rough and w * side[A, 2 * k + 1] < 0.0:
+            piece = min(piece, -w / side[A, 2 * k + 1])
+        if now * side[A, 2 * k] < 0.0 and (k >= active or not (expands or grows > 0.0)):
+            piece = min(piece, -now / side[A, 2 * k])
+        rest = bounce[WORK, 2 * n + 1] - bounce[WORK, 2 * n]
+        if expands and k < active and bounce[WORK, 2 * n + 1] > 0.0 and grows > 0.0:
+            rise = side[A, 2 * k]
+            whole = rest / (grows * now) if now > 0.0 else math.inf
+            if rise > 0.0:
+                whole = (math.sqrt(now * now + 2.0 * rise * max(rest, 0.0) / grows) - now) / rise
+            piece = min(piece, whole)
+    return piece
+
+
+@compiled
+def grow(m, count, active, expands, piece):
+    """Let percussions grow by a piece; rates that reach zero are zero, contacts that have done their work are spent."""
+    chosen, bounce, side = ivec(m, CHOSEN), mat(m, BOUNCE), mat(m, SIDE)
+    for k in range(count):
+        n = chosen[k]
+        grows = side[F, 2 * k] if k < active else 0.0
+        bounce[WORK, 2 * n] += piece * grows * (bounce[NOW, 2 * n] + 0.5 * side[A, 2 * k] * piece)
+        for d in range(2):
+            old, change = bounce[NOW, 2 * n + d], side[A, 2 * k + d] * piece
+            new = old + change
+            if abs(new) <= ZERO * (abs(old) + abs(change)):
+                new = 0.0
+            bounce[NOW, 2 * n + d] = new
+            if k < active:
+                bounce[SO_FAR, 2 * n + d] += piece * side[F, 2 * k + d]
+        if expands and bounce[WORK, 2 * n] >= bounce[WORK, 2 * n + 1] * (1.0 - ZERO):
+            bounce[WORK, 2 * n + 1] = 0.0
+
+
+@compiled
+def follow_phase(m, count, expands):
+    """Compression or expansion of several contacts; False when a problem on the way has no solution."""
+    left = 1.0
+    for _ in range(20 + 10 * count):
+        active = sort_contacts(m, count, expands)
+        status = growth(m, active, expands, left)
+        if status <= 0:
+            return status == 0
+        piece = piece_of(m, count, active, expands, left)
+        if not piece < math.inf:
+            return False
+        grow(m, count, active, expands, piece)
+        left -= piece
+        if not expands and left <= ZERO:
+            return True
+    return expands
+
+
+@kernel("problem")
+def path_kernel(m, count):
+    """Percussions f of an impact under the energetic law, and rates a after it, from the rates in b; 0: none found."""
+    side, bounce, chosen, trial = mat(m, SIDE), mat(m, BOUNCE), ivec(m, CHOSEN), ivec(m, TRIAL)
+    if count == 1:
+        follow_path(m)
+    else:
+        largest = 0.0
+        for k in range(count):
+            n = chosen[k]
+            for d in range(2):
+                bounce[NOW, 2 * n + d], bounce[SO_FAR, 2 * n + d] = side[B, 2 * k + d], 0.0
+                bounce[WORK, 2 * n + d] = 0.0
+                largest = max(largest, abs(side[B, 2 * k + d]))
+        for k in range(count):
+            for r in range(2 * chosen[k], 2 * chosen[k] + 2):
+                if abs(bounce[NOW, r]) <= ZERO * largest:
+                    bounce[NOW, r] = 0.0
+        if not follow_phase(m, count, False):
+            return 0
+        for k in range(count):
+            n = chosen[k]
+            if abs(bounce[NOW, 2 * n]) <= ZERO * largest:
+                bounce[NOW, 2 * n] = 0.0
+            e = bounce[E, 2 * n]
+            bounce[WORK, 2 * n + 1] = -e * e * min(bounce[WORK, 2 * n], 0.0)
+            bounce[WORK, 2 * n] = 0.0
+        follow_phase(m, count, True)  # wherever it ends, no contact approaches and no energy was made
+        for k in range(count):
+            for d in range(2):
+                side[F, 2 * k + d] = bounce[SO_FAR, 2 * chosen[k] + d]
+                side[A, 2 * k + d] = bounce[NOW, 2 * chosen[k] + d]
+    for k in range(count):
+        trial[k] = OFF
+        if side[F, 2 * k] > 0.0:
+            trial[k] = FORWARD if side[A, 2 * k + 1] < 0.0 or friction_of(m, chosen[k]) == 0.0 else BACKWARD
+            if side[A, 2 * k + 1] == 0.0 and friction_of(m, chosen[k]) > 0.0:
+                trial[k] = STICK
+    return 1

@@ -1,0 +1,302 @@
+"""Impacts in two phases, compression and expansion: restitution after Poisson and energetic restitution.
+
+    compression    a_C = G f_C + a-,      0 <= g'_C, 0 <= N_C, complementary;        T_C in -mu N_C Sgn(a_Ct)
+    expansion      a+  = G f_E + a_C,     0 <= g'+,  s N_C <= N_E, complementary;    T_E in -mu N_E Sgn(a+_t)
+    a = (g', -u) of every contact, f = (N, T) percussions
+
+    poisson      s = e                                                  (Glocker, Pfeiffer 1995)
+    energetic    s so that the work of N in expansion is -e^2 times that in compression,
+                 N_E (g'_C + g'+)/2 = -e^2 N_C (g'- + g'_C)/2           (Stronge 1990)
+
+Compression takes energy: lost = -f . (a- + a_C)/2 >= f . G f / 2.  With s = 0 expansion does nothing.  So the
+shares s of the energetic law are scaled down together, by bisection, wherever the impact as a whole would give energy
+or the work of any contact in expansion would exceed its bound: no impact gives energy.
+
+The energetic law comes here only where `paths` finds no way: both keep the two phases, that module follows friction
+on the way too.
+
+Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 8; Stronge, Impact Mechanics
+(2000), chapter 3.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.catalog import compiled, kernel
+from rattle.complementarity import BACKWARD, EXACT, FORWARD, OFF, STICK, A, B, F, friction_of
+from rattle.memory import BOUNCE, CHOSEN, CONTACT, DELASSUS, SIDE, SYSTEM, TRIAL, VALUES, imat, ivec, mat, vec
+from rattle.paths import E, as_full_matrix
+from rattle.plane import NORMAL_P
+
+NEWTON, POISSON, ENERGETIC = range(3)  # in the order of the choices of the contact table
+# rows of `bounce` after those of `paths` that stay: percussions and rates after compression, least percussion in
+# expansion and its share of that in compression, a copy of percussions; two columns for every chosen contact
+PRESSED, RATES, FLOOR, SHARE, KEPT = range(2, 7)
+LARGEST_SHARE = 4.0
+SWEEPS = 400  # of relaxation, before modes are read from it
+
+
+@compiled
+def law_of(m, n):
+    """Restitution law of contact n: NEWTON, POISSON or ENERGETIC."""
+    return int(vec(m, VALUES)[imat(m, CONTACT)[n, NORMAL_P] + 3])
+
+
+@compiled
+def rates_of(m, count):
+    """a of the percussions at hand, on top of the rates after compression."""
+    side, g, bounce = mat(m, SIDE), mat(m, DELASSUS), mat(m, BOUNCE)
+    for r in range(2 * count):
+        side[A, r] = bounce[RATES, r]
+        for s in range(2 * count):
+            side[A, r] += g[r, s] * side[F, s]
+
+
+@compiled
+def relax(m, count, sweeps):
+    """Projected Gauss-Seidel on the expansion; returns the last change of a percussion, as a share of the largest."""
+    side, g, bounce, chosen = mat(m, SIDE), mat(m, DELASSUS), mat(m, BOUNCE), ivec(m, CHOSEN)
+    change, scale = 0.0, 0.0
+    for r in range(2 * count):
+        scale = max(scale, g[r, r])
+    for _ in range(sweeps):
+        change, largest = 0.0, 0.0
+        for k in range(count):
+            mu = friction_of(m, chosen[k])
+            for r in range(2 * k, 2 * k + (2 if mu > 0.0 else 1)):
+                new = side[F, r]
+                if g[r, r] > EXACT * scale:
+                    new -= side[A, r] / g[r, r]
+                limit = mu * side[F, 2 * k]
+                new = max(new, bounce[FLOOR, 2 * k]) if r == 2 * k else min(max(new, -limit), limit)
+                step = new - side[F, r]
+                change, largest = max(change, abs(step)), max(largest, abs(new))
+                side[F, r] = new
+                if step != 0.0:
+                    for s in range(2 * count):
+                        side[A, s] += g[s, r] * step
+        if change <= 1e-16 * largest:
+            return 0.0
+        change /= largest
+    return change
+
+
+@compiled
+def eliminate(m, size):
+    """Solve `system` (size equations, right side in column `size`); False when it is singular."""
+    system = mat(m, SYSTEM)
+    for c in range(size):
+        best = c
+        for r in range(c + 1, size):
+            if abs(system[r, c]) > abs(system[best, c]):
+                best = r
+        if not abs(system[best, c]) > 0.0:
+            return False
+        if best != c:
+            for j in range(size + 1):
+                system[c, j], system[best, j] = system[best, j], system[c, j]
+        for r in range(size):
+            if r != c and system[r, c] != 0.0:
+                factor = system[r, c] / system[c, c]
+                for j in range(c, size + 1):
+                    system[r, j] -= factor * system[c, j]
+    return True
+
+
+@compiled
+def polish(m, count):
+    """Solve the equations of the modes that relaxation has come to, in `trial`; False when they do not fit.
+
+    OFF: N at its least, and sliding or sticking as T says.
+    """
+    side, g, bounce, system = mat(m, SIDE), mat(m, DELASSUS), mat(m, BOUNCE), mat(m, SYSTEM)
+    chosen = ivec(m, CHOSEN)
+    for r in range(2 * count):
+        bounce[KEPT, r] = side[F, r]
+    size = 0
+    for r in range(2 * count):
+        if not is_free(m, r):
+            continue
+        column = 0
+        right = -bounce[RATES, r]
+        for k in range(count):
+            mu, n, t = friction_of(m, chosen[k]), 2 * k, 2 * k + 1
+            sense = 0.0 if mu == 0.0 or is_free(m, t) else (1.0 if bounce[KEPT, t] > 0.0 else -1.0)
+            value = g[r, n] + sense * mu * g[r, t]
+            if is_free(m, n):
+                system[size, column] = value
+                column += 1
+            else:
+                right -= value * bounce[FLOOR, n]
+            if is_free(m, t):
+                system[size, column] = g[r, t]
+                column += 1
+        system[size, column] = right
+        size += 1
+    if not eliminate(m, size):
+        return False
+    column = 0
+    for k in range(count):
+        mu, n, t = friction_of(m, chosen[k]), 2 * k, 2 * k + 1
+        sticks, sense = is_free(m, t), 1.0 if bounce[KEPT, t] > 0.0 else -1.0
+        if is_free(m, n):
+            side[F, n] = system[column, size] / system[column, column]
+            column += 1
+        side[F, t] = sense * mu * side[F, n]
+        if sticks:
+            side[F, t] = system[column, size] / system[column, column]
+            column += 1
+    rates_of(m, count)
+    return True
+
+
+@compiled
+def is_free(m, r):
+    """True when percussion r of relaxation is at none of its bounds; they are in `kept`."""
+    bounce = mat(m, BOUNCE)
+    n = r - r % 2
+    if r == n:
+        return bounce[KEPT, n] > bounce[FLOOR, n]
+    mu = friction_of(m, ivec(m, CHOSEN)[n // 2])
+    return mu > 0.0 and abs(bounce[KEPT, r]) < mu * bounce[KEPT, n]
+
+
+@compiled
+def fits(m, count, slack):
+    """True when the percussions and rates at hand meet all conditions of expansion but for a share `slack`."""
+    side, g, bounce, chosen = mat(m, SIDE), mat(m, DELASSUS), mat(m, BOUNCE), ivec(m, CHOSEN)
+    force, rate = 0.0, 0.0
+    for r in range(2 * count):
+        force = max(force, abs(side[F, r]), abs(bounce[PRESSED, r]))
+        rate = max(rate, abs(bounce[RATES, r]))
+        for s in range(2 * count):
+            rate = max(rate, abs(g[r, s] * side[F, s]))
+    force, rate = slack * force, slack * rate
+    for k in range(count):
+        mu, n, t = friction_of(m, chosen[k]), 2 * k, 2 * k + 1
+        if side[F, n] < bounce[FLOOR, n] - force or side[A, n] < -rate:
+            return False
+        if side[F, n] > bounce[FLOOR, n] + force and side[A, n] > rate:
+            return False
+        limit = mu * side[F, n]
+        if abs(side[F, t]) > limit + force:
+            return False
+        if mu > 0.0 and side[F, t] < limit - force and side[A, t] < -rate:
+            return False
+        if mu > 0.0 and side[F, t] > force - limit and side[A, t] > rate:
+            return False
+    return True
+
+
+@compiled
+def expansion(m, count, scale):
+    """Percussions f of expansion and rates a after it, with `scale` times the shares; False when none are found."""
+    side, bounce = mat(m, SIDE), mat(m, BOUNCE)
+    for k in range(count):
+        bounce[FLOOR, 2 * k] = scale * bounce[SHARE, 2 * k] * bounce[PRESSED, 2 * k]
+        side[F, 2 * k], side[F, 2 * k + 1] = bounce[FLOOR, 2 * k], 0.0
+    rates_of(m, count)
+    for turn in range(4):
+        relax(m, count, SWEEPS * (1 + 4 * turn))
+        if polish(m, count) and fits(m, count, 1e-10):
+            return True
+        for r in range(2 * count):
+            side[F, r] = bounce[KEPT, r]
+        rates_of(m, count)
+    return fits(m, count, 1e-9)
+
+
+@compiled
+def work_in_expansion(m, k):
+    """Work of N of contact k in expansion."""
+    side, bounce = mat(m, SIDE), mat(m, BOUNCE)
+    return 0.5 * side[F, 2 * k] * (bounce[RATES, 2 * k] + side[A, 2 * k])
+
+
+@compiled
+def most_work(m, k):
+    """Work that N of contact k may do in expansion: e^2 times what it took in compression."""
+    side, bounce = mat(m, SIDE), mat(m, BOUNCE)
+    e = bounce[E, 2 * ivec(m, CHOSEN)[k]]
+    taken = -0.5 * bounce[PRESSED, 2 * k] * (side[B, 2 * k] + bounce[RATES, 2 * k])
+    return e * e * max(taken, 0.0)
+
+
+@compiled
+def takes_energy(m, count):
+    """True when the impact loses energy as a whole and no contact gives back more than its bound."""
+    side, bounce = mat(m, SIDE), mat(m, BOUNCE)
+    lost, size, largest = 0.0, 0.0, 0.0
+    for k in range(count):
+        largest = max(largest, most_work(m, k))
+    for r in range(2 * count):
+        total = bounce[PRESSED, r] + side[F, r]
+        lost -= 0.5 * total * (side[B, r] + side[A, r])
+        size += abs(total) * (abs(side[B, r]) + abs(side[A, r]))
+    for k in range(count):
+        if work_in_expansion(m, k) > most_work(m, k) * (1.0 + 1e-9) + 1e-13 * largest:
+            return False
+    return lost >= -1e-14 * size
+
+
+@compiled
+def find_shares(m, count):
+    """Shares with which every contact does the work it may in expansion, or less; False when that does not settle."""
+    bounce, chosen = mat(m, BOUNCE), ivec(m, CHOSEN)
+    for k in range(count):
+        bounce[SHARE, 2 * k] = bounce[E, 2 * chosen[k]] if most_work(m, k) > 0.0 else 0.0
+    for _ in range(60):
+        if not expansion(m, count, 1.0):
+            return False
+        settled = True
+        for k in range(count):
+            may, does = most_work(m, k), work_in_expansion(m, k)
+            if may == 0.0 or does <= 0.0 or abs(does - may) <= 1e-13 * may:
+                continue
+            better = min(bounce[SHARE, 2 * k] * math.sqrt(may / does), LARGEST_SHARE)
+            settled = settled and abs(better - bounce[SHARE, 2 * k]) <= 1e-13 * better
+            bounce[SHARE, 2 * k] = better
+        if settled:
+            return takes_energy(m, count)
+    return takes_energy(m, count)
+
+
+@kernel("problem")
+def expand_kernel(m, count):
+    """Percussions of both phases, from f and a of compression in `side` and the rates before it in its b.
+
+    Leaves f and a of the impact as a whole and modes in `trial`; returns 0 when no expansion was found.
+    """
+    side, bounce, chosen, trial = mat(m, SIDE), mat(m, BOUNCE), ivec(m, CHOSEN), ivec(m, TRIAL)
+    energetic = law_of(m, chosen[0]) == ENERGETIC
+    as_full_matrix(m, count)
+    for r in range(2 * count):
+        bounce[PRESSED, r], bounce[RATES, r] = side[F, r], side[A, r]
+    found = True
+    if energetic:
+        if not find_shares(m, count):
+            low, high = 0.0, 1.0
+            for _ in range(40):
+                middle = 0.5 * (low + high)
+                if expansion(m, count, middle) and takes_energy(m, count):
+                    low = middle
+                else:
+                    high = middle
+            if not expansion(m, count, low):  # none at all, then: what compression has left is a solution
+                for r in range(2 * count):
+                    side[F, r], side[A, r] = 0.0, bounce[RATES, r]
+    else:
+        for k in range(count):
+            bounce[SHARE, 2 * k] = bounce[E, 2 * chosen[k]]
+        found = expansion(m, count, 1.0)
+    for k in range(count):
+        n, t = 2 * k, 2 * k + 1
+        side[F, n] += bounce[PRESSED, n]
+        side[F, t] += bounce[PRESSED, t]
+        trial[k] = OFF if side[F, n] <= 0.0 else FORWARD
+        if trial[k] != OFF and friction_of(m, chosen[k]) > 0.0 and abs(side[A, t]) <= EXACT * abs(side[B, t]):
+            trial[k] = STICK
+        elif trial[k] != OFF and side[A, t] > 0.0:
+            trial[k] = BACKWARD
+    return 1 if found else 0
