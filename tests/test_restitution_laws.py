@@ -105,3 +105,182 @@ def test_laws_agree_without_friction_at_one_contact(e):
     assert found[0][1] == pytest.approx(e, abs=1e-5)  # the arm turns on between impact and output
     assert found[1] == pytest.approx(found[0], abs=1e-12)
     assert found[2] == pytest.approx(found[0], abs=1e-12)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("law", LAWS)
+def test_three_balls_part_as_their_closed_form_says(law, e):
+    r = slider(3, e, law).simulate(1e-3, t_eval=[1e-3])
+    got = [r[f"b{k}.vx"][-1] for k in range(3)]
+    assert got == pytest.approx([(1 - 2 * e) / 3, (1 + e) / 3, (1 + e) / 3], abs=1e-12)
+
+
+# ---------------------------------------------------------------- friction
+@pytest.mark.parametrize("e", [0.3, 0.8])
+def test_poisson_gives_back_a_share_of_the_impulse_of_compression(e):
+    struck_once = [after(struck("poisson", one, 0.3, slide=-1.0))[1] for one in (0.0, e)]
+    assert struck_once[1] / struck_once[0] == pytest.approx(1 + e, rel=1e-12)
+
+
+def test_energetic_impact_with_slip_that_turns_around_meets_the_closed_form():
+    # G = [n, -k; -k, t]: slip ends in compression after N_1, turns around, and friction helps from then on
+    e, mu, arm, inertia, slide = 0.5, 0.3, (0.6, -0.8), 0.08, -0.5
+    n, t, k = 1 + arm[0] ** 2 / inertia, 1 + arm[1] ** 2 / inertia, -arm[0] * arm[1] / inertia
+    assert k / t > mu  # it does not stick
+    ended = -slide / (k + mu * t)
+    speed = -1 + (n + mu * k) * ended
+    assert speed < 0
+    work = ended * (speed - 1) / 2
+    compressed = -speed / (n - mu * k)
+    work += compressed * speed / 2
+    expanded = np.sqrt(-2 * e**2 * work / (n - mu * k))
+    wanted = ((k - mu * t) * (compressed + expanded), (n - mu * k) * expanded)
+    got, total = after(struck("energetic", e, mu, slide=slide))
+    assert total == pytest.approx(ended + compressed + expanded, rel=1e-6)  # the bush is round: its wall leans by 1e-4
+    assert got == pytest.approx(wanted, abs=1e-4)
+
+
+@pytest.mark.parametrize(("mu", "slide"), [(0.3, -1.0), (0.3, 1.0), (1.0, -0.3), (1.0, 0.3), (3.0, 0.2)])
+def test_energetic_impact_with_friction_is_the_limit_of_small_increments(mu, slide):
+    e, arm, inertia = 0.6, (0.6, -0.8), 0.08
+    velocity, total = after(struck("energetic", e, mu, slide=slide))
+    wanted, pressed, _ = incremental(e, mu, arm, inertia, slide)
+    assert velocity == pytest.approx(wanted, abs=2e-4)  # increments, and the lean of the bush
+    assert total == pytest.approx(pressed, rel=2e-4)
+
+
+def test_two_corners_at_the_same_place_share_what_one_contact_gets():
+    one = after(struck("energetic", 0.6, 0.3, slide=-1.0))[0]
+    two = after(struck("energetic", 0.6, 0.3, slide=-1.0, corners=True))[0]
+    assert two == pytest.approx(one, abs=2e-3)  # they are 0.1 mm apart on an arm of 1 m
+
+
+# ---------------------------------------------------------------- energy
+def impacts(r):
+    """Energy lost [J] at every instant with an impact, all its contacts together, and how many contacts took part."""
+    lost, count = {}, {}
+    for one in r.events:
+        if one.kind == "impact":
+            lost[one.t] = lost.get(one.t, 0.0) + one.energy_lost
+            count[one.t] = count.get(one.t, 0) + 1
+    return np.array(list(lost.values())), np.array(list(count.values()))
+
+
+def random_chain(rng, law) -> rt.Mechanism:
+    """A hanging chain of two to five bars with play in its pins, rough and springy."""
+    n = int(rng.integers(2, 6))
+    text, joints, start = "format = 1\ngravity = [0, -9.81]\n[ground.points]\nO = [0, 0]\n", "", "[initial]\n"
+    e, mu = rng.uniform(0, 1), rng.uniform(0.05, 1.5)
+    for k in range(n):
+        text += f'[bodies.b{k}]\nbar = ["P", "Q"]\nlength = {rng.uniform(0.1, 0.3)}\nmass = {rng.uniform(0.1, 1)}\n'
+        start += f"b{k} = {{ angle = {rng.uniform(-2, -1)}, omega = {rng.uniform(-5, 5)} }}\n"
+        joints += f"""[joints.j{k}]
+type = "revolute"
+connect = ["{f"b{k - 1}.Q" if k else "ground.O"}", "b{k}.P"]
+clearance = 1e-3
+contact = {{ model = "impact", restitution = {e}, friction = {mu}, bush_radius = 0.01, restitution_law = "{law}" }}
+"""
+    return rt.loads(text + joints + start)
+
+
+def random_block(rng, law) -> rt.Mechanism:
+    """A tumbling block thrown onto the floor: two corners, often at once."""
+    e, mu = rng.uniform(0, 1), rng.uniform(0, 2)
+    return rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.block]
+points = {{ P = [{rng.uniform(-0.02, 0.02)}, 0] }}
+mass = 1
+inertia = {rng.uniform(2e-4, 3e-3)}
+[joints.floor]
+type = "prismatic"
+connect = ["ground.O", "block.P"]
+axis = 0
+angle = 0
+clearance = 0.2
+block = {{ length = {rng.uniform(0.02, 0.1)}, height = {rng.uniform(0.02, 0.1)} }}
+contact = {{ model = "impact", restitution = {e}, friction = {mu}, restitution_law = "{law}" }}
+[initial.block]
+x = 0
+y = 0
+angle = {rng.uniform(-0.5, 0.5)}
+vx = {rng.uniform(-2, 2)}
+vy = {rng.uniform(-2, 0)}
+omega = {rng.uniform(-3, 3)}
+""")
+
+
+def test_no_energetic_impact_gives_energy():
+    rng = np.random.default_rng(8)
+    several = 0
+    for turn in range(24):
+        m = (random_chain if turn % 2 else random_block)(rng, "energetic")
+        r = m.simulate(0.3, rtol=1e-7)
+        lost, count = impacts(r)
+        several += int((count > 1).sum())
+        size = max(1e-3, float(np.abs(r["energy.kinetic"]).max()))
+        assert lost.min(initial=0.0) > -1e-13 * size  # rounding of the sum over contacts
+        assert "gave energy" not in " ".join(r.trust.notes)
+        assert r.trust.energy_balance < 1e-4 * size  # what the events say is what the motion does
+    assert several > 100
+
+
+def test_newton_gives_energy_where_the_energetic_law_does_not():
+    # two free bodies, e = 1 and friction: the second impact under Newton's law
+    pair = """
+format = 1
+gravity = [0, 0]
+[bodies.a]
+points = { P = ["30 mm", "10 mm"] }
+mass = 2
+inertia = 3e-3
+[bodies.b]
+points = { P = ["-20 mm", 0] }
+mass = 0.5
+inertia = 1e-4
+[joints.J]
+type = "revolute"
+connect = ["a.P", "b.P"]
+clearance = "1 mm"
+contact = { model = "impact", restitution = 1, friction = 0.1, bush_radius = "10 mm" }
+[initial]
+a = { x = 0, y = 0, angle = 0, vx = 0.3, vy = 0.1, omega = 2 }
+b = { x = "50.3 mm", y = "10.2 mm", angle = 0, vx = -0.4, vy = 0.2, omega = -15 }
+"""
+    newton = rt.loads(pair)
+    assert impacts(newton.simulate(0.02))[0].min() < -0.01
+    energetic = newton.set({"joints.J.contact.restitution_law": "energetic"}).simulate(0.02)
+    assert len(impacts(energetic)[0]) > 5
+    assert impacts(energetic)[0].min() > -1e-16
+    assert np.diff(energetic["energy.kinetic"]).max() < 1e-12
+
+
+# ---------------------------------------------------------------- what is refused
+def test_moreau_jean_with_another_law_is_refused_before_the_run():
+    with pytest.raises(rt.ModelError, match='"poisson" works with method "event" only'):
+        slider(3, 0.5, "poisson").simulate(1e-3, method="moreau")
+
+
+def test_one_law_for_all_joints():
+    m = slider(3, 0.5, "poisson").set({"joints.c1.contact.restitution_law": "energetic"})
+    with pytest.raises(rt.ModelError, match="c0: poisson, c1: energetic"):
+        m.simulate(1e-3)
+
+
+@pytest.mark.nojit
+def test_tangential_restitution_belongs_to_newton():
+    m = struck("newton", 0.5, 0.3).set({"joints.tip.contact.tangential_restitution": 0.5})
+    with pytest.raises(rt.ModelError, match='goes with restitution_law = "newton" only'):
+        m.set({"joints.tip.contact.restitution_law": "energetic"})
+
+
+@pytest.mark.nojit
+def test_law_is_kept_in_the_model_file_and_across_contact_models():
+    m = struck("energetic", 0.5, 0.3)
+    assert rt.loads(m.to_toml()).to_toml() == m.to_toml()
+    assert "energetic" in m.with_contact("impact").to_toml()
+    with pytest.raises(rt.ModelError, match="wanted one of newton, poisson, energetic"):
+        m.set({"joints.tip.contact.restitution_law": "stronge"})

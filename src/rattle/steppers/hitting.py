@@ -94,7 +94,7 @@ def collide(m, t, y, who):
     NOT_UNIQUE.
     """
     contact, touch, mode, grip = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP)
-    chosen, side, nq = ivec(m, CHOSEN), mat(m, SIDE), vec(m, CHANGE).shape[0]
+    chosen, nq = ivec(m, CHOSEN), vec(m, CHANGE).shape[0]
     v, before = y[nq : 2 * nq], vec(m, RATE_NEW)
     count = 0
     for n in range(contact.shape[0]):
@@ -158,18 +158,24 @@ def percussions(m, count):
 
 @compiled
 def hold_down(m, count):
-    """Add the percussions that take from contacts marked as closed the rates with which they would lift."""
-    grip, chosen, trial, side = mat(m, GRIP), ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE)
+    """Add the percussions that take from contacts marked as closed the rates with which they would lift.
+
+    Contacts that stay keep their rest meanwhile: the change takes energy, being one onto rates that are zero after it.
+    """
+    grip, chosen, trial, side, bounce = mat(m, GRIP), ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), mat(m, BOUNCE)
     lifts = False
     for k in range(count):
-        closed = grip[chosen[k], STEPS_IN] != 0.0
-        lifts = lifts or (closed and side[A, 2 * k] > 0.0)
+        n = chosen[k]
+        closed, parts = grip[n, STEPS_IN] != 0.0, side[A, 2 * k]
+        if law_of(m, n) == NEWTON:
+            parts -= bounce[E, 2 * n] * bounce[BEFORE, 2 * n]
+        lifts = lifts or (closed and parts > 0.0)
         for r in range(2 * k, 2 * k + 2):
             side[OTHER, r] = side[F, r]
-        side[B, 2 * k] = side[A, 2 * k] if closed else 0.0
-        side[B, 2 * k + 1] = 0.0
-        if closed or side[F, 2 * k] > 0.0:
-            trial[k] = STICK if trial[k] == STICK and side[F, 2 * k] > 0.0 else FORWARD
+        stays = side[F, 2 * k] > 0.0 and parts <= STILL * grip[n, N_1]
+        side[B, 2 * k], side[B, 2 * k + 1] = parts if closed else 0.0, 0.0
+        if closed or stays:
+            trial[k] = STICK if trial[k] == STICK and stays else FORWARD
         else:
             trial[k] = OFF
     if not lifts:
