@@ -35,7 +35,8 @@ from rattle.complementarity import (
     fill_delassus,
     friction_of,
 )  # fmt: skip
-from rattle.memory import BOUNCE, CHOSEN, DELASSUS, HELD, PROBLEM_TABLE, SIDE, SLIDE, TRIAL, ivec, mat, vec
+from rattle.memory import BOUNCE, CHOSEN, DELASSUS, HELD, PROBLEM_TABLE, SIDE, SLIDE, TOUCH, TRIAL, ivec, mat, vec
+from rattle.plane import DGAP, SLIP
 
 # rows of `bounce`, two columns for every contact of the model: restitution e and rate of the gap before the impact
 # (first column), percussions so far, rates now, work of N in this phase (first column) and what it may still become
@@ -164,19 +165,19 @@ def piece_of(m, count, active, expands, left):
 
 
 @compiled
-def grow(m, count, active, expands, piece):
-    """Let percussions grow by a piece; rates that reach zero are zero, contacts that have done their work are spent."""
+def grow(m, count, active, expands, piece, zero):
+    """Let percussions grow by a piece; contacts that have done their work are spent.
+
+    zero: rates up to that are none.
+    """
     chosen, bounce, side = ivec(m, CHOSEN), mat(m, BOUNCE), mat(m, SIDE)
     for k in range(count):
         n = chosen[k]
         grows = side[F, 2 * k] if k < active else 0.0
         bounce[WORK, 2 * n] += piece * grows * (bounce[NOW, 2 * n] + 0.5 * side[A, 2 * k] * piece)
         for d in range(2):
-            old, change = bounce[NOW, 2 * n + d], side[A, 2 * k + d] * piece
-            new = old + change
-            if abs(new) <= ZERO * (abs(old) + abs(change)):
-                new = 0.0
-            bounce[NOW, 2 * n + d] = new
+            new = bounce[NOW, 2 * n + d] + side[A, 2 * k + d] * piece
+            bounce[NOW, 2 * n + d] = new if abs(new) > zero else 0.0
             if k < active:
                 bounce[SO_FAR, 2 * n + d] += piece * side[F, 2 * k + d]
         if expands and bounce[WORK, 2 * n] >= bounce[WORK, 2 * n + 1] * (1.0 - ZERO):
@@ -184,7 +185,7 @@ def grow(m, count, active, expands, piece):
 
 
 @compiled
-def follow_phase(m, count, expands):
+def follow_phase(m, count, expands, zero):
     """Compression or expansion of several contacts; False when a problem on the way has no solution."""
     left = 1.0
     for _ in range(20 + 10 * count):
@@ -195,11 +196,27 @@ def follow_phase(m, count, expands):
         piece = piece_of(m, count, active, expands, left)
         if not piece < math.inf:
             return False
-        grow(m, count, active, expands, piece)
+        grow(m, count, active, expands, piece, zero)
         left -= piece
         if not expands and left <= ZERO:
             return True
     return expands
+
+
+@compiled
+def gives_energy(m, count):
+    """True when the percussions of an impact, f in `side`, would give energy; the rates before are in `touch`."""
+    side, g, touch, chosen = mat(m, SIDE), mat(m, DELASSUS), mat(m, TOUCH), ivec(m, CHOSEN)
+    given, size = 0.0, 0.0
+    for r in range(2 * count):
+        n = chosen[r // 2]
+        before = touch[n, DGAP] if r % 2 == 0 else -touch[n, SLIP]
+        after = before
+        for s in range(2 * count):
+            after += g[r, s] * side[F, s]
+        given += 0.5 * side[F, r] * (before + after)
+        size += abs(side[F, r]) * (abs(before) + abs(after))
+    return given > 1e-14 * size
 
 
 @kernel("problem")
@@ -220,20 +237,20 @@ def path_kernel(m, count):
             for r in range(2 * chosen[k], 2 * chosen[k] + 2):
                 if abs(bounce[NOW, r]) <= ZERO * largest:
                     bounce[NOW, r] = 0.0
-        if not follow_phase(m, count, False):
+        if not follow_phase(m, count, False, ZERO * largest):
             return 0
         for k in range(count):
             n = chosen[k]
-            if abs(bounce[NOW, 2 * n]) <= ZERO * largest:
-                bounce[NOW, 2 * n] = 0.0
             e = bounce[E, 2 * n]
             bounce[WORK, 2 * n + 1] = -e * e * min(bounce[WORK, 2 * n], 0.0)
             bounce[WORK, 2 * n] = 0.0
-        follow_phase(m, count, True)  # wherever it ends, no contact approaches and no energy was made
+        follow_phase(m, count, True, ZERO * largest)  # wherever it ends, no contact approaches and no energy was made
         for k in range(count):
             for d in range(2):
                 side[F, 2 * k + d] = bounce[SO_FAR, 2 * chosen[k] + d]
                 side[A, 2 * k + d] = bounce[NOW, 2 * chosen[k] + d]
+        if gives_energy(m, count):
+            return 0
     for k in range(count):
         trial[k] = OFF
         if side[F, 2 * k] > 0.0:

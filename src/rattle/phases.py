@@ -283,7 +283,9 @@ def expand_kernel(m, count):
                     low = middle
                 else:
                     high = middle
-            if not expansion(m, count, low):  # none at all, then: what compression has left is a solution
+            if not (
+                expansion(m, count, low) and takes_energy(m, count)
+            ):  # none at all, then: what compression has left is a solution
                 for r in range(2 * count):
                     side[F, r], side[A, r] = 0.0, bounce[RATES, r]
     else:
