@@ -38,6 +38,15 @@ class Comparison:
     curve: str  # the motion that is shown
     assumed: tuple[str, ...]  # what the model file does not say and the page takes for granted
 
+    @property
+    def notes(self) -> dict[str, tuple[str, ...]]:
+        """What every run has to say about itself: its message where it ended early, and the notes of its trust."""
+        said = {
+            model: (*([r.message] if r.message else []), *r.trust.notes, *r.trust.coarse())
+            for model, r in self.results.items()
+        }
+        return {model: notes for model, notes in said.items() if notes}
+
     def __repr__(self) -> str:
         return f"<rattle.Comparison: {self.name}, joint {self.joint}: {', '.join(self.results)}>"
 
@@ -49,7 +58,8 @@ class Comparison:
         rows = [HEAD, *self.rows()]
         wide = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
         lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, wide, strict=True)).rstrip() for row in rows]
-        lines += [f"{model}: {why}" for model, why in self.skipped.items()]
+        lines += [f"{model}: left out: {why}" for model, why in self.skipped.items()]
+        lines += [f"{model}: {note}" for model, notes in self.notes.items() for note in notes]
         return "\n".join([f"{self.name}: joint {self.joint}", *lines, *self.assumed])
 
     def rows(self) -> list[tuple[str, ...]]:
@@ -75,11 +85,8 @@ HEAD = ("model", "peak force", "RMS force", "pressing", "contacts", "impacts", "
 
 
 def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
-    from rattle.summary import rms
-
-    force = result[f"{joint}.force"]
     found = result.contacts.get(joint)
-    peak = max(float(force.max()), found.peak if found else 0.0)
+    peak = max(result.peak(f"{joint}.force")[0], found.peak if found else 0.0)
     horizon = result.trust.horizon
     end = result.trust.t_end
     reach = "-" if horizon is None else "the end" if horizon >= end else f"{horizon:.3g} s"
@@ -91,7 +98,7 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
         hardest = max((event.impulse for event in mine), default=0.0)
         hits = f"{found.impacts}, to {hardest:.2g} N*s" if found.impacts else "0"
         touched = (f"{100 * found.share:.0f} %", str(found.contacts), hits, lost)
-    return (model, _newton(peak), _newton(rms(result.t, force)), *touched, reach)
+    return (model, _newton(peak), _newton(result.rms(f"{joint}.force")), *touched, reach)
 
 
 def _newton(force: float) -> str:
@@ -134,7 +141,8 @@ def compare(
     models[COMPLIANT] = lambda: compliant
     for model, make in models.items():
         try:
-            results[model] = make().simulate(end, t_eval=times, method=_method(m), horizon=True, progress=progress)
+            method = "event" if model == IMPACT else "dop853"
+            results[model] = make().simulate(end, t_eval=times, method=method, horizon=True, progress=progress)
             if results[model].interrupted or results[model].stats.get("horizon_interrupted"):
                 skipped.update(dict.fromkeys([one for one in models if one not in results], "stopped by the user"))
                 break
@@ -144,15 +152,29 @@ def compare(
             skipped[model] = str(error)
             if len(skipped) == len(models):
                 raise
+    if COMPLIANT in results and (why := _too_soft(m, loose, results[COMPLIANT], assumed)):
+        skipped[COMPLIANT] = why
+        del results[COMPLIANT]
     first = next(iter(results.values()))
     shown = curve or _motion(m, first)
     _ = first.unit(shown)  # raises UnknownName
     return Comparison(m.name or "mechanism", results, skipped, joint or loose[0], shown, tuple(assumed))
 
 
-def _method(m: Mechanism) -> str | None:
-    """The model's own method where every run can have it."""
-    return None if m.model.settings.method == "dop853" else "dop853"
+def _too_soft(m: Mechanism, loose: list[str], r: Result, assumed: list[str]) -> str:
+    """Why a compliant run whose bushes were taken for granted says nothing about this mechanism; "" if it may."""
+    if not any("bush radius" in one for one in assumed):
+        return ""
+    for name in loose:
+        play = m.model.joints[name].clearance
+        deep = r.peak(f"{name}.penetration")[0] if f"{name}.penetration" in r else 0.0
+        if m.model.joints[name].kind == "revolute" and deep > play:
+            return (
+                f"the bush that was taken for granted, {RADII:g} clearances wide, is too small for these forces: the"
+                f" pin of {name} sinks {1e3 * deep:.3g} mm into it, more than its play of {1e3 * play:.3g} mm; give"
+                f" joints.{name}.contact a bush_radius and materials, or a stiffness"
+            )
+    return ""
 
 
 def _motion(m: Mechanism, ideal: Result) -> str:

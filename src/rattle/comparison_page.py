@@ -41,17 +41,20 @@ SAYS = {
     IMPACT: "One-sided impact: the pin flies, hits, stays or leaves",
     COMPLIANT: "Compliant: pin and bush are elastic, with damping",
 }
+TOP = "▼ largest N"
 WIDTH = 13.0  # of the page [inches]
 
 
 def page(found: Comparison) -> Figure:
     """Motion, its deviation from the ideal one, joint force and orbit per model, energy lost, and a table."""
     loose = [model for model in (LINK, IMPACT, COMPLIANT) if model in found.results and _has_orbit(found, model)]
-    heights = [1.9, 1.5, *[2.15] * len(loose), 1.5, 0.42 + 0.26 * len(found.results)]
+    said = _said(found)
+    panels = [1.9, 1.5, *[2.15] * len(loose), 1.5]
+    heights = [*panels, 0.42 + 0.26 * len(found.results), *([0.1 + 0.17 * len(said)] if said else [])]
     figure = new_figure(WIDTH, sum(heights) + 1.4)
     grid = figure.add_gridspec(len(heights), 2, width_ratios=[2.9, 1.0], height_ratios=heights)
     left = [tidy(figure.add_subplot(grid[0, 0]))]
-    left += [tidy(figure.add_subplot(grid[k, 0], sharex=left[0])) for k in range(1, len(heights) - 1)]
+    left += [tidy(figure.add_subplot(grid[k, 0], sharex=left[0])) for k in range(1, len(panels))]
     scale, unit = _time_unit(found)
     _motion(left[0], left[1], found, scale)
     _sketch(figure.add_subplot(grid[0:2, 1]), found)
@@ -60,12 +63,14 @@ def page(found: Comparison) -> Figure:
         _force(left[2 + k], found, model, floor, scale)
         _orbit(figure.add_subplot(grid[2 + k, 1]), found, model)
     _energy(left[-1], found, scale)
-    _legend(figure.add_subplot(grid[len(heights) - 2, 1]), found)
+    _legend(figure.add_subplot(grid[len(panels) - 1, 1]), found)
     for ax in left[:-1]:
         ax.tick_params(labelbottom=False)
     left[-1].set_xlabel(f"time [{unit}]")
     left[0].set_xlim(0.0, scale * max(r.trust.t_end for r in found.results.values()))
-    _table(figure.add_subplot(grid[-1, :]), found)
+    _table(figure.add_subplot(grid[len(panels), :]), found)
+    if said:
+        _remarks(figure.add_subplot(grid[-1, :]), said)
     figure.align_ylabels(left)
     title = f"{found.name}: what its play does, by model"
     figure.suptitle(title, x=0.012, ha="left", fontsize=15, fontweight="bold")
@@ -132,9 +137,15 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
     if ideal is not None:
         ax.plot(scale * ideal.t, ideal[f"{joint}.force"], color=BLACK, linewidth=2.0, alpha=0.3)
     ax.plot(scale * r.t, normal, color=COLOURS[model], linewidth=0.9)
-    peaks = [(e.t + 0.5 * e.duration, e.peak_force) for e in r.events if e.joint == joint and e.kind == "contact"]
-    if peaks:  # located inside the contacts, most of which are shorter than the time between two outputs
-        ax.vlines([scale * t for t, _ in peaks], 0.0, [peak for _, peak in peaks], color=COLOURS[model], linewidth=0.7)
+    interval = float(r.t[1] - r.t[0])
+    lasting = [event for event in r.events if event.joint == joint and event.kind == "contact"]
+    short = [event for event in lasting if event.duration < 2.0 * interval]
+    if short:  # which no two outputs show; where they do the curve itself stands
+        at = [scale * (event.t + 0.5 * event.duration) for event in short]
+        ax.vlines(at, 0.0, [event.peak_force for event in short], color=COLOURS[model], linewidth=0.7)
+    largest, when = r.peaks.get(f"{joint}.pressing", r.peaks.get(f"{joint}.normal", (0.0, 0.0)))[:2]
+    if largest > 0.0:
+        ax.plot([scale * when], [largest], "v", color=COLOURS[model], markersize=5, zorder=5)
     curves = [one[f"{joint}.normal"] for one in found.results.values() if f"{joint}.normal" in one]
     top = max(float(one.max()) for one in curves)
     top = max(top, *(c.peak for one in found.results.values() if (c := one.contacts.get(joint))))
@@ -147,12 +158,13 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
     ticks = [-p for p in powers if -p >= low and model == LINK][::-1] + [0.0] + [p for p in powers if p <= high]
     ax.set_yticks(ticks, [_force_label(tick) for tick in ticks])
     ax.minorticks_off()
-    ax.set_ylabel(f"N at {joint} [N]")
+    ax.set_ylabel(f"N at {joint} [N]\nlogarithmic beyond {_force_label(floor)}", fontsize=9)
     if model == LINK:
         for a, b in r.trust.intervals.get(joint, ()):
             ax.axvspan(scale * a, scale * b, color=RED, alpha=0.16, linewidth=0)
         share = 100 * r.trust.pulled.get(joint, 0.0)
-        note(ax, f"red: N < 0 for {share:.0f} % of the time, the bush would have to pull")
+        pulls = f"red: N < 0 for {share:.2g} % of the time, the bush would have to pull" if share else "N stays above 0"
+        note(ax, f"{pulls}; {TOP}")
     else:
         _events(ax, r, joint, scale)
     if r.trust.horizon is not None and r.trust.horizon < r.trust.t_end:
@@ -178,11 +190,12 @@ def _events(ax: Axes, r: Result, joint: str, scale: float) -> None:
         ax.vlines([scale * event.t for event in hits], 0.02, 0.16, color=RED, linewidth=0.7, **place)
     parts = ["grey: pin presses"] if any(e.kind == "contact" for e in mine) else []
     if hits:
-        parts.append(f"red: {len(hits)} impacts, up to {max(e.impulse for e in hits):.2g} N·s")
+        many = "s" if len(hits) > 1 else ""
+        parts.append(f"red: {len(hits)} impact{many}, up to {max(e.impulse for e in hits):.2g} N·s")
     elif mine:
         peak = max(e.peak_force for e in mine)
         parts.append(f"{sum(e.kind == 'contact' for e in mine)} contacts, peak {peak:.3g} N")
-    note(ax, "; ".join(parts))
+    note(ax, "; ".join([*parts, TOP]))
 
 
 def _orbit(ax: Axes, found: Comparison, model: str) -> None:
@@ -204,13 +217,19 @@ def _orbit(ax: Axes, found: Comparison, model: str) -> None:
         mark_pulling(ax, np.arctan2(y[pulls], x[pulls]), c)
     mark_impacts(ax, r, joint, scale, largest=90.0)
     ax.plot([0], [0], "+", color=GREY, markersize=7)
-    limit = 1.18 * max(c, float(np.hypot(x, y).max()) * scale)
-    ax.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal", xticks=[-c, 0, c], yticks=[-c, 0, c])
-    ax.set_xticklabels([f"{-c:.3g}", "0", f"{c:.3g} {unit}"], fontsize=8)
+    reach = float(np.hypot(x, y).max()) * scale
+    limit = 1.18 * max(c, reach)
+    ax.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal", yticks=[-c, 0, c])
+    if c > 0.25 * limit:  # else the labels of the circle would lie on each other
+        ax.set_xticks([-c, 0, c], [f"\N{MINUS SIGN}{c:.3g}", "0", f"{c:.3g} {unit}"], fontsize=8)
+    else:
+        ax.set_xticks([-reach, 0, reach], [f"\N{MINUS SIGN}{reach:.3g}", "0", f"{reach:.3g} {unit}"], fontsize=8)
     ax.set_yticklabels([])
     ax.tick_params(length=0)
-    said = {LINK: "red: N < 0"}.get(model, "dots: impacts, by impulse")
-    ax.set_title(f"{joint}: pin in its bush; {said}", fontsize=8.5, color=GREY, pad=3)
+    said = {LINK: "red: N < 0", IMPACT: "dots: impacts, by impulse", COMPLIANT: "rings: contacts"}[model]
+    what = "block in its guide" if form["type"] == "prismatic" else "pin in its bush"
+    deep = f"; sinks in by {reach - c:.3g} {unit}" if reach > 1.05 * c else ""
+    ax.set_title(f"{joint}: {what}; {said}{deep}", fontsize=8.5 if not deep else 7.0, color=GREY, pad=3)
 
 
 def _energy(ax: Axes, found: Comparison, scale: float) -> None:
@@ -228,7 +247,7 @@ def _energy(ax: Axes, found: Comparison, scale: float) -> None:
 
 def _legend(ax: Axes, found: Comparison) -> None:
     """What the colours mean, and what was taken for granted."""
-    from textwrap import fill, shorten
+    from textwrap import fill
 
     ax.axis("off")
     for k, model in enumerate(COLOURS):
@@ -244,7 +263,7 @@ def _legend(ax: Axes, found: Comparison) -> None:
                 transform=ax.transAxes,
             )
         name = "no play" if model == IDEAL else model
-        text = shorten(f"{name}: {why}", 44, placeholder=" ...") if why else name
+        text = f"{name}: left out, see below" if why else name
         ax.text(
             0.13,
             y,
@@ -282,8 +301,40 @@ def _table(ax: Axes, found: Comparison) -> None:
         for k, cell in enumerate(row):
             colour = COLOURS[row[0]] if k == 0 else BLACK
             weight = "bold" if k == 0 else "normal"
-            ax.text(at[k], y, cell, fontsize=9.5, color=colour, fontweight=weight, va="center", transform=ax.transAxes)
+            ax.text(
+                at[k],
+                y,
+                cell.replace("N*s", "N·s"),
+                fontsize=9.5,
+                color=colour,
+                fontweight=weight,
+                va="center",
+                transform=ax.transAxes,
+            )
     ax.plot([0, 1], [1.0 - step] * 2, color=GREY, linewidth=0.8, transform=ax.transAxes)
+
+
+def _said(found: Comparison) -> list[tuple[str, str]]:
+    """Lines of remarks: model (where a remark begins), text."""
+    from textwrap import wrap
+
+    remarks = [(model, f"left out: {why}") for model, why in found.skipped.items()]
+    remarks += [(model, note) for model, notes in found.notes.items() for note in notes]
+    lines = []
+    for model, text in remarks:
+        first, *rest = wrap(text, 150)
+        lines += [(model, first), *(("", line) for line in rest)]
+    return lines
+
+
+def _remarks(ax: Axes, lines: list[tuple[str, str]]) -> None:
+    """What the runs say about themselves, and why a model is left out."""
+    ax.axis("off")
+    for n, (model, text) in enumerate(lines):
+        y = 1.0 - (n + 0.5) / len(lines)
+        if model:
+            ax.text(0.0, y, model, fontsize=8.5, color=COLOURS[model], va="center", transform=ax.transAxes)
+        ax.text(0.12, y, text, fontsize=8.5, color=BLACK, va="center", parse_math=False, transform=ax.transAxes)
 
 
 def _title(ax: Axes, text: str) -> None:

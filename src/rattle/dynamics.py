@@ -16,14 +16,15 @@ from rattle.agreement import Reach, agreement, tighter
 from rattle.assembly import Assembled
 from rattle.equations import DONE, OK, PAUSED
 from rattle.errors import SolverError
-from rattle.happenings import contact_counts, contact_events, contact_notes, require_workable
+from rattle.happenings import contact_counts, contact_events, contact_notes, method_notes, require_workable
 from rattle.memory import Memory
 from rattle.passivity import law_faults
-from rattle.recording import JOINT, columns, geometry, quantities, width
-from rattle.result import Peak, Result, Trust
+from rattle.peak_values import peak_arrays, peak_values
+from rattle.recording import columns, geometry, width
+from rattle.result import Result, Trust
 from rattle.singular import nonunique_reactions
 from rattle.soundness import audit_arrays, fast_links, loose, remarks, set_floor, too_slow, why_unsound
-from rattle.steppers import audit, march, peaks
+from rattle.steppers import audit, march
 from rattle.steppers.audit import UNSOUND
 from rattle.steppers.branching import TURNS, choose_sides
 from rattle.steppers.hitting import LOW
@@ -73,6 +74,7 @@ class Run:
         self.most_steps: int | None = None
         self.interrupted = False
         self.wall = 0.0
+        self.notes: tuple[str, ...] = ()  # what is known before it starts
 
     def prepare(self) -> Memory:
         """Memory of the run."""
@@ -215,31 +217,6 @@ class Run:
                 bar.close()
             self.wall = time.perf_counter() - began
 
-    def peaks(self) -> dict[str, Peak]:
-        """Largest size, its time and RMS of every watched force over the whole run, from within its steps."""
-        span = float(self.clock[march.T]) - self.start.t
-        found = {}
-        for (name, *_), row in zip(quantities(self.ready), self.memory["peaks"], strict=True):
-            best, when, squares = (float(row[k]) for k in (peaks.BEST, peaks.WHEN, peaks.SQUARES))
-            rms = math.sqrt(max(squares, 0.0) / span) if span > 0.0 else abs(best)
-            found[name] = Peak(best, when, rms)
-        for name, joint in self.ready.model.joints.items():
-            if joint.contact is not None:  # without contacts N is as large as the force
-                found.setdefault(f"{name}.normal", found[f"{name}.force"])
-        return found
-
-
-def peak_arrays(ready: Compiled) -> dict[str, np.ndarray]:
-    """What a run needs to watch its forces for peaks, see `steppers.peaks`."""
-    watched = [(what, column) for _, what, column in quantities(ready)]
-    table = np.zeros((len(watched), peaks.WIDTH))
-    table[:, peaks.BEST] = -math.inf
-    return {
-        "quantity": np.array(watched, np.int64).reshape(-1, 2),
-        "peaks": table,
-        "peak_row": np.zeros(JOINT * len(ready.joints)),
-    }
-
 
 def start_state(ready: Compiled, start: Assembled) -> np.ndarray:
     """y at the start: q, v, work, dissipated energy, and four numbers per contact (see `equations.collect`)."""
@@ -256,7 +233,7 @@ def simulate(
     catalog.start()
     settings = ready.model.settings
     end, times = output_times(settings, t_end, t_eval)
-    method = settings.method if method is None else method
+    wanted, method = method, settings.method if method is None else method
     if method not in METHODS:
         raise ValueError(f"unknown method '{method}'; wanted {' or '.join(METHODS)}")
     rtol = asked.relative_tolerance(_first_given(rtol, settings.rtol, RTOL))
@@ -270,11 +247,13 @@ def simulate(
     require_workable(ready)
     for fault in law_faults(ready.model):
         log.warning(fault)
+    wanted = wanted or (method if method != METHODS[0] else None)
     one_run, method, step = kind_of_run(ready, method, step, end)
     run = one_run(ready, start, times, end, method, rtol, atol, step)
     if most_steps is not None and most_steps < 1:
         raise ValueError(f"most_steps must be at least 1, got {most_steps}")
     run.most_steps = most_steps
+    run.notes = method_notes(wanted, method)
     run.go(progress)
     reach, second = None, None
     if horizon and run.tally[march.OUTPUTS] > 1 and not run.interrupted:
@@ -363,7 +342,7 @@ def _result(run: Run, reach: Reach | None) -> Result:
         if not nonunique:
             notes += ("the run passed through a position where the joints lose independence (a singular position)",)
     events = contact_events(ready, run.contacts, run.memory, reached)
-    notes += contact_notes(ready, events)
+    notes += (*run.notes, *contact_notes(ready, events, float(data[:, names.index("energy.kinetic")].max(initial=0.0))))
     events = tuple(sorted((*events, *jolt_events(run.jolts)), key=lambda event: event.t))
     notes += jolt_notes(run.jolts, run.table)
     if run.method == "moreau":
@@ -427,7 +406,7 @@ def _result(run: Run, reach: Reach | None) -> Result:
         success=not run.message,
         message=run.message,
         events=events,
-        peaks=run.peaks(),
+        peaks=peak_values(ready, run.memory, reached - run.start.t),
     )
 
 

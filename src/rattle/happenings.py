@@ -27,6 +27,7 @@ from rattle.result import Event
 from rattle.system import Compiled
 
 SHORTEST = 1e-12  # a step that is taken for impossible [s]
+GAIN = 1e-12  # energy from an impact, as a share of that of the run, below which it is rounding
 STEPS_WANTED = 10  # in the shortest contact
 KINDS = ("contact", "release", "impact", "stick", "slip")  # in the order of their numbers in `plane`
 
@@ -103,8 +104,11 @@ def _unused(model: Model) -> list[str]:
     return [f"{', '.join(names)}: {what}" for what, names in joints.items()]
 
 
-def _gains(events: Sequence[Event]) -> list[float]:
-    """Energy [J] that impacts gave, each with all its contacts together, where it is more than rounding."""
+def _gains(events: Sequence[Event], energy: float) -> list[float]:
+    """Energy [J] that impacts gave, each with all its contacts together, where it is more than rounding.
+
+    energy: what is large in the run [J].
+    """
     gained: dict[float, float] = {}
     least: dict[float, float] = {}
     for event in events:
@@ -112,13 +116,25 @@ def _gains(events: Sequence[Event]) -> list[float]:
             gained[event.t] = gained.get(event.t, 0.0) - event.energy_lost
             least[event.t] = least.get(event.t, 0.0) + 1e-9 * (event.impulse * event.normal_speed)
             least[event.t] += 1e-9 * abs(event.energy_lost)
-    return [gain for t, gain in gained.items() if gain > least[t]]
+    return [gain for t, gain in gained.items() if gain > max(least[t], GAIN * energy)]
 
 
-def contact_notes(ready: Compiled, events: Sequence[Event]) -> tuple[str, ...]:
-    """Remarks on contacts: values without use, laws outside their range, laws of the user that give energy back."""
+def method_notes(asked: str | None, ran: str) -> tuple[str, ...]:
+    """What to say where another method ran than the one that was asked for (None: none was)."""
+    if asked in (None, ran):
+        return ()
+    if asked in ("event", "moreau"):
+        return (f"method {asked} is for impact contacts, of which this model has none: {ran} ran",)
+    return (f"method {asked} knows no impacts: {ran} ran",)
+
+
+def contact_notes(ready: Compiled, events: Sequence[Event], energy: float) -> tuple[str, ...]:
+    """Remarks on contacts: values without use, laws outside their range, laws of the user that give energy back.
+
+    energy: what is large in this run [J]; gains beside it are rounding below a share of GAIN.
+    """
     found = [*_unused(ready.model), *law_faults(ready.model)]
-    if gains := _gains(events):
+    if gains := _gains(events, energy):
         found.append(
             f"{len(gains)} impact{'s' if len(gains) > 1 else ''} gave energy, {sum(gains):.3g} J in all:"
             " Newton's and Poisson's restitution with friction can; restitution_law = \"energetic\" cannot"

@@ -9,10 +9,11 @@ import numpy as np
 
 from rattle import catalog, complementarity, following, impact, network, paths, phases, uniqueness
 from rattle.complementarity import BACKWARD, FORWARD
-from rattle.dynamics import Run, peak_arrays, start_state
+from rattle.dynamics import Run, start_state
 from rattle.equations import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from rattle.errors import ModelError, Problem
 from rattle.memory import Memory
+from rattle.peak_values import peak_arrays
 from rattle.plane import IMPACT, NORMAL_P, OWNER
 from rattle.soundness import audit_arrays, set_floor, why_unsound
 from rattle.steppers import event, march, moreau

@@ -158,6 +158,8 @@ class Mechanism(Building):
 
     def ideal(self) -> Mechanism:
         """The same mechanism with all clearances closed; lengths stay as given."""
+        if not any("clearance" in one for one in self._document.get("joints", {}).values()):
+            return self.set()
         return self.with_contact("ideal")
 
     def with_contact(self, model: str, joint: str | None = None) -> Mechanism:
@@ -174,6 +176,8 @@ class Mechanism(Building):
         if joint is not None and not loose:
             what = "has no clearance" if joint in joints else f"is not there{suggest(joint, joints)}"
             raise ModelError([Problem(("joints", joint), what)])
+        if not loose:
+            raise ModelError([Problem(("joints",), f"no joint has a clearance, so contact '{model}' applies to none")])
         return self.set({f"joints.{name}.contact": recontact(joints[name].get("contact"), model) for name in loose})
 
     def contact_of(self, joint: str) -> dict[str, Any]:

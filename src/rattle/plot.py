@@ -94,8 +94,8 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure:
     """Path of the pin centre in the clearance circle of a joint, coloured by the normal force.
 
     Larger forces lie on top of smaller ones.  Ticks outside the circle show where N < 0, that is,
-    where the bush would have to pull; dots on the circle are contacts that start and impacts, their area
-    as the impulse.  Raises ValueError where the joint has no clearance.
+    where the bush would have to pull; dots on the circle are impacts, their area as the impulse, and rings
+    where lasting contacts start.  Raises ValueError where the joint has no clearance.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import Normalize
@@ -154,23 +154,35 @@ def mark_pulling(ax: Axes, direction: Array, c: float) -> None:
 
 
 def mark_impacts(ax: Axes, result: Result, joint: str, scale: float, colour: str = RED, largest: float = 60.0) -> None:
-    """A dot on the circle for every impact and start of a contact, its area as the impulse.
+    """A dot on the circle for every impact, its area as the impulse; a ring where a lasting contact starts.
 
     scale: of lengths, from metres.  largest: area of the largest dot [points^2].
     """
-    hits = [e for e in result.events if e.joint == joint and e.kind in ("impact", "contact") and e.impulse > 0.0]
-    if not hits or len(result.t) < 2:
+    if len(result.t) < 2:
         return
-    t = np.array([e.t for e in hits])
-    x, y = (np.interp(t, result.t, result[f"{joint}.{what}"]) for what in ("ex", "ey"))
-    c = result.geometry["joints"][joint]["clearance"]
-    reach = np.hypot(x, y)
+    mine = [event for event in result.events if event.joint == joint]
+    hits = [event for event in mine if event.kind == "impact" and event.impulse > 0.0]
+    lasting = [event for event in mine if event.kind == "contact"]
+    if lasting:
+        label = f"{len(lasting)} contact{'s' if len(lasting) > 1 else ''}"
+        style = {"facecolors": "none", "edgecolors": BLACK, "linewidths": 0.8, "alpha": 0.6, "zorder": 4}
+        x, y = _on_circle(result, joint, [event.t for event in lasting])
+        ax.scatter(scale * x, scale * y, s=0.35 * largest, label=label, **style)  # type: ignore[arg-type]  # matplotlib takes arrays
+    if hits:
+        strength = np.array([event.impulse for event in hits])
+        style = {"color": colour, "alpha": 0.45, "linewidths": 0, "zorder": 4}
+        label = f"{len(hits)} impact{'s' if len(hits) > 1 else ''}, up to {strength.max():.2g} N·s"
+        x, y = _on_circle(result, joint, [event.t for event in hits])
+        area = np.maximum(largest * strength / strength.max(), 1.0)
+        ax.scatter(scale * x, scale * y, s=area, label=label, **style)  # type: ignore[arg-type]  # matplotlib takes arrays
+
+
+def _on_circle(result: Result, joint: str, times: Sequence[float]) -> tuple[Array, Array]:
+    """Directions of a pin at some times, on its clearance circle [m]."""
+    x, y = (np.interp(np.array(times), result.t, result[f"{joint}.{what}"]) for what in ("ex", "ey"))
+    reach = np.hypot(x, y) / result.geometry["joints"][joint]["clearance"]
     reach[reach == 0.0] = 1.0
-    strength = np.array([e.impulse for e in hits])
-    area = np.maximum(largest * strength / strength.max(), 1.0)
-    style = {"color": colour, "alpha": 0.45, "linewidths": 0, "zorder": 4}
-    label = f"{len(hits)} impacts, up to {strength.max():.2g} N·s"
-    ax.scatter(scale * c * x / reach, scale * c * y / reach, s=area, label=label, **style)  # type: ignore[arg-type]  # matplotlib takes arrays
+    return x / reach, y / reach
 
 
 def pin_path(result: Result, joint: str) -> tuple[Array, Array, Array]:

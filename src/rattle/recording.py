@@ -32,8 +32,8 @@ def quantities(ready: Compiled) -> list[tuple[str, int, int]]:
     """What is watched for peaks within steps: name, what is made of it, first column behind those of bodies.
 
     The force of every joint, its moment, normal and tangential force, and effort and power of the drivers: the
-    largest size of each.  Held by a joint without play or a link N is as large as the force; `<joint>.pressing` is
-    the largest N of a link, which may also pull.
+    largest size of each; how deep contacts sink in.  Held by a joint without play or a link N is as large as the
+    force; `<joint>.pressing` is the largest N of a link, which may also pull.
     """
     found: list[tuple[str, int, int]] = []
     for n, name in enumerate(ready.joints):
@@ -51,6 +51,7 @@ def quantities(ready: Compiled) -> list[tuple[str, int, int]]:
             continue
         if kind is None:
             found += [(f"{name}.normal", OF_VALUE, c + 5), (f"{name}.tangential", OF_SIZE, c + 6)]
+            found.append((f"{name}.penetration", OF_VALUE, c + 7))
         elif kind.name != joint.kind:
             found.append((f"{name}.pressing", OF_NEGATIVE, c + 5))
     return found

@@ -93,7 +93,9 @@ class Trust:
         return lines(str(self))
 
     def __str__(self) -> str:
-        return f"{self._accuracy()}; {self._reach()}\n{'; '.join([self._pulling(), *self._remarks()])}"
+        remarks = "; ".join(one for one in (self._pulling(), *self._remarks()) if one)
+        first = f"{self._accuracy()}; {self._reach()}"
+        return f"{first}\n{remarks}" if remarks else f"{self._accuracy()}\n{self._reach()}"
 
     def _accuracy(self) -> str:
         where = f" (worst at {self.drift_joint})" if self.drift_joint and self.drift > 0 else ""
@@ -119,6 +121,12 @@ class Trust:
             return f"positions and rates can be trusted {until}, all other curves up to t = {self.horizon:.3g} s{first}"
         return f"the curves can be trusted up to t = {self.horizon:.3g} s (horizon), after it statistics only"
 
+    def coarse(self) -> tuple[str, ...]:
+        """What to say where the shortest contact took too few steps."""
+        if self.fewest_steps is None or self.fewest_steps >= FEW:
+            return ()
+        return (f"the shortest contact took {self.fewest_steps:.0f} steps: too few for its peak, tighten rtol",)
+
     def _touching(self) -> str:
         """Contacts and impacts, in words; empty where no joint can touch and let go."""
         if self.contacts is None:
@@ -136,15 +144,12 @@ class Trust:
         return f"{' and '.join(counts)}, the shortest contact took {self.fewest_steps:.0f} steps{coarse}"
 
     def _pulling(self) -> str:
-        touching = self._touching()
-        if not self.pulled and touching:
-            return touching
-        return "; ".join([self._links(), *([touching] if touching else [])])
+        return "; ".join(one for one in (self._links(), self._touching()) if one)
 
     def _links(self) -> str:
         pulling = sorted((j for j, share in self.pulled.items() if share > 0), key=lambda j: -self.pulled[j])
         if not self.pulled:
-            return "no joint has play: there is no pin that could lift off"
+            return ""
         if not pulling:
             return f"{' and '.join(self.pulled)} would never have to pull: the pin stays on its bush all the time"
         said = [f"{j} {'would have to pull ' if n == 0 else ''}{self._how_much(j)}" for n, j in enumerate(pulling[:3])]

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from rattle.result import Event, Result
 
 
+ROUNDING = 1e-12  # share of the largest kinetic energy below which a loss is rounding
 SMOOTH = 0.1  # share of a curve's change by which the polynomial through five outputs may miss the two beside them
 
 
@@ -92,6 +93,8 @@ def _summary(result: Result, joint: str) -> ContactSummary:
     lasting = [event for event in events if event.kind == "contact"]
     spans = pressing_spans(events)
     lost = math.fsum(event.energy_lost for event in events)
+    if "energy.kinetic" in result and abs(lost) < ROUNDING * float(result["energy.kinetic"].max()):
+        lost = 0.0
     if joint in result.trust.pulled:  # the massless link: it presses wherever it need not pull
         share, flight = 1.0 - result.trust.pulled[joint], 0.0
     elif spans or not span:

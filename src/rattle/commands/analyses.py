@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rattle.result import Result
 
 DEGREES = 180 / math.pi
+ZERO = 1e-12  # share of the largest of its kind below which a number is rounding
 
 
 def span_options(points: int) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -51,25 +52,35 @@ def _shown(value: float, unit: str) -> tuple[float, str]:
     return (value * DEGREES, changed[unit]) if unit in changed else (value, unit)
 
 
+def zeroed(value: float, floor: float) -> float:
+    """0 for what is rounding: below a floor."""
+    return 0.0 if abs(value) <= floor else value
+
+
 def _ranges(result: Result, names: list[str]) -> str:
-    """Least and greatest value of curves and when; instants without a value are left out."""
+    """Least and greatest value of curves and when, between the positions where a curve is smooth.
+
+    Instants without a value are left out.
+    """
     import numpy as np
+
+    from rattle.summary import extreme
 
     wide = max([len(name) for name in names] + [8]) + 2
     lines = [f"{'':{wide}s}{'least':>14s} at t{'greatest':>22s} at t"]
+    largest: dict[str, float] = {}
     for name in names:
-        curve = result[name]
+        unit = result.unit(name)
+        largest[unit] = max(largest.get(unit, 0.0), float(np.nanmax(np.abs(result[name]), initial=0.0)))
+    for name in names:
+        curve, unit = result[name], result.unit(name)
         if np.isnan(curve).all():
             lines.append(f"{name:{wide}s}{'no value':>12s}")
             continue
-        low, high = int(np.nanargmin(curve)), int(np.nanargmax(curve))
-        (least, unit), (most, _) = (
-            _shown(float(curve[low]), result.unit(name)),
-            _shown(float(curve[high]), result.unit(name)),
-        )
-        lines.append(
-            f"{name:{wide}s}{least:12.5g} {unit:6s}{result.t[low]:8.4g} s{most:12.5g} {unit:6s}{result.t[high]:8.4g} s"
-        )
+        (most, late), (least, early) = extreme(result.t, curve), extreme(result.t, -curve)
+        floor = ZERO * max(largest[unit], 1.0 if unit == "rad" else 0.0)
+        (low, shown), (high, _) = _shown(zeroed(-least, floor), unit), _shown(zeroed(most, floor), unit)
+        lines.append(f"{name:{wide}s}{low:12.5g} {shown:6s}{early:8.4g} s{high:12.5g} {shown:6s}{late:8.4g} s")
     return "\n".join(lines)
 
 
@@ -248,8 +259,10 @@ def equilibrium(
 def _position(m: Mechanism, one: Equilibrium) -> str:
     """Where the bodies are in the first position, and what holds it."""
     lines = ["position 1:"]
+    floor = ZERO * m.ready.size
     for body in m.model.bodies:
-        x, y, angle = (one[f"{body}.{key}"] for key in ("x", "y", "angle"))
+        x, y = (zeroed(one[f"{body}.{key}"], floor) for key in "xy")
+        angle = zeroed(one[f"{body}.angle"], ZERO)
         lines.append(f"  {body}: x {x:.6g} m, y {y:.6g} m, angle {angle * DEGREES:.6g} deg")
     for driver in m.model.drivers:
         name = next(n for n in one.names if n.startswith(f"{driver}.") and not n.endswith(".power"))

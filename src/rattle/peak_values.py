@@ -1,0 +1,38 @@
+"""Peaks and mean squares of a run: what is watched within its steps, and what was found."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rattle.memory import Memory
+from rattle.recording import JOINT, quantities
+from rattle.result import Peak
+from rattle.steppers import peaks
+from rattle.system import Compiled
+
+
+def peak_arrays(ready: Compiled) -> dict[str, np.ndarray]:
+    """What a run needs to watch its forces for peaks, see `steppers.peaks`."""
+    watched = [(what, column) for _, what, column in quantities(ready)]
+    table = np.zeros((len(watched), peaks.WIDTH))
+    table[:, peaks.BEST] = -math.inf
+    return {
+        "quantity": np.array(watched, np.int64).reshape(-1, 2),
+        "peaks": table,
+        "peak_row": np.zeros(JOINT * len(ready.joints)),
+    }
+
+
+def peak_values(ready: Compiled, memory: Memory, span: float) -> dict[str, Peak]:
+    """Largest size, its time and RMS of every watched quantity over a run of length `span` [s]."""
+    found = {}
+    for (name, *_), row in zip(quantities(ready), memory["peaks"], strict=True):
+        best, when, squares = (float(row[k]) for k in (peaks.BEST, peaks.WHEN, peaks.SQUARES))
+        rms = math.sqrt(max(squares, 0.0) / span) if span > 0.0 else abs(best)
+        found[name] = Peak(best, when, rms)
+    for name, joint in ready.model.joints.items():
+        if joint.contact is not None:  # without contacts N is as large as the force
+            found.setdefault(f"{name}.normal", found[f"{name}.force"])
+    return found
