@@ -49,7 +49,7 @@ def least_change(
     others = jacobian[:, ~known]
     if known.any():
         left = np.eye(len(wanted))
-        if others.shape[1]:
+        if others.size:
             u, values, _ = np.linalg.svd(others * scale[~known])
             values = (
                 np.concatenate([values, np.zeros(len(wanted) - len(values))]) if len(values) < len(wanted) else values

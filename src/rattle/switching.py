@@ -9,7 +9,7 @@ Source: Moore, Kearfott, Cloud, Introduction to Interval Analysis (2009), sectio
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,6 +18,8 @@ from rattle import intervals, programs
 from rattle.intervals import SWITCHES, Span
 
 MOST = 200_000  # spans of one switching function that are looked at together
+WORK = 4e7  # rows of programs times spans that are worked through for all switching functions of a run
+CALL = 2000  # spans that take as long as a call with none
 NARROW = 2.0**-44  # share of the whole time below which a span is not halved
 SAME = 1e-13  # share of the whole time within which instants are one
 
@@ -47,11 +49,11 @@ class Signals:
     rows: Sequence[tuple[int, int, int]]
     names: Sequence[str] = ()
 
-    def used(self, first: int, last: int) -> set[int]:
-        """Numbers of the signals that rows first..last-1 use, directly or through others."""
+    def used(self, spans: Iterable[tuple[int, int]]) -> set[int]:
+        """Numbers of the signals that rows first..last-1 of any of the spans use, directly or through others."""
         where = {k: (a, b) for a, b, k in self.rows}
         found: set[int] = set()
-        ahead = [(first, last)]
+        ahead = list(spans)
         while ahead:
             a, b = ahead.pop()
             part = self.code[a:b]
@@ -61,11 +63,14 @@ class Signals:
                     ahead.append(where[k])
         return found
 
-    def depends_on_state(self, first: int, last: int) -> bool:
-        """Whether anything in rows first..last-1 depends on the state."""
-        where = {k: (a, b) for a, b, k in self.rows}
-        spans = [(first, last), *(where[k] for k in self.used(first, last))]
-        return any((self.code[a:b, 0] == programs.STATE).any() for a, b in spans)
+    def of_state(self) -> set[int]:
+        """Numbers of the signals that depend on the state."""
+        found: set[int] = set()
+        for a, b, k in self.rows:  # in order: what a signal uses comes before it
+            part = self.code[a:b]
+            if (part[:, 0] == programs.STATE).any() or found & set(part[part[:, 0] == programs.SIGNAL, 1].tolist()):
+                found.add(k)
+        return found
 
 
 def find_switches(signals: Signals, used: Sequence[tuple[int, int, str, bool]]) -> list[Switch]:
@@ -73,41 +78,44 @@ def find_switches(signals: Signals, used: Sequence[tuple[int, int, str, bool]]) 
 
     Signals that are only recorded are not among them: nothing in the motion depends on these.
     """
-    wanted: dict[int, bool] = {}
-    for first, last, _, driving in used:
-        for k in signals.used(first, last):
-            wanted[k] = wanted.get(k, False) or driving
-    spans = [(a, b, signals.names[k], wanted[k]) for a, b, k in signals.rows if k in wanted]
-    found = []
-    for first, last, name, driving in [*spans, *used]:
-        starts: list[int] = []  # first row of every operand that waits on the stack
-        for row in range(first, last):
-            op = int(signals.code[row, 0])
-            if op <= programs.SIGNAL:
-                starts.append(row)
-                continue
-            count = 1 if op < programs.ADD else 2 if op < programs.LESS else 4
-            operands = starts[-count:]
-            del starts[len(starts) - count + 1 :]
-            if op in SWITCHES:
-                ends = operands[2] if count == 4 else row
-                timed = not signals.depends_on_state(operands[0], ends)
-                found.append(Switch(row, operands[0], ends, min(count, 2), name, timed, driving))
-    return found
+    wanted = signals.used((a, b) for a, b, _, _ in used)
+    driving = signals.used((a, b) for a, b, _, drives in used if drives)
+    spans = [(a, b, signals.names[k], k in driving) for a, b, k in signals.rows if k in wanted]
+    of_state = signals.of_state()
+    return [one for span in (*spans, *used) for one in _switches_of(signals.code, of_state, *span)]
+
+
+def _switches_of(
+    code: np.ndarray, of_state: set[int], first: int, last: int, name: str, driving: bool
+) -> Iterator[Switch]:
+    """Switches of one program in order of evaluation."""
+    stack: list[tuple[int, bool]] = []  # operands that wait: first row, and whether they depend on the state
+    for row in range(first, last):
+        op, k = int(code[row, 0]), int(code[row, 1])
+        if op <= programs.SIGNAL:
+            stack.append((row, op == programs.STATE or (op == programs.SIGNAL and k in of_state)))
+            continue
+        count = 1 if op < programs.ADD else 2 if op < programs.LESS else 4
+        operands = stack[-count:]
+        del stack[-count:]
+        stack.append((operands[0][0], any(live for _, live in operands)))
+        if op in SWITCHES:
+            end = operands[2][0] if count == 4 else row
+            timed = not any(live for _, live in operands[:2])
+            yield Switch(row, operands[0][0], end, min(count, 2), name, timed, driving)
 
 
 def locate_all(signals: Signals, switches: Sequence[Switch], start: float, end: float) -> None:
-    """Give every switch of time alone its instants and sides between two times [s]."""
+    """Give every switch of time alone its instants and sides between two times [s].
+
+    Those whose instants are too many, or come when the work for all of them is spent, are not `resolved`.
+    """
     known = {switch.row: switch for switch in switches if switch.timed}
+    spent = 0.0
     for switch in known.values():
-        _locate(signals, switch, known, start, end)
-
-
-def _inside(signals: Signals, switch: Switch, known: dict[int, Switch]) -> list[Switch]:
-    """Switches that the switching function of one contains, signals included."""
-    where = {k: (a, b) for a, b, k in signals.rows}
-    spans = [(switch.first, switch.last), *(where[k] for k in signals.used(switch.first, switch.last))]
-    return [other for row, other in known.items() if row != switch.row and any(a <= row < b for a, b in spans)]
+        function = _Function(signals, switch, known)
+        _locate(function, start, end, WORK - spent)
+        spent += function.work
 
 
 def side_at(switch: Switch, t: np.ndarray) -> np.ndarray:
@@ -119,11 +127,17 @@ class _Function:
     """Switching function of one switch, with the sides of those inside it taken from the middle of each span."""
 
     def __init__(self, signals: Signals, switch: Switch, known: dict[int, Switch]) -> None:
-        self.signals, self.switch, self.known = signals, switch, known
-        self.needed = signals.used(switch.first, switch.last)
+        self.signals, self.switch = signals, switch
+        self.needed = signals.used([(switch.first, switch.last)])
+        self.spans = [(switch.first, switch.last), *((a, b) for a, b, k in signals.rows if k in self.needed)]
+        inside = (row for a, b in self.spans for row in range(a, b))
+        self.known = {row: known[row] for row in inside if row in known}
+        self.length = sum(b - a for a, b in self.spans)
+        self.work = 0.0
 
     def __call__(self, low: np.ndarray, high: np.ndarray, at: np.ndarray) -> Span:
         code, const = self.signals.code, self.signals.const
+        self.work += self.length * (CALL + len(low))
 
         def side_of(row: int) -> np.ndarray | None:
             return side_at(self.known[row], at) if row in self.known else None
@@ -141,12 +155,12 @@ class _Function:
         return self(t, t, at).low
 
 
-def _locate(signals: Signals, switch: Switch, known: dict[int, Switch], start: float, end: float) -> None:
-    function = _Function(signals, switch, known)
-    inner = [one.instants for one in _inside(signals, switch, known)]
-    edges = np.unique(np.concatenate([[start, end], *inner]))
+def _locate(function: _Function, start: float, end: float, work: float) -> None:
+    switch = function.switch
+    edges = np.unique(np.concatenate([[start, end], *(one.instants for one in function.known.values())]))
     edges = edges[(edges >= start) & (edges <= end)]
-    roots, switch.resolved = _roots(function, edges[:-1], edges[1:], NARROW * (end - start), 1e-18 * (end - start))
+    tiny = (NARROW * (end - start), 1e-18 * (end - start))
+    roots, switch.resolved = _roots(function, edges[:-1], edges[1:], tiny, work)
     if not switch.resolved:
         return
     roots = roots[(roots > start + SAME * (end - start)) & (roots < end)]
@@ -159,13 +173,13 @@ def _locate(signals: Signals, switch: Switch, known: dict[int, Switch], start: f
 
 
 def _roots(
-    function: _Function, low: np.ndarray, high: np.ndarray, narrow: float, tiny: float
+    function: _Function, low: np.ndarray, high: np.ndarray, tiny: tuple[float, float], work: float
 ) -> tuple[np.ndarray, bool]:
     """First instants on the far side of all changes of sign in the spans low..high; False when there are too many."""
     found = [np.zeros(0)]
     with np.errstate(all="ignore"):
         while len(low):
-            if len(low) > MOST:
+            if len(low) > MOST or function.work > work:
                 return np.zeros(0), False
             middle, half = 0.5 * (low + high), 0.5 * (high - low)
             s = function(low, high, middle)
@@ -178,8 +192,8 @@ def _roots(
             low, high, middle = low[open_], high[open_], middle[open_]
             monotone = (s.slow[open_] > 0.0) | (s.fast[open_] < 0.0)
             monotone &= np.isfinite(s.low[open_]) & np.isfinite(s.high[open_])  # it has no pole
-            done = monotone | (high - low <= np.maximum(narrow, 8.0 * np.spacing(np.abs(high))))
-            found.append(_far_side(function, low[done], high[done], middle[done], tiny))
+            done = monotone | (high - low <= np.maximum(tiny[0], 8.0 * np.spacing(np.abs(high))))
+            found.append(_far_side(function, low[done], high[done], middle[done], tiny[1]))
             low, high, middle = low[~done], high[~done], middle[~done]
             low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
     return np.concatenate(found), True
