@@ -43,3 +43,13 @@ def test_sections_of_the_theory_that_are_cited_exist():
 def test_links_of_the_guides_lead_somewhere(name):
     for target in re.findall(r"\]\(([^)#:]+)\)", DOCS[name]):
         assert (ROOT / "docs" / target).exists(), f"{name}: {target}"
+
+
+def test_the_guide_to_results_explains_every_kind_of_event_and_names_that_exist():
+    from rattle.happenings import KINDS
+
+    text = DOCS["results.md"]
+    assert all(f"`{kind}`" in text for kind in (*KINDS, "jolt"))
+    (code,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    for name in re.findall(r"r\.(\w+)", code):
+        assert hasattr(rt.Result, name) or name in ("t", "trust"), name
