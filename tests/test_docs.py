@@ -51,5 +51,5 @@ def test_the_guide_to_results_explains_every_kind_of_event_and_names_that_exist(
     text = DOCS["results.md"]
     assert all(f"`{kind}`" in text for kind in (*KINDS, "jolt"))
     (code,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    for name in re.findall(r"r\.(\w+)", code):
+    for name in re.findall(r"\br\.(\w+)", code):
         assert hasattr(rt.Result, name) or name in ("t", "trust"), name

@@ -1,4 +1,7 @@
-"""How long two runs agree: the horizon up to which curves can be trusted, and what parts first (THEORY section 8)."""
+"""How long two runs agree: the horizon up to which curves can be trusted, and what parts first.
+
+Source: docs/theory.md, section 8.
+"""
 
 from __future__ import annotations
 
