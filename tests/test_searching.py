@@ -241,6 +241,44 @@ def test_a_hop_of_19_nanometres_is_found_at_any_tolerance_and_end(rtol, t_end):
     assert hop[1].normal_speed == pytest.approx(0.811e-3, rel=0.15 if rtol > 5e-8 else 3e-3)
 
 
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
+def test_percussions_of_rounding_are_no_impacts(rtol):
+    # a pendulum swings with its pin on the wall; a block that bounces elsewhere is no impact to it
+    r = rt.loads("""
+format = 1
+gravity = [0.0, -10.0]
+[ground.points]
+O = [0.0, 0.0]
+G = [1.0, 0.0]
+[bodies.swing]
+mass = 1.0
+inertia = 0.01
+points = { P = [0.0, 0.2] }
+[bodies.block]
+mass = 2.0
+inertia = 0.001
+points = { P = [0.0, 0.0] }
+[joints.pin]
+type = "revolute"
+connect = ["ground.O", "swing.P"]
+clearance = 0.001
+contact = { model = "impact", restitution = 0.0, bush_radius = 0.01 }
+[joints.guide]
+type = "prismatic"
+connect = ["ground.G", "block.P"]
+axis = 0
+clearance = 0.1
+block = { length = 0.2, height = 0.02 }
+contact = { model = "impact", restitution = 0.8 }
+[initial]
+swing = { x = 0.0, y = -0.201, angle = 0.0, omega = 1.0, vx = 0.201 }
+block = { x = 1.0, y = 0.0, angle = 0.0 }
+""").simulate(1.2, rtol=rtol)
+    assert len(starts(r, "impact")) > 10
+    late = [e for e in r.events if e.kind == "impact" and e.joint == "pin" and e.t > 0.05]
+    assert late == []
+
+
 # ---------------------------------------------------------------- guides that turn over
 def spinning_block(omega, contact, vy, length, height, c):
     return rt.loads(f"""

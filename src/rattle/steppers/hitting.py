@@ -83,6 +83,7 @@ from rattle.steppers.march import SERIES
 from rattle.steppers.searching import clearance_of
 from rattle.steppers.walls import NEAR, STILL, at_rest, motion_without, note
 
+NOTICED = 1e-11  # share of the largest percussion of an impact below which one is rounding and no event
 LOW = 1e-11  # bounces that rise less than this share of the clearance are closed
 
 
@@ -277,6 +278,9 @@ def settle_accounts(m, t, y, count, before):
     place(m, y[:nq], y[nq : 2 * nq])
     constraints(m)
     touch_all(m)
+    largest = 0.0
+    for k in range(count):
+        largest = max(largest, side[F, 2 * k])
     for k in range(count):
         n = chosen[k]
         pressed, held = side[F, 2 * k], side[F, 2 * k + 1]
@@ -286,7 +290,7 @@ def settle_accounts(m, t, y, count, before):
         j = y.shape[0] - 4 * grip.shape[0] + 4 * n
         y[j + 1] += pressed
         y[j + 2] += lost
-        if pressed <= 0.0:  # held down
+        if pressed <= NOTICED * largest:  # held down, or rounding
             continue
         recent[n, 1] = recent[n, 0]
         recent[n, 0] = t
