@@ -13,6 +13,7 @@ import rattle as rt
 from rattle.result import Result
 
 NAMES = ("chain", "fourbar", "quick_return", "squeezer", "windows")
+CONTACTS = ("slider_crank_play", "bouncing_pin")  # compliant, and impacts from event to event
 
 
 def bits(r: Result) -> bytes:
@@ -33,6 +34,16 @@ def test_the_same_input_gives_the_same_bits(alone, name):
     assert run(name) == alone[name]
     m = rt.example(name)
     assert bits(m.simulate()) == bits(m.simulate()) == alone[name]
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+def test_contacts_give_the_same_bits_alone_and_in_threads(name):
+    m = rt.example(name)
+    first = m.simulate(0.02)
+    assert first.events
+    with ThreadPoolExecutor(2) as pool:
+        together = list(pool.map(lambda one: bits(one.simulate(0.02)), [m, rt.example(name), m]))
+    assert together == [bits(first)] * 3
 
 
 @pytest.mark.nojit

@@ -241,9 +241,10 @@ def test_one_sided_and_massless_link_agree_until_the_first_pull():
     pulls = [one for one in two.trust.first_pull.values() if one is not None]
     one = one_sided.simulate(t_eval=times, rtol=1e-11)
     before = times < min([*pulls, times[-1]])
-    if before.sum() > 1:  # both pins press at the start
-        assert one["coupler.angle"][before] == pytest.approx(two["coupler.angle"][before], abs=1e-10)
-        assert one["O3.normal"][before] == pytest.approx(two["O3.normal"][before], rel=1e-6)
+    assert before.sum() > 1  # both pins press at the start
+    assert one["O3.normal"][0] > 0.0
+    assert one["coupler.angle"][before] == pytest.approx(two["coupler.angle"][before], abs=1e-10)
+    assert one["O3.normal"][before] == pytest.approx(two["O3.normal"][before], rel=1e-6)
 
 
 # ---------------------------------------------------------------- guide with play

@@ -177,7 +177,7 @@ class Compiled:
         if not _jit or (args and type(args[0]) is PlainHandle):  # a memory made before machine code ran stays plain
             return self.python(*args)
         if self._called:
-            return self._whole(*args)
+            return self.dispatcher(*args)
         with _compiling():
             found = self.dispatcher(*args)
         self._called = True

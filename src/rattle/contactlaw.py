@@ -22,8 +22,25 @@ from collections import namedtuple
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from rattle import catalog
 from rattle.catalog import Compiled, Field
+from rattle.plane import (
+    BRISTLE,
+    DGAP,
+    FRICTION,
+    FRICTION_P,
+    GAP,
+    IMPACT,
+    NORMAL,
+    NORMAL_LAW,
+    NORMAL_P,
+    SLIP,
+    SPEED,
+    STATIC,
+    STATIC_P,
+)
 from rattle.quantity import dimension_of
 
 Law = Callable[..., Any]
@@ -160,3 +177,48 @@ def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any]) -> Callabl
             return math.nan
 
     return with_memory if kernel.memory else without
+
+
+# ---------------------------------------------------------------- why a law has no value
+def failure(contact: np.ndarray, touch: np.ndarray, grip: np.ndarray, values: np.ndarray) -> str:
+    """Why a law of the user's has no finite value in one contact, by running it as plain Python; "" where it has one.
+
+    contact, touch, grip: the contact's rows.  values: (n,) of all fields of the model [SI].
+    """
+    delta, ddelta = -float(touch[GAP]), -float(touch[DGAP])
+    if delta <= 0.0 or contact[IMPACT] == 1:
+        return ""
+    where = f"at a penetration of {delta:.4g} m"
+    static = _kernel("stiffness", contact[STATIC]).python(delta, values, int(contact[STATIC_P]))
+    law = _kernel("normal", contact[NORMAL_LAW])
+    force = float(touch[NORMAL])
+    if isinstance(law, ContactLaw):
+        force, why = _tried(law, where, (static, delta, ddelta, float(grip[SPEED])), values[contact[NORMAL_P] :])
+        if why:
+            return why
+    rubs = _kernel("friction", contact[FRICTION]) if contact[FRICTION] >= 0 else None
+    if isinstance(rubs, ContactLaw) and force > 0.0:
+        memory = (float(touch[BRISTLE]),) if rubs.memory else ()
+        where = f"at a slip of {float(touch[SLIP]):.4g} m/s under {force:.4g} N"
+        _, why = _tried(rubs, where, (float(touch[SLIP]), force, *memory), values[contact[FRICTION_P] :])
+        return why
+    return ""
+
+
+def _kernel(family: str, tag: float) -> Compiled:
+    """A kernel by its place in the table of its family."""
+    return [one.kernel for one in catalog.kinds(family).values() if one.kernel is not None][int(tag)]
+
+
+def _tried(kernel: ContactLaw, where: str, arguments: tuple[float, ...], values: np.ndarray) -> tuple[float, str]:
+    """Force of a law, and what is wrong with it."""
+    name = f"{kernel.family} law '{kernel.name}'"
+    given = kernel.pack(*(float(one) for one in values[: len(kernel.pack._fields)]))
+    try:
+        found = kernel.law(*arguments, given)
+        force, *rate = found if isinstance(found, tuple) else (found,)
+        if all(math.isfinite(one) for one in (force, *rate)):
+            return float(force), ""
+    except Exception as error:  # whatever the user's own function raises is the answer
+        return math.nan, f"{name} raised {type(error).__name__}: {error} ({where})"
+    return math.nan, f"{name} gives {found} {where}"

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rattle import pythonlaw
+from rattle import contactlaw, pythonlaw
 from rattle.complementarity import OFF
 from rattle.equations import NOT_FINITE
 from rattle.memory import Memory
@@ -19,6 +19,7 @@ from rattle.steppers.searching import DEEP, ESCAPED
 from rattle.steppers.writing import record
 from rattle.system import Compiled
 
+NEAR = 10.0  # shares of the step that failed, within which a contact law is asked what it meets
 TINY = 1e-12  # a contact that wants shorter steps is too stiff [s]
 
 
@@ -116,6 +117,10 @@ def not_finite(ready: Compiled, memory: Memory, t_end: float) -> str:
             why = pythonlaw.failure(load.kind, t, memory["body"][row[2]], memory["values"][row[3] :])
             if why:
                 return f"loads.{name}: {why}"
+        for n, row in enumerate(ready.arrays["contact"]):
+            why = contactlaw.failure(row, memory["touch"][n], memory["grip"][n], memory["values"])
+            if why and share <= NEAR:
+                return f"joint '{ready.joints[row[OWNER]]}': {why} at t = {t:.6g} s"
     return ""
 
 
