@@ -7,7 +7,7 @@ import pytest
 
 import rattle as rt
 from rattle import catalog, complementarity, equations, following, impact, uniqueness
-from rattle.complementarity import BACKWARD, FORWARD, IMPOSSIBLE, JAMMED, SOLVED, A, B, F
+from rattle.complementarity import BACKWARD, FORWARD, IMPOSSIBLE, JAMMED, SOLVED, STICK, A, B, F
 from rattle.impact_run import contact_arrays
 from rattle.plane import A_BODY, B_BODY
 
@@ -137,6 +137,20 @@ def test_uniqueness_is_given_by_weak_friction_and_counted_where_it_is_strong():
             found.setdefault(friction, set()).add((weak, solutions))
     assert found[0.05] == {(True, 1)}
     assert (False, 2) in found[2.0]
+
+
+def test_contacts_that_neither_press_nor_part_do_not_make_a_second_solution():
+    rng = np.random.default_rng(11)
+    for _ in range(30):
+        memory, _ = problem(11, 0.3, rng)
+        memory["side"][B] *= 1e-17  # what rounding leaves of contacts at rest
+        memory["side"][B, -2] = -2e-6  # one of them hits
+        memory["trial"][:] = STICK
+        assert complementarity.search_kernel(memory.handle, 11) == SOLVED
+        before = memory["trial"].copy(), memory["side"][F].copy()
+        assert uniqueness.count_kernel(memory.handle, 11) == 1
+        assert (memory["trial"] == before[0]).all()
+        assert memory["side"][F] == pytest.approx(before[1], abs=1e-12 * np.abs(before[1]).max())
 
 
 @pytest.mark.parametrize("pins", [3, 9, 40])

@@ -88,7 +88,7 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "series": np.full((nc, 2), -math.inf),
         "pushed": np.zeros((nb + 1, 3)),
         "called": np.zeros(nr),
-        "path": np.zeros((4, 2 * nc)),
+        "path": np.zeros((6, 2 * nc)),
         "bounce": np.zeros((7, 2 * nc)),
         "held": np.array([1.0, ready.size, 0.0, 0.0, 0.0, 0.0]),
         "problem_table": catalog.entries((*complementarity.KERNELS, *solvers, *laws)),

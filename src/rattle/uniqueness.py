@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from rattle.catalog import compiled, kernel
-from rattle.complementarity import MOST_TRIED, all_modes, friction_of, linear
-from rattle.memory import CHOSEN, DELASSUS, SLIDE, SYSTEM, ivec, mat
+from rattle.catalog import call_problem, compiled, kernel
+from rattle.complementarity import FOLLOW, LOOSE, MOST_TRIED, SOLVED, A, B, all_modes, friction_of, linear, settled
+from rattle.memory import CHOSEN, DELASSUS, PATH, PROBLEM_TABLE, SIDE, SLIDE, SYSTEM, TRIAL, ivec, mat
+
+KEPT_MODES, KEPT_A = 4, 5  # rows of `path`, after those of following
 
 
 @compiled
@@ -51,15 +53,36 @@ def surely_one(m, count):
     return True
 
 
+@compiled
+def is_another(m, count):
+    """True when the path leads to another a than that of the solution at hand, which stays at hand."""
+    side, path, trial = mat(m, SIDE), mat(m, PATH), ivec(m, TRIAL)
+    for k in range(count):
+        path[KEPT_MODES, k] = trial[k]
+    for r in range(2 * count):
+        path[KEPT_A, r] = side[A, r]
+    apart, largest = 0.0, 0.0
+    if call_problem(ivec(m, PROBLEM_TABLE)[FOLLOW], (m, count)) == SOLVED:
+        linear(m, count)
+        if settled(m, count, LOOSE):
+            for r in range(2 * count):
+                largest = max(largest, abs(side[B, r]))
+                apart = max(apart, abs(side[A, r] - path[KEPT_A, r]))
+    for k in range(count):
+        trial[k] = int(path[KEPT_MODES, k])
+    linear(m, count)
+    return apart > 1e-6 * largest
+
+
 @kernel("problem")
 def count_kernel(m, count):
     """Number of different solutions of the problem as far as it is known, at most 2.
 
     Of more contacts than are tried, the solution at hand tells: one with the wrong sign of the determinant never
-    stands alone.
+    stands alone, unless contacts that neither press nor part lend it their sign; then another one is looked for.
     """
     if count > MOST_TRIED:
-        return 2 if linear(m, count) < 0 else 1
+        return 2 if linear(m, count) < 0 and is_another(m, count) else 1
     return 1 if surely_one(m, count) else all_modes(m, count, 2)
 
 

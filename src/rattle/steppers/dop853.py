@@ -61,14 +61,18 @@ def step(m, t, h, rtol, atol, tame):
         if NODE_OF_STAGE[s] >= 0:
             call_gauge(gauge, (m, NODE_OF_STAGE[s], t + C[s] * h))
         changed |= watched_change(m)
+    for n in range(ny):  # rows 13 and 14 are free: the errors of order 3 and 5
+        y_new[n], k[13, n], k[14, n] = 0.0, 0.0, 0.0
+    for s in range(STAGES):  # long loops inside, so that many n go at once
+        weight, weight3, weight5 = B[s], E3[s], E5[s]
+        for n in range(ny):
+            y_new[n] += weight * k[s, n]
+            k[13, n] += weight3 * k[s, n]
+            k[14, n] += weight5 * k[s, n]
     error3, error5 = 0.0, 0.0
     for n in range(ny):
-        change, e3, e5 = 0.0, 0.0, 0.0
-        for s in range(STAGES):
-            change += B[s] * k[s, n]
-            e3 += E3[s] * k[s, n]
-            e5 += E5[s] * k[s, n]
-        y_new[n] = y[n] + h * change
+        e3, e5 = k[13, n], k[14, n]
+        y_new[n] = y[n] + h * y_new[n]
         # energies and impulses ride along and do not steer the step; bristle states do
         if n < nq or (n > nq + 1 and (n - nq - 2) % 4 == 0):
             scale = atol + rtol * max(abs(y[n]), abs(y_new[n]))
@@ -88,14 +92,20 @@ def prepare_dense(m, t, h):
         k[12, n] = f_new[n]
     for s in range(13, 16):
         for n in range(ny):
-            value = 0.0
-            for j in range(s):
-                value += A[s, j] * k[j, n]
-            stage[n] = y[n] + h * value
-        call_state(derivative, (m, t + C[s] * h, stage, k[s]))
-    for row in range(4):
+            stage[n] = 0.0
+        for j in range(s):
+            a = A[s, j]
+            for n in range(ny):
+                stage[n] += a * k[j, n]
         for n in range(ny):
-            value = 0.0
-            for s in range(16):
-                value += D[row, s] * k[s, n]
-            dense[3 + row, n] = h * value
+            stage[n] = y[n] + h * stage[n]
+        call_state(derivative, (m, t + C[s] * h, stage, k[s]))
+    for row in range(3, 7):
+        for n in range(ny):
+            dense[row, n] = 0.0
+        for s in range(16):
+            d = D[row - 3, s]
+            for n in range(ny):
+                dense[row, n] += d * k[s, n]
+        for n in range(ny):
+            dense[row, n] *= h

@@ -84,11 +84,14 @@ def settle(m, t, y, who):
     chosen, trial, side, touch, audit = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), mat(m, TOUCH), vec(m, AUDIT)
     nq = vec(m, CHANGE).shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
+    exact, bend = 1e-16 * vec(m, HELD)[SIZE], 1.0
     for attempt in range(4):
-        worst = 0.0
+        worst, left = 0.0, bend
+        bend = 0.0
         for k in range(closed):
-            worst = max(worst, abs(touch[chosen[k], GAP]))
-        if worst < 1e-16 * vec(m, HELD)[SIZE] or attempt == 3:
+            gap = abs(touch[chosen[k], GAP])
+            worst, bend = max(worst, gap), max(bend, gap * gap / clearance_of(m, chosen[k]))
+        if worst < exact or left < exact or attempt == 3:  # a correction leaves what walls bend: gap^2 / clearance
             audit[LENGTH] = max(audit[LENGTH], worst)
             break
         contact_rows(m, closed)
