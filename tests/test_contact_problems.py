@@ -93,7 +93,7 @@ def test_the_path_alone_ends_in_a_solution_of_every_impact(pins):
         b = memory["side"][B].copy()
         assert following.follow_kernel(memory.handle, pins) == SOLVED
         assert (memory["side"][B] == b).all()
-        complementarity.modes_kernel(memory.handle, 2 * pins + 1)
+        complementarity.modes_kernel(memory.handle, 4 * pins + 1)
         assert breach(memory, matrix, friction) < 1e-9
 
 
@@ -159,7 +159,7 @@ def test_sparse_solution_is_that_of_the_full_matrix(pins):
     memory, matrix = problem(pins, 0.3, rng)
     modes = rng.integers(0, 4, pins)
     memory["trial"][:] = modes
-    complementarity.modes_kernel(memory.handle, 2 * pins + 1)
+    complementarity.modes_kernel(memory.handle, 4 * pins + 1)
     lines = [r for k in range(pins) for r in (2 * k, 2 * k + 1) if modes[k] == 1 or (modes[k] > 1 and r % 2 == 0)]
     pull = np.eye(2 * pins)
     for k in range(pins):

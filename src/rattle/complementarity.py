@@ -55,8 +55,8 @@ LOOSE = 1e3  # times that: where a that ought to vanish does not, because contac
 MOST_TRIED = 5  # contacts up to which all combinations of modes are tried
 FEW = 6  # contacts up to which G is made and solved as a full matrix
 # entries of `held`, after those of impact: 1 while G is sparse; how the last search ended; share by which the diagonal
-# of G is raised; size of the terms of the last a = G f + b
-SPARSE, OUTCOME, RIDGE, SCALE = range(2, 6)
+# of G is raised; size of the terms of the last a = G f + b; smallest share of a pivot, sparse way
+SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST = range(2, 7)
 # IMPOSSIBLE: all modes tried; JAMMED: the force that presses contacts together makes them approach
 SOLVED, IMPOSSIBLE, JAMMED, UNSETTLED = 1, 0, -1, -2
 DENSE_WAY = 2  # what the sparse way answers when it cannot do it
@@ -149,17 +149,17 @@ def fill_delassus(m, count):
 @compiled
 def linear(m, count):
     """Forces f and a = G f + b for the modes in `trial`."""
-    return call_problem(ivec(m, PROBLEM_TABLE)[MODES], (m, 2 * count + 1))
+    return call_problem(ivec(m, PROBLEM_TABLE)[MODES], (m, 4 * count + 1))
 
 
 @kernel("problem")
 def modes_kernel(m, number):
-    """Forces f and a = G f + b for the modes in `trial`; number is 2 * contacts + rough.
+    """Forces f and a = G f + b for the modes in `trial`; number is 4 * contacts + 2 * only + rough.
 
-    rough = 0 leaves friction of sliding out.
+    only = 1: f is enough.  rough = 0 leaves friction of sliding out.
     Returns the sign of the determinant: +1 as without friction, -1 when friction locks, 0 for dependent contacts.
     """
-    count, rough = number // 2, number % 2
+    count, rough = number // 4, number % 2
     if vec(m, HELD)[SPARSE] == 1.0:
         sign = call_problem(ivec(m, PROBLEM_TABLE)[NETWORK], (m, number))
         if sign != DENSE_WAY:

@@ -131,11 +131,11 @@ def count_solutions(m, count):
 
 @compiled
 def solve_modes(m, count, rough):
-    """Forces f and a for the modes in `trial`, rough = 0: without friction of sliding. Returns a sign.
+    """Forces f (not always a) for the modes in `trial`, rough = 0: without friction of sliding. Returns a sign.
 
     See `complementarity.modes_kernel`.
     """
-    return call_problem(ivec(m, PROBLEM_TABLE)[MODES], (m, 2 * count + rough))
+    return call_problem(ivec(m, PROBLEM_TABLE)[MODES], (m, 4 * count + 2 + rough))
 
 
 @compiled

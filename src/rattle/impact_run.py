@@ -90,7 +90,7 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "called": np.zeros(nr),
         "path": np.zeros((6, 2 * nc)),
         "bounce": np.zeros((7, 2 * nc)),
-        "held": np.array([1.0, ready.size, 0.0, 0.0, 0.0, 0.0]),
+        "held": np.array([1.0, ready.size, 0.0, 0.0, 0.0, 0.0, 1.0]),
         "problem_table": catalog.entries((*complementarity.KERNELS, *solvers, *laws)),
         **({"hold_table": catalog.entries([impact.hold])} if lasting else {}),
     }

@@ -84,7 +84,7 @@ FIELDS = {
     "called": "f1",  # (nr,) z: multipliers that they call up
     "path": "f2",  # (6, 2 nc) b, d, and f, a that d alone would have, see following; modes, a of a solution
     "bounce": "f2",  # (7, 2 nc) see paths and phases
-    "held": "f1",  # (6,) see impact and complementarity
+    "held": "f1",  # (7,) see impact and complementarity
     "net_place": "i1",  # (nr + 2 nc,) rows of joints and contacts together, see network, also the next twelve
     "net_first": "i1",
     "net_below": "i1",

@@ -19,7 +19,7 @@ import numpy as np
 
 from rattle import schur
 from rattle.catalog import compiled, kernel
-from rattle.complementarity import DENSE_WAY, FORWARD, OFF, RIDGE, SCALE, STICK, A, B, F, friction_of
+from rattle.complementarity import DENSE_WAY, FORWARD, OFF, RIDGE, SCALE, STICK, WEAKEST, A, B, F, friction_of
 from rattle.memory import (
     ARM,
     CHOSEN,
@@ -54,6 +54,7 @@ from rattle.plane import A_BODY, AX, B_BODY
 VANISHED = 1e-11  # share of its diagonal below which a pivot is nothing
 CLEAN = 1e-14  # share of the terms that a residual may have without being refined
 WRONG = 1e-10  # the same, beyond which the solution is not taken
+SOUND = 1e-4  # share of its diagonal above which a pivot loses nothing
 
 
 def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
@@ -92,11 +93,11 @@ def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
 
 @compiled
 def choose_rows(m, count, rough):
-    """R and M^-1 C^T of the rows that take part with the modes in `trial`."""
+    """R and M^-1 C^T of the rows that take part with the modes in `trial`; True when they are the same but for M."""
     on, line, column, size = ivec(m, NET_ON), mat(m, NET_LINE), mat(m, NET_COLUMN), vec(m, NET_SIZE)
     rows, row_body, weight, arm = mat(m, ROWS), imat(m, ROW_BODY), mat(m, WEIGHT), mat(m, ARM)
     contact, chosen, trial = imat(m, CONTACT), ivec(m, CHOSEN), ivec(m, TRIAL)
-    nr = rows.shape[0]
+    nr, even = rows.shape[0], True
     for i in range(on.shape[0]):
         on[i] = 1 if i < nr else 0
     for i in range(nr):
@@ -115,6 +116,7 @@ def choose_rows(m, count, rough):
         drag = 0.0
         if trial[k] != STICK and rough == 1:
             drag = mu if trial[k] == FORWARD else -mu
+            even = even and mu == 0.0
         for d in range(2 if trial[k] == STICK and mu > 0.0 else 1):
             i, r = nr + 2 * n + d, 2 * k + d
             on[i] = 1
@@ -125,13 +127,15 @@ def choose_rows(m, count, rough):
                     line[i, q] = arm[r, q]
                     size[i] += weight[body, q - 3 * side] * arm[r, q] ** 2
                     column[i, q] = weight[body, q - 3 * side] * (arm[r, q] + drag * arm[2 * k + 1, q])
+    return even
 
 
 @compiled
-def eliminate(m, ridge):
+def eliminate(m, ridge, even):
     """Fill and factor R M^-1 C^T in place; returns the sign of its determinant, 0 when a pivot vanishes.
 
-    ridge: share by which the diagonal is raised.
+    ridge: share by which the diagonal is raised.  even: the matrix is symmetric, its upper half is left out.
+    The smallest share of its diagonal that a pivot has goes to `held`.
     """
     on, row, line, column = ivec(m, NET_ON), ivec(m, NET_ROW), mat(m, NET_LINE), mat(m, NET_COLUMN)
     first, target, pairs, size = ivec(m, NET_FIRST), ivec(m, NET_TARGET), imat(m, NET_PAIRS), vec(m, NET_SIZE)
@@ -145,8 +149,9 @@ def eliminate(m, ridge):
             continue
         e, c, d = pairs[p, 0], pairs[p, 2], pairs[p, 4]
         low[e] += line[i, c] * column[j, d] + line[i, c + 1] * column[j, d + 1] + line[i, c + 2] * column[j, d + 2]
-        up[e] += line[j, d] * column[i, c] + line[j, d + 1] * column[i, c + 1] + line[j, d + 2] * column[i, c + 2]
-    sign, u = 1, 0
+        if not even:
+            up[e] += line[j, d] * column[i, c] + line[j, d + 1] * column[i, c + 1] + line[j, d + 2] * column[i, c + 2]
+    sign, u, weakest = 1, 0, 1.0
     for k in range(total):
         start, end = total + first[k], total + first[k + 1]
         here = row[k]
@@ -157,9 +162,16 @@ def eliminate(m, ridge):
         if not abs(pivot) > VANISHED * size[here]:
             return 0
         sign = sign if pivot > 0.0 else -sign
+        weakest = min(weakest, pivot / size[here])
         inverse = 1.0 / pivot
         low[k] = inverse
         for a in range(start, end):
+            if even:
+                x = low[a] * inverse
+                for b in range(a, end):
+                    low[target[u]] -= x * low[b]
+                    u += 1
+                continue
             x, y = low[a] * inverse, up[a] * inverse
             if x == 0.0 and y == 0.0:
                 u += end - a
@@ -171,7 +183,10 @@ def eliminate(m, ridge):
                 up[target[u]] -= x * up[b]
                 u += 1
         for a in range(start, end):
+            if even:
+                up[a] = low[a]
             low[a] *= inverse
+    vec(m, HELD)[WEAKEST] = weakest
     return sign
 
 
@@ -255,8 +270,11 @@ def remainder(m, count):
 
 
 @compiled
-def solve_rows(m, count, ridge):
-    """Solution of the factored rows into line 0 of `net_x`, refined; True when it is good. Fills `pushed`."""
+def solve_rows(m, count, ridge, only):
+    """Solution of the factored rows into line 0 of `net_x`, refined; True when it is good.
+
+    Fills `pushed`; only = 1: just the solution, where no pivot is so small that it asks for a second look.
+    """
     on, place, x, chosen, side = ivec(m, NET_ON), ivec(m, NET_PLACE), mat(m, NET_X), ivec(m, CHOSEN), mat(m, SIDE)
     nr = imat(m, ROW_BODY).shape[0]
     for i in range(on.shape[0]):
@@ -267,6 +285,8 @@ def solve_rows(m, count, ridge):
             if on[i] == 1:
                 x[0, place[i]] = -side[B, 2 * k + d]
     substitute(m, 0)
+    if only == 1 and vec(m, HELD)[WEAKEST] > SOUND:
+        return True
     effect_of_rows(m)
     worst, scale = remainder(m, count)
     if worst > CLEAN * scale and ridge == 0.0:
@@ -281,17 +301,17 @@ def solve_rows(m, count, ridge):
 
 @kernel("problem")
 def network_kernel(m, number):
-    """`complementarity.modes_kernel` for many contacts, the sparse way; number is 2 * contacts + rough.
+    """`complementarity.modes_kernel` for many contacts, the sparse way.
 
     Returns the sign of the determinant, or DENSE_WAY when the rows depend on each other.
     """
-    count, rough = number // 2, number % 2
+    count, only, rough = number // 4, number // 2 % 2, number % 2
     arm, side, pushed, x = mat(m, ARM), mat(m, SIDE), mat(m, PUSHED), mat(m, NET_X)
     contact, chosen, trial, place = imat(m, CONTACT), ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, NET_PLACE)
     nr, ridge = imat(m, ROW_BODY).shape[0], vec(m, HELD)[RIDGE]
-    choose_rows(m, count, rough)
-    sign = eliminate(m, ridge)
-    if sign == 0 or not solve_rows(m, count, ridge):
+    even = choose_rows(m, count, rough)
+    sign = eliminate(m, ridge, even)
+    if sign == 0 or not solve_rows(m, count, ridge, only):
         return DENSE_WAY
     for k in range(count):
         n = chosen[k]
@@ -303,6 +323,8 @@ def network_kernel(m, number):
                 side[F, 2 * k + 1] = x[0, place[nr + 2 * n + 1]] if mu > 0.0 else 0.0
             elif rough == 1:
                 side[F, 2 * k + 1] = (mu if trial[k] == FORWARD else -mu) * side[F, 2 * k]
+        if only == 1:
+            continue
         a, b = contact[n, A_BODY], contact[n, B_BODY]
         for r in range(2 * k, 2 * k + (2 if mu > 0.0 else 1)):
             value = side[B, r]

@@ -63,7 +63,7 @@ def step(m, t, h, rtol, atol, tame):
         changed |= watched_change(m)
     for n in range(ny):  # rows 13 and 14 are free: the errors of order 3 and 5
         y_new[n], k[13, n], k[14, n] = 0.0, 0.0, 0.0
-    for s in range(STAGES):  # long loops inside, so that many n go at once
+    for s in range(STAGES):  # long loops inside
         weight, weight3, weight5 = B[s], E3[s], E5[s]
         for n in range(ny):
             y_new[n] += weight * k[s, n]

@@ -67,7 +67,7 @@ def interpolate(m, theta, out):
     """State at the share theta of the step into `out`."""
     y, dense = vec(m, STATE), mat(m, DENSE)
     rest = 1.0 - theta
-    for n in range(out.shape[0]):  # in one line, so that many n go at once
+    for n in range(out.shape[0]):
         value = (dense[4, n] + (dense[5, n] + dense[6, n] * theta) * rest) * theta
         out[n] = (
             y[n] + (dense[0, n] + (dense[1, n] + (dense[2, n] + (dense[3, n] + value) * rest) * theta) * rest) * theta
