@@ -197,3 +197,91 @@ def test_crowded_events_are_named_as_such(monkeypatch):
     assert "200001 events in a row" in r.message
     assert "1e-06 s" in r.message
     assert "'floor'" in r.message
+
+
+# ---------------------------------------------------------------- jams
+def painleve_rod(angle: float, mu: float, jam: str, slip: float) -> rt.Mechanism:
+    """A slender rod of 2 m and 1 kg slides with its lower end on the floor at the given speed [m/s], tilted [deg]."""
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    return rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.rod]
+points = {{ P = [{c}, {-s}] }}
+mass = 1
+inertia = {1 / 3}
+[joints.tip]
+type = "prismatic"
+connect = ["ground.O", "rod.P"]
+axis = 0
+angle = 0
+clearance = 2
+block = {{ length = 1e-4, height = 1e-4 }}
+contact = {{ model = "impact", friction = {mu}, jam = "{jam}" }}
+[initial]
+rod = {{ x = 0, y = {s - 2}, angle = 0, vx = {slip}, vy = 0, omega = 0 }}
+""")
+
+
+def test_painleve_rod_locks_where_its_closed_form_says_and_only_there_is_painleve_named():
+    for angle in (40, 55, 65, 80):
+        c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+        for slip in (-1.0, 1.0):
+            # the end is ahead of the mass centre: friction turns it into the floor when it slides forward
+            locks = 1 + 3 * c * (c - 1.6 * s * slip) < 0
+            r = painleve_rod(angle, 1.6, "stop", slip).simulate(1e-3)
+            assert r.success != locks
+            assert ("Painleve" in r.message) == locks
+
+
+def test_jam_is_passed_by_an_impact_that_ends_slip_and_takes_energy():
+    angle, mu, slip = 55, 1.6, 1.0
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    r = painleve_rod(angle, mu, "impact", slip).simulate(1e-3)
+    assert r.success, r.message
+    assert "without collision" in " ".join(r.trust.notes)
+    hits = [one for one in r.events if one.kind == "impact" and one.t == 0.0]
+    assert all(one.normal_speed < 1e-12 for one in hits)
+    # G of the end of the rod, whose arm is (c, -s), and what it costs to stop the slip with the end on the floor
+    normal, tangential, both = 1 + 3 * c * c, 1 + 3 * s * s, 3 * c * s
+    lost = 0.5 * slip**2 / (tangential - both**2 / normal)
+    assert sum(one.energy_lost for one in hits) == pytest.approx(lost, rel=1e-3)  # two corners 0.1 mm apart
+    total = r["energy.kinetic"] + r["energy.potential"]
+    assert np.diff(total).max() < 1e-9
+    assert r.trust.energy_balance < 1e-9
+    end = r["rod.vx"] + r["rod.omega"] * (s * np.cos(r["rod.angle"]) - c * np.sin(r["rod.angle"]))
+    assert abs(end[1]) < 0.05  # it has stopped, and may slip anew from rest
+
+
+def test_lock_on_the_way_is_passed_too():
+    text = """
+format = 1
+gravity = [0, -10]
+[ground.points]
+O = [0, 0]
+[bodies.rod]
+points = { P = [0.6, -0.8] }
+mass = 1
+inertia = 0.01
+[joints.tip]
+type = "prismatic"
+connect = ["ground.O", "rod.P"]
+axis = 0
+angle = 0
+clearance = 1
+block = { length = 1e-4, height = 1e-4 }
+contact = { model = "impact", restitution = 0, friction = 3, jam = "impact" }
+[initial]
+rod = { x = 0, y = -0.1999, angle = 0, vx = -3, vy = 0, omega = 0 }
+"""
+    r = rt.loads(text).simulate(0.5)
+    assert r.success, r.message
+    note = next(one for one in r.trust.notes if "without collision" in one)
+    assert "t = 0.474" in note
+    assert "'tip'" in note
+    total = r["energy.kinetic"] + r["energy.potential"]
+    assert np.diff(total).max() < 1e-6
+    stopped = rt.loads(text.replace('jam = "impact"', 'jam = "stop"')).simulate(0.5)
+    assert 'so does jam = "impact"' in stopped.message

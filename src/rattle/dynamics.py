@@ -171,6 +171,10 @@ class Run:
             k += 1
         self.tally[march.OUTPUTS] = k
 
+    def remarks(self) -> tuple[str, ...]:
+        """What happened on the way that a result has to say."""
+        return ()
+
     def trouble(self, status: int) -> str:
         """Why the run cannot go on."""
         if status == UNSOUND:
@@ -355,6 +359,7 @@ def _result(run: Run, reach: Reach | None) -> Result:
     if series := int(tally[march.SERIES]):
         one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
         notes += (f"{one} closed: bounces that rise less than {LOW:g} clearances are counted as contact",)
+    notes += run.remarks()
     owner = ready.rows[tally[march.DRIFT_ROW]].owner if ready.rows else ""
     trust = Trust(
         drift=float(seen[audit.LENGTH]),

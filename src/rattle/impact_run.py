@@ -16,11 +16,12 @@ from rattle.memory import Memory
 from rattle.peak_values import peak_arrays
 from rattle.plane import IMPACT, NORMAL_P, OWNER
 from rattle.soundness import audit_arrays, set_floor, why_unsound
-from rattle.steppers import event, march, moreau
+from rattle.steppers import event, jamming, march, moreau
 from rattle.steppers.audit import UNSOUND
 from rattle.system import Compiled
 from rattle.trouble import explain
 
+NEARLY_LOCKED = 1e-2  # share of G_nn that friction leaves of it where a run that cannot go on is called locked
 STEPS = 20_000  # of Moreau-Jean over a run, when nothing is said
 
 
@@ -108,8 +109,11 @@ class Leg(NamedTuple):
 class ImpactRun(Run):
     """A run of a model whose contacts are set-valued."""
 
+    may_pass = False  # jams are passed by an impact without collision
+
     def prepare(self) -> Memory:
         """Memory of the run."""
+        self.jams: list[tuple[float, str]] = []  # times [s] at which friction locked and what was closed there
         more = [event.happen] if self.method == "event" else []
         arrays = march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched), *more)
         arrays |= audit_arrays(self.ready, self.method)
@@ -124,9 +128,13 @@ class ImpactRun(Run):
             moreau.start(self.memory.handle, t)
             set_floor(self.ready, self.memory, self.rtol, self.atol)
             return PAUSED
+        values, contact = self.memory["values"], self.ready.arrays["contact"]
+        self.may_pass = bool((values[contact[:, NORMAL_P] + 4] > 0.0).any())
         self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])
         self.clock[march.T] = t
-        status = event.start(self.memory.handle, t)
+        status = int(event.start(self.memory.handle, t))
+        if status == impact.NO_SOLUTION and self.may_pass:
+            status = OK if self.pass_jam(status, late=False) == PAUSED else status
         return super().begin(t) if status == OK else int(status)
 
     def take_sides(self, t: float) -> None:
@@ -149,7 +157,33 @@ class ImpactRun(Run):
             out = self.t_eval[: len(self.t_eval) if t >= self.t_end else outputs]
             return int(moreau.advance(handle, self.leg.start, self.leg.h, self.leg.steps, out, self.raw, chunk))
         h_max, out = self.step or math.inf, self.t_eval[:outputs]
-        return int(event.advance(handle, t, self.rtol, self.atol, h_max, out, self.raw, chunk, self.stuck))
+        status = int(event.advance(handle, t, self.rtol, self.atol, h_max, out, self.raw, chunk, self.stuck))
+        if status in (impact.NO_SOLUTION, impact.LOCKED, STEP_TOO_SMALL) and self.may_pass:
+            return self.pass_jam(status, late=status == impact.NO_SOLUTION)
+        return status
+
+    def pass_jam(self, status: int, late: bool) -> int:
+        """Go on by an impact without collision where friction locks; PAUSED, or a trouble.
+
+        late: the state is that of an event whose new modes were not found.
+        """
+        t, handle = float(self.clock[march.T]), self.memory.handle
+        if self.jams and t - self.jams[-1][0] <= 1e-9 * self.t_end:  # once more at the same place: it does not help
+            return status
+        names = ", ".join(self._closed())
+        if jamming.pass_jam(handle, t, int(late)) != OK:
+            return status
+        self.jams.append((t, names))
+        self.clock[march.H] = max(float(self.clock[march.H]), 1e-6 * (self.t_end - t))
+        return self.go_on(t, True)
+
+    def remarks(self) -> tuple[str, ...]:
+        """What happened on the way that a result has to say."""
+        if not self.jams:
+            return ()
+        first = f"the first at t = {self.jams[0][0]:.9g} s at {self.jams[0][1]}"
+        number = f"{len(self.jams)} impacts" if len(self.jams) > 1 else "1 impact"
+        return (f"friction locked contacts (Painleve), passed by {number} without collision, {first}",)
 
     def go_on(self, t: float, jolted: bool) -> int:
         """Closed contacts find their modes anew; see `Run.go_on`."""
@@ -169,16 +203,17 @@ class ImpactRun(Run):
             return why_unsound(self)
         t = float(self.clock[march.T])
         names = ", ".join(self._closed()) or "the contacts"
+        passed = "" if self.may_pass or self.method == "moreau" else ', and so does jam = "impact" in the contact'
         if status == impact.NO_SOLUTION and self.memory["held"][complementarity.OUTCOME] == complementarity.JAMMED:
             return (
                 f"no solution of the contact problem at {names} was found at t = {t:.9g} s: the force that presses its"
                 " contacts together makes them approach (Painleve: friction jams the joint); less friction, or a"
-                " compliant contact, goes on"
+                f" compliant contact, goes on{passed}"
             )
         if status == impact.NO_SOLUTION:
             return (
                 f"the contact problem at {names} has no solution at t = {t:.9g} s (Painleve: friction would have to jam"
-                " the joint); less friction, or a compliant contact, goes on"
+                f" the joint); less friction, or a compliant contact, goes on{passed}"
             )
         if status == impact.NOT_FOUND:
             return (
@@ -191,12 +226,10 @@ class ImpactRun(Run):
                 f"the contact problem at {names} has several solutions at t = {t:.9g} s (Painleve: rigid bodies with"
                 " this friction do not say which); less friction, a compliant contact or method moreau goes on"
             )
-        sliding = (self.memory["mode"] == FORWARD) | (self.memory["mode"] == BACKWARD)
-        rough = self.memory["values"][self.ready.arrays["contact"][:, NORMAL_P] + 2] > 0.0
-        if status == impact.LOCKED or (status == STEP_TOO_SMALL and (sliding & rough).any()):
+        if status == impact.LOCKED or (status == STEP_TOO_SMALL and self._locks(t)):
             return (
                 f"friction locks {names} at t = {t:.9g} s: the normal force grows beyond all bounds (Painleve); less"
-                " friction, or a compliant contact, goes on"
+                f" friction, or a compliant contact, goes on{passed}"
             )
         if status == impact.CHATTER:
             joint = self.ready.joints[self.ready.arrays["contact"][int(self.stuck[2]), OWNER]]
@@ -210,6 +243,13 @@ class ImpactRun(Run):
         if status == NOT_FINITE and self.method == "moreau":
             return f"the motion ran away at t = {t:.6g} s with the step of {self.step:.3g} s; try a smaller step"
         return explain(self.ready, self.memory, self.t_end, status, self.method, self.rtol)
+
+    def _locks(self, t: float) -> bool:
+        """True when a sliding contact is about to lock by friction: the proof of Painleve's name."""
+        mode, contact = self.memory["mode"], self.ready.arrays["contact"]
+        rough = self.memory["values"][contact[:, NORMAL_P] + 2] > 0.0
+        slides = (((mode == FORWARD) | (mode == BACKWARD)) & rough).any()
+        return bool(slides) and float(jamming.lock_share(self.memory.handle, t)) < NEARLY_LOCKED
 
     def _closed(self) -> list[str]:
         owner, mode = self.ready.arrays["contact"][:, OWNER], self.memory["mode"]

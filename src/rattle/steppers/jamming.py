@@ -1,0 +1,125 @@
+"""Friction that locks a contact, and how it is passed: an impact without collision.
+
+A sliding contact needs dg''/dN = G_nn +- mu G_nt > 0: below that the force that presses it together makes it approach
+(Painleve), and no finite force holds it.  Slip then ends at once, by percussions that leave the contact closed:
+
+    a+ = G f + a-,   a+_n = 0 <= N,  a+_t = 0,  |T| <= mu N           with |T|/N = G_nn/|G_nt| < mu for one contact
+
+They change rates onto rest, so they take energy, f . G f / 2.
+
+Source: Genot, Brogliato, New results on Painleve paradoxes, Eur. J. Mech. A 18 (1999) 653-677.
+"""
+
+from __future__ import annotations
+
+from rattle.catalog import compiled
+from rattle.complementarity import FORWARD, OFF, STICK, B, F, friction_of
+from rattle.equations import OK
+from rattle.impact import LOCKED, contact_rows, shift, solve_contacts, solve_modes
+from rattle.memory import (
+    CHANGE,
+    CHOSEN,
+    CONTACT,
+    DELASSUS,
+    GRIP,
+    MODE,
+    RATE_NEW,
+    SIDE,
+    SLIDE,
+    STATE,
+    STATE_NEW,
+    TOUCH,
+    TRIAL,
+    VALUES,
+    imat,
+    ivec,
+    mat,
+    vec,
+)  # fmt: skip
+from rattle.paths import as_full_matrix
+from rattle.plane import DGAP, GAP, IMPACT, NORMAL_P, SLIP, STEPS_IN
+from rattle.steppers.hitting import settle_accounts
+from rattle.steppers.searching import clearance_of
+from rattle.steppers.walls import NEAR, held_contacts, motion_without, settle
+
+NEARLY = 1e-3  # share by which T may exceed mu N in a lock that is just about to come
+
+
+@compiled
+def passes_jams(m, n):
+    """True when contact n is to go on where friction locks it."""
+    return vec(m, VALUES)[imat(m, CONTACT)[n, NORMAL_P] + 4] > 0.0
+
+
+@compiled
+def lock_share(m, t):
+    """Smallest (G_nn +- mu G_nt) / G_nn of a contact that slides in the state at hand: it locks where that is <= 0."""
+    y, mode, chosen, delassus = vec(m, STATE), ivec(m, MODE), ivec(m, CHOSEN), mat(m, DELASSUS)
+    settle(m, t, y, -1)
+    motion_without(m, t, y)
+    count = held_contacts(m)
+    contact_rows(m, count)
+    as_full_matrix(m, count)
+    share = 1.0
+    for k in range(count):
+        n, r = chosen[k], 2 * k
+        if mode[n] != STICK and friction_of(m, n) > 0.0 and delassus[r, r] > 0.0:
+            sense = 1.0 if mode[n] == FORWARD else -1.0
+            share = min(share, 1.0 + sense * friction_of(m, n) * delassus[r, r + 1] / delassus[r, r])
+    return share
+
+
+@compiled
+def holds(m, count):
+    """True when percussions press and those along the walls stay within friction, or nearly so."""
+    side, chosen, pressed = mat(m, SIDE), ivec(m, CHOSEN), False
+    for k in range(count):
+        pressed = pressed or side[F, 2 * k] > 0.0
+        limit = friction_of(m, chosen[k]) * side[F, 2 * k] * (1.0 + NEARLY)
+        if side[F, 2 * k] < 0.0 or abs(side[F, 2 * k + 1]) > limit:
+            return False
+    return pressed
+
+
+@compiled
+def pass_jam(m, t, late):
+    """Impact without collision of the closed contacts that may pass a jam; rates jump in the state at hand.
+
+    late: 1 when the state is that of an event whose new modes were not found.  Returns OK, or LOCKED when sticking at
+    once needs more than friction can give: then nothing is changed.
+    """
+    contact, touch, mode, grip = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP)
+    chosen, trial, slide, side = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE)
+    y, y_new, before, nq = vec(m, STATE), vec(m, STATE_NEW), vec(m, RATE_NEW), vec(m, CHANGE).shape[0]
+    if late == 1:
+        for c in range(y.shape[0]):
+            y[c] = y_new[c]
+    settle(m, t, y, -1)
+    motion_without(m, t, y)
+    count = 0
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 1 and (mode[n] != OFF or touch[n, GAP] <= NEAR * clearance_of(m, n)):
+            chosen[count] = n
+            grip[n, STEPS_IN] = 0.0
+            count += 1
+    contact_rows(m, count)
+    for attempt in range(2):
+        for k in range(count):
+            n = chosen[k]
+            side[B, 2 * k], side[B, 2 * k + 1], slide[k] = touch[n, DGAP], -touch[n, SLIP], 0
+            trial[k] = STICK if passes_jams(m, n) and friction_of(m, n) > 0.0 else mode[n]
+        if attempt == 0:
+            found = solve_contacts(m, count) and holds(m, count)
+        else:
+            solve_modes(m, count, 0)
+            found = holds(m, count)
+        if found:
+            break
+    if not found:
+        return LOCKED
+    v = y[nq : 2 * nq]
+    for c in range(nq):
+        before[c] = v[c]
+    shift(m, count, v, -1.0)
+    settle_accounts(m, t, y, count, before)
+    return OK
