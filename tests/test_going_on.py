@@ -285,3 +285,24 @@ rod = { x = 0, y = -0.1999, angle = 0, vx = -3, vy = 0, omega = 0 }
     assert np.diff(total).max() < 1e-6
     stopped = rt.loads(text.replace('jam = "impact"', 'jam = "stop"')).simulate(0.5)
     assert 'so does jam = "impact"' in stopped.message
+
+
+# ---------------------------------------------------------------- dead ends
+def test_moreau_jean_ends_where_its_driver_pushes_against_a_dead_end():
+    # the crank is longer than the rod: the driver cannot turn it beyond asin(0.08/0.1) and some play, t = 0.0927 s
+    crank = (
+        SHORT.split("[loads.M]")[0]
+        + """
+[drivers.motor]
+joint = "O"
+angle = "10*t"
+[initial]
+crank = { angle = 0, omega = 10 }
+rod = { angle = 0 }
+"""
+    )
+    r = rt.loads(crank).simulate(0.3, method="moreau")
+    assert not r.success
+    assert "dead end" in r.message
+    assert 0.0927 < r.t[-1] < 0.096
+    assert r["energy.kinetic"].max() < 1e4

@@ -18,6 +18,7 @@ from rattle.plane import IMPACT, NORMAL_P, OWNER
 from rattle.soundness import audit_arrays, set_floor, why_unsound
 from rattle.steppers import event, jamming, march, moreau
 from rattle.steppers.audit import UNSOUND
+from rattle.steppers.searching import ESCAPED
 from rattle.system import Compiled
 from rattle.trouble import explain
 
@@ -242,7 +243,10 @@ class ImpactRun(Run):
             return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; method moreau goes on"
         if status == NOT_FINITE and self.method == "moreau":
             return f"the motion ran away at t = {t:.6g} s with the step of {self.step:.3g} s; try a smaller step"
-        return explain(self.ready, self.memory, self.t_end, status, self.method, self.rtol)
+        what = explain(self.ready, self.memory, self.t_end, status, self.method, self.rtol)
+        if status == ESCAPED and self.method == "moreau":
+            what += "; or the drivers push against a dead end, a position that rigid bodies cannot pass"
+        return what
 
     def _locks(self, t: float) -> bool:
         """True when a sliding contact is about to lock by friction: the proof of Painleve's name."""

@@ -38,7 +38,7 @@ def explain(ready: Compiled, memory: Memory, t_end: float, status: int, method: 
     rank = describe_rank_loss(ready, memory)
     if rank:
         return f"cannot go on at t = {t:.6g} s: {rank}"
-    shut = np.flatnonzero(memory["grip"][:, CLOSED] == SHUT)
+    shut = np.flatnonzero((memory["grip"][:, CLOSED] == SHUT) & (ready.arrays["contact"][:, IMPACT] == 0))
     if len(shut) and h < TINY:
         joint = ready.joints[ready.arrays["contact"][shut[0], OWNER]]
         return (
