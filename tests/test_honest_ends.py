@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import at_random
 import rattle as rt
 from linkages import paper, slider_crank
 from rattle import soundness
@@ -61,6 +62,12 @@ def test_a_motor_on_a_rigid_triangle_is_refused_whenever_it_starts_to_turn(motio
     ):
         with pytest.raises(rt.AssemblyError, match="'motor' is contradicted by joints 'A', 'C', 'B'"):
             analysis(triangle(motion))
+
+
+@pytest.mark.nojit
+def test_a_motor_that_asks_for_a_position_the_joints_do_not_have_is_one_too_many():
+    with pytest.raises(rt.AssemblyError, match=r"driver 'motor' .* no motion \(one driver too many\)"):
+        triangle("0.2 + 0*t").check()
 
 
 @pytest.mark.nojit
@@ -264,3 +271,43 @@ def test_an_exponent_with_a_large_uncertainty_says_so():
     assert "rough number: uncertain by 50 %" in str(made)
     assert "not determined" in str(made._replace(uncertainty=3.0))
     assert "rough" not in str(made._replace(uncertainty=0.2))
+
+
+# ---------------------------------------------------------------- mechanisms at random
+def test_no_random_mechanism_runs_to_success_with_open_joints_or_energy_from_nowhere():
+    """Drivers that nothing can follow are refused by name; whatever runs to its end is closed, with all its energy."""
+    refused, ended, ran = [], [], 0
+    for seed in range(120):
+        m = at_random.mechanism(seed)
+        try:
+            run = m.simulate(0.1, t_eval=np.linspace(0.0, 0.1, 51))
+        except rt.AssemblyError as error:
+            refused.append(str(error))
+            continue
+        assert at_random.open_by(m, run) < 1e-9  # also where the run ended early: what is kept is good
+        turned = run["energy.kinetic"].max() + np.abs(run["energy.work"]).max() + np.ptp(run["energy.potential"])
+        assert run.trust.energy_balance < 2e-3 * turned + 1e-9
+        if run.success:
+            ran += 1
+        else:
+            ended.append(run.message)
+    assert ran > 80
+    assert all("is contradicted by joints" in one or "drive the same freedom" in one for one in refused)
+    assert len(refused) > 3
+    assert all("ended at t" in one or "cannot go on at t" in one for one in ended)
+
+
+def test_rods_that_repeat_each_other_beside_a_driver_that_runs_out_of_reach_are_no_contradiction():
+    """Out of reach is for the run to find: three parallel rods elsewhere have nothing to do with the motor."""
+    m = rt.loads(slider_crank('joint = "guide"\nposition = "0.35 + 2*t"', crank="{ angle = 0.8 }"))
+    m._document["ground"]["points"] |= {"G": [5, 0], "H": [5, 1], "K": [5, 2]}
+    m.body("plate", mass=1, inertia=1, points={"G": [0, 0], "H": [0, 1], "K": [0, 2]}).initial(
+        "plate", x=6, y=0, angle=0
+    )
+    for name in "GHK":
+        m.rod(f"rod{name}", f"ground.{name}", f"plate.{name}", length=1.0)
+    assert m.check().redundant == 1
+    run = m.simulate(0.1)
+    assert not run.success
+    assert "dead centre" in run.message
+    assert run.t[-1] < 0.025  # 0.4 m are crank and rod in one line

@@ -202,16 +202,25 @@ def _positions(
 
 
 def _without_drivers(ready: Compiled, memory: Memory, t: float) -> None:
-    """Where the joints alone can be closed, see whether the drivers hinder each other."""
-    if len(ready.model.drivers) < 2:
+    """Where the joints alone can be closed, see whether the drivers hinder each other, or have nothing to move."""
+    from rattle.singular import without_freedom
+
+    if not ready.model.drivers or ready.row_count > LARGE:
         return
     try:
         q = assemble(compile_system(replace(ready.model, drivers={})), t).q
     except AssemblyError:
         return
     place_only(memory.handle, q)
+    drive(memory.handle, t)
     constraints(memory.handle)
     _refuse_two_drivers(ready, memory)
+    for name, row in without_freedom(ready, memory):
+        off = abs(float(memory["rows"][row, 0]))
+        raise AssemblyError(
+            f"driver '{name}' asks for a place {off:.4g} {ready.rows[row].unit} away from the one that the joints hold:"
+            " they leave its freedom no motion (one driver too many); take it out, or free a joint"
+        )
 
 
 def _refuse_two_drivers(ready: Compiled, memory: Memory) -> None:

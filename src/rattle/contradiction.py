@@ -5,17 +5,19 @@ Where rows are dependent, N^T Phi_q = 0, a motion exists only if also N^T nu = 0
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from rattle.closing import close_position, close_rate, open_by
 from rattle.memory import Memory
 from rattle.plane import GAMMA, NU
-from rattle.singular import left_null, row_lengths
-from rattle.system import Compiled
+from rattle.singular import RANK, left_null, row_lengths, scaled_rows
+from rattle.system import Compiled, compile_system
 
 NOISE = 1e-9  # share of the terms of N^T nu that is rounding
-CLEAR = 1e-3  # the same where the position has been shaken
-SHAKE = 1e-5  # by this much [rad, mechanism sizes]: dependence that goes away is that of a singular position
+SHAKE = 1e-3  # way along the freedoms of the joints: dependence that goes away is that of a singular position
+TAKES_PART = 1e-6  # entry of a null space above which its row takes part
 SHORT = 0.1  # longest step on the way to a later instant [rad, mechanism sizes]
 MOST_STEPS = 200
 LATER = 8  # instants looked at after the start, the nearest a 2^LATER part of the span away
@@ -30,34 +32,49 @@ def contradicted(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray, span: 
         return ""
     memory = ready.memory()
     open_by(memory.handle, t, q, v)
-    found = _at_odds(ready, memory, left_null(ready, memory))
-    if found and _shaken(ready, t, q, v):
-        return _said(ready, found)
-    if not found and left_null(ready, memory).shape[1] and np.isfinite(span) and span > 0.0:
-        return _later(ready, memory, t, q.copy(), v.copy(), span)
-    return ""
+    null = _with_drivers(ready, left_null(ready, memory))
+    if not null.shape[1]:
+        return ""
+    found = _at_odds(ready, memory, null)
+    if not found:
+        return _later(ready, memory, t, q.copy(), v.copy(), span) if np.isfinite(span) and span > 0.0 else ""
+    return _said(ready, found) if _structural(ready, t, q) else ""
 
 
-def _at_odds(ready: Compiled, memory: Memory, null: np.ndarray, share: float = NOISE) -> tuple[str, ...]:
+def _with_drivers(ready: Compiled, null: np.ndarray) -> np.ndarray:
+    """Those columns of a null space in which drivers take part."""
+    driving = np.array([row.driver for row in ready.rows])
+    return null[:, np.abs(null[driving]).max(axis=0, initial=0.0) > TAKES_PART]
+
+
+def _at_odds(ready: Compiled, memory: Memory, null: np.ndarray) -> tuple[str, ...]:
     """Owners of the dependent rows whose right sides do not go together, at the state in the memory."""
     rows, length = memory["rows"], row_lengths(ready, memory)
     for column in (NU, GAMMA):
         side = rows[:, column] / length
         for k in range(null.shape[1]):
             terms = null[:, k] * side
-            if abs(terms.sum()) > share * np.abs(terms).sum() + 1e-12 * np.abs(side).max(initial=0.0):
+            if abs(terms.sum()) > NOISE * np.abs(terms).sum() + 1e-12 * np.abs(side).max(initial=0.0):
                 return _taking_part(ready, null[:, k : k + 1])
     return ()
 
 
-def _shaken(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> bool:
-    """True when the contradiction is still there a little beside the position."""
+def _structural(ready: Compiled, t: float, q: np.ndarray) -> bool:
+    """True when drivers stay among the dependent rows a little further along the freedoms that the joints leave."""
     memory = ready.memory()
-    near = q + SHAKE * np.random.default_rng(0).uniform(-1.0, 1.0, len(q)) * np.tile(
-        [ready.size, ready.size, 1.0], ready.body_count
-    )
-    open_by(memory.handle, t, near, v)
-    return bool(_at_odds(ready, memory, left_null(ready, memory), CLEAR))
+    open_by(memory.handle, t, q, np.zeros_like(q))
+    driving = np.array([row.driver for row in ready.rows])
+    near = q.copy()
+    if not driving.all():
+        joints = compile_system(replace(ready.model, drivers={})).memory()
+        scale = np.tile([ready.size, ready.size, 1.0], ready.body_count)
+        _, values, right = np.linalg.svd(scaled_rows(ready, memory)[~driving])
+        free = right[int((values > RANK * values[0]).sum()) :]
+        near += SHAKE * scale * (free.T @ np.random.default_rng(0).uniform(0.5, 1.0, len(free)))
+        if not close_position(joints.handle, t, near, np.empty_like(q), 1e-12 * ready.size, 30)[0] <= 1e-9 * ready.size:
+            return False
+    open_by(memory.handle, t, near, np.zeros_like(q))
+    return bool(_with_drivers(ready, left_null(ready, memory)).shape[1])
 
 
 def _later(ready: Compiled, memory: Memory, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
@@ -71,10 +88,12 @@ def _later(ready: Compiled, memory: Memory, t: float, q: np.ndarray, v: np.ndarr
             if steps == MOST_STEPS:
                 return ""
             ahead = min(mark, now + SHORT / max(float(np.abs(scale * v).max()), 1e-300))
-            owners = _taking_part(ready, left_null(ready, memory))
+            owners = _taking_part(ready, _with_drivers(ready, left_null(ready, memory)))
             q += (ahead - now) * v
             if not close_position(memory.handle, ahead, q, scratch, 1e-12 * ready.size, 30)[0] <= 1e-9 * ready.size:
-                return f"{_said(ready, owners)} (at t = {ahead:.4g} s)" if owners else ""
+                return (
+                    f"{_said(ready, owners)} (at t = {ahead:.4g} s)" if _closes_without(ready, owners, ahead, q) else ""
+                )
             close_rate(memory.handle, ahead, q, v)
             now, steps = ahead, steps + 1
         found = contradicted(ready, now, q, v, 0.0)
@@ -83,10 +102,22 @@ def _later(ready: Compiled, memory: Memory, t: float, q: np.ndarray, v: np.ndarr
     return ""
 
 
+def _closes_without(ready: Compiled, owners: tuple[str, ...], t: float, q: np.ndarray) -> bool:
+    """True when the positions close at t once one of the drivers among the owners is left out."""
+    for name in ready.model.drivers:
+        if name in owners:
+            drivers = {other: one for other, one in ready.model.drivers.items() if other != name}
+            memory, near = compile_system(replace(ready.model, drivers=drivers)).memory(), q.copy()
+            gap = close_position(memory.handle, t, near, np.empty_like(q), 1e-12 * ready.size, 60)[0]
+            if gap <= 1e-9 * ready.size:
+                return True
+    return False
+
+
 def _taking_part(ready: Compiled, null: np.ndarray) -> tuple[str, ...]:
     """Owners of all dependent rows."""
     size = np.abs(null).max(axis=1, initial=0.0)
-    return tuple(dict.fromkeys(ready.rows[int(r)].owner for r in np.argsort(-size) if size[r] > 1e-6))
+    return tuple(dict.fromkeys(ready.rows[int(r)].owner for r in np.argsort(-size) if size[r] > TAKES_PART))
 
 
 def _said(ready: Compiled, owners: tuple[str, ...]) -> str:

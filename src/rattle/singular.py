@@ -62,17 +62,30 @@ def on_one_freedom(ready: Compiled, memory: Memory) -> tuple[str, ...]:
     """Names of drivers that would move the same freedom of what the joints leave free, at the state in the memory."""
     if len(ready.model.drivers) < 2 or ready.row_count > LARGE:
         return ()
-    full = scaled_rows(ready, memory)
-    driving = np.array([row.driver for row in ready.rows])
     names = [row.owner for row in ready.rows if row.driver]
-    free = np.eye(full.shape[1])  # directions that the joints leave free, one per row
-    if not driving.all():
-        _, values, v = np.linalg.svd(full[~driving])
-        free = v[int((values > RANK * values[0]).sum()) :]
-    u, values, _ = np.linalg.svd(full[driving] @ free.T)
+    u, values, _ = np.linalg.svd(_driven(ready, memory))
     values = np.concatenate([values, np.zeros(max(0, len(names) - len(values)))])
     taking_part = np.abs(u[:, values <= 1e-7]).max(axis=1, initial=0.0) > 1e-6
     return tuple(name for name, takes in zip(names, taking_part, strict=True) if takes)
+
+
+def without_freedom(ready: Compiled, memory: Memory) -> list[tuple[str, int]]:
+    """Drivers, with their rows, that nothing of what the joints leave free would move, at the state in the memory."""
+    rows = [r for r, row in enumerate(ready.rows) if row.driver]
+    share = np.linalg.norm(_driven(ready, memory), axis=1)
+    return [(ready.rows[r].owner, r) for r, moved in zip(rows, share, strict=True) if moved <= 1e-7]
+
+
+def _driven(ready: Compiled, memory: Memory) -> np.ndarray:
+    """(drivers, freedoms) rows of the drivers along the directions that the joints leave free."""
+    full = scaled_rows(ready, memory)
+    driving = np.array([row.driver for row in ready.rows])
+    free = np.eye(full.shape[1])  # one per row
+    if not driving.all():
+        _, values, v = np.linalg.svd(full[~driving])
+        free = v[int((values > RANK * values[0]).sum()) :]
+    along: np.ndarray = full[driving] @ free.T
+    return along
 
 
 def unlike_masses(ready: Compiled) -> str:
@@ -85,9 +98,9 @@ def unlike_masses(ready: Compiled) -> str:
     return f"'{heavy}' has {ratio:.2g} times the mass of '{light}', too few digits are left; take less of a ratio"
 
 
-def describe_rank_loss(ready: Compiled, memory: Memory) -> str:
+def describe_rank_loss(ready: Compiled, memory: Memory, tolerance: float = 1e-3) -> str:
     """In words, which joints block the motion at the state in the memory; empty when all rows are independent."""
-    free = left_null(ready, memory, 1e-3)
+    free = left_null(ready, memory, tolerance)
     if free.shape[1] == 0:
         return ""
     share = np.abs(free).max(axis=1)

@@ -18,8 +18,10 @@ from rattle.contradiction import contradicted
 from rattle.equations import drive
 from rattle.memory import Memory
 from rattle.model import Point
+from rattle.recording import width
 from rattle.singular import describe_rank_loss, unlike_masses
 from rattle.steppers import audit, march
+from rattle.steppers.writing import record
 from rattle.system import Compiled
 from rattle.trouble import not_finite
 
@@ -30,6 +32,7 @@ LIMIT = 1e-3  # share of its measure that drift or energy may be off by
 MOREAU = 0.2  # the same for the energy of Moreau-Jean, whose accounts close in proportion to the step
 SAID = 1e-6  # share beyond which it is said
 SUNK = 0.01  # share of its clearance by which a contact of Moreau-Jean may be in its wall unsaid
+NEARLY = 2e-2  # share of the largest singular value below which a run that ended was about to lose a rank
 LOOSE = 1e-6  # tolerance beyond which short contacts may be missed
 SWIFT = 1000.0  # speed of a massless link, in speeds of the driver, that is out of all reason; a few hundred are usual
 CREEPING = 200_000  # steps that must bring a run further than
@@ -201,7 +204,8 @@ def _cause(run: Run, t: float, ahead: float) -> str:
         )
     if run.method in ("rk4", "moreau"):
         return f"the step of {ahead - t:.3g} s is far too long for this motion; take a shorter step"
-    lost = describe_rank_loss(ready, memory)
+    record(memory.handle, t, memory["y"], np.zeros(width(ready)))
+    lost = describe_rank_loss(ready, memory, NEARLY)
     if lost:
         return lost
     return f"the steps are too long for this motion at rtol = {run.rtol:g}; take a smaller rtol or a largest step"
