@@ -269,6 +269,19 @@ def test_long_sweeps_in_machine_code_agree_with_plain_python():
 
 
 @nojit
+@pytest.mark.parametrize("count", [41, 42])
+def test_a_sweep_in_pieces_is_the_sweep_in_one(count, monkeypatch):
+    m = rt.loads(parallelogram())  # leaps across its change points, also beyond the end of a piece
+    t = np.linspace(0, 1.9, count)
+    whole = m.kinematics(t)
+    monkeypatch.setattr("rattle.kinematics.PIECE", 1)  # two positions at a time
+    pieces = m.kinematics(t)
+    for name in whole.stored:
+        np.testing.assert_array_equal(pieces[name], whole[name])
+    assert [one.t for one in pieces.events] == [one.t for one in whole.events]
+
+
+@nojit
 def test_signals_are_recorded_with_their_units():
     text = slider_crank(extra='[signals]\nreach = "slider.x - 0.2"\nspeed = "abs(slider.vx)"')
     r = rt.loads(text).kinematics(np.linspace(0, 0.5, 6))

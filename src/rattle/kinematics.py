@@ -27,6 +27,7 @@ from rattle.timetable import jump_notes, timetable
 log = logging.getLogger("rattle")
 
 SPOTS = 256
+PIECE = 40_000  # rows times positions between two looks at whether the user wants to stop
 MOTORS = {"revolute": ("angle", "torque", "N*m"), "prismatic": ("position", "thrust", "N")}  # driver kind, effort, unit
 
 
@@ -51,12 +52,22 @@ class Sweep:
             else 9 * self.ready.body_count + len(self.ready.model.signals)
         )
         raw = np.zeros((len(times), columns_))
-        self.tally[swept.COUNT] = 0
-        swept.sweep(
-            self.memory.handle, times, raw, self.node, self.clock, self.tally, self.spots, self.ready.size,
-            forces, self.probe, self.line,
-        )  # fmt: skip
-        return raw[: self.tally[swept.COUNT]]
+        done, onward = 0, 0.0
+        size = max(2, PIECE // max(1, self.ready.row_count))
+        while done < len(times):  # in pieces, so that the user can stop it
+            part = slice(done, done + size)
+            self.tally[swept.COUNT] = 0
+            swept.sweep(
+                self.memory.handle, times[part], raw[part], self.node, self.clock, self.tally, self.spots,
+                self.ready.size, forces, self.probe, self.line, onward,
+            )  # fmt: skip
+            done += int(self.tally[swept.COUNT])
+            if self.tally[swept.COUNT] < len(times[part]):
+                break
+            if done < len(times):
+                onward = 1.0 if times[done] >= times[done - 1] else -1.0
+        self.tally[swept.COUNT] = done
+        return raw[:done]
 
     def fork(self) -> Sweep:
         """A sweep from the same place that leaves this one as it is."""

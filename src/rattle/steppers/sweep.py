@@ -339,20 +339,23 @@ def stride(m, target, node, clock, tally, spots, size):
 
 
 @compiled
-def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line):
+def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line, onward):
     """Visit all times (monotone) from the node on and write a row of `raw` for each.
 
     node (9, 3 nb): the position reached with its rates and accelerations, and scratch; clock (6,); tally (4,);
     spots (n, 2): intervals in which the root of the smallest pivot share has a minimum; size [m];
     forces: with all reactions (rows as `march.write` lays them out, then effort and power for each line of
-    `probe` (k, 5), see `exchange`), else bodies and signals alone.
+    `probe` (k, 5), see `exchange`), else bodies and signals alone; onward: 1 or -1 where these times go on in a
+    sweep that came this way (it may have leapt beyond the first of them), 0 at its start.
 
     Returns ARRIVED, or STUCK when no step leads on from clock[NOW]; tally[COUNT] rows are written.
     """
-    direction = 1.0 if times[times.shape[0] - 1] >= times[0] else -1.0
+    direction = onward
+    if onward == 0.0:
+        direction = 1.0 if times[times.shape[0] - 1] >= times[0] else -1.0
     for n in range(times.shape[0]):
         target = times[n]
-        if n == 0 and target < clock[NOW]:
+        if n == 0 and onward == 0.0 and target < clock[NOW]:
             direction = -1.0
         stepped = False
         while (target - clock[NOW]) * direction > 0.0:
@@ -375,6 +378,6 @@ def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line):
             factorise(m)
         put(m, target, node[Q_NEW], node[V_NEW], node[A_NEW], forces, probe, line, raw[n])
         tally[COUNT] = n + 1
-        if n == 0 and times.shape[0] > 1:
+        if n == 0 and onward == 0.0 and times.shape[0] > 1:
             direction = 1.0 if times[1] >= times[0] else -1.0
     return ARRIVED
