@@ -114,3 +114,11 @@ def test_efforts_at_a_dead_centre_are_left_out_and_said():
     assert record["success"] is True
     assert record["curves"]["guide.thrust"]["max"] > 0.0
     assert any("dead centre" in note for note in record["trust"]["notes"])
+
+
+def test_modes_as_json_hold_frequencies_and_shapes():
+    record = json.loads(run("modes", "double_pendulum", "--json").stdout)
+    assert len(record["modes"]) == 2
+    assert record["modes"][0]["frequency"] < record["modes"][1]["frequency"]
+    assert all(len(shape) == 3 for one in record["modes"] for shape in one["shape"].values())
+    assert record["equilibrium"]["stable"] is True

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from rattle.mechanism import Mechanism
+    from rattle.modes import Modes
     from rattle.resting import Equilibrium
     from rattle.result import Result
 
@@ -284,6 +285,22 @@ def _entry(one: Equilibrium) -> dict[str, Any]:
     return {**facts, "reactions_unique": one.reactions_unique, "nonunique": list(one.nonunique), "values": values}
 
 
+def _modes(found: Modes) -> dict[str, Any]:
+    """Every mode with its shape (x, y, angle of every body), and the position it is about."""
+    bodies = list(found.equilibrium.result.geometry["bodies"])
+    listed = [
+        {
+            "frequency": found.frequency[k],
+            "omega": found.omega[k],
+            "growth": found.growth[k],
+            "damping": found.damping[k],
+            "shape": dict(zip(bodies, found.shapes[k].reshape(-1, 3).tolist(), strict=True)),
+        }
+        for k in range(len(found))
+    ]
+    return {"modes": listed, "equilibrium": _entry(found.equilibrium), "note": found.note}
+
+
 @click.command()
 @model_options
 @click.option(
@@ -296,7 +313,10 @@ def _entry(one: Equilibrium) -> dict[str, Any]:
 )
 @click.option("--mode", type=click.IntRange(1), default=1, show_default=True, help="Which mode to draw.")
 @click.option("-o", "--output", help="Draw the mode: .svg, .png or .pdf; .gif or .mp4 moves.")
-def modes(file: str, settings: tuple[str, ...], ideal: bool, t: float, mode: int, output: str | None) -> None:
+@click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
+def modes(
+    file: str, settings: tuple[str, ...], ideal: bool, t: float, mode: int, output: str | None, as_json: bool
+) -> None:
     """Natural frequencies about the first position of rest.
 
     FILE is a model file or the name of a shipped example.
@@ -310,8 +330,11 @@ def modes(file: str, settings: tuple[str, ...], ideal: bool, t: float, mode: int
     found = read_model(file, settings, ideal).modes(t)
     if len(found) < mode and (output is not None or mode > 1):
         raise click.UsageError(f"--mode {mode}: there are {len(found)} modes, counted from 1")
-    click.echo(f"about: {found.equilibrium}")
-    click.echo(str(found))
+    if as_json:
+        click.echo(to_json(_modes(found)))
+    else:
+        click.echo(f"about: {found.equilibrium}")
+        click.echo(str(found))
     if output is not None:
         if output.lower().endswith(SUFFIXES):
             save_figure(found.plot(mode - 1), output)
