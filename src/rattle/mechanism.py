@@ -210,6 +210,9 @@ class Mechanism(Building):
         most_steps: the run ends after that many (default: where 200 000 steps bring it no further than 1e-4 of its
         time).
 
+        Steps end where expressions of loads and drivers switch.  A driver that jumps in speed is an impulse (event
+        "jolt"); ModelError where one jumps in position.
+
         A run ends before drift (of the mechanism's extent, or 1 rad) or unaccounted energy (of the largest of kinetic
         energy, work and range of the potential) exceeds 1e-3; for Moreau-Jean the energy may be off by 0.2.  A run that
         cannot go on returns what was computed with success = False and a message (strict=True

@@ -33,11 +33,15 @@ FEW = 6  # steps in the shortest contact below which its forces are coarse
 
 
 class Event(NamedTuple):
-    """One change of a contact; what does not apply to its kind is zero."""
+    """One change of a contact, or a jump of a driver; what does not apply to its kind is zero.
+
+    jolt: `joint` is the driver, `normal_speed` its speed after less that before [rad/s or m/s], `impulse` acts on its
+    body B [N m s or N s], `energy_lost` is minus what the driver puts in.
+    """
 
     t: float  # [s]
     joint: str
-    kind: str  # contact | release | impact | stick | slip
+    kind: str  # contact | release | impact | stick | slip | jolt
     normal_speed: float = 0.0  # approach speed [m/s]
     duration: float = 0.0  # [s]
     peak_force: float = 0.0  # [N]
