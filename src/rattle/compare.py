@@ -71,6 +71,10 @@ class Comparison:
         """The model that the others are measured by: the ideal one where it can be put together."""
         return IDEAL if IDEAL in self.results else next(iter(self.results))
 
+    def plot(self) -> Figure:
+        """The page; the same as `figure`."""
+        return self.figure()
+
     def figure(self) -> Figure:
         """The page."""
         from rattle.comparison_page import page

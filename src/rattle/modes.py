@@ -21,6 +21,8 @@ from rattle.steppers.rest import force_at
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from rattle.display import Picture
+
 FRAMES = 61
 
 
@@ -72,7 +74,7 @@ class Modes:
         ] or ["no degree of freedom is left that could vibrate"]
         return "\n".join([*said, self.note] if self.note else said)
 
-    def motion(self, mode: int, amplitude: float = 0.1) -> Result:
+    def motion(self, mode: int = 0, amplitude: float = 0.1) -> Result:
         """One cycle of a mode (0 = lowest) as a result that can be plotted and animated.
 
         amplitude: largest displacement as a share of the mechanism's size; every position is put together anew,
@@ -114,15 +116,15 @@ class Modes:
             provenance=dict(base.provenance, analysis=f"mode {mode + 1}"),
         )
 
-    def plot(self, mode: int, amplitude: float = 0.1) -> Figure:
+    def plot(self, mode: int = 0, amplitude: float = 0.1) -> Figure:
         """The mechanism at rest and at both ends of a mode's swing; see `rattle.plot_statics.plot_mode`."""
         from rattle.plot_statics import plot_mode
 
         return plot_mode(self, mode, amplitude)
 
-    def animate(self, mode: int, path: str, amplitude: float = 0.1, **options: Any) -> None:
+    def animate(self, mode: int, path: str, amplitude: float = 0.1, **options: Any) -> Picture:
         """The mode as a moving picture; see `Result.animate`."""
-        self.motion(mode, amplitude).animate(path, **options)
+        return self.motion(mode, amplitude).animate(path, **options)
 
 
 def modes(rest: Rest, one: Equilibrium, note: str = "") -> Modes:

@@ -327,8 +327,11 @@ class Result:
         return frame
 
     def to_xarray(self) -> xarray.Dataset:
-        """xarray.Dataset of all names over the coordinate t, units as attributes."""
-        return self._dataset(self.names)
+        """xarray.Dataset of all names over the coordinate t; attributes: units, what was run, how far to trust it."""
+        dataset = self._dataset(self.names)
+        ran = {key: str(value) for key, value in self.provenance.items() if value is not None}
+        dataset.attrs = {**ran, "success": str(self.success), "message": self.message, "trust": str(self.trust)}
+        return dataset
 
     def _dataset(self, names: Iterable[str]) -> xarray.Dataset:
         from rattle.archive import package
