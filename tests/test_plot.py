@@ -27,7 +27,7 @@ def shaded(ax):
 @nojit
 def test_one_panel_per_unit_each_with_its_unit():
     figure = circling().plot("O.normal", "arm.x", "O.fx", "arm.angle", "lift")
-    assert [ax.get_ylabel() for ax in figure.axes] == ["force [N]", "length [m]", "angle [rad]", "no unit"]
+    assert [ax.get_ylabel() for ax in figure.axes] == ["force [N]", "length [m]", "angle [deg]", "no unit"]
     assert [len(ax.get_legend().get_texts()) for ax in figure.axes] == [2, 1, 1, 1]
     assert figure.axes[-1].get_xlabel() == "time [s]"
 

@@ -22,6 +22,7 @@ from rattle.plot import (
     GREEN,
     GREY,
     LINES,
+    MORE,
     ORANGE,
     PINK,
     RED,
@@ -42,7 +43,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 MOST_INSETS = 4
 SMALL = 0.2  # [m] below which a mechanism is measured in mm
-BODIES = (BLUE, GREEN, ORANGE, PINK, SKY)  # red is kept for what must not be
+BODIES = (BLUE, GREEN, ORANGE, PINK, SKY, *MORE)  # red is kept for what must not be
+MOST_FRAMES = 3000
 
 
 class Scene(NamedTuple):
@@ -74,11 +76,14 @@ def animate(
     fps: int = 20,
     trace: Iterable[str] = (),
     dpi: float = 90.0,
+    speed: float | None = None,
+    names: bool = False,
 ) -> None:
     """Write the motion as .gif, or as .mp4 where ffmpeg is installed.
 
     At most `frames` pictures, evenly spaced in time, shown at `fps` per second.
-    trace: names of points ("coupler.P") that leave their path behind.
+    trace: names of points ("coupler.P") that leave their path behind.  names: write the names of bodies on them.
+    speed: of the film against the motion, 0.1 for ten times slower; then there are as many frames as that takes.
 
     Raises ValueError for another suffix or an empty result, UnknownName for an unknown point and
     MissingProgram (a RuntimeError) where ffmpeg is missing.
@@ -86,14 +91,25 @@ def animate(
     require_film(path)
     if not fps > 0:
         raise ValueError(f"an animation needs a positive number of frames per second, got {fps}")
+    if speed is not None:
+        if not 0.0 < speed < math.inf:
+            raise ValueError(f"speed must be positive and finite, got {speed:g}")
+        frames = math.ceil(float(result.t[-1] - result.t[0]) / speed * fps) + 1 if len(result.t) else 0
+        if frames > min(MOST_FRAMES, max(len(result.t), 1)):
+            raise ValueError(
+                f"speed {speed:g} takes {frames} frames at {fps} per second; there are {len(result.t)} outputs,"
+                f" and {MOST_FRAMES} frames at most: choose a larger speed or a smaller output interval"
+            )
     write = {".gif": write_gif, ".mp4": write_mp4}[Path(path).suffix.lower()]
-    figure, update, count = scene(result, frames, trace)
+    figure, update, count = scene(result, frames, trace, fps=fps, names=names)
     figure.set_dpi(dpi)
     with atomic(path) as file:
         write(figure, update, count, file, fps)
 
 
-def scene(result: Result, frames: int = 120, trace: Iterable[str] = ()) -> tuple[Figure, Update, int]:
+def scene(
+    result: Result, frames: int = 120, trace: Iterable[str] = (), *, fps: int = 20, names: bool = False
+) -> tuple[Figure, Update, int]:
     """The figure, the function that moves it to frame k, and the number of frames."""
     if not len(result.t):
         raise ValueError("the result has no instant to show")
@@ -113,8 +129,11 @@ def scene(result: Result, frames: int = 120, trace: Iterable[str] = ()) -> tuple
     if unit == "mm":
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_major_formatter(lambda value, _: f"{1e3 * value:g}")
-    updates = [_clock(ax, stage), *_traces(ax, stage, trace)]
+    pace = float(result.t[pick[-1]] - result.t[pick[0]]) * fps / max(len(pick) - 1, 1)
+    updates = [_clock(ax, stage, pace), *_traces(ax, stage, trace)]
     updates += _guides(ax, stage) + _springs(ax, stage) + _bodies(ax, stage) + _joints(ax, stage)
+    if names:
+        updates += [_tag(ax, body, stage.path(body, (0, 0))) for body in result.geometry["bodies"]]
     updates += [_inset(inset, stage, pin) for inset, pin in zip(insets, pins, strict=True)]
 
     def update(k: int) -> None:
@@ -166,14 +185,16 @@ def _extent(stage: Scene) -> tuple[Array, Array]:
 
 
 # ---------------------------------------------------------------- what moves
-def _clock(ax: Axes, stage: Scene) -> Update:
+def _clock(ax: Axes, stage: Scene, pace: float) -> Update:
+    """Time, and how fast the film is against the motion."""
     t, horizon = stage.result.t[stage.pick], stage.result.trust.horizon
     title = ax.set_title("", loc="left", fontsize=11)
+    against = f",  film {pace:.2g} times as fast" if pace > 0.0 and abs(pace - 1.0) > 0.01 else ""
     digits = max(2, 3 - math.floor(math.log10(float(t[-1] - t[0]) or 1.0)))
 
     def update(k: int) -> None:
         after = horizon is not None and t[k] > horizon
-        title.set_text(f"t = {t[k]:.{digits}f} s{f'   ({AFTER})' if after else ''}")
+        title.set_text(f"t = {t[k]:.{digits}f} s{against}{f'   ({AFTER})' if after else ''}")
 
     return update
 

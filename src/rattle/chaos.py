@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -80,6 +80,7 @@ class Section:
     units: Mapping[str, str]
     rule: str  # when the points were taken
     interrupted: bool = False  # the user stopped the run
+    clearances: Mapping[str, float] = field(default_factory=dict)  # of the pins [m]
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.values[name]
@@ -119,8 +120,9 @@ def section(
         times = T * (skip + np.arange(points))
         r = m.simulate(float(times[-1]), t_eval=times, **settings)
         return Section(
-            r.t, {n: r[n] for n in names}, {n: r.unit(n) for n in names}, f"every {T:.4g} s{_stopped(r)}", r.interrupted
-        )
+            r.t, {n: r[n] for n in names}, {n: r.unit(n) for n in names}, f"every {T:.4g} s{_stopped(r)}",
+            r.interrupted, _pins(m),
+        )  # fmt: skip
     from scipy.interpolate import CubicSpline
 
     span = (skip + points) * period if period is not None else m.model.settings.t_end
@@ -128,10 +130,25 @@ def section(
     curve = r[crossing] - level
     roots = CubicSpline(r.t, curve).solve(0.0, extrapolate=False)
     rate = CubicSpline(r.t, curve).derivative()
-    times = np.array([t for t in np.ravel(roots) if rate(t) > 0.0])[skip:][:points]
+    rises = np.array([t for t in np.ravel(roots) if rate(t) > 0.0])
+    times = rises[skip:][:points]
+    if not len(times) and not r.interrupted:
+        low, high, unit = float(r[crossing].min()), float(r[crossing].max()), r.unit(crossing)
+        why = f"it rises through {level:g} {unit} {len(rises)} times in {span:g} s" if len(rises) else (
+            f"it never rises through {level:g} {unit}"
+        )  # fmt: skip
+        raise ValueError(
+            f"no point: {crossing} goes from {low:.4g} to {high:.4g} {unit}; {why}, and skip leaves out {skip};"
+            " give another crossing, level or period (its run is skip + points periods long)"
+        )
     values = {n: CubicSpline(r.t, r[n])(times) if len(times) else np.zeros(0) for n in names}
     rule = f"{crossing} rises through {level:g}{_stopped(r)}"
-    return Section(times, values, {n: r.unit(n) for n in names}, rule, r.interrupted)
+    return Section(times, values, {n: r.unit(n) for n in names}, rule, r.interrupted, _pins(m))
+
+
+def _pins(m: Mechanism) -> dict[str, float]:
+    """Clearances of the pins [m]."""
+    return {n: one.clearance for n, one in m.model.joints.items() if one.kind == "revolute" and one.clearance > 0.0}
 
 
 def _stopped(r: Result) -> str:

@@ -73,7 +73,7 @@ def page(found: Comparison) -> Figure:
         _remarks(figure.add_subplot(grid[-1, :]), said)
     figure.align_ylabels(left)
     title = f"{found.name}: what its play does, by model"
-    figure.suptitle(title, x=0.012, ha="left", fontsize=15, fontweight="bold")
+    figure.suptitle(title, x=0.012, ha="left", fontsize=15, fontweight="bold", parse_math=False)
     return figure
 
 

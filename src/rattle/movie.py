@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle.errors import MissingProgram
-from rattle.plot import BORE, CURVES, GREY, LINES
+from rattle.plot import BORE, CURVES, GREY, LINES, MORE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,7 +66,7 @@ def _palette() -> list[int]:
     """
     from matplotlib.colors import to_rgb
 
-    colours = np.array([to_rgb(colour) for colour in (*CURVES, GREY, "black")])
+    colours = np.array([to_rgb(colour) for colour in (*CURVES, *MORE, GREY, "black")])
     steps = np.linspace(0, 1, 16)[:, None, None]
     blend = np.vstack([(colours + steps * (1 - colours)).reshape(-1, 3), [to_rgb(grey) for grey in (BORE, LINES)]])
     return [int(level) for level in np.rint(255 * blend).reshape(-1)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 # Okabe and Ito (2008), the colours that all kinds of eyes tell apart
 BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#333333"
 CURVES = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
+# Paul Tol, muted: for more than seven of a kind
+MORE = ("#882255", "#44AA99", "#999933", "#332288", "#AA4499")
 GREY, SHADE, LINES, BORE = "#777777", "#ECECEC", "#DDDDDD", "#F4F4F4"
 AFTER = "after the horizon: statistics only"
 QUANTITY = {
@@ -45,9 +47,12 @@ def plot(
     ax: Axes | None = None,
     compare: Iterable[tuple[str, Result]] = (),
     robust: bool = False,
+    over: str | None = None,
 ) -> Figure:
     """Curves over time: one panel per unit, one time axis; what lies after the horizon is shaded.
 
+    Angles are drawn in degrees, lengths in m, mm or µm as they are large; with `ax` all stays in SI.
+    over: another curve, such as "crank.angle", in the place of time.
     compare: further results as (label, result); their curves of the same names are dashed.
     robust: leave rare spikes out of the range of the axis (a note says how far they reach).
     With `ax` everything goes there, so all names must have one unit.
@@ -63,31 +68,93 @@ def plot(
         raise ValueError(f"one axis shows one unit; these names have {', '.join(u or 'none' for u in panels)}")
     others = list(compare)
     axes = [ax] if ax is not None else new_axes(8.0, 1.0 + 2.2 * len(panels), rows=len(panels))
+    across, along = _across(result, over)
     for panel, (unit, curves) in zip(axes, panels.items(), strict=True):
-        _panel(panel, result, curves, others)
-        panel.set_ylabel(axis_label(QUANTITY.get(unit, ""), unit) if unit else "no unit")
+        every = [r[name] for _, r in [("", result), *others] for name in curves if name in r]
+        largest = max((float(np.nanmax(np.abs(one), initial=0.0)) for one in every), default=0.0)
+        factor, shown = (1.0, unit) if ax is not None else handy_unit(unit, largest)
+        _panel(panel, result, curves, others, factor, across)
+        panel.set_ylabel(axis_label(QUANTITY.get(unit, ""), shown) if unit else "no unit")
         if robust:
-            robust_limits(panel, [r[name] for _, r in [("", result), *others] for name in curves if name in r])
+            robust_limits(panel, [factor * one for one in every])
     for panel in axes:
         panel.margins(x=0.0)
-        shade_after_horizon(panel, result)
+        if over is None:
+            shade_after_horizon(panel, result)
     if shade_after_horizon(axes[0], result, draw=False):
-        note(axes[0], AFTER)
-    axes[-1].set_xlabel("time [s]")
+        note(axes[0], AFTER if over is None else f"t up to {result.t[-1]:g} s; {AFTER} at {result.trust.horizon:.3g} s")
+    if ax is None and (title := str(result.provenance.get("model", ""))):
+        axes[0].set_title(title, loc="left", fontsize=10, parse_math=False)
+    axes[-1].set_xlabel(along)
     return figure_of(axes[0])
 
 
-def _panel(ax: Axes, result: Result, names: list[str], others: list[tuple[str, Result]]) -> None:
+Across = Callable[["Result"], Array]
+
+
+def _across(result: Result, over: str | None) -> tuple[Across, str]:
+    """What curves are drawn over, for any result, and how its axis is labelled."""
+    if over is None:
+        return (lambda r: r.t), "time [s]"
+    factor, unit = handy_unit(result.unit(over), float(np.nanmax(np.abs(result[over]), initial=0.0)))
+    return (lambda r: factor * r[over]), axis_label(over, unit)
+
+
+def _panel(
+    ax: Axes, result: Result, names: list[str], others: list[tuple[str, Result]], factor: float, across: Across
+) -> None:
     from matplotlib.colors import to_rgb
 
+    lines = []
     for k, name in enumerate(names):
         colour = CURVES[k % len(CURVES)]
-        ax.plot(result.t, result[name], color=colour, linewidth=0.9, label=name)
+        lines += ax.plot(across(result), factor * result[name], color=colour, linewidth=0.9, label=name)
         for n, (label, other) in enumerate(others):
             if name in other:
-                dashes, dark = (0, (4, 1 + 2 * n)), tuple(0.45 * part for part in to_rgb(colour))
-                ax.plot(other.t, other[name], color=dark, linewidth=1.1, linestyle=dashes, label=f"{name}, {label}")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize=9)
+                style: dict[str, Any] = {"linestyle": (0, (4, 1 + 2 * n)), "linewidth": 1.1}
+                style |= {"color": tuple(0.45 * part for part in to_rgb(colour)), "label": f"{name}, {label}"}
+                lines += ax.plot(across(other), factor * other[name], **style)
+    place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0), "borderaxespad": 0.0}
+    # matplotlib leaves out names that begin with an underscore: they are written once the legend stands
+    legend = ax.legend(lines, [str(k) for k in range(len(lines))], frameon=False, fontsize=9, **place)
+    for text, line in zip(legend.get_texts(), lines, strict=True):
+        text.set(text=str(line.get_label()), parse_math=False)
+
+
+def handy_unit(unit: str, size: float) -> tuple[float, str]:
+    """A factor from SI and the unit in which a quantity of this size is easy to read."""
+    if unit == "rad":
+        return 180 / np.pi, "deg"
+    if unit == "m" and 0.0 < size < 0.1:
+        return (1e3, "mm") if size >= 1e-4 else (1e6, "µm")
+    return 1.0, unit
+
+
+def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure:
+    """Paths of points such as "coupler.P" (or of mass centres, "coupler") in the plane, a ring at their start.
+
+    Raises UnknownName, or ValueError without a point.
+    """
+    if not points:
+        raise ValueError("name at least one point, such as 'coupler.P'")
+    paths = [(name, result[f"{name}.x"], result[f"{name}.y"]) for name in dict.fromkeys(points)]
+    factor, unit = handy_unit("m", max(float(np.nanmax(np.abs(one[1:]), initial=0.0)) for one in paths))
+    ax = ax if ax is not None else new_axes(6.8, 5.4)[0]
+    for k, (name, x, y) in enumerate(paths):
+        colour = CURVES[k % len(CURVES)]
+        ax.plot(factor * x, factor * y, color=colour, linewidth=1.1, label=f"path of {name}")
+        ax.plot(factor * x[:1], factor * y[:1], "o", markerfacecolor="white", markeredgecolor=colour, markersize=6)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.margins(0.08)
+    ax.set_xlabel(axis_label("x", unit))
+    ax.set_ylabel(axis_label("y", unit))
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False, fontsize=9)
+    if title := str(result.provenance.get("model", "")):
+        ax.set_title(title, loc="left", fontsize=10, pad=14, parse_math=False)
+    span = f"t = {result.t[0]:g} to {result.t[-1]:g} s" if len(result.t) else "no instant"
+    late = shade_after_horizon(ax, result, draw=False)
+    note(ax, f"{span}; after t = {result.trust.horizon:.3g} s statistics only" if late else span)
+    return figure_of(ax)
 
 
 def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rattle.plot import BLACK, BLUE, GREY, ORANGE, QUANTITY, RED, axis_label, new_figure, tidy
+from rattle.plot import BLACK, BLUE, GREY, ORANGE, QUANTITY, RED, axis_label, handy_unit, new_figure, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,8 +24,8 @@ def plot_accuracy(found: Accuracy) -> Figure:
     """The output with its worst-case band, the deviation alone, and who contributes how much to it."""
     figure = new_figure(8.6, 6.6)
     top, middle, bar = figure.subplots(3, 1, height_ratios=(1.0, 1.3, 0.35 + 0.16 * len(found.joints)))
-    factor, unit = _handy(found.unit, 1.0)
-    small, small_unit = _handy(found.unit, float(found.worst.max()))
+    factor, unit = handy_unit(found.unit, 1.0)
+    small, small_unit = handy_unit(found.unit, float(found.worst.max()))
     kind = QUANTITY.get(found.unit, found.of)
     _band(tidy(top), found, factor)
     top.set_ylabel(axis_label(kind, unit))
@@ -83,15 +83,6 @@ def _contributions(ax: Axes, found: Accuracy, factor: float, unit: str) -> None:
     ax.set_xlim(0, 1.15 * max([*sizes, 1e-300]))
     ax.set_xlabel(axis_label(f"contribution at the widest place, t = {found.t[k]:.3g} s", unit))
     ax.set_title(f"tighten {found.tighten} first", loc="left", fontsize=10)
-
-
-def _handy(unit: str, size: float) -> tuple[float, str]:
-    """A factor and unit in which a quantity of this size is easy to read."""
-    if unit == "rad":
-        return 180 / math.pi, "deg"
-    if unit == "m" and size < 0.1:
-        return (1e3, "mm") if size >= 1e-4 else (1e6, "µm")
-    return 1.0, unit
 
 
 def plot_mode(modes: Modes, mode: int, amplitude: float = 0.1) -> Figure:

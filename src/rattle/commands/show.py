@@ -27,31 +27,47 @@ def demo(output: str) -> None:
 @click.argument("result")
 @click.argument("names", nargs=-1)
 @click.option("--orbit", multiple=True, metavar="JOINT", help="Path of the pin in its clearance circle.")
-@click.option("-o", "--output", default=None, help="Picture to write (.png, .svg, .pdf); default: RESULT with .png.")
-def plot(result: str, names: tuple[str, ...], orbit: tuple[str, ...], output: str | None) -> None:
-    """Plot curves or pin orbits of a saved result; without NAMES lists what there is.
+@click.option("--xy", multiple=True, metavar="POINT", help="Path of a point in the plane, such as coupler.P.")
+@click.option("--over", metavar="NAME", help="Draw over this curve, such as crank.angle, instead of time.")
+@click.option(
+    "-o",
+    "--output",
+    default=None,
+    help="Picture to write (.png, .svg, .pdf); default: RESULT with .png, for orbits and paths with their name.",
+)
+def plot(
+    result: str, names: tuple[str, ...], orbit: tuple[str, ...], xy: tuple[str, ...], over: str | None,
+    output: str | None,
+) -> None:  # fmt: skip
+    """Plot curves, paths of points or pin orbits of a saved result; without NAMES lists what there is.
 
     \b
     Example:  rattle plot out.nc O3.normal O4.normal -o forces.svg
+              rattle plot out.nc motor.torque --over crank.angle
+              rattle plot out.nc --xy coupler.O3
               rattle plot out.nc --orbit O3
     """
     from pathlib import Path
 
     from rattle.plot import plot as curves
-    from rattle.plot import plot_orbit, save_figure
+    from rattle.plot import plot_orbit, plot_path, save_figure
     from rattle.result import load_result
 
     target = Path(output) if output else Path(result).with_suffix(".png")
-    if names or orbit:
+    if over is not None and not names:
+        raise click.UsageError("--over wants curves to draw: rattle plot RESULT NAME... --over NAME")
+    if names or orbit or xy:
         check_pictures(result, target)
     loaded = load_result(result)
-    if not names and not orbit:
+    if not names and not orbit and not xy:
         for name in loaded.names:
             click.echo(f"{name}  [{loaded.unit(name) or '-'}]")
         return
-    figures = [(curves(loaded, *names), target)] if names else []
+    figures = [(curves(loaded, *names, over=over), target)] if names else []
+    alone = output is not None and bool(names) + bool(xy) + len(orbit) == 1
+    if xy:
+        figures.append((plot_path(loaded, *xy), target if alone else target.with_stem(f"{target.stem}-path")))
     for joint in orbit:
-        alone = not names and len(orbit) == 1
         figures.append((plot_orbit(loaded, joint), target if alone else target.with_stem(f"{target.stem}-{joint}")))
     for figure, path in figures:
         save_figure(figure, path)
@@ -62,11 +78,15 @@ def plot(result: str, names: tuple[str, ...], orbit: tuple[str, ...], output: st
 @click.argument("result")
 @click.option("-o", "--output", required=True, help="Picture to write (.gif; .mp4 where ffmpeg is installed).")
 @click.option("--frames", default=120, show_default=True, help="Number of frames.")
-def animate(result: str, output: str, frames: int) -> None:
+@click.option("--speed", type=float, help="Of the film against the motion, 0.1: ten times slower; sets the frames.")
+@click.option("--trace", multiple=True, metavar="POINT", help="Point that leaves its path behind, such as coupler.P.")
+@click.option("--names", is_flag=True, help="Write the names of bodies on them.")
+def animate(result: str, output: str, frames: int, speed: float | None, trace: tuple[str, ...], names: bool) -> None:
     """Make a moving picture of a saved result, the play magnified beside it.
 
     \b
     Example:  rattle animate out.nc -o out.gif
+              rattle animate out.nc --trace coupler.O3 --frames 40 -o out.gif
     """
     from rattle.animate import animate as make
     from rattle.movie import require_film
@@ -74,5 +94,5 @@ def animate(result: str, output: str, frames: int) -> None:
 
     require_film(output)
     check_files(result, output)
-    make(load_result(result), output, frames=frames)
+    make(load_result(result), output, frames=frames, trace=trace, speed=speed, names=names)
     say_written(output)
