@@ -328,7 +328,7 @@ def test_orbit_shows_impacts():
     assert np.hypot(*np.asarray(dots.get_offsets()).T) == pytest.approx(
         np.full(hits, 0.5), rel=1e-9
     )  # on the circle [mm]
-    assert f"{hits} impacts" in dots.get_label()
+    assert f"{hits} contacts" in dots.get_label()
 
 
 # ---------------------------------------------------------------- bad input
