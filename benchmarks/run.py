@@ -1,6 +1,6 @@
 """Speed of rattle as ratios to yardsticks measured in the same run.
 
-    python benchmarks/run.py [fourbar exudyn chain kinematics startup] [--repeats 7]
+    python benchmarks/run.py [fourbar exudyn contact chain kinematics pressing startup] [--repeats 7]
 
 A ratio is rattle's time divided by the yardstick's; the aim is a time, a ratio or both.
 """
@@ -12,6 +12,7 @@ import argparse
 import contact
 import kinematics
 import measure
+import pressing
 import rhs
 import startup
 import versus_exudyn
@@ -22,6 +23,7 @@ SECTIONS = {
     "contact": contact.rows,
     "chain": rhs.chain_rows,
     "kinematics": kinematics.kinematics_rows,
+    "pressing": pressing.rows,
     "startup": startup.rows,
 }
 
