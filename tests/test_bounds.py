@@ -1,0 +1,39 @@
+"""No index of the compiled layer leaves its array: part of the kernels again, with every index checked."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from rattle import catalog
+
+CODE = """
+import numpy as np
+from rattle import arrays, catalog, compiling
+
+catalog.start()
+@catalog.compiled
+def beyond(values, k):
+    return values[k]
+
+assert beyond(np.ones(3), 2) == 1.0
+try:
+    beyond(np.ones(3), 3)
+except IndexError:
+    print("checked")
+
+import rattle as rt
+r = rt.example("slider_crank").kinematics(np.linspace(0.0, 0.02, 41))
+assert r.success
+print(len(r.t))
+"""
+
+
+def test_kernels_of_the_position_sweep_stay_within_their_arrays():
+    if not catalog.start():
+        pytest.skip("runs without machine code; NumPy checks indices there")
+    environment = os.environ | {"NUMBA_BOUNDSCHECK": "1"}
+    run = subprocess.run([sys.executable, "-c", CODE], env=environment, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.split() == ["checked", "41"]
