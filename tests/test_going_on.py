@@ -146,6 +146,33 @@ def test_slip_after_a_reversal_has_the_sense_that_the_accelerations_give_it():
     assert abs(share[2]) < 0.05
 
 
+def test_no_slider_crank_stops_with_contacts_that_change_without_end():
+    rng = np.random.default_rng(6)
+    turned = 0
+    for _ in range(16):
+        speed, angle, rod = rng.uniform(10, 60) * rng.choice([-1, 1]), rng.uniform(0, 6.28), rng.uniform(0.22, 0.4)
+        slant = -math.asin(0.1 * math.sin(angle) / rod)
+        text = SLIDER_CRANK.format(
+            rod=rod,
+            rod_mass=rng.uniform(0.1, 0.5),
+            clearance=10 ** rng.uniform(-4, -3),
+            e=rng.choice([0.0, 0.3, 0.5, 0.8]),
+            mu=rng.choice([0.02, 0.05, 0.1, 0.2, 0.3]),
+        )
+        text += f"""
+[drivers.motor]
+joint = "O"
+angle = "{angle} + {speed}*t"
+[initial]
+crank = {{ angle = {angle}, omega = {speed} }}
+rod = {{ angle = {slant} }}
+"""
+        r = rt.loads(text).simulate(4 * math.pi / abs(speed), rtol=10.0 ** -int(rng.integers(6, 10)))
+        assert r.success, r.message
+        turned += sum(one.kind in ("slip", "stick") for one in r.events)
+    assert turned > 100
+
+
 # ---------------------------------------------------------------- rocking
 def test_rocking_block_comes_to_rest_at_the_end_of_its_infinite_sequence():
     tilt = 0.27
