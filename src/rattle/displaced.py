@@ -66,8 +66,18 @@ class Displaced:
         return raw
 
     def value(self, t: float, node: np.ndarray, e: np.ndarray) -> float:
-        """The output with the pins displaced by e."""
-        return float(self.read(self.row(t, node, e)[None])[0])
+        """The output with the pins displaced by e. Raises UnknownName."""
+        raw = self.row(t, node, e)
+        owner, _, last = self.output.rpartition(".")
+        body, _, point = owner.partition(".")
+        if not self.names or body not in self.ready.bodies or last not in ("x", "y", "angle"):
+            return float(self.read(raw[None])[0])
+        k = 9 * self.ready.bodies.index(body)  # a place, the usual case, without the table of all results
+        if not point:
+            return float(raw[k + ("x", "y", "angle").index(last)])
+        x, y = self.ready.model.bodies[body].points[point]
+        c, s = math.cos(raw[k + 2]), math.sin(raw[k + 2])
+        return float(raw[k] + c * x - s * y if last == "x" else raw[k + 1] + s * x + c * y)
 
     def read(self, raw: np.ndarray) -> np.ndarray:
         """The output of raw rows. Raises UnknownName."""
