@@ -7,6 +7,7 @@ P the left null space of Phi_q O:   min |e|, P^T Phi_q (G (r + e)) = -P^T Phi;  
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -128,6 +129,7 @@ def start_notes(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> tupl
     """What became of the values given: "asked crank.angle = 90 deg, is 0 deg: the driver 'motor' holds it"."""
     speed = max(float(np.abs(v).max(initial=0.0)), 1e-300)
     changed: dict[str, list[str]] = {}
+    free = functools.cache(lambda: _freedom(ready, t, q, v))  # costly, and mostly not asked for
     for turn, now in enumerate((q, v)):
         given = given_values(ready, turn)
         for k in np.flatnonzero(~np.isnan(given)):
@@ -142,19 +144,26 @@ def start_notes(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> tupl
                 if asked == found:
                     found = f"{now[k] * factor:.12g}"
                 text = f"asked {name}.{key} = {asked} {UNITS[key]}, is {found} {UNITS[key]}"
-                changed.setdefault(_holder(ready, t, q, v, int(k)), []).append(text)
+                changed.setdefault(_holder(ready, free(), int(k)), []).append(text)
     return tuple(f"{'; '.join(texts)}: {who}" for who, texts in changed.items())
 
 
-def _holder(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray, k: int) -> str:
-    """Who does not let coordinate k be as given."""
+def _freedom(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which coordinates (3 nb,) can change under all rows, and which under those of joints alone."""
     memory = ready.memory()
     open_by(memory.handle, t, q, v)
     full = dense_rows(ready, memory)
     driving = np.array([row.driver for row in ready.rows], dtype=bool)
-    if not full.size or _free(full, k):
+    every = _free(full)
+    return every, (_free(full[~driving]) if driving.any() else every)
+
+
+def _holder(ready: Compiled, free: tuple[np.ndarray, np.ndarray], k: int) -> str:
+    """Who does not let coordinate k be as given."""
+    under_all, under_joints = free
+    if under_all[k]:
         return "the values given do not go together"
-    if not driving.any() or not _free(full[~driving], k):
+    if not under_joints[k]:
         return "the joints hold it"
     body = ready.bodies[k // 3]
     own = []
@@ -167,11 +176,12 @@ def _holder(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray, k: int) -> 
     return f"the driver{'s' if len(names) > 1 else ''} {listed} hold{'s' if len(names) == 1 else ''} it"
 
 
-def _free(rows: np.ndarray, k: int) -> bool:
-    """True when the coordinate k can change without any of the rows."""
+def _free(rows: np.ndarray) -> np.ndarray:
+    """Which coordinates (columns) can change without any of the rows."""
     if not len(rows):
-        return True
+        return np.ones(rows.shape[1], dtype=bool)
     rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
     _, values, right = np.linalg.svd(rows)
     rank = int((values > 1e-9 * values[0]).sum())
-    return bool(np.abs(right[rank:, k]).max(initial=0.0) > 1e-7)
+    free: np.ndarray = np.abs(right[rank:]).max(axis=0, initial=0.0) > 1e-7
+    return free
