@@ -135,6 +135,8 @@ def _branches(ready: Compiled, start: Assembled) -> list[str]:
                 continue
             first, second = at[two] - at[one], at[three] - at[one]
             side = first[1] * second[0] - first[0] * second[1]
+            if min(np.hypot(*first), np.hypot(*second), np.hypot(*(second - first))) < 1e-9 * ready.size:
+                continue  # two pins in one place: there is no side
             scale = float(np.hypot(*first) * np.hypot(*second))
             where = "on" if abs(side) < 1e-9 * scale else "left of" if side > 0 else "right of"
             found.append(f"{two} lies {where} the line {one} -> {three}")
