@@ -70,10 +70,10 @@ def on_one_freedom(ready: Compiled, memory: Memory) -> tuple[str, ...]:
 
 
 def without_freedom(ready: Compiled, memory: Memory) -> list[tuple[str, int]]:
-    """Drivers, with their rows, that nothing of what the joints leave free would move, at the state in the memory."""
-    rows = [r for r, row in enumerate(ready.rows) if row.driver]
-    share = np.linalg.norm(_driven(ready, memory), axis=1)
-    return [(ready.rows[r].owner, r) for r, moved in zip(rows, share, strict=True) if moved <= 1e-7]
+    """Drivers, with their rows, of a mechanism whose joints leave nothing free, at the state in the memory."""
+    if _driven(ready, memory).shape[1]:  # at a dead centre a driver moves nothing either, but another position would do
+        return []
+    return [(row.owner, r) for r, row in enumerate(ready.rows) if row.driver]
 
 
 def _driven(ready: Compiled, memory: Memory) -> np.ndarray:
