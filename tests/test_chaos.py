@@ -77,6 +77,16 @@ def test_exponent_of_a_periodic_oscillator_is_negative():
     assert found.horizon() == math.inf
 
 
+@pytest.mark.parametrize("t_end", [43.0, 47.0, 57.0])
+def test_exponent_does_not_depend_on_where_in_a_swing_the_run_ends(t_end):
+    # x'' + 0.1 x' + 25 x = 0: errors shrink like exp(-0.05 t), and swing meanwhile, by a factor of up to 5 in the norm
+    # of a run with stretches of 1 s, seen at every 1.6th half swing: by ln(5)/(0.8 t_end) = 0.04 in the mean growth
+    m = rt.loads(DUFFING.format(F=0.0).replace("k*mass.x**3", "25*mass.x").replace('k = "1 N/m^3"\n', ""))
+    found = m.lyapunov(t_end, stretch=1.0)
+    # by least squares less by about the number of half swings that are seen, 10 to 14
+    assert found.exponent == pytest.approx(-0.05, abs=0.005)
+
+
 def test_exponent_of_an_integrable_pendulum_is_nothing_and_of_a_double_one_positive():
     m = rt.Mechanism("pendulum", gravity=[0, -9.81])
     m.ground(O=[0, 0])

@@ -41,6 +41,7 @@ ROUGH = 0.3  # the same beyond which it is called rough
 ENOUGH = 100.0  # growth of differences below which motion may be regular yet: there they grow in proportion to time
 LATE = 6  # times that the end of a stretch is put off, where one of two runs has just had an impact
 BLOCKS = 10  # parts of the run from whose scatter the uncertainty follows
+SPREAD = 1.2  # variance of the slope of the best line through a random walk, as a share of that of its mean step
 STUDENT = 2.262  # 95 % of Student's t with BLOCKS - 1 degrees of freedom
 
 
@@ -303,6 +304,7 @@ def lyapunov(
     t_end: duration [s] (default: what the model says).  stretch: [s] (default: t_end/400, shorter where growth is
     too fast).  skip: share of the run left out at the start, until the difference has turned to the direction that
     grows most.  rtol: of both runs.
+    The exponent is the slope of the line that fits the logarithm of the growth best, over time.
     With set-valued contacts both runs go from event to event; a stretch at whose end one of them has had an impact
     that the other is about to have lasts a little longer.
     Raises ValueError where the drivers fix every position (then nothing can grow), or the run cannot go on.
@@ -325,8 +327,19 @@ def lyapunov(
         raise ValueError(f"differences grow too fast even over {length:.3g} s; give a shorter stretch")
     kept = growth[int(skip * len(growth)) :]
     blocks = np.array([part.mean() for part in np.array_split(kept, BLOCKS)]) / length
-    error = STUDENT * float(blocks.std(ddof=1)) / math.sqrt(BLOCKS)
-    return Lyapunov(float(kept.mean()) / length, error, len(kept) * length, growth, length)
+    error = STUDENT * float(blocks.std(ddof=1)) * math.sqrt(SPREAD / BLOCKS)
+    return Lyapunov(_slope(kept) / length, error, len(kept) * length, growth, length)
+
+
+def _slope(growth: np.ndarray) -> float:
+    """Mean growth per stretch: slope of the line that fits the sums of `growth` (n,) best.
+
+    The plain mean knows the two ends alone, and differences that turn as they grow swing: by a bounded amount, which
+    stands in it divided by n, but here divided by n^2.
+    """
+    n = len(growth)
+    k = np.arange(1, n + 1)
+    return float(6.0 / (n * (n + 1) * (n + 2)) * np.sum(k * (n + 1 - k) * growth))
 
 
 def _require_freedom(m: Mechanism) -> None:
