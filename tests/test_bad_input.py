@@ -315,6 +315,18 @@ def test_signal_that_loses_its_value_is_named():
     assert "signals.s" in r.message
 
 
+@pytest.mark.parametrize(
+    "text", ["1/(0.1 - t)", "1/(0.1 - t)**2", "1/(0.1 - t) if t < 0.1 else 0", "1/(0.1 - disc.angle)"]
+)
+def test_expression_that_grows_beyond_all_bounds_is_named(text):
+    # behind its pole it has finite values again, and no step ends right on it
+    m = spinning().signal("s", text).initial("disc", omega=1.0)
+    r = m.load("M", "torque", body="disc", torque="s*1e-3").simulate(0.3)
+    assert not r.success
+    assert r.trust.t_end == pytest.approx(0.1, rel=2e-3)  # the load makes the disc faster by a thousandth
+    assert "signals.s has no finite value at t = " in r.message
+
+
 def test_start_without_a_value_is_named():
     with pytest.raises(rt.AssemblyError, match="the function of driver 'motor' has no finite value at t = 0 s"):
         _ = spinning().driver("motor", "O", angle="log(t - 1)").start

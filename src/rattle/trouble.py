@@ -20,6 +20,8 @@ from rattle.steppers.writing import record
 from rattle.system import Compiled
 
 NEAR = 10.0  # shares of the step that failed, within which a contact law is asked what it meets
+GLANCE, SHARE = 1e-6, 1e-3  # how far it is looked back, as a share of the run, and a share of that
+GROWN = 20.0  # growth of a value, by which a pole is told, where the time to it shrinks by SHARE
 TINY = 1e-12  # a contact that wants shorter steps is too stiff [s]
 
 
@@ -54,6 +56,9 @@ def explain(ready: Compiled, memory: Memory, t_end: float, status: int, method: 
             f"cannot go on at t = {t:.6g} s: forces, rates or accelerations are too large for numbers (worst at body"
             f" '{body}', {size.max():.3g} in SI units); look for a load, mass or rate that is far too large or small"
         )
+    pole = _pole(ready, memory, t_end)
+    if pole:
+        return pole
     fastest = ready.bodies[int(np.argmax(np.abs(memory["f"][nq : 2 * nq]))) // 3]
     return (
         f"cannot go on at t = {t:.6g} s: the step fell below {h:.1g} s (worst at body '{fastest}');"
@@ -121,6 +126,31 @@ def not_finite(ready: Compiled, memory: Memory, t_end: float) -> str:
             why = contactlaw.failure(row, memory["touch"][n], memory["grip"][n], memory["values"])
             if why and share <= NEAR:
                 return f"joint '{ready.joints[row[OWNER]]}': {why} at t = {t:.6g} s"
+    return ""
+
+
+def _pole(ready: Compiled, memory: Memory, t_end: float) -> str:
+    """Which expression has grown beyond all bounds towards the last state; empty if none.
+
+    Steps that shrink towards a pole never reach it, and behind it values are finite again: what tells it is that the
+    value grows by a factor wherever the time to go shrinks by one.
+    """
+    t, nq = float(memory["clock"][march.T]), 3 * ready.body_count
+    back = np.zeros_like(memory["y"])
+    back[:nq] = memory["y"][nq : 2 * nq]
+    sizes: list[dict[int, float]] = []
+    for share in (GLANCE, GLANCE * SHARE, 0.0):
+        now = t - share * t_end
+        record(memory.handle, now, memory["y"] - (t - now) * back, np.zeros(width(ready)))
+        sizes.append({first: float(np.abs(values).max()) for first, values in _evaluated(ready, memory)})
+    for first, least in sizes[0].items():
+        middle, last = sizes[1][first], sizes[2][first]
+        if 0.0 < GROWN * least < middle and GROWN * middle < last:
+            name = ready.live_names[ready.program_starts.index(first)]
+            return (
+                f"{name} has no finite value at t = {t:.6g} s, towards which it grows beyond all bounds"
+                f" (to {last:.3g} so far); check its domain (division by zero, logarithm)"
+            )
     return ""
 
 
