@@ -185,6 +185,7 @@ def test_words_about_an_unsolved_problem_name_painleve_only_where_friction_is_sh
     from rattle.impact_run import ImpactRun
 
     run = ImpactRun.__new__(ImpactRun)
+    run.method = "event"
     said = {}
     for outcome in (IMPOSSIBLE, JAMMED, complementarity.UNSETTLED):
         memory, _ = problem(3, 0.1, np.random.default_rng(1))
