@@ -216,10 +216,9 @@ def test_a_rocker_stops_at_its_dead_centre_which_is_located():
 
 @nojit
 def test_drivers_that_jump_or_lose_their_value_are_named():
-    jump = rt.loads(slider_crank('joint = "O"\nangle = "2*step(t - 0.5)"')).kinematics(np.linspace(0, 1, 11))
-    assert not jump.success
-    assert "jumps" in jump.message
-    assert jump.t[-1] < 0.5 + 1e-9
+    jump = rt.loads(slider_crank('joint = "O"\nangle = "2*step(t - 0.5)"'))
+    with pytest.raises(rt.ModelError, match=r"'motor' jumps by 2 rad at t = 0\.5 s: no body can follow"):
+        jump.kinematics(np.linspace(0, 1, 11))
     ends = rt.loads(slider_crank('joint = "O"\nangle = "sqrt(1 - t)"')).kinematics(np.linspace(0, 2, 21))
     assert not ends.success
     assert "'motor' has no finite value" in ends.message

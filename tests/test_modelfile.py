@@ -198,10 +198,12 @@ def test_unknown_example_has_a_suggestion():
 def test_any_title_and_number_survive(title, mass):
     m = rt.Mechanism(title).ground(O=[0, 0]).bar("a", "A", "B", length=1, mass=mass)
     again = rt.loads(m.to_toml())
-    assert again.name == title
+    # titles go to terminals and pictures: what cannot be printed is spelled out, once and for all
+    assert again.name == (title if title.isprintable() else m.name)
+    assert again.name.isprintable()
     assert again.model.bodies["a"].mass == mass
-    renamed = again.set({"name": title + "!", "bodies.a.mass": mass / 2})
-    assert rt.loads(renamed.to_toml()).name == title + "!"
+    renamed = again.set({"name": again.name + "!", "bodies.a.mass": mass / 2})
+    assert rt.loads(renamed.to_toml()).name == again.name + "!"
 
 
 # ---------------------------------------------------------------- one word changes the contact model

@@ -60,7 +60,7 @@ def test_dop853_has_order_8():
     # the tolerance is out of the way, so that all steps but the first are of the largest size; errors 1e-6 to 1e-12,
     # where those of order 9 still count
     steps = T_END / np.array([40, 56, 80, 112, 160])
-    errors = [error(np.array([T_END]), method="dop853", step=h, rtol=1e3, atol=1e3) for h in steps]
+    errors = [error(np.array([T_END]), method="dop853", step=h, rtol=0.9, atol=1e3) for h in steps]
     assert 7.8 < slope(steps, errors) < 9.8
 
 
@@ -75,7 +75,7 @@ def test_dop853_keeps_its_tolerance():
 def test_dense_output_has_its_order(method, counts, order):
     """Between the steps: Hermite's cubic has error h^4, the interpolant of dop853, of order 7, at least h^7."""
     steps = T_END / np.array(counts)
-    loose = {} if method == "rk4" else {"rtol": 1e3, "atol": 1e3}
+    loose = {} if method == "rk4" else {"rtol": 0.9, "atol": 1e3}
     between = np.linspace(0.1, T_END - 0.1, 977)
     errors = [error(between, method=method, step=h, **loose) for h in steps]
     assert slope(steps, errors) > order - 0.4
