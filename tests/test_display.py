@@ -122,3 +122,66 @@ def test_a_dataset_says_what_was_run_and_how_far_to_trust_it(run):
     attributes = run.to_xarray().attrs
     assert attributes["trust"] == str(run.trust)
     assert attributes["method"] == "dop853"
+
+
+def test_a_result_is_a_table_in_a_notebook(run):
+    shown = run._repr_html_()
+    assert "<pre" not in shown
+    assert "<th" in shown
+    force, when = run.peak("O3.force")
+    here = cells(shown)
+    assert {"O2", "O3", "O4", f"{force:.4g} N", f"{when:.4g} s", f"{run.rms('O3.force'):.4g} N"} <= set(here)
+    assert len(here) % 9 == 0  # a joint without play has dashes, not fewer cells
+    assert str(run.trust).splitlines()[0] in html.unescape(shown)
+
+
+@pytest.mark.parametrize("draw", ["curves", "orbit", "path"])
+def test_a_picture_drawn_into_given_axes_returns_them_and_no_second_figure(run, draw):
+    from matplotlib.figure import Figure
+
+    from rattle.plot import plot_path
+
+    ways = {
+        "curves": lambda ax: run.plot("rocker.angle", ax=ax),
+        "orbit": lambda ax: run.plot_orbit("O3", ax=ax),
+        "path": lambda ax: plot_path(run, "coupler.O3", ax=ax),
+    }
+    ax = Figure().subplots()
+    assert ways[draw](ax) is ax
+    assert ax.lines
+    assert isinstance(ways[draw](None), Figure)
+
+
+def test_sections_and_bifurcations_draw_into_given_axes(run):
+    from matplotlib.figure import Figure
+
+    from rattle.chaos import Bifurcation, Section
+
+    section = Section(run.t, {n: run[n] for n in ("O3.ex", "O3.ey")}, {"O3.ex": "m", "O3.ey": "m"}, "a rule")
+    points = np.arange(6.0).reshape(2, 3)
+    found = Bifurcation("c", np.array([1.0, 2.0]), "m", "O3.ex", "m", points, "a rule")
+    left, right = Figure().subplots(1, 2)
+    assert section.plot(ax=left) is left
+    assert found.plot(ax=right) is right
+    assert isinstance(section.plot(), Figure)
+    assert isinstance(found.plot(), Figure)
+
+
+@pytest.mark.nojit
+def test_options_of_pictures_and_films_have_names():
+    from inspect import Parameter, signature
+
+    from rattle import animate, plot
+    from rattle.modes import Modes
+
+    for method, function in ((rt.Result.plot, plot.plot), (rt.Result.animate, animate.animate)):
+        ours, theirs = signature(method).parameters, signature(function).parameters
+        assert not any(one.kind == Parameter.VAR_KEYWORD for one in ours.values())
+        assert {n: p.default for n, p in ours.items() if n != "self"} == {
+            n: p.default for n, p in theirs.items() if n != "result"
+        }
+    film = signature(Modes.animate).parameters
+    wanted = signature(animate.animate).parameters
+    assert {n: film[n].default for n in wanted if n not in ("result", "path")} == {
+        n: p.default for n, p in wanted.items() if n not in ("result", "path")
+    }

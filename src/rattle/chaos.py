@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
@@ -89,8 +89,15 @@ class Section:
     def __repr__(self) -> str:
         return f"<rattle.Section: {len(self.t)} points of {', '.join(self.values)}, {self.rule}>"
 
-    def plot(self, x: str | None = None, y: str | None = None, ax: Axes | None = None) -> Figure:
-        """The points of two of the names (default: the first two), coloured by time."""
+    @overload
+    def plot(self, x: str | None = None, y: str | None = None, ax: None = None) -> Figure: ...
+    @overload
+    def plot(self, x: str | None = None, y: str | None = None, *, ax: Axes) -> Axes: ...
+    def plot(self, x: str | None = None, y: str | None = None, ax: Axes | None = None) -> Figure | Axes:
+        """The points of two of the names (default: the first two), coloured by time.
+
+        ax: draw there.  Returns a new figure, or `ax` where it is given.
+        """
         from rattle.plot_chaos import plot_section
 
         names = list(self.values)
@@ -178,8 +185,12 @@ class Bifurcation:
         )
         return f"<rattle.Bifurcation: {self.of} over {shape}, {self.points.shape[1]} points each>"
 
-    def plot(self, ax: Axes | None = None) -> Figure:
-        """Points over the parameter."""
+    @overload
+    def plot(self, ax: None = None) -> Figure: ...
+    @overload
+    def plot(self, ax: Axes) -> Axes: ...
+    def plot(self, ax: Axes | None = None) -> Figure | Axes:
+        """Points over the parameter, on a new figure; with `ax` there, and `ax` is returned."""
         from rattle.plot_chaos import plot_bifurcation
 
         return plot_bifurcation(self, ax)

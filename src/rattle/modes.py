@@ -7,8 +7,10 @@ mechanism's size;  K as in `statics`, C = -dQ/dv by differences
 from __future__ import annotations
 
 import math
+import os
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -122,9 +124,18 @@ class Modes:
 
         return plot_mode(self, mode, amplitude)
 
-    def animate(self, mode: int, path: str, amplitude: float = 0.1, **options: Any) -> Picture:
-        """The mode as a moving picture; see `Result.animate`."""
-        return self.motion(mode, amplitude).animate(path, **options)
+    def animate(
+        self, mode: int, path: str | os.PathLike[str], amplitude: float = 0.1, *, frames: int = 120, fps: int = 20,
+        trace: Iterable[str] = (), dpi: float = 90.0, speed: float | None = None, names: bool = False,
+    ) -> Picture:  # fmt: skip
+        """One cycle of a mode (0 = lowest) as .gif or .mp4; a notebook shows it.
+
+        amplitude: as in `motion`.  frames (at most), fps [1/s], trace (names of points), dpi, speed, names: as in
+        `Result.animate`.  Raises ValueError for a mode that is not there or another suffix.
+        """
+        return self.motion(mode, amplitude).animate(
+            path, frames=frames, fps=fps, trace=trace, dpi=dpi, speed=speed, names=names
+        )
 
 
 def modes(rest: Rest, one: Equilibrium, note: str = "") -> Modes:

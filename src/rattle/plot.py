@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,24 @@ QUANTITY = {
 SUFFIXES = (".svg", ".png", ".pdf")
 
 
+@overload
+def plot(
+    result: Result,
+    *names: str,
+    ax: None = None,
+    compare: Iterable[tuple[str, Result]] = (),
+    robust: bool = False,
+    over: str | None = None,
+) -> Figure: ...
+@overload
+def plot(
+    result: Result,
+    *names: str,
+    ax: Axes,
+    compare: Iterable[tuple[str, Result]] = (),
+    robust: bool = False,
+    over: str | None = None,
+) -> Axes: ...
 def plot(
     result: Result,
     *names: str,
@@ -48,14 +66,14 @@ def plot(
     compare: Iterable[tuple[str, Result]] = (),
     robust: bool = False,
     over: str | None = None,
-) -> Figure:
+) -> Figure | Axes:
     """Curves over time: one panel per unit, one time axis; what lies after the horizon is shaded.
 
     Angles are drawn in degrees, lengths in m, mm or µm as they are large; with `ax` all stays in SI.
     over: another curve, such as "crank.angle", in the place of time.
     compare: further results as (label, result); their curves of the same names are dashed.
     robust: leave rare spikes out of the range of the axis (a note says how far they reach).
-    With `ax` everything goes there, so all names must have one unit.
+    ax: draw there; then all names must have one unit.  Returns a new figure, or `ax` where it is given.
 
     Raises UnknownName, or ValueError where there is nothing to draw or one axis for two units.
     """
@@ -86,7 +104,7 @@ def plot(
     if ax is None and (title := str(result.provenance.get("model", ""))):
         axes[0].set_title(title, loc="left", fontsize=10, parse_math=False)
     axes[-1].set_xlabel(along)
-    return figure_of(axes[0])
+    return drawn(axes[0], ax)
 
 
 Across = Callable[["Result"], Array]
@@ -130,16 +148,21 @@ def handy_unit(unit: str, size: float) -> tuple[float, str]:
     return 1.0, unit
 
 
-def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure:
+@overload
+def plot_path(result: Result, *points: str, ax: None = None) -> Figure: ...
+@overload
+def plot_path(result: Result, *points: str, ax: Axes) -> Axes: ...
+def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | Axes:
     """Paths of points such as "coupler.P" (or of mass centres, "coupler") in the plane, a ring at their start.
 
+    ax: draw there.  Returns a new figure, or `ax` where it is given.
     Raises UnknownName, or ValueError without a point.
     """
     if not points:
         raise ValueError("name at least one point, such as 'coupler.P'")
     paths = [(name, result[f"{name}.x"], result[f"{name}.y"]) for name in dict.fromkeys(points)]
     factor, unit = handy_unit("m", max(float(np.nanmax(np.abs(one[1:]), initial=0.0)) for one in paths))
-    ax = ax if ax is not None else new_axes(6.8, 5.4)[0]
+    given, ax = ax, ax if ax is not None else new_axes(6.8, 5.4)[0]
     for k, (name, x, y) in enumerate(paths):
         colour = CURVES[k % len(CURVES)]
         ax.plot(factor * x, factor * y, color=colour, linewidth=1.1, label=f"path of {name}")
@@ -154,15 +177,21 @@ def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure:
     span = f"t = {result.t[0]:g} to {result.t[-1]:g} s" if len(result.t) else "no instant"
     late = shade_after_horizon(ax, result, draw=False)
     note(ax, f"{span}; after t = {result.trust.horizon:.3g} s statistics only" if late else span)
-    return figure_of(ax)
+    return drawn(ax, given)
 
 
-def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure:
+@overload
+def plot_orbit(result: Result, joint: str, ax: None = None) -> Figure: ...
+@overload
+def plot_orbit(result: Result, joint: str, ax: Axes) -> Axes: ...
+def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | Axes:
     """Path of the pin centre in the clearance circle of a joint, coloured by the normal force.
 
     Larger forces lie on top of smaller ones.  Ticks outside the circle show where N < 0, that is,
     where the bush would have to pull; dots on the circle are impacts, their area as the impulse, and rings
-    where lasting contacts start.  Raises ValueError where the joint has no clearance.
+    where lasting contacts start.
+    ax: draw there.  Returns a new figure, or `ax` where it is given.
+    Raises ValueError where the joint has no clearance.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import Normalize
@@ -176,7 +205,7 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure:
     c = form["clearance"] * scale
     x, y, normal = pin_path(result, joint)
     x, y = x * scale, y * scale
-    ax = ax if ax is not None else new_axes(6.4, 5.4)[0]
+    given, ax = ax, ax if ax is not None else new_axes(6.4, 5.4)[0]
 
     ax.add_patch(Circle((0, 0), c, facecolor=BORE, edgecolor=GREY, linewidth=0.8, zorder=0))
     ax.plot([0], [0], "+", color=GREY, markersize=8)
@@ -206,7 +235,7 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure:
     ax.set_title(f"{joint}: orbit of the pin, clearance {c:.4g} {length}", fontsize=11, loc="left", pad=18)
     if shade_after_horizon(ax, result, draw=False):
         note(ax, f"t = {result.t[0]:g} to {result.t[-1]:g} s; after t = {result.trust.horizon:.3g} s statistics only")
-    return figure_of(ax)
+    return drawn(ax, given)
 
 
 def mark_pulling(ax: Axes, direction: Array, c: float) -> None:
@@ -305,6 +334,11 @@ def figure_of(ax: Axes) -> Figure:
     if figure is None:
         raise ValueError("this axis belongs to no figure")
     return figure
+
+
+def drawn(ax: Axes, given: Axes | None) -> Figure | Axes:
+    """What a picture returns: its own figure, or the axes it was told to draw into (a notebook shows those once)."""
+    return figure_of(ax) if given is None else given
 
 
 def axis_label(quantity: str, unit: str) -> str:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
-from rattle.plot import BLUE, GREY, axis_label, figure_of, handy_unit, new_axes, note
+from rattle.plot import BLUE, GREY, axis_label, drawn, figure_of, handy_unit, new_axes, note
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,11 +15,15 @@ if TYPE_CHECKING:
     from rattle.chaos import Bifurcation, Section
 
 
-def plot_section(section: Section, x: str, y: str, ax: Axes | None = None) -> Figure:
-    """The points of a section, coloured by time."""
+@overload
+def plot_section(section: Section, x: str, y: str, ax: None = None) -> Figure: ...
+@overload
+def plot_section(section: Section, x: str, y: str, ax: Axes) -> Axes: ...
+def plot_section(section: Section, x: str, y: str, ax: Axes | None = None) -> Figure | Axes:
+    """The points of a section, coloured by time, on a new figure; with `ax` there, and `ax` is returned."""
     from matplotlib.patches import Circle
 
-    ax = ax if ax is not None else new_axes(6.4, 5.4)[0]
+    given, ax = ax, ax if ax is not None else new_axes(6.4, 5.4)[0]
     same = section.units[x] == section.units[y]
     size = {name: float(np.nanmax(np.abs(section[name]), initial=0.0)) for name in (x, y)}
     wide, high = (handy_unit(section.units[n], max(size.values()) if same else size[n]) for n in (x, y))
@@ -37,12 +41,16 @@ def plot_section(section: Section, x: str, y: str, ax: Axes | None = None) -> Fi
     ax.set_ylabel(axis_label(y, high[1]))
     ax.set_title(f"Poincare section, {section.rule}", loc="left", fontsize=11, pad=16)
     note(ax, f"{len(section.t)} points")
-    return figure_of(ax)
+    return drawn(ax, given)
 
 
-def plot_bifurcation(found: Bifurcation, ax: Axes | None = None) -> Figure:
-    """All points of the output over the parameter."""
-    ax = ax if ax is not None else new_axes(8.0, 5.0)[0]
+@overload
+def plot_bifurcation(found: Bifurcation, ax: None = None) -> Figure: ...
+@overload
+def plot_bifurcation(found: Bifurcation, ax: Axes) -> Axes: ...
+def plot_bifurcation(found: Bifurcation, ax: Axes | None = None) -> Figure | Axes:
+    """All points of the output over the parameter, on a new figure; with `ax` there, and `ax` is returned."""
+    given, ax = ax, ax if ax is not None else new_axes(8.0, 5.0)[0]
     count = found.points.shape[1]
     x = np.repeat(found.values, count)
     wide = handy_unit(found.parameter_unit, float(np.abs(found.values).max(initial=0.0)))
@@ -55,4 +63,4 @@ def plot_bifurcation(found: Bifurcation, ax: Axes | None = None) -> Figure:
     missing = int(np.isnan(found.points).any(axis=1).sum())
     note(ax, f"{len(found.values)} runs, {count} points each" + (f"; {missing} ended early" if missing else ""))
     ax.margins(x=0.01)
-    return figure_of(ax)
+    return drawn(ax, given)

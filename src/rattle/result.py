@@ -12,7 +12,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -234,12 +234,12 @@ class Result:
         return f"<rattle.Result: {span}, {len(self.names)} names{'' if self.success else ', FAILED'}>"
 
     def _repr_html_(self) -> str:
-        from rattle.display import lines
-        from rattle.summary import joint_table
+        from rattle.display import table
+        from rattle.summary import joint_rows
 
         said = [] if self.success else [f"stopped: {self.message}"]
         title = f"{self.provenance.get('model') or 'mechanism'}: {repr(self)[1:-1]}"
-        return lines("\n".join([title, *said, joint_table(self), str(self.trust)]))
+        return table(*joint_rows(self), title, [*said, *str(self.trust).splitlines()])
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self.names)
@@ -384,24 +384,59 @@ class Result:
         return _first_place(lambda place: archive.write(place, record, self.t, self._data), path, fallback)
 
     # ------------------------------------------------------------ pictures
-    def plot(self, *names: str, ax: Axes | None = None, **options: Any) -> Figure:
-        """Curves over time, one panel per unit; see `rattle.plot.plot`."""
+    @overload
+    def plot(
+        self, *names: str, ax: None = None, compare: Iterable[tuple[str, Result]] = (), robust: bool = False,
+        over: str | None = None,
+    ) -> Figure: ...  # fmt: skip
+    @overload
+    def plot(
+        self, *names: str, ax: Axes, compare: Iterable[tuple[str, Result]] = (), robust: bool = False,
+        over: str | None = None,
+    ) -> Axes: ...  # fmt: skip
+    def plot(
+        self, *names: str, ax: Axes | None = None, compare: Iterable[tuple[str, Result]] = (), robust: bool = False,
+        over: str | None = None,
+    ) -> Figure | Axes:  # fmt: skip
+        """Curves over time, one panel per unit, angles in degrees, short lengths in mm or µm.
+
+        ax: draw there, in SI; then all names must have one unit.  Returns a new figure, or `ax` where it is given.
+        compare: further results as (label, result), dashed.  robust: rare spikes are left out of the axis, and a note
+        says how far they reach.  over: another curve, such as "crank.angle", in the place of time.
+        Raises UnknownName, or ValueError where there is nothing to draw or one axis for two units.
+        """
         from rattle import plot
 
-        return plot.plot(self, *names, ax=ax, **options)
+        return plot.plot(self, *names, ax=ax, compare=compare, robust=robust, over=over)
 
-    def plot_orbit(self, joint: str, ax: Axes | None = None) -> Figure:
-        """Path of a pin in its clearance circle; see `rattle.plot.plot_orbit`."""
+    @overload
+    def plot_orbit(self, joint: str, ax: None = None) -> Figure: ...
+    @overload
+    def plot_orbit(self, joint: str, ax: Axes) -> Axes: ...
+    def plot_orbit(self, joint: str, ax: Axes | None = None) -> Figure | Axes:
+        """Path of a pin in its clearance circle, coloured by the normal force; see `rattle.plot.plot_orbit`.
+
+        ax: draw there.  Returns a new figure, or `ax` where it is given.  Raises ValueError without clearance.
+        """
         from rattle import plot
 
         return plot.plot_orbit(self, joint, ax=ax)
 
-    def animate(self, path: str | os.PathLike[str], **options: Any) -> Picture:
-        """The mechanism moving, as .gif or .mp4; a notebook shows it.  See `rattle.animate.animate`."""
+    def animate(
+        self, path: str | os.PathLike[str], *, frames: int = 120, fps: int = 20, trace: Iterable[str] = (),
+        dpi: float = 90.0, speed: float | None = None, names: bool = False,
+    ) -> Picture:  # fmt: skip
+        """The mechanism moving, as .gif or .mp4; a notebook shows it.
+
+        At most `frames` pictures, evenly spaced in time, shown at `fps` per second.  trace: points ("coupler.P") that
+        leave their path behind.  dpi: dots per inch.  speed: of the film against the motion, 0.1 for ten times
+        slower; then there are as many frames as that takes.  names: write the names of bodies on them.
+        Raises ValueError for another suffix or a result without instants, UnknownName, MissingProgram without ffmpeg.
+        """
         from rattle import animate
         from rattle.display import Picture
 
-        animate.animate(self, path, **options)
+        animate.animate(self, path, frames=frames, fps=fps, trace=trace, dpi=dpi, speed=speed, names=names)
         return Picture(Path(path))
 
 

@@ -151,27 +151,36 @@ def rms(t: np.ndarray, values: np.ndarray) -> float:
     return math.sqrt(float(np.trapezoid(values**2, t)) / span) if span else abs(float(values[0]))
 
 
-def joint_table(result: Result) -> str:
-    """Per joint: peak force and its time, RMS force; with play also share of time pressing, contacts, impacts, losses.
+def joint_rows(result: Result) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Heading and one row per joint: peak force and its time, RMS force; with play what its contacts amount to.
 
     Peak and RMS of a run in time come from within its steps; otherwise from a smooth curve through the positions.
     """
     loose = contacts(result)
-    wide = max([10, *(len(joint) for joint in result.geometry["joints"])]) + 2
-    head = f"{'joint':{wide}s}{'peak force':>14s}{'at t':>12s}{'RMS force':>14s}"
+    head: tuple[str, ...] = ("joint", "peak force", "at t", "RMS force")
     if loose:
-        head += f"{'pressing':>10s}{'contacts':>10s}{'impacts':>9s}{'energy lost':>14s}{'mean power':>13s}"
-    lines = [head]
+        head += ("pressing", "contacts", "impacts", "energy lost", "mean power")
+    rows = []
     for joint in result.geometry["joints"]:
         if f"{joint}.fx" not in result or not len(result.t):
             continue
-        one = loose.get(joint)
         (force, when), mean = peak(result, f"{joint}.force"), rms_of(result, f"{joint}.force")
-        line = f"{joint:{wide}s}{force:12.4g} N{when:10.4g} s{mean:12.4g} N"
-        if one:
-            line += f"{100 * one.share:8.0f} %{one.contacts:10d}{one.impacts:9d}"
-            line += f"{one.energy_lost:12.4g} J{one.power_lost:11.4g} W"
-        elif loose:
-            line += f"{'-':>10s}{'-':>10s}{'-':>9s}{'-':>14s}{'-':>13s}"
-        lines.append(line)
-    return "\n".join(lines)
+        row: tuple[str, ...] = (joint, f"{force:.4g} N", f"{when:.4g} s", f"{mean:.4g} N")
+        if one := loose.get(joint):
+            row += (f"{100 * one.share:.0f} %", str(one.contacts), str(one.impacts))
+            row += (f"{one.energy_lost:.4g} J", f"{one.power_lost:.4g} W")
+        rows.append(row + ("-",) * (len(head) - len(row)))
+    return head, rows
+
+
+WIDTHS = (14, 12, 14, 10, 10, 9, 14, 13)  # of the columns after the name
+
+
+def joint_table(result: Result) -> str:
+    """The rows of `joint_rows` as text in columns."""
+    head, rows = joint_rows(result)
+    wide = max([10, *(len(joint) for joint in result.geometry["joints"])]) + 2
+    return "\n".join(
+        f"{name:{wide}s}" + "".join(f"{cell:>{width}s}" for cell, width in zip(cells, WIDTHS, strict=False))
+        for name, *cells in (head, *rows)
+    )
