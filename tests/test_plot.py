@@ -71,7 +71,7 @@ def test_compared_results_are_dashed_and_named():
 @nojit
 def test_plot_draws_into_a_given_axis_if_one_unit_is_asked():
     ax = new_axes(4, 3)[0]
-    assert circling().plot("O.fx", "O.fy", ax=ax) is ax.figure
+    assert circling().plot("O.fx", "O.fy", ax=ax) is ax
     with pytest.raises(ValueError, match="one axis shows one unit"):
         circling().plot("O.fx", "arm.x", ax=ax)
     with pytest.raises(ValueError, match="name at least one curve"):

@@ -280,7 +280,7 @@ def _legend(ax: Axes, found: Comparison) -> None:
 
 def _sketch(ax: Axes, found: Comparison) -> None:
     """The mechanism at the start."""
-    from rattle.animate import draw_at
+    from rattle.sketch import draw_at
 
     shown = next(model for model in (LINK, IMPACT, found.reference) if model in found.results)
     draw_at(ax, found.results[shown], 0)

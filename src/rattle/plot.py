@@ -100,7 +100,8 @@ def plot(
         if over is None:
             shade_after_horizon(panel, result)
     if shade_after_horizon(axes[0], result, draw=False):
-        note(axes[0], AFTER if over is None else f"t up to {result.t[-1]:g} s; {AFTER} at {result.trust.horizon:.3g} s")
+        span = f"t = {result.t[0]:g} to {result.t[-1]:g} s; after t = {result.trust.horizon:.3g} s statistics only"
+        note(axes[0], AFTER if over is None else span)
     if ax is None and (title := str(result.provenance.get("model", ""))):
         axes[0].set_title(title, loc="left", fontsize=10, parse_math=False)
     axes[-1].set_xlabel(along)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.plot import BLACK, BLUE, GREY, ORANGE, QUANTITY, RED, axis_label, handy_unit, new_figure, tidy
+from rattle.sketch import Scene, draw_mechanism, extent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,9 +44,19 @@ def plot_accuracy(found: Accuracy) -> Figure:
 
 
 def _band(ax: Axes, found: Accuracy, factor: float) -> None:
-    low, high = factor * (found.nominal - found.worst), factor * (found.nominal + found.worst)
-    ax.fill_between(found.t, low, high, color=BAND, linewidth=0, label="worst case")
+    """The output and its band, magnified by a round number where it would be too narrow to be seen."""
+    many = magnified(float(np.ptp(found.nominal)), float(found.worst.max(initial=0.0)))
+    low, high = (factor * (found.nominal + sign * many * found.worst) for sign in (-1.0, 1.0))
+    label = "worst case" if many == 1 else f"worst case,\nmagnified {many} times"
+    ax.fill_between(found.t, low, high, color=BAND, linewidth=0, label=label)
     ax.plot(found.t, factor * found.nominal, color=BLUE, linewidth=1.2, label="without play")
+
+
+def magnified(span: float, band: float) -> int:
+    """1, or the power of ten that brings half a band to at least 3 % of the span of its curve."""
+    if not (span > 0.0 < band) or band >= 0.03 * span:
+        return 1
+    return int(10 ** math.ceil(math.log10(0.03 * span / band) - 1e-9))
 
 
 def _deviation(ax: Axes, found: Accuracy, factor: float) -> None:
@@ -82,20 +93,23 @@ def _contributions(ax: Axes, found: Accuracy, factor: float, unit: str) -> None:
     ax.grid(axis="y", visible=False)
     ax.set_xlim(0, 1.15 * max([*sizes, 1e-300]))
     ax.set_xlabel(axis_label(f"contribution at the widest place, t = {found.t[k]:.3g} s", unit))
-    ax.set_title(f"tighten {found.tighten} first", loc="left", fontsize=10)
+    first = found.contributions[k, found.joints.index(found.tighten)]
+    equal = [one for one, size in zip(found.joints, found.contributions[k], strict=True) if size > 0.99 * first]
+    ax.set_title(f"tighten {' or '.join(equal)} first", loc="left", fontsize=10, parse_math=False)
 
 
 def plot_mode(modes: Modes, mode: int, amplitude: float = 0.1) -> Figure:
-    """The mechanism at rest (black) and at both ends of its swing."""
+    """The mechanism at rest (grey) with its joints, guides and springs, and its bodies at both ends of their swing."""
     motion = modes.motion(mode, amplitude)
     figure = new_figure(6.4, 5.4)
     ax = tidy(figure.subplots())
     half = len(motion.t) // 2
-    for k, colour, label in (
-        (0, BLUE, "one end of the swing"),
-        (half, ORANGE, "the other"),
-        (half // 2, BLACK, "at rest"),
-    ):
+    stage = Scene(motion, np.array([half // 2]), 1.0)
+    low, high = extent(stage)
+    stage = stage._replace(size=float(max(high - low)) or 1.0)
+    draw_mechanism(ax, stage, (GREY,))
+    ax.plot([], [], color=GREY, linewidth=5, alpha=0.75, label="at rest")
+    for k, colour, label in ((0, BLUE, "one end of the swing"), (half, ORANGE, "the other")):
         _draw(ax, motion, k, colour, label)
     ax.set_aspect("equal", adjustable="datalim")
     ax.set_xlabel("x [m]")
@@ -108,7 +122,7 @@ def plot_mode(modes: Modes, mode: int, amplitude: float = 0.1) -> Figure:
 
 
 def _draw(ax: Axes, result: Result, k: int, colour: str, label: str) -> None:
-    """Every body as lines between its points; a body with one point as a dot."""
+    """Every body as lines between its points; a body with one point as a line to its mass centre."""
     shown: str | None = label
     for body, form in result.geometry["bodies"].items():
         points = list(form["points"])
@@ -117,10 +131,6 @@ def _draw(ax: Axes, result: Result, k: int, colour: str, label: str) -> None:
         if len(points) < 2:  # its mass centre is all there is besides
             x, y = [*x, float(result[f"{body}.x"][k])], [*y, float(result[f"{body}.y"][k])]
         closed = [*range(len(x)), 0] if len(x) > 2 else list(range(len(x)))
-        ax.plot(
-            [x[n] for n in closed], [y[n] for n in closed], "o-", color=colour, linewidth=1.6, markersize=4, label=shown
-        )
+        across, up = [x[n] for n in closed], [y[n] for n in closed]
+        ax.plot(across, up, "o-", color=colour, linewidth=1.6, markersize=4, label=shown, zorder=7)
         shown = None
-    if label == "at rest":
-        ground = result.geometry["ground"]["points"].values()
-        ax.plot([p[0] for p in ground], [p[1] for p in ground], "^", color=GREY, markersize=9, zorder=0)

@@ -1,0 +1,103 @@
+"""How parts are drawn: cylinders as tubes with a piston, modes with springs and joints, bands that can be seen."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+import rattle as rt
+from rattle.plot_statics import magnified, plot_accuracy
+from rattle.sketch import Scene, draw_mechanism
+
+CYLINDER = """
+format = 1
+[ground.points]
+O = [0, 0]
+Q = [0.5, -0.3]
+[bodies.boom]
+bar = ["O", "P"]
+length = 1
+mass = 1
+[bodies.barrel]
+bar = ["Q", "E"]
+length = 0.3
+mass = 1
+[bodies.rod]
+bar = ["S", "R"]
+length = 0.3
+mass = 1
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "boom.O"]
+[joints.Q]
+type = "revolute"
+connect = ["ground.Q", "barrel.Q"]
+[joints.R]
+type = "revolute"
+connect = ["boom.P", "rod.R"]
+[joints.cylinder]
+type = "prismatic"
+connect = ["barrel.Q", "rod.S"]
+[drivers.oil]
+joint = "cylinder"
+position = "0.25 + 0.06*sin(t)"
+[initial]
+boom = { angle = "20 deg" }
+barrel = { angle = "60 deg" }
+"""
+
+
+def test_a_cylinder_is_a_tube_that_holds_barrel_and_piston_all_the_time():
+    r = rt.loads(CYLINDER).kinematics(np.linspace(0, 6, 13))
+    stage = Scene(r, np.arange(len(r.t)), 1.0)
+    ax = Figure().subplots()
+    updates = draw_mechanism(ax, stage)
+    tube, piston = [patch for patch in ax.patches if isinstance(patch, Polygon) and len(patch.get_xy()) == 5][:2]
+    bars = [line for line in ax.lines if line.get_linewidth() == 5]
+    assert len(bars) == 2  # boom and rod; the barrel is no bar beside the rod
+    for k in range(len(r.t)):
+        for move in updates:
+            move(k)
+        outline = tube.get_path()
+        for point in ("barrel.E", "barrel.Q", "rod.S"):
+            assert outline.contains_point((r[f"{point}.x"][k], r[f"{point}.y"][k]))
+        centre = piston.get_xy()[:4].mean(axis=0)
+        # a centre of four corners: rounding only
+        assert centre == pytest.approx([r["rod.S.x"][k], r["rod.S.y"][k]], abs=1e-12)
+
+
+def test_a_mode_is_drawn_with_its_springs_and_joints():
+    modes = rt.example("balanced_arm").modes()
+    ax = modes.plot().axes[0]
+    rest = modes.equilibrium.result
+    zigzag = [line for line in ax.lines if len(line.get_xdata()) > 10]
+    assert len(zigzag) == sum(form["type"] == "spring" for form in rest.geometry["loads"].values()) == 1
+    assert any(isinstance(patch, Polygon) for patch in ax.patches)  # the pivot on the ground
+    names = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert names == ["at rest", "one end of the swing", "the other"]
+
+
+@pytest.mark.parametrize(
+    ("span", "band", "times"), [(0.04, 1e-4, 100), (0.04, 8e-4, 10), (40.0, 1.5, 1), (0.0, 1.0, 1)]
+)
+def test_a_band_is_magnified_by_a_round_number_until_it_can_be_seen(span, band, times):
+    assert magnified(span, band) == times
+
+
+def test_a_magnified_band_says_so():
+    found = rt.example("path_generator").accuracy("coupler.P.y", np.linspace(0, 1, 13), extremes=False)
+    figure = plot_accuracy(found)
+    top = figure.axes[0]
+    assert [text.get_text() for text in top.get_legend().get_texts()] == [
+        "worst case,\nmagnified 10 times",
+        "without play",
+    ]
+    (band,) = top.collections
+    height = np.ptp(band.get_paths()[0].vertices[:, 1])
+    wide = 10 * found.worst
+    assert height == pytest.approx(np.ptp([*(found.nominal - wide), *(found.nominal + wide)]))
+
+
+def test_joints_that_matter_as_much_are_both_named():
+    found = rt.example("fourbar").accuracy("rocker.angle", [0.0, 0.1], extremes=False)
+    assert plot_accuracy(found).axes[2].get_title(loc="left") in ("tighten O3 or O4 first", "tighten O4 or O3 first")
