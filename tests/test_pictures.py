@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from matplotlib.patches import Circle, Polygon
 
 import rattle as rt
 from circling import circling
@@ -138,3 +139,20 @@ def test_pictures_of_one_result_do_not_overwrite_each_other(tmp_path):
         assert done.exit_code == 0, done.output
     assert {one.name for one in tmp_path.glob("*.png")} == {"out.png", "out-O.png", "out-path.png"}
     assert CliRunner().invoke(main, ["plot", path, "--over", "arm.angle"]).exit_code == 2
+
+
+def test_a_block_is_shown_between_its_walls_and_no_word_is_cut_off():
+    found = rt.example("guide_play").compare(t_end="30 ms")
+    figure = found.figure()
+    figure.canvas.draw()
+    panels = [ax for ax in figure.axes if "block in its guide" in ax.get_title()]
+    assert panels
+    edge = figure.bbox.width
+    clearance = 1e3 * found.results["one-sided impact"].geometry["joints"]["guide"]["clearance"]
+    for ax in panels:
+        assert not [patch for patch in ax.patches if isinstance(patch, Circle)]
+        (walls,) = [patch for patch in ax.patches if isinstance(patch, Polygon)]
+        assert np.ptp(walls.get_xy()[:, 1]) == pytest.approx(2 * clearance)  # [mm], the guide lies flat
+        box = ax.title.get_window_extent()
+        assert box.x0 >= 0.0
+        assert box.x1 <= edge

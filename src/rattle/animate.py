@@ -25,6 +25,7 @@ from rattle.plot import (
     length_unit,
     new_figure,
     pin_path,
+    require_point,
     tidy,
 )
 from rattle.sketch import Scene, draw_mechanism, draw_tag, extent
@@ -148,6 +149,7 @@ def _clock(ax: Axes, stage: Scene, pace: float) -> Update:
 def _traces(ax: Axes, stage: Scene, points: Iterable[str]) -> list[Update]:
     updates: list[Update] = []
     for n, point in enumerate(points):
+        require_point(stage.result, point)
         x, y = stage.result[f"{point}.x"], stage.result[f"{point}.y"]
         (line,) = ax.plot([], [], color=CURVES[n % len(CURVES)], linewidth=0.8, zorder=1)
 

@@ -132,7 +132,9 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Array, Array]:
         head = opened.read(8)
     reader = _read_npz if head.startswith(ZIP) else _read_netcdf if head == NETCDF else None
     if reader is None:
-        raise ValueError(f"{file} {NO_RESULT}")
+        model = file.suffix.lower() in (".toml", ".json")
+        hint = f"; a model file is run first: rattle run {file} -o out.npz" if model else ""
+        raise ValueError(f"{file} {NO_RESULT}{hint}")
     if reader is _read_netcdf:
         package("h5py", f"reading {file.name}, which is netCDF,")
         _require_whole(file)

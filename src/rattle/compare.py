@@ -102,10 +102,11 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
         hardest = max((event.impulse for event in mine), default=0.0)
         hits = f"{found.impacts}, to {hardest:.2g} N*s" if found.impacts else "0"
         touched = (f"{100 * found.share:.0f} %", str(found.contacts), hits, lost)
-    return (model, _newton(peak), _newton(result.rms(f"{joint}.force")), *touched, reach)
+    return (model, newton(peak), newton(result.rms(f"{joint}.force")), *touched, reach)
 
 
-def _newton(force: float) -> str:
+def newton(force: float) -> str:
+    """A force as text, large ones in kN."""
     return f"{force:.4g} N" if force < 1e4 else f"{force / 1e3:.4g} kN"
 
 

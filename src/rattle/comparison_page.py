@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rattle.compare import COMPLIANT, HEAD, IDEAL, IMPACT, LINK, Comparison
+from rattle.compare import COMPLIANT, HEAD, IDEAL, IMPACT, LINK, Comparison, newton
 from rattle.plot import (
     BLACK,
     BLUE,
@@ -194,7 +195,7 @@ def _events(ax: Axes, r: Result, joint: str, scale: float) -> None:
         parts.append(f"red: {len(hits)} impact{many}, up to {max(e.impulse for e in hits):.2g} N·s")
     elif mine:
         peak = max(e.peak_force for e in mine)
-        parts.append(f"{sum(e.kind == 'contact' for e in mine)} contacts, peak {peak:.3g} N")
+        parts.append(f"{sum(e.kind == 'contact' for e in mine)} contacts, peak {newton(peak)}")
     note(ax, "; ".join([*parts, TOP]))
 
 
@@ -209,7 +210,9 @@ def _orbit(ax: Axes, found: Comparison, model: str) -> None:
     x, y, normal = pin_path(r, joint)
     tidy(ax).grid(False)
     ax.spines[["left", "bottom"]].set_visible(False)
-    ax.add_patch(Circle((0, 0), c, facecolor=BORE, edgecolor=GREY, linewidth=1.0, zorder=0))
+    guide = form["type"] == "prismatic"
+    if not guide:
+        ax.add_patch(Circle((0, 0), c, facecolor=BORE, edgecolor=GREY, linewidth=1.0, zorder=0))
     dense = max(0.15, min(0.9, 3000 / max(len(x), 1)))
     ax.plot(scale * x, scale * y, color=COLOURS[model], linewidth=0.7 if model != LINK else 2.2, alpha=dense, zorder=2)
     pulls = normal < 0.0
@@ -227,9 +230,21 @@ def _orbit(ax: Axes, found: Comparison, model: str) -> None:
     ax.set_yticklabels([])
     ax.tick_params(length=0)
     said = {LINK: "red: N < 0", IMPACT: "dots: impacts, by impulse", COMPLIANT: "rings: contacts"}[model]
-    what = "block in its guide" if form["type"] == "prismatic" else "pin in its bush"
+    if guide:
+        _walls(ax, form, c, limit)
+    what = "block in its guide" if guide else "pin in its bush"
     deep = f"; sinks in by {reach - c:.3g} {unit}" if reach > 1.05 * c else ""
-    ax.set_title(f"{joint}: {what}; {said}{deep}", fontsize=8.5 if not deep else 7.0, color=GREY, pad=3)
+    ax.set_title(f"{joint}: {what}\n{said}{deep}", fontsize=8.0, color=GREY, pad=3, parse_math=False)
+
+
+def _walls(ax: Axes, form: Mapping[str, Any], c: float, limit: float) -> None:
+    """The two walls of a guide that is fixed to the ground, with what the play leaves free between them."""
+    if form["bodies"][0] != "ground":
+        return
+    cos, sin = math.cos(form["axis"]), math.sin(form["axis"])
+    ends = [(2.0 * i * limit, j * c) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    x, y = [cos * s - sin * n for s, n in ends], [sin * s + cos * n for s, n in ends]
+    ax.fill(x, y, facecolor=BORE, edgecolor=GREY, linewidth=1.0, zorder=0)
 
 
 def _energy(ax: Axes, found: Comparison, scale: float) -> None:
@@ -238,9 +253,11 @@ def _energy(ax: Axes, found: Comparison, scale: float) -> None:
     for model, r in found.results.items():
         lost = r["energy.dissipated"]
         top = max(top, float(lost.max(initial=0.0)))
-        ax.plot(scale * r.t, lost, color=COLOURS[model], linewidth=2.0 if model == IDEAL else 1.2)
+        first = model == IDEAL
+        style: dict[str, Any] = {"linewidth": 2.2, "alpha": 0.35} if first else {"linewidth": 1.2}
+        ax.plot(scale * r.t, lost, color=COLOURS[model], **style)
     ax.set_ylabel(axis_label("energy lost", "J"))
-    _title(ax, "Energy lost (impacts, contact damping, friction, dampers)")
+    _title(ax, "Energy lost in all joints and dampers (impacts, contact damping, friction)")
     audit = max(r.trust.energy_balance for r in found.results.values())
     note(ax, f"energy audit of all runs closes to {audit:.1g} J")
 

@@ -48,6 +48,9 @@ def read_file(path: str | os.PathLike[str]) -> tuple[str, str]:
     try:
         return found.decode("utf-8"), name
     except UnicodeDecodeError as error:
+        if found.startswith((b"\x89HDF", b"PK")):
+            problem = Problem((), "this is a result, not a model file; `rattle plot` and `rattle animate` show it")
+            raise ModelError([problem], name) from None
         problem = Problem((), f"not UTF-8 text (byte {error.start}); save the file as UTF-8")
         problem.line = found[: error.start].count(b"\n") + 1
         raise ModelError([problem], name) from None

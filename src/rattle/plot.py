@@ -161,6 +161,8 @@ def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | 
     """
     if not points:
         raise ValueError("name at least one point, such as 'coupler.P'")
+    for name in points:
+        require_point(result, name)
     paths = [(name, result[f"{name}.x"], result[f"{name}.y"]) for name in dict.fromkeys(points)]
     factor, unit = handy_unit("m", max(float(np.nanmax(np.abs(one[1:]), initial=0.0)) for one in paths))
     given, ax = ax, ax if ax is not None else new_axes(6.8, 5.4)[0]
@@ -179,6 +181,16 @@ def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | 
     late = shade_after_horizon(ax, result, draw=False)
     note(ax, f"{span}; after t = {result.trust.horizon:.3g} s statistics only" if late else span)
     return drawn(ax, given)
+
+
+def require_point(result: Result, name: str) -> None:
+    """Raise UnknownName where the result has no path of this point or body."""
+    known = [one[:-2] for one in result.names if one.endswith(".x") and f"{one[:-1]}y" in result]
+    if name not in known:
+        from rattle.errors import suggest
+        from rattle.result import UnknownName
+
+        raise UnknownName(f"the result has no point or body {name!r}{suggest(name, known)}")
 
 
 @overload

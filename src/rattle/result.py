@@ -129,7 +129,7 @@ class Trust:
         """What to say where the shortest contact took too few steps."""
         if self.fewest_steps is None or self.fewest_steps >= FEW:
             return ()
-        return (f"the shortest contact took {self.fewest_steps:.0f} steps: too few for its peak, tighten rtol",)
+        return (f"the shortest contact took {_steps(self.fewest_steps)}: too few for its peak, tighten rtol",)
 
     def _touching(self) -> str:
         """Contacts and impacts, in words; empty where no joint can touch and let go."""
@@ -145,7 +145,7 @@ class Trust:
         if self.fewest_steps is None:
             return " and ".join(counts)
         coarse = ": too few for its peak, tighten rtol" if self.fewest_steps < FEW else ""
-        return f"{' and '.join(counts)}, the shortest contact took {self.fewest_steps:.0f} steps{coarse}"
+        return f"{' and '.join(counts)}, the shortest contact took {_steps(self.fewest_steps)}{coarse}"
 
     def _pulling(self) -> str:
         return "; ".join(one for one in (self._links(), self._touching()) if one)
@@ -180,6 +180,10 @@ class Trust:
         intervals = {j: np.asarray(v, float).reshape(-1, 2) for j, v in record["intervals"].items()}
         texts = {key: tuple(record[key]) for key in ("nonunique", "notes")}
         return cls(**{**record, **texts, "intervals": intervals})
+
+
+def _steps(count: float) -> str:
+    return f"{count:.0f} step{'s' if round(count) != 1 else ''}"
 
 
 def _short(value: float) -> str:
@@ -305,7 +309,11 @@ class Result:
         owner, _, _ = name.partition(".")
         near = difflib.get_close_matches(name, self.names, n=3, cutoff=0.6)
         near = near or [other for other in self.names if other.split(".")[0] == owner][:6]
-        hint = f"did you mean {' or '.join(repr(n) for n in near)}?" if near else "r.names lists all there are"
+        hint = (
+            f"did you mean {' or '.join(repr(n) for n in near)}?"
+            if near
+            else "r.names (on the command line `rattle plot RESULT`) lists all"
+        )
         return f"the result has no {name!r}; {hint}"
 
     @property

@@ -10,7 +10,7 @@ import click
 
 from rattle.commands.options import model_options, read_model, time
 from rattle.commands.output import as_json as to_json
-from rattle.commands.output import check_pictures, check_results, finish, keep, save_options
+from rattle.commands.output import check_pictures, check_results, finish, keep, save_options, say_written
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,10 +29,14 @@ def span_options(points: int) -> Callable[[Callable[..., Any]], Callable[..., An
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
         function = click.option(
-            "--points", type=click.IntRange(2, 10_000_000), default=points, show_default=True, help="Positions."
+            "--points",
+            type=click.IntRange(2, 10_000_000),
+            default=points,
+            show_default=True,
+            help="How many positions, evenly spaced in time.",
         )(function)
         return click.option(
-            "--t-end", type=time, help="Up to this time, in s or as '20 ms'; default: what the model says."
+            "--t-end", type=time, help="From t = 0 to this time, in s or as '20 ms'; default: what the model says."
         )(function)
 
     return add
@@ -150,7 +154,11 @@ def kinematics(
 @click.command()
 @model_options
 @span_options(1001)
-@click.option("--effort-at", metavar="JOINT", help="A motor on this joint does the work of the driver.")
+@click.option(
+    "--effort-at",
+    metavar="JOINT",
+    help="Say what a motor on this joint would need in place of the driver [N m or N, W].",
+)
 @save_options()
 @click.option("--json", "as_json", is_flag=True, help="Ranges, events and trust as JSON.")
 @click.pass_context
@@ -196,9 +204,11 @@ def inverse_dynamics(
     type=click.Choice(["near", "all"]),
     default="near",
     show_default=True,
-    help="Also other ways to put it together.",
+    help="all: look also for other ways to put the mechanism together.",
 )
-@click.option("--path", "path", is_flag=True, help="A slow motion over the drivers' time instead of one position.")
+@click.option(
+    "--path", "path", is_flag=True, help="Follow the rest while the drivers move slowly from t = 0 to --t-end."
+)
 @span_options(181)
 @save_options("With --path: ")
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
@@ -311,8 +321,10 @@ def _modes(found: Modes) -> dict[str, Any]:
     show_default=True,
     help="Time at which the drivers are held, in s or as '20 ms'.",
 )
-@click.option("--mode", type=click.IntRange(1), default=1, show_default=True, help="Which mode to draw.")
-@click.option("-o", "--output", help="Draw the mode: .svg, .png or .pdf; .gif or .mp4 moves.")
+@click.option(
+    "--mode", type=click.IntRange(1), default=1, show_default=True, help="Which mode -o draws; 1 is the slowest."
+)
+@click.option("-o", "--output", metavar="FILE", help="Draw the mode: .svg, .png or .pdf; .gif or .mp4 moves.")
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
 def modes(
     file: str, settings: tuple[str, ...], ideal: bool, t: float, mode: int, output: str | None, as_json: bool
@@ -340,6 +352,8 @@ def modes(
             save_figure(found.plot(mode - 1), output)
         else:
             found.animate(mode - 1, output)
+        if not as_json:
+            say_written(output)
 
 
 @click.command()
@@ -353,7 +367,7 @@ def modes(
 )
 @span_options(73)
 @click.option("--extremes/--no-extremes", default=True, show_default=True, help="Also the exact extremes.")
-@click.option("-o", "--output", help="Draw band and contributions: .svg, .png or .pdf.")
+@click.option("-o", "--output", metavar="FILE", help="Draw band and contributions: .svg, .png or .pdf.")
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
 def accuracy(
     file: str, settings: tuple[str, ...], ideal: bool, of: str, t_end: float | None, points: int, extremes: bool,
@@ -369,6 +383,8 @@ def accuracy(
     from rattle.plot import save_figure
 
     check_pictures(file, output)
+    if ideal:
+        raise click.UsageError("accuracy is about play, and --ideal closes all of it; leave --ideal out")
     m = read_model(file, settings, False)
     found = m.accuracy(of, _times(m, t_end, points), extremes=extremes)
     if as_json:
@@ -383,3 +399,5 @@ def accuracy(
         click.echo(str(found))
     if output is not None:
         save_figure(found.plot(), output)
+        if not as_json:
+            say_written(output)

@@ -2,19 +2,32 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from rattle.commands.options import model_options, read_model, time
 from rattle.commands.output import STOPPED, beside, check_pictures, say_written
 
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+
 
 @click.command()
 @model_options
-@click.option("--joint", help="The joint to show; default: the first with clearance.")
-@click.option("--curve", help="The motion to show, such as rocker.angle; default: that of the last body.")
-@click.option("--law", help="Law of the compliant run; default: the joint's own, else exact.")
+@click.option("--joint", metavar="JOINT", help="The joint to show; default: the first with clearance.")
+@click.option(
+    "--curve", metavar="NAME", help="The motion to show, such as rocker.angle; default: that of the last body."
+)
+@click.option(
+    "--law",
+    metavar="NAME",
+    help="Force law of the compliant run (`rattle kinds normal` lists them); default: the joint's own, else exact.",
+)
 @click.option("--t-end", type=time, help="Duration, in s or as '20 ms'; default: one turn of the driver.")
-@click.option("-o", "--output", default="compare.png", show_default=True, help="Picture (.png, .svg, .pdf).")
+@click.option(
+    "-o", "--output", metavar="FILE", default="compare.png", show_default=True, help="Picture (.png, .svg, .pdf)."
+)
 @click.pass_context
 def compare(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, joint: str | None, curve: str | None,
@@ -45,26 +58,42 @@ def compare(
 
 @click.command()
 @model_options
-@click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance.")
-@click.option("--of", "names", multiple=True, metavar="NAME", help="Curve to look at; two of them: a section.")
-@click.option("--parameter", help="Parameter to go over; then a bifurcation diagram.")
-@click.option("--from", "first", type=float, help="First value of the parameter [SI].")
-@click.option("--to", "last", type=float, help="Last value [SI].")
-@click.option("--values", "count", default=100, show_default=True, help="Values of the parameter from --from to --to.")
+@click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance, e.g. impact or exact.")
+@click.option(
+    "--of",
+    "names",
+    multiple=True,
+    metavar="NAME",
+    help="Curve to look at, such as B.ex. Give it twice for a section, once with --parameter.",
+)
+@click.option("--parameter", metavar="NAME", help="Parameter or path to vary, such as c: draws a bifurcation diagram.")
+@click.option("--from", "first", metavar="VALUE", help='First value of the parameter, in SI or as "0.2 mm".')
+@click.option("--to", "last", metavar="VALUE", help='Last value of the parameter, in SI or as "0.6 mm".')
+@click.option("--values", "count", default=100, show_default=True, help="How many values, evenly from --from to --to.")
 @click.option(
     "--period", type=time, help="Time between two points, in s or as '20 ms'; default: one turn of the driver."
 )
-@click.option("--crossing", help="Instead: points where this curve rises through zero.")
-@click.option("--skip", default=50, show_default=True, help="Points left out at the start.")
-@click.option("--points", default=200, show_default=True, help="Points taken per run.")
-@click.option("--lyapunov", is_flag=True, help="Also the largest Lyapunov exponent, with its uncertainty.")
 @click.option(
-    "-o", "--output", "picture", default="poincare.png", show_default=True, help="Picture (.png, .svg, .pdf)."
+    "--crossing", metavar="NAME", help="Take a point whenever this curve rises through zero, not once per --period."
+)
+@click.option(
+    "--skip", default=50, show_default=True, help="Points left out at the start, until the motion has settled."
+)
+@click.option("--points", default=200, show_default=True, help="Points taken, for a bifurcation at every value.")
+@click.option("--lyapunov", is_flag=True, help="Also print the largest Lyapunov exponent [1/s], with its uncertainty.")
+@click.option(
+    "-o",
+    "--output",
+    "picture",
+    metavar="FILE",
+    default="poincare.png",
+    show_default=True,
+    help="Picture (.png, .svg, .pdf).",
 )
 @click.pass_context
 def poincare(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, contact: str | None, names: tuple[str, ...],
-    parameter: str | None, first: float | None, last: float | None, count: int, period: float | None,
+    parameter: str | None, first: str | None, last: str | None, count: int, period: float | None,
     crossing: str | None, skip: int, points: int, lyapunov: bool, picture: str,
 ) -> None:  # fmt: skip
     """Poincare section of two curves, or bifurcation diagram of one over a parameter.
@@ -74,7 +103,7 @@ def poincare(
 
     \b
     Examples: rattle poincare slider_crank_play --skip 20 --points 60 --lyapunov
-              rattle poincare slider_crank_play --of B.ex --parameter c --from 2e-4 --to 6e-4 --values 9 --points 20
+              rattle poincare slider_crank_play --of B.ex --parameter c --from "0.2 mm" --to 6e-4 --values 9 --points 20
     """
     import numpy as np
 
@@ -92,8 +121,9 @@ def poincare(
     if parameter is not None:
         if first is None or last is None:
             raise click.UsageError("--parameter wants --from and --to")
+        low, high = (_amount(m, parameter, text, at) for text, at in ((first, "--from"), (last, "--to")))
         found = m.bifurcation(
-            parameter, np.linspace(first, last, count), curves[0], period=period, skip=skip, points=points,
+            parameter, np.linspace(low, high, count), curves[0], period=period, skip=skip, points=points,
             progress=not ctx.obj["quiet"],
         )  # fmt: skip
         figure, interrupted = found.plot(), found.interrupted
@@ -113,3 +143,20 @@ def poincare(
     say_written(picture)
     if interrupted:
         ctx.exit(STOPPED)
+
+
+def _amount(m: Mechanism, parameter: str, text: str, option: str) -> float:
+    """A value of a parameter in SI units, from a number or a quantity of the parameter's kind."""
+    from rattle.quantity import QuantityError, describe, dimension_of, parse_quantity
+
+    try:
+        found = parse_quantity(text)
+    except QuantityError as error:
+        raise click.UsageError(f"{option}: {error}") from None
+    if found is None:
+        raise click.UsageError(f'{option}: {text!r} is no value; wanted a number in SI or a quantity such as "0.2 mm"')
+    known = m.model.parameters.get(parameter)
+    if known is not None and found[1] is not None and found[1] != dimension_of(known.unit):
+        wanted = describe(dimension_of(known.unit))
+        raise click.UsageError(f"{option}: '{text}' is {describe(found[1])}; '{parameter}' is {wanted}")
+    return found[0]

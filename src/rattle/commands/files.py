@@ -59,7 +59,9 @@ def check(file: str, settings: tuple[str, ...], ideal: bool, as_json: bool) -> N
 
 @click.command()
 @click.argument("result")
-@click.option("-o", "--output", required=True, help="File to write: .csv with units in its header, .nc or .npz.")
+@click.option(
+    "-o", "--output", metavar="FILE", required=True, help="File to write: .csv with units in its header, .nc or .npz."
+)
 def export(result: str, output: str) -> None:
     """Write a saved result as CSV, units in the header, or as .nc or .npz.
 

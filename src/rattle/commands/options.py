@@ -29,12 +29,12 @@ def model_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """FILE, --set, --without and --ideal."""
     function = click.option(
         "--without", multiple=True, metavar="PATH", expose_value=False, callback=_leave_out,
-        help="Leave something out, e.g. --without loads.M or --without drivers.motor.",
+        help="Leave one thing of the model out, e.g. loads.M or drivers.motor; may be given again.",
     )(function)  # fmt: skip
-    function = click.option("--ideal", is_flag=True, help="Close all clearances.")(function)
+    function = click.option("--ideal", is_flag=True, help="Without play: every clearance is closed.")(function)
     function = click.option(
         "--set", "settings", multiple=True, metavar="NAME=VALUE",
-        help='Change a parameter or a path of the model, e.g. --set r3="2 mm" or --set joints.O3.contact=ideal.',
+        help='Change a parameter (--set r3="2 mm") or any entry (--set joints.O3.contact=ideal); may be given again.',
     )(function)  # fmt: skip
     return click.argument("file", metavar="FILE")(function)
 

@@ -39,11 +39,11 @@ def save_options(note: str = "") -> Callable[[Callable[..., Any]], Callable[...,
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
         function = click.option(
-            "--fallback", metavar="FOLDER", help="Folder for these files where they cannot be written (a full disk)."
+            "--fallback", metavar="FOLDER", help="Where to put these files if the disk they should go to is full."
         )(function)
-        function = click.option("--csv", help=f"{note}Also write all curves as CSV.")(function)
+        function = click.option("--csv", metavar="FILE", help=f"{note}Also write all curves as CSV.")(function)
         return click.option(
-            "-o", "--output", help=f"{note}Save the result (.nc or .npz), for plot, animate and export."
+            "-o", "--output", metavar="FILE", help=f"{note}Save the result (.nc or .npz), for plot, animate and export."
         )(function)
 
     return add

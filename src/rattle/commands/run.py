@@ -19,18 +19,30 @@ if TYPE_CHECKING:
 @save_options()
 @click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance, e.g. impact or exact.")
 @click.option("--t-end", type=time, help="Duration, in s or as '20 ms'; default: what the model says.")
-@click.option("--method", help="dop853 (adaptive, default), rk4 (fixed step); event or moreau for impact contacts.")
-@click.option("--rtol", type=float, help="Relative tolerance of dop853.")
-@click.option("--atol", type=float, help="Absolute tolerance of dop853 [m, rad, m/s, rad/s].")
-@click.option("--step", type=time, help="Step of rk4 and moreau, largest step of dop853, in s or as '10 us'.")
-@click.option("--most-steps", type=int, help="End after that many steps; default: where a run gets nowhere.")
+@click.option(
+    "--method",
+    metavar="NAME",
+    help="dop853 (adaptive) or rk4 (fixed --step); with impact contacts event or moreau (fixed --step).",
+)
+@click.option(
+    "--rtol",
+    type=float,
+    help="Relative error allowed per step of dop853 and event; default: what the model says, else 1e-8.",
+)
+@click.option(
+    "--atol",
+    type=float,
+    help="Error per step that is always allowed [m, rad, m/s, rad/s]; default: a hundredth of --rtol.",
+)
+@click.option("--step", type=time, help="Step of rk4 and moreau, largest step of the others, in s or as '10 us'.")
+@click.option("--most-steps", type=int, help="Give up after that many steps; default: when a run gets nowhere.")
 @click.option(
     "--horizon/--no-horizon",
     default=True,
     show_default=True,
-    help="Run twice to say how long the curves can be trusted.",
+    help="Run a second time, more exactly, to find out how long the curves can be trusted; doubles the time.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Table and trust as JSON.")
+@click.option("--json", "as_json", is_flag=True, help="Print table and trust as JSON.")
 @click.pass_context
 def run(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str | None, csv: str | None,

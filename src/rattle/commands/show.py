@@ -8,7 +8,9 @@ from rattle.commands.output import check_files, check_pictures, say_written
 
 
 @click.command()
-@click.option("-o", "--output", default="rattle-demo", show_default=True, help="Folder for the files.")
+@click.option(
+    "-o", "--output", metavar="FOLDER", default="rattle-demo", show_default=True, help="Folder for the files."
+)
 def demo(output: str) -> None:
     """The paper's four-bar with and without play: a short table, its Figures 3-12 on one page, orbits, CSV, GIF.
 
@@ -26,12 +28,17 @@ def demo(output: str) -> None:
 @click.command()
 @click.argument("result")
 @click.argument("names", nargs=-1)
-@click.option("--orbit", multiple=True, metavar="JOINT", help="Path of the pin in its clearance circle.")
-@click.option("--xy", multiple=True, metavar="POINT", help="Path of a point in the plane, such as coupler.P.")
-@click.option("--over", metavar="NAME", help="Draw over this curve, such as crank.angle, instead of time.")
+@click.option(
+    "--orbit", multiple=True, metavar="JOINT", help="Draw the path of the pin of this joint in its clearance circle."
+)
+@click.option(
+    "--xy", multiple=True, metavar="POINT", help="Draw the path of a point or body in the plane, e.g. coupler.P."
+)
+@click.option("--over", metavar="NAME", help="Put this curve on the horizontal axis, e.g. crank.angle; default: time.")
 @click.option(
     "-o",
     "--output",
+    metavar="FILE",
     default=None,
     help="Picture to write (.png, .svg, .pdf); default: RESULT with .png, for orbits and paths with their name.",
 )
@@ -54,6 +61,11 @@ def plot(
     from rattle.result import load_result
 
     target = Path(output) if output else Path(result).with_suffix(".png")
+    for option, given in (("--orbit", orbit), ("--xy", xy), ("--over", (over or "",))):
+        if any(one.startswith("-") for one in given):
+            raise click.UsageError(f"{option} wants a name; `rattle plot {result}` lists what there is")
+    if output and not (names or orbit or xy):
+        raise click.UsageError(f"name what to draw; `rattle plot {result}` lists what there is")
     if over is not None and not names:
         raise click.UsageError("--over wants curves to draw: rattle plot RESULT NAME... --over NAME")
     if names or orbit or xy:
@@ -76,11 +88,24 @@ def plot(
 
 @click.command()
 @click.argument("result")
-@click.option("-o", "--output", required=True, help="Picture to write (.gif; .mp4 where ffmpeg is installed).")
-@click.option("--frames", default=120, show_default=True, help="Number of frames.")
-@click.option("--speed", type=float, help="Of the film against the motion, 0.1: ten times slower; sets the frames.")
-@click.option("--trace", multiple=True, metavar="POINT", help="Point that leaves its path behind, such as coupler.P.")
-@click.option("--names", is_flag=True, help="Write the names of bodies on them.")
+@click.option(
+    "-o", "--output", metavar="FILE", required=True, help="Picture to write (.gif; .mp4 where ffmpeg is installed)."
+)
+@click.option(
+    "--frames", default=120, show_default=True, help="Most frames, evenly spaced in time, 20 per second of film."
+)
+@click.option(
+    "--speed",
+    type=float,
+    help="Film against motion: 0.1 is ten times slower. Decides how many frames, in place of --frames.",
+)
+@click.option(
+    "--trace",
+    multiple=True,
+    metavar="POINT",
+    help="Point that leaves its path behind, e.g. coupler.P; may be given again.",
+)
+@click.option("--names", is_flag=True, help="Write the names of the bodies into the picture.")
 def animate(result: str, output: str, frames: int, speed: float | None, trace: tuple[str, ...], names: bool) -> None:
     """Make a moving picture of a saved result, the play magnified beside it.
 
