@@ -21,7 +21,13 @@ ARM, PLAY = 0.1, 1e-3  # [m]
 def hanging_chain(pins: int, friction: float) -> rt.Mechanism:
     """Links of 0.2 m and 0.5 kg below each other, a little bent, each pin at the bottom of its bush."""
     contact = f'{{ model = "impact", restitution = 0.3, friction = {friction}, bush_radius = 0.01 }}'
-    lines, joints, start, x, y = ["format = 1", "[ground.points]", "G = [0, 0]"], [], ["[initial]"], 0.0, 0.0
+    lines, joints, start, x, y = (
+        ["format = 1", "gravity = [0, -9.81]", "[ground.points]", "G = [0, 0]"],
+        [],
+        ["[initial]"],
+        0.0,
+        0.0,
+    )
     for k in range(pins):
         lines += [f"[bodies.b{k}]", "mass = 0.5", f"inertia = {0.5 * 0.04 / 12}"]
         lines += [f"points = {{ T = [{-ARM}, 0], B = [{ARM}, 0] }}"]

@@ -59,7 +59,7 @@ from rattle.steppers.branching import GO_ON, LANDS, REPEAT, SLIDES, arrive, cros
 from rattle.steppers.closed import HIT, NOTHING, TURN, regroup
 from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.hitting import collide
-from rattle.steppers.locating import PARTS, first_event
+from rattle.steppers.locating import PARTS, any_held, first_event
 from rattle.steppers.march import (
     EVALUATIONS,
     EVENT_COUNT,
@@ -77,7 +77,7 @@ from rattle.steppers.march import (
     prepare_dense,
     project,
 )  # fmt: skip
-from rattle.steppers.peaks import DOP853, END, START
+from rattle.steppers.peaks import DOP853, END, LOOKS, START
 from rattle.steppers.searching import ESCAPED, clearance_of, escaped
 from rattle.steppers.touching import interpolate
 from rattle.steppers.walls import NEAR, noise, settle
@@ -246,7 +246,8 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         share, who, what = first_event(m, t, t_new - t)
         t_until = t + share * (t_new - t) if who >= 0 else t_new
         until = share if who >= 0 else 1.0
-        tally[EVALUATIONS] += call_peak(links[END_STEP], (m, t, t_new - t, until, DOP853, 1))
+        layout = LOOKS if who < 0 and any_held(m) else DOP853
+        tally[EVALUATIONS] += call_peak(links[END_STEP], (m, t, t_new - t, until, layout, 1))
         if changed:
             find_crossings(m, t, t_new - t, until)
         if who >= 0:

@@ -6,12 +6,13 @@ then located.
 
 from __future__ import annotations
 
-from rattle.catalog import call_search, call_state, compiled
+from rattle.catalog import call_gauge, call_search, call_state, compiled
 from rattle.complementarity import FORWARD, OFF, STICK, friction_of
 from rattle.impact import SIZE
 from rattle.memory import (
     CHANGE,
     CONTACT,
+    GAUGE,
     GRIP,
     HELD,
     LINKS,
@@ -28,6 +29,7 @@ from rattle.memory import (
 )
 from rattle.plane import IMPACT, NORMAL, PEAK, SLIP, TANGENT
 from rattle.steppers.closed import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
+from rattle.steppers.peaks import LOOK
 from rattle.steppers.searching import NONE, may_reach
 from rattle.steppers.touching import interpolate
 
@@ -101,6 +103,16 @@ def first_hit(m, h):
 
 
 @compiled
+def any_held(m):
+    """True when a set-valued contact is closed."""
+    contact, mode = imat(m, CONTACT), ivec(m, MODE)
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 1 and mode[n] != OFF:
+            return True
+    return False
+
+
+@compiled
 def first_event(m, t, h):
     """First event of the step: share (NONE if there is none), contact and what it is.  The dense output is ready,
 
@@ -109,16 +121,15 @@ def first_event(m, t, h):
     contact, touch, mode, grip = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP)
     best, who = first_hit(m, h)
     what = HIT if who >= 0 else NOTHING
-    any_held = False
-    for n in range(contact.shape[0]):
-        any_held = any_held or (contact[n, IMPACT] == 1 and mode[n] != OFF)
-    if not any_held:
+    if not any_held(m):
         return best, who, what
     for part in range(1, PARTS + 1):
         left, right = (part - 1) / PARTS, min(part / PARTS, best)
         if left >= right:
             break
         at_share(m, t, h, right)
+        if part < PARTS and right == part / PARTS:
+            call_gauge(ivec(m, LINKS)[GAUGE], (m, LOOK[part], t + right * h))
         for n in range(contact.shape[0]):  # what has become negative, noted before the search overwrites touch
             slide = 0
             grip[n, PEAK] = max(grip[n, PEAK], touch[n, NORMAL]) if mode[n] != OFF else 0.0

@@ -4,9 +4,11 @@ At the stages and the end of a step all forces are solved for anyway.  As the er
 the tolerance for any integral along the motion, the weights of its stages give the integral of f^2 to the same
 order.  The stages also say where f may exceed its largest value so far: a parabola through a highest sample and its
 neighbours, with three times its height above that sample.  Only there the dense output is climbed, with every state
-brought onto the joints like an output.  A step that an event cuts is summed at three Gauss points of its dense
-output, and one in which f changes faster than the motion does in pieces, halved until they resolve it; next to a
-singular position, where stages say little, only the ends of steps count.
+brought onto the joints like an output.  In event mode with closed contacts the search for events solves at eight even
+places of each step: these are the samples then, and a peak is that of the polynomial through them.  A step that an
+event cuts is summed at three Gauss points of its dense output, and one in which f changes faster than the motion does
+in pieces, halved until they resolve it; next to a singular position, where stages say little, only the ends of steps
+count.
 """
 
 from __future__ import annotations
@@ -43,23 +45,29 @@ from rattle.steppers.writing import write_joints
 BEST, WHEN, SQUARES, SAMPLE = range(4)
 START, END, LAST_STAGE, PROBE = 0, 7, 8, 9  # samples; 1 to 6 lie between the ends
 WIDTH = SAMPLE + 10
-DOP853, RK4, CUT = range(3)  # where the samples lie
+DOP853, RK4, CUT, LOOKS = range(4)  # where the samples lie
+LOOK = np.array([0, 1, 2, 3, 4, 5, 6, 8, 7])  # samples of LOOKS in order of time: the search for events solves there
 NODE_OF_STAGE = np.array([0, -1, -1, -1, -1, 3, 1, 2, 5, 4, 6, 8])  # of dop853; -1: no weight
 GAUSS = math.sqrt(0.15)
-COUNT = np.array([8, 3, 5])
-ORDER = np.array([[0, 1, 2, 3, 4, 5, 6, 7], [0, 4, 7, 0, 0, 0, 0, 0], [0, 1, 2, 3, 7, 0, 0, 0]])  # in order of time
-SHARES = np.array([
-    [0.0, C[6], C[7], C[5], C[9], C[8], C[10], 1.0],
-    [0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [0.0, 0.5 - GAUSS, 0.5, 0.5 + GAUSS, 1.0, 0.0, 0.0, 0.0],
+COUNT = np.array([8, 3, 5, 9])
+ORDER = np.array([  # in order of time
+    [0, 1, 2, 3, 4, 5, 6, 7, 0], [0, 4, 7, 0, 0, 0, 0, 0, 0], [0, 1, 2, 3, 7, 0, 0, 0, 0], LOOK,
 ])  # fmt: skip
+SHARES = np.array([
+    [0.0, C[6], C[7], C[5], C[9], C[8], C[10], 1.0, 0.0],
+    [0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [0.0, 0.5 - GAUSS, 0.5, 0.5 + GAUSS, 1.0, 0.0, 0.0, 0.0, 0.0],
+    np.arange(9) / 8.0,
+])  # fmt: skip
+BARYCENTRIC = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0])  # of nine even places
 WEIGHTS = np.array([
     [B[0], B[6], B[7], B[5], B[9], B[8], B[10], 0.0, B[11]],
     [1.0 / 6.0, 0.0, 0.0, 1.0 / 3.0, 1.0 / 3.0, 0.0, 0.0, 0.0, 1.0 / 6.0],
     [0.0, 5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    np.array([1.0, 4.0, 2.0, 4.0, 2.0, 4.0, 2.0, 1.0, 4.0]) / 24.0,
 ])  # fmt: skip
 FEW = np.array([0, 1, 4, 6, 7])  # samples of dop853 for a second rule, of order 5; Simpson's for pieces of a step
-COARSE = np.zeros((3, 9))
+COARSE = np.zeros((4, 9))
 COARSE[DOP853, FEW] = np.linalg.solve(np.vander(SHARES[DOP853, FEW], increasing=True).T, 1.0 / np.arange(1.0, 6.0))
 COARSE[CUT, [0, 2, 7]] = 1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0
 SHORTEST = 1.0 / 1024.0  # share of a step that is not halved again
@@ -126,6 +134,49 @@ def summit(samples, layout, i):
     if not 0.0 < top < 1.0:
         return x, 0.0
     return top, -0.25 * slope * slope / bend
+
+
+@compiled
+def through(samples, x):
+    """The polynomial through nine even samples of a step at the share x."""
+    above, below = 0.0, 0.0
+    for k in range(BARYCENTRIC.shape[0]):
+        value = samples[SAMPLE + LOOK[k]]
+        if x == k / 8.0:
+            return value
+        weight = BARYCENTRIC[k] / (x - k / 8.0)
+        above += weight * value
+        below += weight
+    return above / below
+
+
+@compiled
+def crest(samples, low, top, high):
+    """Place and height of the maximum of that polynomial between low and high, by parabolas over shorter stretches."""
+    wide, best = 0.25 * (high - low), through(samples, top)
+    for _ in range(12):
+        left, right = through(samples, max(top - wide, low)), through(samples, min(top + wide, high))
+        bend = left - 2.0 * best + right
+        shift = 0.5 * (left - right) / bend if bend < 0.0 else (1.0 if right > left else -1.0)
+        there = min(max(top + wide * min(max(shift, -1.0), 1.0), low), high)
+        value = through(samples, there)
+        if value > best:
+            top, best = there, value
+        wide *= 0.5
+    return top, best
+
+
+@compiled
+def crest_all(m, t, h):
+    """New peaks of a step whose samples are those of LOOKS: they are solved for already, nothing more is."""
+    peaks = mat(m, PEAKS)
+    for n in range(peaks.shape[0]):
+        for i in range(COUNT[LOOKS]):
+            if rises(peaks[n], LOOKS, i):
+                low, high = SHARES[LOOKS, max(i - 1, 0)], SHARES[LOOKS, min(i + 1, COUNT[LOOKS] - 1)]
+                top, best = crest(peaks[n], low, SHARES[LOOKS, i], high)
+                if best > peaks[n, BEST]:
+                    peaks[n, BEST], peaks[n, WHEN] = best, t + top * h
 
 
 @compiled
@@ -314,7 +365,9 @@ def end_step(m, t, h, until, layout, dense):
             probe(m, t, h, 0.5, 0)
             for n in range(peaks.shape[0]):
                 peaks[n, SAMPLE + ORDER[RK4, 1]] = peaks[n, SAMPLE + PROBE]
-    if dense and sound:
+    if layout == LOOKS:
+        crest_all(m, t, h)
+    elif dense and sound:
         solved += climb_all(m, t, h, 0.0, 1.0, layout)
     pass_end_on(m)
     return solved
