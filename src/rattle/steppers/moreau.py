@@ -166,6 +166,12 @@ def choose_active(m):
 
 
 @compiled
+def late(h, gap, speed):
+    """Time by which the middle of the step is later than the hit [s]: within the step, also where it began inside."""
+    return min(max(-gap / speed, -0.5 * h), 0.5 * h)
+
+
+@compiled
 def impact_side(m, count, h):
     """b of the active contacts, without percussions: g'+ minus the rate a bounce is to have, and -(u_t+ + e_T u_t-).
 
@@ -179,9 +185,10 @@ def impact_side(m, count, h):
         pull, bend = along(m, 2 * k, n, acceleration, 0), touch[n, GAMMA_N]
         least = 2.0 * h * abs(bend - pull)
         hits = touch[n, DGAP] < -least
-        grip[n, HITS], grip[n, E_T], grip[n, AFTER] = 1.0 if hits else 0.0, values[p + 1] if hits else 0.0, 0.0
+        grip[n, HITS], grip[n, E_T] = 1.0 if hits else 0.0, values[p + 1] if hits else 0.0
+        grip[n, AFTER] = grip[n, SHIFT] = 0.0  # what a jolt left there is of another kind
         if hits:
-            when = 0.5 * h - touch[n, GAP] / touch[n, DGAP]  # after the start of the step
+            when = 0.5 * h - late(h, touch[n, GAP], -touch[n, DGAP])  # after the start of the step
             speed = touch[n, DGAP] - pull * when + bend * (when - 0.5 * h)
             if -values[p] * speed > least:  # it bounces: free before and after
                 grip[n, AFTER] = -values[p] * speed - bend * (when - 0.5 * h) - pull * (h - when)
@@ -227,9 +234,9 @@ def take_percussions(m, t, count, h, y):
                 touch[n, NORMAL], touch[n, TANGENT] = pressed / h, held / h
                 if old == OFF and grip[n, HITS] == 1.0:
                     speed = -touch[n, DGAP]
-                    note(m, IMPACT_EVENT, n, t + 0.5 * h + touch[n, GAP] / speed, y, speed, 0.0, pressed, lost)
+                    note(m, IMPACT_EVENT, n, t + 0.5 * h - late(h, touch[n, GAP], speed), y, speed, 0.0, pressed, lost)
                     grip[n, SPEED] = speed
-                    grip[n, SHIFT] = -touch[n, GAP] * (1.0 + gap_rate / speed)
+                    grip[n, SHIFT] = gap_rate * late(h, touch[n, GAP], speed) - touch[n, GAP]
                     impact = True
             k += 1
         watch_contact(m, n, old, t, h, y)
