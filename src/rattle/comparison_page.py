@@ -42,6 +42,10 @@ SAYS = {
     IMPACT: "One-sided impact: the pin flies, hits, stays or leaves",
     COMPLIANT: "Compliant: pin and bush are elastic, with damping",
 }
+SAYS_OF_GUIDE = {
+    IMPACT: "One-sided impact: the block flies, hits, stays or leaves",
+    COMPLIANT: "Compliant: block and walls are elastic, with damping",
+}
 TOP = "▼ largest N"
 WIDTH = 13.0  # of the page [inches]
 
@@ -170,7 +174,8 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
         _events(ax, r, joint, scale)
     if r.trust.horizon is not None and r.trust.horizon < r.trust.t_end:
         ax.axvspan(scale * r.trust.horizon, scale * r.trust.t_end, color=SHADE, linewidth=0, zorder=0)
-    _title(ax, SAYS[model])
+    guide = r.geometry["joints"][joint]["type"] == "prismatic"
+    _title(ax, SAYS_OF_GUIDE.get(model, SAYS[model]) if guide else SAYS[model])
 
 
 def _force_label(force: float) -> str:
@@ -189,12 +194,12 @@ def _events(ax: Axes, r: Result, joint: str, scale: float) -> None:
     hits = [event for event in mine if event.kind == "impact"]
     if hits:
         ax.vlines([scale * event.t for event in hits], 0.02, 0.16, color=RED, linewidth=0.7, **place)
-    parts = ["grey: pin presses"] if any(e.kind == "contact" for e in mine) else []
+    parts = ["grey: in contact"] if any(e.kind == "contact" for e in mine) else []
     if hits:
         many = "s" if len(hits) > 1 else ""
         parts.append(f"red: {len(hits)} impact{many}, up to {max(e.impulse for e in hits):.2g} N·s")
     elif mine:
-        peak = max(e.peak_force for e in mine)
+        peak = r.contacts[joint].peak
         parts.append(f"{sum(e.kind == 'contact' for e in mine)} contacts, peak {newton(peak)}")
     note(ax, "; ".join([*parts, TOP]))
 
