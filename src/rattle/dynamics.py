@@ -29,6 +29,7 @@ from rattle.steppers.audit import UNSOUND
 from rattle.steppers.branching import TURNS, choose_sides
 from rattle.steppers.hitting import LOW
 from rattle.steppers.jolting import jolt, speeds
+from rattle.steppers.searching import ESCAPED
 from rattle.steppers.writing import record
 from rattle.switching import SAME
 from rattle.system import Compiled
@@ -208,10 +209,13 @@ class Run:
                     if self.message:
                         break
             if status not in (DONE, PAUSED):
+                lost = (
+                    self.trouble(status) if status == ESCAPED else ""
+                )  # told by the gaps at hand, which go with outputs
                 if not tally[march.OUTPUTS] and len(self.t_eval) and self.t_eval[0] <= self.start.t:
                     record(m.handle, self.start.t, start_state(self.ready, self.start), self.raw[0])
                     tally[march.OUTPUTS] = 1
-                self.message = self.trouble(status)
+                self.message = lost or self.trouble(status)
         except KeyboardInterrupt:
             self.interrupted = True
             reached = self.clock[march.T]
