@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 import rattle as rt
+from rattle.animate import scene
 from rattle.plot_statics import magnified, plot_accuracy
 from rattle.sketch import Scene, draw_mechanism
 
@@ -101,3 +102,11 @@ def test_a_magnified_band_says_so():
 def test_joints_that_matter_as_much_are_both_named():
     found = rt.example("fourbar").accuracy("rocker.angle", [0.0, 0.1], extremes=False)
     assert plot_accuracy(found).axes[2].get_title(loc="left") in ("tighten O3 or O4 first", "tighten O4 or O3 first")
+
+
+def test_few_frames_show_the_whole_path_of_a_point():
+    r = rt.loads(CYLINDER).kinematics(np.linspace(0, 2 * np.pi, 101))
+    ax = scene(r, 3, ["boom.P"])[0].axes[0]
+    for axis, limits in (("x", ax.get_xlim()), ("y", ax.get_ylim())):
+        assert limits[0] < r[f"boom.P.{axis}"].min()
+        assert r[f"boom.P.{axis}"].max() < limits[1]

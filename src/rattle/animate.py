@@ -92,7 +92,7 @@ def scene(
     instants = np.linspace(result.t[0], result.t[-1], min(frames, len(result.t)))
     pick = np.unique(np.searchsorted(result.t, instants - 1e-12 * (1 + abs(result.t[-1]))).clip(0, len(result.t) - 1))
     stage = Scene(result, pick, 1.0)
-    low, high = extent(stage)
+    low, high = extent(stage._replace(pick=np.arange(len(result.t))))  # paths go on between the frames
     stage = stage._replace(size=float(max(high - low)) or 1.0)
     low, high = low - 0.08 * stage.size, high + 0.08 * stage.size
 
