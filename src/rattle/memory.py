@@ -84,6 +84,7 @@ FIELDS = {
     "called": "f1",  # (nr,) z: multipliers that they call up
     "path": "f2",  # (6, 2 nc) b, d, and f, a that d alone would have, see following; modes, a of a solution
     "bounce": "f2",  # (7, 2 nc) see paths and phases
+    "looks": "f2",  # (looks, 4 nc + 2) places of a step that were looked at, see steppers.locating
     "held": "f1",  # (7,) see impact and complementarity
     "net_place": "i1",  # (nr + 2 nc,) rows of joints and contacts together, see network, also the next twelve
     "net_first": "i1",
@@ -128,7 +129,8 @@ FIELDS = {
     NORMAL_TABLE,
     FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER, SCHUR,
     INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, MODE, CHOSEN, TRIAL,
-    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, PUSHED, CALLED, PATH, BOUNCE, HELD, NET_PLACE,
+    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, PUSHED, CALLED, PATH, BOUNCE, LOOKS, HELD,
+    NET_PLACE,
     NET_FIRST, NET_BELOW, NET_TARGET, NET_PAIRS, NET_ROW, NET_ON, NET_LINE, NET_COLUMN, NET_SIZE, NET_LOWER, NET_UPPER,
     NET_X, HOLD_TABLE, PROBLEM_TABLE, LINKS, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN,
     CROSSINGS, EVENTS, MEASURE, AUDIT, QUANTITY, PEAKS, PEAK_ROW, LANDING,

@@ -22,6 +22,7 @@ from rattle.memory import (
     CHOSEN,
     CONTACT,
     GRIP,
+    LEVER,
     MODE,
     MULTIPLIER,
     SIDE,
@@ -34,6 +35,8 @@ from rattle.memory import (
     vec,
 )  # fmt: skip
 from rattle.plane import (
+    A_BODY,
+    ACROSS,
     CLOSED,
     CONTACT_EVENT,
     GAMMA_N,
@@ -54,6 +57,7 @@ from rattle.plane import (
     STICK_EVENT,
     TANGENT,
     VX,
+    W,
 )  # fmt: skip
 from rattle.steppers.searching import clearance_of
 from rattle.steppers.walls import NEAR, at_rest, largest_acceleration, motion_without, note
@@ -116,11 +120,22 @@ def regroup(m, t, y, apart, kind):
         add_forces(m, closed, mat(m, ACCELERATION), vec(m, MULTIPLIER))
         contact_rows_of_one(m, closed, apart)
         opening = touch[apart, GAMMA_N] - along(m, 2 * closed, apart, mat(m, ACCELERATION), 0)
-        if opening >= -1e-9 * (abs(touch[apart, GAMMA_N]) + largest_acceleration(m)):
+        if opening >= -1e-9 * (turning(m, apart) + largest_acceleration(m)):
             break
         motion_without(m, t, y)
     change_modes(m, t, y, closed)
     return OK
+
+
+@compiled
+def turning(m, n):
+    """Size of what makes up gamma of contact n, which may cancel: what its rounding is measured by [m/s^2]."""
+    contact, touch, lever, body = imat(m, CONTACT), mat(m, TOUCH), mat(m, LEVER), mat(m, BODY)
+    size = abs(touch[n, GAMMA_N]) + touch[n, ACROSS] * touch[n, ACROSS] / clearance_of(m, n)
+    for end in range(2):
+        rate = body[contact[n, A_BODY + end], W]
+        size += lever[n, end] * rate * rate
+    return size
 
 
 @compiled

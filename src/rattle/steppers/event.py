@@ -59,7 +59,7 @@ from rattle.steppers.branching import GO_ON, LANDS, REPEAT, SLIDES, arrive, cros
 from rattle.steppers.closed import HIT, NOTHING, TURN, regroup
 from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.hitting import collide
-from rattle.steppers.locating import PARTS, any_held, first_event
+from rattle.steppers.locating import any_held, first_event
 from rattle.steppers.march import (
     EVALUATIONS,
     EVENT_COUNT,
@@ -78,7 +78,7 @@ from rattle.steppers.march import (
     project,
 )  # fmt: skip
 from rattle.steppers.peaks import DOP853, END, LOOKS, START
-from rattle.steppers.searching import ESCAPED, clearance_of, escaped
+from rattle.steppers.searching import ESCAPED, NONE, clearance_of, escaped
 from rattle.steppers.touching import interpolate
 from rattle.steppers.walls import NEAR, noise, settle
 from rattle.steppers.watch import watched_change
@@ -244,6 +244,10 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
                 clock[H] = shorter
                 continue
         share, who, what = first_event(m, t, t_new - t)
+        if share > NONE and h > SHORT * (t_end - t):
+            clock[H], landing[LANDS] = 0.25 * h, 0.0
+            tally[REJECTED] += 1
+            continue
         t_until = t + share * (t_new - t) if who >= 0 else t_new
         until = share if who >= 0 else 1.0
         layout = LOOKS if who < 0 and any_held(m) else DOP853
@@ -282,7 +286,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         if who >= 0 or switches:
             call_gauge(links[GAUGE], (m, START, t_until))
         cross_at_once(m, t_until)
-        tally[EVALUATIONS] += 5 + PARTS
+        tally[EVALUATIONS] += 5
         remember(m)
         for n in range(y.shape[0]):
             y[n] = y_new[n]

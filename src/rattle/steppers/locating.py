@@ -1,26 +1,42 @@
 """Events of set-valued contacts inside a step.
 
-Hits of free contacts are found by `searching`; what lasting ones do is noticed at PARTS places of the dense output,
-then located.
+Hits of free contacts are found by `searching`; what lasting ones do is noticed at some places of the dense output,
+then located.  The places are few, one of them odd, so that no period of a load fits them all, and where a force or a
+slip f may have been below zero between two of them the stretch d between them is halved.  With f[...] the divided
+differences of neighbouring looks,
+
+    f >= line through both ends - B (x - x_l) (x_r - x),   B = SAFE max(f[x_k, x_l, x_r], f[x_l, x_r, x_m]) + WARY
+                                                               |the difference of these two|
+
+holds where f'' changes by no more than a few times what the looks tell, so that it says where that may be; as f is
+seen more closely B becomes f''/2.  Where the two differ by as much as f itself the looks are too far apart to tell
+anything, and the stretch is halved too.
+
+Source: the remainder of linear interpolation; de Boor, A Practical Guide to Splines (2001), chapter 1.
 """
 
 from __future__ import annotations
+
+import numpy as np
 
 from rattle.catalog import call_gauge, call_search, call_state, compiled
 from rattle.complementarity import FORWARD, OFF, STICK, friction_of
 from rattle.impact import SIZE
 from rattle.memory import (
+    ACCELERATION,
     CHANGE,
     CONTACT,
     GAUGE,
     GRIP,
     HELD,
     LINKS,
+    LOOKS,
+    MASS,
     MODE,
     MOTION,
     SEARCH,
-    SLIDE,
     STAGE,
+    TALLY,
     TOUCH,
     imat,
     ivec,
@@ -29,11 +45,22 @@ from rattle.memory import (
 )
 from rattle.plane import IMPACT, NORMAL, PEAK, SLIP, TANGENT
 from rattle.steppers.closed import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
+from rattle.steppers.march import EVALUATIONS
 from rattle.steppers.peaks import LOOK
 from rattle.steppers.searching import NONE, may_reach
 from rattle.steppers.touching import interpolate
 
-PARTS = 8  # pieces of a step that are searched
+# places of a step at which it is looked first: even ones, of which peaks make use too, and an odd one
+PLACES = np.array([0.0, 0.057, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0])
+ODD = 1
+LOOKS_KEPT = 64
+MOST_LOOKS = 4000  # in one step
+NARROW = 1e-6  # share of a step that is not halved
+SAFE, WARY = 1.5, 2.0
+RESOLVED = 0.3  # change of f[...] d^2 from one look to the next, as a share of f, beyond which looks say nothing yet
+NOISE = 1e-10  # rounding and drift of a force, as a share of the largest; of a slip
+YOUNG = 0.02  # what starts from zero may be below it by this share of what it soon is
+KINDS = 4  # what must not become negative: N, mu N - T, mu N + T, slip in its sense; 1 where it does not matter
 
 
 @compiled
@@ -92,11 +119,13 @@ def locate(m, t, h, n, what, low, high):
 
 @compiled
 def first_hit(m, h):
-    """Share of the step at which the first free contact closes (NONE if none does), and which."""
+    """Share of the step at which the first free contact closes (NONE if none does, or GAVE_UP), and which."""
     contact, mode, best, who = imat(m, CONTACT), ivec(m, MODE), NONE, -1
     for n in range(contact.shape[0]):
         if contact[n, IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
             share = call_search(ivec(m, LINKS)[SEARCH], (m, h, n, 1.0, min(best, 1.0)))
+            if share > NONE:
+                return share, -1
             if share < best:
                 best, who = share, n
     return best, who
@@ -113,42 +142,143 @@ def any_held(m):
 
 
 @compiled
-def first_event(m, t, h):
-    """First event of the step: share (NONE if there is none), contact and what it is.  The dense output is ready,
+def look(m, t, h, share, row):
+    """Look at a share of the step: all that must not become negative into a line of `looks`, and the largest force."""
+    contact, touch, mode, line = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, LOOKS)[row]
+    at_share(m, t, h, share)
+    line[0] = share
+    largest = 0.0
+    for n in range(contact.shape[0]):
+        first = 1 + KINDS * n
+        for k in range(KINDS):
+            line[first + k] = 1.0
+        if contact[n, IMPACT] == 0 or mode[n] == OFF:
+            continue
+        friction, normal = friction_of(m, n), touch[n, NORMAL]
+        line[first] = normal
+        largest = max(largest, abs(normal))
+        if friction > 0.0 and mode[n] == STICK:
+            line[first + 1] = friction * normal - touch[n, TANGENT]
+            line[first + 2] = friction * normal + touch[n, TANGENT]
+        elif friction > 0.0:
+            line[first + 3] = indicator(m, n, TURN)
+    mass, acceleration = mat(m, MASS), mat(m, ACCELERATION)
+    for i in range(1, mass.shape[0]):
+        largest = max(largest, mass[i, 0] * max(abs(acceleration[i, 0]), abs(acceleration[i, 1])))
+    line[1 + KINDS * contact.shape[0]] = largest
 
-    gaps and rates at both ends are in `grip`.
-    """
-    contact, touch, mode, grip = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP)
-    best, who = first_hit(m, h)
-    what = HIT if who >= 0 else NOTHING
-    if not any_held(m):
-        return best, who, what
-    for part in range(1, PARTS + 1):
-        left, right = (part - 1) / PARTS, min(part / PARTS, best)
-        if left >= right:
+
+@compiled
+def second_difference(looks, k, c):
+    """Divided difference of three looks, the middle one in line k, of column c."""
+    before, after = looks[k, 0] - looks[k - 1, 0], looks[k + 1, 0] - looks[k, 0]
+    return ((looks[k + 1, c] - looks[k, c]) / after - (looks[k, c] - looks[k - 1, c]) / before) / (before + after)
+
+
+@compiled
+def may_dip(m, i, count):
+    """True when something may be below zero between looks i and i + 1, but is not at either of them."""
+    contact, mode, looks = imat(m, CONTACT), ivec(m, MODE), mat(m, LOOKS)
+    one = min(max(i, 1), count - 2)
+    two = min(max(i + 1, 1 if i > 0 else 2), count - 2)
+    wide, width = looks[i + 1, 0] - looks[i, 0], 1 + KINDS * contact.shape[0]
+    force = NOISE * max(looks[i, width], looks[i + 1, width])
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 0 or mode[n] == OFF:
+            continue
+        for kind in range(KINDS):
+            c = 1 + KINDS * n + kind
+            left, right = max(looks[i, c], 0.0), looks[i + 1, c]
+            if right < 0.0:
+                continue
+            bend, other = second_difference(looks, one, c), second_difference(looks, two, c)
+            slack = force if kind < 3 else NOISE * (left + right) + 1e-13 * vec(m, HELD)[SIZE]
+            largest = max(max(abs(looks[one - 1, c]), abs(looks[one, c])), max(abs(right), abs(looks[two + 1, c])))
+            unlike = abs(bend - other) * wide * wide
+            if unlike > RESOLVED * largest and unlike > slack:
+                return True
+            young = looks[i, 0] == 0.0 and left <= YOUNG * right
+            bend = (1.0 if young else SAFE) * max(bend, other) * wide * wide + WARY * unlike
+            if not abs(right - left) < bend:
+                continue
+            slack += YOUNG * right if young else 0.0
+            share = 0.5 - 0.5 * (right - left) / bend
+            if left + (right - left) * share - bend * share * (1.0 - share) < -slack:
+                return True
+    return False
+
+
+@compiled
+def move_looks(looks, first, last, by):
+    """Lines first..last-1 of `looks` go `by` lines on (or back)."""
+    for r in range(last - first):
+        k = last - 1 - r if by > 0 else first + r
+        for c in range(looks.shape[1]):
+            looks[k + by, c] = looks[k, c]
+
+
+@compiled
+def broken_at(m, i, n, what):
+    """True when contact n is seen at look i to let go, to break away or to turn."""
+    c, looks = 1 + KINDS * n, mat(m, LOOKS)
+    if what == LET_GO:
+        return looks[i, c] < 0.0
+    if what == BREAK_AWAY:
+        return min(looks[i, c + 1], looks[i, c + 2]) < 0.0
+    return looks[i, c + 3] < -1e-13 * vec(m, HELD)[SIZE]
+
+
+@compiled
+def first_change(m, t, h, best, who, what):
+    """First event of lasting contacts before the share `best` of the step, or (best, who, what) as they are."""
+    contact, mode, grip, looks = imat(m, CONTACT), ivec(m, MODE), mat(m, GRIP), mat(m, LOOKS)
+    until, count, placed, i, seen = min(best, 1.0), 0, 0, 0, 0
+    while True:
+        while count < max(i + 3, 4) and placed < PLACES.shape[0]:
+            look(m, t, h, PLACES[placed] * until, count)
+            if ODD < placed < PLACES.shape[0] - 1 and until == 1.0:
+                call_gauge(ivec(m, LINKS)[GAUGE], (m, LOOK[placed - 1], t + PLACES[placed] * h))
+            count += 1
+            placed += 1
+            seen += 1
+        if i + 1 >= count:
             break
-        at_share(m, t, h, right)
-        if part < PARTS and right == part / PARTS:
-            call_gauge(ivec(m, LINKS)[GAUGE], (m, LOOK[part], t + right * h))
-        for n in range(contact.shape[0]):  # what has become negative, noted before the search overwrites touch
-            slide = 0
-            grip[n, PEAK] = max(grip[n, PEAK], touch[n, NORMAL]) if mode[n] != OFF else 0.0
-            if contact[n, IMPACT] == 1 and mode[n] != OFF:
-                if touch[n, NORMAL] < 0.0:
-                    slide += 1
-                if friction_of(m, n) > 0.0:
-                    if mode[n] == STICK and indicator(m, n, BREAK_AWAY) < 0.0:
-                        slide += 2
-                    if mode[n] != STICK and indicator(m, n, TURN) < -1e-13 * vec(m, HELD)[SIZE]:
-                        slide += 4
-            ivec(m, SLIDE)[n] = slide
+        left, right = looks[i, 0], looks[i + 1, 0]
+        if right - left > NARROW * until and seen < MOST_LOOKS and may_dip(m, i, count):
+            if count + 2 > looks.shape[0]:
+                move_looks(looks, i - 1, count, 1 - i)
+                count -= i - 1
+                i = 1
+            move_looks(looks, i + 1, count, 1)
+            look(m, t, h, 0.5 * (left + right), i + 1)
+            count += 1
+            seen += 1
+            i = max(i - 1, 0)
+            continue
         for n in range(contact.shape[0]):
-            broken = ivec(m, SLIDE)[n]
-            for k in range(3):
-                if broken & (1 << k):
-                    share = locate(m, t, h, n, LET_GO + k, left, right)
+            if contact[n, IMPACT] == 0:
+                continue
+            grip[n, PEAK] = max(grip[n, PEAK], looks[i + 1, 1 + KINDS * n]) if mode[n] != OFF else 0.0
+            for kind in (LET_GO, BREAK_AWAY, TURN):
+                if mode[n] != OFF and broken_at(m, i + 1, n, kind):
+                    share = locate(m, t, h, n, kind, left, right)
                     if share < best:
-                        best, who, what = share, n, LET_GO + k
+                        best, who, what = share, n, kind
         if what > HIT:
             break
+        i += 1
+    ivec(m, TALLY)[EVALUATIONS] += seen
+    return best, who, what
+
+
+@compiled
+def first_event(m, t, h):
+    """First event of the step: share (NONE if there is none, GAVE_UP if that is not known), contact and what it is.
+
+    The dense output is ready, gaps and rates at both ends are in `grip`.
+    """
+    best, who = first_hit(m, h)
+    what = HIT if who >= 0 else NOTHING
+    if any_held(m) and 0.0 < best <= NONE:
+        return first_change(m, t, h, best, who, what)
     return best, who, what

@@ -70,7 +70,9 @@ from rattle.plane import (
 NONE = 2.0  # a share of the step that does not exist
 STAGES = 12  # slopes of a step whose accelerations bound those in it
 WHOLE_TURN = 0.5  # angle [rad] up to which a cubic is looked at
+GAVE_UP = 3.0  # the same, of a search that has come to no end: the step is too long for its dense output to be trusted
 MOST_LOOKS = 1_000_000
+FEW_LOOKS = 20_000  # for contacts whose step may be taken once more, shorter
 DEEP = 1e-6  # share of the clearance that a gap may be below zero: what integration and rounding leave is far less
 ESCAPED = 21  # ending of a run: a contact is inside its wall
 
@@ -261,6 +263,8 @@ def first_below(m, h, n, side, left, at, rate, right, end):
 def search(m, h, n, side, until):
     """Share of the step, up to `until`, at which side * gap of contact n first falls below zero; NONE if it does not.
 
+    GAVE_UP after too many looks.
+
     side: 1 for a contact that may close, -1 for one that may open.  The dense output is ready, gaps and rates at the
     start of the step are in `grip`.  A contact that starts below zero (by rounding) has to get deeper.
     """
@@ -271,7 +275,7 @@ def search(m, h, n, side, until):
     begin, at_begin, rate_begin = left, at, rate  # the last look that was above zero, or rising
     end, end_rate = gap_at(m, right, n)
     end, end_rate = side * end, side * end_rate
-    for _ in range(MOST_LOOKS):
+    for _ in range(FEW_LOOKS if imat(m, CONTACT)[n, IMPACT] == 1 else MOST_LOOKS):
         dt, least = (right - left) * h, min(at, 0.0) - slight
         tiny = dt <= 4e-16 * abs(t) or right - left <= 1e-12
         round_, distance = sweep(m, n, bend, dt, max(at, end) if side > 0.0 else 0.0)
@@ -302,7 +306,7 @@ def search(m, h, n, side, until):
         right = min(until, left + step)
         end, end_rate = gap_at(m, right, n)
         end, end_rate = side * end, side * end_rate
-    return NONE
+    return GAVE_UP
 
 
 @compiled
