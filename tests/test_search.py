@@ -1,9 +1,11 @@
 """The search for positions of rest: complete along one freedom, each position once, bounded in work, with a word."""
 
 import math
+import tomllib
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 import rattle as rt
 from rattle import statics
@@ -41,11 +43,26 @@ def tree(seed: int, bodies: int, clearance: str = "") -> str:
 PINS = 'clearance = 0.001\ncontact = "massless-link"\n'
 
 
+def chain(links: int, seed: int | None = None) -> str:
+    """Bars hung on each other, alike or at random; they start at random angles."""
+    random = np.random.default_rng(links if seed is None else seed)
+    text = "format = 1\ngravity = [0, -9.81]\n[ground.points]\nO = [0, 0]\n"
+    initial = "[initial]\n"
+    for k in range(links):
+        length, mass = (0.3, 1.0) if seed is None else (random.uniform(0.1, 0.5), random.uniform(0.2, 3))
+        text += f'[bodies.b{k}]\nbar = ["P", "Q"]\nlength = {length}\nmass = {mass}\n'
+        base = f"b{k - 1}.Q" if k else "ground.O"
+        text += f'[joints.j{k}]\ntype = "revolute"\nconnect = ["{base}", "b{k}.P"]\n'
+        initial += f"b{k} = {{ angle = {random.uniform(-3, 3)} }}\n"
+    return text + initial
+
+
 # ---------------------------------------------------------------- bounded, with a word
-@pytest.mark.parametrize(("seed", "bodies"), [(1, 4), (2, 6), (3, 8)])
-def test_the_search_ends_whatever_the_mechanism(seed, bodies, monkeypatch):
-    used = []
+@pytest.mark.parametrize(("seed", "bodies", "clearance"), [(1, 4, PINS), (2, 6, PINS), (3, 8, ""), (4, 10, PINS)])
+def test_the_work_of_the_search_is_limited_whatever_the_mechanism(seed, bodies, clearance, monkeypatch):
+    used, spent = [], []
     settle = Rest.settle
+    price = statics.price
 
     def counted(self, *arguments, **named):
         before = self.trials
@@ -53,12 +70,17 @@ def test_the_search_ends_whatever_the_mechanism(seed, bodies, monkeypatch):
         used.append(self.trials - before)
         return found
 
+    def priced(*arguments):
+        spent.append(price(*arguments))
+        return spent[-1]
+
     monkeypatch.setattr(Rest, "settle", counted)
-    found = rt.loads(tree(seed, bodies, PINS)).equilibrium()
-    assert found
+    monkeypatch.setattr(statics, "price", priced)
+    found = rt.loads(tree(seed, bodies, clearance)).equilibrium()
+    assert found[0].stable
     assert found.starts == len(used)
     assert max(used) <= statics.TRIALS_EACH + 1
-    assert sum(used) <= 2 * (statics.MOST_TRIALS + statics.TRIALS_EACH)  # of the ideal mechanism, and with play
+    assert sum(spent) <= statics.WORK + 2 * max(spent)  # of the ideal mechanism and with play: none begun beyond
     for one in found:
         scale = max(abs(one[name]) for name in one.names if name.endswith((".fx", ".fy")))
         assert one.residual < 1e-7 * scale  # each is a position of rest
@@ -69,13 +91,140 @@ def test_a_search_given_up_says_so(monkeypatch):
     m = rt.example("double_pendulum")
     whole = m.equilibrium()
     assert (whole.stopped, whole.note) == (False, "")
+    assert "brought nothing new" in whole.extent
     monkeypatch.setattr(statics, "MOST_STARTS", 3)
     part = m.equilibrium()
     assert part.stopped
-    assert part.note == "search stopped after 3 starts; there may be more positions of rest"
+    assert part.note.startswith("search stopped after 3 starts; there may be more positions of rest")
+    assert part.extent == part.note
     assert 0 < len(part) <= len(whole)
     assert part.note in str(m.modes())
     assert part.note in m.equilibrium([0.0, 0.1]).trust.notes
+
+
+def test_more_effort_finds_more_and_says_when_it_is_enough():
+    m = rt.loads(chain(7))
+    short, usual, long = (m.equilibrium(effort=effort) for effort in (0.1, 1.0, 8.0))
+    assert short.stopped
+    assert usual.stopped
+    assert "effort 10" in usual.note
+    assert len(short) < len(usual) < len(long) == 2**7
+    assert not long.stopped
+    for found in (short, usual, long):
+        assert [one.stable for one in found[:2]] == [True, False]
+    for wrong in (0.0, -1.0, math.nan, math.inf):
+        with pytest.raises(ValueError, match="effort"):
+            m.equilibrium(effort=wrong)
+    with pytest.raises(ValueError, match="effort"):
+        m.modes(effort=0.0)
+
+
+def test_the_search_is_the_same_every_time():
+    m = rt.loads(tree(6, 7))
+    one, other = m.equilibrium(), m.equilibrium()
+    assert one.starts == other.starts
+    np.testing.assert_array_equal([e.q for e in one], [e.q for e in other])
+
+
+@nojit
+@pytest.mark.parametrize(
+    ("model", "said"),
+    [("balanced_arm", "nothing new"), ("guide_play", "one freedom was walked along"), ("fourbar", "no freedom")],
+)
+def test_how_far_the_search_went_is_said(model, said):
+    found = rt.example(model).equilibrium()
+    assert said in found.extent
+    assert ("either side" in found.extent) == (model == "fourbar")
+
+
+# ---------------------------------------------------------------- the stable ones are there
+@pytest.mark.parametrize("seed", [None, 3])
+def test_every_link_of_a_pendulum_may_hang_or_stand(seed):
+    found = rt.loads(chain(5, seed)).equilibrium()
+    up = {tuple(round(math.sin(one[f"b{k}.angle"])) for k in range(5)) for one in found}
+    assert len(found) == len(up) == 2**5
+    assert [all(math.sin(one[f"b{k}.angle"]) < 0 for k in range(5)) for one in found] == [True] + 31 * [False]
+    assert [one.stable for one in found] == [True] + 31 * [False]
+
+
+def test_ten_links_hang_straight_down_and_swing_as_their_matrices_say():
+    m = rt.loads(chain(10))
+    found = m.equilibrium()
+    assert found[0].stable
+    assert not any(one.stable for one in found[1:])
+    np.testing.assert_allclose([math.sin(found[0][f"b{k}.angle"]) for k in range(10)], -1, atol=1e-14)
+    below = 9 - np.arange(10)  # links below each; M and K of small angles, rods of 1 kg and 0.3 m
+    mass = 0.09 * (0.5 + np.minimum.outer(below, below)) + np.diag(0.09 * (1 / 3 - 0.5) * np.ones(10))
+    stiffness = 9.81 * 0.3 * np.diag(0.5 + below)
+    squares = np.linalg.eigvals(np.linalg.solve(mass, stiffness))
+    np.testing.assert_allclose(m.modes().omega, np.sqrt(np.sort(squares.real)), rtol=1e-8)
+
+
+def test_a_chain_between_two_supports_hangs_or_stands_as_a_polygon_of_forces():
+    links, span = 8, 0.8 * 8 * 0.3
+    text, initial = chain(links).split("[initial]")
+    angles = np.arccos(np.clip(span / (links * 0.3), -1, 1)) * np.linspace(-1.2, 1.2, links)
+    initial = "".join(f"b{k} = {{ angle = {angle} }}\n" for k, angle in enumerate(angles))
+    text = text.replace("O = [0, 0]", f"O = [0, 0]\nE = [{span}, 0]")
+    text += f'[joints.end]\ntype = "revolute"\nconnect = ["ground.E", "b{links - 1}.Q"]\n[initial]\n{initial}'
+    found = rt.loads(text).equilibrium()
+    assert [one.stable for one in found[:2]] == [True, False]
+    # V grows by m g at every pin and H is the same everywhere: the tangents are evenly spaced
+    for one in found[:2]:
+        tangent = np.array([math.tan(one[f"b{k}.angle"]) for k in range(links)])
+        np.testing.assert_allclose(np.diff(tangent), 9.81 / one["end.fx"], rtol=1e-8)
+    assert found[0]["b3.y"] == pytest.approx(-found[1]["b3.y"], abs=1e-9)  # the chain and its arch
+
+
+def lowest(text: str, starts: int) -> float:
+    """Least potential energy of a `tree` over its angles, by SciPy from random starts [J]."""
+    model = tomllib.loads(text)
+    bodies, ground = list(model["bodies"].values()), model["ground"]["points"]
+    length, mass = (np.array([body[key] for body in bodies]) for key in ("length", "mass"))
+    parents = [joint["connect"][0] for name, joint in model["joints"].items() if name != "rod"]
+
+    def ends(angles):
+        at = []
+        for base, angle, reach in zip(parents, angles, length, strict=True):
+            owner, point = base.split(".")
+            start = np.array(ground[point]) if owner == "ground" else at[int(owner[1:])]
+            at.append(start + reach * np.array([math.cos(angle), math.sin(angle)]))
+        return np.array(at)
+
+    def energy(angles):
+        at = ends(angles)
+        value = 9.81 * float(mass @ (at[:, 1] - 0.5 * length * np.sin(angles)))
+        for spring in model["loads"].values():
+            anchor, body = (end.split(".") for end in spring["connect"])
+            stretch = np.hypot(*(at[int(body[0][1:])] - ground[anchor[1]])) - spring["free_length"]
+            value += 0.5 * spring["stiffness"] * stretch**2
+        return value
+
+    rod = model["joints"]["rod"]
+    closed = {"type": "eq", "fun": lambda angles: np.hypot(*(ends(angles)[-1] - ground["G2"])) - rod["length"]}
+    random, found = np.random.default_rng(1), []
+    for _ in range(starts):
+        start = random.uniform(-math.pi, math.pi, len(bodies))
+        done = minimize(energy, start, method="SLSQP", constraints=[closed], options={"maxiter": 300, "ftol": 1e-10})
+        found += [done.fun] if done.success and abs(closed["fun"](done.x)) < 1e-8 else []
+    return min(found)
+
+
+@pytest.mark.parametrize(("seed", "bodies"), [(104, 7), (105, 8), (107, 10), (128, 7), (131, 10), (139, 10)])
+def test_the_lowest_position_of_rest_is_always_found(seed, bodies):
+    found = rt.loads(tree(seed, bodies)).equilibrium()
+    stable = min(one["energy.potential"] for one in found if one.stable)
+    assert stable <= lowest(tree(seed, bodies), 8) + 1e-4  # SciPy's own accuracy
+
+
+def test_whole_turns_count_where_a_spring_is_wound_and_nowhere_else():
+    found = rt.loads(chain(4)).equilibrium()
+    start = rt.loads(chain(4)).start.q
+    assert max(np.abs(one.q - start)[2::3].max() for one in found) <= math.pi + 1e-9
+    twist = '[loads.twist]\ntype = "torsion-spring"\nconnect = ["ground", "b0"]\nstiffness = 0.1\n'
+    found = rt.loads(chain(2).replace("[initial]", twist + "[initial]")).equilibrium()
+    for one in found:  # torque of the weights about O: m g L (1/2 + 1) cos(angle), held by the spring
+        assert 9.81 * 0.3 * 1.5 * math.cos(one["b0.angle"]) == pytest.approx(-0.1 * one["b0.angle"], abs=1e-9)
 
 
 # ---------------------------------------------------------------- complete and without doubles

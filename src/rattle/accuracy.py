@@ -28,8 +28,9 @@ from rattle.errors import ModelError, Problem
 from rattle.extremes import extreme, largest_turn
 from rattle.kinematics import Sweep, begin, instants, require_driven, why_stuck
 from rattle.model import Joint
+from rattle.rest_starts import opened
 from rattle.resting import Rest
-from rattle.statics import opened, rigid_model, without_guide_play
+from rattle.statics import rigid_model, without_guide_play
 from rattle.steppers import sweep as swept
 from rattle.system import Compiled, compile_system
 

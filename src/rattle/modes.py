@@ -16,7 +16,8 @@ import numpy as np
 
 from rattle.display import table
 from rattle.equations import loads, place
-from rattle.resting import Equilibrium, Rest
+from rattle.equilibrium import Equilibrium
+from rattle.resting import Rest
 from rattle.result import Result, Trust
 from rattle.steppers.rest import force_at
 

@@ -18,10 +18,12 @@ import numpy as np
 from rattle import catalog
 from rattle.assembly import ideal_model
 from rattle.dense import dense_rows
+from rattle.equilibrium import Equilibrium
 from rattle.kinematics import instants
-from rattle.resting import Equilibrium, Rest
+from rattle.rest_starts import opened
+from rattle.resting import Rest
 from rattle.result import Event, Result, Trust
-from rattle.statics import equilibria, opened, rigid_model, without_guide_play
+from rattle.statics import equilibria, rigid_model, without_guide_play
 from rattle.steppers.rest import stiffness
 from rattle.system import Compiled, compile_system
 
@@ -68,13 +70,13 @@ class Path:
         self.before, self.last = self.last, one
 
 
-def quasistatic(ready: Compiled, t_eval: np.ndarray) -> Result:
+def quasistatic(ready: Compiled, t_eval: np.ndarray, effort: float = 1.0) -> Result:
     """Positions of rest over the times; see `Mechanism.equilibrium`."""
     began = time.perf_counter()
     times = instants(t_eval)
     catalog.start()
     ready = without_guide_play(ready)
-    first = equilibria(ready, float(times[0]))
+    first = equilibria(ready, float(times[0]), effort=effort)
     if not first:
         raise ValueError(f"no position of rest was found at t = {times[0]:g} s")
     rigid = rigid_model(ready)

@@ -11,151 +11,26 @@ H > 0 is stability against small displacements (docs/theory.md, section 7).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from rattle.closing import close_position
 from rattle.dense import dense_rows
-from rattle.display import quantity, table
 from rattle.equations import drive
+from rattle.equilibrium import Equilibrium, Table
 from rattle.plane import AUTO, CLOSED, SPEED
 from rattle.recording import columns, geometry, width
-from rattle.result import Result, Trust
 from rattle.singular import RANK, nonunique_reactions
 from rattle.steppers import settling
 from rattle.steppers.rest import force_at
 from rattle.steppers.writing import write
 from rattle.system import Compiled, has_contacts, is_link
 
+MOST_TURN = 0.4  # of a body in one step [rad]
 MOST_TRIALS = 600  # positions tried from one start before it is given up
 CHUNK = 10_000_000  # operations, roughly, between two looks at whether the user wants to stop
-
-
-@dataclass(repr=False)
-class Equilibrium:
-    """One position of rest. `E["coupler.angle"]` gives any result name [SI]."""
-
-    t: float  # [s], of the drivers' functions
-    q: np.ndarray = field(repr=False)  # (3 nb,)
-    multiplier: np.ndarray = field(repr=False)  # (nr,)
-    eigenvalue: float  # smallest of the reduced Hessian [N/m]; inf where no freedom is left
-    residual: float  # largest force out of balance [N]
-    gap: float  # largest constraint residual [m or rad]
-    iterations: int
-    nonunique: tuple[str, ...]  # joints whose reactions are not unique
-    freedoms: int  # that the joints and drivers leave
-    result: Result = field(repr=False)
-    neutral: int = 0  # freedoms along which it may be anywhere
-    falling: int = 0  # freedoms along which it is not held
-
-    def __getitem__(self, name: str) -> float:
-        """Any quantity by its result name, in SI units. Raises UnknownName."""
-        return float(self.result[name][0])
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """All names that `E[...]` answers to."""
-        return self.result.names
-
-    def unit(self, name: str) -> str:
-        """SI unit of a quantity."""
-        return self.result.unit(name)
-
-    @cached_property
-    def normals(self) -> dict[str, float]:
-        """Normal force of every clearance pin [N], negative where the bush would have to pull."""
-        found = {
-            name: self[f"{name}.normal"] for name in self.result.geometry["joints"] if f"{name}.normal" in self.result
-        }
-        joints = self.result.geometry["joints"]
-        return {name: value for name, value in found.items() if joints[name]["contact"] not in ("", "ideal")}
-
-    @property
-    def pulled(self) -> tuple[str, ...]:
-        """Pins at which the bush would have to pull."""
-        scale = max([abs(n) for n in self.normals.values()] + [1e-300])
-        return tuple(name for name, n in self.normals.items() if n < -1e-9 * scale)
-
-    @property
-    def admissible(self) -> bool:
-        """True when no bush would have to pull (all N >= 0)."""
-        return not self.pulled
-
-    @property
-    def stable(self) -> bool:
-        """True when every small displacement is driven back (all eigenvalues positive)."""
-        return self.eigenvalue > 0.0
-
-    @property
-    def reactions_unique(self) -> bool:
-        """False where constraints are redundant; `nonunique` names the joints."""
-        return not self.nonunique
-
-    def __repr__(self) -> str:
-        bodies = self.result.geometry["bodies"]
-        angles = ", ".join(f"{name}.angle {quantity(self[f'{name}.angle'], 'rad')}" for name in list(bodies)[:4])
-        more = ", ..." if len(bodies) > 4 else ""
-        kind = f"{'stable' if self.stable else 'not stable'}, {'' if self.admissible else 'not '}admissible"
-        return f"<rattle.Equilibrium at t = {self.t:g} s: {kind}; {angles}{more}>"
-
-    def _repr_html_(self) -> str:
-        rows = []
-        for body in self.result.geometry["bodies"]:
-            x, y, angle = (
-                quantity(self[f"{body}.{key}"], unit, 6) for key, unit in (("x", "m"), ("y", "m"), ("angle", "rad"))
-            )
-            rows.append((body, x, y, angle))
-        forces = [
-            f"{name}: {quantity(self[name], self.unit(name))}"
-            for name in self.names
-            if name.endswith((".normal", ".torque", ".thrust", ".force"))
-        ]
-        return table(("body", "x", "y", "angle"), rows, str(self), forces)
-
-    def __str__(self) -> str:
-        kind = "stable" if self.stable else "neutral" if self.eigenvalue == 0.0 else "unstable"
-        sides = f", {', '.join(self.pulled)} would have to pull" if self.pulled else ""
-        pins = "".join(
-            f", {name} presses with {abs(n):.4g} N" for name, n in self.normals.items() if name not in self.pulled
-        )
-        if self.neutral:
-            kind += f" (free to move in {self.neutral} freedom{'s' if self.neutral > 1 else ''})"
-        hold = f", stiffness {self.eigenvalue:.3g} N/m" if math.isfinite(self.eigenvalue) else ""
-        return f"{kind}{hold}{sides}{pins}; balanced to {self.residual:.1g} N, closed to {self.gap:.1g} m"
-
-
-class Equilibria(list[Equilibrium]):
-    """The positions of rest that were found, in order, and how far the search went; shows itself as a table."""
-
-    def __init__(self, found: Iterable[Equilibrium], starts: int, stopped: bool) -> None:
-        super().__init__(found)
-        self.starts = starts  # from which the search went, each to its end
-        self.stopped = stopped  # True where it was given up before all starts were used
-
-    @property
-    def note(self) -> str:
-        """What to know about the completeness of the list; empty where every start was used."""
-        return f"search stopped after {self.starts} starts; there may be more positions of rest" if self.stopped else ""
-
-    def __repr__(self) -> str:
-        listed = "[" + ",\n ".join(repr(one) for one in self) + "]"
-        return f"{listed}\n{self.note}" if self.note else listed
-
-    def _repr_html_(self) -> str:
-        rows = []
-        for n, one in enumerate(self):
-            angles = ", ".join(
-                f"{name} {quantity(one[f'{name}.angle'], 'rad')}" for name in one.result.geometry["bodies"]
-            )
-            rows.append((str(n), "yes" if one.stable else "no", "yes" if one.admissible else "no", angles, str(one)))
-        if not rows:
-            return "no position of rest was found"
-        said = f"<p>{self.note}</p>" if self.note else ""
-        return table(("", "stable", "admissible", "angles", ""), rows) + said
 
 
 class Room(NamedTuple):
@@ -169,7 +44,7 @@ class Room(NamedTuple):
     null: np.ndarray  # (n, n)
     line: np.ndarray  # (7, n)
     small: np.ndarray  # (2 n, n)
-    state: np.ndarray  # (9,)
+    state: np.ndarray  # (10,)
     order_h: np.ndarray  # (n,)
     pivot_h: np.ndarray  # (2, n)
 
@@ -178,9 +53,27 @@ class Room(NamedTuple):
         """Room for a mechanism of that size."""
         return cls(
             np.zeros((2 * links, 2)), np.zeros((rows, n)), np.zeros(rows), np.zeros(rows, np.int64),
-            np.zeros((2, rows)), np.zeros((n, n)), np.zeros((7, n)), np.zeros((2 * n, n)), np.zeros(9),
+            np.zeros((2, rows)), np.zeros((n, n)), np.zeros((7, n)), np.zeros((2 * n, n)), np.zeros(10),
             np.zeros(n, np.int64), np.zeros((2, n)),
         )  # fmt: skip
+
+
+class Found(NamedTuple):
+    """A position of rest as it was found."""
+
+    q: np.ndarray  # (3 nb,)
+    multiplier: np.ndarray  # (nr,)
+    eigenvalue: float  # [N/m]
+    residual: float  # [N]
+    gap: float  # [m or rad]
+    iterations: int
+    nonunique: tuple[str, ...]
+    freedoms: int
+    neutral: int
+    falling: int
+    potential: float  # energy [J]
+    force: float  # typical of what acts [N]
+    raw: np.ndarray  # output row
 
 
 class Rest:
@@ -209,7 +102,7 @@ class Rest:
         self.trials = 0  # positions looked at
         self.arrived = False  # whether the last start led to a position of rest, known or new
         self.redundant = False  # whether the rows looked at last depend on each other
-        self.geometry = geometry(ready.model)
+        self.table: Table | None = None
         self.at(t)
 
     def at(self, t: float) -> None:
@@ -275,14 +168,17 @@ class Rest:
         known: np.ndarray | None = None,
         near: float = 0.0,
         most: int = MOST_TRIALS,
+        turn: float = MOST_TURN,
     ) -> tuple[np.ndarray, int] | None:
         """A position of rest near a start, or None; downhill: a stable one.
 
         known (k, 3 nb): positions of rest that need not be found once more; None too where the way leads to within
         `near` of one of them.  most: positions to try before the start is given up; `trials` counts them.
+        turn: how far a body may turn in one step [rad]; a wide one is quick but may leap out of the nearest valley.
         """
         q, room = start.copy(), self.room
         room.state[:] = 0.0
+        room.state[settling.MOST_TURN] = turn
         known = np.zeros((0, len(q))) if known is None else known
         rounds = max(1, min(settling.ROUNDS, CHUNK // (len(q) ** 3 + 1)))
         status = settling.GOING
@@ -312,27 +208,18 @@ class Rest:
 
     def force_scale(self) -> float:
         """A force typical of what acts [N]."""
-        rows = np.abs(self.memory["rows"][:, 3:]).max(axis=1, initial=0.0)
-        acting = np.abs(self.memory["multiplier"] * rows).max(initial=0.0)
-        return float(
-            max(
-                acting,
-                np.abs(self.memory["force"][:, :2]).max(),
-                np.abs(self.memory["force"][:, 2]).max() / self.ready.size,
-                1e-12,
-            )
-        )
+        return float(settling.force_size(self.memory.handle, self.ready.size))
 
-    def finish(self, q: np.ndarray, iterations: int) -> Equilibrium:
-        """Everything about a position of rest."""
-        from rattle import __version__
-
+    def weigh(self, q: np.ndarray, iterations: int) -> Found:
+        """What is to be known about a position of rest; the memory holds it afterwards."""
         memory, ready = self.memory, self.ready
         g, null = self.look(q)
         eigenvalue, neutral, falling = math.inf, 0, 0
         if len(g):
             h = self.hessian(q, null)
-            values = np.linalg.eigvals(h).real
+            largest = float(np.abs(h).max())
+            even = float(np.abs(h - h.T).max()) <= 1e-9 * largest  # loads that keep energy
+            values = np.linalg.eigvalsh(0.5 * (h + h.T)) if even else np.linalg.eigvals(h).real
             # a soft freedom beside a stiff contact is no free one: what counts as nothing is what rounding leaves
             tiny = max(1e-8 * self.force_scale() / ready.size, 1e-13 * float(np.abs(values).max()))
             neutral, falling = int((np.abs(values) < tiny).sum()), int((values <= -tiny).sum())
@@ -342,30 +229,45 @@ class Rest:
         residual = float(np.abs(self.out * self.scale).max(initial=0.0))
         memory["acceleration"][:] = 0.0
         memory["rows"][:, 1] = 0.0  # at rest
-        raw = np.zeros((1, width(ready)))
-        write(memory.handle, 0.0, 0.0, raw[0])
-        data, names, units = columns(ready, raw)
-        keep = [k for k, name in enumerate(names) if name not in ("energy.work", "energy.dissipated", "energy.balance")]
-        names = [names[k] for k in keep]
-        nonunique = nonunique_reactions(ready, memory) if self.redundant else ()
-        result = Result(
-            t=[self.t], data=np.ascontiguousarray(data[:, keep]),
-            names=names, units={name: units[name] for name in names},
-            geometry=self.geometry, stats={"iterations": iterations},
-            trust=Trust(drift=gap, t_end=self.t, horizon=self.t, nonunique=nonunique),
-            provenance={"model": ready.model.name, "program": f"rattle {__version__}", "analysis": "equilibrium"},
+        raw = np.zeros(width(ready))
+        write(memory.handle, 0.0, 0.0, raw)
+        return Found(
+            q.copy(), memory["multiplier"].copy(), eigenvalue, residual, gap, iterations,
+            nonunique_reactions(ready, memory) if self.redundant else (),
+            len(g), neutral, falling, float(memory["power"][0]), self.force_scale(), raw,
         )  # fmt: skip
-        return Equilibrium(
-            self.t,
-            q.copy(),
-            memory["multiplier"].copy(),
-            eigenvalue,
-            residual,
-            gap,
-            iterations,
-            nonunique,
-            len(g),
-            result,
-            neutral,
-            falling,
+
+    def tell(self, found: Sequence[Found]) -> list[Equilibrium]:
+        """Positions of rest with all their quantities."""
+        if not found:
+            return []
+        data, names, units = columns(self.ready, np.array([one.raw for one in found]))
+        keep = [k for k, name in enumerate(names) if name not in ("energy.work", "energy.dissipated", "energy.balance")]
+        if self.table is None:
+            self.table = self._table([names[k] for k in keep], units)
+        data = np.ascontiguousarray(data[:, keep])
+        return [
+            Equilibrium(
+                self.t, one.q, one.multiplier, one.eigenvalue, one.residual, one.gap, one.iterations, one.nonunique,
+                one.freedoms, one.neutral, one.falling, row, self.table,
+            )
+            for one, row in zip(found, data, strict=True)
+        ]  # fmt: skip
+
+    def _table(self, names: Sequence[str], units: Mapping[str, str]) -> Table:
+        from rattle import __version__
+
+        column = {name: k for k, name in enumerate(names)}
+        drawn = geometry(self.ready.model)
+        pins = [name for name, joint in drawn["joints"].items() if joint["contact"] not in ("", "ideal")]
+        return Table(
+            column,
+            {name: units[name] for name in names},
+            tuple((name, column[f"{name}.normal"]) for name in pins if f"{name}.normal" in column),
+            drawn,
+            {"model": self.ready.model.name, "program": f"rattle {__version__}", "analysis": "equilibrium"},
         )
+
+    def finish(self, q: np.ndarray, iterations: int) -> Equilibrium:
+        """Everything about a position of rest."""
+        return self.tell([self.weigh(q, iterations)])[0]

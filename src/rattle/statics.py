@@ -1,4 +1,10 @@
-"""Search for the positions of rest of a mechanism: starts, partners of clearance pins, their order.
+"""Search for the positions of rest of a mechanism: what is tried, in which order, and when it is enough.
+
+One freedom is walked all around.  With more freedoms ways downhill come first, from random positions and from the
+lowest one found, then Newton from starts of several kinds: bodies of positions found turned over, positions along the
+freedoms, random ones; the kind goes on whose positions of rest cost least.  The search ends when many starts in a row
+bring nothing new, or when its work is done: it is counted in positions looked at, so that the answer is always the
+same.
 
 Every clearance pin is a massless link; each position of rest has partners with the pin on the other side of its bush
 (n and -n).  They are started from the ideal mechanism's position of rest, pins displaced along its reactions.
@@ -9,7 +15,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,23 +23,34 @@ from rattle import catalog
 from rattle.assembly import assemble, ideal_model
 from rattle.closing import merit_at
 from rattle.equations import drive
+from rattle.equilibrium import Equilibria, Equilibrium
 from rattle.errors import AssemblyError
 from rattle.model import Contact
-from rattle.resting import Equilibria, Equilibrium, Rest
+from rattle.rest_starts import Turning, along, apart, around, opened, sides
+from rattle.resting import MOST_TURN, Found, Rest
 from rattle.singular import scaled_rows
 from rattle.system import Compiled, compile_system, has_contacts, is_link
 
-MOST_PINS = 6  # up to so many clearance pins all combinations of sides are tried
-RANDOM_STARTS = 48
-MANY = 12  # bodies from which on only the assembled position is a start
-MOST_STRIDES = 160  # along a freedom that does not close
-MOST_STARTS = 1000  # after which the search stops, and says so
-FEW, FEW_BODIES = 3, 4  # freedoms and bodies up to which every start goes downhill too
-MOST_TRIALS = 12_000  # positions looked at, of all starts together
-TRIALS_EACH = 250  # and from one start: Newton that arrives does so in far fewer
+RANDOM_STARTS = 48  # of a mechanism without a freedom, for other ways to put it together
+FEW_STARTS = 12  # of a mechanism with one
+MOST_STARTS = 100_000  # however long the user lets it search
+WORK = 36_000.0  # of all starts together, in the units of `price`
+DOWNHILL = 0.5  # share of it that goes into ways downhill
+QUIET = 20  # starts in a row, and as many for every freedom, that bring nothing new: it is enough
+QUIET_DOWNHILL = (4, 2)  # the same for ways downhill
+TRIALS_EACH = 250  # positions looked at from one start downhill
+TRIALS_NEWTON = 40  # and by Newton: where it arrives it does so in far fewer
+WIDE = 1.0  # turn of a body in one step downhill [rad]: any valley will do
 
 
-def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near") -> Equilibria:
+def price(rest: Rest, trials: int, found: bool) -> float:
+    """What a start has cost, very roughly in microseconds of one core: of the size of the mechanism."""
+    n = 3.0 * rest.ready.body_count
+    look = 3.0 + 0.05 * n * n + 0.0003 * n * n * n
+    return 60.0 + look * trials + (150.0 + 2.0 * look if found else 0.0)
+
+
+def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near", effort: float = 1.0) -> Equilibria:
     """All positions of rest found; see `Mechanism.equilibrium`."""
     if branches not in ("near", "all"):
         raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
@@ -42,18 +59,29 @@ def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near") -> Equil
     rigid = rigid_model(ready)
     ideal_ready = compile_system(ideal_model(ready.model)) if rigid is not None else ready
     start = position_at(ideal_ready, t)
-    rest, search = Rest(ideal_ready, t), Search()
-    found = search.settled(rest, _starts(rest, start, branches == "all"))
+    rest = Rest(ideal_ready, t)
+    search = Search(rest, effort if rigid is None else 0.5 * effort)
+    search.explore(start, branches == "all")
+    found = rest.tell(search.found)
     if rigid is None:
-        return Equilibria(_sorted(found, start), search.starts, search.stopped)
+        return Equilibria(_sorted(found, start), search.starts, search.stopped, search.extent)
     play = Rest(rigid, t)
-    partners = search.settled(play, (start for one in found for start in _sides(rest, play, one)), True)
-    if not partners:
-        partners = search.settled(play, _starts(play, position_at(rigid, t), True))
+    partners = Search(play, 0.5 * effort)
+    partners.partners(sides(rest, play, sorted(found, key=_height)))
+    if not partners.found:
+        partners.explore(position_at(rigid, t), True)
     reference = start + _first_offset(rest, rigid, start)
+    pressing = play.tell(partners.found)
     if any(has_contacts(joint) and _compliant(joint.contact) for joint in ready.model.joints.values()):
-        partners = _pressed(ready, t, play, partners)
-    return Equilibria(_sorted(partners, reference), search.starts, search.stopped)
+        pressing = partners.pressed(ready, pressing)
+    stopped = search.stopped or partners.stopped
+    extent = f"without play {search.extent}; every pin was put on either side of its bush" if search.extent else ""
+    return Equilibria(_sorted(pressing, reference), search.starts + partners.starts, stopped, extent)
+
+
+def _height(one: Equilibrium) -> tuple[bool, float]:
+    """Stable positions first, then the lowest."""
+    return not one.stable, one["energy.potential"]
 
 
 def _compliant(contact: Contact | None) -> bool:
@@ -105,120 +133,199 @@ def position_at(ready: Compiled, t: float) -> np.ndarray:
     return np.array(led.node[sweep.Q_NEW])
 
 
-def _starts(rest: Rest, start: np.ndarray, everywhere: bool) -> Iterator[np.ndarray]:
-    """The assembled position, others along its freedoms, and with `everywhere` other ways to put it together."""
-    yield start
-    if rest.ready.body_count > MANY:
-        return
-    _, null = rest.look(start)
-    count = null.shape[1]
-    if count == 1:
-        yield from _around(rest, start, null[:, 0])
-    else:
-        for direction in [sign * null[:, k] for k in range(min(count, 4)) for sign in (1.0, -1.0)]:
-            q = start.copy()
-            for _ in range(12):
-                if not rest.walk(q, direction, 0.25 * rest.ready.size)[0]:
-                    break
-                yield q.copy()
-    random = np.random.default_rng(0)
-    if everywhere or count:
-        model = rest.ready.model
-        held = {
-            driver.point.body if driver.point else model.joints[driver.joint].b.body
-            for driver in model.drivers.values()
-        }
-        free = [k for k, name in enumerate(rest.ready.bodies) if name not in held]
-        for _ in range(RANDOM_STARTS if everywhere else RANDOM_STARTS // 4):
-            q = start.copy()
-            q[[3 * k + 2 for k in free]] = random.uniform(-math.pi, math.pi, len(free))
-            q[0::3] += random.normal(size=len(q) // 3) * 0.3 * rest.ready.size
-            q[1::3] += random.normal(size=len(q) // 3) * 0.3 * rest.ready.size
-            yield q
-
-
-def _around(rest: Rest, start: np.ndarray, direction: np.ndarray) -> Iterator[np.ndarray]:
-    """One freedom: walk along it, all around where it closes; the places where the force along it changes its sign."""
-    stride = rest.ready.size / 8
-    path, force = [start], [float(rest.look(start)[0][0])]
-    for sign in (1.0, -1.0):
-        q, ahead, closed = start.copy(), sign * direction, False
-        for n in range(MOST_STRIDES):
-            went, along, _ = rest.walk(q, ahead, stride)
-            if not went:
-                break
-            path.insert(len(path) if sign > 0 else 0, q.copy())
-            force.insert(len(force) if sign > 0 else 0, sign * along)
-            closed = n > 2 and _apart(rest.ready, q, start[None])[0] < stride
-            if closed:
-                break
-        if closed:
-            break
-    nothing = 1e-9 * max(rest.force_scale(), max(map(abs, force)))
-    size = [abs(one) if abs(one) > nothing else math.inf for one in force]  # where nothing acts it may be anywhere
-    for k in range(1, len(path)):
-        if size[k - 1] < math.inf and size[k] < math.inf and force[k - 1] * force[k] < 0.0:
-            yield path[k - 1]
-            yield path[k]
-    for k in range(1, len(path) - 1):  # without a change of sign: two positions of rest may lie close together
-        if size[k] < min(size[k - 1], size[k + 1]) and force[k - 1] * force[k + 1] > 0.0:
-            yield path[k]
-
-
-@dataclass
 class Search:
-    """How much has been tried; in each part of the search the starts and the positions looked at are limited."""
+    """The positions of rest of one mechanism found so far, and what has been spent on them."""
 
-    starts: int = 0
-    stopped: bool = False
+    def __init__(self, rest: Rest, effort: float) -> None:
+        self.rest, self.effort = rest, effort
+        self.found: list[Found] = []
+        self.starts = 0
+        self.stopped = False  # before it was enough
+        self.extent = ""  # how far the search went, in words
+        self.arrived = False  # whether the last start led to a position of rest, known or new
+        self._work, self._left = 0.0, WORK * effort
+        self._known = np.zeros((16, 3 * rest.ready.body_count))
+        self._count = 0
+        self._near = 1e-3 * _tiny(rest.ready)
+        self._trials = rest.trials
+        self._turning: Turning | None = None
+        self._start = np.zeros(3 * rest.ready.body_count)
+        self._quiet = 0  # starts in vain since the last that was not
+        first = [int(rest.ready.arrays["joint"][rest.ready.joints.index(name), 4]) for name in rest.links]
+        self._links = np.array(first, np.int64)
 
-    def settled(self, rest: Rest, starts: Iterable[np.ndarray], partners: bool = False) -> list[Equilibrium]:
-        """Distinct positions of rest, by plain Newton and downhill, with many freedoms from every other start.
+    def spent(self) -> bool:
+        """Whether there is nothing left for another start; the first is always tried."""
+        return self._beyond(self._left)
 
-        partners: the starts are close to what is sought; downhill only where Newton fails.
-        """
-        found: list[Equilibrium] = []
-        known = np.zeros((0, 3 * rest.ready.body_count))
-        near = 1e-3 * _tiny(rest.ready)
-        begun, before = self.starts, rest.trials
-        many = 3 * rest.ready.body_count - rest.ready.row_count > FEW and rest.ready.body_count > FEW_BODIES
-        for n, start in enumerate(starts):
-            plain = False
-            for downhill in (False, True):
-                if downhill and (plain if partners else n % 2 and many):  # most ways downhill lead to a few places
-                    continue
-                if self.starts - begun >= MOST_STARTS or rest.trials - before >= MOST_TRIALS:
+    def _beyond(self, most: float) -> bool:
+        return self.starts > 0 and (self._work >= most or self.starts >= MOST_STARTS)
+
+    def settled(self, start: np.ndarray, downhill: bool) -> bool:
+        """Try one start; True where it led to a position of rest that is new."""
+        rest = self.rest
+        self.starts += 1
+        most, turn = (TRIALS_EACH, WIDE) if downhill else (TRIALS_NEWTON, MOST_TURN)
+        settled = rest.settle(start, downhill, self._known[: self._count], self._near, most, turn)
+        self.arrived = rest.arrived
+        new = settled is not None and not _same(rest.ready, settled[0], self._known[: self._count])
+        if settled is not None and new:
+            self._remember(settled[0])
+            one = self._weighed(*settled)
+            new = not any(_one_family(one, other, self._links, rest.ready.size) for other in self.found)
+            if new:
+                self.found.append(one)
+        self._work += price(rest, rest.trials - self._trials, new)
+        self._trials = rest.trials
+        return new
+
+    def _weighed(self, q: np.ndarray, iterations: int) -> Found:
+        """What is to be known about a position, without whole turns where they make no difference."""
+        if self._turning is not None:
+            same = self._turning.unwound(q, self._start)
+            if (same != q).any():
+                one, other = self.rest.weigh(q, iterations), self.rest.weigh(same, iterations)
+                slight = 1e-9 * one.force
+                alike = abs(one.potential - other.potential) <= slight * self.rest.ready.size
+                closed = other.gap <= one.gap + 1e-12 * self.rest.ready.size
+                return other if alike and closed and other.residual <= one.residual + slight else one
+        return self.rest.weigh(q, iterations)
+
+    def _remember(self, q: np.ndarray) -> None:
+        if self._count == len(self._known):
+            self._known = np.vstack([self._known, np.zeros_like(self._known)])
+        self._known[self._count] = q
+        self._count += 1
+
+    # ------------------------------------------------------------ from nothing
+    def explore(self, start: np.ndarray, everywhere: bool) -> None:
+        """All kinds of starts; everywhere: other ways to put the mechanism together too."""
+        turning, random = Turning(self.rest.ready), np.random.default_rng(0)
+        self._turning, self._start = turning, start
+        _, null = self.rest.look(start)
+        freedoms = null.shape[1]
+        if freedoms > 1:
+            self._many(start, turning, random, freedoms)
+            return
+        starts = [start]
+        if freedoms == 1:
+            starts += around(self.rest, start, null[:, 0])
+        if everywhere or freedoms:
+            count = round((RANDOM_STARTS if everywhere else FEW_STARTS) * max(1.0, self.effort))
+            starts += [turning.anywhere(start, random) for _ in range(count)]
+        for one in starts:
+            for downhill in (False, True)[: freedoms + 1]:
+                if self.spent():
                     self.stopped = True
-                    return found
-                self.starts += 1
-                settled = rest.settle(start, downhill, known, near, TRIALS_EACH)
-                plain = plain or rest.arrived
-                if settled is None or _same(rest.ready, settled[0], known):
-                    continue
-                known = np.vstack([known, settled[0]])
-                one = rest.finish(*settled)
-                if any(_one_family(rest, one, other) for other in found):
-                    continue
-                found.append(one)
-                if not one.freedoms:
+                    return
+                self.settled(one, downhill)
+        self.extent = (
+            "its one freedom was walked along, end to end" if freedoms else "joints and drivers leave no freedom"
+        )
+
+    def _many(self, start: np.ndarray, turning: Turning, random: np.random.Generator, freedoms: int) -> None:
+        """Ways downhill, then Newton from the kind of starts whose positions of rest cost least."""
+        downhill = {"downhill": self._downhill(start, turning, random)}
+        least, each = QUIET_DOWNHILL
+        surely = self._until_quiet(downhill, least + each * freedoms, DOWNHILL * self._left)
+        kinds = {
+            "turned": self._turned(turning, random),
+            "along": along(self.rest, start),
+            "random": itertools.chain([start], (turning.anywhere(start, random) for _ in itertools.count())),
+        }
+        enough = self._until_quiet(kinds, QUIET * (1 + freedoms), self._left)
+        if enough and not surely:
+            enough = self._until_quiet(downhill, least + each * freedoms, self._left)
+        self.stopped = not enough
+        self.extent = f"the last {self._quiet} of {self.starts} starts brought nothing new"
+
+    def _until_quiet(self, kinds: Mapping[str, Iterator[np.ndarray]], enough: int, most: float) -> bool:
+        """Starts of these kinds until so many in a row are in vain; False where the work is done before."""
+        going, spent, brought = dict(kinds), dict.fromkeys(kinds, 0.0), dict.fromkeys(kinds, 1)
+        self._quiet = 0
+        while going and self._quiet < enough * max(1.0, self.effort):
+            if self._beyond(most):
+                return False
+            kind = min(going, key=lambda name: spent[name] / brought[name])
+            start = next(going[kind], None)
+            if start is None:
+                del going[kind]
+                continue
+            before = self._work
+            new = self.settled(start, kind == "downhill")
+            spent[kind] += self._work - before
+            brought[kind] += new
+            self._quiet = 0 if new else self._quiet + 1
+        return True
+
+    def _downhill(self, start: np.ndarray, turning: Turning, random: np.random.Generator) -> Iterator[np.ndarray]:
+        """The position at hand, then random ones and ones near the lowest found, by turns."""
+        yield start
+        while True:
+            yield turning.anywhere(start, random)
+            lowest = min(self.found, key=lambda one: (one.falling, one.potential), default=None)
+            yield turning.nearby(start if lowest is None else lowest.q, random)
+
+    def _turned(self, turning: Turning, random: np.random.Generator) -> Iterator[np.ndarray]:
+        """Positions found mirrored and with every group of bodies turned over, then with several."""
+        k, groups = 0, turning.groups
+        while groups:
+            if k < len(self.found):
+                yield turning.mirrored(self.found[k].q, self._start)
+                for group in groups:
+                    yield turning.turned(self.found[k].q, [group], self._start)
+                k += 1
+            elif self.found:
+                one = self.found[int(random.integers(len(self.found)))].q
+                chosen = [group for group in groups if random.random() < 0.5]
+                yield turning.turned(one, chosen, self._start)
+            else:
+                return
+
+    # ------------------------------------------------------------ with pins on their sides
+    def partners(self, starts: Iterable[np.ndarray]) -> None:
+        """Starts that are close to what is sought: downhill only where Newton fails."""
+        for start in starts:
+            if self.spent():
+                self.stopped = True
+                return
+            self.settled(start, False)
+            if not self.arrived and not self.spent():
+                self.settled(start, True)
+
+    def pressed(self, ready: Compiled, rigid: list[Equilibrium]) -> list[Equilibrium]:
+        """Compliant pins: from the rigid positions that press everywhere, let every pin sink in."""
+        play, rest = self.rest, Rest(ready, self.rest.t)
+        ideal = Rest(compile_system(ideal_model(ready.model)), rest.t)
+        found: list[Equilibrium] = []
+        for one in sorted((one for one in rigid if one.admissible), key=_height):
+            if found and self._work >= self._left + WORK * self.effort:
+                self.stopped = True
+                break
+            offsets = dict(zip(play.links, play.offsets(one.q), strict=True))
+            for depth in (1e-4, 1e-3, 1e-2, 1e-5, 1e-1):  # of the clearance
+                before = rest.trials
+                start = opened(ideal, one.q, {name: e * (1 + depth) for name, e in offsets.items()})
+                settled = rest.settle(start)
+                self._work += price(rest, rest.trials - before, settled is not None)
+                if settled is not None:
+                    if not found or not _same(ready, settled[0], np.array([other.q for other in found])):
+                        found.append(rest.finish(*settled))
                     break
         return found
 
 
-def _one_family(rest: Rest, one: Equilibrium, other: Equilibrium) -> bool:
-    """True where a free motion leads from one position of rest to the other: it costs no energy."""
-    if not one.neutral or (one.neutral, one.falling, one.pulled) != (other.neutral, other.falling, other.pulled):
+def _one_family(one: Found, other: Found, links: np.ndarray, size: float) -> bool:
+    """True where a free motion leads from one position of rest to the other: it costs no energy.
+
+    links: (k,) rows of the massless links, whose multipliers say on which side their pins are.
+    """
+    if not one.neutral or (one.neutral, one.falling) != (other.neutral, other.falling):
         return False
-    apart = abs(one["energy.potential"] - other["energy.potential"])
-    return apart <= 1e-9 * rest.force_scale() * rest.ready.size
-
-
-def _apart(ready: Compiled, one: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """(k,) largest distance [m] of a position from others (k, 3 nb), angles as on a circle of the mechanism's size."""
-    apart = one - others
-    apart[:, 2::3] = (apart[:, 2::3] + math.pi) % (2 * math.pi) - math.pi
-    apart[:, 2::3] *= ready.size
-    return np.asarray(np.abs(apart).max(axis=1))
+    if abs(one.potential - other.potential) > 1e-9 * one.force * size:
+        return False
+    pulls, others = one.multiplier[links], other.multiplier[links]
+    return bool((pulls * others >= -1e-18 * one.force**2).all())
 
 
 def _tiny(ready: Compiled) -> float:
@@ -230,39 +337,7 @@ def _same(ready: Compiled, one: np.ndarray, others: np.ndarray) -> bool:
     """True where a position is one of the others (k, 3 nb)."""
     if not len(others):
         return False
-    return bool(_apart(ready, one, others).min() < 1e-5 * _tiny(ready) + 1e-10 * ready.size)
-
-
-def _sides(ideal: Rest, play: Rest, one: Equilibrium) -> list[np.ndarray]:
-    """Starts with every pin on either side of its bush along the ideal reaction."""
-    directions = []
-    for name in play.links:
-        force = np.array([one[f"{name}.fx"], one[f"{name}.fy"]])
-        size = float(np.hypot(*force))
-        tiny = 1e-12 * max(1.0, np.abs(one.multiplier).max(initial=0.0))
-        directions.append(-force / size if size > tiny else np.array([1.0, 0.0]))
-    count = len(directions)
-    signs: list[tuple[int, ...]] = list(itertools.product((1, -1), repeat=min(count, MOST_PINS)))
-    if count > MOST_PINS:
-        signs = [tuple(s) for s in np.vstack([np.ones(count), -np.ones(count), 1 - 2 * np.eye(count)]).astype(int)]
-    clearances = [play.ready.model.joints[name].clearance for name in play.links]
-    starts = []
-    for sign in signs:
-        wanted = {name: s * c * n for name, s, c, n in zip(play.links, sign, clearances, directions, strict=True)}
-        starts.append(opened(ideal, one.q, wanted))
-    return starts
-
-
-def opened(ideal: Rest, q: np.ndarray, wanted: Mapping[str, np.ndarray]) -> np.ndarray:
-    """The ideal mechanism's position with its pins displaced in their bushes, by least change."""
-    ready = ideal.ready
-    target = np.zeros(ready.row_count)
-    for name, offset in wanted.items():
-        first = int(ready.arrays["joint"][ready.joints.index(name), 4])
-        target[first : first + 2] = offset
-    q = q.copy()
-    ideal.displace(q, target)
-    return q
+    return bool(apart(ready, one, others).min() < 1e-5 * _tiny(ready) + 1e-10 * ready.size)
 
 
 def _first_offset(ideal: Rest, rigid: Compiled, start: np.ndarray) -> np.ndarray:
@@ -274,25 +349,6 @@ def _first_offset(ideal: Rest, rigid: Compiled, start: np.ndarray) -> np.ndarray
         if name in rigid.model.joints and is_link(rigid.model.joints[name])
     }
     return opened(ideal, start, wanted) - start if wanted else np.zeros_like(start)
-
-
-def _pressed(ready: Compiled, t: float, play: Rest, rigid: list[Equilibrium]) -> list[Equilibrium]:
-    """Compliant pins: from the rigid positions that press everywhere, let every pin sink in."""
-    rest = Rest(ready, t)
-    ideal = Rest(compile_system(ideal_model(ready.model)), t)
-    found: list[Equilibrium] = []
-    for one in rigid:
-        if not one.admissible:
-            continue
-        offsets = dict(zip(play.links, play.offsets(one.q), strict=True))
-        for depth in (1e-4, 1e-3, 1e-2, 1e-5, 1e-1):  # of the clearance
-            start = opened(ideal, one.q, {name: e * (1 + depth) for name, e in offsets.items()})
-            settled = rest.settle(start)
-            if settled is not None:
-                if not found or not _same(ready, settled[0], np.array([other.q for other in found])):
-                    found.append(rest.finish(*settled))
-                break
-    return found
 
 
 def _sorted(found: list[Equilibrium], start: np.ndarray) -> list[Equilibrium]:

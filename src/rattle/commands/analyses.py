@@ -10,14 +10,13 @@ import click
 
 from rattle.commands.options import model_options, read_model, time
 from rattle.commands.output import as_json as to_json
-from rattle.commands.output import check_pictures, check_results, finish, keep, save_options, say_written
+from rattle.commands.output import check_pictures, check_results, finish, keep, save_options, say_written, zeroed
+from rattle.commands.positions import entry, listed, modes_record
 
 if TYPE_CHECKING:
     import numpy as np
 
     from rattle.mechanism import Mechanism
-    from rattle.modes import Modes
-    from rattle.resting import Equilibrium
     from rattle.result import Result
 
 DEGREES = 180 / math.pi
@@ -55,11 +54,6 @@ def _shown(value: float, unit: str) -> tuple[float, str]:
     """Angles in degrees, everything else as it is."""
     changed = {"rad": "deg", "rad/s": "deg/s"}
     return (value * DEGREES, changed[unit]) if unit in changed else (value, unit)
-
-
-def zeroed(value: float, floor: float) -> float:
-    """0 for what is rounding: below a floor."""
-    return 0.0 if abs(value) <= floor else value
 
 
 def _ranges(result: Result, names: list[str]) -> str:
@@ -119,6 +113,15 @@ def _record(result: Result) -> str:
         "curves": curves,
     }
     return to_json(record)
+
+
+effort_option = click.option(
+    "--effort",
+    type=click.FloatRange(0.0, min_open=True),
+    default=1.0,
+    show_default=True,
+    help="Work of the search for positions of rest; 10 lets it look ten times as long.",
+)
 
 
 @click.command()
@@ -206,6 +209,7 @@ def inverse_dynamics(
     show_default=True,
     help="all: look also for other ways to put the mechanism together.",
 )
+@effort_option
 @click.option(
     "--path", "path", is_flag=True, help="Follow the rest while the drivers move slowly from t = 0 to --t-end."
 )
@@ -214,8 +218,8 @@ def inverse_dynamics(
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
 @click.pass_context
 def equilibrium(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t: float, branches: str, path: bool,
-    t_end: float | None, points: int, output: str | None, csv: str | None, fallback: str | None,
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t: float, branches: str, effort: float,
+    path: bool, t_end: float | None, points: int, output: str | None, csv: str | None, fallback: str | None,
     as_json: bool,
 ) -> None:  # fmt: skip
     """Positions of rest: admissible (no bush has to pull) and stable ones first.
@@ -231,7 +235,7 @@ def equilibrium(
     m = read_model(file, settings, ideal)
     if path:
         check_results(file, output, csv, fallback)
-        result = m.equilibrium(_times(m, t_end, points))
+        result = m.equilibrium(_times(m, t_end, points), effort=effort)
         if as_json:
             click.echo(_record(result))
         else:
@@ -250,65 +254,18 @@ def equilibrium(
             click.echo(_notes(result))
         finish(ctx, result, keep(result, output, csv, fallback))
         return
-    found = m.equilibrium(t, branches=branches)
+    found = m.equilibrium(t, branches=branches, effort=effort)
     if found.note:
         click.echo(found.note, err=True)
     if as_json:
-        click.echo(to_json([_entry(one) for one in found]))
+        click.echo(to_json([entry(one) for one in found]))
     else:
-        for n, one in enumerate(found):
-            click.echo(f"{n + 1}. {one}")
-        if found:
-            click.echo(_position(m, found[0]))
+        listed(m, found)
     if not found:
         click.echo(
             f"no position of rest was found at t = {t:g} s; try other angles in [initial] or --branches all", err=True
         )
         ctx.exit(1)
-
-
-def _position(m: Mechanism, one: Equilibrium) -> str:
-    """Where the bodies are in the first position, and what holds it."""
-    lines = ["position 1:"]
-    floor = ZERO * m.ready.size
-    for body in m.model.bodies:
-        x, y = (zeroed(one[f"{body}.{key}"], floor) for key in "xy")
-        angle = zeroed(one[f"{body}.angle"], ZERO)
-        lines.append(f"  {body}: x {x:.6g} m, y {y:.6g} m, angle {angle * DEGREES:.6g} deg")
-    for driver in m.model.drivers:
-        name = next(n for n in one.names if n.startswith(f"{driver}.") and not n.endswith(".power"))
-        lines.append(f"  {name}: {one[name]:.6g} {one.unit(name)}")
-    if one.nonunique:
-        lines.append(f"  reactions not unique (redundant constraints) at {', '.join(one.nonunique)}")
-    return "\n".join(lines)
-
-
-def _entry(one: Equilibrium) -> dict[str, Any]:
-    values = {name: {"value": one[name], "unit": one.unit(name)} for name in one.names}
-    facts = {
-        "admissible": one.admissible,
-        "stable": one.stable,
-        "eigenvalue": one.eigenvalue,
-        "residual": one.residual,
-        "gap": one.gap,
-    }
-    return {**facts, "reactions_unique": one.reactions_unique, "nonunique": list(one.nonunique), "values": values}
-
-
-def _modes(found: Modes) -> dict[str, Any]:
-    """Every mode with its shape (x, y, angle of every body), and the position it is about."""
-    bodies = list(found.equilibrium.result.geometry["bodies"])
-    listed = [
-        {
-            "frequency": found.frequency[k],
-            "omega": found.omega[k],
-            "growth": found.growth[k],
-            "damping": found.damping[k],
-            "shape": dict(zip(bodies, found.shapes[k].reshape(-1, 3).tolist(), strict=True)),
-        }
-        for k in range(len(found))
-    ]
-    return {"modes": listed, "equilibrium": _entry(found.equilibrium), "note": found.note}
 
 
 @click.command()
@@ -321,14 +278,16 @@ def _modes(found: Modes) -> dict[str, Any]:
     show_default=True,
     help="Time at which the drivers are held, in s or as '20 ms'.",
 )
+@effort_option
 @click.option(
     "--mode", type=click.IntRange(1), default=1, show_default=True, help="Which mode -o draws; 1 is the slowest."
 )
 @click.option("-o", "--output", metavar="FILE", help="Draw the mode: .svg, .png or .pdf; .gif or .mp4 moves.")
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
 def modes(
-    file: str, settings: tuple[str, ...], ideal: bool, t: float, mode: int, output: str | None, as_json: bool
-) -> None:
+    file: str, settings: tuple[str, ...], ideal: bool, t: float, effort: float, mode: int, output: str | None,
+    as_json: bool,
+) -> None:  # fmt: skip
     """Natural frequencies about the first position of rest.
 
     FILE is a model file or the name of a shipped example.
@@ -339,11 +298,11 @@ def modes(
     from rattle.plot import SUFFIXES, save_figure
 
     check_pictures(file, output, moving=True)
-    found = read_model(file, settings, ideal).modes(t)
+    found = read_model(file, settings, ideal).modes(t, effort=effort)
     if len(found) < mode and (output is not None or mode > 1):
         raise click.UsageError(f"--mode {mode}: there are {len(found)} modes, counted from 1")
     if as_json:
-        click.echo(to_json(_modes(found)))
+        click.echo(to_json(modes_record(found)))
     else:
         click.echo(f"about: {found.equilibrium}")
         click.echo(str(found))

@@ -147,3 +147,8 @@ def say_written(path: str | Path) -> None:
     from rattle.files import is_special
 
     click.echo(str(path), err=is_special(path))
+
+
+def zeroed(value: float, floor: float) -> float:
+    """0 for what is rounding: below a floor."""
+    return 0.0 if abs(value) <= floor else value

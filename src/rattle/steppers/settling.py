@@ -26,14 +26,13 @@ from rattle.steppers.dense import (
 from rattle.steppers.rest import force_at
 
 RANK = 1e-9  # what is left of a row, as a share of the longest, that counts as dependent
-MOST_TURN = 0.4  # of a body in one step [rad]; shifts as a share of the mechanism's extent
 ROUNDS = 150  # Newton steps before a start is given up
 HALVINGS = 30
 LOST, SETTLED, KNOWN, GOING = range(4)
 # rows of `line`
 OUT, G, DZ, MOVE, TRIAL, START, WORK = range(7)
-# entries of `state`
-PHASE, ITERATION, SMALL, FORCE_SIZE, TRIALS, EXTENT, FREEDOMS, G_SIZE, G_LENGTH = range(9)
+# entries of `state`; MOST_TURN of a body in one step [rad], shifts as a share of the mechanism's extent
+PHASE, ITERATION, SMALL, FORCE_SIZE, TRIALS, EXTENT, FREEDOMS, G_SIZE, G_LENGTH, MOST_TURN = range(10)
 
 
 @compiled
@@ -220,7 +219,7 @@ def newton_step(freedoms, downhill, order, pivot, line, small, null, state, size
             turn = max(turn, abs(value))
         else:
             shift = max(shift, abs(value))
-    share = min(1.0, min(MOST_TURN / turn, MOST_TURN * state[EXTENT] / shift))
+    share = min(1.0, min(state[MOST_TURN] / turn, state[MOST_TURN] * state[EXTENT] / shift))
     for j in range(freedoms):
         dz[j] *= share
     for k in range(move.shape[0]):

@@ -1,0 +1,85 @@
+"""Positions of rest and modes as lines and as records."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rattle.commands.output import zeroed
+
+if TYPE_CHECKING:
+    from rattle.equilibrium import Equilibria, Equilibrium
+    from rattle.mechanism import Mechanism
+    from rattle.modes import Modes
+
+DEGREES = 180 / math.pi
+MOST_LINES = 20  # positions of rest that are listed one by one
+MOST_BODIES = 5  # whose angles stand in such a line
+ZERO = 1e-12  # share of the largest of its kind below which a number is rounding
+
+
+def listed(m: Mechanism, found: Equilibria) -> None:
+    """The first positions, how far the search went, and where the bodies are in the first."""
+    for n, one in enumerate(found[:MOST_LINES]):
+        click.echo(f"{n + 1}. {one}; {_angles(one)}")
+    if len(found) > MOST_LINES:
+        stable = sum(one.stable and one.admissible for one in found[MOST_LINES:])
+        kind = f"{stable} of them" if stable else "none of them"
+        click.echo(f"and {len(found) - MOST_LINES} more, {kind} stable and admissible; --json lists all")
+    if found and found.extent and not found.note:
+        click.echo(f"{len(found)} position{'s' if len(found) > 1 else ''} of rest: {found.extent}")
+    if found:
+        click.echo(_position(m, found[0]))
+
+
+def _angles(one: Equilibrium) -> str:
+    """Angles of the first bodies: what tells positions of rest apart."""
+    bodies = list(one.table.geometry["bodies"])
+    shown = ", ".join(f"{body} {one[f'{body}.angle'] * DEGREES:.4g}" for body in bodies[:MOST_BODIES])
+    return f"at {shown}{', ...' if len(bodies) > MOST_BODIES else ''} deg"
+
+
+def _position(m: Mechanism, one: Equilibrium) -> str:
+    """Where the bodies are in the first position, and what holds it."""
+    lines = ["position 1:"]
+    floor = ZERO * m.ready.size
+    for body in m.model.bodies:
+        x, y = (zeroed(one[f"{body}.{key}"], floor) for key in "xy")
+        angle = zeroed(one[f"{body}.angle"], ZERO)
+        lines.append(f"  {body}: x {x:.6g} m, y {y:.6g} m, angle {angle * DEGREES:.6g} deg")
+    for driver in m.model.drivers:
+        name = next(n for n in one.names if n.startswith(f"{driver}.") and not n.endswith(".power"))
+        lines.append(f"  {name}: {one[name]:.6g} {one.unit(name)}")
+    if one.nonunique:
+        lines.append(f"  reactions not unique (redundant constraints) at {', '.join(one.nonunique)}")
+    return "\n".join(lines)
+
+
+def entry(one: Equilibrium) -> dict[str, Any]:
+    values = {name: {"value": one[name], "unit": one.unit(name)} for name in one.names}
+    facts = {
+        "admissible": one.admissible,
+        "stable": one.stable,
+        "eigenvalue": one.eigenvalue,
+        "residual": one.residual,
+        "gap": one.gap,
+    }
+    return {**facts, "reactions_unique": one.reactions_unique, "nonunique": list(one.nonunique), "values": values}
+
+
+def modes_record(found: Modes) -> dict[str, Any]:
+    """Every mode with its shape (x, y, angle of every body), and the position it is about."""
+    bodies = list(found.equilibrium.result.geometry["bodies"])
+    listed = [
+        {
+            "frequency": found.frequency[k],
+            "omega": found.omega[k],
+            "growth": found.growth[k],
+            "damping": found.damping[k],
+            "shape": dict(zip(bodies, found.shapes[k].reshape(-1, 3).tolist(), strict=True)),
+        }
+        for k in range(len(found))
+    ]
+    return {"modes": listed, "equilibrium": entry(found.equilibrium), "note": found.note}

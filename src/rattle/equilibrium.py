@@ -1,0 +1,168 @@
+"""A position of rest and what is known about it; the list of those that were found.
+
+All positions of one search are rows of one table: a `Result` of a single position is made only where it is asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rattle.display import quantity, table
+from rattle.result import Result, Trust
+
+
+class Table(NamedTuple):
+    """What the positions of rest of one mechanism have in common."""
+
+    column: Mapping[str, int]  # of every name
+    units: Mapping[str, str]
+    pins: tuple[tuple[str, int], ...]  # joints with play, columns of their normal forces
+    geometry: Mapping[str, Any]
+    provenance: Mapping[str, str]
+
+
+@dataclass(repr=False)
+class Equilibrium:
+    """One position of rest. `E["coupler.angle"]` gives any result name [SI]."""
+
+    t: float  # [s], of the drivers' functions
+    q: np.ndarray = field(repr=False)  # (3 nb,)
+    multiplier: np.ndarray = field(repr=False)  # (nr,)
+    eigenvalue: float  # smallest of the reduced Hessian [N/m]; inf where no freedom is left
+    residual: float  # largest force out of balance [N]
+    gap: float  # largest constraint residual [m or rad]
+    iterations: int
+    nonunique: tuple[str, ...]  # joints whose reactions are not unique
+    freedoms: int  # that the joints and drivers leave
+    neutral: int  # freedoms along which it may be anywhere
+    falling: int  # freedoms along which it is not held
+    row: np.ndarray = field(repr=False)  # (columns of the table,)
+    table: Table = field(repr=False)
+
+    def __getitem__(self, name: str) -> float:
+        """Any quantity by its result name, in SI units. Raises UnknownName."""
+        k = self.table.column.get(name) if isinstance(name, str) else None
+        return float(self.row[k] if k is not None else self.result[name][0])
+
+    @cached_property
+    def result(self) -> Result:
+        """The same as a result of one instant, which can be drawn and saved."""
+        return Result(
+            t=[self.t], data=self.row[None], names=self.table.column, units=self.table.units,
+            geometry=self.table.geometry, stats={"iterations": self.iterations},
+            trust=Trust(drift=self.gap, t_end=self.t, horizon=self.t, nonunique=self.nonunique),
+            provenance=self.table.provenance,
+        )  # fmt: skip
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All names that `E[...]` answers to."""
+        return self.result.names
+
+    def unit(self, name: str) -> str:
+        """SI unit of a quantity."""
+        return self.result.unit(name)
+
+    @cached_property
+    def normals(self) -> dict[str, float]:
+        """Normal force of every clearance pin [N], negative where the bush would have to pull."""
+        return {name: float(self.row[k]) for name, k in self.table.pins}
+
+    @property
+    def pulled(self) -> tuple[str, ...]:
+        """Pins at which the bush would have to pull."""
+        scale = max([abs(n) for n in self.normals.values()] + [1e-300])
+        return tuple(name for name, n in self.normals.items() if n < -1e-9 * scale)
+
+    @property
+    def admissible(self) -> bool:
+        """True when no bush would have to pull (all N >= 0)."""
+        return not self.pulled
+
+    @property
+    def stable(self) -> bool:
+        """True when every small displacement is driven back (all eigenvalues positive)."""
+        return self.eigenvalue > 0.0
+
+    @property
+    def reactions_unique(self) -> bool:
+        """False where constraints are redundant; `nonunique` names the joints."""
+        return not self.nonunique
+
+    def __repr__(self) -> str:
+        bodies = self.table.geometry["bodies"]
+        angles = ", ".join(f"{name}.angle {quantity(self[f'{name}.angle'], 'rad')}" for name in list(bodies)[:4])
+        more = ", ..." if len(bodies) > 4 else ""
+        kind = f"{'stable' if self.stable else 'not stable'}, {'' if self.admissible else 'not '}admissible"
+        return f"<rattle.Equilibrium at t = {self.t:g} s: {kind}; {angles}{more}>"
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for body in self.table.geometry["bodies"]:
+            x, y, angle = (
+                quantity(self[f"{body}.{key}"], unit, 6) for key, unit in (("x", "m"), ("y", "m"), ("angle", "rad"))
+            )
+            rows.append((body, x, y, angle))
+        forces = [
+            f"{name}: {quantity(self[name], self.unit(name))}"
+            for name in self.names
+            if name.endswith((".normal", ".torque", ".thrust", ".force"))
+        ]
+        return table(("body", "x", "y", "angle"), rows, str(self), forces)
+
+    def __str__(self) -> str:
+        kind = "stable" if self.stable else "neutral" if self.eigenvalue == 0.0 else "unstable"
+        sides = f", {', '.join(self.pulled)} would have to pull" if self.pulled else ""
+        pins = "".join(
+            f", {name} presses with {abs(n):.4g} N" for name, n in self.normals.items() if name not in self.pulled
+        )
+        if self.neutral:
+            kind += f" (free to move in {self.neutral} freedom{'s' if self.neutral > 1 else ''})"
+        hold = f", stiffness {self.eigenvalue:.3g} N/m" if math.isfinite(self.eigenvalue) else ""
+        return f"{kind}{hold}{sides}{pins}; balanced to {self.residual:.1g} N, closed to {self.gap:.1g} m"
+
+
+class Equilibria(list[Equilibrium]):
+    """The positions of rest that were found, in order, and how far the search went; shows itself as a table."""
+
+    def __init__(self, found: Iterable[Equilibrium], starts: int, stopped: bool, extent: str = "") -> None:
+        super().__init__(found)
+        self.starts = starts  # from which the search went, each to its end
+        self.stopped = stopped  # True where the work was done before the search was enough
+        self._extent = extent
+
+    @property
+    def note(self) -> str:
+        """What to know about the completeness of the list; empty where the search was not cut short."""
+        if not self.stopped:
+            return ""
+        return (
+            f"search stopped after {self.starts} starts; there may be more positions of rest (effort 10 looks longer)"
+        )
+
+    @property
+    def extent(self) -> str:
+        """How far the search went."""
+        return self.note or self._extent
+
+    def __repr__(self) -> str:
+        listed = "[" + ",\n ".join(repr(one) for one in self) + "]"
+        return f"{listed}\n{self.note}" if self.note else listed
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for n, one in enumerate(self):
+            angles = ", ".join(
+                f"{name} {quantity(one[f'{name}.angle'], 'rad')}" for name in one.table.geometry["bodies"]
+            )
+            rows.append((str(n), "yes" if one.stable else "no", "yes" if one.admissible else "no", angles, str(one)))
+        if not rows:
+            return "no position of rest was found"
+        said = f"<p>{self.note}</p>" if self.note else ""
+        return table(("", "stable", "admissible", "angles", ""), rows) + said

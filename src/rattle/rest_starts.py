@@ -1,0 +1,225 @@
+"""Where the search for positions of rest starts: around a freedom, along freedoms, bodies turned, pins on their sides.
+
+Turned bodies take along what hangs on them, from joint to joint outwards, so that only loops are left to be closed.
+"""
+
+from __future__ import annotations
+
+import cmath
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from rattle.equilibrium import Equilibrium
+from rattle.placing import outward
+from rattle.resting import Rest
+from rattle.system import Compiled
+
+MOST_STRIDES = 160  # along a freedom that does not close
+STRIDES = 12  # along one of many freedoms, either way
+DIRECTIONS = 4  # of so many
+FAR = 0.3  # shift of what slides or is free, as a share of the mechanism's size
+
+
+class Turning:
+    """Bodies that may turn, one group for those that can only turn together, and who hangs on whom."""
+
+    def __init__(self, ready: Compiled) -> None:
+        model, self.ready = ready.model, ready
+        self.edges: list[tuple[int, int, complex, complex, float]] = []  # body, parent, points, axis of a guide or nan
+        hung = set()
+        for body, parent, joint in outward(model):
+            one, other = (joint.a, joint.b) if joint.a.body == body else (joint.b, joint.a)
+            axis = joint.fields.get("axis", math.nan)
+            child, bearer = ready.bodies.index(body), -1 if parent == "ground" else ready.bodies.index(parent)
+            self.edges.append((child, bearer, complex(*one.at), complex(*other.at), axis))
+            hung.add(child)
+        self.loose = [k for k in range(ready.body_count) if k not in hung]  # held by loads alone
+        self.groups = _groups(ready)
+        self._level = _level(ready)
+
+    def placed(self, q: np.ndarray, turn: np.ndarray, slide: np.ndarray | None = None) -> np.ndarray:
+        """A position q (3 nb,) with its bodies turned by `turn` (nb,) and shifted to stay on each other.
+
+        slide: (edges,) way along every guide [m].
+        """
+        at = q[0::3] + 1j * q[1::3]
+        before, after = np.exp(1j * q[2::3]), np.exp(1j * (q[2::3] + turn))
+        new = at.copy()
+        for n, (body, parent, point, base, axis) in enumerate(self.edges):
+            ends = at[body] + before[body] * point
+            if parent < 0:
+                placed, offset = base, ends - base
+            else:
+                placed = new[parent] + after[parent] * base
+                offset = (ends - at[parent] - before[parent] * base) * cmath.exp(1j * turn[parent])
+            if slide is not None and axis == axis:
+                offset += slide[n] * cmath.exp(1j * axis) * (after[parent] if parent >= 0 else 1.0)
+            new[body] = placed + offset - after[body] * point
+        moved = q.copy()
+        moved[0::3], moved[1::3], moved[2::3] = new.real, new.imag, q[2::3] + turn
+        return moved
+
+    def turned(self, q: np.ndarray, groups: Iterable[Sequence[int]], near: np.ndarray) -> np.ndarray:
+        """A position with some groups of bodies turned over, towards `near`; all others keep their angles."""
+        turn = np.zeros(self.ready.body_count)
+        for group in groups:
+            k = 3 * group[0] + 2
+            turn[group] = -math.pi if q[k] > near[k] else math.pi
+        return self.placed(q, turn)
+
+    def mirrored(self, q: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """Bodies turned as in a mirror along the supports that are farthest apart; a lone one: upside down.
+
+        A chain that hangs becomes an arch.
+        """
+        turn = np.zeros(self.ready.body_count)
+        for group in self.groups:
+            k = 3 * group[0] + 2
+            turn[group] = near[k] + math.remainder(2.0 * self._level - q[k] - near[k], 2 * math.pi) - q[k]
+        return self.placed(q, turn)
+
+    def unwound(self, q: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The same position with whole turns of its bodies taken back, as far as they are beyond those of `near`."""
+        same = q.copy()
+        for group in self.groups:
+            k = 3 * group[0] + 2
+            same[[3 * body + 2 for body in group]] -= 2 * math.pi * round((q[k] - near[k]) / (2 * math.pi))
+        return same
+
+    def anywhere(self, q: np.ndarray, random: np.random.Generator) -> np.ndarray:
+        """All bodies that may turn at random angles, what slides or is free at random places."""
+        turn = np.zeros(self.ready.body_count)
+        for group in self.groups:
+            turn[group] = random.uniform(-math.pi, math.pi)
+        far = FAR * self.ready.size
+        moved = self.placed(q, turn, random.normal(size=len(self.edges)) * far)
+        for k in self.loose:
+            moved[3 * k : 3 * k + 2] += random.normal(size=2) * far
+        return moved
+
+    def nearby(self, q: np.ndarray, random: np.random.Generator) -> np.ndarray:
+        """One or two groups of bodies at random angles, all others as they are."""
+        turn = np.zeros(self.ready.body_count)
+        for n in random.permutation(len(self.groups))[: random.integers(1, 3)]:
+            turn[self.groups[n]] = random.uniform(-math.pi, math.pi)
+        return self.placed(q, turn)
+
+
+def _level(ready: Compiled) -> float:
+    """Angle of the line through the two supports that are farthest apart, across gravity where there is one [rad]."""
+    ends = [end for joint in ready.model.joints.values() for end in (joint.a, joint.b) if end.body == "ground"]
+    supports = [complex(*end.at) for end in ends]
+    line = max((b - a for a, b in itertools.combinations(supports, 2)), key=abs, default=0j)
+    if abs(line) < 1e-9 * ready.size:
+        line = 1j * complex(*ready.arrays["gravity"])
+    return cmath.phase(line) if line else 0.0
+
+
+def _groups(ready: Compiled) -> list[list[int]]:
+    """Bodies by what fixes their angles to each other; without those whose angle is held."""
+    model = ready.model
+    group = {name: name for name in ["ground", *ready.bodies]}
+
+    def leader(name: str) -> str:
+        while group[name] != name:
+            name = group[name]
+        return name
+
+    ties = [(joint.a.body, joint.b.body) for joint in model.joints.values() if "angle" in joint.fields]
+    for driver in model.drivers.values():
+        if driver.joint and driver.kind == "angle":
+            ties.append((model.joints[driver.joint].a.body, model.joints[driver.joint].b.body))
+        elif driver.point is not None and driver.kind == "body-angle":
+            ties.append(("ground", driver.point.body))
+    for one, other in ties:
+        group[leader(other)] = leader(one)
+    found: dict[str, list[int]] = {}
+    for k, name in enumerate(ready.bodies):
+        if leader(name) != leader("ground"):
+            found.setdefault(leader(name), []).append(k)
+    return list(found.values())
+
+
+# ---------------------------------------------------------------- along freedoms
+def along(rest: Rest, start: np.ndarray) -> Iterator[np.ndarray]:
+    """Positions along some of the freedoms at the start, either way."""
+    _, null = rest.look(start)
+    for direction in [sign * null[:, k] for k in range(min(null.shape[1], DIRECTIONS)) for sign in (1.0, -1.0)]:
+        q = start.copy()
+        for _ in range(STRIDES):
+            if not rest.walk(q, direction, 0.25 * rest.ready.size)[0]:
+                break
+            yield q.copy()
+
+
+def around(rest: Rest, start: np.ndarray, direction: np.ndarray) -> list[np.ndarray]:
+    """One freedom: walk along it, all around where it closes; the places where the force along it changes its sign."""
+    stride = rest.ready.size / 8
+    path, force = [start], [float(rest.look(start)[0][0])]
+    for sign in (1.0, -1.0):
+        q, ahead, closed = start.copy(), sign * direction, False
+        for n in range(MOST_STRIDES):
+            went, strength, _ = rest.walk(q, ahead, stride)
+            if not went:
+                break
+            path.insert(len(path) if sign > 0 else 0, q.copy())
+            force.insert(len(force) if sign > 0 else 0, sign * strength)
+            closed = n > 2 and apart(rest.ready, q, start[None])[0] < stride
+            if closed:
+                break
+        if closed:
+            break
+    nothing = 1e-9 * max(rest.force_scale(), max(map(abs, force)))
+    size = [abs(one) if abs(one) > nothing else math.inf for one in force]  # where nothing acts it may be anywhere
+    found = []
+    for k in range(1, len(path)):
+        if size[k - 1] < math.inf and size[k] < math.inf and force[k - 1] * force[k] < 0.0:
+            found += [path[k - 1], path[k]]
+    for k in range(1, len(path) - 1):  # without a change of sign: two positions of rest may lie close together
+        if size[k] < min(size[k - 1], size[k + 1]) and force[k - 1] * force[k + 1] > 0.0:
+            found.append(path[k])
+    return found
+
+
+def apart(ready: Compiled, one: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(k,) largest distance [m] of a position from others (k, 3 nb), angles as on a circle of the mechanism's size."""
+    distance = one - others
+    distance[:, 2::3] = (distance[:, 2::3] + math.pi) % (2 * math.pi) - math.pi
+    distance[:, 2::3] *= ready.size
+    return np.asarray(np.abs(distance).max(axis=1))
+
+
+# ---------------------------------------------------------------- pins
+def opened(ideal: Rest, q: np.ndarray, wanted: Mapping[str, np.ndarray]) -> np.ndarray:
+    """The ideal mechanism's position with its pins displaced in their bushes, by least change."""
+    ready = ideal.ready
+    target = np.zeros(ready.row_count)
+    for name, offset in wanted.items():
+        first = int(ready.arrays["joint"][ready.joints.index(name), 4])
+        target[first : first + 2] = offset
+    q = q.copy()
+    ideal.displace(q, target)
+    return q
+
+
+def sides(ideal: Rest, play: Rest, found: Sequence[Equilibrium]) -> Iterator[np.ndarray]:
+    """Starts with every pin on either side of its bush along the ideal reaction: all that press first, then few not."""
+    pressed = []
+    for one in found:
+        directions = np.zeros((len(play.links), 2))
+        tiny = 1e-12 * max(1.0, np.abs(one.multiplier).max(initial=0.0))
+        for n, name in enumerate(play.links):
+            force = np.array([one[f"{name}.fx"], one[f"{name}.fy"]])
+            size = float(np.hypot(*force))
+            direction = -force / size if size > tiny else np.array([1.0, 0.0])
+            directions[n] = play.ready.model.joints[name].clearance * direction
+        pressed.append(directions)
+    count = len(play.links)
+    for pulling in range(count + 1):
+        for one, directions in zip(found, pressed, strict=True):
+            for chosen in itertools.combinations(range(count), pulling):
+                signs = [-1.0 if n in chosen else 1.0 for n in range(count)]
+                yield opened(ideal, one.q, dict(zip(play.links, np.array(signs)[:, None] * directions, strict=True)))
