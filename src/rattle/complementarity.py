@@ -26,6 +26,7 @@ from rattle.memory import (
     DIRECTION,
     HELD,
     NET_FIRST,
+    PATH,
     PIVOTS,
     PLACE,
     PROBLEM_TABLE,
@@ -50,13 +51,15 @@ from rattle.schur import solve
 
 OFF, STICK, FORWARD, BACKWARD = range(4)
 B, F, A, OTHER = range(4)  # rows of `side`
+KEPT_F = 5  # row of `path`
 EXACT = 1e-12  # share of the largest value below which a value counts as zero
 LOOSE = 1e3  # times that: where a that ought to vanish does not, because contacts or joints depend on each other
 MOST_TRIED = 5  # contacts up to which all combinations of modes are tried
 FEW = 6  # contacts up to which G is made and solved as a full matrix
 # entries of `held`, after those of impact: 1 while G is sparse; how the last search ended; share by which the diagonal
-# of G is raised; size of the terms of the last a = G f + b; smallest share of a pivot, sparse way
-SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST = range(2, 7)
+# of G is raised; size of the terms of the last a = G f + b; smallest share of a pivot, sparse way; 1 + a contact
+# that may press otherwise without any other motion
+SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, SHARED = range(2, 8)
 # IMPOSSIBLE: all modes tried; JAMMED: the force that presses contacts together makes them approach
 SOLVED, IMPOSSIBLE, JAMMED, UNSETTLED = 1, 0, -1, -2
 DENSE_WAY = 2  # what the sparse way answers when it cannot do it
@@ -344,7 +347,7 @@ def search_kernel(m, count):
 def all_modes(m, count, most):
     """Try all modes; returns the number of solutions with different a, up to `most`, and leaves the first one."""
     side, trial, slide, chosen = mat(m, SIDE), ivec(m, TRIAL), ivec(m, SLIDE), ivec(m, CHOSEN)
-    found, first = 0, 0
+    kept, found, first = mat(m, PATH)[KEPT_F], 0, 0
     if count > MOST_TRIED:
         return 0
     for code in range(4**count):
@@ -371,6 +374,11 @@ def all_modes(m, count, most):
             found, first = 1, code
             for r in range(2 * count):
                 side[OTHER, r] = side[A, r]
+                kept[r] = side[F, r]
+        elif found == 1:
+            for k in range(count):
+                if abs(side[F, 2 * k] - kept[2 * k]) > 1e-6 * abs(kept[2 * k] + side[F, 2 * k]):
+                    vec(m, HELD)[SHARED] = 1.0 + chosen[k]
         if found >= most:
             break
     if found > 0:

@@ -14,6 +14,7 @@ from rattle.complementarity import (
     OUTCOME,
     ROWS_OF,
     SEARCH,
+    SHARED,
     SOLVED,
     SPARSE,
     STICK,
@@ -87,11 +88,17 @@ def along(m, r, n, values, column):
 @compiled
 def swing(m, r, n):
     """Size of the terms that make up w . v: what rounding of a contact velocity is measured by [m/s]."""
-    contact, arm, body = imat(m, CONTACT), mat(m, ARM), mat(m, BODY)
+    return reach(m, r, n, mat(m, BODY), VX)
+
+
+@compiled
+def reach(m, r, n, values, column):
+    """Size of the terms that make up `along`."""
+    contact, arm = imat(m, CONTACT), mat(m, ARM)
     a, b = contact[n, A_BODY], contact[n, B_BODY]
     total = 0.0
     for q in range(3):
-        total += abs(arm[r, q] * body[a, VX + q]) + abs(arm[r, 3 + q] * body[b, VX + q])
+        total += abs(arm[r, q] * values[a, column + q]) + abs(arm[r, 3 + q] * values[b, column + q])
     return total
 
 
@@ -223,7 +230,7 @@ def hold_joints(m):
 def hold(m):
     """Forces of lasting contacts in their present modes, on top of the motion without them; N, T go to `touch`."""
     contact, touch, mode = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE)
-    chosen, trial, side = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE)
+    chosen, trial, side, held = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), vec(m, HELD)
     count = 0
     for n in range(contact.shape[0]):
         if contact[n, IMPACT] == 1:
@@ -236,9 +243,11 @@ def hold(m):
         return
     contact_rows(m, count)
     lasting_side(m, count)
-    vec(m, HELD)[DETERMINANT] = solve_modes(m, count, 1)
+    held[DETERMINANT] = solve_modes(m, count, 1)
     add_forces(m, count, mat(m, ACCELERATION), vec(m, MULTIPLIER))
     for k in range(count):
         n = chosen[k]
         touch[n, NORMAL], touch[n, TANGENT] = side[F, 2 * k], side[F, 2 * k + 1]
         touch[n, LOSS] = 0.0 if mode[n] == STICK else side[F, 2 * k + 1] * touch[n, SLIP]
+        if side[F, 2 * k] == 0.0 and held[DETERMINANT] == 0.0:
+            held[SHARED] = 1.0 + n

@@ -93,7 +93,7 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "path": np.zeros((6, 2 * nc)),
         "bounce": np.zeros((7, 2 * nc)),
         "looks": np.zeros((locating.LOOKS_KEPT, locating.KINDS * nc + 2)),
-        "held": np.array([1.0, ready.size, 0.0, 0.0, 0.0, 0.0, 1.0]),
+        "held": np.array([1.0, ready.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
         "problem_table": catalog.entries((*complementarity.KERNELS, *solvers, *laws)),
         **({"hold_table": catalog.entries([impact.hold])} if lasting else {}),
     }
@@ -181,11 +181,18 @@ class ImpactRun(Run):
 
     def remarks(self) -> tuple[str, ...]:
         """What happened on the way that a result has to say."""
+        said: tuple[str, ...] = ()
+        if shared := int(self.memory["held"][complementarity.SHARED]):
+            joint = self.ready.joints[self.ready.arrays["contact"][shared - 1, OWNER]]
+            said = (
+                f"how contacts that depend on each other share a force at joint '{joint}' is not unique: what is"
+                " listed is one way of several, with the same motion",
+            )
         if not self.jams:
-            return ()
+            return said
         first = f"the first at t = {self.jams[0][0]:.9g} s at {self.jams[0][1]}"
         number = f"{len(self.jams)} impacts" if len(self.jams) > 1 else "1 impact"
-        return (f"friction locked contacts (Painleve), passed by {number} without collision, {first}",)
+        return (*said, f"friction locked contacts (Painleve), passed by {number} without collision, {first}")
 
     def go_on(self, t: float, jolted: bool) -> int:
         """Closed contacts find their modes anew; see `Run.go_on`."""

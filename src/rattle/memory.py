@@ -82,10 +82,10 @@ FIELDS = {
     "series": "f2",  # (nc, 2) times of the last impact of each contact and of the one before
     "pushed": "f2",  # (nb + 1, 3) M^-1 (W^T f - Phi_q^T z): what all forces f change together
     "called": "f1",  # (nr,) z: multipliers that they call up
-    "path": "f2",  # (6, 2 nc) b, d, and f, a that d alone would have, see following; modes, a of a solution
+    "path": "f2",  # (6, 2 nc) b, d, and f, a that d alone would have, see following; modes, a or f of a solution
     "bounce": "f2",  # (7, 2 nc) see paths and phases
     "looks": "f2",  # (looks, 4 nc + 2) places of a step that were looked at, see steppers.locating
-    "held": "f1",  # (7,) see impact and complementarity
+    "held": "f1",  # (8,) see impact and complementarity
     "net_place": "i1",  # (nr + 2 nc,) rows of joints and contacts together, see network, also the next twelve
     "net_first": "i1",
     "net_below": "i1",

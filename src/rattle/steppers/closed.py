@@ -40,7 +40,6 @@ from rattle.plane import (
     CLOSED,
     CONTACT_EVENT,
     GAMMA_N,
-    GAP,
     IMPACT,
     IMPULSE_0,
     LOSS_0,
@@ -60,7 +59,7 @@ from rattle.plane import (
     W,
 )  # fmt: skip
 from rattle.steppers.searching import clearance_of
-from rattle.steppers.walls import NEAR, at_rest, largest_acceleration, motion_without, note
+from rattle.steppers.walls import at_rest, at_wall, largest_acceleration, motion_without, note
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN = range(5)  # what an event is
 SLIGHT = 1e-7  # share of its largest force at which a contact lets go together with another one
@@ -84,7 +83,7 @@ def regroup(m, t, y, apart, kind):
             lets_go = n == apart or (mode[n] != OFF and touch[n, NORMAL] <= SLIGHT * grip[n, PEAK])
             if contact[n, IMPACT] == 0 or (attempt == 0 and kind == LET_GO and lets_go):
                 continue
-            if mode[n] != OFF or n == apart or touch[n, GAP] <= NEAR * clearance_of(m, n):
+            if mode[n] != OFF or n == apart or at_wall(m, n):
                 chosen[count] = n
                 count += 1
         contact_rows(m, count)

@@ -143,12 +143,18 @@ def start(m, t):
     contact, touch, mode, y = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), vec(m, STATE)
     project(m, t, y)
     touch_all(m)
-    who = -1
+    who, nearest = -1, -1
     for n in range(contact.shape[0]):
         near = max(NEAR * clearance_of(m, n), 4.0 * noise(m, n))
-        if contact[n, IMPACT] == 1 and mode[n] == OFF and touch[n, GAP] <= near and touch[n, DGAP] < 0.0:
+        if contact[n, IMPACT] == 0 or mode[n] != OFF or touch[n, GAP] > near:
+            continue
+        if nearest < 0 or touch[n, GAP] < touch[nearest, GAP]:
+            nearest = n
+        if touch[n, DGAP] < 0.0:
             who = n
             break
+    if who < 0:
+        settle(m, t, y, nearest)
     status = call_event(ivec(m, LINKS)[HAPPEN], (m, t, y, who, NOTHING))
     remember(m)
     return status

@@ -68,7 +68,6 @@ from rattle.plane import (
     DGAP,
     DGAP_1,
     GAMMA_N,
-    GAP,
     GAP_1,
     IMPACT,
     IMPACT_EVENT,
@@ -81,7 +80,7 @@ from rattle.plane import (
 )  # fmt: skip
 from rattle.steppers.march import SERIES
 from rattle.steppers.searching import clearance_of
-from rattle.steppers.walls import NEAR, STILL, at_rest, motion_without, note
+from rattle.steppers.walls import STILL, at_rest, at_wall, motion_without, note
 
 NOTICED = 1e-11  # share of the largest percussion of an impact below which one is rounding and no event
 LOW = 1e-11  # bounces that rise less than this share of the clearance are closed
@@ -94,12 +93,12 @@ def collide(m, t, y, who):
     Bounces that are too low to follow are closed (restitution 0).  Returns OK, NO_SOLUTION, NOT_FOUND or
     NOT_UNIQUE.
     """
-    contact, touch, mode, grip = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP)
+    contact, mode, grip = imat(m, CONTACT), ivec(m, MODE), mat(m, GRIP)
     chosen, nq = ivec(m, CHOSEN), vec(m, CHANGE).shape[0]
     v, before = y[nq : 2 * nq], vec(m, RATE_NEW)
     count = 0
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1 and (n == who or mode[n] != OFF or touch[n, GAP] <= NEAR * clearance_of(m, n)):
+        if contact[n, IMPACT] == 1 and (n == who or mode[n] != OFF or at_wall(m, n)):
             chosen[count] = n
             grip[n, STEPS_IN], grip[n, N_1] = 0.0, 0.0
             count += 1

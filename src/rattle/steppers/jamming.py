@@ -37,10 +37,9 @@ from rattle.memory import (
     vec,
 )  # fmt: skip
 from rattle.paths import as_full_matrix
-from rattle.plane import DGAP, GAP, IMPACT, NORMAL_P, SLIP, STEPS_IN
+from rattle.plane import DGAP, IMPACT, NORMAL_P, SLIP, STEPS_IN
 from rattle.steppers.hitting import settle_accounts
-from rattle.steppers.searching import clearance_of
-from rattle.steppers.walls import NEAR, held_contacts, motion_without, settle
+from rattle.steppers.walls import at_wall, held_contacts, motion_without, settle
 
 NEARLY = 1e-3  # share by which T may exceed mu N in a lock that is just about to come
 
@@ -98,7 +97,7 @@ def pass_jam(m, t, late):
     motion_without(m, t, y)
     count = 0
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1 and (mode[n] != OFF or touch[n, GAP] <= NEAR * clearance_of(m, n)):
+        if contact[n, IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
             chosen[count] = n
             grip[n, STEPS_IN] = 0.0
             count += 1

@@ -49,10 +49,9 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import DGAP, DGAP_1, GAP, GAP_1, IMPACT, IMPACT_EVENT, N_1, NU, SLIP, SPEED, STEPS_IN
+from rattle.plane import DGAP, DGAP_1, GAP_1, IMPACT, IMPACT_EVENT, N_1, NU, SLIP, SPEED, STEPS_IN
 from rattle.schur import factorise
-from rattle.steppers.searching import clearance_of
-from rattle.steppers.walls import NEAR, note
+from rattle.steppers.walls import at_wall, note
 
 ROUNDS = 2  # the second takes what rounding left
 
@@ -114,7 +113,7 @@ def with_contacts(m, t, y, old, percussion):
     touch_all(m)
     count = 0
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1 and (mode[n] != OFF or touch[n, GAP] <= NEAR * clearance_of(m, n)):
+        if contact[n, IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
             chosen[count] = n
             count += 1
     if count == 0:

@@ -6,7 +6,7 @@ from rattle.catalog import call_state, compiled
 from rattle.complementarity import FORWARD, OFF, STICK, B
 from rattle.contact import touch_all
 from rattle.equations import constraints, place
-from rattle.impact import SIZE, contact_rows, shift, solve_modes, swing
+from rattle.impact import SIZE, contact_rows, push_all, reach, shift, solve_modes, swing
 from rattle.memory import (
     ACCELERATION,
     AUDIT,
@@ -19,6 +19,7 @@ from rattle.memory import (
     HELD,
     LINKS,
     MODE,
+    PUSHED,
     SIDE,
     TALLY,
     TOUCH,
@@ -34,6 +35,7 @@ from rattle.steppers.march import EVENT_COUNT, project
 from rattle.steppers.searching import clearance_of
 
 NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above what integration leaves
+FAR = 100.0  # times its gap that a contact may move along its wall, and its bodies turn, for it to be put there
 STILL = 1e-12  # share of the terms of a contact velocity that counts as rest
 
 
@@ -41,6 +43,12 @@ STILL = 1e-12  # share of the terms of a contact velocity that counts as rest
 def noise(m, n):
     """Depth that rounding may give to contact n [m]."""
     return 1e-12 * clearance_of(m, n) + 1e-15 * vec(m, HELD)[SIZE]
+
+
+@compiled
+def at_wall(m, n):
+    """True when free contact n is at its wall, with the geometry in `touch`; near ones that hit have been put there."""
+    return mat(m, TOUCH)[n, GAP] <= 100.0 * noise(m, n)
 
 
 @compiled
@@ -70,10 +78,22 @@ def add_hitting(m, count, who):
 
 
 @compiled
+def goes_far(m, count, gap):
+    """True when the forces at hand, as a shift, move points of contact by more than FAR times a gap."""
+    pushed, chosen = mat(m, PUSHED), ivec(m, CHOSEN)
+    push_all(m, count)
+    for k in range(count):
+        if reach(m, 2 * k, chosen[k], pushed, 0) > FAR * gap or reach(m, 2 * k + 1, chosen[k], pushed, 0) > FAR * gap:
+            return True
+    return False
+
+
+@compiled
 def settle(m, t, y, who):
     """Bring y onto the constraints and onto its lasting contacts, positions and rates; leaves rows and factor.
 
-    who: a contact that hits now (or -1); it and all that are as near come onto their walls too, with their rates.
+    who: a contact that hits now (or -1); it and all that are as near come onto their walls too.  Near ones that would
+    take the bodies far for that, as the other corner of a short block that is tilted, stay where they are.
     """
     project(m, t, y)
     touch_all(m)
@@ -99,6 +119,9 @@ def settle(m, t, y, who):
             side[B, 2 * k] = -touch[chosen[k], GAP]
             trial[k] = FORWARD
         solve_modes(m, closed, 0)
+        if closed > count + 1 and goes_far(m, closed, worst):
+            closed, bend, chosen[count] = count + 1, 1.0, who
+            continue
         shift(m, closed, q, 1.0)
         project(m, t, y)
         touch_all(m)
