@@ -7,7 +7,7 @@ import stat
 import numpy as np
 import pytest
 
-from rattle import catalog, codecache
+from rattle import codecache, codefolder
 from rattle.codecache import CodeCache, Folder, code_folder
 
 posix = pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders of Windows profiles are private")
@@ -195,10 +195,10 @@ def test_a_run_needs_no_cache_folder(tmp_path, monkeypatch):
 
     rt.example("double_pendulum").simulate(1e-3)
     (tmp_path / "kept").mkdir()
-    monkeypatch.setattr(catalog, "_code_folder", Folder(tmp_path / "kept", True))
+    monkeypatch.setattr(codefolder, "_code_folder", Folder(tmp_path / "kept", True))
     shutil.rmtree(tmp_path / "kept")
     r = rt.example("double_pendulum").simulate(2e-3)
     assert r.success
     assert r.t[-1] == 2e-3
-    monkeypatch.setattr(catalog, "_code_folder", Folder(None, False))
+    monkeypatch.setattr(codefolder, "_code_folder", Folder(None, False))
     assert np.array_equal(rt.example("double_pendulum").simulate(2e-3)["energy.kinetic"], r["energy.kinetic"])

@@ -11,24 +11,21 @@ With NUMBA_DISABLE_JIT=1 it stays so.
 
 from __future__ import annotations
 
-import hashlib
 import importlib
 import logging
 import os
+import pickle
 import pkgutil
-import re
-import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rattle import codecache
-from rattle.codecache import CodeCache, Folder
+from rattle.codecache import CodeCache, KeptFile
+from rattle.codefolder import cache_folder
 
 log = logging.getLogger("rattle")
 
@@ -43,12 +40,6 @@ SIGNATURE = {
     "friction": ("f", "f", "f", "f", "v", "i", "v"),  # u, N, z, p, k, dz -> T
     "hold": ("void", "h"),  # m, see rattle.impact
     "problem": ("i", "h", "i"),  # m, number of contacts, see rattle.impact
-    "state": ("i", "h", "f", "v", "v"),  # m, t, and two vectors: parts of the march that many others call
-    "event": ("i", "h", "f", "v", "i", "i"),  # m, t, y, contact, what happens to it -> status, see steppers.event
-    "search": ("f", "h", "f", "i", "f", "f"),  # m, h, contact, side, until -> share of the step
-    "look_back": ("i", "h", "f", "f", "i", "i", "v", "m"),  # m, t, h, changed, method, t_out, out
-    "gauge": ("void", "h", "i", "f"),  # m, sample, t, see steppers.peaks
-    "peak": ("i", "h", "f", "f", "f", "i", "i"),  # m, t, h, until, layout, dense -> states solved for
 }
 REQUIRED: Any = object()
 _lock = threading.RLock()
@@ -158,30 +149,43 @@ class PlainHandle(tuple[Any, ...]):
 class Compiled:
     """A function that Numba compiles on first use after `start()`; plain Python before.
 
+    letters: types of result and arguments, as in SIGNATURE.  A function that has them is *native*: compiled once and
+    only when it is called, and called by others by its address.  One without takes the types of its arguments, and
+    machine code that calls it holds a copy of it.
     ours: follows the rules of `compiling` and `arrays`; a function with anything of the user's in it does not.
     """
 
-    def __init__(self, function: Callable[..., Any], family: str = "", ours: bool = True) -> None:
+    def __init__(
+        self, function: Callable[..., Any], family: str = "", ours: bool = True, letters: Sequence[str] = ()
+    ) -> None:
         self.python = function
         self.family = family
         self.ours = ours
+        self.letters = tuple(letters) or SIGNATURE.get(family, ())
+        self.native = ours and bool(self.letters)
         self._whole: Any = None
-        self._part: Any = None
-        self._called = False  # from Python: its machine code is there
+        self._type: Any = None
+        self._called: Any = None  # what calls its machine code from Python
         self._address = 0
+        self._place: Any = None
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
         self.__module__ = function.__module__
+        if self.native:
+            _natives.append(self)
 
     def __call__(self, *args: Any) -> Any:
         if not _jit or (args and type(args[0]) is PlainHandle):  # a memory made before machine code ran stays plain
             return self.python(*args)
-        if self._called:
-            return self.dispatcher(*args)
-        with _compiling():
-            found = self.dispatcher(*args)
-        self._called = True
-        return found
+        if self._called is None:
+            if self.native:
+                self._called = _machine().caller(self.__name__, self.address, self.letters)
+            else:
+                with _compiling():
+                    found = self.dispatcher(*args)
+                self._called = self.dispatcher
+                return found
+        return self._called(*args)
 
     @property
     def dispatcher(self) -> Any:
@@ -189,32 +193,82 @@ class Compiled:
         if self._whole is None:
             with _compiling() as compiling:
                 if self._whole is None and self.ours:
-                    kept = CodeCache(self.python, cache_folder) if self.__module__.startswith("rattle.") else None
-                    self._whole = compiling.whole(self.python, SIGNATURE.get(self.family, ()), kept)
+                    kept = CodeCache(self.python, cache_folder) if self._is_kept else None
+                    self._whole = compiling.whole(self.python, self.letters, kept)
                 elif self._whole is None:
-                    self._whole = compiling.foreign(self.python, SIGNATURE.get(self.family, ()))
+                    self._whole = compiling.foreign(self.python, self.letters)
         return self._whole
 
     @property
-    def _numba_type_(self) -> Any:  # how Numba finds the dispatcher when one compiled function calls another
-        if self._part is None:
+    def _is_kept(self) -> bool:
+        return self.__module__.startswith("rattle.")
+
+    @property
+    def symbol(self) -> str:
+        """Name of the place where the address of a native function stands, for the linker."""
+        return f"rattle.place.{self.__module__}.{self.__name__}"
+
+    @property
+    def _numba_type_(self) -> Any:  # what Numba asks for when one compiled function calls another
+        if self._type is None:
             with _compiling() as compiling:
-                if self._part is None:
-                    self._part = compiling.part(self.python)
-        return self._part._numba_type_
+                if self._type is None and self.native:
+                    self._type = compiling.by_place(self.symbol, self.letters)
+                elif self._type is None:
+                    self._type = compiling.part(self.python)
+        return self._type if self.native else self._type._numba_type_
 
     @property
     def address(self) -> int:
-        """Native address of a kernel compiled for its family's signature."""
+        """Native address of a function with fixed types."""
         if self._address == 0:
-            with _compiling() as compiling:
-                self._address = compiling.address(self.dispatcher)
+            with _lock:
+                if self._address == 0:
+                    self._address = self._load() if self.native else _compiling_address(self)
         return self._address
+
+    def _load(self) -> int:
+        """Put machine code into memory, from the cache or made now."""
+        machine = _machine()
+        for one in _natives[len(_places) :]:  # all that its code may call
+            _places.append(machine.announce(one.symbol, lambda one=one: one.address))
+        kept = KeptFile(cache_folder() if self._is_kept else None, self.symbol, (self.letters, machine.processor()))
+        found = kept.read(lambda code: machine.load(machine.Code(*code)))
+        if found is None:
+            with _compiling() as compiling:
+                code = compiling.native(self.python, self.letters)
+            found = machine.load(code)
+            kept.write(lambda: pickle.dumps(tuple(code)))
+        return int(found)
+
+
+def natives() -> tuple[Compiled, ...]:
+    """All functions with fixed types, in the modules imported so far and of all kinds."""
+    _discover()
+    return tuple(_natives)
+
+
+_natives: list[Compiled] = []
+_places: list[Any] = []  # of the first of them
+
+
+def _machine() -> Any:
+    return importlib.import_module("rattle.machine")  # imports llvmlite
+
+
+def _compiling_address(one: Compiled) -> int:
+    with _compiling() as compiling:
+        return int(compiling.address(one.dispatcher))
 
 
 def compiled(function: Callable[..., Any]) -> Compiled:
     """Decorator for a function of the compiled layer (types follow from the first call)."""
     return Compiled(function)
+
+
+def native(*letters: str) -> Callable[[Callable[..., Any]], Compiled]:
+    """Decorator for a large function of the compiled layer, or one not every run needs; see `Compiled`, SIGNATURE."""
+    return lambda function: Compiled(function, letters=letters)
 
 
 def kernel(family: str) -> Callable[[Callable[..., Any]], Compiled]:
@@ -225,56 +279,23 @@ def kernel(family: str) -> Callable[[Callable[..., Any]], Compiled]:
 @contextmanager
 def _compiling() -> Iterator[Any]:
     """Our compiler, with its settings; one thread at a time."""
-    compiling: Any = importlib.import_module("rattle.compiling")  # imports Numba
-    with compiling.lock, compiling.settings():
-        yield compiling
+    with _lock:
+        compiling: Any = importlib.import_module("rattle.compiling")  # imports Numba
+        with compiling.lock, compiling.settings():
+            if not _taught:
+                _teach(compiling)
+            yield compiling
 
 
-def compiled_sources() -> list[Path]:
-    """Files that machine code depends on: those with compiled functions, those that make it, and all they import."""
-    here = Path(__file__).parent
-    text = {path: path.read_text(encoding="utf-8") for path in here.rglob("*.py")}
-    makers = [here / f"{name}.py" for name in ("arrays", "catalog", "compiling", "memory")]
-    found = {path for path, source in text.items() if _DECORATED.search(source)} | set(makers)
-    ahead = list(found)
-    while ahead:
-        for module, names in _IMPORTED.findall(text[ahead.pop()]):
-            parts = module.split(".")[1:]
-            folder = here.joinpath(*parts)
-            for path in (folder.with_suffix(".py"), *(folder / f"{name}.py" for name in _NAME.findall(names))):
-                if path in text and path not in found:
-                    found.add(path)
-                    ahead.append(path)
-    return sorted(found)
+_taught: list[bool] = []
 
 
-_DECORATED = re.compile(r"^@(compiled|kernel\()", re.MULTILINE)
-_IMPORTED = re.compile(r"^from (rattle[\w.]*) import (\([^)]*\)|.*)$", re.MULTILINE)
-_NAME = re.compile(r"\w+")
-
-
-def code_folder() -> Folder:
-    """Where machine code is kept: one folder for each state of the compiled sources and Numba version."""
-    global _code_folder
-    if _code_folder is None:
-        import numba
-
-        here = Path(__file__).parent
-        digest = hashlib.sha256(f"{numba.__version__} {numba.config.BOUNDSCHECK} {sys.version} {here}".encode())
-        for source in compiled_sources():
-            digest.update(source.read_bytes())
-        with _folder_lock:
-            _code_folder = _code_folder or codecache.code_folder(digest.hexdigest()[:16])
-    return _code_folder
-
-
-def cache_folder() -> Path | None:
-    """The folder of kept machine code; None where there is no place for it."""
-    return code_folder().path
-
-
-_code_folder: Folder | None = None
-_folder_lock = threading.Lock()  # of its own: asked for while others are held
+def _teach(compiling: Any) -> None:
+    """What compiled code may call besides other functions."""
+    _taught.append(True)
+    for family, call in _CALLERS.items():
+        compiling.jumps(call, SIGNATURE[family], family in ("hold", "problem"))
+    importlib.import_module("rattle.memory").teach_numba()
 
 
 # ---------------------------------------------------------------- tables of kernels
@@ -308,36 +329,6 @@ def call_friction(entry: Any, arguments: Any) -> Any:
     return entry(*arguments)
 
 
-def call_state(entry: Any, arguments: Any) -> int:
-    """Call a part of the march; returns what it returns."""
-    return int(entry(*arguments))
-
-
-def call_event(entry: Any, arguments: Any) -> int:
-    """Call what follows an event; returns a status."""
-    return int(entry(*arguments))
-
-
-def call_search(entry: Any, arguments: Any) -> Any:
-    """Call the search for the instant at which a gap reaches its wall; returns a share of the step."""
-    return entry(*arguments)
-
-
-def call_look_back(entry: Any, arguments: Any) -> int:
-    """Call the search of a step just taken; returns the contact that changes, or -1."""
-    return int(entry(*arguments))
-
-
-def call_gauge(entry: Any, arguments: Any) -> None:
-    """Call what measures all forces of one instant."""
-    entry(*arguments)
-
-
-def call_peak(entry: Any, arguments: Any) -> int:
-    """Call the search of a step for peaks; returns for how many states it solved."""
-    return int(entry(*arguments))
-
-
 def call_hold(entry: Any, arguments: Any) -> None:
     """Call the kernel that adds the forces of lasting set-valued contacts."""
     entry(*arguments)
@@ -357,12 +348,6 @@ _CALLERS: dict[str, Callable[..., Any]] = {
     "friction": call_friction,
     "hold": call_hold,
     "problem": call_problem,
-    "state": call_state,
-    "event": call_event,
-    "search": call_search,
-    "look_back": call_look_back,
-    "gauge": call_gauge,
-    "peak": call_peak,
 }
 
 
@@ -370,24 +355,20 @@ def start() -> bool:
     """Switch from Python to machine code (no effect with NUMBA_DISABLE_JIT=1); True if it runs now."""
     global _jit
     if not _jit and os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):
-        with _lock:
-            if not _jit:
-                with _compiling() as compiling:
-                    for family, call in _CALLERS.items():
-                        compiling.jumps(call, SIGNATURE[family])
-                    importlib.import_module("rattle.memory").teach_numba()
-                _jit = True
+        _jit = True
     return _jit
 
 
-def table(*names: str, machine: bool | None = None) -> Any:
+def table(*names: str, machine: bool | None = None, used: Any = None) -> Any:
     """Kernels of the given families in tag order, one family after the other.
 
     An int64 array of addresses when machine code runs (or is asked for), a tuple of Python functions otherwise.
+    used: places in the table that may be called; others are 0.  None means all.
     """
     found = [entry.kernel for family in names for entry in kinds(family).values() if entry.kernel]
     if _jit if machine is None else machine:
-        return np.array([one.address for one in found], dtype=np.int64)
+        wanted = set(range(len(found))) if used is None else {int(n) for n in used}
+        return np.array([one.address if n in wanted else 0 for n, one in enumerate(found)], dtype=np.int64)
     return tuple(one.python for one in found)
 
 

@@ -92,11 +92,48 @@ def _require_private(root: Path, folder: Path) -> None:
 
 
 # ---------------------------------------------------------------- one file per function and signature
-class CodeCache:
-    """What a Numba dispatcher asks for compiled code; stands in for `numba.core.caching.FunctionCache`.
+class KeptFile:
+    """One kept thing: SHA-256 of what follows, and the pickled thing.  The folder's name stands for all sources."""
 
-    A file is the SHA-256 of what follows, and the pickled code.  The folder's name stands for all sources.
-    """
+    def __init__(self, folder: Path | None, name: str, key: Any) -> None:
+        short = DIGEST(repr((name, key)).encode()).hexdigest()[:16]
+        self.file = None if folder is None else folder / f"{name}-{short}.code"
+
+    def read(self, use: Callable[[Any], Any] = lambda thing: thing) -> Any:
+        """What `use` makes of the thing; None where there is none, and what could not be used is thrown away."""
+        if self.file is None:
+            return None
+        try:
+            content = self.file.read_bytes()
+            digest, thing = content[: DIGEST().digest_size], content[DIGEST().digest_size :]
+            if DIGEST(thing).digest() != digest:
+                raise ValueError("damaged")
+            return use(pickle.loads(thing))
+        except FileNotFoundError:
+            return None
+        except Exception as error:  # whatever is wrong with a kept file, compiling is the remedy
+            log.debug(f"{self.file} is compiled again: {error}")
+            _drop(self.file)
+            return None
+
+    def write(self, pickled: Callable[[], bytes]) -> None:
+        """Keep a pickled thing where that is possible."""
+        if self.file is None:
+            return
+        temporary = self.file.with_name(f".{secrets.token_hex(8)}")
+        try:
+            thing = pickled()
+            temporary.write_bytes(DIGEST(thing).digest() + thing)
+            os.replace(temporary, self.file)
+        except Exception as error:  # a full disk, a folder that is gone: the next process compiles again
+            log.debug(f"{self.file} was not kept: {error}")
+        finally:
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
+
+
+class CodeCache:
+    """What a Numba dispatcher asks for compiled code; stands in for `numba.core.caching.FunctionCache`."""
 
     def __init__(self, function: Callable[..., Any], folder: Callable[[], Path | None]) -> None:
         self.name = f"{function.__module__}.{function.__qualname__}"
@@ -108,49 +145,23 @@ class CodeCache:
         folder = self.folder()
         return None if folder is None else str(folder)
 
-    def _file(self, signature: Any, codegen: Any) -> Path | None:
-        folder = self.folder()
-        key = DIGEST(repr((self.name, str(signature), codegen.magic_tuple())).encode()).hexdigest()
-        return None if folder is None else folder / f"{self.name}-{key[:16]}.code"
+    def _kept(self, signature: Any, codegen: Any) -> KeptFile:
+        return KeptFile(self.folder(), self.name, (str(signature), codegen.magic_tuple()))
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
         """The compiled function, or None: then it is compiled, and what could not be read is thrown away."""
         target_context.refresh()
-        file = self._file(signature, target_context.codegen())
-        if file is None:
-            return None
-        try:
-            content = file.read_bytes()
-            digest, code = content[: DIGEST().digest_size], content[DIGEST().digest_size :]
-            if DIGEST(code).digest() != digest:
-                raise ValueError("damaged")
-            compiler: Any = importlib.import_module("numba.core.compiler")
-            return compiler.CompileResult._rebuild(target_context, *pickle.loads(code))
-        except FileNotFoundError:
-            return None
-        except Exception as error:  # whatever is wrong with a kept file, compiling is the remedy
-            log.debug(f"{file} is compiled again: {error}")
-            _drop(file)
-            return None
+        compiler: Any = importlib.import_module("numba.core.compiler")
+        return self._kept(signature, target_context.codegen()).read(
+            lambda state: compiler.CompileResult._rebuild(target_context, *state)
+        )
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keep a compiled function where that is possible."""
         if result.library.has_dynamic_globals or any(not one.can_cache for one in result.lifted):
             return
-        file = self._file(signature, result.codegen)
-        if file is None:
-            return
-        temporary = file.with_name(f".{secrets.token_hex(8)}")
-        try:
-            serialize: Any = importlib.import_module("numba.core.serialize")
-            code = serialize.dumps(result._reduce())
-            temporary.write_bytes(DIGEST(code).digest() + code)
-            os.replace(temporary, file)
-        except Exception as error:  # a full disk, a folder that is gone: the next process compiles again
-            log.debug(f"{file} was not kept: {error}")
-        finally:
-            with suppress(OSError):
-                temporary.unlink(missing_ok=True)
+        serialize: Any = importlib.import_module("numba.core.serialize")
+        self._kept(signature, result.codegen).write(lambda: serialize.dumps(result._reduce()))
 
     def enable(self) -> None:
         """Numba's own switch; kept code is always used."""

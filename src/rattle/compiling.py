@@ -17,15 +17,19 @@ from contextlib import contextmanager
 from typing import Any
 
 import numba
+from llvmlite import ir
 from numba import types
-from numba.core import typed_passes, typing, untyped_passes
+from numba.core import cgutils, typed_passes, typing, untyped_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.registry import cpu_target
+from numba.core.typing.templates import ConcreteTemplate
 from numba.extending import lower_builtin, type_callable
 
-from rattle.arrays import MATRIX, VECTOR, WHOLES, block
+from rattle import machine
+from rattle.arrays import MATRIX, VECTOR, WHOLE_ROWS, WHOLES, block
 from rattle.codecache import CodeCache
 
 # Numba has no types: its classes and decorators are unknown
@@ -42,12 +46,17 @@ TYPES = {
     "v": VECTOR,
     "m": MATRIX,
     "h": WHOLES,
+    "n": WHOLE_ROWS,
 }
 
 
 def signature(letters: Sequence[str], plain: bool = False) -> Any:
-    """Numba's signature for a result and arguments, one letter each; with Numba's own arrays if `plain`."""
-    result, *arguments = (TYPES[x] for x in letters)
+    """Numba's signature for a result and arguments, one letter each; with Numba's own arrays if `plain`.
+
+    A result of several letters is a tuple.
+    """
+    first, *arguments = (TYPES.get(x, x) for x in letters)
+    result = types.BaseTuple.from_types([TYPES[x] for x in first]) if isinstance(first, str) else first
     if plain:
         arguments = [types.Array(x.dtype, x.ndim, "C") if isinstance(x, types.Array) else x for x in arguments]
     return result(*arguments)
@@ -209,15 +218,74 @@ def foreign(function: Callable[..., Any], letters: Sequence[str]) -> Any:
     return numba.njit(signature(letters, plain=True), **OPTIONS)(function)
 
 
+def native(function: Callable[..., Any], letters: Sequence[str]) -> machine.Code:
+    """Machine code of a function with fixed types, to be called by its address."""
+    dispatcher = numba.njit(pipeline_class=_WholeCompiler, no_cpython_wrapper=True, **OURS)(function)
+    wanted = signature(letters)
+    result = dispatcher._compiler.compile(wanted.args, wanted.return_type)
+    library = result.library
+    needs = sorted(
+        one.name for one in _symbols(library._final_module) if one.is_declaration and not one.name.startswith("llvm.")
+    )
+    return machine.Code(result.fndesc.llvm_func_name, library._get_compiled_object(), tuple(needs))
+
+
+def _symbols(module: Any) -> Iterator[Any]:
+    yield from module.functions
+    yield from module.global_variables
+
+
 def address(dispatcher: Any) -> int:
     """Native address of a function compiled for one signature."""
     result = dispatcher.get_compile_result(dispatcher.nopython_signatures[0])
     return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
 
 
-def jumps(call: Callable[..., Any], letters: Sequence[str]) -> None:
+# ---------------------------------------------------------------- calls of native functions
+def by_place(name: str, letters: Sequence[str]) -> Any:
+    """Numba's type of a function that calls the native one whose place has this name, see `machine`."""
+    wanted = signature(letters)
+    whole_number = ir.IntType(64)
+
+    def call() -> None:
+        """The key of the code that does it."""
+
+    def jump(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        module = builder.module
+        place = module.globals.get(name) or ir.GlobalVariable(module, whole_number, name)
+        known, before = builder.load(place), builder.block
+        with cgutils.if_unlikely(builder, builder.icmp_unsigned("==", known, whole_number(0))):
+            find = cgutils.get_or_insert_function(module, ir.FunctionType(whole_number, [whole_number]), machine.FIND)
+            found = builder.call(find, [builder.ptrtoint(place, whole_number)])
+            with cgutils.if_unlikely(builder, builder.icmp_unsigned("==", found, whole_number(0))):
+                context.call_conv.return_user_exc(builder, machine.NotMade, ())
+            after = builder.block
+        address = builder.phi(whole_number)
+        address.add_incoming(known, before)
+        address.add_incoming(found, after)
+        return _jump_to(context, builder, address, wanted, args, fails=True)
+
+    template = type(name, (ConcreteTemplate,), {"key": call, "cases": [wanted]})
+    cpu_target.target_context.insert_func_defn([(jump, call, wanted.args)])
+    return types.Function(template)
+
+
+def _jump_to(context: Any, builder: Any, address: Any, wanted: Any, args: Sequence[Any], fails: bool) -> Any:
+    """Call the native function at an address; what it raises is raised, or with `fails` false forgotten."""
+    convention = context.call_conv
+    pointer = convention.get_function_type(wanted.return_type, wanted.args).as_pointer()
+    target = builder.inttoptr(address, pointer)
+    status, result = convention.call_function(builder, target, wanted.return_type, wanted.args, args)
+    if fails:
+        with cgutils.if_unlikely(builder, status.is_error):
+            convention.return_status_propagate(builder, status)
+    return context.get_dummy_value() if wanted.return_type == types.void else result
+
+
+def jumps(call: Callable[..., Any], letters: Sequence[str], fails: bool) -> None:
     """Teach Numba that `call(address, arguments)` jumps to the native address of a function of this signature.
 
+    fails: what the function raises is raised; else it is forgotten, as that of a law of the user's.
     A tuple of first-class functions as argument costs 60 us per function and call to unbox
     (Numba 0.68); an address in an integer array costs nothing.
     """
@@ -229,12 +297,9 @@ def jumps(call: Callable[..., Any], letters: Sequence[str]) -> None:
 
     @lower_builtin(call, types.Integer, types.BaseTuple)
     def jump(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        packed, convention = sig.args[1], context.call_conv
+        packed = sig.args[1]
         parts = [
             context.cast(builder, builder.extract_value(args[1], n), packed[n], want)
             for n, want in enumerate(wanted.args)
         ]
-        pointer = convention.get_function_type(wanted.return_type, wanted.args).as_pointer()
-        target = builder.inttoptr(args[0], pointer)
-        _, result = convention.call_function(builder, target, wanted.return_type, wanted.args, parts)
-        return context.get_dummy_value() if wanted.return_type == types.void else result
+        return _jump_to(context, builder, args[0], wanted, parts, fails)

@@ -7,7 +7,7 @@ power taken from the motion = N ddelta + T u = (stored: F_static ddelta) + (lost
 
 from __future__ import annotations
 
-from rattle.catalog import call_clearance, call_friction, call_normal, call_stiffness, compiled
+from rattle.catalog import call_clearance, call_friction, call_normal, call_stiffness, compiled, native
 from rattle.memory import (
     BODY,
     BRISTLE_RATE,
@@ -62,7 +62,7 @@ from rattle.plane import (
 )  # fmt: skip
 
 
-@compiled
+@native("void", "h")
 def touch_all(m):
     """Geometry of every contact at the state in `body`."""
     contact, body, values, touch, table = (
@@ -79,7 +79,7 @@ def touch_all(m):
         )
 
 
-@compiled
+@native("void", "h")
 def press(m):
     """Forces of all compliant contacts on their bodies, added to Q; N, T and rates go to `touch`."""
     contact, values, touch, grip, force = imat(m, CONTACT), vec(m, VALUES), mat(m, TOUCH), mat(m, GRIP), mat(m, FORCE)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_hold, call_joint, call_load, compiled, kernel
+from rattle.catalog import call_hold, call_joint, call_load, compiled, native
 from rattle.contact import press, touch_all
 from rattle.memory import (
     ACCELERATION,
@@ -97,7 +97,7 @@ def place(m, q, v):
         body[i, SIN] = math.sin(q[k + 2])
 
 
-@compiled
+@native("void", "h", "f")
 def drive(m, t):
     """Functions of time: value, first and second derivative of every driver, exactly."""
     jet_signal, jet, out = imat(m, JET_SIGNAL), imat(m, JET), vec(m, JET_OUT)
@@ -122,7 +122,7 @@ def constraints(m):
         call_joint(table[joint[n, 0]], (body, joint[n, 1], joint[n, 2], values, joint[n, 3], joint[n, 4], rows))
 
 
-@compiled
+@native("void", "h", "f")
 def loads(m, t):
     """Applied forces Q, potential energy, work rate and dissipation at the state in `body`."""
     force, body, energy, power = mat(m, FORCE), mat(m, BODY), vec(m, ENERGY), vec(m, POWER)
@@ -214,7 +214,7 @@ def rate_residual(m):
     return largest
 
 
-@compiled
+@native("void", "h")
 def accelerate(m):
     """Multipliers and accelerations from the rows, the factor and the forces at hand."""
     rows, force, weight, x = mat(m, ROWS), mat(m, FORCE), mat(m, WEIGHT), vec(m, SOLUTION)
@@ -248,7 +248,7 @@ def accelerate(m):
                 acceleration[b, k] -= weight[b, k] * rows[r, BX + k] * value
 
 
-@kernel("state")
+@native("i", "h", "f", "v", "v")
 def free_motion(m, t, q, v):
     """Everything at (t, q, v) as if no set-valued contact lasted. Returns the number of redundant rows."""
     place(m, q, v)
@@ -260,7 +260,7 @@ def free_motion(m, t, q, v):
     return lost
 
 
-@kernel("state")
+@native("i", "h", "f", "v", "v")
 def solve_motion(m, t, q, v):
     """Everything at (t, q, v): rows, forces, multipliers, accelerations. Returns the number of redundant rows."""
     lost = free_motion(m, t, q, v)
@@ -306,7 +306,7 @@ def set_bristles(m, y):
         touch[n, BRISTLE] = y[first + 4 * n]
 
 
-@kernel("state")
+@native("i", "h", "f", "v", "v")
 def derivative(m, t, y, dy):
     """dy/dt of y (6 nb + 2 + 4 nc,), see `collect`. Returns the number of redundant rows."""
     nq = vec(m, CHANGE).shape[0]

@@ -116,8 +116,7 @@ class ImpactRun(Run):
     def prepare(self) -> Memory:
         """Memory of the run."""
         self.jams: list[tuple[float, str]] = []  # times [s] at which friction locked and what was closed there
-        more = [event.happen] if self.method == "event" else []
-        arrays = march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched), *more)
+        arrays = march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched))
         arrays |= audit_arrays(self.ready, self.method)
         contacts = contact_arrays(self.ready, self.method == "event")
         return self.ready.memory(**arrays, **contacts, **peak_arrays(self.ready))

@@ -102,7 +102,6 @@ FIELDS = {
     "hold_table": "i1",  # the kernel that adds the forces of lasting contacts, if there may be any
     "problem_table": "i1",  # kernels that solve contact problems, see impact
     # the march in time
-    "links": "i1",  # addresses of its parts: see steppers.march
     "y": "f1",  # (6 nb + 2,) q, v, work done, energy dissipated at clock[T]
     "f": "f1",  # its derivative
     "y_new": "f1",
@@ -132,12 +131,9 @@ FIELDS = {
     SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, PUSHED, CALLED, PATH, BOUNCE, LOOKS, HELD,
     NET_PLACE,
     NET_FIRST, NET_BELOW, NET_TARGET, NET_PAIRS, NET_ROW, NET_ON, NET_LINE, NET_COLUMN, NET_SIZE, NET_LOWER, NET_UPPER,
-    NET_X, HOLD_TABLE, PROBLEM_TABLE, LINKS, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN,
+    NET_X, HOLD_TABLE, PROBLEM_TABLE, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN,
     CROSSINGS, EVENTS, MEASURE, AUDIT, QUANTITY, PEAKS, PEAK_ROW, LANDING,
 ) = range(len(FIELDS))  # fmt: skip
-DERIVATIVE, MOTION, FREE_MOTION, FINISH, LOOK_BACK, SETTLE, SEARCH, GAUGE, END_STEP, HAPPEN = range(
-    10
-)  # places in `links`
 
 
 class Memory:

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled
+from rattle.catalog import compiled, native
 
 # leaves, then functions of one operand, of two, and choices: the loops rely on this order
 CONST, TIME, STATE, SIGNAL = range(4)
@@ -177,7 +177,7 @@ def heading(s, ds, dds):
     return 0
 
 
-@compiled
+@native("f", "n", "v", "i", "i", "f", "m", "v", "v")
 def evaluate(code, const, first, last, t, body, signals, stack):
     """Value of the program in rows first..last-1 of `code` (n, 4); notes in it which switches were crossed.
 
@@ -335,7 +335,7 @@ def binary_jet(op, side, x, dx, ddx, y, dy, ddy):
     return z, dz, ddz
 
 
-@compiled
+@native("void", "n", "v", "i", "i", "f", "m", "m", "v")
 def evaluate_jet(code, const, first, last, t, jets, stack, out):
     """Value, first and second time derivative of the program in rows first..last-1, into out (3,).
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.catalog import compiled
+from rattle.catalog import compiled, native
 from rattle.memory import (
     BELOW,
     FIRST,
@@ -122,7 +122,7 @@ def _minimum_degree(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[rang
     return order
 
 
-@compiled
+@native("i", "h")
 def factorise(m):
     """Fill S from the rows and factor it in place; returns the number of redundant rows.
 

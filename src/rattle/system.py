@@ -12,10 +12,11 @@ from rattle import catalog, schur
 from rattle.expression import Node, compile_program, concatenate
 from rattle.memory import Memory
 from rattle.model import Choice, Joint, Model, driven_ends
-from rattle.plane import AUTO, CLOSED
+from rattle.plane import AUTO, CLOSED, FRICTION, NORMAL_LAW, SHAPE, STATIC
 from rattle.switching import Signals, Switch, find_switches
 
-CONTACT_FAMILIES = ("clearance", "stiffness", "normal", "friction")
+# families of kernels that contacts call, and the columns of `contact` that name them
+CONTACT_FAMILIES = {"clearance": SHAPE, "stiffness": STATIC, "normal": NORMAL_LAW, "friction": FRICTION}
 STATE = {"x": 0, "y": 1, "angle": 2, "vx": 3, "vy": 4, "omega": 5}  # columns of `body`
 
 
@@ -72,9 +73,13 @@ class Compiled:
         return Memory(
             {
                 **self.arrays,
-                "joint_table": catalog.table("joint", "driver", machine=machine),
-                "load_table": catalog.table("load", machine=machine),
-                **{f"{family}_table": catalog.table(family, machine=machine) for family in CONTACT_FAMILIES if nc},
+                "joint_table": catalog.table("joint", "driver", machine=machine, used=self.arrays["joint"][:, 0]),
+                "load_table": catalog.table("load", machine=machine, used=self.arrays["load"][:, 0]),
+                **{
+                    f"{family}_table": catalog.table(family, machine=machine, used=self.arrays["contact"][:, column])
+                    for family, column in CONTACT_FAMILIES.items()
+                    if nc
+                },
                 "values": self.arrays["values"].copy(),
                 "code": self.arrays["code"].copy(),  # the sides of switches are those of one run
                 "signals": np.zeros(ns),

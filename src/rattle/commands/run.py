@@ -103,39 +103,51 @@ def warmup(ctx: click.Context) -> None:
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    from rattle import catalog
+    from rattle import catalog, codefolder
 
     start = time.perf_counter()
     if not catalog.start():
         click.echo("NUMBA_DISABLE_JIT is set: kernels run as plain Python, there is nothing to compile")
         return
-    if not catalog.code_folder().lasting:
+    if not codefolder.code_folder().lasting:
         ctx.exit(1)  # the warning has said why
-    with ProcessPoolExecutor(max_workers=len(WARM), mp_context=get_context("spawn")) as pool:
-        list(pool.map(_warm, WARM))
-    click.echo(f"kernels are ready in {catalog.cache_folder()} ({time.perf_counter() - start:.1f} s)")
+    with ProcessPoolExecutor(WORKERS, mp_context=get_context("spawn")) as pool:
+        list(pool.map(_warm, (*SHORT_WORK, *_native_modules())))
+    click.echo(f"kernels are ready in {codefolder.cache_folder()} ({time.perf_counter() - start:.1f} s)")
 
 
-WARM = ("motion and kinematics", "impacts and statics")  # two halves that take about as long to compile
+WORKERS = 2  # more would each start Numba and compile the small functions that many share
+SHORT_WORK = ("impacts", "statics", "motion")
 
 
-def _warm(half: str) -> None:
-    """Compile one half of the kernels, by short runs."""
+def _native_modules() -> list[str]:
+    """Modules of functions with fixed types; those with the most functions first."""
+    from collections import Counter
+
+    from rattle import catalog, mechanism
+
+    _ = mechanism
+    count = Counter(one.__module__ for one in catalog.natives())
+    return sorted(count, key=lambda module: -count[module])
+
+
+def _warm(what: str) -> None:
+    """Compile the functions of one module that have fixed types, or by short work those that take what they get."""
     import numpy as np
 
     from rattle import catalog
     from rattle.mechanism import example
 
     catalog.start()
-    m = example("fourbar")
-    if half == WARM[0]:
-        m.simulate(1e-3)  # motion, links, compliant contacts: one set of kernels
-        m.ideal().kinematics(np.linspace(0.0, 0.1, 2000))
-        for families in (("joint", "driver"), ("load",), ("clearance",), ("stiffness",), ("normal",), ("friction",)):
-            catalog.table(*families)
-    else:
+    if what == "motion":
+        example("fourbar").ideal().kinematics(np.linspace(0.0, 0.1, 2000))
+    elif what == "impacts":
         impact = example("bouncing_pin")
         impact.simulate(1e-3, method="event")
         impact.simulate(1e-3, method="moreau", step=1e-4)
-        m.modes()
-        m.equilibrium([0.0, 1e-3])
+    elif what == "statics":
+        example("fourbar").modes()
+    else:
+        for one in catalog.natives():
+            if one.__module__ == what:
+                _ = one.address

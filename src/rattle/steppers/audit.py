@@ -10,7 +10,7 @@ pulled together after, as behind a driver that jumped (docs/theory.md, section 9
 
 from __future__ import annotations
 
-from rattle.catalog import compiled
+from rattle.catalog import compiled, native
 from rattle.memory import AUDIT, BODY, CHANGE, MASS, MEASURE, POWER, ROWS, TOUCH, mat, vec
 from rattle.plane import RES, VX
 
@@ -61,7 +61,7 @@ def note_drift(m):
     return which if further else -1
 
 
-@compiled
+@native("i", "h", "v")
 def stands(m, y):
     """True when the state y, whose rates are in `body` and potential in `power`, may stand; then it is remembered."""
     audit, body, mass, power = vec(m, AUDIT), mat(m, BODY), mat(m, MASS), vec(m, POWER)

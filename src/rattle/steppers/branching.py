@@ -8,16 +8,14 @@ its switch for one step, whose error control then passes the kink as well as it 
 
 from __future__ import annotations
 
-from rattle.catalog import call_state, compiled
-from rattle.equations import place
+from rattle.catalog import compiled, native
+from rattle.equations import derivative, place
 from rattle.memory import (
     BODY,
     CHANGE,
     CODE,
     CONST,
-    DERIVATIVE,
     LANDING,
-    LINKS,
     RATE,
     SIGNAL,
     SIGNALS,
@@ -26,7 +24,6 @@ from rattle.memory import (
     STATE,
     SWITCH,
     imat,
-    ivec,
     mat,
     vec,
 )  # fmt: skip
@@ -81,7 +78,7 @@ def choose_sides(m, t, ahead):
     landing[LANDS], landing[AGAIN] = 0.0, 0.0
     for n in range(switch.shape[0]):
         code[switch[n, 2], SIDE] = 0
-    call_state(ivec(m, LINKS)[DERIVATIVE], (m, t, y, f))
+    derivative(m, t, y, f)
     see(m, t, y)
     take_sides(m, t)
     for k in range(nq):
@@ -93,7 +90,7 @@ def choose_sides(m, t, ahead):
         code[switch[n, 2], CROSSED] = 0
 
 
-@compiled
+@native("i", "h")
 def crossed(m):
     """True when a switching function has been seen on the far side since this was asked last."""
     switch, code, found = imat(m, SWITCH), imat(m, CODE), False
@@ -104,7 +101,7 @@ def crossed(m):
     return found
 
 
-@compiled
+@native("i", "h")
 def release(m):
     """Free the switches whose switching functions have been seen on the far side; True when there are any."""
     switch, code, found = imat(m, SWITCH), imat(m, CODE), False
@@ -155,7 +152,7 @@ def first_switch(m, t, h):
     return best, who
 
 
-@compiled
+@native("if", "h", "f", "f", "f", "f")
 def land(m, t, h, t_end, go_on):
     """Whether the step from t of length h stands, see ACCEPT; the dense output is ready.
 
@@ -170,7 +167,7 @@ def land(m, t, h, t_end, go_on):
     if share * h <= 1e-15 * abs(t) + 1e-16 * t_end:  # at once, without a step
         y, f = vec(m, STATE), vec(m, RATE)
         turn(m, t, y, who, h)
-        call_state(ivec(m, LINKS)[DERIVATIVE], (m, t, y, f))
+        derivative(m, t, y, f)
         return (SLIDES if landing[AGAIN] > ENDLESS else REPEAT), h
     landing[LANDS] = 1.0 + who
     if (1.0 - share) * h <= 1e-13 * t_end:
@@ -195,7 +192,7 @@ def turn(m, t, y, who, h):
     landing[LAST] = t
 
 
-@compiled
+@native("i", "h", "f", "v", "v", "f")
 def arrive(m, t, y, f, h):
     """Turn the switch on which the step has ended; True when there was one, with the new derivative in f."""
     landing = vec(m, LANDING)
@@ -205,5 +202,5 @@ def arrive(m, t, y, f, h):
         return False
     turn(m, t, y, int(landing[LANDS]) - 1, h)
     landing[LANDS] = 0.0
-    call_state(ivec(m, LINKS)[DERIVATIVE], (m, t, y, f))
+    derivative(m, t, y, f)
     return True

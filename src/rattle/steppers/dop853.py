@@ -7,25 +7,22 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_gauge, call_state, compiled
+from rattle.catalog import native
+from rattle.equations import derivative
 from rattle.memory import (
     CHANGE,
     DENSE,
-    DERIVATIVE,
-    GAUGE,
-    LINKS,
     RATE,
     RATE_NEW,
-    SETTLE,
     SLOPES,
     STAGE,
     STATE,
     STATE_NEW,
-    ivec,
     mat,
     vec,
 )  # fmt: skip
-from rattle.steppers.peaks import NODE_OF_STAGE
+from rattle.steppers.peaks import NODE_OF_STAGE, gauge
+from rattle.steppers.projecting import settle
 from rattle.steppers.tableau import E3, E5, A, B, C, D
 from rattle.steppers.watch import watched_change
 
@@ -33,14 +30,14 @@ ORDER = 8
 STAGES = 12
 
 
-@compiled
+@native("fi", "h", "f", "f", "f", "f", "i")
 def step(m, t, h, rtol, atol, tame):
     """One step from (t, y) into y_new; with `tame` the stages are brought onto the constraints first.
 
     Returns the error relative to the tolerance, and True when a watched force changed its sign on the way.
     """
     y, f, k, stage, y_new = vec(m, STATE), vec(m, RATE), mat(m, SLOPES), vec(m, STAGE), vec(m, STATE_NEW)
-    ny, derivative, gauge = y.shape[0], ivec(m, LINKS)[DERIVATIVE], ivec(m, LINKS)[GAUGE]
+    ny = y.shape[0]
     nq = 2 * vec(m, CHANGE).shape[0]
     changed = False
     for n in range(ny):
@@ -56,10 +53,10 @@ def step(m, t, h, rtol, atol, tame):
         for n in range(ny):
             stage[n] = y[n] + h * stage[n]
         if tame == 1:
-            call_state(ivec(m, LINKS)[SETTLE], (m, t + C[s] * h, stage, stage))
-        call_state(derivative, (m, t + C[s] * h, stage, k[s]))
+            settle(m, t + C[s] * h, stage, stage)
+        derivative(m, t + C[s] * h, stage, k[s])
         if NODE_OF_STAGE[s] >= 0:
-            call_gauge(gauge, (m, NODE_OF_STAGE[s], t + C[s] * h))
+            gauge(m, NODE_OF_STAGE[s], t + C[s] * h)
         changed |= watched_change(m)
     for n in range(ny):  # rows 13 and 14 are free: the errors of order 3 and 5
         y_new[n], k[13, n], k[14, n] = 0.0, 0.0, 0.0
@@ -83,11 +80,11 @@ def step(m, t, h, rtol, atol, tame):
     return abs(h) * error5 / math.sqrt((error5 + 0.01 * error3) * nq), changed
 
 
-@compiled
+@native("void", "h", "f", "f")
 def prepare_dense(m, t, h):
     """Three more stages and the upper rows of the dense output for the step from (t, y) to (t + h, y_new)."""
     y, k, stage, dense, f_new = vec(m, STATE), mat(m, SLOPES), vec(m, STAGE), mat(m, DENSE), vec(m, RATE_NEW)
-    ny, derivative = y.shape[0], ivec(m, LINKS)[DERIVATIVE]
+    ny = y.shape[0]
     for n in range(ny):
         k[12, n] = f_new[n]
     for s in range(13, 16):
@@ -99,7 +96,7 @@ def prepare_dense(m, t, h):
                 stage[n] += a * k[j, n]
         for n in range(ny):
             stage[n] = y[n] + h * stage[n]
-        call_state(derivative, (m, t + C[s] * h, stage, k[s]))
+        derivative(m, t + C[s] * h, stage, k[s])
     for row in range(3, 7):
         for n in range(ny):
             dense[row, n] = 0.0

@@ -18,27 +18,21 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_event, call_gauge, call_peak, call_state, compiled, kernel
+from rattle.catalog import compiled, native
 from rattle.complementarity import OFF, STICK
 from rattle.contact import touch_all
-from rattle.equations import DONE, OK, PAUSED, STEP_TOO_SMALL
+from rattle.equations import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
 from rattle.impact import CHATTER, DETERMINANT, LOCKED
 from rattle.memory import (
     AUDIT,
     CHANGE,
     CLOCK,
     CONTACT,
-    DERIVATIVE,
-    END_STEP,
     EVENTS,
-    GAUGE,
     GRIP,
-    HAPPEN,
     HELD,
     LANDING,
-    LINKS,
     MODE,
-    MOTION,
     POWER,
     RATE,
     RATE_NEW,
@@ -77,7 +71,7 @@ from rattle.steppers.march import (
     prepare_dense,
     project,
 )  # fmt: skip
-from rattle.steppers.peaks import DOP853, END, LOOKS, START
+from rattle.steppers.peaks import DOP853, END, LOOKS, START, end_step, gauge
 from rattle.steppers.searching import ESCAPED, NONE, clearance_of, escaped
 from rattle.steppers.touching import interpolate
 from rattle.steppers.walls import NEAR, noise, settle
@@ -105,7 +99,7 @@ def count_shift(m):
         audit[LENGTH] = max(audit[LENGTH], abs(touch[n, GAP] - grip[n, GAP_1]))
 
 
-@kernel("event")
+@native("i", "h", "f", "v", "i", "i")
 def happen(m, t, y, who, what):
     """Event at (t, y): impact if contacts hit, then new modes; leaves y on its constraints. Returns a status.
 
@@ -130,7 +124,7 @@ def happen(m, t, y, who, what):
         settle(m, t, y, -1)
         if what == TURN:
             mode[who] = old
-        call_state(ivec(m, LINKS)[MOTION], (m, t, y[:nq], y[nq : 2 * nq]))
+        solve_motion(m, t, y[:nq], y[nq : 2 * nq])
     status = regroup(m, t, y, who, what)
     if status == OK:
         settle(m, t, y, -1)
@@ -155,7 +149,7 @@ def start(m, t):
             break
     if who < 0:
         settle(m, t, y, nearest)
-    status = call_event(ivec(m, LINKS)[HAPPEN], (m, t, y, who, NOTHING))
+    status = happen(m, t, y, who, NOTHING)
     remember(m)
     return status
 
@@ -165,7 +159,7 @@ def go_on(m, t, jolted):
     """Modes after expressions have switched at t; jolted: rates have jumped, contacts may part. Returns a status."""
     y = vec(m, STATE)
     if jolted == 0:
-        status = call_event(ivec(m, LINKS)[HAPPEN], (m, t, y, -1, NOTHING))
+        status = happen(m, t, y, -1, NOTHING)
     else:
         status = regroup(m, t, y, -1, HIT)
         if status == OK:
@@ -201,7 +195,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
     """
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, touch, grip = vec(m, CLOCK), ivec(m, TALLY), mat(m, TOUCH), mat(m, GRIP)
-    begun, most_found, links = tally[STEPS], mat(m, EVENTS).shape[0] // 2, ivec(m, LINKS)
+    begun, most_found = tally[STEPS], mat(m, EVENTS).shape[0] // 2
     landing, switches = vec(m, LANDING), imat(m, SWITCH).shape[0] > 0
     while tally[STEPS] < begun + most_steps and max(tally[EVENT_COUNT], tally[FOUND]) < most_found:
         t, h = clock[T], clock[H]
@@ -228,7 +222,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         clock[H] = min(h_max, max(ahead, clock[H] if last else 0.0))
         t_new = t_end if last else t + h
         settle(m, t_new, y_new, -1)
-        call_state(links[DERIVATIVE], (m, t_new, y_new, f_new))
+        derivative(m, t_new, y_new, f_new)
         if not stands(m, y_new):
             clock[TROUBLE] = t_new
             landing[LANDS] = 0.0
@@ -237,7 +231,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
                 tally[REJECTED] += 1
                 continue
             return UNSOUND
-        call_gauge(links[GAUGE], (m, END, t_new))
+        gauge(m, END, t_new)
         changed |= watched_change(m)
         for n in range(touch.shape[0]):
             grip[n, GAP_1], grip[n, DGAP_1] = touch[n, GAP], touch[n, DGAP]
@@ -257,7 +251,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         t_until = t + share * (t_new - t) if who >= 0 else t_new
         until = share if who >= 0 else 1.0
         layout = LOOKS if who < 0 and any_held(m) else DOP853
-        tally[EVALUATIONS] += call_peak(links[END_STEP], (m, t, t_new - t, until, layout, 1))
+        tally[EVALUATIONS] += end_step(m, t, t_new - t, until, layout, 1)
         if changed:
             find_crossings(m, t, t_new - t, until)
         if who >= 0:
@@ -275,7 +269,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             stuck[2] = who
             status = CHATTER
             if stuck[1] <= MOST_AT_ONCE and stuck[3] <= MOST_IN_A_ROW:
-                status = call_event(links[HAPPEN], (m, t_until, y_new, who, what))
+                status = happen(m, t_until, y_new, who, what)
             if status != OK:
                 clock[T] = t_until
                 return status
@@ -284,13 +278,13 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             clock[H] = landing[GO_ON] if landing[LANDS] > 0.0 and who < 0 else clock[H]
             landing[LANDS] = landing[LANDS] if who < 0 else 0.0
             if arrive(m, t_until, y_new, f_new, landing[GO_ON]):
-                status = call_event(links[HAPPEN], (m, t_until, y_new, -1, NOTHING))
+                status = happen(m, t_until, y_new, -1, NOTHING)
                 if status != OK:
                     clock[T] = t_until
                     return status
-        call_state(links[DERIVATIVE], (m, t_until, y_new, f_new))
+        derivative(m, t_until, y_new, f_new)
         if who >= 0 or switches:
-            call_gauge(links[GAUGE], (m, START, t_until))
+            gauge(m, START, t_until)
         cross_at_once(m, t_until)
         tally[EVALUATIONS] += 5
         remember(m)

@@ -19,22 +19,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.catalog import call_gauge, call_search, call_state, compiled
+from rattle.catalog import compiled
 from rattle.complementarity import FORWARD, OFF, STICK, friction_of
+from rattle.equations import solve_motion
 from rattle.impact import SIZE
 from rattle.memory import (
     ACCELERATION,
     CHANGE,
     CONTACT,
-    GAUGE,
     GRIP,
     HELD,
-    LINKS,
     LOOKS,
     MASS,
     MODE,
-    MOTION,
-    SEARCH,
     STAGE,
     TALLY,
     TOUCH,
@@ -46,8 +43,8 @@ from rattle.memory import (
 from rattle.plane import IMPACT, NORMAL, PEAK, SLIP, TANGENT
 from rattle.steppers.closed import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
 from rattle.steppers.march import EVALUATIONS
-from rattle.steppers.peaks import LOOK
-from rattle.steppers.searching import NONE, may_reach
+from rattle.steppers.peaks import LOOK, gauge
+from rattle.steppers.searching import NONE, may_reach, search
 from rattle.steppers.touching import interpolate
 
 # places of a step at which it is looked first: even ones, of which peaks make use too, and an odd one
@@ -68,7 +65,7 @@ def at_share(m, t, h, theta):
     """State and forces at the share theta of the step."""
     stage, nq = vec(m, STAGE), vec(m, CHANGE).shape[0]
     interpolate(m, theta, stage)
-    call_state(ivec(m, LINKS)[MOTION], (m, t + theta * h, stage[:nq], stage[nq : 2 * nq]))
+    solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
 
 
 @compiled
@@ -123,7 +120,7 @@ def first_hit(m, h):
     contact, mode, best, who = imat(m, CONTACT), ivec(m, MODE), NONE, -1
     for n in range(contact.shape[0]):
         if contact[n, IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
-            share = call_search(ivec(m, LINKS)[SEARCH], (m, h, n, 1.0, min(best, 1.0)))
+            share = search(m, h, n, 1.0, min(best, 1.0))
             if share > NONE:
                 return share, -1
             if share < best:
@@ -237,7 +234,7 @@ def first_change(m, t, h, best, who, what):
         while count < max(i + 3, 4) and placed < PLACES.shape[0]:
             look(m, t, h, PLACES[placed] * until, count)
             if ODD < placed < PLACES.shape[0] - 1 and until == 1.0:
-                call_gauge(ivec(m, LINKS)[GAUGE], (m, LOOK[placed - 1], t + PLACES[placed] * h))
+                gauge(m, LOOK[placed - 1], t + PLACES[placed] * h)
             count += 1
             placed += 1
             seen += 1

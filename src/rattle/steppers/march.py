@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from rattle.catalog import Compiled, call_gauge, call_look_back, call_peak, call_state, compiled, entries, kernel
+from rattle.catalog import compiled, native
 from rattle.equations import (
     DONE,
     NOT_FINITE,
@@ -20,7 +20,6 @@ from rattle.equations import (
     accelerate,
     collect,
     derivative,
-    free_motion,
     loads,
     solve_motion,
 )
@@ -31,20 +30,12 @@ from rattle.memory import (
     CONTACT,
     CROSSINGS,
     DENSE,
-    DERIVATIVE,
-    END_STEP,
-    FINISH,
-    GAUGE,
     GRIP,
     LANDING,
-    LINKS,
-    LOOK_BACK,
-    MOTION,
     MULTIPLIER,
     POWER,
     RATE,
     RATE_NEW,
-    SETTLE,
     SIGN,
     SLOPES,
     STAGE,
@@ -69,7 +60,7 @@ from rattle.steppers.peaks import END, START, end_step, gauge, may_rise
 from rattle.steppers.projecting import settle
 from rattle.steppers.rk4 import prepare_dense as prepare_rk4
 from rattle.steppers.rk4 import step as step_rk4
-from rattle.steppers.searching import ESCAPED, NONE, escaped, search
+from rattle.steppers.searching import ESCAPED, NONE, escaped
 from rattle.steppers.touching import (
     change_contacts,
     contact_time,
@@ -104,16 +95,13 @@ SHORT = 1e-9  # share of the time ahead down to which a step that does not stand
 FIRST_STEP = 0.01  # first step in a contact as a share of how long it will last: its force starts like a broken power
 
 
-def march_arrays(y: np.ndarray, watched: int, *more: Compiled) -> dict[str, np.ndarray]:
-    """What a run that starts at y needs besides the arrays of one instant; `more` come last in `links`."""
+def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
+    """What a run that starts at y needs besides the arrays of one instant."""
     ny = y.shape[0]
     clock = np.zeros(8)
     clock[H_MIN] = math.inf
     clock[FEWEST] = math.inf
     return {
-        "links": entries(
-            (derivative, solve_motion, free_motion, finish_step, look_back, settle, search, gauge, end_step, *more)
-        ),
         "y": y.copy(),
         **{name: np.zeros(ny) for name in ("f", "y_new", "f_new", "stage")},
         "k": np.zeros((16, ny)),
@@ -127,11 +115,11 @@ def march_arrays(y: np.ndarray, watched: int, *more: Compiled) -> dict[str, np.n
     }
 
 
-@compiled
+@native("void", "h", "f", "v")
 def project(m, t, y):
     """Bring y onto the constraints, see `settle`; the largest drift left and lost rows are remembered."""
     tally = ivec(m, TALLY)
-    lost = call_state(ivec(m, LINKS)[SETTLE], (m, t, y, y))
+    lost = settle(m, t, y, y)
     row = note_drift(m)
     if row >= 0:
         tally[DRIFT_ROW] = row
@@ -160,11 +148,11 @@ def force_at(m, t, h, theta, n):
     stage, multiplier, watch = vec(m, STAGE), vec(m, MULTIPLIER), ivec(m, WATCH)
     nq = vec(m, CHANGE).shape[0]
     interpolate(m, theta, stage)
-    call_state(ivec(m, LINKS)[MOTION], (m, t + theta * h, stage[:nq], stage[nq : 2 * nq]))
+    solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
     return multiplier[watch[n]]
 
 
-@compiled
+@native("void", "h", "f", "f", "f")
 def find_crossings(m, t, h, until):
     """Locate every change of sign of the watched forces up to the share `until` of the step (dense output ready)."""
     sign = vec(m, SIGN)
@@ -206,28 +194,28 @@ def cross_at_once(m, t):
             cross(m, t, n)
 
 
-@compiled
+@native("void", "h", "f")
 def resume(m, t):
     """Go on from (t, y) where the right-hand side has changed: its derivative, contacts and signs as from now on."""
     y, f = vec(m, STATE), vec(m, RATE)
-    call_state(ivec(m, LINKS)[DERIVATIVE], (m, t, y, f))
+    derivative(m, t, y, f)
     remember_end(m)
     pass_on(m)
     cross_at_once(m, t)
-    call_gauge(ivec(m, LINKS)[GAUGE], (m, START, t))
+    gauge(m, START, t)
 
 
-@compiled
+@native("i", "h", "f", "f", "f", "f", "f")
 def begin(m, t, t_end, rtol, atol, h_max):
     """Derivative at the start, signs of the watched forces, a first step size."""
     y, f, stage, k1 = vec(m, STATE), vec(m, RATE), vec(m, STAGE), mat(m, SLOPES)[1]
     clock, tally = vec(m, CLOCK), ivec(m, TALLY)
     sign, watch, multiplier = vec(m, SIGN), ivec(m, WATCH), vec(m, MULTIPLIER)
     clock[T] = t
-    start_contacts(m, t, y)
-    derivative = ivec(m, LINKS)[DERIVATIVE]
-    tally[LOST] = call_state(derivative, (m, t, y, f))
-    call_gauge(ivec(m, LINKS)[GAUGE], (m, START, t))
+    if imat(m, CONTACT).shape[0] > 0:
+        start_contacts(m, t, y)
+    tally[LOST] = derivative(m, t, y, f)
+    gauge(m, START, t)
     remember_end(m)
     pass_on(m)
     for n in range(watch.shape[0]):
@@ -246,7 +234,7 @@ def begin(m, t, t_end, rtol, atol, h_max):
     h = min(h, h_max, t_end - t)
     for n in range(y.shape[0]):
         stage[n] = y[n] + h * f[n]
-    call_state(derivative, (m, t + h, stage, k1))
+    derivative(m, t + h, stage, k1)
     bend = 0.0
     for n in range(ny):
         bend += ((k1[n] - f[n]) / (atol + rtol * abs(y[n]))) ** 2
@@ -257,7 +245,7 @@ def begin(m, t, t_end, rtol, atol, h_max):
     return OK
 
 
-@kernel("state")
+@native("i", "h", "f", "v", "v")
 def finish_step(m, t, y_new, f_new):
     """Projection and derivative at the end of a step."""
     project(m, t, y_new)
@@ -268,7 +256,7 @@ def finish_step(m, t, y_new, f_new):
     return 0
 
 
-@kernel("look_back")
+@native("i", "h", "f", "f", "i", "i", "v", "m")
 def look_back(m, t, h, changed, method, t_out, out):
     """Contacts, changes of sign and outputs inside the step from (t, y) to (t + h, y_new).
 
@@ -276,7 +264,7 @@ def look_back(m, t, h, changed, method, t_out, out):
     -2 when a contact is inside its wall at an output though it has not started.
     """
     tally, stage = ivec(m, TALLY), vec(m, STAGE)
-    share, who = NONE, -1
+    share, who, contacts = NONE, -1, imat(m, CONTACT).shape[0] > 0
     suspect = may_any_change(m, h)
     peak = near_peak(m)
     wanted = tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t + h
@@ -287,15 +275,16 @@ def look_back(m, t, h, changed, method, t_out, out):
     if suspect:
         share, who = first_change(m, h)
     until = min(share, 1.0)
-    find_peaks(m, until, peak)
-    tally[EVALUATIONS] += call_peak(ivec(m, LINKS)[END_STEP], (m, t, h, until, method, dense))
+    if contacts:
+        find_peaks(m, until, peak)
+    tally[EVALUATIONS] += end_step(m, t, h, until, method, dense)
     if changed:
         find_crossings(m, t, h, until)
     t_until = t + until * h if until < 1.0 else t + h
     while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_until:
         k = tally[OUTPUTS]
         interpolate(m, (t_out[k] - t) / h, stage)
-        if escaped(m, stage):
+        if contacts and escaped(m, stage):
             vec(m, CLOCK)[TROUBLE] = t_out[k]
             return -2
         project(m, t_out[k], stage)
@@ -305,7 +294,7 @@ def look_back(m, t, h, changed, method, t_out, out):
     return who
 
 
-@compiled
+@native("void", "h", "f", "v", "i")
 def turn_contact(m, t, y, who):
     """Contact `who` starts or ends at (t, y): change its memory, note the event, choose a step for what follows."""
     clock, tally, grip = vec(m, CLOCK), ivec(m, TALLY), mat(m, GRIP)
@@ -316,7 +305,7 @@ def turn_contact(m, t, y, who):
         tally[CONTACTS] += 1
         clock[H_FREE] = max(clock[H], 0.5 * clock[H_FREE])
     tally[EVENT_COUNT] = change_contacts(m, who, t, y, tally[EVENT_COUNT])
-    call_state(ivec(m, LINKS)[FINISH], (m, t, y, vec(m, RATE_NEW)))
+    finish_step(m, t, y, vec(m, RATE_NEW))
     remember_end(m)
     if was_shut:
         clock[H] = max(clock[H], 0.3 * clock[H_FREE])
@@ -335,7 +324,7 @@ def finite(y):
     return True
 
 
-@compiled
+@native("i", "h", "f", "f", "f", "f", "i", "v", "m", "i")
 def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
     """Take up to `most_steps` steps towards t_end; writes every output with t_out <= the time reached.
 
@@ -348,7 +337,7 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
     y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
     clock, tally, power, most_found = vec(m, CLOCK), ivec(m, TALLY), vec(m, POWER), mat(m, CROSSINGS).shape[0] // 2
     start = tally[STEPS]
-    links, contacts = ivec(m, LINKS), imat(m, CONTACT).shape[0] > 0
+    contacts = imat(m, CONTACT).shape[0] > 0
     landing, switches = vec(m, LANDING), imat(m, SWITCH).shape[0] > 0
     while tally[STEPS] < start + most_steps and tally[FOUND] < most_found and tally[EVENT_COUNT] < most_found:
         t = clock[T]
@@ -399,7 +388,7 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
                     continue
                 return NOT_FINITE
         t_new = t_end if last else t + h
-        call_state(links[FINISH], (m, t_new, y_new, f_new))
+        finish_step(m, t_new, y_new, f_new)
         tally[EVALUATIONS] += 2
         if not stands(m, y_new):
             clock[TROUBLE] = t_new
@@ -409,7 +398,7 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
                 tally[REJECTED] += 1
                 continue
             return UNSOUND
-        call_gauge(links[GAUGE], (m, END, t_new))
+        gauge(m, END, t_new)
         changed |= watched_change(m)
         if contacts:
             remember_end(m)
@@ -421,7 +410,7 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
             if verdict == REPEAT:
                 clock[H] = shorter
                 continue
-        who = call_look_back(links[LOOK_BACK], (m, t, t_new - t, changed, method, t_out, out))
+        who = look_back(m, t, t_new - t, changed, method, t_out, out)
         if who >= 0:
             interpolate(m, clock[SHARE], y_new)
             t_new = t + clock[SHARE] * (t_new - t)
@@ -432,14 +421,14 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
             return ESCAPED
         if who >= 0:
             turn_contact(m, t_new, y_new, who)
-            call_gauge(links[GAUGE], (m, START, t_new))
+            gauge(m, START, t_new)
         if switches:
             clock[H] = landing[GO_ON] if landing[LANDS] > 0.0 and who < 0 else clock[H]
             landing[LANDS] = landing[LANDS] if who < 0 else 0.0
             if arrive(m, t_new, y_new, f_new, landing[GO_ON]):
                 remember_end(m)
                 cross_at_once(m, t_new)
-                call_gauge(links[GAUGE], (m, START, t_new))
+                gauge(m, START, t_new)
         if contacts:
             pass_on(m)
         for n in range(y.shape[0]):

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_gauge, compiled
+from rattle.catalog import compiled
 from rattle.complementarity import FORWARD, OFF, STICK, A, B, F, friction_of
 from rattle.contact import touch_all
 from rattle.equations import (
@@ -52,9 +52,7 @@ from rattle.memory import (
     CLOCK,
     CONTACT,
     EVENTS,
-    GAUGE,
     GRIP,
-    LINKS,
     MODE,
     MULTIPLIER,
     POWER,
@@ -122,7 +120,7 @@ from rattle.steppers.march import (
     cross_at_once,
     project,
 )  # fmt: skip
-from rattle.steppers.peaks import START, add_step
+from rattle.steppers.peaks import START, add_step, gauge
 from rattle.steppers.searching import ESCAPED, deepest
 from rattle.steppers.walls import note
 from rattle.steppers.writing import write
@@ -388,7 +386,7 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
             if not abs(y_new[nq + 3 * i - 1]) + abs(y_new[nq + 3 * i - 2]) + abs(y_new[nq + 3 * i - 3]) < math.inf:
                 return NOT_FINITE
         tally[EVALUATIONS] += 1
-        call_gauge(ivec(m, LINKS)[GAUGE], (m, START, t + 0.5 * h))
+        gauge(m, START, t + 0.5 * h)
         add_step(m, h)
         loads(m, t + h)
         if not stands(m, y_new):

@@ -17,26 +17,22 @@ import math
 
 import numpy as np
 
-from rattle.catalog import call_gauge, call_state, compiled, kernel
-from rattle.equations import set_bristles
+from rattle.catalog import compiled, native
+from rattle.equations import set_bristles, solve_motion
 from rattle.memory import (
     CHANGE,
-    GAUGE,
-    LINKS,
-    MOTION,
     PEAK_ROW,
     PEAKS,
     POWER,
     QUANTITY,
-    SETTLE,
     STAGE,
     imat,
-    ivec,
     mat,
     vec,
 )  # fmt: skip
 from rattle.plane import OF_SIZE, OF_VALUE, OF_VECTOR
 from rattle.schur import WEAK
+from rattle.steppers.projecting import settle
 from rattle.steppers.tableau import B, C
 from rattle.steppers.touching import interpolate
 from rattle.steppers.writing import write_joints
@@ -89,7 +85,7 @@ def value_of(row, kind, c):
     return row[c] if kind == OF_VALUE else -row[c]
 
 
-@kernel("gauge")
+@native("void", "h", "i", "f")
 def gauge(m, sample, t):
     """Put all quantities, as the memory holds them at t, into a sample; START and PROBE may be peaks."""
     quantity, peaks, row = imat(m, QUANTITY), mat(m, PEAKS), vec(m, PEAK_ROW)
@@ -166,7 +162,7 @@ def crest(samples, low, top, high):
     return top, best
 
 
-@compiled
+@native("void", "h", "f", "f")
 def crest_all(m, t, h):
     """New peaks of a step whose samples are those of LOOKS: they are solved for already, nothing more is."""
     peaks = mat(m, PEAKS)
@@ -218,12 +214,11 @@ def may_rise(m, h, layout):
 def probe(m, t, h, theta, n):
     """Measure at the share theta of the step, on its dense output; returns quantity n."""
     stage, nq = vec(m, STAGE), vec(m, CHANGE).shape[0]
-    links = ivec(m, LINKS)
     interpolate(m, theta, stage)
-    call_state(links[SETTLE], (m, t + theta * h, stage, stage))
+    settle(m, t + theta * h, stage, stage)
     set_bristles(m, stage)
-    call_state(links[MOTION], (m, t + theta * h, stage[:nq], stage[nq : 2 * nq]))
-    call_gauge(links[GAUGE], (m, PROBE, t + theta * h))
+    solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
+    gauge(m, PROBE, t + theta * h)
     return mat(m, PEAKS)[n, SAMPLE + PROBE]
 
 
@@ -262,7 +257,7 @@ def climb(m, t, h, n, low, top, high, height):
     return TRIES + 3
 
 
-@compiled
+@native("i", "h", "f", "i")
 def unresolved(m, h, layout):
     """True when two rules for the mean of f^2 over a stretch differ: a force changes faster than the motion."""
     peaks, quantity, largest = mat(m, PEAKS), imat(m, QUANTITY), 0.0
@@ -297,7 +292,7 @@ def add(m, t, h, layout, sound):
             peaks[n, BEST], peaks[n, WHEN] = peaks[n, SAMPLE + END], t
 
 
-@compiled
+@native("i", "h", "f", "f", "f", "f", "i")
 def climb_all(m, t, h, low, high, layout):
     """New peaks between the shares low and high of a step, where the samples are; returns the states solved for."""
     peaks, solved, wide = mat(m, PEAKS), 0, high - low
@@ -310,7 +305,7 @@ def climb_all(m, t, h, low, high, layout):
     return solved
 
 
-@compiled
+@native("i", "h", "f", "f", "f", "f", "i")
 def sample_pieces(m, t, h, until, wide, sound):
     """Count a step up to the share `until` in pieces of its dense output, as short as the forces ask for.
 
@@ -343,7 +338,7 @@ def pass_end_on(m):
         peaks[n, SAMPLE + START] = peaks[n, SAMPLE + END]
 
 
-@kernel("peak")
+@native("i", "h", "f", "f", "f", "i", "i")
 def end_step(m, t, h, until, layout, dense):
     """Peaks and sums of the step from t of length h up to the share `until`; returns the states that were solved for.
 

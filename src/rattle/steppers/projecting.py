@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rattle.catalog import kernel
+from rattle.catalog import native
 from rattle.equations import constraints, correct, drive, place, rate_residual, residual
 from rattle.memory import AUDIT, CHANGE, vec
 from rattle.schur import factorise
@@ -12,7 +12,7 @@ CLOSE_ENOUGH = 1e-15  # residual below which positions are left alone [m or rad]
 QUADRATIC = 1e-9  # a correction from below this residual needs no second one
 
 
-@kernel("state")
+@native("i", "h", "f", "v", "v")
 def settle(m, t, y, unused):
     """Bring y onto Phi = 0 and Phi_q v = nu with the least mass-weighted change; leaves its rows and factor.
 

@@ -5,19 +5,20 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993
 
 from __future__ import annotations
 
-from rattle.catalog import call_gauge, call_state, compiled
-from rattle.memory import DENSE, DERIVATIVE, GAUGE, LINKS, RATE, SLOPES, STAGE, STATE, STATE_NEW, ivec, mat, vec
-from rattle.steppers.peaks import LAST_STAGE
+from rattle.catalog import native
+from rattle.equations import derivative
+from rattle.memory import DENSE, RATE, SLOPES, STAGE, STATE, STATE_NEW, mat, vec
+from rattle.steppers.peaks import LAST_STAGE, gauge
 from rattle.steppers.watch import watched_change
 
 ORDER = 4
 
 
-@compiled
+@native("i", "h", "f", "f")
 def step(m, t, h):
     """One step from (t, y) into y_new; returns True when a watched force changed its sign on the way."""
     y, f, k, stage, y_new = vec(m, STATE), vec(m, RATE), mat(m, SLOPES), vec(m, STAGE), vec(m, STATE_NEW)
-    ny, derivative = y.shape[0], ivec(m, LINKS)[DERIVATIVE]
+    ny = y.shape[0]
     changed = False
     for n in range(ny):
         k[0, n] = f[n]
@@ -25,15 +26,15 @@ def step(m, t, h):
         share = 1.0 if s == 3 else 0.5
         for n in range(ny):
             stage[n] = y[n] + share * h * k[s - 1, n]
-        call_state(derivative, (m, t + share * h, stage, k[s]))
-        call_gauge(ivec(m, LINKS)[GAUGE], (m, LAST_STAGE if s == 3 else 2 + s, t + share * h))
+        derivative(m, t + share * h, stage, k[s])
+        gauge(m, LAST_STAGE if s == 3 else 2 + s, t + share * h)
         changed |= watched_change(m)
     for n in range(ny):
         y_new[n] = y[n] + h / 6.0 * (k[0, n] + 2.0 * k[1, n] + 2.0 * k[2, n] + k[3, n])
     return changed
 
 
-@compiled
+@native("void", "h")
 def prepare_dense(m):
     """Without the upper rows the dense output is the cubic of Hermite."""
     dense = mat(m, DENSE)

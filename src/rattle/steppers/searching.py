@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_clearance, compiled, kernel
+from rattle.catalog import call_clearance, compiled, native
 from rattle.complementarity import OFF
 from rattle.contact import touch_all
 from rattle.equations import place
@@ -158,7 +158,7 @@ def sweep(m, n, bend, dt, gap):
     return (abs(mat(m, TOUCH)[n, ACROSS]) + bend * dt) / distance, distance
 
 
-@compiled
+@native("i", "h", "f", "i", "f")
 def may_reach(m, h, n, side):
     """True unless the ends of the step prove that side * gap of contact n stays above zero in it."""
     grip = mat(m, GRIP)[n]
@@ -259,7 +259,7 @@ def first_below(m, h, n, side, left, at, rate, right, end):
     return right
 
 
-@kernel("search")
+@native("f", "h", "f", "i", "f", "f")
 def search(m, h, n, side, until):
     """Share of the step, up to `until`, at which side * gap of contact n first falls below zero; NONE if it does not.
 
@@ -309,7 +309,7 @@ def search(m, h, n, side, until):
     return GAVE_UP
 
 
-@compiled
+@native("i", "h", "v")
 def escaped(m, y):
     """True when a contact that is not in contact lies inside its wall in the state y, deeper than DEEP clearances.
 

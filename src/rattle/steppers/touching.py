@@ -8,7 +8,7 @@ No contact and no release is missed because it is shorter than a step: see `sear
 
 from __future__ import annotations
 
-from rattle.catalog import call_search, call_stiffness, compiled
+from rattle.catalog import call_stiffness, compiled, native
 from rattle.contact import press, touch_all
 from rattle.equations import place, set_bristles
 from rattle.memory import (
@@ -17,9 +17,7 @@ from rattle.memory import (
     DENSE,
     EVENTS,
     GRIP,
-    LINKS,
     MASS,
-    SEARCH,
     STAGE,
     STATE,
     STIFFNESS_TABLE,
@@ -57,7 +55,7 @@ from rattle.plane import (
     STATIC_P,
     STEPS_IN,
 )  # fmt: skip
-from rattle.steppers.searching import NONE, may_reach
+from rattle.steppers.searching import NONE, may_reach, search
 
 LATER = 1e-7  # share of a step after which a contact changes that was on the wrong side at its start by rounding
 
@@ -74,7 +72,7 @@ def interpolate(m, theta, out):
         )
 
 
-@compiled
+@native("void", "h", "f", "v")
 def start_contacts(m, t, y):
     """Set the memory of every compliant contact at the start of a run."""
     contact, touch, grip, nq = imat(m, CONTACT), mat(m, TOUCH), mat(m, GRIP), vec(m, CHANGE).shape[0]
@@ -160,14 +158,14 @@ def may_any_change(m, h):
     return False
 
 
-@compiled
+@native("fi", "h", "f")
 def first_change(m, h):
     """Share of the step at which the first contact starts or ends (NONE if none does), and which."""
     contact, grip, best, who = imat(m, CONTACT), mat(m, GRIP), NONE, -1
     for n in range(contact.shape[0]):
         side = -1.0 if grip[n, CLOSED] == SHUT else 1.0
         if contact[n, IMPACT] == 0 and may_reach(m, h, n, side):
-            share = call_search(ivec(m, LINKS)[SEARCH], (m, h, n, side, min(best, 1.0)))
+            share = search(m, h, n, side, min(best, 1.0))
             if share < best:
                 best, who = max(share, LATER), n
     return best, who
@@ -195,7 +193,7 @@ def normal_at(m, theta, n):
     return touch[n, NORMAL]
 
 
-@compiled
+@native("void", "h", "f", "i")
 def find_peaks(m, until, sampled):
     """Largest force of every contact up to the share `until` of the step; with `sampled` from the dense output too."""
     grip = mat(m, GRIP)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from rattle.catalog import call_state, compiled
+from rattle.catalog import compiled
 from rattle.complementarity import FORWARD, OFF, STICK, B
 from rattle.contact import touch_all
-from rattle.equations import constraints, place
+from rattle.equations import constraints, free_motion, place
 from rattle.impact import SIZE, contact_rows, push_all, reach, shift, solve_modes, swing
 from rattle.memory import (
     ACCELERATION,
@@ -14,10 +14,8 @@ from rattle.memory import (
     CHOSEN,
     CONTACT,
     EVENTS,
-    FREE_MOTION,
     GRIP,
     HELD,
-    LINKS,
     MODE,
     PUSHED,
     SIDE,
@@ -159,7 +157,7 @@ def note(m, kind, n, t, y, speed, peak, impulse, lost):
 def motion_without(m, t, y):
     """Everything at y but without forces of lasting contacts."""
     nq = vec(m, CHANGE).shape[0]
-    call_state(ivec(m, LINKS)[FREE_MOTION], (m, t, y[:nq], y[nq : 2 * nq]))
+    free_motion(m, t, y[:nq], y[nq : 2 * nq])
 
 
 @compiled

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from rattle.catalog import call_state, compiled
-from rattle.equations import set_bristles
+from rattle.catalog import compiled, native
+from rattle.equations import set_bristles, solve_motion
 from rattle.memory import (
     ACCELERATION,
     BODY,
     CHANGE,
     CONTACT,
     JOINT,
-    LINKS,
     MASS,
-    MOTION,
     MULTIPLIER,
     POWER,
     ROWS,
@@ -21,7 +19,6 @@ from rattle.memory import (
     TOUCH,
     VALUES,
     imat,
-    ivec,
     mat,
     vec,
 )  # fmt: skip
@@ -48,12 +45,12 @@ from rattle.plane import (
 )  # fmt: skip
 
 
-@compiled
+@native("void", "h", "f", "v", "v")
 def record(m, t, y, row):
     """Write one output row for the state y; the columns are laid out in `recording`."""
     nq = vec(m, CHANGE).shape[0]
     set_bristles(m, y)
-    call_state(ivec(m, LINKS)[MOTION], (m, t, y[:nq], y[nq : 2 * nq]))
+    solve_motion(m, t, y[:nq], y[nq : 2 * nq])
     lost = y[2 * nq + 1]
     for k in range(2 * nq + 2, y.shape[0], 4):
         lost += y[k + 2]
@@ -85,7 +82,7 @@ def write(m, work_done, dissipated, row):
     row[c + 3] = dissipated
 
 
-@compiled
+@native("i", "h", "v", "i")
 def write_joints(m, row, first):
     """Forces, offsets and efforts of joints and drivers from column `first` on; returns the column behind them."""
     body, rows, values, joint, multiplier = (

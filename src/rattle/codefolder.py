@@ -1,0 +1,62 @@
+"""The folder of machine code for the sources as they are: anything that machine code depends on is in its name."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import sys
+import threading
+from importlib.metadata import version
+from pathlib import Path
+
+from rattle import codecache
+from rattle.codecache import Folder
+
+
+def compiled_sources() -> list[Path]:
+    """Files that machine code depends on: those with compiled functions, those that make it, and all they import."""
+    here = Path(__file__).parent
+    text = {path: path.read_text(encoding="utf-8") for path in here.rglob("*.py")}
+    makers = [here / f"{name}.py" for name in ("arrays", "catalog", "compiling", "machine", "memory")]
+    found = {path for path, source in text.items() if _DECORATED.search(source)} | set(makers)
+    ahead = list(found)
+    while ahead:
+        for module, names in _IMPORTED.findall(text[ahead.pop()]):
+            parts = module.split(".")[1:]
+            folder = here.joinpath(*parts)
+            for path in (folder.with_suffix(".py"), *(folder / f"{name}.py" for name in _NAME.findall(names))):
+                if path in text and path not in found:
+                    found.add(path)
+                    ahead.append(path)
+    return sorted(found)
+
+
+_DECORATED = re.compile(r"^@(compiled|native\(|kernel\()", re.MULTILINE)
+_IMPORTED = re.compile(r"^from (rattle[\w.]*) import (\([^)]*\)|.*)$", re.MULTILINE)
+_NAME = re.compile(r"\w+")
+
+
+def code_folder() -> Folder:
+    """Where machine code is kept: one folder for each state of the compiled sources and Numba version."""
+    global _code_folder
+    if _code_folder is None:
+        here = Path(__file__).parent
+        about = [version("numba"), version("llvmlite"), sys.version, str(here), *map(os.environ.get, _NUMBA_READS)]
+        digest = hashlib.sha256(repr(about).encode())
+        for source in compiled_sources():
+            digest.update(source.read_bytes())
+        with _folder_lock:
+            _code_folder = _code_folder or codecache.code_folder(digest.hexdigest()[:16])
+    return _code_folder
+
+
+def cache_folder() -> Path | None:
+    """The folder of kept machine code; None where there is no place for it."""
+    return code_folder().path
+
+
+# what Numba reads that changes machine code
+_NUMBA_READS = ("NUMBA_BOUNDSCHECK", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_ENABLE_AVX")
+_code_folder: Folder | None = None
+_folder_lock = threading.Lock()  # of its own: asked for while others are held

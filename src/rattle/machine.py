@@ -1,0 +1,170 @@
+"""Machine code in this process: where it is put, how Python calls it, and how one function finds another.
+
+A *native* function has fixed types.  It is made or read from the cache when it is first called, and stands in memory
+once.  Machine code that calls it holds no copy of it: it reads its address from a *place*, eight bytes known to the
+linker by name, and asks for it while there is none.  So a run makes and reads the functions it goes through and no
+others.  What is in the cache runs without Numba, whose import and start take longer than a short run.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import pickle
+import threading
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import llvmlite.binding as llvm
+import numpy as np
+
+FIND = "rattle.find"  # symbol of what gives an address where there is none yet
+FINE = (0, -2)  # a function has returned a value, or None (numba.core.callconv)
+_makers: dict[int, Callable[[], int]] = {}  # by place
+_raised = threading.local()
+
+
+class Code(NamedTuple):
+    """Machine code of one function: its symbol, the object file, and symbols that others have to define."""
+
+    symbol: str
+    object: bytes
+    needs: tuple[str, ...]
+
+
+class NotMade(RuntimeError):
+    """Machine code could not call a native function; what was raised on the way is told by `reason`."""
+
+
+# ---------------------------------------------------------------- loading
+@cache
+def _engine() -> Any:
+    """What links object files."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    target = llvm.Target.from_triple(llvm.get_process_triple())
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), target.create_target_machine(codemodel="jitdefault"))
+
+
+@cache
+def processor() -> tuple[str, str, str]:
+    """What machine code is made for: triple, processor, its features."""
+    return llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
+def load(code: Code) -> int:
+    """Put a function into memory; returns its address.  Raises LookupError where a symbol it needs is unknown."""
+    for name in code.needs:  # the linker would end the process
+        if llvm.address_of_symbol(name) is None:
+            raise LookupError(f"{code.symbol} needs {name}")
+    engine = _engine()
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code.object))
+    engine.finalize_object()
+    return int(engine.get_function_address(code.symbol))
+
+
+# ---------------------------------------------------------------- places
+def announce(name: str, make: Callable[[], int]) -> Any:
+    """A new place, known to the linker by name; `make` gives the address for it."""
+    place = ctypes.c_int64(0)
+    at = ctypes.addressof(place)
+    _makers[at] = make
+    llvm.add_symbol(name, at)
+    return place  # to be kept alive
+
+
+def _find(at: int) -> int:
+    try:
+        address = _makers[at]()
+        ctypes.c_int64.from_address(at).value = address
+        return address
+    except BaseException as error:  # nothing may pass through machine code, not even Ctrl-C
+        _raised.error = error
+        return 0
+
+
+_FIND = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64)(_find)
+llvm.add_symbol(FIND, ctypes.cast(_FIND, ctypes.c_void_p).value)
+
+
+def reason() -> BaseException:
+    """What was raised when this thread asked for a native function in vain; Ctrl-C where nothing was noted."""
+    error = getattr(_raised, "error", None) or KeyboardInterrupt()
+    _raised.error = None
+    return error
+
+
+# ---------------------------------------------------------------- calls from Python
+RESULTS: dict[str, Any] = {"void": ctypes.c_void_p, "i": ctypes.c_int64, "f": ctypes.c_double}
+ARRAYS = {
+    "v": (np.dtype(np.float64), 1),
+    "m": (np.dtype(np.float64), 2),
+    "h": (np.dtype(np.int64), 1),
+    "n": (np.dtype(np.int64), 2),
+}
+
+
+def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any]:
+    """A Python function that calls the one at this address, with Numba's convention.
+
+    letters: result and arguments.  Raises TypeError for an array that is not contiguous or of other numbers.
+    """
+    result, *kinds = letters
+    types: list[Any] = [ctypes.c_void_p, ctypes.c_void_p]
+    for kind in kinds:
+        if kind in ARRAYS:  # owner, parent, size, bytes of an element, place, shape, strides
+            types += [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p]
+            types += [ctypes.c_int64] * (2 * ARRAYS[kind][1])
+        else:
+            types.append(RESULTS[kind])
+    target = ctypes.CFUNCTYPE(ctypes.c_int32, *types)(address)
+    room = _room(result)
+    several = len(result) > 1 and result != "void"
+
+    def call(*args: Any) -> Any:
+        if len(args) != len(kinds):
+            raise TypeError(f"{name} takes {len(kinds)} arguments, got {len(args)}")
+        flat: list[Any] = []
+        for kind, one in zip(kinds, args, strict=True):
+            if kind == "f":
+                flat.append(float(one))
+            elif kind == "i":
+                flat.append(int(one))
+            else:
+                if (one.dtype, one.ndim) != ARRAYS[kind] or not one.flags.c_contiguous:
+                    raise TypeError(f"{name} takes a contiguous array of {ARRAYS[kind]}, got {one.dtype}, {one.shape}")
+                flat += (None, None, one.size, 8, one.__array_interface__["data"][0], *one.shape, *one.strides)
+        answer, exception = room(), ctypes.c_void_p()
+        status = target(ctypes.addressof(answer), ctypes.addressof(exception), *flat)
+        if status not in FINE:
+            raise _error(exception)
+        if several:
+            return tuple(getattr(answer, f"_{n}") for n in range(len(result)))
+        return None if result == "void" else answer.value
+
+    call.__name__ = name
+    return call
+
+
+class _Raised(ctypes.Structure):
+    """What Numba keeps of an exception: a pickle of its class and arguments, and how those known late are found."""
+
+    _fields_ = (("pickle", ctypes.c_void_p), ("size", ctypes.c_int32), ("late", ctypes.c_void_p))
+
+
+def _error(exception: ctypes.c_void_p) -> BaseException:
+    """What machine code has raised, such as IndexError with NUMBA_BOUNDSCHECK=1."""
+    if exception.value:
+        raised = _Raised.from_address(exception.value)
+        kind, arguments, _ = pickle.loads(ctypes.string_at(raised.pickle, raised.size))
+        if kind is not NotMade:
+            return kind(*(arguments or ()))  # type: ignore[no-any-return]  # the class that was raised
+    return reason()
+
+
+def _room(result: str) -> Any:
+    """A ctypes type that holds a result."""
+    if result in RESULTS:
+        return RESULTS[result]
+    fields = [(f"_{n}", RESULTS[one]) for n, one in enumerate(result)]
+    return type("Several", (ctypes.Structure,), {"_fields_": fields})

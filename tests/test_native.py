@@ -1,0 +1,166 @@
+"""Native functions: compiled when they are first called, called by others without a copy, kept without Numba."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rattle import catalog, codefolder
+from rattle.catalog import native
+
+SOURCES = str(Path(__file__).parent.parent / "src")
+
+
+@native("ff", "v", "f")
+def split(row, limit):
+    """Sums of the numbers below a limit and of the others."""
+    low, high = 0.0, 0.0
+    for k in range(row.shape[0]):
+        if row[k] < limit:
+            low += row[k]
+        else:
+            high += row[k]
+    return low, high
+
+
+@native("void", "m", "n", "v", "i")
+def choose(table, rows, out, wanted):
+    """For every pair of row and column: the sum of the row below the number there, or of the rest."""
+    for n in range(rows.shape[0]):
+        low, high = split(table[rows[n, 0]], table[rows[n, 0], rows[n, 1]])
+        out[n] = low if wanted == 0 else high
+
+
+def test_native_functions_give_what_plain_python_gives():
+    catalog.start()
+    rng = np.random.default_rng(5)
+    table, rows = rng.normal(size=(4, 6)), np.array([[0, 1], [3, 5], [2, 2]])
+    for wanted in (0, 1):
+        out, expected = np.zeros(3), np.zeros(3)
+        assert choose(table, rows, out, wanted) is None
+        choose.python(table, rows, expected, wanted)
+        np.testing.assert_array_equal(out, expected)
+    assert split(table[0], 0.5) == split.python(table[0], 0.5)
+
+
+@pytest.mark.parametrize("row", [np.arange(8.0)[::2], np.arange(4), np.zeros((2, 2))], ids=["gaps", "whole", "rows"])
+def test_an_array_that_machine_code_would_misread_is_refused(row):
+    catalog.start()
+    with pytest.raises(TypeError, match="split takes a contiguous array"):
+        split(row, 1.0)
+
+
+def test_a_function_is_compiled_when_it_is_first_called():
+    @native("f", "f")
+    def rare(x):
+        return 2.0 * x
+
+    @native("f", "f")
+    def usual(x):
+        return x if x < 0.0 else rare(x)
+
+    catalog.start()
+    assert usual(-1.0) == -1.0
+    assert not rare._address
+    assert usual(3.0) == 6.0
+    assert rare._address
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, MemoryError])
+def test_what_stops_the_compiler_on_the_way_stops_the_call_and_nothing_else(monkeypatch, error):
+    @native("f", "f")
+    def needed(x):
+        return x + 1.0
+
+    @native("f", "f")
+    def middle(x):
+        return 10.0 * needed(x)
+
+    @native("f", "f")
+    def first(x):
+        return middle(x) + 0.5
+
+    def stopped(self):
+        raise error
+
+    catalog.start()
+    with monkeypatch.context() as patch:
+        patch.setattr(type(needed), "_load", stopped)
+        with pytest.raises(error):
+            needed(2.0)
+    _ = first.address, middle.address
+    with monkeypatch.context() as patch:
+        patch.setattr(type(needed), "_load", stopped)
+        with pytest.raises(error):
+            first(2.0)
+    assert first(2.0) == 30.5
+
+
+def in_fresh_process(code, **environment):
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": SOURCES, **environment},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+RUN = """
+import sys
+import rattle as rt
+r = rt.example("fourbar").simulate(0.01)
+print(repr(float(r["O3.normal"][1:].sum())), "numba" in sys.modules, "scipy" in sys.modules)
+"""
+
+
+def test_a_run_whose_code_is_kept_does_without_numba():
+    before = in_fresh_process(RUN)
+    assert in_fresh_process(RUN) == [before[0], "False", "False"]
+
+
+def test_code_that_needs_what_is_not_there_is_made_anew(tmp_path, monkeypatch):
+    from rattle import machine
+    from rattle.codecache import Folder, KeptFile
+
+    @native("f", "f")
+    def third(x):
+        return x / 3.0
+
+    third.__module__ = "rattle.somewhere"
+    monkeypatch.setattr(codefolder, "_code_folder", Folder(tmp_path, True))
+    catalog.start()
+    assert third(6.0) == 2.0
+    (file,) = tmp_path.iterdir()
+    kept = KeptFile(tmp_path, third.symbol, (third.letters, machine.processor()))
+    assert kept.file == file
+    code = machine.Code(*kept.read())
+    with pytest.raises(LookupError, match="needs nowhere"):
+        machine.load(code._replace(needs=("nowhere",)))
+
+
+CHECKED = """
+import numpy as np
+from rattle import catalog
+from rattle.catalog import native
+@native("f", "v", "i")
+def at(row, n):
+    return row[n]
+@native("f", "v", "i")
+def next_to(row, n):
+    return at(row, n + 1)
+catalog.start()
+try:
+    next_to(np.zeros(3), 2)
+except IndexError as error:
+    print("IndexError")
+"""
+
+
+def test_a_wrong_index_is_told_through_all_callers():
+    assert in_fresh_process(CHECKED, NUMBA_BOUNDSCHECK="1") == ["IndexError"]
