@@ -168,14 +168,15 @@ class Search:
         most, turn = (TRIALS_EACH, WIDE) if downhill else (TRIALS_NEWTON, MOST_TURN)
         settled = rest.settle(start, downhill, self._known[: self._count], self._near, most, turn)
         self.arrived = rest.arrived
-        new = settled is not None and not _same(rest.ready, settled[0], self._known[: self._count])
-        if settled is not None and new:
+        weighed = settled is not None and not _same(rest.ready, settled[0], self._known[: self._count])
+        new = False
+        if settled is not None and weighed:
             self._remember(settled[0])
             one = self._weighed(*settled)
             new = not any(_one_family(one, other, self._links, rest.ready.size) for other in self.found)
             if new:
                 self.found.append(one)
-        self._work += price(rest, rest.trials - self._trials, new)
+        self._work += price(rest, rest.trials - self._trials, weighed)
         self._trials = rest.trials
         return new
 
@@ -207,18 +208,19 @@ class Search:
         if freedoms > 1:
             self._many(start, turning, random, freedoms)
             return
-        starts = [start]
-        if freedoms == 1:
-            starts += around(self.rest, start, null[:, 0])
+        starts = [start, *(around(self.rest, start, null[:, 0]) if freedoms else ())]
+        anywhere = (turning.anywhere(start, random) for _ in itertools.count())
         if everywhere or freedoms:
             count = round((RANDOM_STARTS if everywhere else FEW_STARTS) * max(1.0, self.effort))
-            starts += [turning.anywhere(start, random) for _ in range(count)]
+            starts += itertools.islice(anywhere, count)
         for one in starts:
             for downhill in (False, True)[: freedoms + 1]:
                 if self.spent():
                     self.stopped = True
                     return
                 self.settled(one, downhill)
+        if freedoms:  # other ways to put it together, as long as some are met
+            self._until_quiet({"random": anywhere}, 2 * QUIET, self._left)
         self.extent = (
             "its one freedom was walked along, end to end" if freedoms else "joints and drivers leave no freedom"
         )
