@@ -147,6 +147,14 @@ def test_every_link_of_a_pendulum_may_hang_or_stand(seed):
     assert [one.stable for one in found] == [True] + 31 * [False]
 
 
+@nojit
+@pytest.mark.parametrize(("model", "ways"), [("squeezer", 8), ("windows", 12)])
+def test_with_one_freedom_other_ways_to_put_it_together_are_met(model, ways):
+    found = rt.example(model).equilibrium()
+    assert len(found) == ways  # as many as ten times the starts find with branches="all"
+    assert "end to end" in found.extent
+
+
 def test_ten_links_hang_straight_down_and_swing_as_their_matrices_say():
     m = rt.loads(chain(10))
     found = m.equilibrium()

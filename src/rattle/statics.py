@@ -47,7 +47,8 @@ def price(rest: Rest, trials: int, found: bool) -> float:
     """What a start has cost, very roughly in microseconds of one core: of the size of the mechanism."""
     n = 3.0 * rest.ready.body_count
     look = 3.0 + 0.05 * n * n + 0.0003 * n * n * n
-    return 60.0 + look * trials + (150.0 + 2.0 * look if found else 0.0)
+    weighing = 150.0 + 2.0 * look + (1000.0 if rest.redundant else 0.0)
+    return 60.0 + look * trials + (weighing if found else 0.0)
 
 
 def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near", effort: float = 1.0) -> Equilibria:
