@@ -123,6 +123,55 @@ def test_many_contacts_that_friction_jams_are_not_called_solved():
     assert {SOLVED, JAMMED} == set(outcomes)
 
 
+def solvable(matrix, b, slide, friction):
+    """True when some contacts press, the others being open: all 2^n are tried, the sense of every slip being known."""
+    count = len(slide)
+    driven = matrix[0::2, 0::2] + matrix[0::2, 1::2] * (friction * slide)
+    for code in range(2**count):
+        on = np.array([code >> k & 1 for k in range(count)], bool)
+        pressed = np.zeros(count)
+        pressed[on] = np.linalg.solve(driven[np.ix_(on, on)], -b[0::2][on])
+        if (pressed >= 0.0).all() and (driven @ pressed + b[0::2] >= -1e-9 * np.abs(b).max()).all():
+            return True
+    return False
+
+
+def test_many_contacts_are_said_to_have_no_solution_only_where_no_modes_of_theirs_are_one():
+    rng = np.random.default_rng(10)
+    ends = []
+    for _ in range(25):
+        memory, matrix = problem(8, 2.0, rng, known_slip=True)
+        b, slide = memory["side"][B].copy(), memory["slide"].copy()
+        found = complementarity.search_kernel(memory.handle, 8) == SOLVED or bool(
+            impact.solve_by_trying(memory.handle, 8)
+        )
+        assert found == solvable(matrix, b, slide, 2.0)
+        assert not found or breach(memory, matrix, 2.0) < 1e-9
+        ends.append(int(memory["held"][complementarity.OUTCOME]))
+    assert set(ends) == {SOLVED, IMPOSSIBLE}
+
+
+def rough_chain(seed, pins, play):
+    """A chain hanging askew whose pins rub with mu = 1, as drawn by chance."""
+    rng = np.random.default_rng(seed)
+    text = ["format = 1", "gravity = [0, -9.81]", "[ground.points]", "G = [0, 0]"]
+    contact = '{ model = "impact", restitution = 0.3, friction = 1.0, bush_radius = 0.01 }'
+    for k, mass in enumerate(rng.uniform(0.2, 1.0, pins)):
+        above = f"b{k - 1}.B" if k else "ground.G"
+        text += [f"[bodies.b{k}]", 'bar = ["T", "B"]', "length = 0.2", f"mass = {mass}", f"[joints.p{k}]"]
+        text += ['type = "revolute"', f'connect = ["{above}", "b{k}.T"]', f"clearance = {play}", f"contact = {contact}"]
+    text += ["[initial]", *(f"b{k} = {{ angle = {-1.57 + rng.normal() * 0.4}, omega = 0 }}" for k in range(pins))]
+    return rt.loads("\n".join(text))
+
+
+def test_slips_that_an_impact_leaves_far_along_a_chain_do_not_jam_it():
+    """Percussions fall off by orders from pin to pin: slips of 1e-12 m/s have no sense that friction could oppose."""
+    for seed, pins, beyond in ((0, 12, 0.12), (3, 16, 0.16), (11, 16, 0.08)):
+        run = rough_chain(seed, pins, 2e-4).simulate(beyond, rtol=1e-7)
+        assert run.success, run.message
+        assert run.trust.energy_balance < 1e-6  # of 10 J; the tolerance leaves 1e-7 J without contacts
+
+
 def test_uniqueness_is_given_by_weak_friction_and_counted_where_it_is_strong():
     rng = np.random.default_rng(9)
     found = {}
@@ -132,7 +181,7 @@ def test_uniqueness_is_given_by_weak_friction_and_counted_where_it_is_strong():
             memory["slide"][::2] = 0
             weak = uniqueness.surely_one(memory.handle, 3)
             complementarity.search_kernel(memory.handle, 3)
-            solutions = complementarity.all_modes(memory.handle, 3, 2)
+            solutions = uniqueness.try_kernel(memory.handle, 2 * 3 + 1)
             assert not weak or solutions == 1
             found.setdefault(friction, set()).add((weak, solutions))
     assert found[0.05] == {(True, 1)}
@@ -195,6 +244,7 @@ def test_words_about_an_unsolved_problem_name_painleve_only_where_friction_is_sh
     assert "has no solution" in said[IMPOSSIBLE]
     assert "Painleve" in said[IMPOSSIBLE]
     assert "has no solution" not in said[JAMMED]
-    assert "Painleve" in said[JAMMED]
+    assert "Painleve" not in said[JAMMED]
+    assert "too many to try all" in said[JAMMED]
     assert "does not mean" in said[complementarity.UNSETTLED]
     assert "Painleve" not in said[complementarity.UNSETTLED]

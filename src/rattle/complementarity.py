@@ -26,7 +26,6 @@ from rattle.memory import (
     DIRECTION,
     HELD,
     NET_FIRST,
-    PATH,
     PIVOTS,
     PLACE,
     PROBLEM_TABLE,
@@ -51,7 +50,6 @@ from rattle.schur import solve
 
 OFF, STICK, FORWARD, BACKWARD = range(4)
 B, F, A, OTHER = range(4)  # rows of `side`
-KEPT_F = 5  # row of `path`
 EXACT = 1e-12  # share of the largest value below which a value counts as zero
 LOOSE = 1e3  # times that: where a that ought to vanish does not, because contacts or joints depend on each other
 MOST_TRIED = 5  # contacts up to which all combinations of modes are tried
@@ -64,6 +62,7 @@ SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, SHARED = range(2, 8)
 SOLVED, IMPOSSIBLE, JAMMED, UNSETTLED = 1, 0, -1, -2
 DENSE_WAY = 2  # what the sparse way answers when it cannot do it
 ROWS_OF, SEARCH, MODES, NETWORK, FOLLOW, COUNT = range(6)  # places in `problem_table`
+TRY_ALL = 8
 
 
 @compiled
@@ -338,55 +337,9 @@ def search_kernel(m, count):
         linear(m, count)
         outcome = SOLVED if settled(m, count, LOOSE) else UNSETTLED
     if outcome != SOLVED and count <= MOST_TRIED:
-        outcome = SOLVED if all_modes(m, count, 1) > 0 else IMPOSSIBLE
+        outcome = SOLVED if call_problem(ivec(m, PROBLEM_TABLE)[TRY_ALL], (m, 2 * count)) > 0 else IMPOSSIBLE
     held[OUTCOME] = outcome
     return outcome
-
-
-@compiled
-def all_modes(m, count, most):
-    """Try all modes; returns the number of solutions with different a, up to `most`, and leaves the first one."""
-    side, trial, slide, chosen = mat(m, SIDE), ivec(m, TRIAL), ivec(m, SLIDE), ivec(m, CHOSEN)
-    kept, found, first = mat(m, PATH)[KEPT_F], 0, 0
-    if count > MOST_TRIED:
-        return 0
-    for code in range(4**count):
-        rest = code
-        fits = True
-        for k in range(count):
-            trial[k] = rest % 4
-            rest //= 4
-            if trial[k] != OFF and (slide[k] != 0 or friction_of(m, chosen[k]) == 0.0):
-                fits = fits and trial[k] == (BACKWARD if slide[k] < 0 else FORWARD)
-        if not fits:
-            continue
-        linear(m, count)
-        if not settled(m, count, 1.0):
-            continue
-        new = found == 0
-        largest, apart = 0.0, 0.0
-        for r in range(2 * count):
-            largest = max(largest, abs(side[B, r]))
-            apart = max(apart, abs(side[A, r] - side[OTHER, r]))
-        if found > 0 and apart > 1e-6 * largest:
-            found += 1
-        if new:
-            found, first = 1, code
-            for r in range(2 * count):
-                side[OTHER, r] = side[A, r]
-                kept[r] = side[F, r]
-        elif found == 1:
-            for k in range(count):
-                if abs(side[F, 2 * k] - kept[2 * k]) > 1e-6 * abs(kept[2 * k] + side[F, 2 * k]):
-                    vec(m, HELD)[SHARED] = 1.0 + chosen[k]
-        if found >= most:
-            break
-    if found > 0:
-        for k in range(count):
-            trial[k] = first % 4
-            first //= 4
-        linear(m, count)
-    return found
 
 
 KERNELS = (rows_kernel, search_kernel, modes_kernel)

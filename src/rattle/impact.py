@@ -9,6 +9,7 @@ from __future__ import annotations
 from rattle.catalog import call_problem, compiled, kernel
 from rattle.complementarity import (
     COUNT,
+    IMPOSSIBLE,
     MODES,
     OFF,
     OUTCOME,
@@ -18,6 +19,7 @@ from rattle.complementarity import (
     SOLVED,
     SPARSE,
     STICK,
+    TRY_ALL,
     UNSETTLED,
     B,
     F,
@@ -125,8 +127,20 @@ def solve_contacts(m, count):
 
 
 @compiled
+def solve_by_trying(m, count):
+    """Try all modes where `solve_contacts` has found none; True when there is a solution, else see `ending`."""
+    held = vec(m, HELD)
+    if held[OUTCOME] == IMPOSSIBLE:
+        return False
+    found = call_problem(ivec(m, PROBLEM_TABLE)[TRY_ALL], (m, 2 * count))
+    if found >= 0:
+        held[OUTCOME] = SOLVED if found > 0 else IMPOSSIBLE
+    return found > 0
+
+
+@compiled
 def ending(m):
-    """How a run ends whose contact problem was not solved: NO_SOLUTION where friction is shown to jam its contacts."""
+    """How a run ends whose contact problem was not solved: NOT_FOUND where nothing tells that friction jams."""
     return NOT_FOUND if vec(m, HELD)[OUTCOME] == UNSETTLED else NO_SOLUTION
 
 

@@ -23,6 +23,7 @@ from rattle.system import Compiled
 from rattle.trouble import explain
 
 NEARLY_LOCKED = 1e-2  # share of G_nn that friction leaves of it where a run that cannot go on is called locked
+TOGETHER = 1e-6  # the same of the smallest singular value of all contacts together
 STEPS = 20_000  # of Moreau-Jean over a run, when nothing is said
 
 
@@ -75,8 +76,8 @@ def require_one_law(ready: Compiled, method: str) -> None:
 def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
     """What set-valued contacts need besides the arrays of one instant; lasting: their forces are part of the motion."""
     nc, nr, nb = len(ready.arrays["contact"]), ready.row_count, ready.body_count
-    contact, solvers = ready.arrays["contact"], (network.KERNEL, following.KERNEL, uniqueness.KERNEL)
-    laws = (phases.expand_kernel, paths.path_kernel)
+    contact, solvers = ready.arrays["contact"], (network.KERNEL, following.KERNEL, uniqueness.KERNELS[0])
+    laws = (phases.expand_kernel, paths.path_kernel, uniqueness.KERNELS[1])
     return {
         **(network.arrays(ready.arrays["row_body"], contact) if nc > complementarity.FEW else {}),
         **{name: np.zeros(nc, np.int64) for name in ("mode", "chosen", "trial", "slide")},
@@ -214,14 +215,15 @@ class ImpactRun(Run):
         passed = "" if self.may_pass or self.method == "moreau" else ', and so does jam = "impact" in the contact'
         if status == impact.NO_SOLUTION and self.memory["held"][complementarity.OUTCOME] == complementarity.JAMMED:
             return (
-                f"no solution of the contact problem at {names} was found at t = {t:.9g} s: the force that presses its"
-                " contacts together makes them approach (Painleve: friction jams the joint); less friction, or a"
-                f" compliant contact, goes on{passed}"
+                f"no solution of the contact problem at {names} was found at t = {t:.9g} s: on every path that was"
+                " followed the force that presses contacts together makes them approach, as where friction jams a"
+                " joint, though their modes are too many to try all; less friction, or a compliant contact, goes"
+                f" on{passed}"
             )
         if status == impact.NO_SOLUTION:
             return (
-                f"the contact problem at {names} has no solution at t = {t:.9g} s (Painleve: friction would have to jam"
-                f" the joint); less friction, or a compliant contact, goes on{passed}"
+                f"the contact problem at {names} has no solution at t = {t:.9g} s, whatever its contacts do (Painleve:"
+                f" friction would have to jam the joint); less friction, or a compliant contact, goes on{passed}"
             )
         if status == impact.NOT_FOUND:
             return (
@@ -256,11 +258,27 @@ class ImpactRun(Run):
         return what
 
     def _locks(self, t: float) -> bool:
-        """True when a sliding contact is about to lock by friction: the proof of Painleve's name."""
+        """True when sliding contacts are about to lock by friction, alone or together: the proof of Painleve's name."""
         mode, contact = self.memory["mode"], self.ready.arrays["contact"]
         rough = self.memory["values"][contact[:, NORMAL_P] + 2] > 0.0
         slides = (((mode == FORWARD) | (mode == BACKWARD)) & rough).any()
-        return bool(slides) and float(jamming.lock_share(self.memory.handle, t)) < NEARLY_LOCKED
+        if not slides:
+            return False
+        return float(jamming.lock_share(self.memory.handle, t)) < NEARLY_LOCKED or self._firmness() < TOGETHER
+
+    def _firmness(self) -> float:
+        """Smallest singular value of a_n (a_t where they stick) of the closed contacts by their forces, as a share of
+        that without friction of sliding; their modes and G are at hand."""
+        mode, contact, g = self.memory["mode"], self.ready.arrays["contact"], self.memory["delassus"]
+        closed = self.memory["chosen"][: int(((mode != complementarity.OFF) & (contact[:, IMPACT] == 1)).sum())]
+        normal, least = 2 * np.arange(len(closed)), []
+        lines = np.sort(np.concatenate([normal, normal[mode[closed] == complementarity.STICK] + 1]))
+        for friction in (self.memory["values"][contact[closed, NORMAL_P] + 2], np.zeros(len(closed))):
+            drag = friction * ((mode[closed] == FORWARD) * 1.0 - (mode[closed] == BACKWARD))
+            matrix = g[:, : 2 * len(closed)].copy()
+            matrix[:, normal] += drag * matrix[:, normal + 1]
+            least.append(np.linalg.svd(matrix[np.ix_(lines, lines)], compute_uv=False)[-1])
+        return float(least[0] / least[1]) if least[1] > 0.0 else 1.0
 
     def _closed(self) -> list[str]:
         owner, mode = self.ready.arrays["contact"][:, OWNER], self.memory["mode"]

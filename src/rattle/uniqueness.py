@@ -1,11 +1,29 @@
-"""Whether a contact problem has one solution only."""
+"""Whether a contact problem has a solution, and whether it has one only: all modes are tried."""
 
 from __future__ import annotations
 
 from rattle.catalog import call_problem, compiled, kernel
-from rattle.complementarity import FOLLOW, LOOSE, MOST_TRIED, SOLVED, A, B, all_modes, friction_of, linear, settled
-from rattle.memory import CHOSEN, DELASSUS, PATH, PROBLEM_TABLE, SIDE, SLIDE, SYSTEM, TRIAL, ivec, mat
+from rattle.complementarity import (
+    BACKWARD,
+    FOLLOW,
+    FORWARD,
+    LOOSE,
+    MOST_TRIED,
+    OFF,
+    OTHER,
+    SHARED,
+    SOLVED,
+    TRY_ALL,
+    A,
+    B,
+    F,
+    friction_of,
+    linear,
+    settled,
+)  # fmt: skip
+from rattle.memory import CHOSEN, DELASSUS, HELD, PATH, PROBLEM_TABLE, SIDE, SLIDE, SYSTEM, TRIAL, ivec, mat, vec
 
+MOST_COMBINED = 2**16  # combinations of modes that are tried
 KEPT_MODES, KEPT_A = 4, 5  # rows of `path`, after those of following
 
 
@@ -74,6 +92,80 @@ def is_another(m, count):
     return apart > 1e-6 * largest
 
 
+@compiled
+def modes_of(m, k):
+    """Number of modes that contact k may have: off or sliding, and sticking and the other sense where it may stick."""
+    return 2 if ivec(m, SLIDE)[k] != 0 or friction_of(m, ivec(m, CHOSEN)[k]) == 0.0 else 4
+
+
+@compiled
+def combinations(m, count):
+    """Number of combinations of modes, as far as it is not beyond MOST_COMBINED."""
+    total = 1
+    for k in range(count):
+        total = min(total * modes_of(m, k), 2 * MOST_COMBINED)
+    return total
+
+
+@compiled
+def take_modes(m, count, code):
+    """Combination number `code` of modes into `trial`."""
+    trial, slide = ivec(m, TRIAL), ivec(m, SLIDE)
+    for k in range(count):
+        most = modes_of(m, k)
+        trial[k] = code % most
+        if most == 2 and trial[k] != OFF:
+            trial[k] = BACKWARD if slide[k] < 0 else FORWARD
+        code //= most
+
+
+@compiled
+def try_combinations(m, count, most, slack):
+    """`try_kernel` with solutions that are settled up to `slack`."""
+    side, chosen = mat(m, SIDE), ivec(m, CHOSEN)
+    kept, found, first = mat(m, PATH)[KEPT_A], 0, 0
+    for code in range(combinations(m, count)):
+        take_modes(m, count, code)
+        linear(m, count)
+        if not settled(m, count, slack):
+            continue
+        new = found == 0
+        largest, apart = 0.0, 0.0
+        for r in range(2 * count):
+            largest = max(largest, abs(side[B, r]))
+            apart = max(apart, abs(side[A, r] - side[OTHER, r]))
+        if found > 0 and apart > 1e-6 * largest:
+            found += 1
+        if new:
+            found, first = 1, code
+            for r in range(2 * count):
+                side[OTHER, r] = side[A, r]
+                kept[r] = side[F, r]
+        elif found == 1:
+            for k in range(count):
+                if abs(side[F, 2 * k] - kept[2 * k]) > 1e-6 * abs(kept[2 * k] + side[F, 2 * k]):
+                    vec(m, HELD)[SHARED] = 1.0 + chosen[k]
+        if found >= most:
+            break
+    if found > 0:
+        take_modes(m, count, first)
+        linear(m, count)
+    return found
+
+
+@kernel("problem")
+def try_kernel(m, number):
+    """Try all modes; returns the number of solutions with different a, up to `most`, and leaves the first one.
+
+    number is 2 * contacts + most - 1, most being 1 or 2.  -1 where they are too many to be tried.
+    """
+    count, most = number // 2, 1 + number % 2
+    if combinations(m, count) > MOST_COMBINED:
+        return -1
+    found = try_combinations(m, count, most, 1.0) if count <= MOST_TRIED else 0
+    return try_combinations(m, count, most, LOOSE) if found == 0 else found
+
+
 @kernel("problem")
 def count_kernel(m, count):
     """Number of different solutions of the problem as far as it is known, at most 2.
@@ -83,7 +175,7 @@ def count_kernel(m, count):
     """
     if count > MOST_TRIED:
         return 2 if linear(m, count) < 0 and is_another(m, count) else 1
-    return 1 if surely_one(m, count) else all_modes(m, count, 2)
+    return 1 if surely_one(m, count) else call_problem(ivec(m, PROBLEM_TABLE)[TRY_ALL], (m, 2 * count + 1))
 
 
-KERNEL = count_kernel
+KERNELS = (count_kernel, try_kernel)

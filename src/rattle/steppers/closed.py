@@ -14,6 +14,7 @@ from rattle.impact import (
     ending,
     is_rough,
     lasting_side,
+    solve_by_trying,
     solve_contacts,
 )  # fmt: skip
 from rattle.memory import (
@@ -50,6 +51,7 @@ from rattle.plane import (
     RELEASE_EVENT,
     SHUT,
     SINCE,
+    SLIP,
     SLIP_EVENT,
     SPEED,
     STEPS_IN,
@@ -62,6 +64,8 @@ from rattle.steppers.searching import clearance_of
 from rattle.steppers.walls import at_rest, at_wall, largest_acceleration, motion_without, note
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN = range(5)  # what an event is
+CREEP = 1e-7  # share of the largest slip at one instant below which the sense of a slip is not resolved
+CREEPS = 30  # see regroup
 SLIGHT = 1e-7  # share of its largest force at which a contact lets go together with another one
 
 
@@ -71,7 +75,7 @@ def regroup(m, t, y, apart, kind):
 
     A contact that has just let go or broken away keeps to that unless the others then press it back; contacts that
     are about to let go do so with it, so that a block that is parallel to its wall leaves it parallel.
-    Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE.
+    Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE; or CREEPS, when some stick now and it is to be tried anew.
     """
     contact, touch, mode, body = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, BODY)
     chosen, trial, slide = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE)
@@ -110,7 +114,10 @@ def regroup(m, t, y, apart, kind):
             contact_rows(m, closed)
         lasting_side(m, closed)
         if not solve_contacts(m, closed):
-            return ending(m)
+            if end_creep(m, closed):
+                return CREEPS
+            if not solve_by_trying(m, closed):
+                return ending(m)
         if is_rough(m, closed) and count_solutions(m, closed) > 1:
             return NOT_UNIQUE
         if kind != LET_GO or attempt == 1:
@@ -124,6 +131,26 @@ def regroup(m, t, y, apart, kind):
         motion_without(m, t, y)
     change_modes(m, t, y, closed)
     return OK
+
+
+@compiled
+def end_creep(m, count):
+    """Lasting contacts among the chosen ones that creep stick from now on; True when there are any.
+
+    What an impact sends along a chain of contacts falls off by orders, and leaves slips whose sense a run does not
+    resolve.  Where friction in that sense leaves the problem without solution they are none: friction ends them at
+    once, with no more than CREEP^2 of the energy.
+    """
+    touch, mode, chosen, slide = mat(m, TOUCH), ivec(m, MODE), ivec(m, CHOSEN), ivec(m, SLIDE)
+    largest, found = 0.0, False
+    for k in range(count):
+        largest = max(largest, abs(touch[chosen[k], SLIP]))
+    for k in range(count):
+        n = chosen[k]
+        if mode[n] != OFF and slide[k] != 0 and abs(touch[n, SLIP]) <= CREEP * largest:
+            mode[n] = STICK
+            found = True
+    return found
 
 
 @compiled

@@ -22,7 +22,7 @@ from rattle.catalog import compiled, native
 from rattle.complementarity import OFF, STICK
 from rattle.contact import touch_all
 from rattle.equations import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
-from rattle.impact import CHATTER, DETERMINANT, LOCKED
+from rattle.impact import CHATTER, DETERMINANT, LOCKED, NOT_FOUND
 from rattle.memory import (
     AUDIT,
     CHANGE,
@@ -50,7 +50,7 @@ from rattle.memory import (
 from rattle.plane import DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT
 from rattle.steppers.audit import LENGTH, UNSOUND, stands
 from rattle.steppers.branching import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
-from rattle.steppers.closed import HIT, NOTHING, TURN, regroup
+from rattle.steppers.closed import CREEPS, HIT, NOTHING, TURN, regroup
 from rattle.steppers.dop853 import step as step_dop853
 from rattle.steppers.hitting import collide
 from rattle.steppers.locating import any_held, first_event
@@ -99,6 +99,20 @@ def count_shift(m):
         audit[LENGTH] = max(audit[LENGTH], abs(touch[n, GAP] - grip[n, GAP_1]))
 
 
+@compiled
+def new_modes(m, t, y, who, what):
+    """New modes at (t, y) after an event, see `regroup`; leaves y on its constraints. Returns a status."""
+    nq = vec(m, CHANGE).shape[0]
+    status = regroup(m, t, y, who, what)
+    if status == CREEPS:
+        settle(m, t, y, -1)
+        solve_motion(m, t, y[:nq], y[nq : 2 * nq])
+        status = regroup(m, t, y, who, what)
+    if status == OK:
+        settle(m, t, y, -1)
+    return NOT_FOUND if status == CREEPS else status
+
+
 @native("i", "h", "f", "v", "i", "i")
 def happen(m, t, y, who, what):
     """Event at (t, y): impact if contacts hit, then new modes; leaves y on its constraints. Returns a status.
@@ -125,10 +139,7 @@ def happen(m, t, y, who, what):
         if what == TURN:
             mode[who] = old
         solve_motion(m, t, y[:nq], y[nq : 2 * nq])
-    status = regroup(m, t, y, who, what)
-    if status == OK:
-        settle(m, t, y, -1)
-    return status
+    return new_modes(m, t, y, who, what)
 
 
 @compiled
@@ -161,9 +172,7 @@ def go_on(m, t, jolted):
     if jolted == 0:
         status = happen(m, t, y, -1, NOTHING)
     else:
-        status = regroup(m, t, y, -1, HIT)
-        if status == OK:
-            settle(m, t, y, -1)
+        status = new_modes(m, t, y, -1, HIT)
     remember(m)
     return status
 
