@@ -16,7 +16,7 @@ from rattle.memory import Memory
 from rattle.peak_values import peak_arrays
 from rattle.plane import IMPACT, NORMAL_P, OWNER
 from rattle.soundness import audit_arrays, set_floor, why_unsound
-from rattle.steppers import event, jamming, locating, march, moreau
+from rattle.steppers import event, glances, jamming, locating, march, moreau
 from rattle.steppers.audit import UNSOUND
 from rattle.steppers.searching import ESCAPED
 from rattle.system import Compiled
@@ -93,10 +93,10 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "called": np.zeros(nr),
         "path": np.zeros((6, 2 * nc)),
         "bounce": np.zeros((7, 2 * nc)),
-        "looks": np.zeros((locating.LOOKS_KEPT, locating.KINDS * nc + 2)),
+        "looks": np.zeros((locating.LOOKS_KEPT, glances.KINDS * nc + 2)),
         "held": np.array([1.0, ready.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
         "problem_table": catalog.entries((*complementarity.KERNELS, *solvers, *laws)),
-        **({"hold_table": catalog.entries([impact.hold])} if lasting else {}),
+        **({"hold_table": catalog.entries([impact.hold]), "glances": glances.table(nc)} if lasting else {}),
     }
 
 

@@ -85,6 +85,7 @@ FIELDS = {
     "path": "f2",  # (6, 2 nc) b, d, and f, a that d alone would have, see following; modes, a or f of a solution
     "bounce": "f2",  # (7, 2 nc) see paths and phases
     "looks": "f2",  # (looks, 4 nc + 2) places of a step that were looked at, see steppers.locating
+    "glances": "f2",  # (9, 4 nc + 2) the same at the stages of a step, see steppers.glances
     "held": "f1",  # (8,) see impact and complementarity
     "net_place": "i1",  # (nr + 2 nc,) rows of joints and contacts together, see network, also the next twelve
     "net_first": "i1",
@@ -117,7 +118,7 @@ FIELDS = {
     "measure": "f1",  # (nr,) what a residual is measured with: 1 / length of the mechanism [1/m], or 1 for angles
     "audit": "f1",  # see steppers.audit
     "quantity": "i2",  # (np, 2) what is watched for peaks, and its first column behind those of bodies, see plane
-    "peaks": "f2",  # (np, 14) their largest values, mean squares and samples of the present step
+    "peaks": "f2",  # (np, 16) their largest values, mean squares and samples of the present step
     "peak_row": "f1",  # the columns of joints of an output row, scratch
     "landing": "f1",  # (5,) see steppers.branching
 }
@@ -128,8 +129,8 @@ FIELDS = {
     NORMAL_TABLE,
     FRICTION_TABLE, VALUES, SIGNALS, JETS, STACK, JET_STACK, JET_OUT, BODY, ROWS, FORCE, ENERGY, POWER, SCHUR,
     INVERSE, REDUNDANT, SOLUTION, MULTIPLIER, ACCELERATION, CHANGE, TOUCH, GRIP, BRISTLE_RATE, MODE, CHOSEN, TRIAL,
-    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, PUSHED, CALLED, PATH, BOUNCE, LOOKS, HELD,
-    NET_PLACE,
+    SLIDE, PIVOTS, ARM, DIRECTION, REPLY, DELASSUS, SIDE, SYSTEM, RECENT, PUSHED, CALLED, PATH, BOUNCE, LOOKS,
+    GLANCES, HELD, NET_PLACE,
     NET_FIRST, NET_BELOW, NET_TARGET, NET_PAIRS, NET_ROW, NET_ON, NET_LINE, NET_COLUMN, NET_SIZE, NET_LOWER, NET_UPPER,
     NET_X, HOLD_TABLE, PROBLEM_TABLE, STATE, RATE, STATE_NEW, RATE_NEW, STAGE, SLOPES, DENSE, CLOCK, TALLY, SIGN,
     CROSSINGS, EVENTS, MEASURE, AUDIT, QUANTITY, PEAKS, PEAK_ROW, LANDING,

@@ -10,6 +10,7 @@ from rattle.memory import Memory
 from rattle.recording import JOINT, quantities
 from rattle.result import Peak
 from rattle.steppers import peaks
+from rattle.steppers.searching import DEEP
 from rattle.system import Compiled
 
 
@@ -18,6 +19,13 @@ def peak_arrays(ready: Compiled) -> dict[str, np.ndarray]:
     watched = [(what, column) for _, what, column in quantities(ready)]
     table = np.zeros((len(watched), peaks.WIDTH))
     table[:, peaks.BEST] = -math.inf
+    for row, (name, *_) in zip(table, quantities(ready), strict=True):
+        joint, _, of = name.rpartition(".")
+        contact = ready.model.joints[joint].contact if joint in ready.model.joints else None
+        if of == "moment":
+            row[peaks.ARM] = ready.size
+        elif of == "penetration" and contact is not None and contact.model == "impact":
+            row[peaks.NOTHING] = DEEP * ready.model.joints[joint].clearance  # a rigid wall gives way by drift alone
     return {
         "quantity": np.array(watched, np.int64).reshape(-1, 2),
         "peaks": table,

@@ -2,17 +2,7 @@
 
 Hits of free contacts are found by `searching`; what lasting ones do is noticed at some places of the dense output,
 then located.  The places are few, one of them odd, so that no period of a load fits them all, and where a force or a
-slip f may have been below zero between two of them the stretch d between them is halved.  With f[...] the divided
-differences of neighbouring looks,
-
-    f >= line through both ends - B (x - x_l) (x_r - x),   B = SAFE max(f[x_k, x_l, x_r], f[x_l, x_r, x_m]) + WARY
-                                                               |the difference of these two|
-
-holds where f'' changes by no more than a few times what the looks tell, so that it says where that may be; as f is
-seen more closely B becomes f''/2.  Where the two differ by as much as f itself the looks are too far apart to tell
-anything, and the stretch is halved too.
-
-Source: the remainder of linear interpolation; de Boor, A Practical Guide to Splines (2001), chapter 1.
+slip may have been below zero between two of them (`glances`) the stretch between them is halved.
 """
 
 from __future__ import annotations
@@ -20,17 +10,15 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.catalog import compiled
-from rattle.complementarity import FORWARD, OFF, STICK, friction_of
+from rattle.complementarity import FORWARD, OFF, friction_of
 from rattle.equations import solve_motion
 from rattle.impact import SIZE
 from rattle.memory import (
-    ACCELERATION,
     CHANGE,
     CONTACT,
     GRIP,
     HELD,
     LOOKS,
-    MASS,
     MODE,
     STAGE,
     TALLY,
@@ -42,6 +30,7 @@ from rattle.memory import (
 )
 from rattle.plane import IMPACT, NORMAL, PEAK, SLIP, TANGENT
 from rattle.steppers.closed import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
+from rattle.steppers.glances import KINDS, matters, may_dip, slack_of, write_look
 from rattle.steppers.march import EVALUATIONS
 from rattle.steppers.peaks import LOOK, gauge
 from rattle.steppers.searching import NONE, may_reach, search
@@ -53,11 +42,6 @@ ODD = 1
 LOOKS_KEPT = 64
 MOST_LOOKS = 4000  # in one step
 NARROW = 1e-6  # share of a step that is not halved
-SAFE, WARY = 1.5, 2.0
-RESOLVED = 0.3  # change of f[...] d^2 from one look to the next, as a share of f, beyond which looks say nothing yet
-NOISE = 1e-10  # rounding and drift of a force, as a share of the largest; of a slip
-YOUNG = 0.02  # what starts from zero may be below it by this share of what it soon is
-KINDS = 4  # what must not become negative: N, mu N - T, mu N + T, slip in its sense; 1 where it does not matter
 
 
 @compiled
@@ -141,66 +125,25 @@ def any_held(m):
 @compiled
 def look(m, t, h, share, row):
     """Look at a share of the step: all that must not become negative into a line of `looks`, and the largest force."""
-    contact, touch, mode, line = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, LOOKS)[row]
+    line = mat(m, LOOKS)[row]
     at_share(m, t, h, share)
     line[0] = share
-    largest = 0.0
-    for n in range(contact.shape[0]):
-        first = 1 + KINDS * n
-        for k in range(KINDS):
-            line[first + k] = 1.0
-        if contact[n, IMPACT] == 0 or mode[n] == OFF:
-            continue
-        friction, normal = friction_of(m, n), touch[n, NORMAL]
-        line[first] = normal
-        largest = max(largest, abs(normal))
-        if friction > 0.0 and mode[n] == STICK:
-            line[first + 1] = friction * normal - touch[n, TANGENT]
-            line[first + 2] = friction * normal + touch[n, TANGENT]
-        elif friction > 0.0:
-            line[first + 3] = indicator(m, n, TURN)
-    mass, acceleration = mat(m, MASS), mat(m, ACCELERATION)
-    for i in range(1, mass.shape[0]):
-        largest = max(largest, mass[i, 0] * max(abs(acceleration[i, 0]), abs(acceleration[i, 1])))
-    line[1 + KINDS * contact.shape[0]] = largest
+    write_look(m, line)
 
 
 @compiled
-def second_difference(looks, k, c):
-    """Divided difference of three looks, the middle one in line k, of column c."""
-    before, after = looks[k, 0] - looks[k - 1, 0], looks[k + 1, 0] - looks[k, 0]
-    return ((looks[k + 1, c] - looks[k, c]) / after - (looks[k, c] - looks[k - 1, c]) / before) / (before + after)
-
-
-@compiled
-def may_dip(m, i, count):
+def something_may_dip(m, i, count):
     """True when something may be below zero between looks i and i + 1, but is not at either of them."""
     contact, mode, looks = imat(m, CONTACT), ivec(m, MODE), mat(m, LOOKS)
-    one = min(max(i, 1), count - 2)
-    two = min(max(i + 1, 1 if i > 0 else 2), count - 2)
-    wide, width = looks[i + 1, 0] - looks[i, 0], 1 + KINDS * contact.shape[0]
-    force = NOISE * max(looks[i, width], looks[i + 1, width])
+    width = 1 + KINDS * contact.shape[0]
+    force = max(looks[i, width], looks[i + 1, width])
     for n in range(contact.shape[0]):
         if contact[n, IMPACT] == 0 or mode[n] == OFF:
             continue
         for kind in range(KINDS):
             c = 1 + KINDS * n + kind
-            left, right = max(looks[i, c], 0.0), looks[i + 1, c]
-            if right < 0.0:
-                continue
-            bend, other = second_difference(looks, one, c), second_difference(looks, two, c)
-            slack = force if kind < 3 else NOISE * (left + right) + 1e-13 * vec(m, HELD)[SIZE]
-            largest = max(max(abs(looks[one - 1, c]), abs(looks[one, c])), max(abs(right), abs(looks[two + 1, c])))
-            unlike = abs(bend - other) * wide * wide
-            if unlike > RESOLVED * largest and unlike > slack:
-                return True
-            young = looks[i, 0] == 0.0 and left <= YOUNG * right
-            bend = (1.0 if young else SAFE) * max(bend, other) * wide * wide + WARY * unlike
-            if not abs(right - left) < bend:
-                continue
-            slack += YOUNG * right if young else 0.0
-            share = 0.5 - 0.5 * (right - left) / bend
-            if left + (right - left) * share - bend * share * (1.0 - share) < -slack:
+            slack = slack_of(m, kind, looks[i, c], looks[i + 1, c], force)
+            if matters(m, n, kind) and may_dip(looks, i, count, c, slack):
                 return True
     return False
 
@@ -241,7 +184,7 @@ def first_change(m, t, h, best, who, what):
         if i + 1 >= count:
             break
         left, right = looks[i, 0], looks[i + 1, 0]
-        if right - left > NARROW * until and seen < MOST_LOOKS and may_dip(m, i, count):
+        if right - left > NARROW * until and seen < MOST_LOOKS and something_may_dip(m, i, count):
             if count + 2 > looks.shape[0]:
                 move_looks(looks, i - 1, count, 1 - i)
                 count -= i - 1

@@ -21,6 +21,7 @@ from rattle.catalog import compiled, native
 from rattle.equations import set_bristles, solve_motion
 from rattle.memory import (
     CHANGE,
+    GLANCES,
     PEAK_ROW,
     PEAKS,
     POWER,
@@ -32,13 +33,15 @@ from rattle.memory import (
 )  # fmt: skip
 from rattle.plane import OF_SIZE, OF_VALUE, OF_VECTOR
 from rattle.schur import WEAK
+from rattle.steppers.glances import write_look
 from rattle.steppers.projecting import settle
 from rattle.steppers.tableau import B, C
 from rattle.steppers.touching import interpolate
 from rattle.steppers.writing import write_joints
 
-# columns of `peaks`: largest value so far, its time, integral of the square, then the samples of the present step
-BEST, WHEN, SQUARES, SAMPLE = range(4)
+# columns of `peaks`: largest value so far, its time, integral of the square; size up to which the quantity is rounding
+# or drift, and an arm that says so for moments [m]; then the samples of the present step
+BEST, WHEN, SQUARES, NOTHING, ARM, SAMPLE = range(6)
 START, END, LAST_STAGE, PROBE = 0, 7, 8, 9  # samples; 1 to 6 lie between the ends
 WIDTH = SAMPLE + 10
 DOP853, RK4, CUT, LOOKS = range(4)  # where the samples lie
@@ -70,6 +73,7 @@ SHORTEST = 1.0 / 1024.0  # share of a step that is not halved again
 APART = 1e-2  # share of the mean of f^2 by which two rules may differ
 MATTERS = 1e-4  # share of the integral so far below which they may differ more
 ROUNDING = 1e-9  # share of the largest force below which a force is rounding
+CANCELLED = 1e-13  # share of the largest force times an arm below which a moment is rounding
 SAME = 1e-9  # share of a peak that is not worth a look
 FINE = 1e-8  # share of a peak by which the last try of a climb may exceed the one before
 TRIES = 8
@@ -89,6 +93,8 @@ def value_of(row, kind, c):
 def gauge(m, sample, t):
     """Put all quantities, as the memory holds them at t, into a sample; START and PROBE may be peaks."""
     quantity, peaks, row = imat(m, QUANTITY), mat(m, PEAKS), vec(m, PEAK_ROW)
+    if sample < mat(m, GLANCES).shape[0]:
+        write_look(m, mat(m, GLANCES)[sample])
     if quantity.shape[0] == 0:
         return
     write_joints(m, row, 0)
@@ -180,7 +186,8 @@ def rises(samples, layout, i):
     """True when the maximum near sample i may exceed what is known."""
     known = max(samples[BEST], samples[SAMPLE + END])
     height = summit(samples, layout, i)[1]
-    return height > 0.0 and samples[SAMPLE + ORDER[layout, i]] + 3.0 * height > known + SAME * abs(known)
+    least = known + SAME * abs(known) + samples[NOTHING]
+    return height > 0.0 and samples[SAMPLE + ORDER[layout, i]] + 3.0 * height > least
 
 
 @compiled
@@ -257,13 +264,23 @@ def climb(m, t, h, n, low, top, high, height):
     return TRIES + 3
 
 
-@native("i", "h", "f", "i")
-def unresolved(m, h, layout):
-    """True when two rules for the mean of f^2 over a stretch differ: a force changes faster than the motion."""
+@compiled
+def largest_force(m):
+    """Largest force so far [N]; what of each moment is rounding follows from it."""
     peaks, quantity, largest = mat(m, PEAKS), imat(m, QUANTITY), 0.0
     for n in range(peaks.shape[0]):
         if quantity[n, 0] == OF_VECTOR:
             largest = max(largest, peaks[n, BEST])
+    for n in range(peaks.shape[0]):
+        if peaks[n, ARM] > 0.0:
+            peaks[n, NOTHING] = CANCELLED * peaks[n, ARM] * largest
+    return largest
+
+
+@native("i", "h", "f", "i")
+def unresolved(m, h, layout):
+    """True when two rules for the mean of f^2 over a stretch differ: a force changes faster than the motion."""
+    peaks, quantity, largest = mat(m, PEAKS), imat(m, QUANTITY), largest_force(m)
     for n in range(peaks.shape[0]):
         if quantity[n, 0] != OF_VECTOR or peaks[n, BEST] < ROUNDING * largest:
             continue
@@ -342,13 +359,18 @@ def pass_end_on(m):
 def end_step(m, t, h, until, layout, dense):
     """Peaks and sums of the step from t of length h up to the share `until`; returns the states that were solved for.
 
-    The samples of the step are those of `layout`; dense: its dense output is there.  Where until < 1 an event cuts
+    The samples of the step are those of `layout`; dense: 1 where its dense output is there; -1 to be told by -1 that it
+    is wanted, with nothing counted.  Where until < 1 an event cuts
     the step: what comes after it is measured as START of the next.
     """
     peaks = mat(m, PEAKS)
     if peaks.shape[0] == 0:
         return 0
     sound, solved = vec(m, POWER)[3] > WEAK, 0
+    if dense < 0:
+        if may_rise(m, h, layout):
+            return -1
+        dense = 0
     if until < 1.0:
         return sample_pieces(m, t, h, until, until, sound)
     if layout == DOP853 and dense and sound and unresolved(m, h, DOP853):

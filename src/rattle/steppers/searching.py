@@ -315,11 +315,18 @@ def escaped(m, y):
 
     One that came out of the projection inside may be as deep as it was at the start of the step.
     """
-    contact, touch, grip, nq = imat(m, CONTACT), mat(m, TOUCH), mat(m, GRIP), vec(m, CHANGE).shape[0]
-    if contact.shape[0] == 0:
+    nq = vec(m, CHANGE).shape[0]
+    if imat(m, CONTACT).shape[0] == 0:
         return False
     place(m, y[:nq], y[nq : 2 * nq])
     touch_all(m)
+    return inside_wall(m)
+
+
+@compiled
+def inside_wall(m):
+    """`escaped` at the state at hand."""
+    contact, touch, grip = imat(m, CONTACT), mat(m, TOUCH), mat(m, GRIP)
     for n in range(contact.shape[0]):
         free = ivec(m, MODE)[n] == OFF if contact[n, IMPACT] == 1 else grip[n, CLOSED] == OPEN
         if free and not touch[n, GAP] >= min(grip[n, GAP_0], 0.0) - DEEP * clearance_of(m, n):

@@ -1,0 +1,184 @@
+"""What lasting contacts do at the places of a step where their forces are known: may one of them let go between two?
+
+The places are few, and where a force or a slip f may have been below zero between two of them it is looked once more.
+With f[...] the divided differences of neighbouring looks, d apart,
+
+    f >= line through both ends - B (x - x_l) (x_r - x),   B = SAFE max(f[x_k, x_l, x_r], f[x_l, x_r, x_m]) + WARY
+                                                               |the difference of these two|
+
+holds where f'' changes by no more than a few times what the looks tell, so that it says where that may be; as f is
+seen more closely B becomes f''/2.  Where the two differ by as much as f itself the looks are too far apart to tell
+anything.
+
+The first places of a step are its stages, of which all forces are known anyway.  Where forces depend on the state
+alone, which the step resolves, and nothing comes near its limit there, the step needs no looks of its own.  Stages
+are nearly on the motion: by how much they are beside it the last one tells, at whose place the step itself ends.
+
+Source: the remainder of linear interpolation; de Boor, A Practical Guide to Splines (2001), chapter 1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rattle.catalog import compiled
+from rattle.complementarity import FORWARD, OFF, STICK, friction_of
+from rattle.impact import SIZE
+from rattle.memory import (
+    ACCELERATION,
+    CONTACT,
+    GLANCES,
+    GRIP,
+    HELD,
+    JET,
+    LIVE,
+    MASS,
+    MODE,
+    TOUCH,
+    imat,
+    ivec,
+    mat,
+    vec,
+)
+from rattle.plane import IMPACT, NORMAL, PEAK, SLIP, TANGENT
+from rattle.steppers.tableau import C
+
+KINDS = 4  # what must not become negative: N, mu N - T, mu N + T, slip in its sense; 1 where it does not matter
+PLACES = np.array([0.0, C[6], C[7], C[5], C[9], C[8], C[10], 1.0, 1.0])  # as the samples of peaks lie; last stage
+END, LAST_STAGE = 7, 8
+SAFE, WARY = 1.5, 2.0
+RESOLVED = 0.3  # change of f[...] d^2 from one look to the next, as a share of f, beyond which looks say nothing yet
+NOISE = 1e-10  # rounding and drift of a force, as a share of the largest; of a slip
+YOUNG = 0.02  # what starts from zero may be below it by this share of what it soon is
+BESIDE = 10.0  # times what the last stage is beside the end of the step: more than most other stages are
+SLIGHT = 1e-3  # share of a change over the step that stages may be beside it, too
+LEAST_ERROR = 1e-6  # of a step [tolerances]: one with less may be too long to resolve anything
+
+
+def table(contacts: int) -> np.ndarray:
+    """Room for the looks at the stages of a step, (9, 4 contacts + 2)."""
+    looks = np.zeros((len(PLACES), KINDS * contacts + 2))
+    looks[:, 0] = PLACES
+    return looks
+
+
+@compiled
+def write_look(m, line):
+    """All that must not become negative at the state at hand into a line of looks, and the largest force."""
+    contact, touch, mode = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE)
+    largest = 0.0
+    for n in range(contact.shape[0]):
+        first = 1 + KINDS * n
+        for k in range(KINDS):
+            line[first + k] = 1.0
+        if contact[n, IMPACT] == 0 or mode[n] == OFF:
+            continue
+        friction, normal = friction_of(m, n), touch[n, NORMAL]
+        line[first] = normal
+        largest = max(largest, abs(normal))
+        if friction > 0.0 and mode[n] == STICK:
+            line[first + 1] = friction * normal - touch[n, TANGENT]
+            line[first + 2] = friction * normal + touch[n, TANGENT]
+        elif friction > 0.0:
+            line[first + 3] = touch[n, SLIP] if mode[n] == FORWARD else -touch[n, SLIP]
+    mass, acceleration = mat(m, MASS), mat(m, ACCELERATION)
+    for i in range(1, mass.shape[0]):
+        largest = max(largest, mass[i, 0] * max(abs(acceleration[i, 0]), abs(acceleration[i, 1])))
+    line[1 + KINDS * contact.shape[0]] = largest
+
+
+@compiled
+def second_difference(looks, k, c):
+    """Divided difference of three looks, the middle one in line k, of column c."""
+    before, after = looks[k, 0] - looks[k - 1, 0], looks[k + 1, 0] - looks[k, 0]
+    return ((looks[k + 1, c] - looks[k, c]) / after - (looks[k, c] - looks[k - 1, c]) / before) / (before + after)
+
+
+@compiled
+def may_dip(looks, i, count, c, slack):
+    """True when column c may be below -slack between looks i and i + 1, but is not below zero at either of them."""
+    one = min(max(i, 1), count - 2)
+    two = min(max(i + 1, 1 if i > 0 else 2), count - 2)
+    wide, left, right = looks[i + 1, 0] - looks[i, 0], max(looks[i, c], 0.0), looks[i + 1, c]
+    if right < 0.0:
+        return False
+    bend, other = second_difference(looks, one, c), second_difference(looks, two, c)
+    largest = max(max(abs(looks[one - 1, c]), abs(looks[one, c])), max(abs(right), abs(looks[two + 1, c])))
+    unlike = abs(bend - other) * wide * wide
+    if unlike > RESOLVED * largest and unlike > slack:
+        return True
+    young = looks[i, 0] == 0.0 and left <= YOUNG * right
+    bend = (1.0 if young else SAFE) * max(bend, other) * wide * wide + WARY * unlike
+    if not abs(right - left) < bend:
+        return False
+    slack = max(slack, 0.0) + YOUNG * right if young else slack
+    share = 0.5 - 0.5 * (right - left) / bend
+    return left + (right - left) * share - bend * share * (1.0 - share) < -slack
+
+
+@compiled
+def slack_of(m, kind, left, right, force):
+    """By how much rounding may take something below zero between two values; force: the largest of all [N]."""
+    return NOISE * force if kind < 3 else NOISE * (max(left, 0.0) + right) + 1e-13 * vec(m, HELD)[SIZE]
+
+
+@compiled
+def matters(m, n, kind):
+    """True where contact n, which is closed, may do what is meant by a kind of look."""
+    if kind == 0:
+        return True
+    return friction_of(m, n) > 0.0 and (kind < 3) == (ivec(m, MODE)[n] == STICK)
+
+
+@compiled
+def calm(m, error):
+    """True when the stages of a step show that no lasting contact lets go, breaks away or turns in it.
+
+    error: of the step [tolerances].
+    """
+    contact, mode, looks = imat(m, CONTACT), ivec(m, MODE), mat(m, GLANCES)
+    if not error > LEAST_ERROR or imat(m, LIVE).shape[0] > 0 or imat(m, JET).shape[0] > 0:
+        return False
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 0 or mode[n] == OFF:
+            continue
+        for kind in range(KINDS):
+            if matters(m, n, kind) and not stays_above(looks, 1 + KINDS * n + kind):
+                return False
+    return True
+
+
+@compiled
+def stays_above(looks, c):
+    """True when column c stays above zero in the step, by a margin wherever stages tell so."""
+    low, high = looks[0, c], looks[0, c]
+    for i in range(1, END + 1):
+        low, high = min(low, looks[i, c]), max(high, looks[i, c])
+    margin = BESIDE * abs(looks[LAST_STAGE, c] - looks[END, c]) + SLIGHT * (high - low)
+    if low - (high - low) > margin:
+        return True
+    for i in range(1, END + 1):
+        if looks[i, c] < (margin if i < END else 0.0):
+            return False
+    for i in range(END):
+        if may_dip(looks, i, END + 1, c, -margin):
+            return False
+    return True
+
+
+@compiled
+def keep_forces(m):
+    """Remember the largest forces of the lasting contacts at the stages of a step."""
+    contact, mode, looks, grip = imat(m, CONTACT), ivec(m, MODE), mat(m, GLANCES), mat(m, GRIP)
+    for n in range(contact.shape[0]):
+        if contact[n, IMPACT] == 1:
+            for i in range(1, END + 1):
+                grip[n, PEAK] = max(grip[n, PEAK], looks[i, 1 + KINDS * n]) if mode[n] != OFF else 0.0
+
+
+@compiled
+def pass_look_on(m):
+    """The end of a step is the start of the next."""
+    looks = mat(m, GLANCES)
+    for c in range(1, looks.shape[1]):
+        looks[0, c] = looks[END, c]
