@@ -19,13 +19,13 @@ from rattle.contact import touch_all
 from rattle.dense import LARGE, dense_rows
 from rattle.equations import constraints, drive, solve_motion
 from rattle.errors import AssemblyError
-from rattle.loops import describe_loop, tree_path
 from rattle.memory import Memory
-from rattle.model import Contact, Joint, Model, driven_ends
+from rattle.model import Contact, Joint, Model
 from rattle.placing import outward, passed_angles, place_positions, place_rates, turned
 from rattle.plane import GAP, OWNER
 from rattle.starting import given_values, keep_positions, keep_rates, start_notes
 from rattle.system import Compiled, compile_system, has_contacts, is_link
+from rattle.unclosed import why_open, without_value
 
 HOLD = 1e-6  # share of its mobility that a rate given keeps in mechanisms too large for `starting`
 FAR = 0.1  # turn of a body that pins pressed to their default places may ask for [rad]
@@ -307,50 +307,13 @@ def _least_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> Non
 
 
 def _why_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> str:
-    from rattle.singular import unlike_masses
-
-    model = ready.model
+    """Why the joints cannot be closed from q, which goes to where they are open least."""
     drive(memory.handle, t)
-    for n, name in enumerate(ready.joints):
-        if name in model.drivers:
-            value = memory["values"][ready.arrays["joint"][n, 3] + driver_slot(ready, n)]
-            if not math.isfinite(value):
-                domain = "check its domain (square root, logarithm, division by zero)"
-                return f"the function of driver '{name}' has no finite value at t = {t:.6g} s ({value:g}); {domain}"
-    if ready.row_count <= LARGE:
+    if ready.row_count <= LARGE and not without_value(ready, memory, t):
         _least_open(ready, memory, t, q)
     place_only(memory.handle, q)
     constraints(memory.handle)
-    gaps = dict.fromkeys(model.joints, 0.0)
-    for row, value in zip(ready.rows, memory["rows"][:, 0], strict=True):
-        name = (model.drivers[row.owner].joint or row.owner) if row.driver else row.owner
-        gaps.setdefault(name, 0.0)
-        gaps[name] = math.hypot(gaps[name], float(value))
-    worst = max(gaps, key=lambda name: gaps[name])
-    joint = model.joints.get(worst)
-    path = tree_path(model, joint.a.body, joint.b.body, without=worst) if joint else None
-    if joint is None or path is None:
-        loop, gap = f"{'joint' if joint else 'driver'} '{worst}'", gaps[worst]
-    else:
-        gap = gaps[worst] + sum(gaps[name] for name in path)
-        loop = f"the loop {describe_loop(model, joint, path)}"
-    text = f"the mechanism cannot be put together: {loop} stays open by {gap:.3g} m"
-    functions = []
-    for n, name in enumerate(ready.joints):
-        if name in model.drivers:
-            value = memory["values"][ready.arrays["joint"][n, 3] + driver_slot(ready, n)]
-            unit = ready.rows[ready.arrays["joint"][n, 4]].unit
-            functions.append(f"{name} = {math.degrees(value):.4g} deg" if unit == "rad" else f"{name} = {value:.4g} m")
-    at = f" at t = {t:.6g} s" + (f" ({', '.join(functions)})" if functions else "")
-    unlike = unlike_masses(ready)
-    if unlike:
-        return f"{text}{at}: {unlike}"
-    return f"{text}{at}. Check the lengths, or give better angles in [initial] (or another driver position)."
-
-
-def driver_slot(ready: Compiled, n: int) -> int:
-    """Where the value of a driver's function stands, counted from its first parameter."""
-    return 4 + len(driven_ends(ready.model, ready.model.drivers[ready.joints[n]])[2])
+    return why_open(ready, memory, t)
 
 
 def _along_reactions(ideal_ready: Compiled, ideal: Assembled, missing: list[str]) -> dict[str, tuple[float, float]]:

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 
 from rattle import asked, catalog, dynamics
-from rattle.assembly import driver_slot
 from rattle.closing import open_by
 from rattle.dense import LARGE
 from rattle.display import lines
@@ -26,6 +25,7 @@ from rattle.steppers import march
 from rattle.steppers.audit import STARTED
 from rattle.steppers.touching import pass_on, remember_end
 from rattle.system import Compiled
+from rattle.unclosed import driver_slot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rattle.assembly import Assembled, driver_slot, ideal_model
+from rattle.assembly import Assembled, ideal_model
 from rattle.closing import close_position, open_by
 from rattle.dense import LARGE
 from rattle.display import table
@@ -18,6 +18,7 @@ from rattle.passivity import law_faults
 from rattle.singular import nonunique_reactions, rank
 from rattle.system import Compiled, compile_system, is_link
 from rattle.timetable import jump_lines, timetable
+from rattle.unclosed import driver_slot
 
 TURN = 72  # positions of a driver tried around a full turn
 

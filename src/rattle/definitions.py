@@ -93,7 +93,7 @@ def _parameter(values: Values, name: str, given: Any) -> Parameter:
     }
     low, high, tol = (limits.get(key) for key in ("min", "max", "tol"))
     if low is not None and high is not None and not low <= values.constants[name] <= high:
-        bare = f" (a number without a unit is SI: {unit or 'rad'} here)" if _unit_missing(given) else ""
+        bare = f" (a number without a unit is SI: {_unit_of(given['min'])} here)" if _unit_missing(given) else ""
         values.wrong(
             (*path, "value"),
             f"{said(given['value'])} is not between min = {said(given['min'])} and max = {said(given['max'])}{bare}",
@@ -125,6 +125,15 @@ def _unlike_its_limits(given: Mapping[str, Any], seen: Dimension | None) -> Dime
 def _unit_missing(given: Mapping[str, Any]) -> bool:
     """True where the limits have units and the value is a bare number."""
     return not isinstance(given["value"], str) and isinstance(given["min"], str) and isinstance(given["max"], str)
+
+
+def _unit_of(limit: str) -> str:
+    """The SI unit that a limit has when its number is bare; "rad" for an angle and where the limit does not say."""
+    try:
+        quantity = parse_quantity(limit)
+    except QuantityError:
+        return "rad"
+    return (unit_name(quantity[1]) if quantity is not None and quantity[1] is not None else "") or "rad"
 
 
 def _limit(values: Values, given: Any, unit: str, seen: Dimension | None, path: Path) -> float | None:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle import pythonlaw
-from rattle.assembly import driver_slot
 from rattle.contradiction import contradicted
 from rattle.equations import drive
 from rattle.memory import Memory
@@ -24,6 +23,7 @@ from rattle.steppers import audit, march
 from rattle.steppers.writing import record
 from rattle.system import Compiled
 from rattle.trouble import not_finite
+from rattle.unclosed import driver_slot
 
 if TYPE_CHECKING:
     from rattle.dynamics import Run

@@ -23,6 +23,7 @@ KEYS = (("x", "y", "angle"), ("vx", "vy", "omega"))
 UNITS = {"x": "m", "y": "m", "angle": "deg", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 NOISE = 1e-15  # share of the terms of a residual that is rounding
 RANK = 1e-10  # share of the largest singular value below which columns are dependent
+MOST_NAMED = 6  # joints that are named one by one
 SEEN = 1e-6  # change that is said [rad, mechanism sizes, share of the rates]
 ROUNDS = 40  # of Newton's method
 
@@ -148,19 +149,19 @@ def start_notes(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> tupl
     return tuple(f"{'; '.join(texts)}: {who}" for who, texts in changed.items())
 
 
-def _freedom(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Which coordinates (3 nb,) can change under all rows, and which under those of joints alone."""
+def _freedom(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which coordinates (3 nb,) can change under all rows, and which under those of joints alone; the rows."""
     memory = ready.memory()
     open_by(memory.handle, t, q, v)
     full = dense_rows(ready, memory)
     driving = np.array([row.driver for row in ready.rows], dtype=bool)
     every = _free(full)
-    return every, (_free(full[~driving]) if driving.any() else every)
+    return every, (_free(full[~driving]) if driving.any() else every), full
 
 
-def _holder(ready: Compiled, free: tuple[np.ndarray, np.ndarray], k: int) -> str:
+def _holder(ready: Compiled, free: tuple[np.ndarray, np.ndarray, np.ndarray], k: int) -> str:
     """Who does not let coordinate k be as given."""
-    under_all, under_joints = free
+    under_all, under_joints, rows = free
     if under_all[k]:
         return "the values given do not go together"
     if not under_joints[k]:
@@ -171,9 +172,24 @@ def _holder(ready: Compiled, free: tuple[np.ndarray, np.ndarray], k: int) -> str
         a, b, _ = driven_ends(ready.model, driver)
         if body in (a.body, b.body):
             own.append(name)
-    names = own if len(own) == 1 else list(ready.model.drivers)
-    listed = ", ".join(f"'{one}'" for one in names)
-    return f"the driver{'s' if len(names) > 1 else ''} {listed} hold{'s' if len(names) == 1 else ''} it"
+    if len(own) == 1:
+        return f"the driver '{own[0]}' holds it"
+    owners = _holding(ready, rows, k)
+    drivers = [f"'{one}'" for one in ready.model.drivers if one in owners or not owners]
+    joints = [f"'{one}'" for one in ready.model.joints if one in owners]
+    more = f" and {len(joints) - MOST_NAMED} more" if len(joints) > MOST_NAMED else ""
+    through = f" through joint{'s' if len(joints) > 1 else ''} {', '.join(joints[:MOST_NAMED])}{more}" if joints else ""
+    several = len(drivers) > 1
+    return f"the driver{'s' if several else ''} {', '.join(drivers)} hold{'' if several else 's'} it{through}"
+
+
+def _holding(ready: Compiled, rows: np.ndarray, k: int) -> set[str]:
+    """Owners of the rows that together hold coordinate k: those in e_k = Phi_q^T x."""
+    unit = np.zeros(rows.shape[1])
+    unit[k] = 1.0
+    length = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)
+    part = np.abs(np.linalg.lstsq((rows / length[:, None]).T, unit, rcond=1e-9)[0])
+    return {row.owner for row, size in zip(ready.rows, part, strict=True) if size > 1e-9 * part.max()}
 
 
 def _free(rows: np.ndarray) -> np.ndarray:

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rattle.assembly import driver_slot
 from rattle.equations import drive
 from rattle.errors import ModelError, Problem
 from rattle.programs import SIDE
 from rattle.result import Event
 from rattle.switching import SAME, locate_all, merged, side_at
 from rattle.system import Compiled
+from rattle.unclosed import driver_slot
 
 BEYOND = 1e-6  # share of a run by which it is looked further: what happens at its very end counts
 FEW = 3  # jolts of a driver that are told one by one
