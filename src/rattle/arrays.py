@@ -19,7 +19,6 @@ from numba.core.typeconv import Conversion
 from numba.core.typing import signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.extending import lower_builtin, lower_cast, register_model, type_callable
-from numba.np.arrayobj import make_array, populate_array
 
 # Numba has no types: its classes and decorators are unknown
 # mypy: disable-error-code="untyped-decorator, misc"
@@ -93,13 +92,17 @@ class _Write(_Element):
         return None if index is None else signature(types.none, args[0], index, args[0].dtype)
 
 
+def _part(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
+    """A part of an array, straight from its value: no copy in memory that the optimiser would have to take away."""
+    return builder.extract_value(value, context.data_model_manager[kind].get_field_position(name))
+
+
 def _place(context: Any, builder: Any, kind: Any, value: Any, index: Any) -> Any:
-    array = make_array(kind)(context, builder, value)
     if kind.ndim == 2:
         row, column = cgutils.unpack_tuple(builder, index, 2)
-        width = builder.extract_value(array.shape, 1)
+        width = builder.extract_value(_part(context, builder, kind, value, "shape"), 1)
         index = builder.add(builder.mul(row, width), column)
-    return builder.gep(array.data, [index])
+    return builder.gep(_part(context, builder, kind, value, "data"), [index])
 
 
 @lower_builtin(_Read.how, types.Any, types.Any)
@@ -139,6 +142,42 @@ for _name in ("lt", "le", "gt", "ge", "eq", "ne"):
     _common_case(_name, (types.float64, types.int64), compares=True)
 
 
+class _Extreme(_Element):
+    """The largest or the least of several floats, or of several integers."""
+
+    def generic(self, args: Any, kws: Any) -> Any:
+        kinds = {types.unliteral(one) for one in args}
+        if len(args) < 2 or len(kinds) != 1 or not kinds <= {types.float64, types.int64}:
+            return None
+        kind = kinds.pop()
+        return signature(kind, *(kind,) * len(args))
+
+
+@infer_global(max)
+class _Max(_Extreme):
+    how = "the largest"
+
+
+@infer_global(min)
+class _Min(_Extreme):
+    how = "the least"
+
+
+def _extreme(relation: str) -> Callable[..., Any]:
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        beats = builder.fcmp_ordered if sig.return_type == types.float64 else builder.icmp_signed
+        found = args[0]
+        for one in args[1:]:  # as Python does, also with nan
+            found = builder.select(beats(relation, one, found), one, found)
+        return found
+
+    return lower
+
+
+lower_builtin(_Max.how, types.VarArg(types.Any))(_extreme(">"))
+lower_builtin(_Min.how, types.VarArg(types.Any))(_extreme("<"))
+
+
 # ---------------------------------------------------------------- arrays behind a handle
 def views(function: Callable[[Any, int], Any], array: Block) -> None:
     """Teach Numba that `function(handle, k)` is the array whose address and shape stand at 3 k in the handle."""
@@ -149,20 +188,21 @@ def views(function: Callable[[Any, int], Any], array: Block) -> None:
 
     @lower_builtin(function, types.Array, types.Integer)
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        handle = make_array(sig.args[0])(context, builder, args[0])
+        data = _part(context, builder, sig.args[0], args[0], "data")
         k = args[1]
         first = builder.mul(k, k.type(3))
         place, *shape = (
-            builder.load(builder.gep(handle.data, [builder.add(first, k.type(n))])) for n in range(1 + array.ndim)
+            builder.load(builder.gep(data, [builder.add(first, k.type(n))])) for n in range(1 + array.ndim)
         )
         size = k.type(array.dtype.bitwidth // 8)
-        made = make_array(array)(context, builder)
-        populate_array(
-            made,
-            data=builder.inttoptr(place, made.data.type),
-            shape=cgutils.pack_array(builder, shape),
-            strides=cgutils.pack_array(builder, [builder.mul(one, size) for one in shape[1:]] + [size]),
-            itemsize=size,
-            meminfo=None,
-        )
-        return made._getvalue()
+        made = context.get_constant_null(array)
+        model = context.data_model_manager[array]
+        for name, part in (
+            ("nitems", builder.mul(shape[0], shape[1]) if array.ndim == 2 else shape[0]),
+            ("itemsize", size),
+            ("data", builder.inttoptr(place, made.type.elements[model.get_field_position("data")])),
+            ("shape", cgutils.pack_array(builder, shape)),
+            ("strides", cgutils.pack_array(builder, [builder.mul(one, size) for one in shape[1:]] + [size])),
+        ):
+            made = builder.insert_value(made, part, model.get_field_position(name))
+        return made
