@@ -147,12 +147,26 @@ def test_every_link_of_a_pendulum_may_hang_or_stand(seed):
     assert [one.stable for one in found] == [True] + 31 * [False]
 
 
-@nojit
 @pytest.mark.parametrize(("model", "ways"), [("squeezer", 8), ("windows", 12)])
 def test_with_one_freedom_other_ways_to_put_it_together_are_met(model, ways):
     found = rt.example(model).equilibrium()
     assert len(found) == ways  # as many as ten times the starts find with branches="all"
     assert "end to end" in found.extent
+
+
+def test_the_stable_positions_with_play_are_those_without_it_pins_pressing():
+    for contact in ('"impact"', '{ model = "hertz", stiffness = 1e7, exponent = 1.5, bush_radius = 0.02 }'):
+        play = f"clearance = 0.001\ncontact = {contact}\n"
+        text = chain(6).replace('type = "revolute"\n', f'type = "revolute"\n{play}')
+        found = rt.loads(text).equilibrium()
+        assert [one.stable and one.admissible for one in found] == [True] + [False] * (len(found) - 1)
+        first = found[0]
+        for k in range(6):  # hanging straight down, pin k a clearance and what it sinks in below its bush
+            assert math.sin(first[f"b{k}.angle"]) == pytest.approx(-1.0)
+            assert first[f"j{k}.normal"] == pytest.approx((6 - k) * 9.81, rel=1e-9)
+            assert first[f"j{k}.ey"] == pytest.approx(-0.001 - first[f"j{k}.penetration"], abs=1e-12)
+        if "hertz" in contact:
+            assert first["j0.penetration"] == pytest.approx((6 * 9.81 / 1e7) ** (2 / 3), rel=1e-6)
 
 
 def test_ten_links_hang_straight_down_and_swing_as_their_matrices_say():

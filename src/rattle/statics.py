@@ -36,6 +36,7 @@ FEW_STARTS = 12  # of a mechanism with one
 MOST_STARTS = 100_000  # however long the user lets it search
 WORK = 36_000.0  # of all starts together, in the units of `price`
 DOWNHILL = 0.5  # share of it that goes into ways downhill
+PRESSED = 0.3  # as much again, to let compliant pins sink in
 QUIET = 20  # starts in a row, and as many for every freedom, that bring nothing new: it is enough
 QUIET_DOWNHILL = (4, 2)  # the same for ways downhill
 TRIALS_EACH = 250  # positions looked at from one start downhill
@@ -302,7 +303,7 @@ class Search:
         ideal = Rest(compile_system(ideal_model(ready.model)), rest.t)
         found: list[Equilibrium] = []
         for one in sorted((one for one in rigid if one.admissible), key=_height):
-            if found and self._work >= self._left + WORK * self.effort:
+            if found and self._work >= self._left + PRESSED * WORK * self.effort:
                 self.stopped = True
                 break
             offsets = dict(zip(play.links, play.offsets(one.q), strict=True))
