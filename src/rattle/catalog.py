@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from rattle.codecache import CodeCache, KeptFile
-from rattle.codefolder import cache_folder
+from rattle.codefolder import cache_folder, compiled_modules
 
 log = logging.getLogger("rattle")
 
@@ -243,7 +243,9 @@ class Compiled:
 
 
 def natives() -> tuple[Compiled, ...]:
-    """All functions with fixed types, in the modules imported so far and of all kinds."""
+    """All functions with fixed types."""
+    for name in compiled_modules():
+        importlib.import_module(name)
     _discover()
     return tuple(_natives)
 

@@ -32,6 +32,13 @@ def compiled_sources() -> list[Path]:
     return sorted(found)
 
 
+def compiled_modules() -> list[str]:
+    """Modules that define compiled functions."""
+    here = Path(__file__).parent
+    found = (path for path in here.rglob("*.py") if _DECORATED.search(path.read_text(encoding="utf-8")))
+    return sorted(".".join(("rattle", *path.relative_to(here).with_suffix("").parts)) for path in found)
+
+
 _DECORATED = re.compile(r"^@(compiled|native\(|kernel\()", re.MULTILINE)
 _IMPORTED = re.compile(r"^from (rattle[\w.]*) import (\([^)]*\)|.*)$", re.MULTILINE)
 _NAME = re.compile(r"\w+")

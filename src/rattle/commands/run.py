@@ -124,9 +124,8 @@ def _native_modules() -> list[str]:
     """Modules of functions with fixed types; those with the most functions first."""
     from collections import Counter
 
-    from rattle import catalog, mechanism
+    from rattle import catalog
 
-    _ = mechanism
     count = Counter(one.__module__ for one in catalog.natives())
     return sorted(count, key=lambda module: -count[module])
 
