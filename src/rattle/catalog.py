@@ -229,9 +229,7 @@ class Compiled:
 
     def _load(self) -> int:
         """Put machine code into memory, from the cache or made now."""
-        machine = _machine()
-        for one in _natives[len(_places) :]:  # all that its code may call
-            _places.append(machine.announce(one.symbol, lambda one=one: one.address))
+        machine = _announced()
         kept = KeptFile(cache_folder() if self._is_kept else None, self.symbol, (self.letters, machine.processor()))
         found = kept.read(lambda code: machine.load(machine.Code(*code)))
         if found is None:
@@ -251,7 +249,16 @@ def natives() -> tuple[Compiled, ...]:
 
 
 _natives: list[Compiled] = []
-_places: list[Any] = []  # of the first of them
+_places: dict[Compiled, Any] = {}  # of the first of them
+
+
+def _announced() -> Any:
+    """The module `machine`, which knows the places of all native functions that machine code may call."""
+    machine = _machine()
+    with _lock:
+        for one in _natives[len(_places) :]:
+            _places[one] = machine.announce(one.symbol, lambda one=one: one.address)
+    return machine
 
 
 def _machine() -> Any:
@@ -337,7 +344,7 @@ def call_hold(entry: Any, arguments: Any) -> None:
 
 
 def call_problem(entry: Any, arguments: Any) -> Any:
-    """Call one part of the solution of contact problems; by its address, so that callers need not compile it again."""
+    """Call one part of the solution of contact problems."""
     return entry(*arguments)
 
 
@@ -375,9 +382,10 @@ def table(*names: str, machine: bool | None = None, used: Any = None) -> Any:
 
 
 def entries(functions: Iterable[Compiled]) -> Any:
-    """The same for given functions. Called this way a function is not linked into its callers again and again."""
+    """Functions by number, for those who cannot import them: places of their addresses, see `machine`."""
     if _jit:
-        return np.array([one.address for one in functions], dtype=np.int64)
+        machine = _announced()
+        return np.array([machine.where(_places[one]) for one in functions], dtype=np.int64)
     return tuple(one.python for one in functions)
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled
+from rattle.catalog import native
 from rattle.equations import constraints, correct, drive, place, rate_residual, residual
 from rattle.memory import BODY, CHANGE, ROWS, mat, vec
 from rattle.plane import COS, PHI, RES, SIN, X, Y
 from rattle.schur import factorise
 
 
-@compiled
+@native("f", "h", "f", "v", "v")
 def open_by(m, t, q, v):
     """Largest position residual at a state [m or rad]; leaves its rows in the memory."""
     place(m, q, v)
@@ -20,7 +20,7 @@ def open_by(m, t, q, v):
     return residual(m)
 
 
-@compiled
+@native("void", "h", "v")
 def place_only(m, q):
     """Positions alone: rates stay as they are in `body`."""
     body = mat(m, BODY)
@@ -32,7 +32,7 @@ def place_only(m, q):
         body[i, SIN] = math.sin(q[3 * i - 1])
 
 
-@compiled
+@native("f", "h", "v")
 def merit_at(m, q):
     """Sum of squared position residuals at q."""
     rows = mat(m, ROWS)
@@ -44,7 +44,7 @@ def merit_at(m, q):
     return value
 
 
-@compiled
+@native("fi", "h", "f", "v", "v", "f", "i")
 def close_position(m, t, q, start, tolerance, most):
     """Damped Newton on Phi(q, t) = 0, in place; returns the largest residual [m or rad] and the iterations.
 
@@ -86,7 +86,7 @@ def close_position(m, t, q, start, tolerance, most):
     return gap, most
 
 
-@compiled
+@native("f", "h", "f", "v", "v")
 def close_rate(m, t, q, v):
     """Bring v onto Phi_q v = nu with the least mass-weighted change, in place; returns the largest residual."""
     change = vec(m, CHANGE)

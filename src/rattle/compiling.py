@@ -39,6 +39,7 @@ log = logging.getLogger("rattle")
 lock = global_compiler_lock
 OPTIONS = {"nogil": True, "error_model": "numpy"}
 OURS = {**OPTIONS, "no_cfunc_wrapper": True, "_nrt": False}  # our functions make no arrays: nothing to count
+WHOLE_NUMBER = ir.IntType(64)
 TYPES = {
     "void": types.void,
     "i": types.int64,
@@ -245,29 +246,33 @@ def address(dispatcher: Any) -> int:
 def by_place(name: str, letters: Sequence[str]) -> Any:
     """Numba's type of a function that calls the native one whose place has this name, see `machine`."""
     wanted = signature(letters)
-    whole_number = ir.IntType(64)
 
     def call() -> None:
         """The key of the code that does it."""
 
     def jump(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        module = builder.module
-        place = module.globals.get(name) or ir.GlobalVariable(module, whole_number, name)
-        known, before = builder.load(place), builder.block
-        with cgutils.if_unlikely(builder, builder.icmp_unsigned("==", known, whole_number(0))):
-            find = cgutils.get_or_insert_function(module, ir.FunctionType(whole_number, [whole_number]), machine.FIND)
-            found = builder.call(find, [builder.ptrtoint(place, whole_number)])
-            with cgutils.if_unlikely(builder, builder.icmp_unsigned("==", found, whole_number(0))):
-                context.call_conv.return_user_exc(builder, machine.NotMade, ())
-            after = builder.block
-        address = builder.phi(whole_number)
-        address.add_incoming(known, before)
-        address.add_incoming(found, after)
-        return _jump_to(context, builder, address, wanted, args, fails=True)
+        place = builder.module.globals.get(name) or ir.GlobalVariable(builder.module, WHOLE_NUMBER, name)
+        return _jump_to(context, builder, _found(context, builder, place), wanted, args, fails=True)
 
-    template = type(name, (ConcreteTemplate,), {"key": call, "cases": [wanted]})
+    template = type(name, (ConcreteTemplate,), {"key": call, "cases": [wanted], "unsafe_casting": False})
     cpu_target.target_context.insert_func_defn([(jump, call, wanted.args)])
     return types.Function(template)
+
+
+def _found(context: Any, builder: Any, place: Any) -> Any:
+    """The address that stands at a place; asked for where there is none yet."""
+    known, before = builder.load(place), builder.block
+    with cgutils.if_unlikely(builder, builder.icmp_unsigned("==", known, WHOLE_NUMBER(0))):
+        asked = ir.FunctionType(WHOLE_NUMBER, [WHOLE_NUMBER])
+        find = cgutils.get_or_insert_function(builder.module, asked, machine.FIND)
+        made = builder.call(find, [builder.ptrtoint(place, WHOLE_NUMBER)])
+        with cgutils.if_unlikely(builder, builder.icmp_unsigned("==", made, WHOLE_NUMBER(0))):
+            context.call_conv.return_user_exc(builder, machine.NotMade, ())
+        after = builder.block
+    address = builder.phi(WHOLE_NUMBER)
+    address.add_incoming(known, before)
+    address.add_incoming(made, after)
+    return address
 
 
 def _jump_to(context: Any, builder: Any, address: Any, wanted: Any, args: Sequence[Any], fails: bool) -> Any:
@@ -282,10 +287,11 @@ def _jump_to(context: Any, builder: Any, address: Any, wanted: Any, args: Sequen
     return context.get_dummy_value() if wanted.return_type == types.void else result
 
 
-def jumps(call: Callable[..., Any], letters: Sequence[str], fails: bool) -> None:
+def jumps(call: Callable[..., Any], letters: Sequence[str], by_place: bool) -> None:
     """Teach Numba that `call(address, arguments)` jumps to the native address of a function of this signature.
 
-    fails: what the function raises is raised; else it is forgotten, as that of a law of the user's.
+    by_place: it is given where the address stands, see `machine`, and what the function raises is raised; else that
+    is forgotten, as with a law of the user's.
     A tuple of first-class functions as argument costs 60 us per function and call to unbox
     (Numba 0.68); an address in an integer array costs nothing.
     """
@@ -302,4 +308,7 @@ def jumps(call: Callable[..., Any], letters: Sequence[str], fails: bool) -> None
             context.cast(builder, builder.extract_value(args[1], n), packed[n], want)
             for n, want in enumerate(wanted.args)
         ]
-        return _jump_to(context, builder, args[0], wanted, parts, fails)
+        address = args[0]
+        if by_place:
+            address = _found(context, builder, builder.inttoptr(address, WHOLE_NUMBER.as_pointer()))
+        return _jump_to(context, builder, address, wanted, parts, fails=by_place)

@@ -73,6 +73,11 @@ def announce(name: str, make: Callable[[], int]) -> Any:
     return place  # to be kept alive
 
 
+def where(place: Any) -> int:
+    """Address of a place."""
+    return ctypes.addressof(place)
+
+
 def _find(at: int) -> int:
     try:
         address = _makers[at]()
@@ -130,6 +135,8 @@ def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any
                 flat.append(float(one))
             elif kind == "i":
                 flat.append(int(one))
+                if flat[len(flat) - 1] != one:
+                    raise TypeError(f"{name} takes a whole number, got {one}")
             else:
                 if (one.dtype, one.ndim) != ARRAYS[kind] or not one.flags.c_contiguous:
                     raise TypeError(f"{name} takes a contiguous array of {ARRAYS[kind]}, got {one.dtype}, {one.shape}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rattle.catalog import compiled
+from rattle.catalog import compiled, native
 from rattle.complementarity import BACKWARD, FORWARD, OFF, STICK, F, friction_of
 from rattle.equations import OK
 from rattle.impact import (
@@ -69,7 +69,7 @@ CREEPS = 30  # see regroup
 SLIGHT = 1e-7  # share of its largest force at which a contact lets go together with another one
 
 
-@compiled
+@native("i", "h", "f", "v", "i", "i")
 def regroup(m, t, y, apart, kind):
     """Modes of all closed contacts from the problem for the accelerations; `apart` is the contact of the event, or -1.
 

@@ -143,7 +143,7 @@ def happen(m, t, y, who, what):
     return new_modes(m, t, y, who, what)
 
 
-@compiled
+@native("i", "h", "f")
 def start(m, t):
     """Modes at the start of a run: contacts that are closed and hit take their impact at once. Returns a status."""
     contact, touch, mode, y = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), vec(m, STATE)
@@ -166,7 +166,7 @@ def start(m, t):
     return status
 
 
-@compiled
+@native("i", "h", "f", "i")
 def go_on(m, t, jolted):
     """Modes after expressions have switched at t; jolted: rates have jumped, contacts may part. Returns a status."""
     y = vec(m, STATE)
@@ -212,7 +212,7 @@ def passes_by(m, t, h, error, t_out):
     return True
 
 
-@compiled
+@native("i", "h", "f", "f", "f", "f", "v", "m", "i", "v")
 def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
     """Take up to `most_steps` steps towards t_end, each to the next event at most; writes outputs on the way.
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_problem, compiled
+from rattle.catalog import call_problem, compiled, native
 from rattle.complementarity import BACKWARD, FORWARD, OFF, OTHER, STICK, A, B, F, friction_of
 from rattle.contact import touch_all
 from rattle.equations import OK, constraints, place
@@ -86,7 +86,7 @@ NOTICED = 1e-11  # share of the largest percussion of an impact below which one 
 LOW = 1e-11  # bounces that rise less than this share of the clearance are closed
 
 
-@compiled
+@native("i", "h", "f", "v", "i")
 def collide(m, t, y, who):
     """Impact at (t, y): contact `who` and all others that are closed, in one problem; rates in y jump.
 
@@ -209,7 +209,7 @@ def stay_together(m, count):
             break
 
 
-@compiled
+@native("i", "h", "f", "v", "i")
 def low_bounce(m, t, y, count):
     """Mark contacts that rise after the impact, but too low to follow; True when there is a new one."""
     touch, grip, chosen, side = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), mat(m, SIDE)

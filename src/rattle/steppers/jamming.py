@@ -12,7 +12,7 @@ Source: Genot, Brogliato, New results on Painleve paradoxes, Eur. J. Mech. A 18 
 
 from __future__ import annotations
 
-from rattle.catalog import compiled
+from rattle.catalog import compiled, native
 from rattle.complementarity import FORWARD, OFF, STICK, B, F, friction_of
 from rattle.equations import OK
 from rattle.impact import LOCKED, contact_rows, shift, solve_contacts, solve_modes
@@ -50,7 +50,7 @@ def passes_jams(m, n):
     return vec(m, VALUES)[imat(m, CONTACT)[n, NORMAL_P] + 4] > 0.0
 
 
-@compiled
+@native("f", "h", "f")
 def lock_share(m, t):
     """Smallest (G_nn +- mu G_nt) / G_nn of a contact that slides in the state at hand: it locks where that is <= 0."""
     y, mode, chosen, delassus = vec(m, STATE), ivec(m, MODE), ivec(m, CHOSEN), mat(m, DELASSUS)
@@ -80,7 +80,7 @@ def holds(m, count):
     return pressed
 
 
-@compiled
+@native("i", "h", "f", "i")
 def pass_jam(m, t, late):
     """Impact without collision of the closed contacts that may pass a jam; rates jump in the state at hand.
 

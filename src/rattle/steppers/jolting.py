@@ -12,7 +12,7 @@ Kinematics and Dynamics of Mechanical Systems (1989), section 6.6 (impulsive mot
 
 from __future__ import annotations
 
-from rattle.catalog import compiled
+from rattle.catalog import compiled, native
 from rattle.complementarity import FORWARD, OFF, STICK, B, F, friction_of
 from rattle.contact import touch_all
 from rattle.equations import OK, constraints, correct, drive, place, rate_residual
@@ -67,7 +67,7 @@ def speeds(m, t, out):
         out[r] = rows[r, NU]
 
 
-@compiled
+@native("i", "h", "f", "v", "v")
 def jolt(m, t, before, percussion):
     """Rates in y jump to what the drivers want from t on; work is booked, percussion (nr,) is Lambda.
 

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled
+from rattle.catalog import compiled, native
 from rattle.complementarity import FORWARD, OFF, STICK, A, B, F, friction_of
 from rattle.contact import touch_all
 from rattle.equations import (
@@ -133,7 +133,7 @@ KEPT = 1e-4  # the same for one that pressed in the step before: curved paths pa
 LASTING = 3  # steps in a row after which a contact counts as lasting, or as released
 
 
-@compiled
+@native("void", "h", "f")
 def start(m, t):
     """Bring the start onto its constraints."""
     y, sign = vec(m, STATE), vec(m, SIGN)
@@ -335,7 +335,7 @@ def write_until(m, t, h, t_out, out):
         tally[OUTPUTS] = k + 1
 
 
-@compiled
+@native("i", "h", "f", "f", "i", "v", "m", "i")
 def advance(m, t_start, h, count, t_out, out, most_steps):
     """Take up to `most_steps` of the `count` steps of length h from t_start on; writes outputs on the way.
 

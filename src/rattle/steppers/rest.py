@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from rattle.catalog import compiled
+from rattle.catalog import native
 from rattle.closing import place_only
 from rattle.equations import constraints, loads
 from rattle.memory import BODY, FORCE, MULTIPLIER, ROW_BODY, ROWS, imat, mat, vec
 from rattle.plane import AX, BX, VX
 
 
-@compiled
+@native("void", "h", "f", "v", "v")
 def force_at(m, t, q, out):
     """Q - Phi_q^T lambda at rest at q, into out (3 nb,); drivers as they stand, lambda as in the memory."""
     body, rows, force = mat(m, BODY), mat(m, ROWS), mat(m, FORCE)
@@ -32,7 +32,7 @@ def force_at(m, t, q, out):
                 out[j + k] -= rows[r, BX + k] * multiplier[r]
 
 
-@compiled
+@native("void", "h", "f", "v", "v", "v", "m")
 def stiffness(m, t, q, step, out, result):
     """K = -d(Q - Phi_q^T lambda)/dq (3 nb, 3 nb) with lambda held, by differences of fourth order.
 

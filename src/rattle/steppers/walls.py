@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rattle.catalog import compiled
+from rattle.catalog import compiled, native
 from rattle.complementarity import FORWARD, OFF, STICK, B
 from rattle.contact import touch_all
 from rattle.equations import constraints, free_motion, place
@@ -86,7 +86,7 @@ def goes_far(m, count, gap):
     return False
 
 
-@compiled
+@native("void", "h", "f", "v", "i")
 def settle(m, t, y, who):
     """Bring y onto the constraints and onto its lasting contacts, positions and rates; leaves rows and factor.
 

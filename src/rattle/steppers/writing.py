@@ -58,7 +58,7 @@ def record(m, t, y, row):
     write(m, y[2 * nq], lost, row)
 
 
-@compiled
+@native("void", "h", "f", "f", "v")
 def write(m, work_done, dissipated, row):
     """Copy what the memory holds at this instant into one output row."""
     body, signal, signals = mat(m, BODY), imat(m, SIGNAL), vec(m, SIGNALS)
