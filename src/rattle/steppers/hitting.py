@@ -259,25 +259,37 @@ def low_bounce(m, t, y, count):
 @compiled
 def settle_accounts(m, t, y, count, before):
     """Impulses, losses and work of an impact into y, and its events; v in y is after, `before` (3 nb,) is before."""
-    touch, grip, chosen, side, rows = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), mat(m, SIDE), mat(m, ROWS)
-    multiplier, work, nq, recent = vec(m, MULTIPLIER), 0.0, vec(m, CHANGE).shape[0], mat(m, RECENT)
-    place(m, y[:nq], before[:nq])
-    constraints(m)
-    touch_all(m)
+    multiplier, work, nq, rows = vec(m, MULTIPLIER), 0.0, vec(m, CHANGE).shape[0], mat(m, ROWS)
+    rates_of_contacts(m, y, count, before)
     for row in range(multiplier.shape[0]):
         multiplier[row] = 0.0
-    acceleration = mat(m, ACCELERATION)
-    add_forces(m, count, acceleration, multiplier)
+    add_forces(m, count, mat(m, ACCELERATION), multiplier)
     for row in range(multiplier.shape[0]):
         work -= multiplier[row] * rows[row, NU]
     y[2 * nq] += work
+    book_impulses(m, t, y, count)
+
+
+@compiled
+def rates_of_contacts(m, y, count, before):
+    """Keep what the rates `before` (3 nb,) make of gaps and slips, for `book_impulses`; rows belong to them then."""
+    touch, grip, chosen, nq = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), vec(m, CHANGE).shape[0]
+    place(m, y[:nq], before[:nq])
+    constraints(m)
+    touch_all(m)
     for k in range(count):
         n = chosen[k]
         grip[n, GAP_1], grip[n, DGAP_1] = touch[n, DGAP], touch[n, SLIP]
+
+
+@compiled
+def book_impulses(m, t, y, count):
+    """Impulses and losses of the chosen contacts into y, and their events; v in y is after, see `rates_of_contacts`."""
+    touch, grip, chosen, side, recent = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), mat(m, SIDE), mat(m, RECENT)
+    nq, largest = vec(m, CHANGE).shape[0], 0.0
     place(m, y[:nq], y[nq : 2 * nq])
     constraints(m)
     touch_all(m)
-    largest = 0.0
     for k in range(count):
         largest = max(largest, side[F, 2 * k])
     for k in range(count):

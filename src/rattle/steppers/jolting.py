@@ -13,7 +13,7 @@ Kinematics and Dynamics of Mechanical Systems (1989), section 6.6 (impulsive mot
 from __future__ import annotations
 
 from rattle.catalog import compiled, native
-from rattle.complementarity import FORWARD, OFF, STICK, B, F, friction_of
+from rattle.complementarity import FORWARD, OFF, STICK, B, friction_of
 from rattle.contact import touch_all
 from rattle.equations import OK, constraints, correct, drive, place, rate_residual
 from rattle.impact import (
@@ -49,9 +49,10 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import DGAP, DGAP_1, GAP_1, IMPACT, IMPACT_EVENT, N_1, NU, SLIP, SPEED, STEPS_IN
+from rattle.plane import DGAP, IMPACT, N_1, NU, SLIP, STEPS_IN
 from rattle.schur import factorise
-from rattle.steppers.walls import at_wall, note
+from rattle.steppers.hitting import book_impulses, rates_of_contacts
+from rattle.steppers.walls import at_wall
 
 ROUNDS = 2  # the second takes what rounding left
 
@@ -136,31 +137,6 @@ def with_contacts(m, t, y, old, percussion):
     add_forces(m, count, mat(m, ACCELERATION), multiplier)
     for r in range(multiplier.shape[0]):
         percussion[r] += multiplier[r]
-    account(m, t, y, count, old)
+    rates_of_contacts(m, y, count, old)
+    book_impulses(m, t, y, count)
     return OK
-
-
-@compiled
-def account(m, t, y, count, old):
-    """Impulses and losses of the contacts of a jolt into y, and their events; old (3 nb,): rates before it."""
-    touch, grip, chosen, side = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), mat(m, SIDE)
-    nq = vec(m, CHANGE).shape[0]
-    place(m, y[:nq], old[:nq])
-    touch_all(m)
-    for k in range(count):
-        n = chosen[k]
-        grip[n, GAP_1], grip[n, DGAP_1] = touch[n, DGAP], touch[n, SLIP]
-    place(m, y[:nq], y[nq : 2 * nq])
-    constraints(m)
-    touch_all(m)
-    for k in range(count):
-        n = chosen[k]
-        pressed, held = side[F, 2 * k], side[F, 2 * k + 1]
-        if pressed == 0.0 and held == 0.0:
-            continue
-        lost = 0.5 * (held * (grip[n, DGAP_1] + touch[n, SLIP]) - pressed * (grip[n, GAP_1] + touch[n, DGAP]))
-        j = y.shape[0] - 4 * grip.shape[0] + 4 * n
-        y[j + 1] += pressed
-        y[j + 2] += lost
-        grip[n, SPEED] = max(-grip[n, GAP_1], 0.0)
-        note(m, IMPACT_EVENT, n, t, y, grip[n, SPEED], 0.0, pressed, lost)
