@@ -84,6 +84,14 @@ def test_place_of_a_body_in_the_bush_is_the_one_given(start):
     assert m.start.notes == ()
 
 
+@pytest.mark.parametrize("x", [0.01, -0.01])
+def test_massless_link_stands_on_the_side_where_its_body_was_put(x):
+    text = SLIDING.replace("START", f"x = {x}")
+    m = rt.loads(text.replace('{ model = "impact", restitution = 0.8 }', '"massless-link"'))
+    np.testing.assert_allclose(m.start.q, [x, 0, 0], atol=1e-15)
+    assert m.start.notes == ()
+
+
 def test_place_beyond_the_bush_is_not_taken_and_said():
     m = rt.loads(SLIDING.replace("START", "x = 0.02"))
     assert m.start.q[0] == pytest.approx(0.0, abs=1e-12)

@@ -23,7 +23,7 @@ from rattle.memory import Memory
 from rattle.model import Contact, Joint, Model
 from rattle.placing import outward, passed_angles, place_positions, place_rates, turned
 from rattle.plane import GAP, OWNER
-from rattle.starting import given_values, keep_positions, keep_rates, start_notes
+from rattle.starting import given_values, keep_places, keep_positions, keep_rates, start_notes
 from rattle.system import Compiled, compile_system, has_contacts, is_link
 from rattle.unclosed import why_open, without_value
 
@@ -109,6 +109,8 @@ def _closed(
             q, missing = None, []  # reactions that are not unique may press the pins to where they do not fit together
     if q is None:
         q, iterations = _positions(ready, memory, t, offsets, ideal)
+    if missing and ready.row_count <= LARGE:
+        q = keep_places(ready, memory, t, q, given_values(ready, 0))
     if ready.row_count > LARGE or missing or any(name in ready.model.initial.offsets for name in held):
         return q, iterations
     kept = keep_positions(ready, memory, t, q, given_values(ready, 0))

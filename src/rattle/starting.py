@@ -104,6 +104,23 @@ def keep_positions(ready: Compiled, memory: Memory, t: float, q: np.ndarray, giv
     return made if nearer else q
 
 
+def keep_places(ready: Compiled, memory: Memory, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
+    """Closed positions with all values given, where places x, y are among those that q has not; else q.
+
+    A massless link may stand on either side of its bush: the side where the body was put goes before the one to which
+    its force presses it.  Angles alone say no side: they are those of the ideal mechanism, more often than not.
+    """
+    known, near = ~np.isnan(given), 1e-9 * ready.size
+    places = known & (np.arange(len(q)) % 3 < 2)
+    if not (np.abs(q - given)[places] > near).any():
+        return q
+    made = np.where(known, given, q)
+    if not close_position(memory.handle, t, made, np.empty_like(made), 1e-12 * ready.size, 60)[0] <= near:
+        return q
+    made = keep_positions(ready, memory, t, made, given)
+    return made if (np.abs(made - given)[known] <= near).all() else q
+
+
 def _distance(ready: Compiled, change: np.ndarray, known: np.ndarray) -> float:
     return float(np.linalg.norm((change * np.sqrt(ready.arrays["mass"][1:].ravel()))[known]))
 
