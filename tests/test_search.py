@@ -107,7 +107,8 @@ def test_more_effort_finds_more_and_says_when_it_is_enough():
     short, usual, long = (m.equilibrium(effort=effort) for effort in (0.1, 1.0, 8.0))
     assert short.stopped
     assert usual.stopped
-    assert "effort 10" in usual.note
+    assert "effort 10 looks longer" in usual.note
+    assert "effort 1 looks longer" in short.note
     assert len(short) < len(usual) < len(long) == 2**7
     assert not long.stopped
     for found in (short, usual, long):

@@ -16,6 +16,8 @@ import numpy as np
 from rattle.display import quantity, table
 from rattle.result import Result, Trust
 
+LONG = 1000.0  # effort from which on no more is advised
+
 
 class Table(NamedTuple):
     """What the positions of rest of one mechanism have in common."""
@@ -131,20 +133,21 @@ class Equilibrium:
 class Equilibria(list[Equilibrium]):
     """The positions of rest that were found, in order, and how far the search went; shows itself as a table."""
 
-    def __init__(self, found: Iterable[Equilibrium], starts: int, stopped: bool, extent: str = "") -> None:
+    def __init__(
+        self, found: Iterable[Equilibrium], starts: int, stopped: bool, extent: str = "", effort: float = 1.0
+    ) -> None:
         super().__init__(found)
         self.starts = starts  # from which the search went, each to its end
         self.stopped = stopped  # True where the work was done before the search was enough
-        self._extent = extent
+        self._extent, self._effort = extent, effort
 
     @property
     def note(self) -> str:
         """What to know about the completeness of the list; empty where the search was not cut short."""
         if not self.stopped:
             return ""
-        return (
-            f"search stopped after {self.starts} starts; there may be more positions of rest (effort 10 looks longer)"
-        )
+        more = f" (effort {10 * self._effort:g} looks longer)" if self._effort < LONG else ""
+        return f"search stopped after {self.starts} starts; there may be more positions of rest{more}"
 
     @property
     def extent(self) -> str:

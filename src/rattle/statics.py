@@ -66,7 +66,7 @@ def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near", effort: 
     search.explore(start, branches == "all")
     found = rest.tell(search.found)
     if rigid is None:
-        return Equilibria(_sorted(found, start), search.starts, search.stopped, search.extent)
+        return Equilibria(_sorted(found, start), search.starts, search.stopped, search.extent, effort)
     play = Rest(rigid, t)
     partners = Search(play, 0.5 * effort)
     partners.partners(sides(rest, play, sorted(found, key=_height)))
@@ -78,7 +78,7 @@ def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near", effort: 
         pressing = partners.pressed(ready, pressing)
     stopped = search.stopped or partners.stopped
     extent = f"without play {search.extent}; every pin was put on either side of its bush" if search.extent else ""
-    return Equilibria(_sorted(pressing, reference), search.starts + partners.starts, stopped, extent)
+    return Equilibria(_sorted(pressing, reference), search.starts + partners.starts, stopped, extent, effort)
 
 
 def _height(one: Equilibrium) -> tuple[bool, float]:
@@ -212,10 +212,10 @@ class Search:
             return
         starts = [start, *(around(self.rest, start, null[:, 0]) if freedoms else ())]
         anywhere = (turning.anywhere(start, random) for _ in itertools.count())
+        count = 0
         if everywhere or freedoms:
-            count = round((RANDOM_STARTS if everywhere else FEW_STARTS) * max(1.0, self.effort))
-            starts += itertools.islice(anywhere, count)
-        for one in starts:
+            count = int(min(MOST_STARTS, (RANDOM_STARTS if everywhere else FEW_STARTS) * max(1.0, self.effort)))
+        for one in itertools.chain(starts, itertools.islice(anywhere, count)):
             for downhill in (False, True)[: freedoms + 1]:
                 if self.spent():
                     self.stopped = True

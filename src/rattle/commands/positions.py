@@ -37,7 +37,7 @@ def listed(m: Mechanism, found: Equilibria) -> None:
 def _angles(one: Equilibrium) -> str:
     """Angles of the first bodies: what tells positions of rest apart."""
     bodies = list(one.table.geometry["bodies"])
-    shown = ", ".join(f"{body} {one[f'{body}.angle'] * DEGREES:.4g}" for body in bodies[:MOST_BODIES])
+    shown = ", ".join(f"{body} {zeroed(one[f'{body}.angle'], ZERO) * DEGREES:.4g}" for body in bodies[:MOST_BODIES])
     return f"at {shown}{', ...' if len(bodies) > MOST_BODIES else ''} deg"
 
 
