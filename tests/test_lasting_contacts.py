@@ -51,3 +51,78 @@ def test_a_contact_lets_go_as_often_as_its_load_turns_however_short_and_long_the
     assert r.success, r.message
     released = [one.t for one in r.events if one.kind == "release"]
     assert released == pytest.approx(true, rel=1e-9)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-7, 1e-11])
+@pytest.mark.parametrize("share", [2.1, 3.0, 4.0, 4.9])
+def test_pin_that_runs_up_its_bush_too_slowly_leaves_it_where_gravity_alone_turns_it(share, rtol):
+    # v^2 = share g c at the bottom, v^2 = (share - 2 (1 + s)) g c at the height s c, N = m (v^2 / c - g s): it
+    # vanishes at s = (share - 2) / 3
+    c, g = 0.1, 9.81
+    model = rt.loads(f"""
+format = 1
+gravity = [0, {-g}]
+[ground.points]
+O = [0, 0]
+[bodies.pin]
+mass = 2
+inertia = 1e-3
+points = {{ P = [0, 0] }}
+[joints.bush]
+type = "revolute"
+connect = ["ground.O", "pin.P"]
+clearance = {c}
+contact = {{ model = "impact", restitution = 0, friction = 0 }}
+[initial]
+pin = {{ x = 0, y = {-c}, vx = {math.sqrt(share * g * c)}, omega = 0 }}
+""")
+    r = model.simulate(0.5, rtol=rtol)
+    first = next(one.t for one in r.events if one.kind == "release")
+    at = model.simulate(0.5, rtol=rtol, t_eval=[first])
+    assert at["pin.y"][0] == pytest.approx(c * (share - 2.0) / 3.0, abs=max(1e3 * rtol, 1e-9) * c)
+
+
+def hanging(pins, friction):
+    """Links of 0.2 m below each other, a little bent, each pin at the bottom of its bush."""
+    lines = ["format = 1", "gravity = [0, -9.81]", "[ground.points]", "G = [0, 0]"]
+    joints, start, x, y, play = [], ["[initial]"], 0.0, 0.0, 1e-3
+    for k in range(pins):
+        lines += [f"[bodies.b{k}]", "mass = 0.5", "inertia = 1.7e-3", "points = { T = [-0.1, 0], B = [0.1, 0] }"]
+        joints += [f"[joints.p{k}]", 'type = "revolute"', f"clearance = {play}"]
+        joints += [f'connect = ["{f"b{k - 1}.B" if k else "ground.G"}", "b{k}.T"]']
+        joints += [f'contact = {{ model = "impact", restitution = 0.3, friction = {friction}, bush_radius = 0.01 }}']
+        angle = 0.4 * math.cos(1.3 * k) - math.pi / 2
+        x, y = x + 0.1 * math.cos(angle), y - play + 0.1 * math.sin(angle)
+        start += [f"b{k} = {{ x = {x!r}, y = {y!r}, angle = {angle!r}, vx = 0, vy = 0, omega = 0 }}"]
+        x, y = x + 0.1 * math.cos(angle), y + 0.1 * math.sin(angle)
+    return rt.loads("\n".join([*lines, *joints, *start]))
+
+
+def test_a_chain_of_pins_turns_and_sticks_at_the_same_instants_at_any_tolerance_and_output():
+    # 1e-11 is the reference; a pin at the end of the chain that hardly presses may turn in its noise: the first six
+    chain, end = hanging(12, 0.1), 0.03
+    fine, coarse, often = (
+        chain.simulate(end, rtol=rtol, t_eval=np.linspace(0.0, end, count))
+        for rtol, count in ((1e-11, 2), (1e-7, 2), (1e-7, 201))
+    )
+
+    def found(r):
+        some = [one for one in r.events if one.kind in ("stick", "slip") and int(one.joint[1:]) < 6]
+        return [(one.joint, one.kind) for one in some], [one.t for one in some]
+
+    assert len(found(fine)[0]) > 8
+    for r in (coarse, often):
+        assert r.success
+        assert found(r)[0] == found(fine)[0]
+        assert found(r)[1] == pytest.approx(found(fine)[1], abs=1e-6)  # s; rtol 1e-7, rates of 10 rad/s
+    for joint in ("p0", "p3", "p11"):
+        assert often.peak(f"{joint}.force")[0] == pytest.approx(fine.peak(f"{joint}.force")[0], rel=1e-5)
+
+
+def test_moment_of_a_smooth_pin_is_rounding_and_its_force_has_its_peak():
+    r = hanging(4, 0.0).simulate(0.05, t_eval=[0.0, 0.05])
+    fine = hanging(4, 0.0).simulate(0.05, t_eval=np.linspace(0.0, 0.05, 20001))
+    for k in range(4):
+        sampled = np.hypot(fine[f"p{k}.fx"], fine[f"p{k}.fy"]).max()
+        assert r.peak(f"p{k}.force")[0] == pytest.approx(sampled, rel=1e-5)  # 2.5 us between samples
+        assert r.peak(f"p{k}.moment")[0] < 1e-12 * sampled

@@ -195,14 +195,12 @@ def write_until(m, t, h, t_until, t_out, out):
 
 
 @compiled
-def passes_by(m, t, h, error, t_out):
-    """True when nothing is to be done within the step from t of length h, as its stages tell; it is counted then.
+def passes_by(m, t, h, error):
+    """True when nothing happens within the step from t of length h, as its stages tell; it is counted then.
 
-    No contact does anything, no force has a peak, no output is due.  Everything at the end of the step is at hand.
+    No contact does anything, no force has a peak.  Everything at the end of the step is at hand.
     """
-    contact, mode, tally = imat(m, CONTACT), ivec(m, MODE), ivec(m, TALLY)
-    if tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t + h:
-        return False
+    contact, mode = imat(m, CONTACT), ivec(m, MODE)
     for n in range(contact.shape[0]):
         if contact[n, IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
             return False
@@ -263,7 +261,8 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         changed |= watched_change(m)
         for n in range(touch.shape[0]):
             grip[n, GAP_1], grip[n, DGAP_1] = touch[n, GAP], touch[n, DGAP]
-        quiet = not changed and not switches and passes_by(m, t, t_new - t, error, t_out)
+        still = not changed and not switches and passes_by(m, t, t_new - t, error)
+        quiet = still and not (tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_new)
         if not quiet:
             prepare_dense(m, t, t_new - t, 0)
         if switches and landing[LANDS] == 0.0 and crossed(m):
@@ -274,7 +273,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
                 clock[H] = shorter
                 continue
         share, who, what = NONE, -1, NOTHING
-        if not quiet:
+        if not still:
             share, who, what = first_event(m, t, t_new - t)
         if share > NONE and h > SHORT * (t_end - t):
             clock[H], landing[LANDS] = 0.25 * h, 0.0
@@ -282,7 +281,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             continue
         t_until = t + share * (t_new - t) if who >= 0 else t_new
         until = share if who >= 0 else 1.0
-        if not quiet:
+        if not still:
             layout = LOOKS if who < 0 and any_held(m) else DOP853
             tally[EVALUATIONS] += 3 + end_step(m, t, t_new - t, until, layout, 1)
         if changed:

@@ -22,12 +22,14 @@ from rattle.equations import set_bristles, solve_motion
 from rattle.memory import (
     CHANGE,
     GLANCES,
+    HOLD_TABLE,
     PEAK_ROW,
     PEAKS,
     POWER,
     QUANTITY,
     STAGE,
     imat,
+    ivec,
     mat,
     vec,
 )  # fmt: skip
@@ -222,7 +224,8 @@ def probe(m, t, h, theta, n):
     """Measure at the share theta of the step, on its dense output; returns quantity n."""
     stage, nq = vec(m, STAGE), vec(m, CHANGE).shape[0]
     interpolate(m, theta, stage)
-    settle(m, t + theta * h, stage, stage)
+    if len(ivec(m, HOLD_TABLE)) == 0:  # forces of lasting contacts are those of the search for events
+        settle(m, t + theta * h, stage, stage)
     set_bristles(m, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
     gauge(m, PROBE, t + theta * h)
