@@ -248,9 +248,9 @@ def accelerate(m):
                 acceleration[b, k] -= weight[b, k] * rows[r, BX + k] * value
 
 
-@native("i", "h", "f", "v", "v")
-def free_motion(m, t, q, v):
-    """Everything at (t, q, v) as if no set-valued contact lasted. Returns the number of redundant rows."""
+@compiled
+def move_freely(m, t, q, v):
+    """See `free_motion`; callers hold a copy."""
     place(m, q, v)
     drive(m, t)
     constraints(m)
@@ -261,13 +261,25 @@ def free_motion(m, t, q, v):
 
 
 @native("i", "h", "f", "v", "v")
-def solve_motion(m, t, q, v):
-    """Everything at (t, q, v): rows, forces, multipliers, accelerations. Returns the number of redundant rows."""
-    lost = free_motion(m, t, q, v)
+def free_motion(m, t, q, v):
+    """Everything at (t, q, v) as if no set-valued contact lasted. Returns the number of redundant rows."""
+    return move_freely(m, t, q, v)
+
+
+@compiled
+def move(m, t, q, v):
+    """See `solve_motion`; callers hold a copy."""
+    lost = move_freely(m, t, q, v)
     hold = ivec(m, HOLD_TABLE)
     if len(hold) > 0:  # lasting set-valued contacts
         call_hold(hold[0], (m,))
     return lost
+
+
+@native("i", "h", "f", "v", "v")
+def solve_motion(m, t, q, v):
+    """Everything at (t, q, v): rows, forces, multipliers, accelerations. Returns the number of redundant rows."""
+    return move(m, t, q, v)
 
 
 @compiled
@@ -311,6 +323,6 @@ def derivative(m, t, y, dy):
     """dy/dt of y (6 nb + 2 + 4 nc,), see `collect`. Returns the number of redundant rows."""
     nq = vec(m, CHANGE).shape[0]
     set_bristles(m, y)
-    lost = solve_motion(m, t, y[:nq], y[nq : 2 * nq])
+    lost = move(m, t, y[:nq], y[nq : 2 * nq])
     collect(m, y[nq : 2 * nq], dy)
     return lost

@@ -335,7 +335,7 @@ def binary_jet(op, side, x, dx, ddx, y, dy, ddy):
     return z, dz, ddz
 
 
-@native("void", "n", "v", "i", "i", "f", "m", "m", "v")
+@compiled
 def evaluate_jet(code, const, first, last, t, jets, stack, out):
     """Value, first and second time derivative of the program in rows first..last-1, into out (3,).
 
