@@ -99,7 +99,7 @@ def begin(
         probe.append((tag, number[joint.a.body], number[joint.b.body], len(values), row))
         values += [*joint.a.at, *joint.b.at, *joint.fields.values(), 0.0, 0.0, 0.0]
     arrays = {**ready.arrays, "weight": weight, "values": np.array(values, dtype=float)}
-    memory = replace(ready, arrays=arrays).memory()
+    memory = replace(ready, arrays=arrays).memory(also=[one[0] for one in probe])
     node = np.zeros((9, 3 * ready.body_count))
     made = Sweep(
         ready, memory, node, np.array([start.t, math.inf, 0.0, 1.0, 1.0, start.t]), np.zeros(4, np.int64),

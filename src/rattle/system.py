@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,8 +61,8 @@ class Compiled:
         """Constraint rows, drivers included."""
         return len(self.rows)
 
-    def memory(self, **more: np.ndarray) -> Memory:
-        """Fresh memory for one run; `more` are arrays of the march."""
+    def memory(self, also: Iterable[int] = (), **more: np.ndarray) -> Memory:
+        """Fresh memory for one run; also: other joint kernels called; `more` are arrays of the march."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
         nc = self.arrays["contact"].shape[0]
         machine = catalog.jit_runs()  # asked once: another thread may switch to machine code at any moment
@@ -73,7 +73,9 @@ class Compiled:
         return Memory(
             {
                 **self.arrays,
-                "joint_table": catalog.table("joint", "driver", machine=machine, used=self.arrays["joint"][:, 0]),
+                "joint_table": catalog.table(
+                    "joint", "driver", machine=machine, used=[*self.arrays["joint"][:, 0], *also]
+                ),
                 "load_table": catalog.table("load", machine=machine, used=self.arrays["load"][:, 0]),
                 **{
                     f"{family}_table": catalog.table(family, machine=machine, used=self.arrays["contact"][:, column])
