@@ -9,7 +9,7 @@ import threading
 
 import pytest
 
-from rattle.files import atomic, is_special, refuse_input, writable
+from rattle.atomic_file import atomic, is_special, refuse_input, writable
 
 pytestmark = [pytest.mark.nojit, pytest.mark.skipif(os.name != "posix", reason="devices and links of POSIX systems")]
 

@@ -9,7 +9,7 @@ import pytest
 import xarray
 
 from circling import OMEGA, STEADY, SWING, T_END, C, circling
-from rattle.files import atomic
+from rattle.atomic_file import atomic
 from rattle.result import Trust, load_result
 from rattle.summary import joint_table
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.files import atomic
+from rattle.atomic_file import atomic
 from rattle.movie import Update, require_film, write_gif, write_mp4
 from rattle.plot import (
     AFTER,

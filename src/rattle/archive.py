@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rattle.atomic_file import atomic, is_special
 from rattle.errors import MissingPackage, shown
-from rattle.files import atomic, is_special
 
 Array = NDArray[np.float64]
 FORMAT = 2  # 1: without checksum, netCDF only

@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from rattle.atomic_file import atomic
 from rattle.errors import ModelError, Problem, suggest
-from rattle.files import atomic
 
 LARGEST = 8_000_000  # bytes; a chain of 10,000 links has about 2 MB
 MAY_BE_MISSING = ("simulate", "initial")  # tables that a change makes where there are none

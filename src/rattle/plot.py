@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.files import atomic
+from rattle.atomic_file import atomic
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rattle.files import atomic
+from rattle.atomic_file import atomic
 
 if TYPE_CHECKING:
     import xarray

@@ -79,7 +79,7 @@ def check_pictures(read: str, *paths: str | Path | None, moving: bool = False) -
 
 def check_files(read: str, *paths: str | Path | None) -> None:
     """Refuse places that cannot be written, the file that is read, and two files of one name."""
-    from rattle.files import is_special, refuse_input, writable
+    from rattle.atomic_file import is_special, refuse_input, writable
 
     targets = [writable(path) for path in paths if path is not None]
     for path in targets:
@@ -144,7 +144,7 @@ def finish(ctx: click.Context, result: Result, kept: bool = True) -> None:
 
 def say_written(path: str | Path) -> None:
     """The name of a file that was written; not into it, where it is the output itself."""
-    from rattle.files import is_special
+    from rattle.atomic_file import is_special
 
     click.echo(str(path), err=is_special(path))
 
