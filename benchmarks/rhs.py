@@ -13,10 +13,10 @@ import numpy as np
 
 import rattle as rt
 from measure import Row, interleave, timed
-from rattle import catalog
-from rattle.catalog import Compiled
 from rattle.dynamics import start_state
 from rattle.equations import derivative
+from rattle.jit import functions
+from rattle.jit.functions import Compiled
 
 LINKS = (10, 30, 100, 300, 1000, 3000, 10_000)
 C_OPTIONS = ("-O3", "-march=native")
@@ -32,7 +32,7 @@ many = Compiled(_many)
 
 def seconds_per_rhs(mechanism: rt.Mechanism, calls: int) -> float:
     """Time of one right-hand side at the start of the mechanism [s], called in a compiled loop."""
-    catalog.start()
+    functions.start()
     y = start_state(mechanism.ready, mechanism.start)
     memory, dy = mechanism.ready.memory(), np.zeros_like(y)
     many(memory.handle, 0.0, y, dy, 1)

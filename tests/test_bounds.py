@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from rattle import catalog
+from rattle.jit import functions
 
 CODE = """
 import numpy as np
@@ -31,7 +31,7 @@ print(len(r.t))
 
 
 def test_kernels_of_the_position_sweep_stay_within_their_arrays():
-    if not catalog.start():
+    if not functions.start():
         pytest.skip("runs without machine code; NumPy checks indices there")
     environment = os.environ | {"NUMBA_BOUNDSCHECK": "1"}
     run = subprocess.run([sys.executable, "-c", CODE], env=environment, capture_output=True, text=True)

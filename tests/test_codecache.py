@@ -7,8 +7,8 @@ import stat
 import numpy as np
 import pytest
 
-from rattle import codecache, codefolder
-from rattle.codecache import CodeCache, Folder, code_folder
+from rattle.jit import cache, folder
+from rattle.jit.cache import CodeCache, Folder, code_folder
 
 posix = pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders of Windows profiles are private")
 
@@ -89,7 +89,7 @@ def test_a_folder_of_another_user_is_not_used(tmp_path, monkeypatch):
     (root / "abc").mkdir(parents=True, mode=0o700)
     monkeypatch.setenv("RATTLE_CACHE", str(root))
     owner = root.stat().st_uid
-    monkeypatch.setattr(codecache.os, "getuid", lambda: owner + 1)
+    monkeypatch.setattr(cache.os, "getuid", lambda: owner + 1)
     found = code_folder("abc")
     assert not found.lasting
     assert "belongs to another user" in found.why_not
@@ -126,9 +126,9 @@ def test_without_a_home_or_any_folder_there_is_just_no_cache(monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.delenv("RATTLE_CACHE", raising=False)
-    monkeypatch.setattr(codecache.Path, "home", nowhere)
+    monkeypatch.setattr(cache.Path, "home", nowhere)
     assert not code_folder("abc").lasting
-    monkeypatch.setattr(codecache.tempfile, "mkdtemp", full)
+    monkeypatch.setattr(cache.tempfile, "mkdtemp", full)
     assert code_folder("abc").path is None
 
 
@@ -138,10 +138,10 @@ def scaled(t, y):
 
 
 def dispatcher(folder):
-    from rattle import compiling
+    from rattle.jit import compiler
 
-    with compiling.lock, compiling.settings():
-        return compiling.whole(scaled, ("f", "f", "f"), CodeCache(scaled, lambda: folder))
+    with compiler.lock, compiler.settings():
+        return compiler.whole(scaled, ("f", "f", "f"), CodeCache(scaled, lambda: folder))
 
 
 def flip(content):
@@ -185,7 +185,7 @@ def test_a_cache_that_cannot_be_written_loses_nothing(tmp_path, monkeypatch, wha
     folder = None if what == "none" else tmp_path / "kept"
     if what == "full":
         folder.mkdir()
-        monkeypatch.setattr(codecache.Path, "write_bytes", full)
+        monkeypatch.setattr(cache.Path, "write_bytes", full)
     assert dispatcher(folder)(1.0, 3.0) == 5.0
     assert not list(tmp_path.rglob("*.code")) + list(tmp_path.rglob(".*"))
 
@@ -195,10 +195,10 @@ def test_a_run_needs_no_cache_folder(tmp_path, monkeypatch):
 
     rt.example("double_pendulum").simulate(1e-3)
     (tmp_path / "kept").mkdir()
-    monkeypatch.setattr(codefolder, "_code_folder", Folder(tmp_path / "kept", True))
+    monkeypatch.setattr(folder, "_code_folder", Folder(tmp_path / "kept", True))
     shutil.rmtree(tmp_path / "kept")
     r = rt.example("double_pendulum").simulate(2e-3)
     assert r.success
     assert r.t[-1] == 2e-3
-    monkeypatch.setattr(codefolder, "_code_folder", Folder(None, False))
+    monkeypatch.setattr(folder, "_code_folder", Folder(None, False))
     assert np.array_equal(rt.example("double_pendulum").simulate(2e-3)["energy.kinetic"], r["energy.kinetic"])

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import rattle
-from rattle import catalog, codefolder
-from rattle.catalog import Compiled, compiled
+from rattle.jit import folder
+from rattle.jit import functions as catalog
+from rattle.jit.functions import Compiled, compiled
 
 
 def all_compiled():
@@ -84,6 +85,6 @@ def test_other_functions_of_numba_still_count_from_the_end():
 
 def test_machine_code_is_kept_while_nothing_it_depends_on_changes():
     """The cache key covers every module that compiled code imports, and no other."""
-    sources = {path.stem for path in codefolder.compiled_sources()}
+    sources = {path.stem for path in folder.compiled_sources()}
     assert {"arrays", "compiling", "memory", "plane", "equations", "pin", "tableau", "restitution"} <= sources
     assert not {"cli", "plot", "compare", "result", "reader", "dynamics"} & sources

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle import catalog, complementarity, equations, following, impact, uniqueness
+from rattle import complementarity, equations, following, impact, uniqueness
 from rattle.complementarity import BACKWARD, FORWARD, IMPOSSIBLE, JAMMED, SOLVED, STICK, A, B, F
 from rattle.impact_run import contact_arrays
-from rattle.plane import A_BODY, B_BODY
+from rattle.jit import functions
+from rattle.jit.layout import A_BODY, B_BODY
 
 MASS, INERTIA, ARM, PLAY, BORE = 0.5, 0.5 * 0.2**2 / 12, 0.1, 1e-3, 0.01
 
@@ -36,7 +37,7 @@ def chain(pins, friction=0.1, restitution=0.3, hanging=False, bend=0.4):
 
 def problem(pins, friction, rng, known_slip=False):
     """A problem with all pins of a chain closed and any right side; its memory and G, made without the joints' code."""
-    catalog.start()
+    functions.start()
     ready = chain(pins, friction, hanging=True).ready
     memory = ready.memory(**contact_arrays(ready, False))
     q = np.concatenate([[0.3 * k, -0.2 * k, rng.uniform(-3, 3)] for k in range(pins)])

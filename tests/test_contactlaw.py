@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle import catalog
 from rattle.contactlaw import friction_law, normal_law
 from rattle.errors import ModelError
+from rattle.jit import functions
 
 BUSH = """
 format = 1
@@ -32,10 +32,10 @@ pin = {{ x = 0, y = 0.0003, angle = 0, vx = 0.5, vy = {vy}, omega = 0 }}
 @pytest.fixture
 def laws():
     """Laws of a test leave the catalogue after it."""
-    before = {family: dict(catalog.kinds(family)) for family in ("normal", "friction")}
+    before = {family: dict(functions.kinds(family)) for family in ("normal", "friction")}
     yield
     for family, kinds in before.items():
-        entries = catalog._families[family]
+        entries = functions._families[family]
         entries.clear()
         entries.update(kinds)
 
@@ -91,7 +91,7 @@ def test_a_law_runs_as_machine_code_like_the_built_in_ones():
     def quick(static, delta, ddelta, v0, p):
         return static * (1.0 + p.a * ddelta / v0)
 
-    if not catalog.start():
+    if not functions.start():
         pytest.skip("runs without machine code")
     own = free_pin('{ model = "quick", a = 0.1, stiffness = 1e9 }')
     theirs = free_pin('{ model = "hunt-crossley", restitution = 0.93333333, stiffness = 1e9 }')
@@ -143,11 +143,11 @@ def test_friction_that_pushes_is_named(sign):
     assert all("friction law 'pusher' gives energy back" in one for one in found)
 
 
-@pytest.mark.parametrize("name", sorted(catalog.kinds("friction")))
+@pytest.mark.parametrize("name", sorted(functions.kinds("friction")))
 def test_every_friction_law_of_the_package_passes_the_same_check(name):
     from rattle.passivity import friction_fault
 
-    kind = catalog.kinds("friction")[name]
+    kind = functions.kinds("friction")[name]
     values = {}
     for key, entry in kind.fields.items():
         default = entry.default(values) if callable(entry.default) else entry.default
@@ -156,11 +156,11 @@ def test_every_friction_law_of_the_package_passes_the_same_check(name):
 
 
 @pytest.mark.parametrize("e", [0.1, 0.5, 1.0])
-@pytest.mark.parametrize("name", sorted(catalog.kinds("normal")))
+@pytest.mark.parametrize("name", sorted(functions.kinds("normal")))
 def test_every_normal_law_of_the_package_passes_the_same_check(name, e):
     from rattle.passivity import normal_fault
 
-    kind = catalog.kinds("normal")[name]
+    kind = functions.kinds("normal")[name]
     p = np.array([*kind.leaf.pack({"restitution": e, "least_speed": 1e-3, "effective_mass": 1.0}), 0.0])
     m = free_pin('{ model = "exact", restitution = 0.5, stiffness = 1e9 }')
     assert normal_fault(kind.kernel.python, p, m.model.joints["O"].contact) == ""
@@ -182,7 +182,7 @@ def test_bad_laws_are_refused():
         return {"F": static}["F"] + len(str(delta)) * 0.0 + float(__import__("os").getpid()) * 0.0
 
     m = free_pin('{ model = "python only", stiffness = 1e9 }')
-    if catalog.start():
+    if functions.start():
         with pytest.raises(ValueError, match="'python only': Numba cannot compile it"):
             m.simulate(0.001)
     normal_law("wants", a="")(lambda static, delta, ddelta, v0, p: static)

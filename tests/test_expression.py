@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rattle import catalog, programs
+from rattle import programs
 from rattle.expression import (
     FUNCTIONS,
     ExpressionError,
@@ -18,6 +18,7 @@ from rattle.expression import (
     parse,
     value,
 )
+from rattle.jit import functions as catalog
 from rattle.quantity import dimension_of
 
 pytestmark = pytest.mark.nojit

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rattle import catalog
+from rattle.jit import functions
 
 pytestmark = pytest.mark.nojit
-LAWS = catalog.kinds("friction")
+LAWS = functions.kinds("friction")
 WITHOUT_MEMORY = sorted(name for name, found in LAWS.items() if not found.leaf.memory)
 WITH_MEMORY = sorted(name for name, found in LAWS.items() if found.leaf.memory)
 GIVEN = {"mu": 0.2, "mu_static": 0.3, "viscosity": 5.0, "sigma2": 0.1}
@@ -175,22 +175,22 @@ def test_ambrosio_needs_two_speeds_in_order():
 
 # ---------------------------------------------------------------- machine code
 def test_every_kernel_gives_the_same_value_compiled():
-    if not catalog.start():
+    if not functions.start():
         pytest.skip("runs without machine code")
     rng = np.random.default_rng(3)
     dz, dz_python = np.zeros(1), np.zeros(1)
     pin = {"bush_radius": 0.01, "clearance": 5e-4, "length": 0.015, "bush_material": "steel", "pin_material": "nylon"}
-    for found in catalog.kinds("stiffness").values():
+    for found in functions.kinds("stiffness").values():
         p = np.array((0.0, *found.leaf.pack({**pin, "stiffness": 1e9, "exponent": 1.3})))
         for delta in (-1e-6, 0.0, *10.0 ** rng.uniform(-12, -1, 30)):
             assert found.kernel(delta, p, 1) == pytest.approx(found.kernel.python(delta, p, 1), rel=1e-14)
-    for found in catalog.kinds("normal").values():
+    for found in functions.kinds("normal").values():
         p = np.array((0.0, *found.leaf.pack({"restitution": 0.4, "least_speed": 1e-3, "effective_mass": 0.2})))
         for static, delta, ddelta in zip(*rng.uniform(-1, 1, (3, 30)), strict=True):
             for v0 in (0.0, 0.5):
                 want = found.kernel.python(static, delta, ddelta, v0, p, 1)
                 assert found.kernel(static, delta, ddelta, v0, p, 1) == pytest.approx(want, rel=1e-14)
-    for name, found in catalog.kinds("friction").items():
+    for name, found in functions.kinds("friction").items():
         p = np.array((0.0, *numbers(name)))
         for u, N, z in zip(rng.normal(0, 0.01, 30), rng.uniform(-1, 50, 30), rng.normal(0, 1e-4, 30), strict=True):
             T = found.kernel(u, N, z, p, 1, dz)
@@ -198,19 +198,19 @@ def test_every_kernel_gives_the_same_value_compiled():
             assert dz[0] == pytest.approx(dz_python[0], rel=1e-13)
 
 
-@catalog.compiled
+@functions.compiled
 def contact(tables, tags, delta, ddelta, v0, u, p, dz):
-    static = catalog.call_stiffness(tables[0][tags[0]], (delta, p, 0))
-    normal = catalog.call_normal(tables[1][tags[1]], (static, delta, ddelta, v0, p, 2))
-    return normal, catalog.call_friction(tables[2][tags[2]], (u, normal, 0.0, p, 4, dz))
+    static = functions.call_stiffness(tables[0][tags[0]], (delta, p, 0))
+    normal = functions.call_normal(tables[1][tags[1]], (static, delta, ddelta, v0, p, 2))
+    return normal, functions.call_friction(tables[2][tags[2]], (u, normal, 0.0, p, 4, dz))
 
 
 def test_laws_are_called_through_their_tables_in_a_compiled_loop():
-    catalog.start()
+    functions.start()
     families = ("stiffness", "normal", "friction")
     names = ("power", "exact", "coulomb-smooth")
-    tables = tuple(catalog.table(family) for family in families)
-    found = [catalog.kinds(family)[name] for family, name in zip(families, names, strict=True)]
+    tables = tuple(functions.table(family) for family in families)
+    found = [functions.kinds(family)[name] for family, name in zip(families, names, strict=True)]
     p = np.array([1e9, 1.5, *found[1].leaf.pack({"restitution": 0.5, "least_speed": 1e-3}), 0.2, 1e-3])
     N, T = contact(tables, tuple(kind.tag for kind in found), 1e-4, 0.1, 0.4, 0.05, p, np.zeros(1))
     assert pytest.approx(1e9 * 1e-6 * (1 + p[2] * 0.25), rel=1e-14) == N

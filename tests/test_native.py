@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rattle import catalog, codefolder
-from rattle.catalog import native
+from rattle.jit import folder, functions
+from rattle.jit.functions import native
 
 SOURCES = str(Path(__file__).parent.parent / "src")
 
@@ -35,7 +35,7 @@ def choose(table, rows, out, wanted):
 
 
 def test_native_functions_give_what_plain_python_gives():
-    catalog.start()
+    functions.start()
     rng = np.random.default_rng(5)
     table, rows = rng.normal(size=(4, 6)), np.array([[0, 1], [3, 5], [2, 2]])
     for wanted in (0, 1):
@@ -48,7 +48,7 @@ def test_native_functions_give_what_plain_python_gives():
 
 @pytest.mark.parametrize("row", [np.arange(8.0)[::2], np.arange(4), np.zeros((2, 2))], ids=["gaps", "whole", "rows"])
 def test_an_array_that_machine_code_would_misread_is_refused(row):
-    catalog.start()
+    functions.start()
     with pytest.raises(TypeError, match="split takes a contiguous array"):
         split(row, 1.0)
 
@@ -62,7 +62,7 @@ def test_a_function_is_compiled_when_it_is_first_called():
     def usual(x):
         return x if x < 0.0 else rare(x)
 
-    catalog.start()
+    functions.start()
     assert usual(-1.0) == -1.0
     assert not rare._address
     assert usual(3.0) == 6.0
@@ -86,7 +86,7 @@ def test_what_stops_the_compiler_on_the_way_stops_the_call_and_nothing_else(monk
     def stopped(self):
         raise error
 
-    catalog.start()
+    functions.start()
     with monkeypatch.context() as patch:
         patch.setattr(type(needed), "_load", stopped)
         with pytest.raises(error):
@@ -125,16 +125,16 @@ def test_a_run_whose_code_is_kept_does_without_numba():
 
 
 def test_code_that_needs_what_is_not_there_is_made_anew(tmp_path, monkeypatch):
-    from rattle import machine
-    from rattle.codecache import Folder, KeptFile
+    from rattle.jit import machine
+    from rattle.jit.cache import Folder, KeptFile
 
     @native("f", "f")
     def third(x):
         return x / 3.0
 
     third.__module__ = "rattle.somewhere"
-    monkeypatch.setattr(codefolder, "_code_folder", Folder(tmp_path, True))
-    catalog.start()
+    monkeypatch.setattr(folder, "_code_folder", Folder(tmp_path, True))
+    functions.start()
     assert third(6.0) == 2.0
     (file,) = tmp_path.iterdir()
     kept = KeptFile(tmp_path, third.symbol, (third.letters, machine.processor()))

@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from rattle import catalog
+from rattle.jit import functions
 from rattle.laws.normal import damping_factor, returned
 from rattle.laws.restitution import factor_returning, restitution_returned
 
 pytestmark = pytest.mark.nojit
-LAWS = catalog.kinds("normal")
-STATIC = catalog.kinds("stiffness")
+LAWS = functions.kinds("normal")
+STATIC = functions.kinds("stiffness")
 POWER = ("power", {"stiffness": 1.0, "exponent": 1.5})
 PIN = {"bush_radius": 0.01, "clearance": 5e-4, "length": 0.015, "bush_material": "steel", "pin_material": "brass"}
 
@@ -171,7 +171,7 @@ def test_bad_input_is_refused():
 
 def test_every_law_names_its_source_and_explains_its_fields():
     for family in ("normal", "stiffness", "friction"):
-        for found in catalog.kinds(family).values():
+        for found in functions.kinds(family).values():
             assert found.source
             assert found.kernel.family == family
             assert all(entry.meaning for entry in found.fields.values())

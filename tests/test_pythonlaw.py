@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle import catalog
+from rattle.jit import functions
 from rattle.pythonlaw import LawKernel
 
 pytestmark = pytest.mark.nojit
@@ -64,7 +64,7 @@ def laws():
     rt.load_law("constant")(constant)
     rt.load_law("constant in Python", compiled=False)(constant)
     yield
-    entries = catalog.kinds("load")
+    entries = functions.kinds("load")
     for name in [name for name, one in entries.items() if isinstance(one.kernel, LawKernel)]:
         del entries[name]
 
@@ -151,13 +151,13 @@ def test_interrupt_in_a_law_stops_the_run():
 
 
 def test_log_says_what_runs_slower(caplog):
-    if not catalog.start():
+    if not functions.start():
         pytest.skip("machine code is switched off: everything is plain Python")
     for name in ("turn back slowly", "turn back plainly"):  # as if met for the first time
-        catalog.kinds("load")[name].kernel._native = None
-        catalog.kinds("load")[name].kernel._address = 0
+        functions.kinds("load")[name].kernel._native = None
+        functions.kinds("load")[name].kernel._address = 0
     with caplog.at_level(logging.INFO, logger="rattle"):
-        catalog.table("load")
+        functions.table("load")
     text = caplog.text
     assert "load law 'turn back plainly' runs as plain Python, slower (compiled=False)" in text
     assert "load law 'turn back slowly' runs as plain Python, slower: Numba cannot compile it" in text
@@ -174,7 +174,7 @@ def test_name_and_units_of_a_law_are_checked_at_once():
 
 
 def test_law_describes_itself_in_the_catalogue():
-    kind = catalog.kinds("load")["turn back"]
+    kind = functions.kinds("load")["turn back"]
     assert kind.summary == "A torsion spring and damper to the ground."
     assert kind.source == "test."
-    assert catalog.kinds("load")["wind"].source.endswith("test_pythonlaw.wind")
+    assert functions.kinds("load")["wind"].source.endswith("test_pythonlaw.wind")

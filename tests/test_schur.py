@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rattle import catalog, schur
-from rattle.memory import Memory
-from rattle.plane import AX, BX
+from rattle import schur
+from rattle.jit import functions
+from rattle.jit.layout import AX, BX
+from rattle.jit.workspace import Memory
 
 pytestmark = pytest.mark.nojit
 
@@ -17,8 +18,8 @@ pytestmark = pytest.mark.nojit
 @pytest.fixture(params=["python", "machine"])
 def mode(request, monkeypatch):
     if request.param == "python":
-        monkeypatch.setattr(catalog, "_jit", False)
-    elif not catalog.start():
+        monkeypatch.setattr(functions, "_jit", False)
+    elif not functions.start():
         pytest.skip("machine code is switched off")
 
 

@@ -9,8 +9,8 @@ from scipy.optimize import minimize
 
 import rattle as rt
 from rattle import statics
+from rattle.jit import small_matrices
 from rattle.resting import Rest
-from rattle.steppers import dense
 
 nojit = pytest.mark.nojit
 
@@ -309,17 +309,17 @@ def test_rank_null_space_and_least_squares_are_those_of_numpy(rows, n, rank):
     random = np.random.default_rng(rows)
     a = random.normal(size=(rows, rank)) @ random.normal(size=(rank, n))
     wide, order, pivot = a.copy(), np.zeros(rows, np.int64), np.zeros((2, rows))
-    assert dense.triangulate(wide, rows, order, pivot, 1e-9) == rank
+    assert small_matrices.triangulate(wide, rows, order, pivot, 1e-9) == rank
     basis = np.eye(n)
     for line in basis:
-        dense.out_of_basis(wide, pivot, rank, line)
+        small_matrices.out_of_basis(wide, pivot, rank, line)
     np.testing.assert_allclose(basis @ basis.T, np.eye(n), atol=1e-14)
     np.testing.assert_allclose(a @ basis[rank:].T, np.zeros((rows, n - rank)), atol=1e-13)
     if rank == rows:  # the multipliers of a force, by least squares
         force = random.normal(size=n)
         work = force.copy()
-        dense.into_basis(wide, pivot, rank, work)
-        dense.solve_upper(wide, pivot, rank, work)
+        small_matrices.into_basis(wide, pivot, rank, work)
+        small_matrices.solve_upper(wide, pivot, rank, work)
         wanted = np.linalg.lstsq(a.T, force, rcond=None)[0] if rows else np.zeros(0)
         np.testing.assert_allclose(work[:rank], wanted[order], atol=1e-13)
 
@@ -331,8 +331,8 @@ def test_the_absolute_value_of_a_symmetric_matrix_is_inverted():
     values = np.array([3.0, -2.0, 2.0, -1e-3, 0.4])  # the pair of equal size is the hard case
     small, right, x = np.zeros((10, 5)), random.normal(size=5), np.zeros(5)
     small[:5] = basis @ np.diag(values) @ basis.T
-    dense.rotate_columns(small, 5)
-    dense.solve_downhill(small, 5, right, 1e-9, x)
+    small_matrices.rotate_columns(small, 5)
+    small_matrices.solve_downhill(small, 5, right, 1e-9, x)
     np.testing.assert_allclose(x, basis @ ((basis.T @ right) / np.abs(values)), rtol=1e-11)
 
 
@@ -342,6 +342,6 @@ def test_a_square_system_leaves_out_what_depends_on_the_rest():
     small, right = np.zeros((6, 6)), h @ np.array([0.3, -0.2, 0.1])
     small[:3, :3] = h.T
     order, pivot, work, x = np.zeros(6, np.int64), np.zeros((2, 6)), np.zeros(6), np.zeros(6)
-    dense.solve_square(small, 3, order, pivot, right, 1e-13, work, x)
+    small_matrices.solve_square(small, 3, order, pivot, right, 1e-13, work, x)
     np.testing.assert_allclose(h @ x[:3], right, atol=1e-14)
     assert (x[:3] == 0.0).sum() == 1

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 import rattle as rt
-from rattle.catalog import Compiled
+from rattle.jit.functions import Compiled
 from rattle.steppers import march
 
 IMPACT = '{ model = "impact", restitution = 0.5, friction = 0.1, bush_radius = 0.01 }'

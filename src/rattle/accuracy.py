@@ -20,12 +20,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rattle import catalog
 from rattle.assembly import assemble, ideal_model
 from rattle.displaced import Displaced, widest
 from rattle.display import quantity, table
 from rattle.errors import ModelError, Problem
 from rattle.extremes import extreme, largest_turn
+from rattle.jit import functions
 from rattle.kinematics import Sweep, begin, instants, require_driven, why_stuck
 from rattle.model import Joint
 from rattle.rest_starts import opened
@@ -146,7 +146,7 @@ def accuracy(
     """Band of an output; see `Mechanism.accuracy`."""
     began = time.perf_counter()
     times = instants(t_eval)
-    catalog.start()
+    functions.start()
     ideal = compile_system(ideal_model(ready.model))
     joints = [one for one in ready.model.joints.values() if one.clearance > 0.0 and one.contact is not None]
     if not joints:

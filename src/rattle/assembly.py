@@ -19,10 +19,10 @@ from rattle.contact import touch_all
 from rattle.dense import LARGE, dense_rows
 from rattle.equations import constraints, drive, solve_motion
 from rattle.errors import AssemblyError
-from rattle.memory import Memory
+from rattle.jit.layout import GAP, OWNER
+from rattle.jit.workspace import Memory
 from rattle.model import Contact, Joint, Model
 from rattle.placing import outward, passed_angles, place_positions, place_rates, turned
-from rattle.plane import GAP, OWNER
 from rattle.starting import given_values, keep_places, keep_positions, keep_rates, start_notes
 from rattle.system import Compiled, compile_system, has_contacts, is_link
 from rattle.unclosed import why_open, without_value

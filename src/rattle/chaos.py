@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
-from rattle import asked, catalog, dynamics
+from rattle import asked, dynamics
 from rattle.closing import open_by
 from rattle.dense import LARGE
 from rattle.display import lines
 from rattle.equations import DONE, PAUSED, drive
-from rattle.plane import CLOSED, SHUT, SPEED
+from rattle.jit import functions
+from rattle.jit.layout import CLOSED, SHUT, SPEED
 from rattle.singular import rank
 from rattle.steppers import march
 from rattle.steppers.audit import STARTED
@@ -320,7 +321,7 @@ def lyapunov(
     that the other is about to have lasts a little longer.
     Raises ValueError where the drivers fix every position (then nothing can grow), or the run cannot go on.
     """
-    catalog.start()
+    functions.start()
     span = asked.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
     length = span / 400 if stretch is None else asked.positive("stretch", stretch)
     rtol = asked.relative_tolerance(rtol)

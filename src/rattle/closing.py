@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import native
 from rattle.equations import constraints, correct, drive, place, rate_residual, residual
-from rattle.memory import BODY, CHANGE, ROWS, mat, vec
-from rattle.plane import COS, PHI, RES, SIN, X, Y
+from rattle.jit.functions import native
+from rattle.jit.layout import COS, PHI, RES, SIN, X, Y
+from rattle.jit.workspace import BODY, CHANGE, ROWS, mat, vec
 from rattle.schur import factorise
 
 

@@ -17,8 +17,9 @@ Non-Smooth Mechanical Systems (2004), chapter 5.
 
 from __future__ import annotations
 
-from rattle.catalog import call_problem, compiled, kernel
-from rattle.memory import (
+from rattle.jit.functions import call_problem, compiled, kernel
+from rattle.jit.layout import A_BODY, AX, B_BODY, BX, NORMAL_P, NX, NY, PAX, PAY, PBX, PBY
+from rattle.jit.workspace import (
     ARM,
     CHOSEN,
     CONTACT,
@@ -45,7 +46,6 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import A_BODY, AX, B_BODY, BX, NORMAL_P, NX, NY, PAX, PAY, PBX, PBY
 from rattle.schur import solve
 
 OFF, STICK, FORWARD, BACKWARD = range(4)

@@ -7,25 +7,8 @@ power taken from the motion = N ddelta + T u = (stored: F_static ddelta) + (lost
 
 from __future__ import annotations
 
-from rattle.catalog import call_clearance, call_friction, call_normal, call_stiffness, compiled, native
-from rattle.memory import (
-    BODY,
-    BRISTLE_RATE,
-    CLEARANCE_TABLE,
-    CONTACT,
-    FORCE,
-    FRICTION_TABLE,
-    GRIP,
-    NORMAL_TABLE,
-    STIFFNESS_TABLE,
-    TOUCH,
-    VALUES,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
-from rattle.plane import (
+from rattle.jit.functions import call_clearance, call_friction, call_normal, call_stiffness, compiled, native
+from rattle.jit.layout import (
     A_BODY,
     B_BODY,
     BRISTLE,
@@ -59,6 +42,23 @@ from rattle.plane import (
     TANGENT,
     X,
     Y,
+)  # fmt: skip
+from rattle.jit.workspace import (
+    BODY,
+    BRISTLE_RATE,
+    CLEARANCE_TABLE,
+    CONTACT,
+    FORCE,
+    FRICTION_TABLE,
+    GRIP,
+    NORMAL_TABLE,
+    STIFFNESS_TABLE,
+    TOUCH,
+    VALUES,
+    imat,
+    ivec,
+    mat,
+    vec,
 )  # fmt: skip
 
 

@@ -24,9 +24,9 @@ from typing import Any
 
 import numpy as np
 
-from rattle import catalog
-from rattle.catalog import Compiled, Field
-from rattle.plane import (
+from rattle.jit import functions
+from rattle.jit.functions import Compiled, Field
+from rattle.jit.layout import (
     BRISTLE,
     DGAP,
     FRICTION,
@@ -81,10 +81,10 @@ def _enter(family: str, name: str, fields: dict[str, str], memory: bool) -> Call
         if key in TAKEN[family] or key.startswith("_"):
             raise ValueError(f"{family} law '{name}': a field cannot be called '{key}'")
         dimension_of(unit)
-    known = catalog.kinds(family)
+    known = functions.kinds(family)
     if name in known and not isinstance(known[name].kernel, ContactLaw):
         raise ValueError(f"{family} law '{name}': a law of the program has this name; choose another")
-    if family == "normal" and name in catalog.kinds("contact"):
+    if family == "normal" and name in functions.kinds("contact"):
         raise ValueError(f"normal law '{name}': a contact model of the program has this name; choose another")
 
     def enter(law: Law) -> Law:
@@ -97,7 +97,7 @@ def _enter(family: str, name: str, fields: dict[str, str], memory: bool) -> Call
         notes: Any = staticmethod(lambda values: [])
         common = {"__doc__": text, "__module__": law.__module__, "pack": pack, "notes": notes, "memory": memory}
         leaf = type(law.__name__, (), {**common, **own})
-        catalog.kind(family, name, ContactLaw(family, name, law, keys, memory))(leaf)
+        functions.kind(family, name, ContactLaw(family, name, law, keys, memory))(leaf)
         return law
 
     return enter
@@ -207,7 +207,7 @@ def failure(contact: np.ndarray, touch: np.ndarray, grip: np.ndarray, values: np
 
 def _kernel(family: str, tag: float) -> Compiled:
     """A kernel by its place in the table of its family."""
-    return [one.kernel for one in catalog.kinds(family).values() if one.kernel is not None][int(tag)]
+    return [one.kernel for one in functions.kinds(family).values() if one.kernel is not None][int(tag)]
 
 
 def _tried(kernel: ContactLaw, where: str, arguments: tuple[float, ...], values: np.ndarray) -> tuple[float, str]:

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from rattle.closing import close_position, close_rate, open_by
-from rattle.memory import Memory
-from rattle.plane import GAMMA, NU
+from rattle.jit.layout import GAMMA, NU
+from rattle.jit.workspace import Memory
 from rattle.singular import RANK, left_null, row_lengths, scaled_rows
 from rattle.system import Compiled, compile_system
 

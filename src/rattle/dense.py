@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.memory import Memory
+from rattle.jit.workspace import Memory
 from rattle.system import Compiled
 
 LARGE = 400  # rows above which dense linear algebra is avoided and machine code is worth its start

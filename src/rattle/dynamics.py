@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from rattle import asked, catalog, pythonlaw
+from rattle import asked, pythonlaw
 from rattle.agreement import Reach, agreement, tighter
 from rattle.assembly import Assembled
 from rattle.equations import DONE, OK, PAUSED
 from rattle.errors import SolverError
 from rattle.happenings import contact_counts, contact_events, contact_notes, method_notes, require_workable
-from rattle.memory import Memory
+from rattle.jit import functions
+from rattle.jit.workspace import Memory
 from rattle.passivity import law_faults
 from rattle.peak_values import peak_arrays, peak_values
 from rattle.recording import columns, geometry, width
@@ -198,7 +199,7 @@ class Run:
             while status == PAUSED:
                 if stop.is_set():
                     raise KeyboardInterrupt
-                status = self.advance(self.t_end, CHUNK if catalog.jit_runs() else 20)
+                status = self.advance(self.t_end, CHUNK if functions.jit_runs() else 20)
                 self.crossings.append(m["crossings"][: tally[march.FOUND]].copy())
                 self.contacts.append(m["events"][: tally[march.EVENT_COUNT]].copy())
                 tally[march.FOUND] = tally[march.EVENT_COUNT] = 0
@@ -238,7 +239,7 @@ def simulate(
     horizon: bool = False, most_steps: int | None = None,
 ) -> Result:  # fmt: skip
     """Integrate the equations of motion; see `Mechanism.simulate`."""
-    catalog.start()
+    functions.start()
     settings = ready.model.settings
     end, times = output_times(settings, t_end, t_eval)
     wanted, method = method, settings.method if method is None else method

@@ -10,9 +10,33 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_hold, call_joint, call_load, compiled, native
 from rattle.contact import press, touch_all
-from rattle.memory import (
+from rattle.jit.functions import call_hold, call_joint, call_load, compiled, native
+from rattle.jit.layout import (
+    AX,
+    BRISTLE,
+    BX,
+    COS,
+    DBRISTLE,
+    DISSIPATED,
+    ELASTIC,
+    GAMMA,
+    LOSS,
+    NORMAL,
+    NU,
+    OUTSIDE,
+    PHI,
+    POTENTIAL,
+    RES,
+    SIN,
+    STORE,
+    VX,
+    VY,
+    W,
+    X,
+    Y,
+)  # fmt: skip
+from rattle.jit.workspace import (
     ACCELERATION,
     BODY,
     CHANGE,
@@ -50,30 +74,6 @@ from rattle.memory import (
     ivec,
     mat,
     vec,
-)  # fmt: skip
-from rattle.plane import (
-    AX,
-    BRISTLE,
-    BX,
-    COS,
-    DBRISTLE,
-    DISSIPATED,
-    ELASTIC,
-    GAMMA,
-    LOSS,
-    NORMAL,
-    NU,
-    OUTSIDE,
-    PHI,
-    POTENTIAL,
-    RES,
-    SIN,
-    STORE,
-    VX,
-    VY,
-    W,
-    X,
-    Y,
 )  # fmt: skip
 from rattle.programs import evaluate, evaluate_jet
 from rattle.schur import WEAK, factorise, solve

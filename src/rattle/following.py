@@ -22,7 +22,6 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled, kernel
 from rattle.complementarity import (
     BACKWARD,
     FORWARD,
@@ -38,7 +37,8 @@ from rattle.complementarity import (
     friction_of,
     linear,
 )  # fmt: skip
-from rattle.memory import CHOSEN, HELD, PATH, SIDE, SLIDE, TRIAL, ivec, mat, vec
+from rattle.jit.functions import compiled, kernel
+from rattle.jit.workspace import CHOSEN, HELD, PATH, SIDE, SLIDE, TRIAL, ivec, mat, vec
 
 RAISED = 1e-11
 ATTEMPTS = 4

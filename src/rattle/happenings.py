@@ -8,12 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from rattle import catalog
 from rattle.errors import ModelError, Problem
-from rattle.memory import Memory
-from rattle.model import Model
-from rattle.passivity import law_faults
-from rattle.plane import (
+from rattle.jit import functions
+from rattle.jit.layout import (
     CLOSED,
     IMPULSE_0,
     LOSS_0,
@@ -23,6 +20,9 @@ from rattle.plane import (
     SINCE,
     SPEED,
 )  # fmt: skip
+from rattle.jit.workspace import Memory
+from rattle.model import Model
+from rattle.passivity import law_faults
 from rattle.result import Event
 from rattle.system import Compiled
 
@@ -75,7 +75,7 @@ def contact_duration(ready: Compiled, joint: str, speed: float = 1.0) -> float:
     if static is None:
         raise ValueError(f"joint '{joint}' has no compliant contact")
     inverse = sum(1.0 / ready.model.bodies[b].mass for b in (one.a.body, one.b.body) if b in ready.model.bodies)
-    kind = catalog.kinds("stiffness")[static.kind]
+    kind = functions.kinds("stiffness")[static.kind]
     p = np.array([*kind.leaf.pack(static.values), 0.0])
     delta = 1e-30
     while kind.kernel(delta, p, 0) * delta * inverse < speed * speed and delta < 1.0:  # type: ignore[misc]  # it has a kernel
@@ -144,7 +144,10 @@ def contact_notes(ready: Compiled, events: Sequence[Event], energy: float) -> tu
         if contact is None or contact.normal is None or contact.static is None:
             continue
         peak = max((event.peak_force for event in events if event.joint == name), default=0.0)
-        static, normal = catalog.kinds("stiffness")[contact.static.kind], catalog.kinds("normal")[contact.normal.kind]
+        static, normal = (
+            functions.kinds("stiffness")[contact.static.kind],
+            functions.kinds("normal")[contact.normal.kind],
+        )
         found += [f"{name}, {contact.static.kind}: {one}" for one in static.leaf.notes(contact.static.values, peak)]
         if contact.normal.values.get("effective_mass", 1.0) > 0.0:
             found += [f"{name}, {contact.normal.kind}: {one}" for one in normal.leaf.notes(contact.normal.values)]

@@ -6,7 +6,6 @@ not compile them again.
 
 from __future__ import annotations
 
-from rattle.catalog import call_problem, compiled, kernel
 from rattle.complementarity import (
     COUNT,
     IMPOSSIBLE,
@@ -25,7 +24,24 @@ from rattle.complementarity import (
     F,
     friction_of,
 )  # fmt: skip
-from rattle.memory import (
+from rattle.jit.functions import call_problem, compiled, kernel
+from rattle.jit.layout import (
+    A_BODY,
+    AX,
+    B_BODY,
+    BX,
+    DBRISTLE,
+    GAMMA_N,
+    GAMMA_T,
+    IMPACT,
+    LOSS,
+    NORMAL,
+    SLIP,
+    STORE,
+    TANGENT,
+    VX,
+)
+from rattle.jit.workspace import (
     ACCELERATION,
     ARM,
     BODY,
@@ -52,22 +68,6 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import (
-    A_BODY,
-    AX,
-    B_BODY,
-    BX,
-    DBRISTLE,
-    GAMMA_N,
-    GAMMA_T,
-    IMPACT,
-    LOSS,
-    NORMAL,
-    SLIP,
-    STORE,
-    TANGENT,
-    VX,
-)
 from rattle.schur import solve
 
 DETERMINANT, SIZE = range(2)  # entries of `held`; more in complementarity

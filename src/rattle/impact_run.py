@@ -7,14 +7,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rattle import catalog, complementarity, following, impact, network, paths, phases, uniqueness
+from rattle import complementarity, following, impact, network, paths, phases, uniqueness
 from rattle.complementarity import BACKWARD, FORWARD
 from rattle.dynamics import Run, start_state
 from rattle.equations import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from rattle.errors import ModelError, Problem
-from rattle.memory import Memory
+from rattle.jit import functions
+from rattle.jit.layout import IMPACT, NORMAL_P, OWNER
+from rattle.jit.workspace import Memory
 from rattle.peak_values import peak_arrays
-from rattle.plane import IMPACT, NORMAL_P, OWNER
 from rattle.soundness import audit_arrays, set_floor, why_unsound
 from rattle.steppers import event, glances, jamming, locating, march, moreau
 from rattle.steppers.audit import UNSOUND
@@ -57,7 +58,7 @@ def require_one_law(ready: Compiled, method: str) -> None:
 
     An impact at several joints is one problem: it has one law.
     """
-    choices = catalog.kinds("contact")["impact"].fields["restitution_law"].choices
+    choices = functions.kinds("contact")["impact"].fields["restitution_law"].choices
     laws = {
         ready.joints[row[OWNER]]: choices[int(ready.arrays["values"][row[NORMAL_P] + 3])]
         for row in ready.arrays["contact"]
@@ -95,8 +96,8 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "bounce": np.zeros((7, 2 * nc)),
         "looks": np.zeros((locating.LOOKS_KEPT, glances.KINDS * nc + 2)),
         "held": np.array([1.0, ready.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
-        "problem_table": catalog.entries((*complementarity.KERNELS, *solvers, *laws)),
-        **({"hold_table": catalog.entries([impact.hold]), "glances": glances.table(nc)} if lasting else {}),
+        "problem_table": functions.entries((*complementarity.KERNELS, *solvers, *laws)),
+        **({"hold_table": functions.entries([impact.hold]), "glances": glances.table(nc)} if lasting else {}),
     }
 
 

@@ -10,13 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rattle import asked, catalog
+from rattle import asked
 from rattle.assembly import Assembled, assemble
 from rattle.closing import open_by
 from rattle.dense import LARGE
 from rattle.equations import drive
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, suggest
-from rattle.memory import Memory
+from rattle.jit import functions
+from rattle.jit.workspace import Memory
 from rattle.recording import BODY, columns, geometry, width
 from rattle.result import Event, Result, Trust
 from rattle.singular import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
@@ -95,7 +96,7 @@ def begin(
     for row, name in motors:
         joint = ready.model.joints[name]
         number = {"ground": 0, **{body: n + 1 for n, body in enumerate(ready.bodies)}}
-        tag = len(catalog.kinds("joint")) + catalog.kinds("driver")[MOTORS[joint.kind][0]].tag
+        tag = len(functions.kinds("joint")) + functions.kinds("driver")[MOTORS[joint.kind][0]].tag
         probe.append((tag, number[joint.a.body], number[joint.b.body], len(values), row))
         values += [*joint.a.at, *joint.b.at, *joint.fields.values(), 0.0, 0.0, 0.0]
     arrays = {**ready.arrays, "weight": weight, "values": np.array(values, dtype=float)}
@@ -156,7 +157,7 @@ def analyse(
     began = time.perf_counter()
     times = instants(t_eval)
     what = "inverse dynamics" if forces else "kinematics"
-    catalog.start()
+    functions.start()
     if start is None:
         try:
             start = assemble(ready, float(times[0]))

@@ -388,10 +388,10 @@ class Mechanism(Building):
 
     def _start_or_none(self) -> Assembled | None:
         """The start at t = 0, or None when the mechanism cannot be put together there."""
-        from rattle import catalog
         from rattle.errors import AssemblyError
+        from rattle.jit import functions
 
-        catalog.start()
+        functions.start()
         try:
             return self.start
         except AssemblyError:

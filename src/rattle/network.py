@@ -18,9 +18,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from rattle import schur
-from rattle.catalog import compiled, kernel
 from rattle.complementarity import DENSE_WAY, FORWARD, OFF, RIDGE, SCALE, STICK, WEAKEST, A, B, F, friction_of
-from rattle.memory import (
+from rattle.jit.functions import compiled, kernel
+from rattle.jit.layout import A_BODY, AX, B_BODY
+from rattle.jit.workspace import (
     ARM,
     CHOSEN,
     CONTACT,
@@ -49,7 +50,6 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import A_BODY, AX, B_BODY
 
 VANISHED = 1e-11  # share of its diagonal below which a pivot is nothing
 CLEAN = 1e-14  # share of the terms that a residual may have without being refined

@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from rattle import catalog
-from rattle.catalog import REQUIRED, Field
 from rattle.errors import suggest
+from rattle.jit import functions as catalog
+from rattle.jit.functions import REQUIRED, Field
 from rattle.model import Body, Contact, Driver, Joint, Load, Point, Vector
 from rattle.plays import read_contact
 from rattle.values import Path, Values, said

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_problem, compiled, kernel
 from rattle.complementarity import (
     BACKWARD,
     FORWARD,
@@ -35,8 +34,22 @@ from rattle.complementarity import (
     fill_delassus,
     friction_of,
 )  # fmt: skip
-from rattle.memory import BOUNCE, CHOSEN, DELASSUS, HELD, PROBLEM_TABLE, SIDE, SLIDE, TOUCH, TRIAL, ivec, mat, vec
-from rattle.plane import DGAP, SLIP
+from rattle.jit.functions import call_problem, compiled, kernel
+from rattle.jit.layout import DGAP, SLIP
+from rattle.jit.workspace import (
+    BOUNCE,
+    CHOSEN,
+    DELASSUS,
+    HELD,
+    PROBLEM_TABLE,
+    SIDE,
+    SLIDE,
+    TOUCH,
+    TRIAL,
+    ivec,
+    mat,
+    vec,
+)
 
 # rows of `bounce`, two columns for every contact of the model: restitution e and rate of the gap before the impact
 # (first column), percussions so far, rates now, work of N in this phase (first column) and what it may still become

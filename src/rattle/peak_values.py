@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from rattle.memory import Memory
+from rattle.jit.workspace import Memory
 from rattle.recording import JOINT, quantities
 from rattle.result import Peak
 from rattle.steppers import peaks

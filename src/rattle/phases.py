@@ -23,11 +23,11 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled, kernel
 from rattle.complementarity import BACKWARD, EXACT, FORWARD, OFF, STICK, A, B, F, friction_of
-from rattle.memory import BOUNCE, CHOSEN, CONTACT, DELASSUS, SIDE, SYSTEM, TRIAL, VALUES, imat, ivec, mat, vec
+from rattle.jit.functions import compiled, kernel
+from rattle.jit.layout import NORMAL_P
+from rattle.jit.workspace import BOUNCE, CHOSEN, CONTACT, DELASSUS, SIDE, SYSTEM, TRIAL, VALUES, imat, ivec, mat, vec
 from rattle.paths import E, as_full_matrix
-from rattle.plane import NORMAL_P
 
 NEWTON, POISSON, ENERGETIC = range(3)  # in the order of the choices of the contact table
 # rows of `bounce` after those of `paths` that stay: percussions and rates after compression, least percussion in

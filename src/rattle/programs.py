@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled, native
+from rattle.jit.functions import compiled, native
 
 # leaves, then functions of one operand, of two, and choices: the loops rely on this order
 CONST, TIME, STATE, SIGNAL = range(4)

@@ -25,9 +25,9 @@ from typing import Any
 
 import numpy as np
 
-from rattle import catalog
-from rattle.catalog import Compiled, Field
-from rattle.plane import OUTSIDE, PHI, VX, VY, W, X, Y
+from rattle.jit import functions
+from rattle.jit.functions import Compiled, Field
+from rattle.jit.layout import OUTSIDE, PHI, VX, VY, W, X, Y
 from rattle.quantity import dimension_of
 
 log = logging.getLogger("rattle")
@@ -59,10 +59,10 @@ def load_law(name: str, *, compiled: bool = True, **fields: str) -> Callable[[La
         own = {key: Field(unit, key.replace("_", " "), live=True) for key, unit in fields.items()}
         place = Field("", "body the load acts on", shape="body")
         leaf = type(law.__name__, (), {"__doc__": text, "__module__": law.__module__, "body": place, **own})
-        catalog.kind("load", name, LawKernel(name, law, tuple(fields), compiled))(leaf)
+        functions.kind("load", name, LawKernel(name, law, tuple(fields), compiled))(leaf)
         return law
 
-    if name in catalog.kinds("load") and not isinstance(catalog.kinds("load")[name].kernel, LawKernel):
+    if name in functions.kinds("load") and not isinstance(functions.kinds("load")[name].kernel, LawKernel):
         raise ValueError(f"load law '{name}': a load of the program has this name; choose another")
     return enter
 
@@ -128,7 +128,7 @@ def complaint(since: float) -> str:
 
 def failure(kind: str, t: float, body: np.ndarray, values: np.ndarray) -> str:
     """Why the law of a kind of load has no finite value, by running it as plain Python; "" where it has one."""
-    kernel = catalog.kinds("load")[kind].kernel
+    kernel = functions.kinds("load")[kind].kernel
     if not isinstance(kernel, LawKernel):
         return ""
     forget()

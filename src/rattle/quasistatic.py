@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rattle import catalog
 from rattle.assembly import ideal_model
 from rattle.dense import dense_rows
 from rattle.equilibrium import Equilibrium
+from rattle.jit import functions
 from rattle.kinematics import instants
 from rattle.rest_starts import opened
 from rattle.resting import Rest
@@ -74,7 +74,7 @@ def quasistatic(ready: Compiled, t_eval: np.ndarray, effort: float = 1.0) -> Res
     """Positions of rest over the times; see `Mechanism.equilibrium`."""
     began = time.perf_counter()
     times = instants(t_eval)
-    catalog.start()
+    functions.start()
     ready = without_guide_play(ready)
     first = equilibria(ready, float(times[0]), effort=effort)
     if not first:
@@ -238,7 +238,7 @@ def _result(rest: Rest, kept: list[Equilibrium], events: list[Event], message: s
         line += [one.eigenvalue, float(one.stable), float(one.admissible)]
         rest.at(one.t)
         for (load, driver), value in advantage(rest, one).items():
-            effort = catalog.kinds("driver")[ready.model.drivers[driver].kind].leaf.effort[1]
+            effort = functions.kinds("driver")[ready.model.drivers[driver].kind].leaf.effort[1]
             name = f"{load}.advantage" if len(ready.model.drivers) == 1 else f"{load}.advantage_{driver}"
             extra[name] = ADVANTAGE_UNITS[ready.model.loads[load].kind, effort]
             line.append(value)

@@ -20,7 +20,7 @@ from rattle.closing import close_position
 from rattle.dense import dense_rows
 from rattle.equations import drive
 from rattle.equilibrium import Equilibrium, Table
-from rattle.plane import AUTO, CLOSED, SPEED
+from rattle.jit.layout import AUTO, CLOSED, SPEED
 from rattle.recording import columns, geometry, width
 from rattle.singular import RANK, nonunique_reactions
 from rattle.steppers import settling

@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from rattle import catalog
-from rattle.catalog import REQUIRED, Field, Kind
 from rattle.definitions import DISTRIBUTIONS
+from rattle.jit import functions
+from rattle.jit.functions import REQUIRED, Field, Kind
 from rattle.parts import BLOCK, GUIDED
 from rattle.reader import METHODS, SETTING_UNITS, STATE_UNITS
 
@@ -37,9 +37,9 @@ def schema() -> Schema:
                 "signals": _named(_number("", "expression over parameters, t and state"), "recorded quantities"),
                 "ground": _object({"points": _points("points of the ground")}),
                 "bodies": _named({"anyOf": [_bar(), _body()]}, "rigid bodies"),
-                "joints": _named({"anyOf": [_joint(kind) for kind in catalog.kinds("joint").values()]}, "joints"),
+                "joints": _named({"anyOf": [_joint(kind) for kind in functions.kinds("joint").values()]}, "joints"),
                 "drivers": _named({"anyOf": _drivers()}, "freedoms that follow a function of time"),
-                "loads": _named({"anyOf": [_load(kind) for kind in catalog.kinds("load").values()]}, "loads"),
+                "loads": _named({"anyOf": [_load(kind) for kind in functions.kinds("load").values()]}, "loads"),
                 "initial": _named({"anyOf": [_start(), _offset()]}, "start of bodies and of clearance joints"),
                 "simulate": _settings(),
             },
@@ -187,7 +187,7 @@ def _joint(kind: Kind) -> Schema:
 
 def _contact() -> Schema:
     """How play is treated: the name of a model, or a table with its fields; those of other models may stand in it."""
-    plain, laws, statics = catalog.kinds("contact"), catalog.kinds("normal"), catalog.kinds("stiffness")
+    plain, laws, statics = functions.kinds("contact"), functions.kinds("normal"), functions.kinds("stiffness")
     radius = {"bush_radius": _number("m", "radius of the bush; the pin's is less by the clearance", "positive")}
     friction = {"friction": _friction()}
     own = [key for key in statics if key != "power"]
@@ -203,14 +203,14 @@ def _contact() -> Schema:
 
 
 def _friction() -> Schema:
-    laws = catalog.kinds("friction").values()
+    laws = functions.kinds("friction").values()
     tables = [_object({"model": _choice(kind), **_fields(kind)}, ("model", *_needed(kind))) for kind in laws]
     return {"anyOf": [_number("", "coefficient of friction", "not negative"), *tables]}
 
 
 def _drivers() -> list[Schema]:
     made = []
-    for kind in catalog.kinds("driver").values():
+    for kind in functions.kinds("driver").values():
         where: dict[str, Schema] = {"joint": {"type": "string", "description": f"a {kind.leaf.drives} joint"}}
         if kind.name.startswith("body-"):
             where = {

@@ -14,8 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.catalog import compiled, native
-from rattle.memory import (
+from rattle.jit.functions import compiled, native
+from rattle.jit.layout import AX, BX
+from rattle.jit.workspace import (
     BELOW,
     FIRST,
     INVERSE,
@@ -32,7 +33,6 @@ from rattle.memory import (
     mat,
     vec,
 )
-from rattle.plane import AX, BX
 
 PIVOT = 1e-13  # a pivot below this share of its diagonal is a redundant row
 WEAK = 1e-3  # below this share the solution is refined: S has the square of the condition of Phi_q

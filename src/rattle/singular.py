@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.dense import LARGE, dense_rows
-from rattle.memory import Memory
+from rattle.jit.workspace import Memory
 from rattle.system import Compiled
 
 RANK = 1e-9  # a singular value below this share of the largest counts as zero

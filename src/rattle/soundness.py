@@ -15,7 +15,7 @@ import numpy as np
 from rattle import pythonlaw
 from rattle.contradiction import contradicted
 from rattle.equations import drive
-from rattle.memory import Memory
+from rattle.jit.workspace import Memory
 from rattle.model import Point
 from rattle.recording import width
 from rattle.singular import describe_rank_loss, unlike_masses

@@ -19,12 +19,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from rattle import catalog
 from rattle.assembly import assemble, ideal_model
 from rattle.closing import merit_at
 from rattle.equations import drive
 from rattle.equilibrium import Equilibria, Equilibrium
 from rattle.errors import AssemblyError
+from rattle.jit import functions
 from rattle.model import Contact
 from rattle.rest_starts import Turning, along, apart, around, opened, sides
 from rattle.resting import MOST_TURN, Found, Rest
@@ -56,7 +56,7 @@ def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near", effort: 
     """All positions of rest found; see `Mechanism.equilibrium`."""
     if branches not in ("near", "all"):
         raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
-    catalog.start()
+    functions.start()
     ready = without_guide_play(ready)
     rigid = rigid_model(ready)
     ideal_ready = compile_system(ideal_model(ready.model)) if rigid is not None else ready

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from rattle import catalog, schur
+from rattle import schur
 from rattle.expression import Node, compile_program, concatenate
-from rattle.memory import Memory
+from rattle.jit import functions
+from rattle.jit.layout import AUTO, CLOSED, FRICTION, NORMAL_LAW, SHAPE, STATIC
+from rattle.jit.workspace import Memory
 from rattle.model import Choice, Joint, Model, driven_ends
-from rattle.plane import AUTO, CLOSED, FRICTION, NORMAL_LAW, SHAPE, STATIC
 from rattle.switching import Signals, Switch, find_switches
 
 # families of kernels that contacts call, and the columns of `contact` that name them
@@ -65,7 +66,7 @@ class Compiled:
         """Fresh memory for one run; also: other joint kernels called; `more` are arrays of the march."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
         nc = self.arrays["contact"].shape[0]
-        machine = catalog.jit_runs()  # asked once: another thread may switch to machine code at any moment
+        machine = functions.jit_runs()  # asked once: another thread may switch to machine code at any moment
         grip = np.zeros((nc, 13))
         grip[:, CLOSED] = AUTO
         body = np.zeros((nb, 8))
@@ -73,12 +74,12 @@ class Compiled:
         return Memory(
             {
                 **self.arrays,
-                "joint_table": catalog.table(
+                "joint_table": functions.table(
                     "joint", "driver", machine=machine, used=[*self.arrays["joint"][:, 0], *also]
                 ),
-                "load_table": catalog.table("load", machine=machine, used=self.arrays["load"][:, 0]),
+                "load_table": functions.table("load", machine=machine, used=self.arrays["load"][:, 0]),
                 **{
-                    f"{family}_table": catalog.table(family, machine=machine, used=self.arrays["contact"][:, column])
+                    f"{family}_table": functions.table(family, machine=machine, used=self.arrays["contact"][:, column])
                     for family, column in CONTACT_FAMILIES.items()
                     if nc
                 },
@@ -109,15 +110,15 @@ class Compiled:
         )
 
 
-def joint_rows(joint: Joint) -> tuple[catalog.Kind | None, tuple[float, ...]]:
+def joint_rows(joint: Joint) -> tuple[functions.Kind | None, tuple[float, ...]]:
     """The kind whose rows hold this joint, and the values of its fields; None when contacts alone act on it."""
-    own = catalog.kinds("joint")[joint.kind]
+    own = functions.kinds("joint")[joint.kind]
     if has_contacts(joint):
         return None, ()
     if joint.contact is not None and joint.clearance > 0.0:
-        replaces: Mapping[str, str] = catalog.kinds("contact")[joint.contact.model].leaf.replaces
+        replaces: Mapping[str, str] = functions.kinds("contact")[joint.contact.model].leaf.replaces
         if joint.kind in replaces:
-            return catalog.kinds("joint")[replaces[joint.kind]], (joint.clearance,)
+            return functions.kinds("joint")[replaces[joint.kind]], (joint.clearance,)
     return own, tuple(joint.fields.values())
 
 
@@ -125,7 +126,7 @@ def has_contacts(joint: Joint) -> bool:
     """True when the joint is open: only contacts with its clearance act on it."""
     if joint.contact is None or joint.clearance <= 0.0:
         return False
-    known = catalog.kinds("contact")
+    known = functions.kinds("contact")
     return joint.contact.model not in known or bool(known[joint.contact.model].leaf.contacts)
 
 
@@ -160,10 +161,10 @@ def compile_system(model: Model) -> Compiled:
     joint, rows, row_body, watch, watched = _joints(model, number, values)
     jets = []
     for name, driver in model.drivers.items():
-        one = catalog.kinds("driver")[driver.kind]
+        one = functions.kinds("driver")[driver.kind]
         end_a, end_b, fields = driven_ends(model, driver)
         a, b = number[end_a.body], number[end_b.body]
-        tag = len(catalog.kinds("joint")) + one.tag
+        tag = len(functions.kinds("joint")) + one.tag
         joint.append((tag, a, b, len(values), len(rows)))
         values += [*end_a.at, *end_b.at, *fields]
         if isinstance(driver.value, float):
@@ -237,10 +238,10 @@ def _joints(
 def _contacts(
     model: Model, number: Mapping[str, int], values: list[float]
 ) -> tuple[list[tuple[int, ...]], list[tuple[float, float, float]]]:
-    """One entry per contact point, see `plane`: geometry and laws with their parameters; the levers of its bodies."""
+    """One entry per contact point, see `jit.layout`: geometry and laws with their parameters; the levers of its bodies."""
     found: list[tuple[int, ...]] = []
     levers: list[tuple[float, float, float]] = []
-    shapes = {one.leaf.joint: one for one in catalog.kinds("clearance").values()}
+    shapes = {one.leaf.joint: one for one in functions.kinds("clearance").values()}
     for n, joint in enumerate(model.joints.values()):
         contact = joint.contact
         if contact is None or not has_contacts(joint):
@@ -276,7 +277,7 @@ def _contacts(
 def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, int]:
     if choice is None:
         return -1, -1
-    kind = catalog.kinds(family)[choice.kind]
+    kind = functions.kinds(family)[choice.kind]
     place = len(values)
     values += kind.leaf.pack(choice.values)
     return kind.tag, place
@@ -296,7 +297,7 @@ def _loads(
     load = []
     live: list[tuple[int, int]] = []
     for name, one in model.loads.items():
-        tag = catalog.kinds("load")[one.kind].tag
+        tag = functions.kinds("load")[one.kind].tag
         start, before = len(values), len(live)
         for n, value in enumerate(one.values):
             if isinstance(value, float | int):

@@ -9,8 +9,8 @@ import numpy as np
 from rattle import contactlaw, pythonlaw
 from rattle.complementarity import OFF
 from rattle.equations import NOT_FINITE
-from rattle.memory import Memory
-from rattle.plane import CLOSED, GAP, IMPACT, OPEN, OWNER, SHAPE_P, SHUT
+from rattle.jit.layout import CLOSED, GAP, IMPACT, OPEN, OWNER, SHAPE_P, SHUT
+from rattle.jit.workspace import Memory
 from rattle.recording import width
 from rattle.singular import describe_rank_loss
 from rattle.steppers import march

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from rattle.jit.workspace import Memory
 from rattle.loops import describe_loop, tree_path
-from rattle.memory import Memory
 from rattle.model import driven_ends
 from rattle.singular import unlike_masses
 from rattle.system import Compiled

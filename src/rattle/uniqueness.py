@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from rattle.catalog import call_problem, compiled, kernel
 from rattle.complementarity import (
     BACKWARD,
     FOLLOW,
@@ -21,7 +20,8 @@ from rattle.complementarity import (
     linear,
     settled,
 )  # fmt: skip
-from rattle.memory import CHOSEN, DELASSUS, HELD, PATH, PROBLEM_TABLE, SIDE, SLIDE, SYSTEM, TRIAL, ivec, mat, vec
+from rattle.jit.functions import call_problem, compiled, kernel
+from rattle.jit.workspace import CHOSEN, DELASSUS, HELD, PATH, PROBLEM_TABLE, SIDE, SLIDE, SYSTEM, TRIAL, ivec, mat, vec
 
 MOST_COMBINED = 2**16  # combinations of modes that are tried
 KEPT_MODES, KEPT_A = 4, 5  # rows of `path`, after those of following

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rattle.catalog import Field, kernel, kind
-from rattle.plane import OUTSIDE, PHI, VX, VY, W, X, Y, turn_x, turn_y
+from rattle.jit.functions import Field, kernel, kind
+from rattle.jit.layout import OUTSIDE, PHI, VX, VY, W, X, Y, turn_x, turn_y
 
 
 @kernel("load")

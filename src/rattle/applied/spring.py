@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import Field, kernel, kind
-from rattle.plane import DISSIPATED, ELASTIC, PHI, POTENTIAL, VX, VY, W, X, Y, turn_x, turn_y
+from rattle.jit.functions import Field, kernel, kind
+from rattle.jit.layout import DISSIPATED, ELASTIC, PHI, POTENTIAL, VX, VY, W, X, Y, turn_x, turn_y
 
 
 @kernel("load")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rattle.catalog import Field, kernel, kind
-from rattle.plane import OUTSIDE, PHI, W
+from rattle.jit.functions import Field, kernel, kind
+from rattle.jit.layout import OUTSIDE, PHI, W
 
 
 @kernel("load")

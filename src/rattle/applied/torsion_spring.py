@@ -5,8 +5,8 @@ T = stiffness (phi_B - phi_A - free_angle) + damping (w_B - w_A)      turns B ba
 
 from __future__ import annotations
 
-from rattle.catalog import Field, kernel, kind
-from rattle.plane import DISSIPATED, ELASTIC, PHI, POTENTIAL, W
+from rattle.jit.functions import Field, kernel, kind
+from rattle.jit.layout import DISSIPATED, ELASTIC, PHI, POTENTIAL, W
 
 
 @kernel("load")

@@ -18,8 +18,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from rattle.catalog import kernel, kind
-from rattle.plane import (
+from rattle.jit.functions import kernel, kind
+from rattle.jit.layout import (
     DGAP,
     GAMMA_N,
     GAMMA_T,

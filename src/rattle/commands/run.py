@@ -103,17 +103,17 @@ def warmup(ctx: click.Context) -> None:
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    from rattle import catalog, codefolder
+    from rattle.jit import folder, functions
 
     start = time.perf_counter()
-    if not catalog.start():
+    if not functions.start():
         click.echo("NUMBA_DISABLE_JIT is set: kernels run as plain Python, there is nothing to compile")
         return
-    if not codefolder.code_folder().lasting:
+    if not folder.code_folder().lasting:
         ctx.exit(1)  # the warning has said why
     with ProcessPoolExecutor(WORKERS, mp_context=get_context("spawn")) as pool:
         list(pool.map(_warm, (*SHORT_WORK, *_native_modules())))
-    click.echo(f"kernels are ready in {codefolder.cache_folder()} ({time.perf_counter() - start:.1f} s)")
+    click.echo(f"kernels are ready in {folder.cache_folder()} ({time.perf_counter() - start:.1f} s)")
 
 
 WORKERS = 2  # more would each start Numba and compile the small functions that many share
@@ -124,9 +124,9 @@ def _native_modules() -> list[str]:
     """Modules of functions with fixed types; those with the most functions first."""
     from collections import Counter
 
-    from rattle import catalog
+    from rattle.jit import functions
 
-    count = Counter(one.__module__ for one in catalog.natives())
+    count = Counter(one.__module__ for one in functions.natives())
     return sorted(count, key=lambda module: -count[module])
 
 
@@ -134,10 +134,10 @@ def _warm(what: str) -> None:
     """Compile the functions of one module that have fixed types, or by short work those that take what they get."""
     import numpy as np
 
-    from rattle import catalog
+    from rattle.jit import functions
     from rattle.mechanism import example
 
-    catalog.start()
+    functions.start()
     if what == "motion":
         example("fourbar").ideal().kinematics(np.linspace(0.0, 0.1, 2000))
     elif what == "impacts":
@@ -147,6 +147,6 @@ def _warm(what: str) -> None:
     elif what == "statics":
         example("fourbar").modes()
     else:
-        for one in catalog.natives():
+        for one in functions.natives():
             if one.__module__ == what:
                 _ = one.address

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import Field, kernel, kind
-from rattle.plane import AP, AX, AY, BP, BX, BY, GAMMA, NU, RES, VX, VY, W, X, Y, turn_x, turn_y
+from rattle.jit.functions import Field, kernel, kind
+from rattle.jit.layout import AP, AX, AY, BP, BX, BY, GAMMA, NU, RES, VX, VY, W, X, Y, turn_x, turn_y
 
 
 @kernel("joint")

@@ -22,7 +22,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any
 
-from rattle.catalog import Field, kernel, kind, kinds
+from rattle.jit.functions import Field, kernel, kind, kinds
 from rattle.laws.restitution import LEAST_RESTITUTION, checked, factor_returning, restitution_returned
 
 RESTITUTION = Field("", "restitution asked for, 0 to 1", least="not negative")

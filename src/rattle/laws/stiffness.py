@@ -22,7 +22,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any
 
-from rattle.catalog import Compiled, Field, kernel, kind
+from rattle.jit.functions import Compiled, Field, kernel, kind
 from rattle.materials import Given, contact_modulus, material
 
 BUSH_RADIUS = Field("m", "radius of the bush; the pin's is less by the clearance", least="positive")

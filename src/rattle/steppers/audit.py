@@ -10,9 +10,9 @@ pulled together after, as behind a driver that jumped (docs/theory.md, section 9
 
 from __future__ import annotations
 
-from rattle.catalog import compiled, native
-from rattle.memory import AUDIT, BODY, CHANGE, MASS, MEASURE, POWER, ROWS, TOUCH, mat, vec
-from rattle.plane import RES, VX
+from rattle.jit.functions import compiled, native
+from rattle.jit.layout import RES, VX
+from rattle.jit.workspace import AUDIT, BODY, CHANGE, MASS, MEASURE, POWER, ROWS, TOUCH, mat, vec
 
 # entries of `audit`: limits and floor, set by the host; then the start, what was seen so far, and the present step;
 # SUNK: the largest depth of a set-valued contact in its wall so far, in clearances (Moreau-Jean only)

@@ -8,9 +8,9 @@ its switch for one step, whose error control then passes the kink as well as it 
 
 from __future__ import annotations
 
-from rattle.catalog import compiled, native
 from rattle.equations import derivative, place
-from rattle.memory import (
+from rattle.jit.functions import compiled, native
+from rattle.jit.workspace import (
     BODY,
     CHANGE,
     CODE,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from rattle.catalog import compiled, native
 from rattle.complementarity import BACKWARD, FORWARD, OFF, STICK, F, friction_of
 from rattle.equations import OK
 from rattle.impact import (
@@ -17,25 +16,8 @@ from rattle.impact import (
     solve_by_trying,
     solve_contacts,
 )  # fmt: skip
-from rattle.memory import (
-    ACCELERATION,
-    BODY,
-    CHOSEN,
-    CONTACT,
-    GRIP,
-    LEVER,
-    MODE,
-    MULTIPLIER,
-    SIDE,
-    SLIDE,
-    TOUCH,
-    TRIAL,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
-from rattle.plane import (
+from rattle.jit.functions import compiled, native
+from rattle.jit.layout import (
     A_BODY,
     ACROSS,
     CLOSED,
@@ -59,6 +41,24 @@ from rattle.plane import (
     TANGENT,
     VX,
     W,
+)  # fmt: skip
+from rattle.jit.workspace import (
+    ACCELERATION,
+    BODY,
+    CHOSEN,
+    CONTACT,
+    GRIP,
+    LEVER,
+    MODE,
+    MULTIPLIER,
+    SIDE,
+    SLIDE,
+    TOUCH,
+    TRIAL,
+    imat,
+    ivec,
+    mat,
+    vec,
 )  # fmt: skip
 from rattle.steppers.searching import clearance_of
 from rattle.steppers.walls import at_rest, at_wall, largest_acceleration, motion_without, note

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import native
 from rattle.equations import derivative
-from rattle.memory import (
+from rattle.jit.functions import native
+from rattle.jit.workspace import (
     CHANGE,
     DENSE,
     RATE,

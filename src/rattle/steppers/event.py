@@ -18,12 +18,13 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled, native
 from rattle.complementarity import OFF, STICK
 from rattle.contact import touch_all
 from rattle.equations import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
 from rattle.impact import CHATTER, DETERMINANT, LOCKED, NOT_FOUND
-from rattle.memory import (
+from rattle.jit.functions import compiled, native
+from rattle.jit.layout import DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT
+from rattle.jit.workspace import (
     AUDIT,
     CHANGE,
     CLOCK,
@@ -47,7 +48,6 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT
 from rattle.steppers.audit import LENGTH, UNSOUND, stands
 from rattle.steppers.branching import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
 from rattle.steppers.closed import CREEPS, HIT, NOTHING, TURN, regroup

@@ -21,10 +21,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.catalog import compiled
 from rattle.complementarity import FORWARD, OFF, STICK, friction_of
 from rattle.impact import SIZE
-from rattle.memory import (
+from rattle.jit.functions import compiled
+from rattle.jit.layout import IMPACT, NORMAL, PEAK, SLIP, TANGENT
+from rattle.jit.workspace import (
     ACCELERATION,
     CONTACT,
     GLANCES,
@@ -40,7 +41,6 @@ from rattle.memory import (
     mat,
     vec,
 )
-from rattle.plane import IMPACT, NORMAL, PEAK, SLIP, TANGENT
 from rattle.steppers.tableau import C
 
 KINDS = 4  # what must not become negative: N, mu N - T, mu N + T, slip in its sense; 1 where it does not matter

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_problem, compiled, native
 from rattle.complementarity import BACKWARD, FORWARD, OFF, OTHER, STICK, A, B, F, friction_of
 from rattle.contact import touch_all
 from rattle.equations import OK, constraints, place
@@ -37,7 +36,22 @@ from rattle.impact import (
     solve_modes,
     swing,
 )  # fmt: skip
-from rattle.memory import (
+from rattle.jit.functions import call_problem, compiled, native
+from rattle.jit.layout import (
+    DGAP,
+    DGAP_1,
+    GAMMA_N,
+    GAP_1,
+    IMPACT,
+    IMPACT_EVENT,
+    N_1,
+    NORMAL_P,
+    NU,
+    SLIP,
+    SPEED,
+    STEPS_IN,
+)  # fmt: skip
+from rattle.jit.workspace import (
     ACCELERATION,
     BOUNCE,
     CHANGE,
@@ -64,20 +78,6 @@ from rattle.memory import (
 )  # fmt: skip
 from rattle.paths import BEFORE, E
 from rattle.phases import ENERGETIC, NEWTON, law_of
-from rattle.plane import (
-    DGAP,
-    DGAP_1,
-    GAMMA_N,
-    GAP_1,
-    IMPACT,
-    IMPACT_EVENT,
-    N_1,
-    NORMAL_P,
-    NU,
-    SLIP,
-    SPEED,
-    STEPS_IN,
-)  # fmt: skip
 from rattle.steppers.march import SERIES
 from rattle.steppers.searching import clearance_of
 from rattle.steppers.walls import STILL, at_rest, at_wall, motion_without, note

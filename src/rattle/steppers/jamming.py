@@ -12,11 +12,12 @@ Source: Genot, Brogliato, New results on Painleve paradoxes, Eur. J. Mech. A 18 
 
 from __future__ import annotations
 
-from rattle.catalog import compiled, native
 from rattle.complementarity import FORWARD, OFF, STICK, B, F, friction_of
 from rattle.equations import OK
 from rattle.impact import LOCKED, contact_rows, shift, solve_contacts, solve_modes
-from rattle.memory import (
+from rattle.jit.functions import compiled, native
+from rattle.jit.layout import DGAP, IMPACT, NORMAL_P, SLIP, STEPS_IN
+from rattle.jit.workspace import (
     CHANGE,
     CHOSEN,
     CONTACT,
@@ -37,7 +38,6 @@ from rattle.memory import (
     vec,
 )  # fmt: skip
 from rattle.paths import as_full_matrix
-from rattle.plane import DGAP, IMPACT, NORMAL_P, SLIP, STEPS_IN
 from rattle.steppers.hitting import settle_accounts
 from rattle.steppers.walls import at_wall, held_contacts, motion_without, settle
 

@@ -12,7 +12,6 @@ Kinematics and Dynamics of Mechanical Systems (1989), section 6.6 (impulsive mot
 
 from __future__ import annotations
 
-from rattle.catalog import compiled, native
 from rattle.complementarity import FORWARD, OFF, STICK, B, friction_of
 from rattle.contact import touch_all
 from rattle.equations import OK, constraints, correct, drive, place, rate_residual
@@ -27,7 +26,9 @@ from rattle.impact import (
     solve_contacts,
     swing,
 )  # fmt: skip
-from rattle.memory import (
+from rattle.jit.functions import compiled, native
+from rattle.jit.layout import DGAP, IMPACT, N_1, NU, SLIP, STEPS_IN
+from rattle.jit.workspace import (
     ACCELERATION,
     CHANGE,
     CHOSEN,
@@ -49,7 +50,6 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import DGAP, IMPACT, N_1, NU, SLIP, STEPS_IN
 from rattle.schur import factorise
 from rattle.steppers.hitting import book_impulses, rates_of_contacts
 from rattle.steppers.walls import at_wall

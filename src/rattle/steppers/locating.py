@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.catalog import compiled
 from rattle.complementarity import FORWARD, OFF, friction_of
 from rattle.equations import solve_motion
 from rattle.impact import SIZE
-from rattle.memory import (
+from rattle.jit.functions import compiled
+from rattle.jit.layout import IMPACT, NORMAL, PEAK, SLIP, TANGENT
+from rattle.jit.workspace import (
     CHANGE,
     CONTACT,
     GRIP,
@@ -28,7 +29,6 @@ from rattle.memory import (
     mat,
     vec,
 )
-from rattle.plane import IMPACT, NORMAL, PEAK, SLIP, TANGENT
 from rattle.steppers.closed import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
 from rattle.steppers.glances import KINDS, matters, may_dip, slack_of, write_look
 from rattle.steppers.march import EVALUATIONS

@@ -10,7 +10,6 @@ import math
 
 import numpy as np
 
-from rattle.catalog import compiled, native
 from rattle.equations import (
     DONE,
     NOT_FINITE,
@@ -23,7 +22,9 @@ from rattle.equations import (
     loads,
     solve_motion,
 )
-from rattle.memory import (
+from rattle.jit.functions import compiled, native
+from rattle.jit.layout import CLOSED, SHUT, STEPS_IN
+from rattle.jit.workspace import (
     AUDIT,
     CHANGE,
     CLOCK,
@@ -49,7 +50,6 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import CLOSED, SHUT, STEPS_IN
 from rattle.schur import WEAK
 from rattle.steppers import audit, dop853, rk4
 from rattle.steppers.audit import UNSOUND, note_drift, stands

@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled, native
 from rattle.complementarity import FORWARD, OFF, STICK, A, B, F, friction_of
 from rattle.contact import touch_all
 from rattle.equations import (
@@ -42,7 +41,38 @@ from rattle.equations import (
     residual,
 )  # fmt: skip
 from rattle.impact import along, contact_rows, ending, push_all, shift, solve_contacts, solve_modes
-from rattle.memory import (
+from rattle.jit.functions import compiled, native
+from rattle.jit.layout import (
+    CLOSED,
+    CONTACT_EVENT,
+    DGAP,
+    DGAP_1,
+    GAMMA_N,
+    GAP,
+    GAP_1,
+    IMPACT_EVENT,
+    IMPULSE_0,
+    LOSS_0,
+    N_0,
+    N_1,
+    NORMAL,
+    NORMAL_P,
+    NU,
+    OPEN,
+    PEAK,
+    RELEASE_EVENT,
+    SHAPE_P,
+    SHUT,
+    SINCE,
+    SLIP,
+    SLIP_EVENT,
+    SPEED,
+    STEPS_IN,
+    STICK_EVENT,
+    TANGENT,
+    VX,
+)  # fmt: skip
+from rattle.jit.workspace import (
     ACCELERATION,
     AUDIT,
     BODY,
@@ -73,36 +103,6 @@ from rattle.memory import (
     ivec,
     mat,
     vec,
-)  # fmt: skip
-from rattle.plane import (
-    CLOSED,
-    CONTACT_EVENT,
-    DGAP,
-    DGAP_1,
-    GAMMA_N,
-    GAP,
-    GAP_1,
-    IMPACT_EVENT,
-    IMPULSE_0,
-    LOSS_0,
-    N_0,
-    N_1,
-    NORMAL,
-    NORMAL_P,
-    NU,
-    OPEN,
-    PEAK,
-    RELEASE_EVENT,
-    SHAPE_P,
-    SHUT,
-    SINCE,
-    SLIP,
-    SLIP_EVENT,
-    SPEED,
-    STEPS_IN,
-    STICK_EVENT,
-    TANGENT,
-    VX,
 )  # fmt: skip
 from rattle.schur import factorise
 from rattle.steppers.audit import STARTED, SUNK, UNSOUND, note_drift, stands

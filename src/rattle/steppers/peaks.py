@@ -17,9 +17,10 @@ import math
 
 import numpy as np
 
-from rattle.catalog import compiled, native
 from rattle.equations import set_bristles, solve_motion
-from rattle.memory import (
+from rattle.jit.functions import compiled, native
+from rattle.jit.layout import OF_SIZE, OF_VALUE, OF_VECTOR
+from rattle.jit.workspace import (
     CHANGE,
     GLANCES,
     HOLD_TABLE,
@@ -33,7 +34,6 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import OF_SIZE, OF_VALUE, OF_VECTOR
 from rattle.schur import WEAK
 from rattle.steppers.glances import write_look
 from rattle.steppers.projecting import settle

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from rattle.catalog import native
 from rattle.equations import constraints, correct, drive, place, rate_residual, residual
-from rattle.memory import AUDIT, CHANGE, vec
+from rattle.jit.functions import native
+from rattle.jit.workspace import AUDIT, CHANGE, vec
 from rattle.schur import factorise
 from rattle.steppers.audit import CORRECTION, openness
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from rattle.catalog import native
 from rattle.closing import place_only
 from rattle.equations import constraints, loads
-from rattle.memory import BODY, FORCE, MULTIPLIER, ROW_BODY, ROWS, imat, mat, vec
-from rattle.plane import AX, BX, VX
+from rattle.jit.functions import native
+from rattle.jit.layout import AX, BX, VX
+from rattle.jit.workspace import BODY, FORCE, MULTIPLIER, ROW_BODY, ROWS, imat, mat, vec
 
 
 @native("void", "h", "f", "v", "v")

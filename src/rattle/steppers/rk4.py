@@ -5,9 +5,9 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993
 
 from __future__ import annotations
 
-from rattle.catalog import native
 from rattle.equations import derivative
-from rattle.memory import DENSE, RATE, SLOPES, STAGE, STATE, STATE_NEW, mat, vec
+from rattle.jit.functions import native
+from rattle.jit.workspace import DENSE, RATE, SLOPES, STAGE, STATE, STATE_NEW, mat, vec
 from rattle.steppers.peaks import LAST_STAGE, gauge
 from rattle.steppers.watch import watched_change
 

@@ -22,31 +22,11 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_clearance, compiled, native
 from rattle.complementarity import OFF
 from rattle.contact import touch_all
 from rattle.equations import place
-from rattle.memory import (
-    BODY,
-    CHANGE,
-    CLEARANCE_TABLE,
-    CLOCK,
-    CONTACT,
-    DENSE,
-    GRIP,
-    LEVER,
-    MODE,
-    SLOPES,
-    STATE,
-    STATE_NEW,
-    TOUCH,
-    VALUES,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
-from rattle.plane import (
+from rattle.jit.functions import call_clearance, compiled, native
+from rattle.jit.layout import (
     A_BODY,
     ACROSS,
     B_BODY,
@@ -65,6 +45,26 @@ from rattle.plane import (
     SHAPE_P,
     SIN,
     X,
+)  # fmt: skip
+from rattle.jit.workspace import (
+    BODY,
+    CHANGE,
+    CLEARANCE_TABLE,
+    CLOCK,
+    CONTACT,
+    DENSE,
+    GRIP,
+    LEVER,
+    MODE,
+    SLOPES,
+    STATE,
+    STATE_NEW,
+    TOUCH,
+    VALUES,
+    imat,
+    ivec,
+    mat,
+    vec,
 )  # fmt: skip
 
 NONE = 2.0  # a share of the step that does not exist

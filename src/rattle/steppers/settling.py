@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled
 from rattle.closing import close_position, merit_at
-from rattle.memory import BODY, FORCE, MULTIPLIER, ROW_BODY, ROWS, VALUES, imat, mat, vec
-from rattle.plane import AX, BX, COS, RES, SIN, X, Y
-from rattle.steppers.dense import (
+from rattle.jit.functions import compiled
+from rattle.jit.layout import AX, BX, COS, RES, SIN, X, Y
+from rattle.jit.small_matrices import (
     into_basis,
     out_of_basis,
     rotate_columns,
@@ -23,6 +22,7 @@ from rattle.steppers.dense import (
     solve_upper,
     triangulate,
 )
+from rattle.jit.workspace import BODY, FORCE, MULTIPLIER, ROW_BODY, ROWS, VALUES, imat, mat, vec
 from rattle.steppers.rest import force_at
 
 RANK = 1e-9  # what is left of a row, as a share of the longest, that counts as dependent

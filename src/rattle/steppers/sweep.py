@@ -14,9 +14,10 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import call_joint, compiled
 from rattle.equations import constraints, correct, drive, loads, place, rate_residual, residual
-from rattle.memory import (
+from rattle.jit.functions import call_joint, compiled
+from rattle.jit.layout import AX, BX, GAMMA, VX
+from rattle.jit.workspace import (
     ACCELERATION,
     BODY,
     CHANGE,
@@ -38,7 +39,6 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import AX, BX, GAMMA, VX
 from rattle.schur import factorise, solve
 from rattle.steppers.writing import write
 

@@ -8,27 +8,10 @@ No contact and no release is missed because it is shorter than a step: see `sear
 
 from __future__ import annotations
 
-from rattle.catalog import call_stiffness, compiled, native
 from rattle.contact import press, touch_all
 from rattle.equations import place, set_bristles
-from rattle.memory import (
-    CHANGE,
-    CONTACT,
-    DENSE,
-    EVENTS,
-    GRIP,
-    MASS,
-    STAGE,
-    STATE,
-    STIFFNESS_TABLE,
-    TOUCH,
-    VALUES,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
-from rattle.plane import (
+from rattle.jit.functions import call_stiffness, compiled, native
+from rattle.jit.layout import (
     A_BODY,
     B_BODY,
     CLOSED,
@@ -54,6 +37,23 @@ from rattle.plane import (
     STATIC,
     STATIC_P,
     STEPS_IN,
+)  # fmt: skip
+from rattle.jit.workspace import (
+    CHANGE,
+    CONTACT,
+    DENSE,
+    EVENTS,
+    GRIP,
+    MASS,
+    STAGE,
+    STATE,
+    STIFFNESS_TABLE,
+    TOUCH,
+    VALUES,
+    imat,
+    ivec,
+    mat,
+    vec,
 )  # fmt: skip
 from rattle.steppers.searching import NONE, may_reach, search
 

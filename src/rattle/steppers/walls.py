@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from rattle.catalog import compiled, native
 from rattle.complementarity import FORWARD, OFF, STICK, B
 from rattle.contact import touch_all
 from rattle.equations import constraints, free_motion, place
 from rattle.impact import SIZE, contact_rows, push_all, reach, shift, solve_modes, swing
-from rattle.memory import (
+from rattle.jit.functions import compiled, native
+from rattle.jit.layout import CONTACT_EVENT, DGAP, GAP, IMPACT, IMPULSE_0, LOSS_0, PEAK, SINCE, SLIP, SPEED
+from rattle.jit.workspace import (
     ACCELERATION,
     AUDIT,
     CHANGE,
@@ -27,7 +28,6 @@ from rattle.memory import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.plane import CONTACT_EVENT, DGAP, GAP, IMPACT, IMPULSE_0, LOSS_0, PEAK, SINCE, SLIP, SPEED
 from rattle.steppers.audit import LENGTH
 from rattle.steppers.march import EVENT_COUNT, project
 from rattle.steppers.searching import clearance_of

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rattle.catalog import compiled
-from rattle.memory import MULTIPLIER, SIGN, WATCH, ivec, vec
+from rattle.jit.functions import compiled
+from rattle.jit.workspace import MULTIPLIER, SIGN, WATCH, ivec, vec
 
 
 @compiled

@@ -2,27 +2,9 @@
 
 from __future__ import annotations
 
-from rattle.catalog import compiled, native
 from rattle.equations import set_bristles, solve_motion
-from rattle.memory import (
-    ACCELERATION,
-    BODY,
-    CHANGE,
-    CONTACT,
-    JOINT,
-    MASS,
-    MULTIPLIER,
-    POWER,
-    ROWS,
-    SIGNAL,
-    SIGNALS,
-    TOUCH,
-    VALUES,
-    imat,
-    mat,
-    vec,
-)  # fmt: skip
-from rattle.plane import (
+from rattle.jit.functions import compiled, native
+from rattle.jit.layout import (
     B_BODY,
     BP,
     BX,
@@ -42,6 +24,24 @@ from rattle.plane import (
     VX,
     X,
     Y,
+)  # fmt: skip
+from rattle.jit.workspace import (
+    ACCELERATION,
+    BODY,
+    CHANGE,
+    CONTACT,
+    JOINT,
+    MASS,
+    MULTIPLIER,
+    POWER,
+    ROWS,
+    SIGNAL,
+    SIGNALS,
+    TOUCH,
+    VALUES,
+    imat,
+    mat,
+    vec,
 )  # fmt: skip
 
 

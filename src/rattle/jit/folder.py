@@ -10,15 +10,15 @@ import threading
 from importlib.metadata import version
 from pathlib import Path
 
-from rattle import codecache
-from rattle.codecache import Folder
+from rattle.jit import cache
+from rattle.jit.cache import Folder
 
 
 def compiled_sources() -> list[Path]:
     """Files that machine code depends on: those with compiled functions, those that make it, and all they import."""
-    here = Path(__file__).parent
+    here = Path(__file__).parents[1]
     text = {path: path.read_text(encoding="utf-8") for path in here.rglob("*.py")}
-    makers = [here / f"{name}.py" for name in ("arrays", "catalog", "compiling", "machine", "memory")]
+    makers = [here / "jit" / f"{name}.py" for name in ("blocks", "functions", "compiler", "machine", "workspace")]
     found = {path for path, source in text.items() if _DECORATED.search(source)} | set(makers)
     ahead = list(found)
     while ahead:
@@ -34,7 +34,7 @@ def compiled_sources() -> list[Path]:
 
 def compiled_modules() -> list[str]:
     """Modules that define compiled functions."""
-    here = Path(__file__).parent
+    here = Path(__file__).parents[1]
     found = (path for path in here.rglob("*.py") if _DECORATED.search(path.read_text(encoding="utf-8")))
     return sorted(".".join(("rattle", *path.relative_to(here).with_suffix("").parts)) for path in found)
 
@@ -48,13 +48,13 @@ def code_folder() -> Folder:
     """Where machine code is kept: one folder for each state of the compiled sources and Numba version."""
     global _code_folder
     if _code_folder is None:
-        here = Path(__file__).parent
+        here = Path(__file__).parents[1]
         about = [version("numba"), version("llvmlite"), sys.version, str(here), *map(os.environ.get, _NUMBA_READS)]
         digest = hashlib.sha256(repr(about).encode())
         for source in compiled_sources():
             digest.update(source.read_bytes())
         with _folder_lock:
-            _code_folder = _code_folder or codecache.code_folder(digest.hexdigest()[:16])
+            _code_folder = _code_folder or cache.code_folder(digest.hexdigest()[:16])
     return _code_folder
 
 

@@ -28,9 +28,9 @@ from numba.core.registry import cpu_target
 from numba.core.typing.templates import ConcreteTemplate
 from numba.extending import lower_builtin, type_callable
 
-from rattle import machine
-from rattle.arrays import MATRIX, VECTOR, WHOLE_ROWS, WHOLES, block
-from rattle.codecache import CodeCache
+from rattle.jit import machine
+from rattle.jit.blocks import MATRIX, VECTOR, WHOLE_ROWS, WHOLES, block
+from rattle.jit.cache import CodeCache
 
 # Numba has no types: its classes and decorators are unknown
 # mypy: disable-error-code="untyped-decorator, misc"

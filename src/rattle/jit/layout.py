@@ -6,7 +6,7 @@ row per constraint.  Their columns are named here.
 
 from __future__ import annotations
 
-from rattle.catalog import compiled
+from rattle.jit.functions import compiled
 
 # columns of `body`: mass centre [m], angle [rad], their rates, cosine and sine of the angle
 X, Y, PHI, VX, VY, W, COS, SIN = range(8)

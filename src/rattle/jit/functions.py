@@ -24,8 +24,8 @@ from typing import Any
 
 import numpy as np
 
-from rattle.codecache import CodeCache, KeptFile
-from rattle.codefolder import cache_folder, compiled_modules
+from rattle.jit.cache import CodeCache, KeptFile
+from rattle.jit.folder import cache_folder, compiled_modules
 
 log = logging.getLogger("rattle")
 
@@ -131,7 +131,7 @@ def _discover() -> None:
         _discovering = True
         try:
             for package in ("joints", "clearances", "laws", "applied"):
-                found = importlib.import_module(f"{__package__}.{package}")
+                found = importlib.import_module(f"rattle.{package}")
                 for module in pkgutil.iter_modules(found.__path__):
                     importlib.import_module(f"{found.__name__}.{module.name}")
             _discovered = True
@@ -262,7 +262,7 @@ def _announced() -> Any:
 
 
 def _machine() -> Any:
-    return importlib.import_module("rattle.machine")  # imports llvmlite
+    return importlib.import_module("rattle.jit.machine")  # imports llvmlite
 
 
 def _compiling_address(one: Compiled) -> int:
@@ -289,7 +289,7 @@ def kernel(family: str) -> Callable[[Callable[..., Any]], Compiled]:
 def _compiling() -> Iterator[Any]:
     """Our compiler, with its settings; one thread at a time."""
     with _lock:
-        compiling: Any = importlib.import_module("rattle.compiling")  # imports Numba
+        compiling: Any = importlib.import_module("rattle.jit.compiler")  # imports Numba
         with compiling.lock, compiling.settings():
             if not _taught:
                 _teach(compiling)
@@ -304,7 +304,7 @@ def _teach(compiling: Any) -> None:
     _taught.append(True)
     for family, call in _CALLERS.items():
         compiling.jumps(call, SIGNATURE[family], family in ("hold", "problem"))
-    importlib.import_module("rattle.memory").teach_numba()
+    importlib.import_module("rattle.jit.workspace").teach_numba()
 
 
 # ---------------------------------------------------------------- tables of kernels

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.catalog import compiled
+from rattle.jit.functions import compiled
 
 SWEEPS = 30
 FINE = 1e-15  # cosine between two columns that counts as a right angle

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle import catalog
+from rattle.jit import functions
 
 # name, what it holds; f: float64, i: int64, number of dimensions; a kernel table is a vector of addresses
 FIELDS = {
@@ -23,7 +23,7 @@ FIELDS = {
     "gravity": "f1",  # (2,) [m/s^2]
     "joint": "i2",  # (nj, 5) kernel, A, B, first parameter, first row; joints first, then drivers
     "load": "i2",  # (nl, 5) kernel, A, B, first parameter, 1 if its values change during the run
-    "contact": "i2",  # (nc, 13) one per contact point, see plane
+    "contact": "i2",  # (nc, 13) one per contact point, see jit.layout
     "lever": "f2",  # (nc, 3) longest arms on A and on B to what may touch [m]; 1 if the walls turn with A, else 0
     "code": "i2",  # (nc, 4) programs of all expressions, one after the other, with the sides of their switches
     "const": "f1",  # numbers in them
@@ -52,10 +52,10 @@ FIELDS = {
     "stack": "f1",
     "jet_stack": "f2",
     "jet_out": "f1",  # (3,)
-    "body": "f2",  # (nb + 1, 8) see plane
-    "rows": "f2",  # (nr, 9) see plane
+    "body": "f2",  # (nb + 1, 8) see jit.layout
+    "rows": "f2",  # (nr, 9) see jit.layout
     "force": "f2",  # (nb + 1, 3) applied forces Q  [N, N, N*m]
-    "energy": "f1",  # (4,) of one load, see plane
+    "energy": "f1",  # (4,) of one load, see jit.layout
     "power": "f1",  # (4,) potential [J], work rate, dissipation [W], smallest share of a pivot
     "schur": "f1",  # Schur complement and its factor
     "inverse": "f1",  # (nr,) 1 / pivot, in elimination order
@@ -64,8 +64,8 @@ FIELDS = {
     "multiplier": "f1",  # (nr,) lambda
     "acceleration": "f2",  # (nb + 1, 3)
     "change": "f1",  # (3 nb,) a correction of positions or rates
-    "touch": "f2",  # (nc, 18) geometry and forces of every contact, see plane
-    "grip": "f2",  # (nc, 13) its memory, see plane
+    "touch": "f2",  # (nc, 18) geometry and forces of every contact, see jit.layout
+    "grip": "f2",  # (nc, 13) its memory, see jit.layout
     "rate": "f1",  # (1,) rate of a bristle
     # set-valued contacts, see impact; two lines (normal, tangential) for each contact that takes part
     "mode": "i1",  # (nc,) what each contact does: OFF, STICK, FORWARD, BACKWARD
@@ -114,10 +114,10 @@ FIELDS = {
     "tally": "i1",  # see steppers.march
     "sign": "f1",  # (nw,) sign of every watched force
     "crossings": "f2",  # (n, 3) time, watched force, new sign
-    "events": "f2",  # (n, 8) see plane
+    "events": "f2",  # (n, 8) see jit.layout
     "measure": "f1",  # (nr,) what a residual is measured with: 1 / length of the mechanism [1/m], or 1 for angles
     "audit": "f1",  # see steppers.audit
-    "quantity": "i2",  # (np, 2) what is watched for peaks, and its first column behind those of bodies, see plane
+    "quantity": "i2",  # (np, 2) what is watched for peaks, and its first column behind those of bodies, see jit.layout
     "peaks": "f2",  # (np, 16) their largest values, mean squares and samples of the present step
     "peak_row": "f1",  # the columns of joints of an output row, scratch
     "landing": "f1",  # (5,) see steppers.branching
@@ -148,8 +148,8 @@ class Memory:
                 dtype = np.float64 if kind[0] == "f" else np.int64
                 if array.dtype != dtype or array.ndim != int(kind[1]) or not array.flags.c_contiguous:
                     raise TypeError(f"array '{name}' is not a contiguous {kind}: {array.dtype}, {array.shape}")
-        self.handle: Any = catalog.PlainHandle(self._arrays.values())
-        if isinstance(self._arrays["joint_table"], np.ndarray) and catalog.jit_runs():
+        self.handle: Any = functions.PlainHandle(self._arrays.values())
+        if isinstance(self._arrays["joint_table"], np.ndarray) and functions.jit_runs():
             self.handle = np.array(
                 [(a.ctypes.data, a.shape[0], a.shape[-1]) for a in self._arrays.values()], np.int64
             ).ravel()
@@ -184,9 +184,9 @@ def imat(m: Any, k: int) -> Any:
 
 def teach_numba() -> None:
     """Let Numba make arrays of the addresses and shapes in a handle."""
-    from rattle import arrays
+    from rattle.jit import blocks
 
-    arrays.views(vec, arrays.VECTOR)
-    arrays.views(mat, arrays.MATRIX)
-    arrays.views(ivec, arrays.WHOLES)
-    arrays.views(imat, arrays.WHOLE_ROWS)
+    blocks.views(vec, blocks.VECTOR)
+    blocks.views(mat, blocks.MATRIX)
+    blocks.views(ivec, blocks.WHOLES)
+    blocks.views(imat, blocks.WHOLE_ROWS)
