@@ -13,8 +13,8 @@ import pytest
 
 from rattle.jit import functions
 from rattle.jit.layout import BX, DISSIPATED, ELASTIC, GAMMA, NU, OUTSIDE, POTENTIAL, RES
+from rattle.language.units import dimension_of
 from rattle.pythonlaw import LawKernel
-from rattle.quantity import dimension_of
 
 pytestmark = pytest.mark.nojit
 

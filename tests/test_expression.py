@@ -7,8 +7,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rattle import programs
-from rattle.expression import (
+from rattle.jit import functions as catalog
+from rattle.language import bytecode
+from rattle.language.expression import (
     FUNCTIONS,
     ExpressionError,
     compile_program,
@@ -18,8 +19,7 @@ from rattle.expression import (
     parse,
     value,
 )
-from rattle.jit import functions as catalog
-from rattle.quantity import dimension_of
+from rattle.language.units import dimension_of
 
 pytestmark = pytest.mark.nojit
 
@@ -42,7 +42,7 @@ def run(text, t=0.0, body=None, signals=None):
     code, const, first, depth = concatenate([program])
     body = np.zeros((3, 8)) if body is None else body
     signals = np.zeros(2) if signals is None else signals
-    return programs.evaluate(code, const, int(first[0]), int(first[1]), t, body, signals, np.empty(depth))
+    return bytecode.evaluate(code, const, int(first[0]), int(first[1]), t, body, signals, np.empty(depth))
 
 
 def jet(text, t=0.0, jets=None):
@@ -50,7 +50,7 @@ def jet(text, t=0.0, jets=None):
     code, const, first, depth = concatenate([program])
     jets = np.zeros((2, 3)) if jets is None else jets
     out = np.empty(3)
-    programs.evaluate_jet(code, const, int(first[0]), int(first[1]), t, jets, np.empty((depth, 3)), out)
+    bytecode.evaluate_jet(code, const, int(first[0]), int(first[1]), t, jets, np.empty((depth, 3)), out)
     return out
 
 
@@ -345,11 +345,11 @@ def test_programs_tell_what_they_use():
 def test_constant_parts_become_one_constant():
     program = compile_program(parse("sin(a)*2**b*t + hypot(3, 4)"), CONSTANTS, STATE, SIGNALS)
     assert program.code[:, 0].tolist() == [
-        programs.CONST,
-        programs.TIME,
-        programs.MUL,
-        programs.CONST,
-        programs.ADD,
+        bytecode.CONST,
+        bytecode.TIME,
+        bytecode.MUL,
+        bytecode.CONST,
+        bytecode.ADD,
     ]
     assert program.const.tolist() == [math.sin(0.7) * 2**-1.3, 5.0]
     assert len(compile_program(parse("(a + 1)*(b - 2)"), CONSTANTS, STATE, SIGNALS).code) == 1
@@ -364,7 +364,7 @@ def test_programs_one_after_the_other_keep_their_constants(mode):
     parts = [compile_program(parse(text), {}, {}, {}) for text in texts]
     code, const, first, depth = concatenate(parts)
     none = np.zeros((1, 8)), np.zeros(0), np.empty(depth)
-    found = [programs.evaluate(code, const, int(first[n]), int(first[n + 1]), 4.0, *none) for n in range(4)]
+    found = [bytecode.evaluate(code, const, int(first[n]), int(first[n + 1]), 4.0, *none) for n in range(4)]
     assert found == [11.0, 4.0, 7.0, 55.0]
     code, const, first, depth = concatenate([])
     assert (code.shape, const.shape, first.tolist(), depth) == ((0, 4), (0,), [0], 1)

@@ -85,7 +85,7 @@ def test_names_are_quoted_short():
 # ---------------------------------------------------------------- the two algorithms behind it
 def test_order_and_cycles_of_random_definitions():
     """Against a slow search: nothing stands before what it uses, and what is left out leads to itself."""
-    from rattle.syntax import parse
+    from rattle.language.syntax import parse
 
     rng = np.random.default_rng(5)
     for _ in range(60):
@@ -111,7 +111,7 @@ def test_order_and_cycles_of_random_definitions():
 
 
 def test_a_long_cycle_is_shown_short():
-    from rattle.syntax import parse
+    from rattle.language.syntax import parse
 
     _, (cycle,) = in_order({f"p{n}": parse(f"p{(n + 1) % 500}") for n in range(500)})
     assert len(describe_cycle(cycle)) < 200

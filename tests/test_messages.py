@@ -5,7 +5,7 @@ from click.testing import CliRunner
 
 import rattle as rt
 from rattle.cli import main
-from rattle.expression import ExpressionError, parse
+from rattle.language.expression import ExpressionError, parse
 
 pytestmark = pytest.mark.nojit
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rattle as rt
-from rattle.syntax import Apply, Name, Number
+from rattle.language.syntax import Apply, Name, Number
 
 pytestmark = pytest.mark.nojit
 

@@ -8,8 +8,8 @@ import pytest
 import rattle as rt
 from circling import circling
 from rattle.errors import MissingPackage
+from rattle.language.syntax import ExpressionError
 from rattle.result import UnknownName
-from rattle.syntax import ExpressionError
 
 pytestmark = pytest.mark.nojit
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rattle.quantity import (
+from rattle.language.units import (
     DIMENSIONLESS,
     FORCE,
     LENGTH,

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rattle as rt
-from rattle.expression import names, value
+from rattle.language.expression import names, value
 from rattle.reader import read
 from rattle.values import describe_cycle, in_order
 
@@ -104,7 +104,7 @@ def test_driver_may_use_signals_of_time_but_not_of_motion():
 
 @given(st.dictionaries(st.sampled_from("abcdef"), st.sets(st.sampled_from("abcdef"))))
 def test_order_of_evaluation_on_any_graph(uses):
-    from rattle.syntax import parse
+    from rattle.language.syntax import parse
 
     nodes = {name: parse(" + ".join(sorted(others)) or "1") for name, others in uses.items()}
     order, cycles = in_order(nodes)

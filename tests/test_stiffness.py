@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rattle.jit import functions
+from rattle.language.materials import MATERIALS, contact_modulus, material
 from rattle.laws.stiffness import penetration, sphere_stiffness
-from rattle.materials import MATERIALS, contact_modulus, material
 
 pytestmark = pytest.mark.nojit
 LAWS = functions.kinds("stiffness")

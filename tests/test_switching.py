@@ -9,8 +9,8 @@ import pytest
 from scipy.optimize import brentq
 
 import rattle as rt
-from rattle.expression import compile_program, concatenate, parse
-from rattle.switching import Signals, find_switches, locate_all
+from rattle.language.expression import compile_program, concatenate, parse
+from rattle.language.switching import Signals, find_switches, locate_all
 
 
 def switches(text, end, **signals):

@@ -41,7 +41,7 @@ from rattle.jit.layout import (
     STATIC,
     STATIC_P,
 )
-from rattle.quantity import dimension_of
+from rattle.language.units import dimension_of
 
 Law = Callable[..., Any]
 TAKEN = {

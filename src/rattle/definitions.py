@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from rattle.expression import Node, Number
+from rattle.language.expression import Node, Number
+from rattle.language.units import Dimension, QuantityError, describe, parse_quantity, unit_name
 from rattle.model import Parameter
-from rattle.quantity import Dimension, QuantityError, describe, parse_quantity, unit_name
 from rattle.values import Path, Values, describe_cycle, in_order, said, wanted
 
 DISTRIBUTIONS = ("uniform", "normal", "triangular")

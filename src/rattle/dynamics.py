@@ -19,6 +19,7 @@ from rattle.errors import SolverError
 from rattle.happenings import contact_counts, contact_events, contact_notes, method_notes, require_workable
 from rattle.jit import functions
 from rattle.jit.workspace import Memory
+from rattle.language.switching import SAME
 from rattle.passivity import law_faults
 from rattle.peak_values import peak_arrays, peak_values
 from rattle.recording import columns, geometry, width
@@ -32,7 +33,6 @@ from rattle.steppers.hitting import LOW
 from rattle.steppers.jolting import jolt, speeds
 from rattle.steppers.searching import ESCAPED
 from rattle.steppers.writing import record
-from rattle.switching import SAME
 from rattle.system import Compiled
 from rattle.timetable import Jolt, jolt_events, jolt_notes, timetable
 from rattle.trouble import explain

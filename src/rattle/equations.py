@@ -75,7 +75,7 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.programs import evaluate, evaluate_jet
+from rattle.language.bytecode import evaluate, evaluate_jet
 from rattle.schur import WEAK, factorise, solve
 
 OK, NOT_CLOSED, NOT_FINITE, STEP_TOO_SMALL, PAUSED, DONE = range(6)

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, overload
 from rattle import asked, modelfile
 from rattle.building import Building
 from rattle.errors import ModelError, Problem, suggest
+from rattle.language.units import Seconds, seconds, seconds_or_none, times
 from rattle.model import Model
-from rattle.quantity import Seconds, seconds, seconds_or_none, times
 
 if TYPE_CHECKING:
     import numpy as np

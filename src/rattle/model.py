@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from rattle.expression import Node
+from rattle.language.expression import Node
 
 Vector = tuple[float, float]
 Value = float | Node  # a number, or an expression over t, state and signals

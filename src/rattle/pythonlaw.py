@@ -28,7 +28,7 @@ import numpy as np
 from rattle.jit import functions
 from rattle.jit.functions import Compiled, Field
 from rattle.jit.layout import OUTSIDE, PHI, VX, VY, W, X, Y
-from rattle.quantity import dimension_of
+from rattle.language.units import dimension_of
 
 log = logging.getLogger("rattle")
 

@@ -7,11 +7,11 @@ from typing import Any
 
 from rattle.definitions import read_parameters, read_signals
 from rattle.errors import ModelError, shown, suggest
-from rattle.expression import Node, names
 from rattle.jit import functions
+from rattle.language.expression import Node, names
+from rattle.language.units import dimension_of
 from rattle.model import Driver, Initial, Model, Settings, Vector
 from rattle.parts import Parts
-from rattle.quantity import dimension_of
 from rattle.values import Path, TooManyProblems, Values, said
 
 STATE_UNITS = {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}

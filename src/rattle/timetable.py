@@ -9,9 +9,9 @@ import numpy as np
 
 from rattle.equations import drive
 from rattle.errors import ModelError, Problem
-from rattle.programs import SIDE
+from rattle.language.bytecode import SIDE
+from rattle.language.switching import SAME, locate_all, merged, side_at
 from rattle.result import Event
-from rattle.switching import SAME, locate_all, merged, side_at
 from rattle.system import Compiled
 from rattle.unclosed import driver_slot
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from rattle.errors import MOST, Problem, suggest
-from rattle.expression import (
+from rattle.language.expression import (
     RESERVED,
     ExpressionError,
     Name,
@@ -19,8 +19,8 @@ from rattle.expression import (
     value,
     walk,
 )
-from rattle.model import Vector
-from rattle.quantity import (
+from rattle.language.syntax import KNOWN
+from rattle.language.units import (
     DIMENSIONLESS,
     UNITS,
     Dimension,
@@ -30,7 +30,7 @@ from rattle.quantity import (
     parse_quantity,
     unit_name,
 )
-from rattle.syntax import KNOWN
+from rattle.model import Vector
 
 Path = tuple[str | int, ...]
 

@@ -147,7 +147,7 @@ def poincare(
 
 def _amount(m: Mechanism, parameter: str, text: str, option: str) -> float:
     """A value of a parameter in SI units, from a number or a quantity of the parameter's kind."""
-    from rattle.quantity import QuantityError, describe, dimension_of, parse_quantity
+    from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
 
     try:
         found = parse_quantity(text)

@@ -89,7 +89,7 @@ def kinds(name: str | None) -> None:
               rattle kinds units
     """
     from rattle.jit import functions
-    from rattle.materials import MATERIALS
+    from rattle.language.materials import MATERIALS
     from rattle.reference import common, topics
 
     found = False

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def time(value: str | float) -> float:
     """A time on the command line: a number in s, or a quantity such as 20ms or "20 ms"."""
-    from rattle.quantity import seconds
+    from rattle.language.units import seconds
 
     try:
         return seconds(value, "time")

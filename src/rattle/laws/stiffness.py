@@ -23,7 +23,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle.jit.functions import Compiled, Field, kernel, kind
-from rattle.materials import Given, contact_modulus, material
+from rattle.language.materials import Given, contact_modulus, material
 
 BUSH_RADIUS = Field("m", "radius of the bush; the pin's is less by the clearance", least="positive")
 LENGTH = Field("m", "length of the contact along the pin", least="positive")

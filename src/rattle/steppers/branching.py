@@ -27,7 +27,7 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.programs import CROSSED, SIDE, evaluate
+from rattle.language.bytecode import CROSSED, SIDE, evaluate
 from rattle.steppers.searching import NONE
 from rattle.steppers.touching import interpolate
 

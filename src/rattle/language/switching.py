@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rattle import intervals, programs
-from rattle.intervals import SWITCHES, Span
+from rattle.language import bytecode, intervals
+from rattle.language.intervals import SWITCHES, Span
 
 MOST = 200_000  # spans of one switching function that are looked at together
 WORK = 4e7  # rows of programs times spans that are worked through for all switching functions of a run
@@ -57,7 +57,7 @@ class Signals:
         while ahead:
             a, b = ahead.pop()
             part = self.code[a:b]
-            for k in part[part[:, 0] == programs.SIGNAL, 1].tolist():
+            for k in part[part[:, 0] == bytecode.SIGNAL, 1].tolist():
                 if k not in found:
                     found.add(k)
                     ahead.append(where[k])
@@ -68,7 +68,7 @@ class Signals:
         found: set[int] = set()
         for a, b, k in self.rows:  # in order: what a signal uses comes before it
             part = self.code[a:b]
-            if (part[:, 0] == programs.STATE).any() or found & set(part[part[:, 0] == programs.SIGNAL, 1].tolist()):
+            if (part[:, 0] == bytecode.STATE).any() or found & set(part[part[:, 0] == bytecode.SIGNAL, 1].tolist()):
                 found.add(k)
         return found
 
@@ -92,10 +92,10 @@ def _switches_of(
     stack: list[tuple[int, bool]] = []  # operands that wait: first row, and whether they depend on the state
     for row in range(first, last):
         op, k = int(code[row, 0]), int(code[row, 1])
-        if op <= programs.SIGNAL:
-            stack.append((row, op == programs.STATE or (op == programs.SIGNAL and k in of_state)))
+        if op <= bytecode.SIGNAL:
+            stack.append((row, op == bytecode.STATE or (op == bytecode.SIGNAL and k in of_state)))
             continue
-        count = 1 if op < programs.ADD else 2 if op < programs.LESS else 4
+        count = 1 if op < bytecode.ADD else 2 if op < bytecode.LESS else 4
         operands = stack[-count:]
         del stack[-count:]
         stack.append((operands[0][0], any(live for _, live in operands)))

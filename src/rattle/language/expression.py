@@ -14,10 +14,9 @@ from itertools import chain, islice
 
 import numpy as np
 
-from rattle import programs
 from rattle.errors import suggest
-from rattle.quantity import DIMENSIONLESS, TIME, Dimension, describe, unit_name
-from rattle.syntax import (
+from rattle.language import bytecode
+from rattle.language.syntax import (
     FUNCTIONS,
     RESERVED,
     Apply,
@@ -29,6 +28,7 @@ from rattle.syntax import (
     parse,
     walk,
 )
+from rattle.language.units import DIMENSIONLESS, TIME, Dimension, describe, unit_name
 
 __all__ = [
     "FUNCTIONS",
@@ -49,17 +49,17 @@ __all__ = [
 ]
 
 _OPS = {
-    "neg": programs.NEG,
-    "+": programs.ADD,
-    "-": programs.SUB,
-    "*": programs.MUL,
-    "/": programs.DIV,
-    "**": programs.POW,
-    "if<": programs.LESS,
-    "if<=": programs.AT_MOST,
-    "if>": programs.MORE,
-    "if>=": programs.AT_LEAST,
-    **{name: getattr(programs, name.upper()) for name in FUNCTIONS},
+    "neg": bytecode.NEG,
+    "+": bytecode.ADD,
+    "-": bytecode.SUB,
+    "*": bytecode.MUL,
+    "/": bytecode.DIV,
+    "**": bytecode.POW,
+    "if<": bytecode.LESS,
+    "if<=": bytecode.AT_MOST,
+    "if>": bytecode.MORE,
+    "if>=": bytecode.AT_LEAST,
+    **{name: getattr(bytecode, name.upper()) for name in FUNCTIONS},
 }
 
 
@@ -134,9 +134,9 @@ def _word(known: Dimension | None) -> str:
 # ---------------------------------------------------------------- programs
 @dataclass(frozen=True, slots=True, eq=False)
 class Program:
-    """An expression as `programs.evaluate` runs it."""
+    """An expression as `language.bytecode.evaluate` runs it."""
 
-    code: np.ndarray  # (n, 4) int64: op, argument, side, crossed; see `programs`
+    code: np.ndarray  # (n, 4) int64: op, argument, side, crossed; see `language.bytecode`
     const: np.ndarray  # (nc,)
     depth: int  # length of the stack it needs
     uses_state: bool
@@ -181,7 +181,7 @@ def concatenate(parts: Sequence[Program]) -> tuple[np.ndarray, np.ndarray, np.nd
     for part, start in zip(parts, first, strict=False):
         rows = code[start : start + len(part.code)]
         rows[:] = part.code
-        rows[rows[:, 0] == programs.CONST, 1] += offset
+        rows[rows[:, 0] == bytecode.CONST, 1] += offset
         const[offset : offset + len(part.const)] = part.const
         offset += len(part.const)
     return code, const, first, max((part.depth for part in parts), default=1)
@@ -222,13 +222,13 @@ class _Assembler:
             code=code,
             const=np.array(self.const, dtype=np.float64),
             depth=self.depth,
-            uses_state=bool((code[:, 0] == programs.STATE).any()),
-            uses_time=bool((code[:, 0] == programs.TIME).any()),
-            signals=frozenset(code[code[:, 0] == programs.SIGNAL, 1].tolist()),
+            uses_state=bool((code[:, 0] == bytecode.STATE).any()),
+            uses_time=bool((code[:, 0] == bytecode.TIME).any()),
+            signals=frozenset(code[code[:, 0] == bytecode.SIGNAL, 1].tolist()),
         )
 
     def constant(self, number: float, column: int) -> None:
-        self.code.append((programs.CONST, len(self.const)))
+        self.code.append((bytecode.CONST, len(self.const)))
         self.const.append(float(number))
         self.columns.append(column)
         self.folded.append(True)
@@ -239,11 +239,11 @@ class _Assembler:
             self.constant(self.constants[name], part.column)
             return
         if name == "t" and self.time:
-            row = (programs.TIME, 0)
+            row = (bytecode.TIME, 0)
         elif name in self.state:
-            row = (programs.STATE, self.state[name])
+            row = (bytecode.STATE, self.state[name])
         elif name in self.signals:
-            row = (programs.SIGNAL, self.signals[name])
+            row = (bytecode.SIGNAL, self.signals[name])
         else:
             near = suggest(name[:40], islice(chain(self.constants, self.signals, self.state), 2000))
             raise ExpressionError(f"unknown name '{name}'{near}", part.column)
@@ -259,9 +259,9 @@ class _Assembler:
             blamed = [c for x, c in zip(given, columns, strict=True) if not math.isfinite(x)]
             self.constant(number, blamed[0] if blamed else part.column)
             return
-        if op == programs.POW and self.folded[-1] and self.const[-1] == 2.0:
+        if op == bytecode.POW and self.folded[-1] and self.const[-1] == 2.0:
             del self.code[-1], self.const[-1], self.columns[-1]
-            op = programs.SQUARE
+            op = bytecode.SQUARE
         self.code.append((op, 0))
         self.folded[-size:] = [False]
 
@@ -269,7 +269,7 @@ class _Assembler:
 def _fold(op: int, given: list[float]) -> float:
     """Value of one operation on constants, by the same functions that run in the kernels."""
     if len(given) == 1:
-        return float(programs.unary.python(op, *given))
+        return float(bytecode.unary.python(op, *given))
     if len(given) == 2:
-        return float(programs.binary.python(op, *given))
-    return given[2] if programs.holds.python(op, *given[:2]) else given[3]
+        return float(bytecode.binary.python(op, *given))
+    return given[2] if bytecode.holds.python(op, *given[:2]) else given[3]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from keyword import kwlist
 
 from rattle.errors import suggest
-from rattle.quantity import UNITS
+from rattle.language.units import UNITS
 
 MAX_LENGTH = 2000  # characters
 MAX_DEPTH = 50

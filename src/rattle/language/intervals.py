@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle import programs as p
+from rattle.language import bytecode as p
 
 Array = np.ndarray
 TURN = 2.0 * math.pi

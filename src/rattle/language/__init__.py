@@ -1,0 +1,1 @@
+"""What may stand in quotes in a model file: units, expressions, materials."""
