@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle.elements.contact_laws.normal import returned
 from rattle.jit import functions
-from rattle.laws.normal import returned
 
 SLIDER_CRANK = "slider_crank_play"
 A = 19419.360511  # acceleration of the ideal slider at the outer dead centre [m/s^2], independent reference

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.contactlaw import friction_law, normal_law
+from rattle.elements.custom.contact_law import friction_law, normal_law
 from rattle.errors import ModelError
 from rattle.jit import functions
 

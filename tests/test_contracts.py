@@ -11,10 +11,10 @@ import zlib
 import numpy as np
 import pytest
 
+from rattle.elements.custom.load_law import LawKernel
 from rattle.jit import functions
 from rattle.jit.layout import BX, DISSIPATED, ELASTIC, GAMMA, NU, OUTSIDE, POTENTIAL, RES
 from rattle.language.units import dimension_of
-from rattle.pythonlaw import LawKernel
 
 pytestmark = pytest.mark.nojit
 

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from rattle.elements.contact_laws.normal import damping_factor, returned
+from rattle.elements.contact_laws.restitution import factor_returning, restitution_returned
 from rattle.jit import functions
-from rattle.laws.normal import damping_factor, returned
-from rattle.laws.restitution import factor_returning, restitution_returned
 
 pytestmark = pytest.mark.nojit
 LAWS = functions.kinds("normal")

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle.elements.custom.load_law import LawKernel
 from rattle.jit import functions
-from rattle.pythonlaw import LawKernel
 
 pytestmark = pytest.mark.nojit
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rattle.elements.contact_laws.stiffness import penetration, sphere_stiffness
 from rattle.jit import functions
 from rattle.language.materials import MATERIALS, contact_modulus, material
-from rattle.laws.stiffness import penetration, sphere_stiffness
 
 pytestmark = pytest.mark.nojit
 LAWS = functions.kinds("stiffness")

@@ -14,18 +14,18 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from rattle.contactlaw import friction_law, normal_law
+    from rattle.elements.custom.contact_law import friction_law, normal_law
+    from rattle.elements.custom.load_law import load_law
     from rattle.errors import AssemblyError, ModelError, SolverError
     from rattle.mechanism import Mechanism, example, examples, load, loads
-    from rattle.pythonlaw import load_law
     from rattle.result import Event, Result, Trust, load_result
 
 _HOME = {
     "Mechanism": "mechanism", "load": "mechanism", "loads": "mechanism", "example": "mechanism",
     "examples": "mechanism",
     "ModelError": "errors", "AssemblyError": "errors", "SolverError": "errors",
-    "Result": "result", "Event": "result", "Trust": "result", "load_result": "result", "load_law": "pythonlaw",
-    "normal_law": "contactlaw", "friction_law": "contactlaw",
+    "Result": "result", "Event": "result", "Trust": "result", "load_result": "result", "load_law": "elements.custom.load_law",
+    "normal_law": "elements.custom.contact_law", "friction_law": "elements.custom.contact_law",
 }  # fmt: skip
 
 __all__ = [

@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from rattle import asked, pythonlaw
+from rattle import asked
 from rattle.agreement import Reach, agreement, tighter
 from rattle.assembly import Assembled
+from rattle.elements.custom import load_law
 from rattle.equations import DONE, OK, PAUSED
 from rattle.errors import SolverError
 from rattle.happenings import contact_counts, contact_events, contact_notes, method_notes, require_workable
@@ -187,7 +188,7 @@ class Run:
         """March to the end, or to where it cannot go on (then `message` says why)."""
         m, tally = self.memory, self.tally
         began = time.perf_counter()
-        pythonlaw.forget()
+        load_law.forget()
         bar = progress_bar(self.t_end, what) if progress else None
         try:
             status = self.begin(self.start.t)

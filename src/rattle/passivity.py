@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle.contactlaw import ContactLaw
+from rattle.elements.custom.contact_law import ContactLaw
 from rattle.jit import functions
 from rattle.model import Choice, Contact, Model
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rattle import pythonlaw
 from rattle.contradiction import contradicted
+from rattle.elements.custom import load_law
 from rattle.equations import drive
 from rattle.jit.workspace import Memory
 from rattle.model import Point
@@ -189,7 +189,7 @@ def _cause(run: Run, t: float, ahead: float) -> str:
     ready, memory = run.ready, run.memory
     nq = 3 * ready.body_count
     q, v = memory["y"][:nq].copy(), memory["y"][nq : 2 * nq].copy()
-    found = pythonlaw.complaint(t) or not_finite(ready, memory, run.t_end)
+    found = load_law.complaint(t) or not_finite(ready, memory, run.t_end)
     found = found or jump(ready, t, ahead) or contradicted(ready, t, q, v, run.t_end - t)
     if found:
         return found

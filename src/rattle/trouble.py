@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rattle import contactlaw, pythonlaw
 from rattle.complementarity import OFF
+from rattle.elements.custom import contact_law, load_law
 from rattle.equations import NOT_FINITE
 from rattle.jit.layout import CLOSED, GAP, IMPACT, OPEN, OWNER, SHAPE_P, SHUT
 from rattle.jit.workspace import Memory
@@ -31,7 +31,7 @@ def explain(ready: Compiled, memory: Memory, t_end: float, status: int, method: 
     t, h = float(clock[march.T]), float(clock[march.H])
     if status == ESCAPED:
         return _escaped(ready, memory)
-    what = pythonlaw.complaint(t) or not_finite(ready, memory, t_end)
+    what = load_law.complaint(t) or not_finite(ready, memory, t_end)
     if what:
         return what
     if status == SLIDES:
@@ -119,11 +119,11 @@ def not_finite(ready: Compiled, memory: Memory, t_end: float) -> str:
                     " (square root, logarithm, division by zero)"
                 )
         for (name, load), row in zip(ready.model.loads.items(), ready.arrays["load"], strict=True):
-            why = pythonlaw.failure(load.kind, t, memory["body"][row[2]], memory["values"][row[3] :])
+            why = load_law.failure(load.kind, t, memory["body"][row[2]], memory["values"][row[3] :])
             if why:
                 return f"loads.{name}: {why}"
         for n, row in enumerate(ready.arrays["contact"]):
-            why = contactlaw.failure(row, memory["touch"][n], memory["grip"][n], memory["values"])
+            why = contact_law.failure(row, memory["touch"][n], memory["grip"][n], memory["values"])
             if why and share <= NEAR:
                 return f"joint '{ready.joints[row[OWNER]]}': {why} at t = {t:.6g} s"
     return ""

@@ -130,8 +130,8 @@ def _discover() -> None:
             return
         _discovering = True
         try:
-            for package in ("joints", "clearances", "laws", "applied"):
-                found = importlib.import_module(f"rattle.{package}")
+            for package in ("joints", "clearances", "contact_laws", "loads"):
+                found = importlib.import_module(f"rattle.elements.{package}")
                 for module in pkgutil.iter_modules(found.__path__):
                     importlib.import_module(f"{found.__name__}.{module.name}")
             _discovered = True

@@ -1,0 +1,1 @@
+"""Laws written by users in Python: loads, normal forces, friction."""
