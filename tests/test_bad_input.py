@@ -13,9 +13,9 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import rattle as rt
-from rattle import modelfile
+from rattle.description import file as model_file
+from rattle.description.reader import read
 from rattle.errors import MOST, ModelError
-from rattle.reader import read
 
 pytestmark = pytest.mark.nojit
 
@@ -439,4 +439,4 @@ def test_nothing_in_a_file_reads_another_file(tmp_path, caplog):
     secret.write_text("42")
     with caplog.at_level(logging.DEBUG), pytest.raises(ModelError):
         rt.loads(changed('length = "l1"', f"length = \"open('{secret}')\""))
-    assert modelfile.LARGEST < 50_000_000
+    assert model_file.LARGEST < 50_000_000

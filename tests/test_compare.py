@@ -6,8 +6,8 @@ from click.testing import CliRunner
 
 import rattle as rt
 from rattle.cli import main
+from rattle.description.switch_contact import recontact
 from rattle.errors import ModelError
-from rattle.recontact import recontact
 
 STEEL = {"bush_radius": "20 mm", "bush_material": "steel", "pin_material": "steel"}
 FULL = {"model": "hunt-crossley", "restitution": 0.7, "friction": {"model": "lugre", "mu": 0.2}, **STEEL}

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 import rattle as rt
+from rattle.description.reader import STATE_UNITS
 from rattle.language.syntax import FUNCTIONS
-from rattle.reader import STATE_UNITS
 
 ROOT = Path(__file__).parent.parent
 DOCS = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "docs").glob("*.md")}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.positions import locate, locate_all
-from rattle.values import describe_cycle, in_order
+from rattle.description.read_values import describe_cycle, in_order
+from rattle.description.toml_locations import locate, locate_all
 
 pytestmark = pytest.mark.nojit
 WORK = 60  # calls of Python functions per character at most: linear reading makes about 15, quadratic thousands

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rattle.positions import caret, locate
+from rattle.description.toml_locations import caret, locate
 
 pytestmark = pytest.mark.nojit
 

@@ -110,7 +110,7 @@ def test_fields_of_a_law_may_change_in_time_and_are_checked():
 
 
 def test_law_stands_in_model_files_and_in_the_schema():
-    from rattle.schema import schema
+    from rattle.description.schema import schema
 
     m = block().load("w", "wind", body="block", strength="5 N", drag=0.1)
     assert rt.loads(m.to_toml()).model.loads == m.model.loads

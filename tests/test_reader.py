@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rattle as rt
+from rattle.description.read_values import describe_cycle, in_order
+from rattle.description.reader import read
 from rattle.language.expression import names, value
-from rattle.reader import read
-from rattle.values import describe_cycle, in_order
 
 pytestmark = pytest.mark.nojit
 

@@ -8,8 +8,8 @@ import jsonschema
 import pytest
 
 import rattle
+from rattle.description.schema import schema
 from rattle.jit import functions
-from rattle.schema import schema
 
 pytestmark = pytest.mark.nojit
 
@@ -64,8 +64,8 @@ def test_a_misspelt_key_is_refused_as_the_reader_does(validator, path, old, new)
         table = table[key]
     table[new] = table.pop(old)
     assert not validator.is_valid(document)
+    from rattle.description.reader import read
     from rattle.errors import ModelError
-    from rattle.reader import read
 
     with pytest.raises(ModelError):
         read(document)

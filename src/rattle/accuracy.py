@@ -21,13 +21,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle.assembly import assemble, ideal_model
+from rattle.description.model import Joint
 from rattle.displaced import Displaced, widest
 from rattle.display import quantity, table
 from rattle.errors import ModelError, Problem
 from rattle.extremes import extreme, largest_turn
 from rattle.jit import functions
 from rattle.kinematics import Sweep, begin, instants, require_driven, why_stuck
-from rattle.model import Joint
 from rattle.rest_starts import opened
 from rattle.resting import Rest
 from rattle.statics import rigid_model, without_guide_play

@@ -17,11 +17,11 @@ import numpy as np
 from rattle.closing import close_position, close_rate, open_by, place_only
 from rattle.contact import touch_all
 from rattle.dense import LARGE, dense_rows
+from rattle.description.model import Contact, Joint, Model
 from rattle.equations import constraints, drive, solve_motion
 from rattle.errors import AssemblyError
 from rattle.jit.layout import GAP, OWNER
 from rattle.jit.workspace import Memory
-from rattle.model import Contact, Joint, Model
 from rattle.placing import outward, passed_angles, place_positions, place_rates, turned
 from rattle.starting import given_values, keep_places, keep_positions, keep_rates, start_notes
 from rattle.system import Compiled, compile_system, has_contacts, is_link

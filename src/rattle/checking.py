@@ -10,10 +10,10 @@ import numpy as np
 from rattle.assembly import Assembled, ideal_model
 from rattle.closing import close_position, open_by
 from rattle.dense import LARGE
+from rattle.description.model import Model
 from rattle.display import table
 from rattle.jit.workspace import Memory
 from rattle.loops import describe_loop, loops
-from rattle.model import Model
 from rattle.passivity import law_faults
 from rattle.singular import nonunique_reactions, rank
 from rattle.system import Compiled, compile_system, is_link

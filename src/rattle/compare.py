@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rattle.description.switch_contact import recontact
 from rattle.display import table
 from rattle.errors import AssemblyError, ModelError, Problem, suggest
 from rattle.jit import functions
-from rattle.recontact import recontact
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,9 +15,9 @@ import numpy as np
 from rattle.assembly import Assembled
 from rattle.closing import open_by
 from rattle.dense import dense_rows
+from rattle.description.model import Joint
 from rattle.equations import loads
 from rattle.kinematics import begin
-from rattle.model import Joint
 from rattle.recording import columns, geometry, width
 from rattle.result import Result, Trust
 from rattle.steppers import sweep as swept

@@ -19,8 +19,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rattle.description.model import Joint
 from rattle.displaced import Displaced
-from rattle.model import Joint
 
 ROUNDS = 12
 MOST_GUIDES = 3  # up to so many guides all combinations of their kinds of tips are starts

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle.description.model import Model
 from rattle.errors import ModelError, Problem
 from rattle.jit import functions
 from rattle.jit.layout import (
@@ -21,7 +22,6 @@ from rattle.jit.layout import (
     SPEED,
 )  # fmt: skip
 from rattle.jit.workspace import Memory
-from rattle.model import Model
 from rattle.passivity import law_faults
 from rattle.result import Event
 from rattle.system import Compiled

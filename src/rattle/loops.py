@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 
-from rattle.model import Joint, Model
+from rattle.description.model import Joint, Model
 
 
 def tree_path(model: Model, start: str, end: str, without: str) -> list[str] | None:

@@ -8,11 +8,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
-from rattle import asked, modelfile
-from rattle.building import Building
+from rattle import asked
+from rattle.description import file as model_file
+from rattle.description.builder import Building
+from rattle.description.model import Model
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.units import Seconds, seconds, seconds_or_none, times
-from rattle.model import Model
 
 if TYPE_CHECKING:
     import numpy as np
@@ -45,7 +46,7 @@ class Mechanism(Building):
     def from_text(cls, text: str, file: str = "") -> Mechanism:
         """Read model text (TOML or JSON). Raises ModelError."""
         made = cls()
-        made._document = modelfile.parse(text, file)
+        made._document = model_file.parse(text, file)
         made._text = text
         made._file = file
         _ = made.model
@@ -81,12 +82,12 @@ class Mechanism(Building):
     @cached_property
     def model(self) -> Model:
         """The checked model. Raises ModelError."""
-        from rattle.reader import read
+        from rattle.description.reader import read
 
         try:
             return read(self._document, self._file)
         except ModelError as error:
-            raise (modelfile.point_out(error, self._text) if self._text else error) from None
+            raise (model_file.point_out(error, self._text) if self._text else error) from None
 
     @cached_property
     def ready(self) -> Compiled:
@@ -114,11 +115,11 @@ class Mechanism(Building):
 
     def to_toml(self) -> str:
         """The model as TOML text; comments of the text it came from are kept."""
-        return modelfile.dump(self._document, self._text, self._changes)
+        return model_file.dump(self._document, self._text, self._changes)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the model file, whole or not at all. Raises OSError that says why not."""
-        modelfile.save(path, self.to_toml())
+        model_file.save(path, self.to_toml())
 
     def set(self, values: Mapping[str, Any] | None = None, /, **parameters: Any) -> Mechanism:
         """A new mechanism with some values changed.
@@ -134,7 +135,7 @@ class Mechanism(Building):
             if not isinstance(name, str):
                 raise TypeError(f"what is set has a name, as in {{'r3': '2 mm'}}; got {name!r:.60}")
             path = self._path_of(name, made._document)
-            made._document = modelfile.with_change(made._document, path, value)
+            made._document = model_file.with_change(made._document, path, value)
             made._changes.append((path, value))
         try:
             _ = made.model
@@ -169,7 +170,7 @@ class Mechanism(Building):
         new model knows is kept: restitution, friction, bush radius, stiffness or materials.
         Raises ModelError where something is missing (a compliant model wants a stiffness) or nothing has play.
         """
-        from rattle.recontact import recontact
+        from rattle.description.switch_contact import recontact
 
         joints = self._document.get("joints", {})
         loose = [name for name, one in joints.items() if "clearance" in one and joint in (None, name)]
@@ -182,7 +183,7 @@ class Mechanism(Building):
 
     def contact_of(self, joint: str) -> dict[str, Any]:
         """What the model says about the contact of a joint, as a table. Raises ModelError where it has none."""
-        from rattle.recontact import contact_of
+        from rattle.description.switch_contact import contact_of
 
         return contact_of(self._document, joint)
 
@@ -400,7 +401,7 @@ class Mechanism(Building):
 
 def load(path: str | os.PathLike[str]) -> Mechanism:
     """Read a model file (TOML or JSON). Raises ModelError with every problem, its line and a caret."""
-    text, file = modelfile.read_file(path)
+    text, file = model_file.read_file(path)
     return Mechanism.from_text(text, file)
 
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from rattle.description.model import Choice, Contact, Model
 from rattle.elements.custom.contact_law import ContactLaw
 from rattle.jit import functions
-from rattle.model import Choice, Contact, Model
 
 PATHS = 40
 POINTS = 400  # of a path

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle.model import Joint, Model, driven_ends
+from rattle.description.model import Joint, Model, driven_ends
 from rattle.system import Compiled, is_link
 
 

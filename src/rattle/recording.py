@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from rattle.description.model import Joint, Model
 from rattle.jit import functions
 from rattle.jit.layout import OF_NEGATIVE, OF_SIZE, OF_VALUE, OF_VECTOR
-from rattle.model import Joint, Model
 from rattle.system import Compiled, joint_rows
 
 BODY = (

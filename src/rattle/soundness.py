@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.contradiction import contradicted
+from rattle.description.model import Point
 from rattle.elements.custom import load_law
 from rattle.equations import drive
 from rattle.jit.workspace import Memory
-from rattle.model import Point
 from rattle.recording import width
 from rattle.singular import describe_rank_loss, unlike_masses
 from rattle.steppers import audit, march

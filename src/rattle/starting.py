@@ -14,9 +14,9 @@ import numpy as np
 
 from rattle.closing import close_position, open_by
 from rattle.dense import dense_rows
+from rattle.description.model import driven_ends
 from rattle.jit.layout import NU
 from rattle.jit.workspace import Memory
-from rattle.model import driven_ends
 from rattle.system import Compiled
 
 KEYS = (("x", "y", "angle"), ("vx", "vy", "omega"))

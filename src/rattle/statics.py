@@ -21,11 +21,11 @@ import numpy as np
 
 from rattle.assembly import assemble, ideal_model
 from rattle.closing import merit_at
+from rattle.description.model import Contact
 from rattle.equations import drive
 from rattle.equilibrium import Equilibria, Equilibrium
 from rattle.errors import AssemblyError
 from rattle.jit import functions
-from rattle.model import Contact
 from rattle.rest_starts import Turning, along, apart, around, opened, sides
 from rattle.resting import MOST_TURN, Found, Rest
 from rattle.singular import scaled_rows

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from rattle import schur
+from rattle.description.model import Choice, Joint, Model, driven_ends
 from rattle.jit import functions
 from rattle.jit.layout import AUTO, CLOSED, FRICTION, NORMAL_LAW, SHAPE, STATIC
 from rattle.jit.workspace import Memory
 from rattle.language.expression import Node, compile_program, concatenate
 from rattle.language.switching import Signals, Switch, find_switches
-from rattle.model import Choice, Joint, Model, driven_ends
 
 # families of kernels that contacts call, and the columns of `contact` that name them
 CONTACT_FAMILIES = {"clearance": SHAPE, "stiffness": STATIC, "normal": NORMAL_LAW, "friction": FRICTION}

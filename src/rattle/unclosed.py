@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from rattle.description.model import driven_ends
 from rattle.jit.workspace import Memory
 from rattle.loops import describe_loop, tree_path
-from rattle.model import driven_ends
 from rattle.singular import unlike_masses
 from rattle.system import Compiled
 

@@ -20,8 +20,8 @@ def example(name: str | None) -> None:
     \b
     Example:  rattle example fourbar > fourbar.toml
     """
+    from rattle.description.file import parse
     from rattle.mechanism import examples
-    from rattle.modelfile import parse
 
     known = examples()
     if name is None:
@@ -88,9 +88,9 @@ def kinds(name: str | None) -> None:
     Examples: rattle kinds spring
               rattle kinds units
     """
+    from rattle.description.reference import common, topics
     from rattle.jit import functions
     from rattle.language.materials import MATERIALS
-    from rattle.reference import common, topics
 
     found = False
     for family in functions.families():
@@ -149,6 +149,6 @@ def schema() -> None:
     """
     import json
 
-    from rattle.schema import schema as make
+    from rattle.description.schema import schema as make
 
     click.echo(json.dumps(make(), indent=2))

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from rattle.description.model import Vector
 from rattle.errors import MOST, Problem, suggest
 from rattle.language.expression import (
     RESERVED,
@@ -30,7 +31,6 @@ from rattle.language.units import (
     parse_quantity,
     unit_name,
 )
-from rattle.model import Vector
 
 Path = tuple[str | int, ...]
 

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from rattle.description.model import Parameter
+from rattle.description.read_values import Path, Values, describe_cycle, in_order, said, wanted
 from rattle.language.expression import Node, Number
 from rattle.language.units import Dimension, QuantityError, describe, parse_quantity, unit_name
-from rattle.model import Parameter
-from rattle.values import Path, Values, describe_cycle, in_order, said, wanted
 
 DISTRIBUTIONS = ("uniform", "normal", "triangular")
 PARAMETER = ("value", "min", "max", "tol", "dist")  # what a parameter may say

@@ -6,12 +6,12 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from rattle.description.model import Body, Contact, Driver, Joint, Load, Point, Vector
+from rattle.description.read_contact import read_contact
+from rattle.description.read_values import Path, Values, said
 from rattle.errors import suggest
 from rattle.jit import functions as catalog
 from rattle.jit.functions import REQUIRED, Field
-from rattle.model import Body, Contact, Driver, Joint, Load, Point, Vector
-from rattle.plays import read_contact
-from rattle.values import Path, Values, said
 
 BODY = ("points", "center", "mass", "inertia")  # what a body may say
 BAR = ("bar", "length", "points", "mass", "inertia")

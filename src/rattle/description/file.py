@@ -139,7 +139,7 @@ def _not_toml(text: str, message: str) -> Problem:
 
 
 def _at(text: str, line: int, column: int, message: str) -> Problem:
-    from rattle.positions import caret
+    from rattle.description.toml_locations import caret
 
     problem = Problem((), message)
     problem.line = line
@@ -149,7 +149,7 @@ def _at(text: str, line: int, column: int, message: str) -> Problem:
 
 def point_out(error: ModelError, text: str) -> ModelError:
     """The same error with the line and a caret for each problem, in the order of the file."""
-    from rattle.positions import caret_under, locate_all
+    from rattle.description.toml_locations import caret_under, locate_all
 
     if is_json(text):
         return error

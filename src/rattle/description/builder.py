@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
-from rattle import modelfile
+from rattle.description import file
 from rattle.errors import ModelError, Problem
 
 Pair = Sequence[float | str]
@@ -22,7 +22,7 @@ class Building:
         }
         self._text: str | None = None
         self._file = ""
-        self._changes: list[modelfile.Change] = []
+        self._changes: list[file.Change] = []
 
     def _enter(self, table: str, name: str, entry: dict[str, Any]) -> Self:
         entries = self._document.setdefault(table, {})

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rattle.definitions import read_parameters, read_signals
+from rattle.description.model import Driver, Initial, Model, Settings, Vector
+from rattle.description.read_parameters import read_parameters, read_signals
+from rattle.description.read_parts import Parts
+from rattle.description.read_values import Path, TooManyProblems, Values, said
 from rattle.errors import ModelError, shown, suggest
 from rattle.jit import functions
 from rattle.language.expression import Node, names
 from rattle.language.units import dimension_of
-from rattle.model import Driver, Initial, Model, Settings, Vector
-from rattle.parts import Parts
-from rattle.values import Path, TooManyProblems, Values, said
 
 STATE_UNITS = {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 SETTING_UNITS = {"t_end": "s", "rtol": "", "atol": "", "step": "s", "output": "s"}

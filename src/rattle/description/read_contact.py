@@ -9,13 +9,13 @@ import math
 from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
+from rattle.description.model import Choice, Contact
+from rattle.description.read_values import Path, said
 from rattle.errors import suggest
 from rattle.jit import functions
-from rattle.model import Choice, Contact
-from rattle.values import Path, said
 
 if TYPE_CHECKING:
-    from rattle.parts import Parts
+    from rattle.description.read_parts import Parts
 
 GEOMETRY = ("bush_material", "pin_material", "length", "geometry")
 

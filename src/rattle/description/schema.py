@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from rattle.definitions import DISTRIBUTIONS
+from rattle.description.read_parameters import DISTRIBUTIONS
+from rattle.description.read_parts import BLOCK, GUIDED
+from rattle.description.reader import METHODS, SETTING_UNITS, STATE_UNITS
 from rattle.jit import functions
 from rattle.jit.functions import REQUIRED, Field, Kind
-from rattle.parts import BLOCK, GUIDED
-from rattle.reader import METHODS, SETTING_UNITS, STATE_UNITS
 
 Schema = dict[str, Any]
 NAME = r"^[A-Za-z_][A-Za-z0-9_]*$"

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from rattle.description.reader import STATE_UNITS
+from rattle.description.schema import schema
 from rattle.language.materials import MATERIALS
 from rattle.language.syntax import FUNCTIONS
 from rattle.language.units import DIMENSIONLESS, UNITS, describe
-from rattle.reader import STATE_UNITS
-from rattle.schema import schema
 
 
 class Topic(NamedTuple):
