@@ -8,8 +8,8 @@ import pytest
 
 import rattle as rt
 from rattle.assembly import assemble
-from rattle.closing import open_by
-from rattle.dense import LARGE, dense_rows
+from rattle.equations.closure import open_by
+from rattle.equations.dense import LARGE, dense_rows
 
 pytestmark = pytest.mark.nojit
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle import complementarity, equations, following, impact, uniqueness
-from rattle.complementarity import BACKWARD, FORWARD, IMPOSSIBLE, JAMMED, SOLVED, STICK, A, B, F
+from rattle import uniqueness
+from rattle.equations import complementarity, lemke, motion, unilateral
+from rattle.equations.complementarity import BACKWARD, FORWARD, IMPOSSIBLE, JAMMED, SOLVED, STICK, A, B, F
 from rattle.impact_run import contact_arrays
 from rattle.jit import functions
 from rattle.jit.layout import A_BODY, B_BODY
@@ -41,7 +42,7 @@ def problem(pins, friction, rng, known_slip=False):
     ready = chain(pins, friction, hanging=True).ready
     memory = ready.memory(**contact_arrays(ready, False))
     q = np.concatenate([[0.3 * k, -0.2 * k, rng.uniform(-3, 3)] for k in range(pins)])
-    equations.free_motion(memory.handle, 0.0, q, rng.normal(size=3 * pins))
+    motion.free_motion(memory.handle, 0.0, q, rng.normal(size=3 * pins))
     memory["chosen"][:] = np.arange(pins)
     memory["slide"][:] = rng.choice([-1, 1], pins) if known_slip else 0
     memory["trial"][:] = np.where(memory["slide"] < 0, BACKWARD, FORWARD)
@@ -92,7 +93,7 @@ def test_the_path_alone_ends_in_a_solution_of_every_impact(pins):
     for friction in (0.0, 0.1, 1.0, 3.0):
         memory, matrix = problem(pins, friction, rng)
         b = memory["side"][B].copy()
-        assert following.follow_kernel(memory.handle, pins) == SOLVED
+        assert lemke.follow_kernel(memory.handle, pins) == SOLVED
         assert (memory["side"][B] == b).all()
         complementarity.modes_kernel(memory.handle, 4 * pins + 1)
         assert breach(memory, matrix, friction) < 1e-9
@@ -103,7 +104,7 @@ def test_path_that_runs_off_is_seldom_wrong_and_all_modes_tell(monkeypatch):
     jammed = 0
     for _ in range(150):
         memory, matrix = problem(3, 2.0, rng, known_slip=True)
-        along_path = following.follow_kernel(memory.handle, 3)
+        along_path = lemke.follow_kernel(memory.handle, 3)
         outcome = complementarity.search_kernel(memory.handle, 3)
         assert outcome == (SOLVED if uniqueness.count_kernel(memory.handle, 3) else IMPOSSIBLE)
         if outcome == IMPOSSIBLE:
@@ -144,7 +145,7 @@ def test_many_contacts_are_said_to_have_no_solution_only_where_no_modes_of_their
         memory, matrix = problem(8, 2.0, rng, known_slip=True)
         b, slide = memory["side"][B].copy(), memory["slide"].copy()
         found = complementarity.search_kernel(memory.handle, 8) == SOLVED or bool(
-            impact.solve_by_trying(memory.handle, 8)
+            unilateral.solve_by_trying(memory.handle, 8)
         )
         assert found == solvable(matrix, b, slide, 2.0)
         assert not found or breach(memory, matrix, 2.0) < 1e-9
@@ -241,7 +242,7 @@ def test_words_about_an_unsolved_problem_name_painleve_only_where_friction_is_sh
         memory, _ = problem(3, 0.1, np.random.default_rng(1))
         memory["held"][complementarity.OUTCOME] = outcome
         run.ready, run.memory, run.clock = chain(3).ready, memory, np.zeros(9)
-        said[outcome] = ImpactRun.trouble(run, impact.ending(memory.handle))
+        said[outcome] = ImpactRun.trouble(run, unilateral.ending(memory.handle))
     assert "has no solution" in said[IMPOSSIBLE]
     assert "Painleve" in said[IMPOSSIBLE]
     assert "has no solution" not in said[JAMMED]

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle import impact, impact_run
+from rattle import impact_run
+from rattle.equations import unilateral
 from rattle.steppers import event
 
 SLIDER_CRANK = """
@@ -216,7 +217,7 @@ def test_end_of_a_sequence_does_not_depend_on_the_tolerance():
 def test_crowded_events_are_named_as_such(monkeypatch):
     def crowded(self, t, chunk):
         self.stuck[2:] = 0.0, event.MOST_IN_A_ROW + 1.0
-        return impact.CHATTER
+        return unilateral.CHATTER
 
     monkeypatch.setattr(impact_run.ImpactRun, "advance", crowded)
     r = rocking().simulate(1.0)

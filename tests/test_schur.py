@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rattle import schur
+from rattle.equations import schur
 from rattle.jit import functions
 from rattle.jit.layout import AX, BX
 from rattle.jit.workspace import Memory

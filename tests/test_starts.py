@@ -7,8 +7,8 @@ import pytest
 
 import rattle as rt
 from linkages import slider_crank
-from rattle.closing import open_by
-from rattle.dense import dense_rows
+from rattle.equations.closure import open_by
+from rattle.equations.dense import dense_rows
 
 pytestmark = pytest.mark.nojit
 

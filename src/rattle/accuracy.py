@@ -24,6 +24,7 @@ from rattle.assembly import assemble, ideal_model
 from rattle.description.model import Joint
 from rattle.displaced import Displaced, widest
 from rattle.display import quantity, table
+from rattle.equations.system import Compiled, compile_system
 from rattle.errors import ModelError, Problem
 from rattle.extremes import extreme, largest_turn
 from rattle.jit import functions
@@ -32,7 +33,6 @@ from rattle.rest_starts import opened
 from rattle.resting import Rest
 from rattle.statics import rigid_model, without_guide_play
 from rattle.steppers import sweep as swept
-from rattle.system import Compiled, compile_system
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

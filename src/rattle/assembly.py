@@ -14,17 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from rattle.closing import close_position, close_rate, open_by, place_only
-from rattle.contact import touch_all
-from rattle.dense import LARGE, dense_rows
 from rattle.description.model import Contact, Joint, Model
-from rattle.equations import constraints, drive, solve_motion
+from rattle.equations.closure import close_position, close_rate, open_by, place_only
+from rattle.equations.compliant import touch_all
+from rattle.equations.dense import LARGE, dense_rows
+from rattle.equations.motion import constraints, drive, solve_motion
+from rattle.equations.system import Compiled, compile_system, has_contacts, is_link
 from rattle.errors import AssemblyError
 from rattle.jit.layout import GAP, OWNER
 from rattle.jit.workspace import Memory
 from rattle.placing import outward, passed_angles, place_positions, place_rates, turned
 from rattle.starting import given_values, keep_places, keep_positions, keep_rates, start_notes
-from rattle.system import Compiled, compile_system, has_contacts, is_link
 from rattle.unclosed import why_open, without_value
 
 HOLD = 1e-6  # share of its mobility that a rate given keeps in mechanisms too large for `starting`

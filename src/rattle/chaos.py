@@ -15,17 +15,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 
 from rattle import asked, dynamics
-from rattle.closing import open_by
-from rattle.dense import LARGE
 from rattle.display import lines
-from rattle.equations import DONE, PAUSED, drive
+from rattle.equations.closure import open_by
+from rattle.equations.dense import LARGE
+from rattle.equations.motion import DONE, PAUSED, drive
+from rattle.equations.system import Compiled
 from rattle.jit import functions
 from rattle.jit.layout import CLOSED, SHUT, SPEED
 from rattle.singular import rank
 from rattle.steppers import march
 from rattle.steppers.audit import STARTED
 from rattle.steppers.touching import pass_on, remember_end
-from rattle.system import Compiled
 from rattle.unclosed import driver_slot
 
 if TYPE_CHECKING:

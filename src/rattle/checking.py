@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle.assembly import Assembled, ideal_model
-from rattle.closing import close_position, open_by
-from rattle.dense import LARGE
 from rattle.description.model import Model
 from rattle.display import table
+from rattle.equations.closure import close_position, open_by
+from rattle.equations.dense import LARGE
+from rattle.equations.system import Compiled, compile_system, is_link
 from rattle.jit.workspace import Memory
 from rattle.loops import describe_loop, loops
 from rattle.passivity import law_faults
 from rattle.singular import nonunique_reactions, rank
-from rattle.system import Compiled, compile_system, is_link
 from rattle.timetable import jump_lines, timetable
 from rattle.unclosed import driver_slot
 
@@ -80,7 +80,7 @@ def check(ready: Compiled, start: Assembled) -> Check:
     memory = ready.memory()
     open_by(memory.handle, start.t, start.q, start.v)
     if ready.row_count > LARGE:
-        from rattle.schur import factorise
+        from rattle.equations.schur import factorise
 
         factorise(memory.handle)
     independent = rank(ready, memory)
@@ -175,7 +175,7 @@ def _hold_drivers(ready: Compiled, t: float) -> tuple[Memory, dict[str, int], di
     """Memory in which the functions of the drivers are plain numbers, and where these stand."""
     from dataclasses import replace
 
-    from rattle.equations import drive
+    from rattle.equations.motion import drive
 
     running = ready.memory()
     drive(running.handle, t)

@@ -13,15 +13,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from rattle.assembly import Assembled
-from rattle.closing import open_by
-from rattle.dense import dense_rows
 from rattle.description.model import Joint
-from rattle.equations import loads
+from rattle.equations.closure import open_by
+from rattle.equations.dense import dense_rows
+from rattle.equations.motion import loads
+from rattle.equations.system import Compiled
 from rattle.kinematics import begin
 from rattle.recording import columns, geometry, width
 from rattle.result import Result, Trust
 from rattle.steppers import sweep as swept
-from rattle.system import Compiled
 
 SMALL = 1e-4  # of a clearance: displacement for differences
 

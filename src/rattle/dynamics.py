@@ -15,7 +15,8 @@ from rattle import asked
 from rattle.agreement import Reach, agreement, tighter
 from rattle.assembly import Assembled
 from rattle.elements.custom import load_law
-from rattle.equations import DONE, OK, PAUSED
+from rattle.equations.motion import DONE, OK, PAUSED
+from rattle.equations.system import Compiled
 from rattle.errors import SolverError
 from rattle.happenings import contact_counts, contact_events, contact_notes, method_notes, require_workable
 from rattle.jit import functions
@@ -34,7 +35,6 @@ from rattle.steppers.hitting import LOW
 from rattle.steppers.jolting import jolt, speeds
 from rattle.steppers.searching import ESCAPED
 from rattle.steppers.writing import record
-from rattle.system import Compiled
 from rattle.timetable import Jolt, jolt_events, jolt_notes, timetable
 from rattle.trouble import explain
 
@@ -229,7 +229,7 @@ class Run:
 
 
 def start_state(ready: Compiled, start: Assembled) -> np.ndarray:
-    """y at the start: q, v, work, dissipated energy, and four numbers per contact (see `equations.collect`)."""
+    """y at the start: q, v, work, dissipated energy, and four numbers per contact (see `equations.motion.collect`)."""
     return np.concatenate([start.q, start.v, np.zeros(2 + 4 * len(ready.arrays["contact"]))])
 
 

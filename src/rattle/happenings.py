@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from rattle.description.model import Model
+from rattle.equations.system import Compiled
 from rattle.errors import ModelError, Problem
 from rattle.jit import functions
 from rattle.jit.layout import (
@@ -24,7 +25,6 @@ from rattle.jit.layout import (
 from rattle.jit.workspace import Memory
 from rattle.passivity import law_faults
 from rattle.result import Event
-from rattle.system import Compiled
 
 SHORTEST = 1e-12  # a step that is taken for impossible [s]
 GAIN = 1e-12  # energy from an impact, as a share of that of the run, below which it is rounding

@@ -7,10 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rattle import complementarity, following, impact, network, paths, phases, uniqueness
-from rattle.complementarity import BACKWARD, FORWARD
+from rattle import paths, phases, uniqueness
 from rattle.dynamics import Run, start_state
-from rattle.equations import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
+from rattle.equations import complementarity, contact_network, lemke, unilateral
+from rattle.equations.complementarity import BACKWARD, FORWARD
+from rattle.equations.motion import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
+from rattle.equations.system import Compiled
 from rattle.errors import ModelError, Problem
 from rattle.jit import functions
 from rattle.jit.layout import IMPACT, NORMAL_P, OWNER
@@ -20,7 +22,6 @@ from rattle.soundness import audit_arrays, set_floor, why_unsound
 from rattle.steppers import event, glances, jamming, locating, march, moreau
 from rattle.steppers.audit import UNSOUND
 from rattle.steppers.searching import ESCAPED
-from rattle.system import Compiled
 from rattle.trouble import explain
 
 NEARLY_LOCKED = 1e-2  # share of G_nn that friction leaves of it where a run that cannot go on is called locked
@@ -77,10 +78,10 @@ def require_one_law(ready: Compiled, method: str) -> None:
 def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
     """What set-valued contacts need besides the arrays of one instant; lasting: their forces are part of the motion."""
     nc, nr, nb = len(ready.arrays["contact"]), ready.row_count, ready.body_count
-    contact, solvers = ready.arrays["contact"], (network.KERNEL, following.KERNEL, uniqueness.KERNELS[0])
+    contact, solvers = ready.arrays["contact"], (contact_network.KERNEL, lemke.KERNEL, uniqueness.KERNELS[0])
     laws = (phases.expand_kernel, paths.path_kernel, uniqueness.KERNELS[1])
     return {
-        **(network.arrays(ready.arrays["row_body"], contact) if nc > complementarity.FEW else {}),
+        **(contact_network.arrays(ready.arrays["row_body"], contact) if nc > complementarity.FEW else {}),
         **{name: np.zeros(nc, np.int64) for name in ("mode", "chosen", "trial", "slide")},
         "pivot": np.zeros(2 * nc, np.int64),
         "arm": np.zeros((2 * nc, 6)),
@@ -97,7 +98,7 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "looks": np.zeros((locating.LOOKS_KEPT, glances.KINDS * nc + 2)),
         "held": np.array([1.0, ready.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
         "problem_table": functions.entries((*complementarity.KERNELS, *solvers, *laws)),
-        **({"hold_table": functions.entries([impact.hold]), "glances": glances.table(nc)} if lasting else {}),
+        **({"hold_table": functions.entries([unilateral.hold]), "glances": glances.table(nc)} if lasting else {}),
     }
 
 
@@ -136,7 +137,7 @@ class ImpactRun(Run):
         self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])
         self.clock[march.T] = t
         status = int(event.start(self.memory.handle, t))
-        if status == impact.NO_SOLUTION and self.may_pass:
+        if status == unilateral.NO_SOLUTION and self.may_pass:
             status = OK if self.pass_jam(status, late=False) == PAUSED else status
         return super().begin(t) if status == OK else int(status)
 
@@ -161,8 +162,8 @@ class ImpactRun(Run):
             return int(moreau.advance(handle, self.leg.start, self.leg.h, self.leg.steps, out, self.raw, chunk))
         h_max, out = self.step or math.inf, self.t_eval[:outputs]
         status = int(event.advance(handle, t, self.rtol, self.atol, h_max, out, self.raw, chunk, self.stuck))
-        if status in (impact.NO_SOLUTION, impact.LOCKED, STEP_TOO_SMALL) and self.may_pass:
-            return self.pass_jam(status, late=status == impact.NO_SOLUTION)
+        if status in (unilateral.NO_SOLUTION, unilateral.LOCKED, STEP_TOO_SMALL) and self.may_pass:
+            return self.pass_jam(status, late=status == unilateral.NO_SOLUTION)
         return status
 
     def pass_jam(self, status: int, late: bool) -> int:
@@ -214,35 +215,35 @@ class ImpactRun(Run):
         t = float(self.clock[march.T])
         names = ", ".join(self._closed()) or "the contacts"
         passed = "" if self.may_pass or self.method == "moreau" else ', and so does jam = "impact" in the contact'
-        if status == impact.NO_SOLUTION and self.memory["held"][complementarity.OUTCOME] == complementarity.JAMMED:
+        if status == unilateral.NO_SOLUTION and self.memory["held"][complementarity.OUTCOME] == complementarity.JAMMED:
             return (
                 f"no solution of the contact problem at {names} was found at t = {t:.9g} s: on every path that was"
                 " followed the force that presses contacts together makes them approach, as where friction jams a"
                 " joint, though their modes are too many to try all; less friction, or a compliant contact, goes"
                 f" on{passed}"
             )
-        if status == impact.NO_SOLUTION:
+        if status == unilateral.NO_SOLUTION:
             return (
                 f"the contact problem at {names} has no solution at t = {t:.9g} s, whatever its contacts do (Painleve:"
                 f" friction would have to jam the joint); less friction, or a compliant contact, goes on{passed}"
             )
-        if status == impact.NOT_FOUND:
+        if status == unilateral.NOT_FOUND:
             return (
                 f"no solution of the contact problem at {names} was found at t = {t:.9g} s, which does not mean"
                 " that there is none: contacts or joints may depend on each other there; method moreau or a compliant"
                 " contact may go on"
             )
-        if status == impact.NOT_UNIQUE:
+        if status == unilateral.NOT_UNIQUE:
             return (
                 f"the contact problem at {names} has several solutions at t = {t:.9g} s (Painleve: rigid bodies with"
                 " this friction do not say which); less friction, a compliant contact or method moreau goes on"
             )
-        if status == impact.LOCKED or (status == STEP_TOO_SMALL and self._locks(t)):
+        if status == unilateral.LOCKED or (status == STEP_TOO_SMALL and self._locks(t)):
             return (
                 f"friction locks {names} at t = {t:.9g} s: the normal force grows beyond all bounds (Painleve); less"
                 f" friction, or a compliant contact, goes on{passed}"
             )
-        if status == impact.CHATTER:
+        if status == unilateral.CHATTER:
             joint = self.ready.joints[self.ready.arrays["contact"][int(self.stuck[2]), OWNER]]
             if self.stuck[3] > event.MOST_IN_A_ROW:
                 return (

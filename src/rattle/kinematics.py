@@ -12,9 +12,10 @@ import numpy as np
 
 from rattle import asked
 from rattle.assembly import Assembled, assemble
-from rattle.closing import open_by
-from rattle.dense import LARGE
-from rattle.equations import drive
+from rattle.equations.closure import open_by
+from rattle.equations.dense import LARGE
+from rattle.equations.motion import drive
+from rattle.equations.system import Compiled
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, suggest
 from rattle.jit import functions
 from rattle.jit.workspace import Memory
@@ -22,7 +23,6 @@ from rattle.recording import BODY, columns, geometry, width
 from rattle.result import Event, Result, Trust
 from rattle.singular import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
 from rattle.steppers import sweep as swept
-from rattle.system import Compiled
 from rattle.timetable import jump_notes, timetable
 
 log = logging.getLogger("rattle")

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from rattle.chaos import Bifurcation, Lyapunov, Section
     from rattle.checking import Check
     from rattle.compare import Comparison
+    from rattle.equations.system import Compiled
     from rattle.equilibrium import Equilibria, Equilibrium
     from rattle.modes import Modes
     from rattle.result import Result
-    from rattle.system import Compiled
 
 
 class Mechanism(Building):
@@ -92,7 +92,7 @@ class Mechanism(Building):
     @cached_property
     def ready(self) -> Compiled:
         """The model as flat arrays."""
-        from rattle.system import compile_system
+        from rattle.equations.system import compile_system
 
         return compile_system(self.model)
 

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.display import table
-from rattle.equations import loads, place
+from rattle.equations.motion import loads, place
+from rattle.equations.rest_force import force_at
 from rattle.equilibrium import Equilibrium
 from rattle.resting import Rest
 from rattle.result import Result, Trust
-from rattle.steppers.rest import force_at
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.complementarity import (
+from rattle.equations.complementarity import (
     BACKWARD,
     FORWARD,
     OFF,

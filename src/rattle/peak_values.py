@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
+from rattle.equations.system import Compiled
 from rattle.jit.workspace import Memory
 from rattle.recording import JOINT, quantities
 from rattle.result import Peak
 from rattle.steppers import peaks
 from rattle.steppers.searching import DEEP
-from rattle.system import Compiled
 
 
 def peak_arrays(ready: Compiled) -> dict[str, np.ndarray]:

@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.complementarity import BACKWARD, EXACT, FORWARD, OFF, STICK, A, B, F, friction_of
+from rattle.equations.complementarity import BACKWARD, EXACT, FORWARD, OFF, STICK, A, B, F, friction_of
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.layout import NORMAL_P
 from rattle.jit.workspace import BOUNCE, CHOSEN, CONTACT, DELASSUS, SIDE, SYSTEM, TRIAL, VALUES, imat, ivec, mat, vec

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rattle.description.model import Joint, Model, driven_ends
-from rattle.system import Compiled, is_link
+from rattle.equations.system import Compiled, is_link
 
 
 def outward(model: Model) -> list[tuple[str, str, Joint]]:

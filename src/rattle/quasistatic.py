@@ -16,7 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle.assembly import ideal_model
-from rattle.dense import dense_rows
+from rattle.equations.dense import dense_rows
+from rattle.equations.rest_force import stiffness
+from rattle.equations.system import Compiled, compile_system
 from rattle.equilibrium import Equilibrium
 from rattle.jit import functions
 from rattle.kinematics import instants
@@ -24,8 +26,6 @@ from rattle.rest_starts import opened
 from rattle.resting import Rest
 from rattle.result import Event, Result, Trust
 from rattle.statics import equilibria, rigid_model, without_guide_play
-from rattle.steppers.rest import stiffness
-from rattle.system import Compiled, compile_system
 
 log = logging.getLogger("rattle")
 

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from rattle.description.model import Joint, Model
+from rattle.equations.system import Compiled, joint_rows
 from rattle.jit import functions
 from rattle.jit.layout import OF_NEGATIVE, OF_SIZE, OF_VALUE, OF_VECTOR
-from rattle.system import Compiled, joint_rows
 
 BODY = (
     ("x", "m"), ("y", "m"), ("angle", "rad"), ("vx", "m/s"), ("vy", "m/s"), ("omega", "rad/s"),

@@ -16,17 +16,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.closing import close_position
-from rattle.dense import dense_rows
-from rattle.equations import drive
+from rattle.equations.closure import close_position
+from rattle.equations.dense import dense_rows
+from rattle.equations.motion import drive
+from rattle.equations.rest_force import force_at
+from rattle.equations.system import Compiled, has_contacts, is_link
 from rattle.equilibrium import Equilibrium, Table
 from rattle.jit.layout import AUTO, CLOSED, SPEED
 from rattle.recording import columns, geometry, width
 from rattle.singular import RANK, nonunique_reactions
 from rattle.steppers import settling
-from rattle.steppers.rest import force_at
 from rattle.steppers.writing import write
-from rattle.system import Compiled, has_contacts, is_link
 
 MOST_TURN = 0.4  # of a body in one step [rad]
 MOST_TRIALS = 600  # positions tried from one start before it is given up

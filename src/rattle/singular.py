@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.dense import LARGE, dense_rows
+from rattle.equations.dense import LARGE, dense_rows
+from rattle.equations.system import Compiled
 from rattle.jit.workspace import Memory
-from rattle.system import Compiled
 
 RANK = 1e-9  # a singular value below this share of the largest counts as zero
 UNLIKE = 1e9  # ratio of masses that leaves too few digits for the lighter body

@@ -15,13 +15,13 @@ import numpy as np
 from rattle.contradiction import contradicted
 from rattle.description.model import Point
 from rattle.elements.custom import load_law
-from rattle.equations import drive
+from rattle.equations.motion import drive
+from rattle.equations.system import Compiled
 from rattle.jit.workspace import Memory
 from rattle.recording import width
 from rattle.singular import describe_rank_loss, unlike_masses
 from rattle.steppers import audit, march
 from rattle.steppers.writing import record
-from rattle.system import Compiled
 from rattle.trouble import not_finite
 from rattle.unclosed import driver_slot
 

@@ -12,12 +12,12 @@ import math
 
 import numpy as np
 
-from rattle.closing import close_position, open_by
-from rattle.dense import dense_rows
 from rattle.description.model import driven_ends
+from rattle.equations.closure import close_position, open_by
+from rattle.equations.dense import dense_rows
+from rattle.equations.system import Compiled
 from rattle.jit.layout import NU
 from rattle.jit.workspace import Memory
-from rattle.system import Compiled
 
 KEYS = (("x", "y", "angle"), ("vx", "vy", "omega"))
 UNITS = {"x": "m", "y": "m", "angle": "deg", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}

@@ -20,16 +20,16 @@ from dataclasses import replace
 import numpy as np
 
 from rattle.assembly import assemble, ideal_model
-from rattle.closing import merit_at
 from rattle.description.model import Contact
-from rattle.equations import drive
+from rattle.equations.closure import merit_at
+from rattle.equations.motion import drive
+from rattle.equations.system import Compiled, compile_system, has_contacts, is_link
 from rattle.equilibrium import Equilibria, Equilibrium
 from rattle.errors import AssemblyError
 from rattle.jit import functions
 from rattle.rest_starts import Turning, along, apart, around, opened, sides
 from rattle.resting import MOST_TURN, Found, Rest
 from rattle.singular import scaled_rows
-from rattle.system import Compiled, compile_system, has_contacts, is_link
 
 RANDOM_STARTS = 48  # of a mechanism without a freedom, for other ways to put it together
 FEW_STARTS = 12  # of a mechanism with one

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rattle.complementarity import OFF
 from rattle.elements.custom import contact_law, load_law
-from rattle.equations import NOT_FINITE
+from rattle.equations.complementarity import OFF
+from rattle.equations.motion import NOT_FINITE
+from rattle.equations.system import Compiled
 from rattle.jit.layout import CLOSED, GAP, IMPACT, OPEN, OWNER, SHAPE_P, SHUT
 from rattle.jit.workspace import Memory
 from rattle.recording import width
@@ -17,7 +18,6 @@ from rattle.steppers import march
 from rattle.steppers.branching import LAST, SLIDES, argument, see
 from rattle.steppers.searching import DEEP, ESCAPED
 from rattle.steppers.writing import record
-from rattle.system import Compiled
 
 NEAR = 10.0  # shares of the step that failed, within which a contact law is asked what it meets
 GLANCE, SHARE = 1e-6, 1e-3  # how far it is looked back, as a share of the run, and a share of that

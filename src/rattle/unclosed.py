@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from rattle.description.model import driven_ends
+from rattle.equations.system import Compiled
 from rattle.jit.workspace import Memory
 from rattle.loops import describe_loop, tree_path
 from rattle.singular import unlike_masses
-from rattle.system import Compiled
 
 TAKES_PART = 0.05  # share of the widest gap from which on a joint is named
 MOST_NAMED = 6

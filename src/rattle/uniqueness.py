@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rattle.complementarity import (
+from rattle.equations.complementarity import (
     BACKWARD,
     FOLLOW,
     FORWARD,

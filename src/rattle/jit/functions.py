@@ -38,8 +38,8 @@ SIGNATURE = {
     "stiffness": ("f", "f", "v", "i"),  # delta, p, k -> F
     "normal": ("f", "f", "f", "f", "f", "v", "i"),  # F_static, delta, ddelta, v0, p, k -> F
     "friction": ("f", "f", "f", "f", "v", "i", "v"),  # u, N, z, p, k, dz -> T
-    "hold": ("void", "h"),  # m, see rattle.impact
-    "problem": ("i", "h", "i"),  # m, number of contacts, see rattle.impact
+    "hold": ("void", "h"),  # m, see rattle.equations.unilateral
+    "problem": ("i", "h", "i"),  # m, number of contacts, see rattle.equations.unilateral
 }
 REQUIRED: Any = object()
 _lock = threading.RLock()

@@ -67,7 +67,7 @@ FIELDS = {
     "touch": "f2",  # (nc, 18) geometry and forces of every contact, see jit.layout
     "grip": "f2",  # (nc, 13) its memory, see jit.layout
     "rate": "f1",  # (1,) rate of a bristle
-    # set-valued contacts, see impact; two lines (normal, tangential) for each contact that takes part
+    # set-valued contacts, see equations.unilateral; two lines (normal, tangential) for each contact that takes part
     "mode": "i1",  # (nc,) what each contact does: OFF, STICK, FORWARD, BACKWARD
     "chosen": "i1",  # (nc,) contacts that take part
     "trial": "i1",  # (nc,) their modes while the problem is being solved
@@ -82,12 +82,12 @@ FIELDS = {
     "series": "f2",  # (nc, 2) times of the last impact of each contact and of the one before
     "pushed": "f2",  # (nb + 1, 3) M^-1 (W^T f - Phi_q^T z): what all forces f change together
     "called": "f1",  # (nr,) z: multipliers that they call up
-    "path": "f2",  # (6, 2 nc) b, d, and f, a that d alone would have, see following; modes, a or f of a solution
+    "path": "f2",  # (6, 2 nc) b, d, and f, a that d alone would have, see equations.lemke; modes, a or f of a solution
     "bounce": "f2",  # (7, 2 nc) see paths and phases
     "looks": "f2",  # (looks, 4 nc + 2) places of a step that were looked at, see steppers.locating
     "glances": "f2",  # (9, 4 nc + 2) the same at the stages of a step, see steppers.glances
-    "held": "f1",  # (8,) see impact and complementarity
-    "net_place": "i1",  # (nr + 2 nc,) rows of joints and contacts together, see network, also the next twelve
+    "held": "f1",  # (8,) see equations.unilateral and complementarity
+    "net_place": "i1",  # (nr + 2 nc,) rows of joints and contacts together, see equations.contact_network, also the next twelve
     "net_first": "i1",
     "net_below": "i1",
     "net_target": "i1",
@@ -101,7 +101,7 @@ FIELDS = {
     "net_upper": "f1",
     "net_x": "f2",  # (2, nr + 2 nc) solution, correction, by place
     "hold_table": "i1",  # the kernel that adds the forces of lasting contacts, if there may be any
-    "problem_table": "i1",  # kernels that solve contact problems, see impact
+    "problem_table": "i1",  # kernels that solve contact problems, see equations.unilateral
     # the march in time
     "y": "f1",  # (6 nb + 2,) q, v, work done, energy dissipated at clock[T]
     "f": "f1",  # its derivative

@@ -8,7 +8,7 @@ its switch for one step, whose error control then passes the kink as well as it 
 
 from __future__ import annotations
 
-from rattle.equations import derivative, place
+from rattle.equations.motion import derivative, place
 from rattle.jit.functions import compiled, native
 from rattle.jit.workspace import (
     BODY,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from rattle.complementarity import BACKWARD, FORWARD, OFF, STICK, F, friction_of
-from rattle.equations import OK
-from rattle.impact import (
+from rattle.equations.complementarity import BACKWARD, FORWARD, OFF, STICK, F, friction_of
+from rattle.equations.motion import OK
+from rattle.equations.unilateral import (
     NOT_UNIQUE,
     add_forces,
     along,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations import derivative
+from rattle.equations.motion import derivative
 from rattle.jit.functions import native
 from rattle.jit.workspace import (
     CHANGE,

@@ -1,7 +1,7 @@
 """Event-driven motion with set-valued contacts: smooth stretches between located events.
 
 Between events every contact keeps its mode (off, sticking, sliding) and lasting contacts act as constraints whose
-forces `impact.hold` adds.  Each step is searched on its dense output for the first of
+forces `equations.unilateral.hold` adds.  Each step is searched on its dense output for the first of
 
     gap = 0                  impact, with all contacts that are closed at that instant in one problem
     N = 0                    release
@@ -18,10 +18,10 @@ from __future__ import annotations
 
 import math
 
-from rattle.complementarity import OFF, STICK
-from rattle.contact import touch_all
-from rattle.equations import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
-from rattle.impact import CHATTER, DETERMINANT, LOCKED, NOT_FOUND
+from rattle.equations.complementarity import OFF, STICK
+from rattle.equations.compliant import touch_all
+from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
+from rattle.equations.unilateral import CHATTER, DETERMINANT, LOCKED, NOT_FOUND
 from rattle.jit.functions import compiled, native
 from rattle.jit.layout import DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT
 from rattle.jit.workspace import (

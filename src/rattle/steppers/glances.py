@@ -21,8 +21,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.complementarity import FORWARD, OFF, STICK, friction_of
-from rattle.impact import SIZE
+from rattle.equations.complementarity import FORWARD, OFF, STICK, friction_of
+from rattle.equations.unilateral import SIZE
 from rattle.jit.functions import compiled
 from rattle.jit.layout import IMPACT, NORMAL, PEAK, SLIP, TANGENT
 from rattle.jit.workspace import (

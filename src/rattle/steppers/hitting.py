@@ -15,10 +15,10 @@ from __future__ import annotations
 
 import math
 
-from rattle.complementarity import BACKWARD, FORWARD, OFF, OTHER, STICK, A, B, F, friction_of
-from rattle.contact import touch_all
-from rattle.equations import OK, constraints, place
-from rattle.impact import (
+from rattle.equations.complementarity import BACKWARD, FORWARD, OFF, OTHER, STICK, A, B, F, friction_of
+from rattle.equations.compliant import touch_all
+from rattle.equations.motion import OK, constraints, place
+from rattle.equations.unilateral import (
     EXPAND,
     NOT_FOUND,
     NOT_UNIQUE,

@@ -12,9 +12,9 @@ Source: Genot, Brogliato, New results on Painleve paradoxes, Eur. J. Mech. A 18 
 
 from __future__ import annotations
 
-from rattle.complementarity import FORWARD, OFF, STICK, B, F, friction_of
-from rattle.equations import OK
-from rattle.impact import LOCKED, contact_rows, shift, solve_contacts, solve_modes
+from rattle.equations.complementarity import FORWARD, OFF, STICK, B, F, friction_of
+from rattle.equations.motion import OK
+from rattle.equations.unilateral import LOCKED, contact_rows, shift, solve_contacts, solve_modes
 from rattle.jit.functions import compiled, native
 from rattle.jit.layout import DGAP, IMPACT, NORMAL_P, SLIP, STEPS_IN
 from rattle.jit.workspace import (

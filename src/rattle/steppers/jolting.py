@@ -12,10 +12,11 @@ Kinematics and Dynamics of Mechanical Systems (1989), section 6.6 (impulsive mot
 
 from __future__ import annotations
 
-from rattle.complementarity import FORWARD, OFF, STICK, B, friction_of
-from rattle.contact import touch_all
-from rattle.equations import OK, constraints, correct, drive, place, rate_residual
-from rattle.impact import (
+from rattle.equations.complementarity import FORWARD, OFF, STICK, B, friction_of
+from rattle.equations.compliant import touch_all
+from rattle.equations.motion import OK, constraints, correct, drive, place, rate_residual
+from rattle.equations.schur import factorise
+from rattle.equations.unilateral import (
     NOT_UNIQUE,
     add_forces,
     contact_rows,
@@ -50,7 +51,6 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.schur import factorise
 from rattle.steppers.hitting import book_impulses, rates_of_contacts
 from rattle.steppers.walls import at_wall
 

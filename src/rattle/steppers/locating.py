@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.complementarity import FORWARD, OFF, friction_of
-from rattle.equations import solve_motion
-from rattle.impact import SIZE
+from rattle.equations.complementarity import FORWARD, OFF, friction_of
+from rattle.equations.motion import solve_motion
+from rattle.equations.unilateral import SIZE
 from rattle.jit.functions import compiled
 from rattle.jit.layout import IMPACT, NORMAL, PEAK, SLIP, TANGENT
 from rattle.jit.workspace import (

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from rattle.equations import (
+from rattle.equations.motion import (
     DONE,
     NOT_FINITE,
     OK,
@@ -22,6 +22,7 @@ from rattle.equations import (
     loads,
     solve_motion,
 )
+from rattle.equations.schur import WEAK
 from rattle.jit.functions import compiled, native
 from rattle.jit.layout import CLOSED, SHUT, STEPS_IN
 from rattle.jit.workspace import (
@@ -50,7 +51,6 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.schur import WEAK
 from rattle.steppers import audit, dop853, rk4
 from rattle.steppers.audit import UNSOUND, note_drift, stands
 from rattle.steppers.branching import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release

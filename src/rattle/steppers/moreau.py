@@ -6,7 +6,7 @@
     0 <= g'+ + e_N g'-,  0 <= P_N,  complementary;   P_T in -mu P_N Sgn(-(u_t+ + e_T u_t-))
     q+   = q_M + h/2 v+
 
-The contact problem is solved by `impact.solve_contacts`, started from the modes of the step before.  A bounce takes
+The contact problem is solved by `equations.unilateral.solve_contacts`, started from the modes of the step before.  A bounce takes
 its approach speed where it hits, at the time that g(q_M) says, and the motion without contact before and after it.
 Then positions are corrected with the least mass-weighted change: a contact that hit at the depth d, having come with
 v- and leaving with v+, by d (1 + v+/v-), which it lost by turning too late; lasting contacts onto the wall; the
@@ -25,9 +25,9 @@ from __future__ import annotations
 
 import math
 
-from rattle.complementarity import FORWARD, OFF, STICK, A, B, F, friction_of
-from rattle.contact import touch_all
-from rattle.equations import (
+from rattle.equations.complementarity import FORWARD, OFF, STICK, A, B, F, friction_of
+from rattle.equations.compliant import touch_all
+from rattle.equations.motion import (
     DONE,
     NOT_FINITE,
     PAUSED,
@@ -40,7 +40,8 @@ from rattle.equations import (
     rate_residual,
     residual,
 )  # fmt: skip
-from rattle.impact import along, contact_rows, ending, push_all, shift, solve_contacts, solve_modes
+from rattle.equations.schur import factorise
+from rattle.equations.unilateral import along, contact_rows, ending, push_all, shift, solve_contacts, solve_modes
 from rattle.jit.functions import compiled, native
 from rattle.jit.layout import (
     CLOSED,
@@ -104,7 +105,6 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.schur import factorise
 from rattle.steppers.audit import STARTED, SUNK, UNSOUND, note_drift, stands
 from rattle.steppers.march import (
     DRIFT_ROW,

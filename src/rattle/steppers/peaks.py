@@ -17,7 +17,8 @@ import math
 
 import numpy as np
 
-from rattle.equations import set_bristles, solve_motion
+from rattle.equations.motion import set_bristles, solve_motion
+from rattle.equations.schur import WEAK
 from rattle.jit.functions import compiled, native
 from rattle.jit.layout import OF_SIZE, OF_VALUE, OF_VECTOR
 from rattle.jit.workspace import (
@@ -34,7 +35,6 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.schur import WEAK
 from rattle.steppers.glances import write_look
 from rattle.steppers.projecting import settle
 from rattle.steppers.tableau import B, C

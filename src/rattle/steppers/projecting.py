@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from rattle.equations import constraints, correct, drive, place, rate_residual, residual
+from rattle.equations.motion import constraints, correct, drive, place, rate_residual, residual
+from rattle.equations.schur import factorise
 from rattle.jit.functions import native
 from rattle.jit.workspace import AUDIT, CHANGE, vec
-from rattle.schur import factorise
 from rattle.steppers.audit import CORRECTION, openness
 
 CLOSE_ENOUGH = 1e-15  # residual below which positions are left alone [m or rad]

@@ -5,7 +5,7 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993
 
 from __future__ import annotations
 
-from rattle.equations import derivative
+from rattle.equations.motion import derivative
 from rattle.jit.functions import native
 from rattle.jit.workspace import DENSE, RATE, SLOPES, STAGE, STATE, STATE_NEW, mat, vec
 from rattle.steppers.peaks import LAST_STAGE, gauge

@@ -22,9 +22,9 @@ from __future__ import annotations
 
 import math
 
-from rattle.complementarity import OFF
-from rattle.contact import touch_all
-from rattle.equations import place
+from rattle.equations.complementarity import OFF
+from rattle.equations.compliant import touch_all
+from rattle.equations.motion import place
 from rattle.jit.functions import call_clearance, compiled, native
 from rattle.jit.layout import (
     A_BODY,

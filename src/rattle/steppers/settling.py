@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 
-from rattle.closing import close_position, merit_at
+from rattle.equations.closure import close_position, merit_at
+from rattle.equations.rest_force import force_at
 from rattle.jit.functions import compiled
 from rattle.jit.layout import AX, BX, COS, RES, SIN, X, Y
 from rattle.jit.small_matrices import (
@@ -23,7 +24,6 @@ from rattle.jit.small_matrices import (
     triangulate,
 )
 from rattle.jit.workspace import BODY, FORCE, MULTIPLIER, ROW_BODY, ROWS, VALUES, imat, mat, vec
-from rattle.steppers.rest import force_at
 
 RANK = 1e-9  # what is left of a row, as a share of the longest, that counts as dependent
 ROUNDS = 150  # Newton steps before a start is given up

@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations import constraints, correct, drive, loads, place, rate_residual, residual
+from rattle.equations.motion import constraints, correct, drive, loads, place, rate_residual, residual
+from rattle.equations.schur import factorise, solve
 from rattle.jit.functions import call_joint, compiled
 from rattle.jit.layout import AX, BX, GAMMA, VX
 from rattle.jit.workspace import (
@@ -39,7 +40,6 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.schur import factorise, solve
 from rattle.steppers.writing import write
 
 Q, V, A, Q_NEW, V_NEW, A_NEW, Q_OLD, V_OLD, A_OLD = range(9)  # rows of `node`

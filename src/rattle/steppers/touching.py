@@ -8,8 +8,8 @@ No contact and no release is missed because it is shorter than a step: see `sear
 
 from __future__ import annotations
 
-from rattle.contact import press, touch_all
-from rattle.equations import place, set_bristles
+from rattle.equations.compliant import press, touch_all
+from rattle.equations.motion import place, set_bristles
 from rattle.jit.functions import call_stiffness, compiled, native
 from rattle.jit.layout import (
     A_BODY,

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from rattle.complementarity import FORWARD, OFF, STICK, B
-from rattle.contact import touch_all
-from rattle.equations import constraints, free_motion, place
-from rattle.impact import SIZE, contact_rows, push_all, reach, shift, solve_modes, swing
+from rattle.equations.complementarity import FORWARD, OFF, STICK, B
+from rattle.equations.compliant import touch_all
+from rattle.equations.motion import constraints, free_motion, place
+from rattle.equations.unilateral import SIZE, contact_rows, push_all, reach, shift, solve_modes, swing
 from rattle.jit.functions import compiled, native
 from rattle.jit.layout import CONTACT_EVENT, DGAP, GAP, IMPACT, IMPULSE_0, LOSS_0, PEAK, SINCE, SLIP, SPEED
 from rattle.jit.workspace import (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rattle.equations import set_bristles, solve_motion
+from rattle.equations.motion import set_bristles, solve_motion
 from rattle.jit.functions import compiled, native
 from rattle.jit.layout import (
     B_BODY,

@@ -6,7 +6,7 @@ not compile them again.
 
 from __future__ import annotations
 
-from rattle.complementarity import (
+from rattle.equations.complementarity import (
     COUNT,
     IMPOSSIBLE,
     MODES,
@@ -24,6 +24,7 @@ from rattle.complementarity import (
     F,
     friction_of,
 )  # fmt: skip
+from rattle.equations.schur import solve
 from rattle.jit.functions import call_problem, compiled, kernel
 from rattle.jit.layout import (
     A_BODY,
@@ -68,7 +69,6 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.schur import solve
 
 DETERMINANT, SIZE = range(2)  # entries of `held`; more in complementarity
 EXPAND, TRACE = 6, 7  # places in `problem_table`, after those of complementarity: see phases and paths

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.complementarity import (
+from rattle.equations.complementarity import (
     BACKWARD,
     FORWARD,
     JAMMED,

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import math
 
-from rattle.contact import press, touch_all
+from rattle.equations.compliant import press, touch_all
+from rattle.equations.schur import WEAK, factorise, solve
 from rattle.jit.functions import call_hold, call_joint, call_load, compiled, native
 from rattle.jit.layout import (
     AX,
@@ -76,7 +77,6 @@ from rattle.jit.workspace import (
     vec,
 )  # fmt: skip
 from rattle.language.bytecode import evaluate, evaluate_jet
-from rattle.schur import WEAK, factorise, solve
 
 OK, NOT_CLOSED, NOT_FINITE, STEP_TOO_SMALL, PAUSED, DONE = range(6)
 

@@ -17,6 +17,7 @@ Non-Smooth Mechanical Systems (2004), chapter 5.
 
 from __future__ import annotations
 
+from rattle.equations.schur import solve
 from rattle.jit.functions import call_problem, compiled, kernel
 from rattle.jit.layout import A_BODY, AX, B_BODY, BX, NORMAL_P, NX, NY, PAX, PAY, PBX, PBY
 from rattle.jit.workspace import (
@@ -46,7 +47,6 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.schur import solve
 
 OFF, STICK, FORWARD, BACKWARD = range(4)
 B, F, A, OTHER = range(4)  # rows of `side`

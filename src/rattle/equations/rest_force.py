@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rattle.closing import place_only
-from rattle.equations import constraints, loads
+from rattle.equations.closure import place_only
+from rattle.equations.motion import constraints, loads
 from rattle.jit.functions import native
 from rattle.jit.layout import AX, BX, VX
 from rattle.jit.workspace import BODY, FORCE, MULTIPLIER, ROW_BODY, ROWS, imat, mat, vec

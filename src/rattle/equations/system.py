@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from rattle import schur
 from rattle.description.model import Choice, Joint, Model, driven_ends
+from rattle.equations import schur
 from rattle.jit import functions
 from rattle.jit.layout import AUTO, CLOSED, FRICTION, NORMAL_LAW, SHAPE, STATIC
 from rattle.jit.workspace import Memory

@@ -17,8 +17,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rattle import schur
-from rattle.complementarity import DENSE_WAY, FORWARD, OFF, RIDGE, SCALE, STICK, WEAKEST, A, B, F, friction_of
+from rattle.equations import schur
+from rattle.equations.complementarity import DENSE_WAY, FORWARD, OFF, RIDGE, SCALE, STICK, WEAKEST, A, B, F, friction_of
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.layout import A_BODY, AX, B_BODY
 from rattle.jit.workspace import (

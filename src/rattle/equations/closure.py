@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations import constraints, correct, drive, place, rate_residual, residual
+from rattle.equations.motion import constraints, correct, drive, place, rate_residual, residual
+from rattle.equations.schur import factorise
 from rattle.jit.functions import native
 from rattle.jit.layout import COS, PHI, RES, SIN, X, Y
 from rattle.jit.workspace import BODY, CHANGE, ROWS, mat, vec
-from rattle.schur import factorise
 
 
 @native("f", "h", "f", "v", "v")

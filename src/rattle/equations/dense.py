@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from rattle.equations.system import Compiled
 from rattle.jit.workspace import Memory
-from rattle.system import Compiled
 
 LARGE = 400  # rows above which dense linear algebra is avoided and machine code is worth its start
 
