@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle import uniqueness
 from rattle.equations import complementarity, lemke, motion, unilateral
 from rattle.equations.complementarity import BACKWARD, FORWARD, IMPOSSIBLE, JAMMED, SOLVED, STICK, A, B, F
 from rattle.impact_run import contact_arrays
 from rattle.jit import functions
 from rattle.jit.layout import A_BODY, B_BODY
+from rattle.solvers.nonsmooth import uniqueness
 
 MASS, INERTIA, ARM, PLAY, BORE = 0.5, 0.5 * 0.2**2 / 12, 0.1, 1e-3, 0.01
 

@@ -8,7 +8,7 @@ import pytest
 import rattle as rt
 from rattle import impact_run
 from rattle.equations import unilateral
-from rattle.steppers import event
+from rattle.solvers.nonsmooth import event_driven
 
 SLIDER_CRANK = """
 format = 1
@@ -216,7 +216,7 @@ def test_end_of_a_sequence_does_not_depend_on_the_tolerance():
 
 def test_crowded_events_are_named_as_such(monkeypatch):
     def crowded(self, t, chunk):
-        self.stuck[2:] = 0.0, event.MOST_IN_A_ROW + 1.0
+        self.stuck[2:] = 0.0, event_driven.MOST_IN_A_ROW + 1.0
         return unilateral.CHATTER
 
     monkeypatch.setattr(impact_run.ImpactRun, "advance", crowded)

@@ -31,8 +31,8 @@ from rattle.jit import functions
 from rattle.kinematics import Sweep, begin, instants, require_driven, why_stuck
 from rattle.rest_starts import opened
 from rattle.resting import Rest
+from rattle.solvers import position_sweep as swept
 from rattle.statics import rigid_model, without_guide_play
-from rattle.steppers import sweep as swept
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

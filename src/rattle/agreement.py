@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rattle.recording import columns
-from rattle.steppers import march
-from rattle.steppers.writing import record
+from rattle.solvers import step_loop
+from rattle.solvers.output_row import record
 
 if TYPE_CHECKING:
     from rattle.dynamics import Run
@@ -43,7 +43,7 @@ def tighter(rtol: float, usual: float) -> float:
 
 def agreement(run: Run, second: Run) -> Reach:
     """Time up to which every curve of two runs agrees within 1 % of its range."""
-    n = int(min(run.tally[march.OUTPUTS], second.tally[march.OUTPUTS]))
+    n = int(min(run.tally[step_loop.OUTPUTS], second.tally[step_loop.OUTPUTS]))
     one, names, units = columns(run.ready, run.raw[:n])
     other, _, _ = columns(second.ready, second.raw[:n])
     keep = [k for k, name in enumerate(names) if not name.startswith("energy.")]

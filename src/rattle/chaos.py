@@ -23,9 +23,9 @@ from rattle.equations.system import Compiled
 from rattle.jit import functions
 from rattle.jit.layout import CLOSED, SHUT, SPEED
 from rattle.singular import rank
-from rattle.steppers import march
-from rattle.steppers.audit import STARTED
-from rattle.steppers.touching import pass_on, remember_end
+from rattle.solvers import step_loop
+from rattle.solvers.contact_events import pass_on, remember_end
+from rattle.solvers.step_audit import STARTED
 from rattle.unclosed import driver_slot
 
 if TYPE_CHECKING:
@@ -408,7 +408,7 @@ def _distance(one: Any, two: Any, weight: np.ndarray) -> float:
 
 def _renew(one: Any, two: Any, share: float = 1.0) -> None:
     """Bring the second run to a share of its distance, onto its constraints, with the contact memory of the first."""
-    t = float(one.clock[march.T])
+    t = float(one.clock[step_loop.T])
     y, other = one.memory["y"], two.memory["y"]
     motion = 2 * len(one.memory["change"])
     scaled = [slice(0, motion), slice(motion + 2, None, 4)]  # positions, rates and bristles; accounts are those of one
@@ -426,7 +426,7 @@ def _renew(one: Any, two: Any, share: float = 1.0) -> None:
         _must(two, two.begin(t))
     else:
         handle = two.memory.handle
-        march.finish_step(handle, t, other, two.memory["f"])
+        step_loop.finish_step(handle, t, other, two.memory["f"])
         two.memory["audit"][STARTED] = 0.0  # energies are counted anew
         remember_end(handle)
         pass_on(handle)
@@ -437,7 +437,7 @@ def _go(run: Any, t: float) -> None:
     status = PAUSED
     while status == PAUSED:
         status = run.advance(t, 2000)
-        run.tally[march.FOUND] = run.tally[march.EVENT_COUNT] = 0
+        run.tally[step_loop.FOUND] = run.tally[step_loop.EVENT_COUNT] = 0
     _must(run, status)
 
 

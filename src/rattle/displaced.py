@@ -21,7 +21,7 @@ from rattle.equations.system import Compiled
 from rattle.kinematics import begin
 from rattle.recording import columns, geometry, width
 from rattle.result import Result, Trust
-from rattle.steppers import sweep as swept
+from rattle.solvers import position_sweep as swept
 
 SMALL = 1e-4  # of a clearance: displacement for differences
 

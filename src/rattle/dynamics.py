@@ -27,20 +27,20 @@ from rattle.peak_values import peak_arrays, peak_values
 from rattle.recording import columns, geometry, width
 from rattle.result import Result, Trust
 from rattle.singular import nonunique_reactions
+from rattle.solvers import step_audit, step_loop
+from rattle.solvers.gap_search import ESCAPED
+from rattle.solvers.nonsmooth.impacts import LOW
+from rattle.solvers.nonsmooth.jolts import jolt, speeds
+from rattle.solvers.output_row import record
+from rattle.solvers.state_switches import TURNS, choose_sides
+from rattle.solvers.step_audit import UNSOUND
 from rattle.soundness import audit_arrays, fast_links, loose, remarks, set_floor, too_slow, why_unsound
-from rattle.steppers import audit, march
-from rattle.steppers.audit import UNSOUND
-from rattle.steppers.branching import TURNS, choose_sides
-from rattle.steppers.hitting import LOW
-from rattle.steppers.jolting import jolt, speeds
-from rattle.steppers.searching import ESCAPED
-from rattle.steppers.writing import record
 from rattle.timetable import Jolt, jolt_events, jolt_notes, timetable
 from rattle.trouble import explain
 
 log = logging.getLogger("rattle")
 
-METHODS = (*march.METHODS, "event", "moreau")
+METHODS = (*step_loop.METHODS, "event", "moreau")
 RTOL = 1e-8
 POINTS = 1000  # output intervals when nothing is said
 stop = threading.Event()  # set: all runs of the process end where they are, as after Ctrl-C in each of them
@@ -81,13 +81,13 @@ class Run:
 
     def prepare(self) -> Memory:
         """Memory of the run."""
-        arrays = march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched))
+        arrays = step_loop.march_arrays(start_state(self.ready, self.start), len(self.ready.watched))
         return self.ready.memory(**arrays, **audit_arrays(self.ready, self.method), **peak_arrays(self.ready))
 
     def begin(self, t: float) -> int:
         """Get ready to march from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
         self.take_sides(t)
-        status = march.begin(self.memory.handle, t, self.t_end, self.rtol, self.atol, self.step or math.inf)
+        status = step_loop.begin(self.memory.handle, t, self.t_end, self.rtol, self.atol, self.step or math.inf)
         set_floor(self.ready, self.memory, self.rtol, self.atol)
         self.pace(t)
         return PAUSED if status == OK else int(status)
@@ -104,7 +104,7 @@ class Run:
         if self.method == "rk4":
             ahead = min(self.ahead(), self.t_end) - t
             if ahead > 0.0:
-                self.clock[march.H] = ahead / max(1, math.ceil(ahead / (self.step or math.inf) - 1e-9))
+                self.clock[step_loop.H] = ahead / max(1, math.ceil(ahead / (self.step or math.inf) - 1e-9))
 
     def ahead(self) -> float:
         """The next instant at which an expression of time switches [s]; inf if there is none."""
@@ -122,7 +122,7 @@ class Run:
         status = self.march(instant, chunk, self.outputs_before(instant))
         if status == DONE:
             status = self.switch(instant)
-        return DONE if status == PAUSED and self.clock[march.T] >= t and self.ahead() > t else status
+        return DONE if status == PAUSED and self.clock[step_loop.T] >= t and self.ahead() > t else status
 
     def outputs_before(self, t: float) -> int:
         """Number of outputs before the time t [s]; what is recorded at an instant is that of the right side."""
@@ -131,8 +131,8 @@ class Run:
     def march(self, t: float, chunk: int, outputs: int) -> int:
         """Some steps towards the time t [s] on the sides at hand, with the first outputs; returns as `advance`."""
         return int(
-            march.advance(
-                self.memory.handle, t, self.rtol, self.atol, self.step or math.inf, march.METHODS[self.method],
+            step_loop.advance(
+                self.memory.handle, t, self.rtol, self.atol, self.step or math.inf, step_loop.METHODS[self.method],
                 self.t_eval[:outputs], self.raw, chunk,
             )
         )  # fmt: skip
@@ -163,16 +163,16 @@ class Run:
 
     def go_on(self, t: float, jolted: bool) -> int:
         """Get ready to march on from t [s] after expressions have switched there; PAUSED or a trouble."""
-        march.resume(self.memory.handle, t)
+        step_loop.resume(self.memory.handle, t)
         return PAUSED
 
     def record_now(self, t: float) -> None:
         """Write the outputs at the instant t [s], those of its right side."""
-        k = int(self.tally[march.OUTPUTS])
+        k = int(self.tally[step_loop.OUTPUTS])
         while k < len(self.t_eval) and self.t_eval[k] <= t + SAME * self.t_end:
             record(self.memory.handle, t, self.memory["y"], self.raw[k])
             k += 1
-        self.tally[march.OUTPUTS] = k
+        self.tally[step_loop.OUTPUTS] = k
 
     def remarks(self) -> tuple[str, ...]:
         """What happened on the way that a result has to say."""
@@ -196,16 +196,16 @@ class Run:
             self.first_sign[:] = m["sign"]
             if status == PAUSED and self.method != "moreau" and len(self.t_eval) and self.t_eval[0] <= self.start.t:
                 record(m.handle, self.start.t, m["y"], self.raw[0])
-                tally[march.OUTPUTS] = 1
+                tally[step_loop.OUTPUTS] = 1
             while status == PAUSED:
                 if stop.is_set():
                     raise KeyboardInterrupt
                 status = self.advance(self.t_end, CHUNK if functions.jit_runs() else 20)
-                self.crossings.append(m["crossings"][: tally[march.FOUND]].copy())
-                self.contacts.append(m["events"][: tally[march.EVENT_COUNT]].copy())
-                tally[march.FOUND] = tally[march.EVENT_COUNT] = 0
+                self.crossings.append(m["crossings"][: tally[step_loop.FOUND]].copy())
+                self.contacts.append(m["events"][: tally[step_loop.EVENT_COUNT]].copy())
+                tally[step_loop.FOUND] = tally[step_loop.EVENT_COUNT] = 0
                 if bar is not None:
-                    bar.update(self.clock[march.T] - bar.n)
+                    bar.update(self.clock[step_loop.T] - bar.n)
                 if status == PAUSED:
                     self.message, mark = too_slow(self, mark)
                     if self.message:
@@ -214,13 +214,13 @@ class Run:
                 lost = (
                     self.trouble(status) if status == ESCAPED else ""
                 )  # told by the gaps at hand, which go with outputs
-                if not tally[march.OUTPUTS] and len(self.t_eval) and self.t_eval[0] <= self.start.t:
+                if not tally[step_loop.OUTPUTS] and len(self.t_eval) and self.t_eval[0] <= self.start.t:
                     record(m.handle, self.start.t, start_state(self.ready, self.start), self.raw[0])
-                    tally[march.OUTPUTS] = 1
+                    tally[step_loop.OUTPUTS] = 1
                 self.message = lost or self.trouble(status)
         except KeyboardInterrupt:
             self.interrupted = True
-            reached = self.clock[march.T]
+            reached = self.clock[step_loop.T]
             self.message = f"stopped by the user at t = {reached:.6g} s; the result holds what was computed before"
         finally:
             if bar is not None:
@@ -266,8 +266,8 @@ def simulate(
     run.notes = method_notes(wanted, method)
     run.go(progress)
     reach, second = None, None
-    if horizon and run.tally[march.OUTPUTS] > 1 and not run.interrupted:
-        finer = None if step is None else step / 10 ** (1 / march.ORDERS.get(method, 1))
+    if horizon and run.tally[step_loop.OUTPUTS] > 1 and not run.interrupted:
+        finer = None if step is None else step / 10 ** (1 / step_loop.ORDERS.get(method, 1))
         fine = tighter(rtol, RTOL)
         second = one_run(ready, start, times, end, method, fine, atol * fine / rtol, finer)
         second.most_steps = None if most_steps is None else 10 * most_steps
@@ -291,7 +291,7 @@ def kind_of_run(ready: Compiled, method: str, step: float | None, span: float) -
 
     if impact_run.has_impacts(ready):
         return impact_run.ImpactRun, *impact_run.choose_method(ready, method, step, span)
-    if method not in march.METHODS:
+    if method not in step_loop.METHODS:
         method = "dop853"
     return Run, method, min(1e-4, span / POINTS) if method == "rk4" and step is None else step
 
@@ -338,15 +338,15 @@ def _result(run: Run, reach: Reach | None) -> Result:
     from rattle import __version__
 
     ready, clock, tally, seen = run.ready, run.clock, run.tally, run.memory["audit"]
-    n = int(tally[march.OUTPUTS])
+    n = int(tally[step_loop.OUTPUTS])
     data, names, units = columns(ready, run.raw[:n])
     t = run.t_eval[:n]
-    reached = float(clock[march.T])
+    reached = float(clock[step_loop.T])
     pulled, first, intervals = pulls(run, reached)
     balance = data[:, names.index("energy.balance")]
     nonunique: tuple[str, ...] = ()
     notes = run.start.notes
-    if tally[march.LOST]:
+    if tally[step_loop.LOST]:
         record(run.memory.handle, run.start.t, start_state(ready, run.start), np.zeros(width(ready)))
         nonunique = nonunique_reactions(ready, run.memory)
         if not nonunique:
@@ -362,15 +362,15 @@ def _result(run: Run, reach: Reach | None) -> Result:
     if not run.message:
         notes += remarks(ready, run.memory, run.method)
     notes += loose(run.method, run.rtol) + fast_links(ready, data, names)
-    if series := int(tally[march.SERIES]):
+    if series := int(tally[step_loop.SERIES]):
         one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
         notes += (f"{one} closed: bounces that rise less than {LOW:g} clearances are counted as contact",)
     notes += run.remarks()
-    owner = ready.rows[tally[march.DRIFT_ROW]].owner if ready.rows else ""
+    owner = ready.rows[tally[step_loop.DRIFT_ROW]].owner if ready.rows else ""
     trust = Trust(
-        drift=float(seen[audit.LENGTH]),
-        drift_angle=float(seen[audit.ANGLE]),
-        energy_share=float(seen[audit.SHARE]),
+        drift=float(seen[step_audit.LENGTH]),
+        drift_angle=float(seen[step_audit.ANGLE]),
+        energy_share=float(seen[step_audit.SHARE]),
         drift_joint=owner,
         energy_balance=float(np.abs(balance).max()) if n else math.nan,
         t_end=reached,
@@ -383,17 +383,17 @@ def _result(run: Run, reach: Reach | None) -> Result:
         intervals=intervals,
         nonunique=nonunique,
         notes=notes,
-        **contact_counts(ready, events, float(clock[march.FEWEST])),
+        **contact_counts(ready, events, float(clock[step_loop.FEWEST])),
     )
     stats = {
-        "steps": int(tally[march.STEPS]),
-        "rejected": int(tally[march.REJECTED]),
-        "evaluations": int(tally[march.EVALUATIONS]),
-        "smallest_step": float(clock[march.H_MIN]) if tally[march.STEPS] else 0.0,
+        "steps": int(tally[step_loop.STEPS]),
+        "rejected": int(tally[step_loop.REJECTED]),
+        "evaluations": int(tally[step_loop.EVALUATIONS]),
+        "smallest_step": float(clock[step_loop.H_MIN]) if tally[step_loop.STEPS] else 0.0,
         "wall_time": run.wall,
-        "contacts": int(tally[march.CONTACTS]),
+        "contacts": int(tally[step_loop.CONTACTS]),
         "switchings": run.piece + int(run.memory["landing"][TURNS]),
-        "singular_positions_leapt": int(tally[march.LEAPS]),
+        "singular_positions_leapt": int(tally[step_loop.LEAPS]),
     }
     provenance = {
         "model": ready.model.name,

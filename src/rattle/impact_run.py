@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rattle import paths, phases, uniqueness
 from rattle.dynamics import Run, start_state
 from rattle.equations import complementarity, contact_network, lemke, unilateral
 from rattle.equations.complementarity import BACKWARD, FORWARD
@@ -18,10 +17,19 @@ from rattle.jit import functions
 from rattle.jit.layout import IMPACT, NORMAL_P, OWNER
 from rattle.jit.workspace import Memory
 from rattle.peak_values import peak_arrays
+from rattle.solvers import glances, step_loop
+from rattle.solvers.gap_search import ESCAPED
+from rattle.solvers.nonsmooth import (
+    event_driven,
+    event_search,
+    impact_path,
+    impact_phases,
+    jams,
+    moreau_jean,
+    uniqueness,
+)
+from rattle.solvers.step_audit import UNSOUND
 from rattle.soundness import audit_arrays, set_floor, why_unsound
-from rattle.steppers import event, glances, jamming, locating, march, moreau
-from rattle.steppers.audit import UNSOUND
-from rattle.steppers.searching import ESCAPED
 from rattle.trouble import explain
 
 NEARLY_LOCKED = 1e-2  # share of G_nn that friction leaves of it where a run that cannot go on is called locked
@@ -79,7 +87,7 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
     """What set-valued contacts need besides the arrays of one instant; lasting: their forces are part of the motion."""
     nc, nr, nb = len(ready.arrays["contact"]), ready.row_count, ready.body_count
     contact, solvers = ready.arrays["contact"], (contact_network.KERNEL, lemke.KERNEL, uniqueness.KERNELS[0])
-    laws = (phases.expand_kernel, paths.path_kernel, uniqueness.KERNELS[1])
+    laws = (impact_phases.expand_kernel, impact_path.path_kernel, uniqueness.KERNELS[1])
     return {
         **(contact_network.arrays(ready.arrays["row_body"], contact) if nc > complementarity.FEW else {}),
         **{name: np.zeros(nc, np.int64) for name in ("mode", "chosen", "trial", "slide")},
@@ -95,7 +103,7 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "called": np.zeros(nr),
         "path": np.zeros((6, 2 * nc)),
         "bounce": np.zeros((7, 2 * nc)),
-        "looks": np.zeros((locating.LOOKS_KEPT, glances.KINDS * nc + 2)),
+        "looks": np.zeros((event_search.LOOKS_KEPT, glances.KINDS * nc + 2)),
         "held": np.array([1.0, ready.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
         "problem_table": functions.entries((*complementarity.KERNELS, *solvers, *laws)),
         **({"hold_table": functions.entries([unilateral.hold]), "glances": glances.table(nc)} if lasting else {}),
@@ -119,7 +127,7 @@ class ImpactRun(Run):
     def prepare(self) -> Memory:
         """Memory of the run."""
         self.jams: list[tuple[float, str]] = []  # times [s] at which friction locked and what was closed there
-        arrays = march.march_arrays(start_state(self.ready, self.start), len(self.ready.watched))
+        arrays = step_loop.march_arrays(start_state(self.ready, self.start), len(self.ready.watched))
         arrays |= audit_arrays(self.ready, self.method)
         contacts = contact_arrays(self.ready, self.method == "event")
         return self.ready.memory(**arrays, **contacts, **peak_arrays(self.ready))
@@ -129,14 +137,14 @@ class ImpactRun(Run):
         self.take_sides(t)
         if self.method == "moreau":
             self.leg = Leg(t, t, 0.0, 0)
-            moreau.start(self.memory.handle, t)
+            moreau_jean.start(self.memory.handle, t)
             set_floor(self.ready, self.memory, self.rtol, self.atol)
             return PAUSED
         values, contact = self.memory["values"], self.ready.arrays["contact"]
         self.may_pass = bool((values[contact[:, NORMAL_P] + 4] > 0.0).any())
         self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])
-        self.clock[march.T] = t
-        status = int(event.start(self.memory.handle, t))
+        self.clock[step_loop.T] = t
+        status = int(event_driven.start(self.memory.handle, t))
         if status == unilateral.NO_SOLUTION and self.may_pass:
             status = OK if self.pass_jam(status, late=False) == PAUSED else status
         return super().begin(t) if status == OK else int(status)
@@ -154,14 +162,14 @@ class ImpactRun(Run):
         handle = self.memory.handle
         if self.method == "moreau":
             if t != self.leg.end:
-                now, done = self.leg.end, int(self.tally[march.STEPS])
+                now, done = self.leg.end, int(self.tally[step_loop.STEPS])
                 count = max(1, math.ceil((t - now) / (self.step or self.t_end) * (1 - 1e-12)))
                 h = (t - now) / count
                 self.leg = Leg(now - done * h, t, h, done + count)
             out = self.t_eval[: len(self.t_eval) if t >= self.t_end else outputs]
-            return int(moreau.advance(handle, self.leg.start, self.leg.h, self.leg.steps, out, self.raw, chunk))
+            return int(moreau_jean.advance(handle, self.leg.start, self.leg.h, self.leg.steps, out, self.raw, chunk))
         h_max, out = self.step or math.inf, self.t_eval[:outputs]
-        status = int(event.advance(handle, t, self.rtol, self.atol, h_max, out, self.raw, chunk, self.stuck))
+        status = int(event_driven.advance(handle, t, self.rtol, self.atol, h_max, out, self.raw, chunk, self.stuck))
         if status in (unilateral.NO_SOLUTION, unilateral.LOCKED, STEP_TOO_SMALL) and self.may_pass:
             return self.pass_jam(status, late=status == unilateral.NO_SOLUTION)
         return status
@@ -171,14 +179,14 @@ class ImpactRun(Run):
 
         late: the state is that of an event whose new modes were not found.
         """
-        t, handle = float(self.clock[march.T]), self.memory.handle
+        t, handle = float(self.clock[step_loop.T]), self.memory.handle
         if self.jams and t - self.jams[-1][0] <= 1e-9 * self.t_end:  # once more at the same place: it does not help
             return status
         names = ", ".join(self._closed())
-        if jamming.pass_jam(handle, t, int(late)) != OK:
+        if jams.pass_jam(handle, t, int(late)) != OK:
             return status
         self.jams.append((t, names))
-        self.clock[march.H] = max(float(self.clock[march.H]), 1e-6 * (self.t_end - t))
+        self.clock[step_loop.H] = max(float(self.clock[step_loop.H]), 1e-6 * (self.t_end - t))
         return self.go_on(t, True)
 
     def remarks(self) -> tuple[str, ...]:
@@ -200,7 +208,7 @@ class ImpactRun(Run):
         """Closed contacts find their modes anew; see `Run.go_on`."""
         if self.method == "moreau":
             return PAUSED
-        status = int(event.go_on(self.memory.handle, t, 1 if jolted else 0))
+        status = int(event_driven.go_on(self.memory.handle, t, 1 if jolted else 0))
         return super().go_on(t, jolted) if status == OK else status
 
     def record_now(self, t: float) -> None:
@@ -212,7 +220,7 @@ class ImpactRun(Run):
         """Why the run cannot go on; contact problems are named."""
         if status == UNSOUND:
             return why_unsound(self)
-        t = float(self.clock[march.T])
+        t = float(self.clock[step_loop.T])
         names = ", ".join(self._closed()) or "the contacts"
         passed = "" if self.may_pass or self.method == "moreau" else ', and so does jam = "impact" in the contact'
         if status == unilateral.NO_SOLUTION and self.memory["held"][complementarity.OUTCOME] == complementarity.JAMMED:
@@ -245,9 +253,9 @@ class ImpactRun(Run):
             )
         if status == unilateral.CHATTER:
             joint = self.ready.joints[self.ready.arrays["contact"][int(self.stuck[2]), OWNER]]
-            if self.stuck[3] > event.MOST_IN_A_ROW:
+            if self.stuck[3] > event_driven.MOST_IN_A_ROW:
                 return (
-                    f"{self.stuck[3]:.0f} events in a row, each within {event.CROWDED * self.t_end:.2g} s of the one"
+                    f"{self.stuck[3]:.0f} events in a row, each within {event_driven.CROWDED * self.t_end:.2g} s of the one"
                     f" before, up to t = {t:.9g} s, last at joint '{joint}': contacts change faster than a run can"
                     " follow; a smaller restitution, a compliant contact or method moreau goes on"
                 )
@@ -266,7 +274,7 @@ class ImpactRun(Run):
         slides = (((mode == FORWARD) | (mode == BACKWARD)) & rough).any()
         if not slides:
             return False
-        return float(jamming.lock_share(self.memory.handle, t)) < NEARLY_LOCKED or self._firmness() < TOGETHER
+        return float(jams.lock_share(self.memory.handle, t)) < NEARLY_LOCKED or self._firmness() < TOGETHER
 
     def _firmness(self) -> float:
         """Smallest singular value of a_n (a_t where they stick) of the closed contacts by their forces, as a share of

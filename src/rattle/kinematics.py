@@ -22,7 +22,7 @@ from rattle.jit.workspace import Memory
 from rattle.recording import BODY, columns, geometry, width
 from rattle.result import Event, Result, Trust
 from rattle.singular import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
-from rattle.steppers import sweep as swept
+from rattle.solvers import position_sweep as swept
 from rattle.timetable import jump_notes, timetable
 
 log = logging.getLogger("rattle")
@@ -38,7 +38,7 @@ class Sweep:
 
     ready: Compiled
     memory: Memory
-    node: np.ndarray  # (9, 3 nb), see steppers.sweep
+    node: np.ndarray  # (9, 3 nb), see solvers.position_sweep
     clock: np.ndarray
     tally: np.ndarray
     spots: np.ndarray

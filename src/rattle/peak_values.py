@@ -10,12 +10,12 @@ from rattle.equations.system import Compiled
 from rattle.jit.workspace import Memory
 from rattle.recording import JOINT, quantities
 from rattle.result import Peak
-from rattle.steppers import peaks
-from rattle.steppers.searching import DEEP
+from rattle.solvers import peaks
+from rattle.solvers.gap_search import DEEP
 
 
 def peak_arrays(ready: Compiled) -> dict[str, np.ndarray]:
-    """What a run needs to watch its forces for peaks, see `steppers.peaks`."""
+    """What a run needs to watch its forces for peaks, see `solvers.peaks`."""
     watched = [(what, column) for _, what, column in quantities(ready)]
     table = np.zeros((len(watched), peaks.WIDTH))
     table[:, peaks.BEST] = -math.inf

@@ -1,4 +1,4 @@
-"""What is recorded: the columns that `steppers.writing` fills, their names and units, and what is derived from them.
+"""What is recorded: the columns that `solvers.writing` fills, their names and units, and what is derived from them.
 
 `<joint>.ex .ey` of a joint with clearance are its play in every model: the offset of the pin from the bush, and of a
 block the part across its guide.  The way along a guide is motion, `<body>.x .y` show it.

@@ -25,8 +25,8 @@ from rattle.equilibrium import Equilibrium, Table
 from rattle.jit.layout import AUTO, CLOSED, SPEED
 from rattle.recording import columns, geometry, width
 from rattle.singular import RANK, nonunique_reactions
-from rattle.steppers import settling
-from rattle.steppers.writing import write
+from rattle.solvers import equilibrium_newton
+from rattle.solvers.output_row import write
 
 MOST_TURN = 0.4  # of a body in one step [rad]
 MOST_TRIALS = 600  # positions tried from one start before it is given up
@@ -118,12 +118,12 @@ class Rest:
     def look(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Reduced force g [N] and the scaled null space Z at q; leaves the least-squares multipliers."""
         r, rows_all = self.room, self.ready.row_count
-        freedoms = settling.look(
+        freedoms = equilibrium_newton.look(
             self.memory.handle, self.t, q, self.scale, r.wide, r.norm, r.order, r.pivot, r.null, r.line
         )
         self.redundant = freedoms > len(q) - rows_all
         if not self.redundant:
-            return r.line[settling.G, :freedoms].copy(), r.null[:freedoms].T.copy()
+            return r.line[equilibrium_newton.G, :freedoms].copy(), r.null[:freedoms].T.copy()
         self.memory["multiplier"][:] = 0.0  # of all that hold the balance, those of least size
         force_at(self.memory.handle, self.t, q, self.out)
         applied = self.out * self.scale
@@ -139,7 +139,7 @@ class Rest:
         """Reduced Hessian H [N/m]; the multipliers of `look` are in the memory."""
         room, freedoms = self.room, null.shape[1]
         room.null[:freedoms] = null.T
-        settling.reduced_stiffness(
+        equilibrium_newton.reduced_stiffness(
             self.memory.handle, self.t, q, self.length, freedoms, 4, room.null, room.line, room.small
         )
         force_at(self.memory.handle, self.t, q, self.out)
@@ -178,24 +178,24 @@ class Rest:
         """
         q, room = start.copy(), self.room
         room.state[:] = 0.0
-        room.state[settling.MOST_TURN] = turn
+        room.state[equilibrium_newton.MOST_TURN] = turn
         known = np.zeros((0, len(q))) if known is None else known
-        rounds = max(1, min(settling.ROUNDS, CHUNK // (len(q) ** 3 + 1)))
-        status = settling.GOING
-        while status == settling.GOING:  # in pieces, so that the user can stop it
-            status = settling.settle(
+        rounds = max(1, min(equilibrium_newton.ROUNDS, CHUNK // (len(q) ** 3 + 1)))
+        status = equilibrium_newton.GOING
+        while status == equilibrium_newton.GOING:  # in pieces, so that the user can stop it
+            status = equilibrium_newton.settle(
                 self.memory.handle, self.t, q, self.scale, self.ready.size, self.length, downhill, rounds, known,
                 len(known), near, self.pins, *room, float(most),
             )  # fmt: skip
-        self.trials += int(room.state[settling.TRIALS]) + 1
-        self.arrived = status in (settling.SETTLED, settling.KNOWN)
-        return (q, int(room.state[settling.ITERATION])) if status == settling.SETTLED else None
+        self.trials += int(room.state[equilibrium_newton.TRIALS]) + 1
+        self.arrived = status in (equilibrium_newton.SETTLED, equilibrium_newton.KNOWN)
+        return (q, int(room.state[equilibrium_newton.ITERATION])) if status == equilibrium_newton.SETTLED else None
 
     def walk(self, q: np.ndarray, direction: np.ndarray, stride: float) -> tuple[bool, float, float]:
         """A stride along the freedoms, in place; whether it could be taken, force along the way, largest force [N]."""
         r = self.room
         self.trials += 1
-        gap, along, most = settling.walk(
+        gap, along, most = equilibrium_newton.walk(
             self.memory.handle, self.t, q, self.scale, self.ready.size, stride, direction, r.wide, r.norm, r.order,
             r.pivot, r.null, r.line,
         )  # fmt: skip
@@ -204,11 +204,13 @@ class Rest:
     def displace(self, q: np.ndarray, target: np.ndarray) -> None:
         """Bring the residuals of all rows to `target` (nr,) by the least change of q, in place."""
         r = self.room
-        settling.displace(self.memory.handle, q, target, self.scale, 6, r.wide, r.norm, r.order, r.pivot, r.line)
+        equilibrium_newton.displace(
+            self.memory.handle, q, target, self.scale, 6, r.wide, r.norm, r.order, r.pivot, r.line
+        )
 
     def force_scale(self) -> float:
         """A force typical of what acts [N]."""
-        return float(settling.force_size(self.memory.handle, self.ready.size))
+        return float(equilibrium_newton.force_size(self.memory.handle, self.ready.size))
 
     def weigh(self, q: np.ndarray, iterations: int) -> Found:
         """What is to be known about a position of rest; the memory holds it afterwards."""

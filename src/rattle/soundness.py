@@ -20,8 +20,8 @@ from rattle.equations.system import Compiled
 from rattle.jit.workspace import Memory
 from rattle.recording import width
 from rattle.singular import describe_rank_loss, unlike_masses
-from rattle.steppers import audit, march
-from rattle.steppers.writing import record
+from rattle.solvers import step_audit, step_loop
+from rattle.solvers.output_row import record
 from rattle.trouble import not_finite
 from rattle.unclosed import driver_slot
 
@@ -53,10 +53,10 @@ def extent(ready: Compiled) -> float:
 
 
 def audit_arrays(ready: Compiled, method: str) -> dict[str, np.ndarray]:
-    """What a run needs to tell whether its steps stand, see `steppers.audit`."""
+    """What a run needs to tell whether its steps stand, see `solvers.step_audit`."""
     size = extent(ready)
-    seen = np.zeros(audit.SUNK + 1)
-    seen[audit.OPEN_LIMIT], seen[audit.UNREST_LIMIT] = LIMIT, MOREAU if method == "moreau" else LIMIT
+    seen = np.zeros(step_audit.SUNK + 1)
+    seen[step_audit.OPEN_LIMIT], seen[step_audit.UNREST_LIMIT] = LIMIT, MOREAU if method == "moreau" else LIMIT
     return {"measure": np.array([-1.0 if row.unit == "rad" else 1.0 / size for row in ready.rows]), "audit": seen}
 
 
@@ -70,7 +70,7 @@ def set_floor(ready: Compiled, memory: Memory, rtol: float, atol: float) -> None
     moment = float(forces[:, 2].sum() + extent(ready) * forces[:, :2].sum())
     slow = 1e5 * atol * np.array([1.0, 1.0, 1.0 / extent(ready)])
     resting = 0.5 * float((ready.arrays["mass"][1:] * slow**2).sum())
-    memory["audit"][audit.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
+    memory["audit"][step_audit.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
 
 
 # ---------------------------------------------------------------- what is said
@@ -78,16 +78,16 @@ def remarks(ready: Compiled, memory: Memory, method: str) -> tuple[str, ...]:
     """What to say of a run whose drift or energy is off by more than rounding."""
     seen = memory["audit"]
     found = []
-    opened = max(float(seen[audit.LENGTH]) / extent(ready), float(seen[audit.ANGLE]))
+    opened = max(float(seen[step_audit.LENGTH]) / extent(ready), float(seen[step_audit.ANGLE]))
     shorter = "a shorter step" if method in ("moreau", "rk4") else "a smaller rtol"
     if opened > SAID:
         found.append(f"joints opened by {opened:.2g} of the mechanism's size (or rad): {shorter} closes them better")
-    if seen[audit.SUNK] > SUNK:
+    if seen[step_audit.SUNK] > SUNK:
         found.append(
-            f"contacts sank up to {100 * seen[audit.SUNK]:.2g} % of the play into their walls: Moreau-Jean finds them"
+            f"contacts sank up to {100 * seen[step_audit.SUNK]:.2g} % of the play into their walls: Moreau-Jean finds them"
             " only from step to step, a shorter step finds them sooner"
         )
-    share = float(seen[audit.SHARE])
+    share = float(seen[step_audit.SHARE])
     if share > SAID and method == "moreau":
         found.append(f"energy is off by {share:.2g} of the largest energy: Moreau-Jean, in proportion to its step")
     elif share > SAID:
@@ -153,7 +153,7 @@ def _point_rate(curve: Mapping[str, np.ndarray], point: Point) -> tuple[np.ndarr
 
 def too_slow(run: Run, mark: tuple[int, float]) -> tuple[str, tuple[int, float]]:
     """Why a run that gets nowhere is ended ("" while it gets on), and the steps and time [s] to measure from next."""
-    steps, t = int(run.tally[march.STEPS]), float(run.clock[march.T])
+    steps, t = int(run.tally[step_loop.STEPS]), float(run.clock[step_loop.T])
     if run.most_steps is not None:
         done = f"ended at t = {t:.6g} s after {steps} steps, as most_steps asked"
         return (done if steps >= run.most_steps else ""), mark
@@ -172,16 +172,16 @@ def too_slow(run: Run, mark: tuple[int, float]) -> tuple[str, tuple[int, float]]
 def why_unsound(run: Run) -> str:
     """Why a run ended at the last instant that can be believed, in words."""
     ready, seen = run.ready, run.memory["audit"]
-    t, ahead = float(run.clock[march.T]), float(run.clock[march.TROUBLE])
+    t, ahead = float(run.clock[step_loop.T]), float(run.clock[step_loop.TROUBLE])
     what = []
-    opened = max(float(seen[audit.OPEN]), float(seen[audit.CORRECTION]))
-    limit = LIMIT if seen[audit.OPEN] > LIMIT else audit.TOO_FAR
+    opened = max(float(seen[step_audit.OPEN]), float(seen[step_audit.CORRECTION]))
+    limit = LIMIT if seen[step_audit.OPEN] > LIMIT else step_audit.TOO_FAR
     if not opened <= limit and ready.rows:
-        row = ready.rows[int(seen[audit.OPEN_ROW])]
+        row = ready.rows[int(seen[step_audit.OPEN_ROW])]
         measure = "rad" if row.unit == "rad" else "of the mechanism's size"
         what.append(f"'{row.owner}' would open by {opened:.2g} {measure}")
-    if not seen[audit.UNREST] <= seen[audit.UNREST_LIMIT]:
-        what.append(f"the energy would be off by {100 * seen[audit.UNREST]:.2g} % of the largest")
+    if not seen[step_audit.UNREST] <= seen[step_audit.UNREST_LIMIT]:
+        what.append(f"the energy would be off by {100 * seen[step_audit.UNREST]:.2g} % of the largest")
     return f"ended at t = {t:.6g} s, before {' and '.join(what)}: {_cause(run, t, ahead)}"
 
 

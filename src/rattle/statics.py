@@ -113,7 +113,7 @@ def rigid_model(ready: Compiled) -> Compiled | None:
 def position_at(ready: Compiled, t: float) -> np.ndarray:
     """The assembled position at time t; a driven mechanism is led there from t = 0 on its branch."""
     from rattle import kinematics
-    from rattle.steppers import sweep
+    from rattle.solvers import position_sweep
 
     try:
         start = assemble(ready)
@@ -132,7 +132,7 @@ def position_at(ready: Compiled, t: float) -> np.ndarray:
     led = kinematics.begin(ready, start)
     if not len(led.go(np.array([t]), False)):
         raise AssemblyError(f"the position at t = {t:g} s cannot be reached: {kinematics.why_stuck(led)}")
-    return np.array(led.node[sweep.Q_NEW])
+    return np.array(led.node[position_sweep.Q_NEW])
 
 
 class Search:

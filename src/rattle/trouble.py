@@ -14,10 +14,10 @@ from rattle.jit.layout import CLOSED, GAP, IMPACT, OPEN, OWNER, SHAPE_P, SHUT
 from rattle.jit.workspace import Memory
 from rattle.recording import width
 from rattle.singular import describe_rank_loss
-from rattle.steppers import march
-from rattle.steppers.branching import LAST, SLIDES, argument, see
-from rattle.steppers.searching import DEEP, ESCAPED
-from rattle.steppers.writing import record
+from rattle.solvers import step_loop
+from rattle.solvers.gap_search import DEEP, ESCAPED
+from rattle.solvers.output_row import record
+from rattle.solvers.state_switches import LAST, SLIDES, argument, see
 
 NEAR = 10.0  # shares of the step that failed, within which a contact law is asked what it meets
 GLANCE, SHARE = 1e-6, 1e-3  # how far it is looked back, as a share of the run, and a share of that
@@ -28,7 +28,7 @@ TINY = 1e-12  # a contact that wants shorter steps is too stiff [s]
 def explain(ready: Compiled, memory: Memory, t_end: float, status: int, method: str = "", rtol: float = 0.0) -> str:
     """One or two sentences on why a run with this method and tolerance stopped at memory["clock"][T]."""
     clock, nq = memory["clock"], 3 * ready.body_count
-    t, h = float(clock[march.T]), float(clock[march.H])
+    t, h = float(clock[step_loop.T]), float(clock[step_loop.H])
     if status == ESCAPED:
         return _escaped(ready, memory)
     what = load_law.complaint(t) or not_finite(ready, memory, t_end)
@@ -79,7 +79,7 @@ def _escaped(ready: Compiled, memory: Memory) -> str:
     n = int(np.argmax(depth))
     joint = ready.joints[contact[n, OWNER]]
     return (
-        f"a contact was missed: at t = {memory['clock'][march.TROUBLE]:.9g} s joint '{joint}' is"
+        f"a contact was missed: at t = {memory['clock'][step_loop.TROUBLE]:.9g} s joint '{joint}' is"
         f" {depth[n] * clearance[n]:.3g} m inside its wall (play {clearance[n]:g} m), though not in contact;"
         " try a smaller rtol, or a shorter step"
     )
@@ -102,8 +102,8 @@ def _sliding(ready: Compiled, memory: Memory) -> str:
 def not_finite(ready: Compiled, memory: Memory, t_end: float) -> str:
     """Which expression has no finite value near the last state, and when; empty if none."""
     clock, y, f = memory["clock"], memory["y"], memory["f"]
-    start = float(clock[march.T])
-    reach = max(float(clock[march.TROUBLE]) - start, 1e-12)
+    start = float(clock[step_loop.T])
+    reach = max(float(clock[step_loop.TROUBLE]) - start, 1e-12)
     for share in (0.0, 0.25, 0.5, 1.0, 2.0, 10.0, 1e3, 1e6):
         t = start + share * reach
         if t > t_end * (1 + 1e-12) and share:
@@ -135,7 +135,7 @@ def _pole(ready: Compiled, memory: Memory, t_end: float) -> str:
     Steps that shrink towards a pole never reach it, and behind it values are finite again: what tells it is that the
     value grows by a factor wherever the time to go shrinks by one.
     """
-    t, nq = float(memory["clock"][march.T]), 3 * ready.body_count
+    t, nq = float(memory["clock"][step_loop.T]), 3 * ready.body_count
     back = np.zeros_like(memory["y"])
     back[:nq] = memory["y"][nq : 2 * nq]
     sizes: list[dict[int, float]] = []

@@ -71,7 +71,10 @@ from rattle.jit.workspace import (
 )  # fmt: skip
 
 DETERMINANT, SIZE = range(2)  # entries of `held`; more in complementarity
-EXPAND, TRACE = 6, 7  # places in `problem_table`, after those of complementarity: see phases and paths
+EXPAND, TRACE = (
+    6,
+    7,
+)  # places in `problem_table`, after those of complementarity: see solvers.nonsmooth.impact_phases and paths
 # endings of a run that only set-valued contacts have
 NO_SOLUTION, NOT_UNIQUE, LOCKED, CHATTER, NOT_FOUND = range(10, 15)
 

@@ -83,9 +83,9 @@ FIELDS = {
     "pushed": "f2",  # (nb + 1, 3) M^-1 (W^T f - Phi_q^T z): what all forces f change together
     "called": "f1",  # (nr,) z: multipliers that they call up
     "path": "f2",  # (6, 2 nc) b, d, and f, a that d alone would have, see equations.lemke; modes, a or f of a solution
-    "bounce": "f2",  # (7, 2 nc) see paths and phases
-    "looks": "f2",  # (looks, 4 nc + 2) places of a step that were looked at, see steppers.locating
-    "glances": "f2",  # (9, 4 nc + 2) the same at the stages of a step, see steppers.glances
+    "bounce": "f2",  # (7, 2 nc) see solvers.nonsmooth.impact_path and phases
+    "looks": "f2",  # (looks, 4 nc + 2) places of a step that were looked at, see solvers.nonsmooth.event_search
+    "glances": "f2",  # (9, 4 nc + 2) the same at the stages of a step, see solvers.glances
     "held": "f1",  # (8,) see equations.unilateral and complementarity
     "net_place": "i1",  # (nr + 2 nc,) rows of joints and contacts together, see equations.contact_network, also the next twelve
     "net_first": "i1",
@@ -110,17 +110,17 @@ FIELDS = {
     "stage": "f1",
     "k": "f2",  # (16, ny) derivatives at the stages
     "dense": "f2",  # (7, ny)
-    "clock": "f1",  # see steppers.march
-    "tally": "i1",  # see steppers.march
+    "clock": "f1",  # see solvers.step_loop
+    "tally": "i1",  # see solvers.step_loop
     "sign": "f1",  # (nw,) sign of every watched force
     "crossings": "f2",  # (n, 3) time, watched force, new sign
     "events": "f2",  # (n, 8) see jit.layout
     "measure": "f1",  # (nr,) what a residual is measured with: 1 / length of the mechanism [1/m], or 1 for angles
-    "audit": "f1",  # see steppers.audit
+    "audit": "f1",  # see solvers.step_audit
     "quantity": "i2",  # (np, 2) what is watched for peaks, and its first column behind those of bodies, see jit.layout
     "peaks": "f2",  # (np, 16) their largest values, mean squares and samples of the present step
     "peak_row": "f1",  # the columns of joints of an output row, scratch
-    "landing": "f1",  # (5,) see steppers.branching
+    "landing": "f1",  # (5,) see solvers.state_switches
 }
 
 (

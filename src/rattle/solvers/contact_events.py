@@ -55,7 +55,7 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.steppers.searching import NONE, may_reach, search
+from rattle.solvers.gap_search import NONE, may_reach, search
 
 LATER = 1e-7  # share of a step after which a contact changes that was on the wrong side at its start by rounding
 

@@ -51,17 +51,8 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.steppers import audit, dop853, rk4
-from rattle.steppers.audit import UNSOUND, note_drift, stands
-from rattle.steppers.branching import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
-from rattle.steppers.dop853 import prepare_dense as prepare_dop853
-from rattle.steppers.dop853 import step as step_dop853
-from rattle.steppers.peaks import END, START, end_step, gauge, may_rise
-from rattle.steppers.projecting import settle
-from rattle.steppers.rk4 import prepare_dense as prepare_rk4
-from rattle.steppers.rk4 import step as step_rk4
-from rattle.steppers.searching import ESCAPED, NONE, escaped
-from rattle.steppers.touching import (
+from rattle.solvers import dop853, rk4, step_audit
+from rattle.solvers.contact_events import (
     change_contacts,
     contact_time,
     find_peaks,
@@ -73,8 +64,17 @@ from rattle.steppers.touching import (
     remember_end,
     start_contacts,
 )
-from rattle.steppers.watch import watched_change
-from rattle.steppers.writing import record
+from rattle.solvers.dop853 import prepare_dense as prepare_dop853
+from rattle.solvers.dop853 import step as step_dop853
+from rattle.solvers.gap_search import ESCAPED, NONE, escaped
+from rattle.solvers.output_row import record
+from rattle.solvers.peaks import END, START, end_step, gauge, may_rise
+from rattle.solvers.projection import settle
+from rattle.solvers.rk4 import prepare_dense as prepare_rk4
+from rattle.solvers.rk4 import step as step_rk4
+from rattle.solvers.sign_watch import watched_change
+from rattle.solvers.state_switches import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
+from rattle.solvers.step_audit import UNSOUND, note_drift, stands
 
 METHODS = {"dop853": 0, "rk4": 1}
 ORDERS = {"dop853": dop853.ORDER, "rk4": rk4.ORDER}
@@ -228,7 +228,7 @@ def begin(m, t, t_end, rtol, atol, h_max):
         slope += (f[n] / scale) ** 2
     if not slope < math.inf:
         return NOT_FINITE
-    vec(m, AUDIT)[audit.STARTED] = 0.0
+    vec(m, AUDIT)[step_audit.STARTED] = 0.0
     stands(m, y)
     h = 0.01 * math.sqrt(size / slope) if size > 1e-10 and slope > 1e-10 else 1e-6
     h = min(h, h_max, t_end - t)

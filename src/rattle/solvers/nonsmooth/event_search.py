@@ -29,12 +29,12 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )
-from rattle.steppers.closed import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
-from rattle.steppers.glances import KINDS, matters, may_dip, slack_of, write_look
-from rattle.steppers.march import EVALUATIONS
-from rattle.steppers.peaks import LOOK, gauge
-from rattle.steppers.searching import NONE, may_reach, search
-from rattle.steppers.touching import interpolate
+from rattle.solvers.contact_events import interpolate
+from rattle.solvers.gap_search import NONE, may_reach, search
+from rattle.solvers.glances import KINDS, matters, may_dip, slack_of, write_look
+from rattle.solvers.nonsmooth.contact_modes import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
+from rattle.solvers.peaks import LOOK, gauge
+from rattle.solvers.step_loop import EVALUATIONS
 
 # places of a step at which it is looked first: even ones, of which peaks make use too, and an odd one
 PLACES = np.array([0.0, 0.057, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0])

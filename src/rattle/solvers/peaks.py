@@ -35,11 +35,11 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.steppers.glances import write_look
-from rattle.steppers.projecting import settle
-from rattle.steppers.tableau import B, C
-from rattle.steppers.touching import interpolate
-from rattle.steppers.writing import write_joints
+from rattle.solvers.contact_events import interpolate
+from rattle.solvers.dop853_tableau import B, C
+from rattle.solvers.glances import write_look
+from rattle.solvers.output_row import write_joints
+from rattle.solvers.projection import settle
 
 # columns of `peaks`: largest value so far, its time, integral of the square; size up to which the quantity is rounding
 # or drift, and an arm that says so for moments [m]; then the samples of the present step

@@ -21,10 +21,10 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.steppers.peaks import NODE_OF_STAGE, gauge
-from rattle.steppers.projecting import settle
-from rattle.steppers.tableau import E3, E5, A, B, C, D
-from rattle.steppers.watch import watched_change
+from rattle.solvers.dop853_tableau import E3, E5, A, B, C, D
+from rattle.solvers.peaks import NODE_OF_STAGE, gauge
+from rattle.solvers.projection import settle
+from rattle.solvers.sign_watch import watched_change
 
 ORDER = 8
 STAGES = 12

@@ -76,11 +76,11 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.paths import BEFORE, E
-from rattle.phases import ENERGETIC, NEWTON, law_of
-from rattle.steppers.march import SERIES
-from rattle.steppers.searching import clearance_of
-from rattle.steppers.walls import STILL, at_rest, at_wall, motion_without, note
+from rattle.solvers.gap_search import clearance_of
+from rattle.solvers.nonsmooth.contact_projection import STILL, at_rest, at_wall, motion_without, note
+from rattle.solvers.nonsmooth.impact_path import BEFORE, E
+from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, law_of
+from rattle.solvers.step_loop import SERIES
 
 NOTICED = 1e-11  # share of the largest percussion of an impact below which one is rounding and no event
 LOW = 1e-11  # bounces that rise less than this share of the clearance are closed

@@ -27,7 +27,7 @@ from rattle.equations.complementarity import BACKWARD, EXACT, FORWARD, OFF, STIC
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.layout import NORMAL_P
 from rattle.jit.workspace import BOUNCE, CHOSEN, CONTACT, DELASSUS, SIDE, SYSTEM, TRIAL, VALUES, imat, ivec, mat, vec
-from rattle.paths import E, as_full_matrix
+from rattle.solvers.nonsmooth.impact_path import E, as_full_matrix
 
 NEWTON, POISSON, ENERGETIC = range(3)  # in the order of the choices of the contact table
 # rows of `bounce` after those of `paths` that stay: percussions and rates after compression, least percussion in

@@ -28,8 +28,8 @@ from rattle.jit.workspace import (
     vec,
 )  # fmt: skip
 from rattle.language.bytecode import CROSSED, SIDE, evaluate
-from rattle.steppers.searching import NONE
-from rattle.steppers.touching import interpolate
+from rattle.solvers.contact_events import interpolate
+from rattle.solvers.gap_search import NONE
 
 # landing: 1 + switch at which the step ends (0: none), step to go on with [s], switchings so far, time of the last,
 # switchings since time went on

@@ -48,14 +48,20 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.steppers.audit import LENGTH, UNSOUND, stands
-from rattle.steppers.branching import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
-from rattle.steppers.closed import CREEPS, HIT, NOTHING, TURN, regroup
-from rattle.steppers.dop853 import step as step_dop853
-from rattle.steppers.glances import calm, keep_forces, pass_look_on
-from rattle.steppers.hitting import collide
-from rattle.steppers.locating import any_held, first_event
-from rattle.steppers.march import (
+from rattle.solvers.contact_events import interpolate
+from rattle.solvers.dop853 import step as step_dop853
+from rattle.solvers.gap_search import ESCAPED, NONE, clearance_of, escaped, inside_wall, may_reach
+from rattle.solvers.glances import calm, keep_forces, pass_look_on
+from rattle.solvers.nonsmooth.contact_modes import CREEPS, HIT, NOTHING, TURN, regroup
+from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, settle
+from rattle.solvers.nonsmooth.event_search import any_held, first_event
+from rattle.solvers.nonsmooth.impacts import collide
+from rattle.solvers.output_row import record
+from rattle.solvers.peaks import DOP853, END, LOOKS, START, end_step, gauge
+from rattle.solvers.sign_watch import watched_change
+from rattle.solvers.state_switches import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
+from rattle.solvers.step_audit import LENGTH, UNSOUND, stands
+from rattle.solvers.step_loop import (
     EVALUATIONS,
     EVENT_COUNT,
     FOUND,
@@ -72,12 +78,6 @@ from rattle.steppers.march import (
     prepare_dense,
     project,
 )  # fmt: skip
-from rattle.steppers.peaks import DOP853, END, LOOKS, START, end_step, gauge
-from rattle.steppers.searching import ESCAPED, NONE, clearance_of, escaped, inside_wall, may_reach
-from rattle.steppers.touching import interpolate
-from rattle.steppers.walls import NEAR, noise, settle
-from rattle.steppers.watch import watched_change
-from rattle.steppers.writing import record
 
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
 MOST_IN_A_ROW = 200_000  # events, each after less than CROWDED of the run, after which it stops too

@@ -105,8 +105,12 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.steppers.audit import STARTED, SUNK, UNSOUND, note_drift, stands
-from rattle.steppers.march import (
+from rattle.solvers.gap_search import ESCAPED, deepest
+from rattle.solvers.nonsmooth.contact_projection import note
+from rattle.solvers.output_row import write
+from rattle.solvers.peaks import START, add_step, gauge
+from rattle.solvers.step_audit import STARTED, SUNK, UNSOUND, note_drift, stands
+from rattle.solvers.step_loop import (
     DRIFT_ROW,
     EVALUATIONS,
     EVENT_COUNT,
@@ -120,10 +124,6 @@ from rattle.steppers.march import (
     cross_at_once,
     project,
 )  # fmt: skip
-from rattle.steppers.peaks import START, add_step, gauge
-from rattle.steppers.searching import ESCAPED, deepest
-from rattle.steppers.walls import note
-from rattle.steppers.writing import write
 
 ACTIVE = 1e-8  # share of the clearance within which a contact takes part
 # columns of `grip` as they are used here: 1 for an impact, its tangential restitution, the rate of the gap that it is

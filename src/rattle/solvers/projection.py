@@ -6,7 +6,7 @@ from rattle.equations.motion import constraints, correct, drive, place, rate_res
 from rattle.equations.schur import factorise
 from rattle.jit.functions import native
 from rattle.jit.workspace import AUDIT, CHANGE, vec
-from rattle.steppers.audit import CORRECTION, openness
+from rattle.solvers.step_audit import CORRECTION, openness
 
 CLOSE_ENOUGH = 1e-15  # residual below which positions are left alone [m or rad]
 QUADRATIC = 1e-9  # a correction from below this residual needs no second one

@@ -8,8 +8,8 @@ from __future__ import annotations
 from rattle.equations.motion import derivative
 from rattle.jit.functions import native
 from rattle.jit.workspace import DENSE, RATE, SLOPES, STAGE, STATE, STATE_NEW, mat, vec
-from rattle.steppers.peaks import LAST_STAGE, gauge
-from rattle.steppers.watch import watched_change
+from rattle.solvers.peaks import LAST_STAGE, gauge
+from rattle.solvers.sign_watch import watched_change
 
 ORDER = 4
 

@@ -28,9 +28,9 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.steppers.audit import LENGTH
-from rattle.steppers.march import EVENT_COUNT, project
-from rattle.steppers.searching import clearance_of
+from rattle.solvers.gap_search import clearance_of
+from rattle.solvers.step_audit import LENGTH
+from rattle.solvers.step_loop import EVENT_COUNT, project
 
 NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above what integration leaves
 FAR = 100.0  # times its gap that a contact may move along its wall, and its bodies turn, for it to be put there

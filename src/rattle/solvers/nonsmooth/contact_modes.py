@@ -60,8 +60,8 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.steppers.searching import clearance_of
-from rattle.steppers.walls import at_rest, at_wall, largest_acceleration, motion_without, note
+from rattle.solvers.gap_search import clearance_of
+from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without, note
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN = range(5)  # what an event is
 CREEP = 1e-7  # share of the largest slip at one instant below which the sense of a slip is not resolved

@@ -41,7 +41,7 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )
-from rattle.steppers.tableau import C
+from rattle.solvers.dop853_tableau import C
 
 KINDS = 4  # what must not become negative: N, mu N - T, mu N + T, slip in its sense; 1 where it does not matter
 PLACES = np.array([0.0, C[6], C[7], C[5], C[9], C[8], C[10], 1.0, 1.0])  # as the samples of peaks lie; last stage

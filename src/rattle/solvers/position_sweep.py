@@ -40,7 +40,7 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.steppers.writing import write
+from rattle.solvers.output_row import write
 
 Q, V, A, Q_NEW, V_NEW, A_NEW, Q_OLD, V_OLD, A_OLD = range(9)  # rows of `node`
 # clock: time of the node, step allowed, largest gap, root of the node, the one before it, and their times

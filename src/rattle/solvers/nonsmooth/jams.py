@@ -37,9 +37,9 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.paths import as_full_matrix
-from rattle.steppers.hitting import settle_accounts
-from rattle.steppers.walls import at_wall, held_contacts, motion_without, settle
+from rattle.solvers.nonsmooth.contact_projection import at_wall, held_contacts, motion_without, settle
+from rattle.solvers.nonsmooth.impact_path import as_full_matrix
+from rattle.solvers.nonsmooth.impacts import settle_accounts
 
 NEARLY = 1e-3  # share by which T may exceed mu N in a lock that is just about to come
 

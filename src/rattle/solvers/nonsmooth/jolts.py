@@ -51,8 +51,8 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.steppers.hitting import book_impulses, rates_of_contacts
-from rattle.steppers.walls import at_wall
+from rattle.solvers.nonsmooth.contact_projection import at_wall
+from rattle.solvers.nonsmooth.impacts import book_impulses, rates_of_contacts
 
 ROUNDS = 2  # the second takes what rounding left
 

@@ -1,0 +1,1 @@
+"""Set-valued contacts from instant to instant: events, impacts, Moreau-Jean."""
