@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from circling import circling
-from rattle import archive
-from rattle.result import load_result
+from rattle.results import archive
+from rattle.results.result import load_result
 
 pytestmark = pytest.mark.nojit
 SUFFIXES = ("nc", "npz")

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rattle as rt
-from rattle.result import Result
+from rattle.results.result import Result
 
 EXAMPLES = sorted(rt.examples())
 WORKLESS = ("", "ideal", "massless-link")  # contacts that are constraints, not force laws

@@ -14,9 +14,10 @@ from click.testing import CliRunner
 
 import rattle as rt
 from circling import circling
-from rattle import archive, dynamics, mechanism
+from rattle import dynamics, mechanism
 from rattle.cli import main
-from rattle.result import load_result
+from rattle.results import archive
+from rattle.results.result import load_result
 
 pytestmark = pytest.mark.nojit
 PLAIN = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
@@ -69,7 +70,7 @@ def never(monkeypatch):
 
     for name in ("simulate", "kinematics", "compare", "poincare", "modes", "accuracy", "equilibrium"):
         monkeypatch.setattr(mechanism.Mechanism, name, work)
-    monkeypatch.setattr("rattle.result.load_result", work)
+    monkeypatch.setattr("rattle.results.result.load_result", work)
 
 
 @pytest.mark.parametrize(

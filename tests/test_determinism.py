@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.result import Result
+from rattle.results.result import Result
 
 NAMES = ("chain", "fourbar", "quick_return", "squeezer", "windows")
 CONTACTS = ("slider_crank_play", "bouncing_pin")  # compliant, and impacts from event to event

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.display import Picture, quantity
+from rattle.results.display import Picture, quantity
 
 
 @pytest.fixture(scope="module")

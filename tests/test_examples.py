@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import rattle as rt
-from rattle.result import Result
+from rattle.results.result import Result
 
 G = 9.81
 NAMES = {

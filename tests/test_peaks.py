@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 import rattle as rt
 from rattle.cli import main
-from rattle.summary import extreme, rms
+from rattle.results.contact_summary import extreme, rms
 
 FORCES = (".force", ".moment", ".torque", ".power", ".normal")
 

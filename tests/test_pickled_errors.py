@@ -9,7 +9,7 @@ import rattle as rt
 from circling import circling
 from rattle.errors import MissingPackage
 from rattle.language.syntax import ExpressionError
-from rattle.result import UnknownName
+from rattle.results.result import UnknownName
 
 pytestmark = pytest.mark.nojit
 

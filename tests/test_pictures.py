@@ -16,7 +16,7 @@ from rattle.cli import main
 from rattle.compare import newton
 from rattle.plot import handy_unit, plot, plot_path
 from rattle.plot_chaos import plot_section
-from rattle.result import Result
+from rattle.results.result import Result
 
 nojit = pytest.mark.nojit
 

@@ -10,8 +10,8 @@ import xarray
 
 from circling import OMEGA, STEADY, SWING, T_END, C, circling
 from rattle.atomic_file import atomic
-from rattle.result import Trust, load_result
-from rattle.summary import joint_table
+from rattle.results.contact_summary import joint_table
+from rattle.results.result import Trust, load_result
 
 pytestmark = pytest.mark.nojit
 

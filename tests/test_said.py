@@ -9,7 +9,7 @@ from rattle.cli import main
 from rattle.errors import ModelError
 from rattle.happenings import contact_notes, method_notes
 from rattle.plot import plot_orbit
-from rattle.result import Event
+from rattle.results.result import Event
 
 
 @pytest.mark.nojit

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from circling import T_END, circling
-from rattle.result import Event, Result, Trust
-from rattle.summary import joint_table, pressing_spans
+from rattle.results.contact_summary import joint_table, pressing_spans
+from rattle.results.result import Event, Result, Trust
 
 pytestmark = pytest.mark.nojit
 

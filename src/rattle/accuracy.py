@@ -23,7 +23,6 @@ import numpy as np
 from rattle.assembly import assemble, ideal_model
 from rattle.description.model import Joint
 from rattle.displaced import Displaced, widest
-from rattle.display import quantity, table
 from rattle.equations.system import Compiled, compile_system
 from rattle.errors import ModelError, Problem
 from rattle.extremes import extreme, largest_turn
@@ -31,6 +30,7 @@ from rattle.jit import functions
 from rattle.kinematics import Sweep, begin, instants, require_driven, why_stuck
 from rattle.rest_starts import opened
 from rattle.resting import Rest
+from rattle.results.display import quantity, table
 from rattle.solvers import position_sweep as swept
 from rattle.statics import rigid_model, without_guide_play
 

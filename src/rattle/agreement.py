@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rattle.recording import columns
+from rattle.results.columns import columns
 from rattle.solvers import step_loop
 from rattle.solvers.output_row import record
 

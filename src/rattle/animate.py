@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rattle.result import Result
+    from rattle.results.result import Result
 
 Array = NDArray[np.float64]
 MOST_INSETS = 4

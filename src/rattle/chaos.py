@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 
 from rattle import asked, dynamics
-from rattle.display import lines
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import DONE, PAUSED, drive
 from rattle.equations.system import Compiled
 from rattle.jit import functions
 from rattle.jit.layout import CLOSED, SHUT, SPEED
+from rattle.results.display import lines
 from rattle.singular import rank
 from rattle.solvers import step_loop
 from rattle.solvers.contact_events import pass_on, remember_end
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rattle.mechanism import Mechanism
-    from rattle.result import Result
+    from rattle.results.result import Result
 
 APART = 1e-7  # distance at which the second run of a Lyapunov exponent starts anew, positions in mechanism lengths
 LARGEST_GROWTH = 1e4  # of that distance between two renewals; beyond it the growth is no longer linear

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle.description.switch_contact import recontact
-from rattle.display import table
 from rattle.errors import AssemblyError, ModelError, Problem, suggest
 from rattle.jit import functions
+from rattle.results.display import table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rattle.mechanism import Mechanism
-    from rattle.result import Result
+    from rattle.results.result import Result
 
 IDEAL, LINK, IMPACT, COMPLIANT = "ideal", "massless link", "one-sided impact", "compliant"
 DEFAULT_LAW, DEFAULT_RESTITUTION = "exact", 0.5

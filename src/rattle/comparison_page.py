@@ -28,13 +28,13 @@ from rattle.plot import (
     pin_path,
     tidy,
 )  # fmt: skip
-from rattle.summary import pressing_spans
+from rattle.results.contact_summary import pressing_spans
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rattle.result import Result
+    from rattle.results.result import Result
 
 COLOURS = {IDEAL: BLACK, LINK: BLUE, IMPACT: ORANGE, COMPLIANT: GREEN}
 SAYS = {

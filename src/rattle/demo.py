@@ -26,13 +26,13 @@ from rattle.plot import (
     save_figure,
     shade_after_horizon,
 )
-from rattle.summary import joint_table
+from rattle.results.contact_summary import joint_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rattle.result import Result
+    from rattle.results.result import Result
 
 EXAMPLE = "fourbar"
 FINE = 20_001  # outputs of the figures: the sharpest peaks of N are 0.3 ms wide

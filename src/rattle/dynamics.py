@@ -24,8 +24,8 @@ from rattle.jit.workspace import Memory
 from rattle.language.switching import SAME
 from rattle.passivity import law_faults
 from rattle.peak_values import peak_arrays, peak_values
-from rattle.recording import columns, geometry, width
-from rattle.result import Result, Trust
+from rattle.results.columns import columns, geometry, width
+from rattle.results.result import Result, Trust
 from rattle.singular import nonunique_reactions
 from rattle.solvers import step_audit, step_loop
 from rattle.solvers.gap_search import ESCAPED

@@ -19,8 +19,8 @@ from rattle.equations.system import Compiled
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, suggest
 from rattle.jit import functions
 from rattle.jit.workspace import Memory
-from rattle.recording import BODY, columns, geometry, width
-from rattle.result import Event, Result, Trust
+from rattle.results.columns import BODY, columns, geometry, width
+from rattle.results.result import Event, Result, Trust
 from rattle.singular import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
 from rattle.solvers import position_sweep as swept
 from rattle.timetable import jump_notes, timetable

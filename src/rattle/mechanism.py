@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rattle.equations.system import Compiled
     from rattle.equilibrium import Equilibria, Equilibrium
     from rattle.modes import Modes
-    from rattle.result import Result
+    from rattle.results.result import Result
 
 
 class Mechanism(Building):
@@ -62,7 +62,7 @@ class Mechanism(Building):
         return f"<rattle.Mechanism{f' {name!r}' if name else ''}: {', '.join(counts)}>"
 
     def _repr_html_(self) -> str:
-        from rattle.display import quantity, table
+        from rattle.results.display import quantity, table
 
         try:
             model = self.model

@@ -14,17 +14,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rattle.display import table
 from rattle.equations.motion import loads, place
 from rattle.equations.rest_force import force_at
 from rattle.equilibrium import Equilibrium
 from rattle.resting import Rest
-from rattle.result import Result, Trust
+from rattle.results.display import table
+from rattle.results.result import Result, Trust
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from rattle.display import Picture
+    from rattle.results.display import Picture
 
 FRAMES = 61
 

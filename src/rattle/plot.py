@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rattle.result import Result
+    from rattle.results.result import Result
 
 Array = NDArray[np.float64]
 # Okabe and Ito (2008), the colours that all kinds of eyes tell apart
@@ -188,7 +188,7 @@ def require_point(result: Result, name: str) -> None:
     known = [one[:-2] for one in result.names if one.endswith(".x") and f"{one[:-1]}y" in result]
     if name not in known:
         from rattle.errors import suggest
-        from rattle.result import UnknownName
+        from rattle.results.result import UnknownName
 
         raise UnknownName(f"the result has no point or body {name!r}{suggest(name, known)}")
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from rattle.accuracy import Accuracy
     from rattle.modes import Modes
-    from rattle.result import Result
+    from rattle.results.result import Result
 
 BAND = "#BBD7EA"
 

@@ -24,7 +24,7 @@ from rattle.jit import functions
 from rattle.kinematics import instants
 from rattle.rest_starts import opened
 from rattle.resting import Rest
-from rattle.result import Event, Result, Trust
+from rattle.results.result import Event, Result, Trust
 from rattle.statics import equilibria, rigid_model, without_guide_play
 
 log = logging.getLogger("rattle")

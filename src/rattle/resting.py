@@ -23,7 +23,7 @@ from rattle.equations.rest_force import force_at
 from rattle.equations.system import Compiled, has_contacts, is_link
 from rattle.equilibrium import Equilibrium, Table
 from rattle.jit.layout import AUTO, CLOSED, SPEED
-from rattle.recording import columns, geometry, width
+from rattle.results.columns import columns, geometry, width
 from rattle.singular import RANK, nonunique_reactions
 from rattle.solvers import equilibrium_newton
 from rattle.solvers.output_row import write

@@ -14,7 +14,7 @@ from rattle.plot import BLACK, BLUE, GREEN, GREY, LINES, MORE, ORANGE, PINK, SKY
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from rattle.result import Result
+    from rattle.results.result import Result
 
 Array = NDArray[np.float64]
 CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))

@@ -18,7 +18,7 @@ from rattle.elements.custom import load_law
 from rattle.equations.motion import drive
 from rattle.equations.system import Compiled
 from rattle.jit.workspace import Memory
-from rattle.recording import width
+from rattle.results.columns import width
 from rattle.singular import describe_rank_loss, unlike_masses
 from rattle.solvers import step_audit, step_loop
 from rattle.solvers.output_row import record

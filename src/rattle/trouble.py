@@ -12,7 +12,7 @@ from rattle.equations.motion import NOT_FINITE
 from rattle.equations.system import Compiled
 from rattle.jit.layout import CLOSED, GAP, IMPACT, OPEN, OWNER, SHAPE_P, SHUT
 from rattle.jit.workspace import Memory
-from rattle.recording import width
+from rattle.results.columns import width
 from rattle.singular import describe_rank_loss
 from rattle.solvers import step_loop
 from rattle.solvers.gap_search import DEEP, ESCAPED

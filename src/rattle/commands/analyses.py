@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from rattle.mechanism import Mechanism
-    from rattle.result import Result
+    from rattle.results.result import Result
 
 DEGREES = 180 / math.pi
 ZERO = 1e-12  # share of the largest of its kind below which a number is rounding
@@ -63,7 +63,7 @@ def _ranges(result: Result, names: list[str]) -> str:
     """
     import numpy as np
 
-    from rattle.summary import extreme
+    from rattle.results.contact_summary import extreme
 
     wide = max([len(name) for name in names] + [8]) + 2
     lines = [f"{'':{wide}s}{'least':>14s} at t{'greatest':>22s} at t"]
@@ -177,7 +177,7 @@ def inverse_dynamics(
     \b
     Example:  rattle inverse-dynamics slider_crank
     """
-    from rattle.summary import joint_table
+    from rattle.results.contact_summary import joint_table
 
     m = read_model(file, settings, ideal)
     check_results(file, output, csv, fallback)

@@ -68,8 +68,8 @@ def export(result: str, output: str) -> None:
     \b
     Example:  rattle export out.nc -o out.csv
     """
-    from rattle import archive
-    from rattle.result import load_result, require_table
+    from rattle.results import archive
+    from rattle.results.result import load_result, require_table
 
     check_files(result, output)
     table = Path(output).suffix.lower() not in archive.SUFFIXES

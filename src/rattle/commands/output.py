@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from rattle.result import Result
+    from rattle.results.result import Result
 
 STOPPED = 130  # exit status after Ctrl-C, as shells have it
 
@@ -51,8 +51,8 @@ def save_options(note: str = "") -> Callable[[Callable[..., Any]], Callable[...,
 
 def check_results(read: str, output: str | None, csv: str | None, fallback: str | None) -> None:
     """Refuse names under which a result cannot be saved."""
-    from rattle import archive
-    from rattle.result import require_table
+    from rattle.results import archive
+    from rattle.results.result import require_table
 
     if output is not None:
         archive.require(output)

@@ -11,7 +11,7 @@ from rattle.commands.output import as_json as to_json
 from rattle.commands.output import check_results, finish, keep, save_options
 
 if TYPE_CHECKING:
-    from rattle.result import Result
+    from rattle.results.result import Result
 
 
 @click.command()
@@ -56,7 +56,7 @@ def run(
     \b
     Example:  rattle run fourbar --t-end 0.2 --set r3="2 mm" -o out.nc
     """
-    from rattle.summary import joint_table
+    from rattle.results.contact_summary import joint_table
 
     m = read_model(file, settings, ideal)
     if contact is not None:

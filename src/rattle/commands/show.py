@@ -58,7 +58,7 @@ def plot(
 
     from rattle.plot import plot as curves
     from rattle.plot import plot_orbit, plot_path, save_figure
-    from rattle.result import load_result
+    from rattle.results.result import load_result
 
     target = Path(output) if output else Path(result).with_suffix(".png")
     for option, given in (("--orbit", orbit), ("--xy", xy), ("--over", (over or "",))):
@@ -115,7 +115,7 @@ def animate(result: str, output: str, frames: int, speed: float | None, trace: t
     """
     from rattle.animate import animate as make
     from rattle.movie import require_film
-    from rattle.result import load_result
+    from rattle.results.result import load_result
 
     require_film(output)
     check_files(result, output)

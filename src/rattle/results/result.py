@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rattle.display import Picture
-    from rattle.summary import ContactSummary
+    from rattle.results.contact_summary import ContactSummary
+    from rattle.results.display import Picture
 
 Array = NDArray[np.float64]
 TABLES = (".csv", ".txt", ".dat", "")  # suffixes under which text is expected
@@ -92,7 +92,7 @@ class Trust:
         return f"<rattle.Trust: {self._accuracy()}; {self._reach()}>"
 
     def _repr_html_(self) -> str:
-        from rattle.display import lines
+        from rattle.results.display import lines
 
         return lines(str(self))
 
@@ -238,8 +238,8 @@ class Result:
         return f"<rattle.Result: {span}, {len(self.names)} names{'' if self.success else ', FAILED'}>"
 
     def _repr_html_(self) -> str:
-        from rattle.display import table
-        from rattle.summary import joint_rows
+        from rattle.results.contact_summary import joint_rows
+        from rattle.results.display import table
 
         said = [] if self.success else [f"stopped: {self.message}"]
         title = f"{self.provenance.get('model') or 'mechanism'}: {repr(self)[1:-1]}"
@@ -295,15 +295,15 @@ class Result:
         other curves it is the top of a smooth curve through the outputs.  Raises UnknownName, ValueError without
         any output.
         """
-        from rattle import summary
+        from rattle.results import contact_summary
 
-        return summary.peak(self, name)
+        return contact_summary.peak(self, name)
 
     def rms(self, name: str) -> float:
         """Root mean square of a curve over time: where `peak` knows the steps theirs, else that of the outputs."""
-        from rattle import summary
+        from rattle.results import contact_summary
 
-        return summary.rms_of(self, name)
+        return contact_summary.rms_of(self, name)
 
     def _unknown(self, name: str) -> str:
         owner, _, _ = name.partition(".")
@@ -319,14 +319,14 @@ class Result:
     @property
     def contacts(self) -> dict[str, ContactSummary]:
         """Per joint with play: share of time in contact, contacts, impacts, peak and RMS force, energy lost."""
-        from rattle import summary
+        from rattle.results import contact_summary
 
-        return summary.contacts(self)
+        return contact_summary.contacts(self)
 
     # ------------------------------------------------------------ to other programs
     def to_dataframe(self) -> Any:
         """pandas.DataFrame of all names, index t [s], units in `.attrs["units"]`."""
-        from rattle.archive import package
+        from rattle.results.archive import package
 
         pandas = package("pandas", "to_dataframe")
         index = pandas.Index(self.t, name="t")
@@ -342,7 +342,7 @@ class Result:
         return dataset
 
     def _dataset(self, names: Iterable[str]) -> xarray.Dataset:
-        from rattle.archive import package
+        from rattle.results.archive import package
 
         curves = {name: ("t", self[name], {"units": self._units[name]}) for name in names}
         dataset: xarray.Dataset = package("xarray", "to_xarray").Dataset(curves, {"t": ("t", self.t, {"units": "s"})})
@@ -375,7 +375,7 @@ class Result:
         Returns the file written.  Raises ValueError for another suffix, MissingPackage (an ImportError; `.npz` needs
         nothing more), OSError; the result itself stays as it is and can be saved elsewhere.
         """
-        from rattle import archive
+        from rattle.results import archive
 
         record = {
             "names": self.stored,
@@ -442,7 +442,7 @@ class Result:
         Raises ValueError for another suffix or a result without instants, UnknownName, MissingProgram without ffmpeg.
         """
         from rattle import animate
-        from rattle.display import Picture
+        from rattle.results.display import Picture
 
         animate.animate(self, path, frames=frames, fps=fps, trace=trace, dpi=dpi, speed=speed, names=names)
         return Picture(Path(path))
@@ -454,7 +454,7 @@ def load_result(path: str | os.PathLike[str]) -> Result:
     Raises FileNotFoundError, OSError where the file cannot be opened, MissingPackage (netCDF without h5py), and
     ValueError where the file is damaged or not a result of rattle.
     """
-    from rattle import archive
+    from rattle.results import archive
 
     record, t, data = archive.read(path)
     try:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from rattle.result import Event, Result
+    from rattle.results.result import Event, Result
 
 
 ROUNDING = 1e-12  # share of the largest kinetic energy below which a loss is rounding
