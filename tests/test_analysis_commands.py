@@ -95,7 +95,7 @@ def test_options_that_would_do_nothing_are_refused(tmp_path):
 
 
 def test_a_search_that_was_given_up_is_said_beside_the_results(monkeypatch):
-    monkeypatch.setattr("rattle.statics.MOST_STARTS", 2)
+    monkeypatch.setattr("rattle.analyses.statics.equilibria.MOST_STARTS", 2)
     seen = run("equilibrium", "double_pendulum", "--json")
     assert seen.exit_code == 0
     assert json.loads(seen.stdout)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.assembly import assemble
+from rattle.analyses.assembly.assembly import assemble
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE, dense_rows
 

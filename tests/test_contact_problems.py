@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle.analyses.dynamics.nonsmooth_run import contact_arrays
 from rattle.equations import complementarity, lemke, motion, unilateral
 from rattle.equations.complementarity import BACKWARD, FORWARD, IMPOSSIBLE, JAMMED, SOLVED, STICK, A, B, F
-from rattle.impact_run import contact_arrays
 from rattle.jit import functions
 from rattle.jit.layout import A_BODY, B_BODY
 from rattle.solvers.nonsmooth import uniqueness
@@ -233,7 +233,7 @@ def test_chain_of_loose_pins_goes_on_through_its_impacts(pins, friction, restitu
 
 
 def test_words_about_an_unsolved_problem_name_painleve_only_where_friction_is_shown_to_jam():
-    from rattle.impact_run import ImpactRun
+    from rattle.analyses.dynamics.nonsmooth_run import ImpactRun
 
     run = ImpactRun.__new__(ImpactRun)
     run.method = "event"

@@ -145,7 +145,7 @@ def test_friction_that_pushes_is_named(sign):
 
 @pytest.mark.parametrize("name", sorted(functions.kinds("friction")))
 def test_every_friction_law_of_the_package_passes_the_same_check(name):
-    from rattle.passivity import friction_fault
+    from rattle.analyses.law_check import friction_fault
 
     kind = functions.kinds("friction")[name]
     values = {}
@@ -158,7 +158,7 @@ def test_every_friction_law_of_the_package_passes_the_same_check(name):
 @pytest.mark.parametrize("e", [0.1, 0.5, 1.0])
 @pytest.mark.parametrize("name", sorted(functions.kinds("normal")))
 def test_every_normal_law_of_the_package_passes_the_same_check(name, e):
-    from rattle.passivity import normal_fault
+    from rattle.analyses.law_check import normal_fault
 
     kind = functions.kinds("normal")[name]
     p = np.array([*kind.leaf.pack({"restitution": e, "least_speed": 1e-3, "effective_mass": 1.0}), 0.0])

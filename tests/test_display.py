@@ -172,7 +172,7 @@ def test_options_of_pictures_and_films_have_names():
     from inspect import Parameter, signature
 
     from rattle import animate, plot
-    from rattle.modes import Modes
+    from rattle.analyses.statics.modes import Modes
 
     for method, function in ((rt.Result.plot, plot.plot), (rt.Result.animate, animate.animate)):
         ours, theirs = signature(method).parameters, signature(function).parameters

@@ -46,7 +46,7 @@ def test_links_of_the_guides_lead_somewhere(name):
 
 
 def test_the_guide_to_results_explains_every_kind_of_event_and_names_that_exist():
-    from rattle.happenings import KINDS
+    from rattle.analyses.dynamics.events import KINDS
 
     text = DOCS["results.md"]
     assert all(f"`{kind}`" in text for kind in (*KINDS, "jolt"))

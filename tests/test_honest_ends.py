@@ -6,10 +6,10 @@ import pytest
 import at_random
 import rattle as rt
 from linkages import paper, slider_crank
-from rattle import soundness
-from rattle.agreement import tighter
+from rattle.analyses.dynamics import soundness
+from rattle.analyses.dynamics.horizon import tighter
+from rattle.analyses.dynamics.soundness import extent, jump
 from rattle.chaos import Lyapunov
-from rattle.soundness import extent, jump
 
 TRIANGLE = """
 format = 1

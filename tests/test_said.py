@@ -5,9 +5,9 @@ import pytest
 from click.testing import CliRunner
 
 import rattle as rt
+from rattle.analyses.dynamics.events import contact_notes, method_notes
 from rattle.cli import main
 from rattle.errors import ModelError
-from rattle.happenings import contact_notes, method_notes
 from rattle.plot import plot_orbit
 from rattle.results.result import Event
 

@@ -8,9 +8,9 @@ import pytest
 from scipy.optimize import minimize
 
 import rattle as rt
-from rattle import statics
+from rattle.analyses.statics import equilibria
+from rattle.analyses.statics.balance import Rest
 from rattle.jit import small_matrices
-from rattle.resting import Rest
 
 nojit = pytest.mark.nojit
 
@@ -62,7 +62,7 @@ def chain(links: int, seed: int | None = None) -> str:
 def test_the_work_of_the_search_is_limited_whatever_the_mechanism(seed, bodies, clearance, monkeypatch):
     used, spent = [], []
     settle = Rest.settle
-    price = statics.price
+    price = equilibria.price
 
     def counted(self, *arguments, **named):
         before = self.trials
@@ -75,12 +75,12 @@ def test_the_work_of_the_search_is_limited_whatever_the_mechanism(seed, bodies, 
         return spent[-1]
 
     monkeypatch.setattr(Rest, "settle", counted)
-    monkeypatch.setattr(statics, "price", priced)
+    monkeypatch.setattr(equilibria, "price", priced)
     found = rt.loads(tree(seed, bodies, clearance)).equilibrium()
     assert found[0].stable
     assert found.starts == len(used)
-    assert max(used) <= statics.TRIALS_EACH + 1
-    assert sum(spent) <= statics.WORK + 2 * max(spent)  # of the ideal mechanism and with play: none begun beyond
+    assert max(used) <= equilibria.TRIALS_EACH + 1
+    assert sum(spent) <= equilibria.WORK + 2 * max(spent)  # of the ideal mechanism and with play: none begun beyond
     for one in found:
         scale = max(abs(one[name]) for name in one.names if name.endswith((".fx", ".fy")))
         assert one.residual < 1e-7 * scale  # each is a position of rest
@@ -92,7 +92,7 @@ def test_a_search_given_up_says_so(monkeypatch):
     whole = m.equilibrium()
     assert (whole.stopped, whole.note) == (False, "")
     assert "brought nothing new" in whole.extent
-    monkeypatch.setattr(statics, "MOST_STARTS", 3)
+    monkeypatch.setattr(equilibria, "MOST_STARTS", 3)
     part = m.equilibrium()
     assert part.stopped
     assert part.note.startswith("search stopped after 3 starts; there may be more positions of rest")

@@ -7,8 +7,8 @@ import pytest
 
 import rattle as rt
 from linkages import fourbar_text, paper, parallelogram
-from rattle.rest_starts import opened
-from rattle.resting import Rest
+from rattle.analyses.statics.balance import Rest
+from rattle.analyses.statics.starts import opened
 
 nojit = pytest.mark.nojit
 

@@ -14,7 +14,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
-from rattle import asked, dynamics
+from rattle.analyses import arguments
+from rattle.analyses.assembly.rank import rank
+from rattle.analyses.assembly.unclosed import driver_slot
+from rattle.analyses.dynamics import simulate
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import DONE, PAUSED, drive
@@ -22,11 +25,9 @@ from rattle.equations.system import Compiled
 from rattle.jit import functions
 from rattle.jit.layout import CLOSED, SHUT, SPEED
 from rattle.results.display import lines
-from rattle.singular import rank
 from rattle.solvers import step_loop
 from rattle.solvers.contact_events import pass_on, remember_end
 from rattle.solvers.step_audit import STARTED
-from rattle.unclosed import driver_slot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -121,8 +122,8 @@ def section(
     skip: points left out at the start.  points: how many are wanted (a crossing may come less often than that).
     method, rtol, atol, step: as in `simulate`.  Raises ValueError, UnknownName.
     """
-    asked.whole("skip", skip, 0)
-    asked.whole("points", points, 1)
+    arguments.whole("skip", skip, 0)
+    arguments.whole("points", points, 1)
     settings: dict[str, Any] = {"method": method, "rtol": rtol, "atol": atol, "step": step}
     if crossing is None:
         T = _period(m, period)
@@ -209,8 +210,8 @@ def bifurcation(
     the result does not depend on it.  method, rtol, atol, step: as in `simulate`.
     Raises ModelError, ValueError, UnknownName.
     """
-    asked.whole("skip", skip, 0)
-    asked.whole("points", points, 1)
+    arguments.whole("skip", skip, 0)
+    arguments.whole("points", points, 1)
     given = np.asarray(values, dtype=float)
     if not given.size or given.ndim != 1:
         raise ValueError("values of the parameter: at least one is needed, in one row")
@@ -244,11 +245,11 @@ def bifurcation(
         if not rows:
             raise
         interrupted = True
-        dynamics.stop.set()  # the runs in other threads end now too
+        simulate.stop.set()  # the runs in other threads end now too
     finally:
         pool.shutdown(cancel_futures=True)
         if interrupted:
-            dynamics.stop.clear()
+            simulate.stop.clear()
         if bar is not None:
             bar.close()
     what = m.model.parameters.get(parameter)
@@ -322,9 +323,9 @@ def lyapunov(
     Raises ValueError where the drivers fix every position (then nothing can grow), or the run cannot go on.
     """
     functions.start()
-    span = asked.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
-    length = span / 400 if stretch is None else asked.positive("stretch", stretch)
-    rtol = asked.relative_tolerance(rtol)
+    span = arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
+    length = span / 400 if stretch is None else arguments.positive("stretch", stretch)
+    rtol = arguments.relative_tolerance(rtol)
     if 2 * BLOCKS * length > span * (1.0 + 1e-9):
         raise ValueError(f"a stretch of {length:g} s is too long for {span:g} s; wanted at most a {2 * BLOCKS}th of it")
     if not 0.0 <= skip < 1.0:
@@ -369,7 +370,7 @@ def _require_freedom(m: Mechanism) -> None:
 
 def _growths(m: Mechanism, span: float, length: float, rtol: float) -> np.ndarray | None:
     """Logarithm of the growth in every stretch; None when one grows beyond linearity."""
-    from rattle.dynamics import kind_of_run
+    from rattle.analyses.dynamics.simulate import kind_of_run
 
     kind, method, _ = kind_of_run(m.ready, "dop853", None, span)
     none = np.zeros(0)

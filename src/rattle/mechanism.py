@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
-from rattle import asked
+from rattle.analyses import arguments
 from rattle.description import file as model_file
 from rattle.description.builder import Building
 from rattle.description.model import Model
@@ -18,14 +18,14 @@ from rattle.language.units import Seconds, seconds, seconds_or_none, times
 if TYPE_CHECKING:
     import numpy as np
 
-    from rattle.accuracy import Accuracy
-    from rattle.assembly import Assembled
+    from rattle.analyses.accuracy.clearance_error import Accuracy
+    from rattle.analyses.assembly.assembly import Assembled
+    from rattle.analyses.check import Check
+    from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
+    from rattle.analyses.statics.modes import Modes
     from rattle.chaos import Bifurcation, Lyapunov, Section
-    from rattle.checking import Check
     from rattle.compare import Comparison
     from rattle.equations.system import Compiled
-    from rattle.equilibrium import Equilibria, Equilibrium
-    from rattle.modes import Modes
     from rattle.results.result import Result
 
 
@@ -99,7 +99,7 @@ class Mechanism(Building):
     @cached_property
     def start(self) -> Assembled:
         """The mechanism put together at t = 0. Raises AssemblyError."""
-        from rattle.assembly import assemble
+        from rattle.analyses.assembly.assembly import assemble
 
         return assemble(self.ready)
 
@@ -190,7 +190,7 @@ class Mechanism(Building):
     # ------------------------------------------------------------ analyses
     def check(self) -> Check:
         """Bodies, joints, mobility, redundant rows, loops, branch and reach of the driver; str() is a short report."""
-        from rattle.checking import check
+        from rattle.analyses.check import check
 
         return check(self.ready, self.start)
 
@@ -219,9 +219,9 @@ class Mechanism(Building):
         cannot go on returns what was computed with success = False and a message (strict=True
         raises SolverError).  Source: docs/theory.md, section 3; Grigore et al., equation (1).
         """
-        from rattle import dynamics
+        from rattle.analyses.dynamics import simulate as simulation
 
-        return dynamics.simulate(
+        return simulation.simulate(
             self.ready, self.start, t_end=seconds_or_none(t_end, "t_end"), t_eval=times(t_eval, "t_eval"),
             method=method, rtol=rtol, atol=atol, step=seconds_or_none(step, "step"), progress=progress, strict=strict,
             horizon=horizon, most_steps=most_steps,
@@ -290,7 +290,7 @@ class Mechanism(Building):
 
         Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), sections 3.6 and 4.5.
         """
-        from rattle import kinematics
+        from rattle.analyses import kinematics
 
         return kinematics.analyse(
             self.ready, self._start_or_none(), times(t_eval, "t_eval"), forces=False, strict=strict
@@ -311,7 +311,7 @@ class Mechanism(Building):
         Joints whose reactions are not unique (redundant constraints) are named in `trust.nonunique`.
         Raises what `kinematics` raises.
         """
-        from rattle import kinematics
+        from rattle.analyses import kinematics
 
         return kinematics.analyse(
             self.ready, self._start_or_none(), times(t_eval, "t_eval"), forces=True, effort_at=effort_at, strict=strict
@@ -348,12 +348,12 @@ class Mechanism(Building):
 
         t = times(t, "t")
         if np.ndim(t) == 0:
-            from rattle.statics import equilibria
+            from rattle.analyses.statics.equilibria import equilibria
 
-            return equilibria(self.ready, asked.number("t", t), branches, asked.positive("effort", effort))
-        from rattle.quasistatic import quasistatic
+            return equilibria(self.ready, arguments.number("t", t), branches, arguments.positive("effort", effort))
+        from rattle.analyses.statics.quasistatic import quasistatic
 
-        return quasistatic(self.ready, np.asarray(t, dtype=float), asked.positive("effort", effort))
+        return quasistatic(self.ready, np.asarray(t, dtype=float), arguments.positive("effort", effort))
 
     def modes(self, t: Seconds = 0.0, equilibrium: Equilibrium | None = None, *, effort: float = 1.0) -> Modes:
         """Natural frequencies, damping and shapes about a position of rest (default: the first of `equilibrium(t)`).
@@ -361,8 +361,8 @@ class Mechanism(Building):
         effort: as of `equilibrium`.
         Clearance pins are massless links that press.  Raises ValueError when there is no position of rest.
         """
-        from rattle.modes import modes
-        from rattle.statics import rest_of
+        from rattle.analyses.statics.equilibria import rest_of
+        from rattle.analyses.statics.modes import modes
 
         searched = self.equilibrium(seconds(t, "t"), effort=effort) if equilibrium is None else None
         found = [equilibrium] if equilibrium is not None else searched
@@ -383,7 +383,7 @@ class Mechanism(Building):
         Source: docs/theory.md, section 7; Ting, Zhu, Watkins, The effects of joint clearance on position and
         orientation deviation of linkages and manipulators, Mech. Mach. Theory 35 (2000) 391-401.
         """
-        from rattle.accuracy import accuracy
+        from rattle.analyses.accuracy.clearance_error import accuracy
 
         return accuracy(self.ready, of, times(t_eval, "t_eval"), extremes=extremes, loaded=loaded)
 

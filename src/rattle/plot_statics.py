@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rattle.accuracy import Accuracy
-    from rattle.modes import Modes
+    from rattle.analyses.accuracy.clearance_error import Accuracy
+    from rattle.analyses.statics.modes import Modes
     from rattle.results.result import Result
 
 BAND = "#BBD7EA"

@@ -10,9 +10,9 @@ import click
 from rattle.commands.output import zeroed
 
 if TYPE_CHECKING:
-    from rattle.equilibrium import Equilibria, Equilibrium
+    from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
+    from rattle.analyses.statics.modes import Modes
     from rattle.mechanism import Mechanism
-    from rattle.modes import Modes
 
 DEGREES = 180 / math.pi
 MOST_LINES = 20  # positions of rest that are listed one by one

@@ -12,7 +12,7 @@
                 friction = { model = "plateau", mu = 0.1, v1 = "1 mm/s" } }
 
 The functions are compiled by Numba and run at the speed of the laws that come with the package; one that Numba
-cannot compile is refused.  A law that pulls or gives energy back is found by `rattle.passivity` and named.
+cannot compile is refused.  A law that pulls or gives energy back is found by `rattle.analyses.law_check` and named.
 """
 
 from __future__ import annotations

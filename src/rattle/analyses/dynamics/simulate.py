@@ -11,22 +11,39 @@ from typing import Any
 
 import numpy as np
 
-from rattle import asked
-from rattle.agreement import Reach, agreement, tighter
-from rattle.assembly import Assembled
+from rattle.analyses import arguments
+from rattle.analyses.assembly.assembly import Assembled
+from rattle.analyses.assembly.rank import nonunique_reactions
+from rattle.analyses.dynamics.events import (
+    contact_counts,
+    contact_events,
+    contact_notes,
+    method_notes,
+    require_workable,
+)
+from rattle.analyses.dynamics.failure import explain
+from rattle.analyses.dynamics.horizon import Reach, agreement, tighter
+from rattle.analyses.dynamics.peak_values import peak_arrays, peak_values
+from rattle.analyses.dynamics.soundness import (
+    audit_arrays,
+    fast_links,
+    loose,
+    remarks,
+    set_floor,
+    too_slow,
+    why_unsound,
+)
+from rattle.analyses.law_check import law_faults
+from rattle.analyses.timetable import Jolt, jolt_events, jolt_notes, timetable
 from rattle.elements.custom import load_law
 from rattle.equations.motion import DONE, OK, PAUSED
 from rattle.equations.system import Compiled
 from rattle.errors import SolverError
-from rattle.happenings import contact_counts, contact_events, contact_notes, method_notes, require_workable
 from rattle.jit import functions
 from rattle.jit.workspace import Memory
 from rattle.language.switching import SAME
-from rattle.passivity import law_faults
-from rattle.peak_values import peak_arrays, peak_values
 from rattle.results.columns import columns, geometry, width
 from rattle.results.result import Result, Trust
-from rattle.singular import nonunique_reactions
 from rattle.solvers import step_audit, step_loop
 from rattle.solvers.gap_search import ESCAPED
 from rattle.solvers.nonsmooth.impacts import LOW
@@ -34,9 +51,6 @@ from rattle.solvers.nonsmooth.jolts import jolt, speeds
 from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import TURNS, choose_sides
 from rattle.solvers.step_audit import UNSOUND
-from rattle.soundness import audit_arrays, fast_links, loose, remarks, set_floor, too_slow, why_unsound
-from rattle.timetable import Jolt, jolt_events, jolt_notes, timetable
-from rattle.trouble import explain
 
 log = logging.getLogger("rattle")
 
@@ -246,12 +260,12 @@ def simulate(
     wanted, method = method, settings.method if method is None else method
     if method not in METHODS:
         raise ValueError(f"unknown method '{method}'; wanted {' or '.join(METHODS)}")
-    rtol = asked.relative_tolerance(_first_given(rtol, settings.rtol, RTOL))
-    atol = asked.positive("atol", _first_given(atol, settings.atol, 1e-2 * rtol))
+    rtol = arguments.relative_tolerance(_first_given(rtol, settings.rtol, RTOL))
+    atol = arguments.positive("atol", _first_given(atol, settings.atol, 1e-2 * rtol))
     step = settings.step if step is None else step
     if step is not None:
-        asked.positive("step", step)
-    asked.require_room(len(times), width(ready))
+        arguments.positive("step", step)
+    arguments.require_room(len(times), width(ready))
     if method == "rk4" and any(one.contact and one.contact.model == "compliant" for one in ready.model.joints.values()):
         raise ValueError("rk4 takes fixed steps, which contacts do not allow; use method dop853")
     require_workable(ready)
@@ -287,10 +301,10 @@ def simulate(
 
 def kind_of_run(ready: Compiled, method: str, step: float | None, span: float) -> tuple[type[Run], str, float | None]:
     """What runs this model: set-valued contacts have methods of their own, which other models do not need."""
-    from rattle import impact_run
+    from rattle.analyses.dynamics import nonsmooth_run
 
-    if impact_run.has_impacts(ready):
-        return impact_run.ImpactRun, *impact_run.choose_method(ready, method, step, span)
+    if nonsmooth_run.has_impacts(ready):
+        return nonsmooth_run.ImpactRun, *nonsmooth_run.choose_method(ready, method, step, span)
     if method not in step_loop.METHODS:
         method = "dop853"
     return Run, method, min(1e-4, span / POINTS) if method == "rk4" and step is None else step
@@ -301,7 +315,7 @@ def output_times(
 ) -> tuple[float, np.ndarray]:
     """End of a run and its output instants, from what was asked and what the model says."""
     if t_eval is not None:
-        times = asked.instants(t_eval)
+        times = arguments.instants(t_eval)
         if (
             times.ndim != 1
             or len(times) == 0
@@ -310,14 +324,14 @@ def output_times(
             or times[0] < 0
         ):
             raise ValueError("t_eval must be increasing finite times in s, from 0 on")
-        end = float(times[-1]) if t_end is None else asked.positive("t_end", t_end)
+        end = float(times[-1]) if t_end is None else arguments.positive("t_end", t_end)
         if times[-1] > end * (1 + 1e-12):
             raise ValueError(f"t_eval goes to {times[-1]:g} s, beyond t_end = {end:g} s")
         return max(end, float(times[-1])), times
-    end = asked.positive("t_end", settings.t_end if t_end is None else t_end)
+    end = arguments.positive("t_end", settings.t_end if t_end is None else t_end)
     interval = settings.output or end / POINTS
     count = max(1, round(end / interval))
-    if count > asked.MOST_POINTS:
+    if count > arguments.MOST_POINTS:
         raise ValueError(f"{count} outputs are too many; choose a larger output interval")
     return end, np.linspace(0.0, end, count + 1)
 

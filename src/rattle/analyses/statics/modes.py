@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rattle.analyses.statics.balance import Rest
+from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.equations.motion import loads, place
 from rattle.equations.rest_force import force_at
-from rattle.equilibrium import Equilibrium
-from rattle.resting import Rest
 from rattle.results.display import table
 from rattle.results.result import Result, Trust
 

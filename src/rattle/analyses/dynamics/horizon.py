@@ -14,7 +14,7 @@ from rattle.solvers import step_loop
 from rattle.solvers.output_row import record
 
 if TYPE_CHECKING:
-    from rattle.dynamics import Run
+    from rattle.analyses.dynamics.simulate import Run
 
 AGREE = 0.01  # share of its range within which a curve agrees
 STILL = 1e-7  # a curve whose range is below this share of the widest of its unit does not move

@@ -7,7 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rattle.dynamics import Run, start_state
+from rattle.analyses.dynamics.failure import explain
+from rattle.analyses.dynamics.peak_values import peak_arrays
+from rattle.analyses.dynamics.simulate import Run, start_state
+from rattle.analyses.dynamics.soundness import audit_arrays, set_floor, why_unsound
 from rattle.equations import complementarity, contact_network, lemke, unilateral
 from rattle.equations.complementarity import BACKWARD, FORWARD
 from rattle.equations.motion import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
@@ -16,7 +19,6 @@ from rattle.errors import ModelError, Problem
 from rattle.jit import functions
 from rattle.jit.layout import IMPACT, NORMAL_P, OWNER
 from rattle.jit.workspace import Memory
-from rattle.peak_values import peak_arrays
 from rattle.solvers import glances, step_loop
 from rattle.solvers.gap_search import ESCAPED
 from rattle.solvers.nonsmooth import (
@@ -29,8 +31,6 @@ from rattle.solvers.nonsmooth import (
     uniqueness,
 )
 from rattle.solvers.step_audit import UNSOUND
-from rattle.soundness import audit_arrays, set_floor, why_unsound
-from rattle.trouble import explain
 
 NEARLY_LOCKED = 1e-2  # share of G_nn that friction leaves of it where a run that cannot go on is called locked
 TOGETHER = 1e-6  # the same of the smallest singular value of all contacts together

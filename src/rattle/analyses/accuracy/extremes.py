@@ -19,8 +19,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rattle.analyses.accuracy.displaced_pins import Displaced
 from rattle.description.model import Joint
-from rattle.displaced import Displaced
 
 ROUNDS = 12
 MOST_GUIDES = 3  # up to so many guides all combinations of their kinds of tips are starts

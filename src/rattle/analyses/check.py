@@ -7,18 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rattle.assembly import Assembled, ideal_model
+from rattle.analyses.assembly.assembly import Assembled, ideal_model
+from rattle.analyses.assembly.loops import describe_loop, loops
+from rattle.analyses.assembly.rank import nonunique_reactions, rank
+from rattle.analyses.assembly.unclosed import driver_slot
+from rattle.analyses.law_check import law_faults
+from rattle.analyses.timetable import jump_lines, timetable
 from rattle.description.model import Model
 from rattle.equations.closure import close_position, open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.system import Compiled, compile_system, is_link
 from rattle.jit.workspace import Memory
-from rattle.loops import describe_loop, loops
-from rattle.passivity import law_faults
 from rattle.results.display import table
-from rattle.singular import nonunique_reactions, rank
-from rattle.timetable import jump_lines, timetable
-from rattle.unclosed import driver_slot
 
 TURN = 72  # positions of a driver tried around a full turn
 

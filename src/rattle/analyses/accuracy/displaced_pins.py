@@ -12,13 +12,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rattle.assembly import Assembled
+from rattle.analyses.assembly.assembly import Assembled
+from rattle.analyses.kinematics import begin
 from rattle.description.model import Joint
 from rattle.equations.closure import open_by
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import loads
 from rattle.equations.system import Compiled
-from rattle.kinematics import begin
 from rattle.results.columns import columns, geometry, width
 from rattle.results.result import Result, Trust
 from rattle.solvers import position_sweep as swept

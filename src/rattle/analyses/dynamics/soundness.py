@@ -12,21 +12,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rattle.contradiction import contradicted
+from rattle.analyses.assembly.driver_conflicts import contradicted
+from rattle.analyses.assembly.rank import describe_rank_loss, unlike_masses
+from rattle.analyses.assembly.unclosed import driver_slot
+from rattle.analyses.dynamics.failure import not_finite
 from rattle.description.model import Point
 from rattle.elements.custom import load_law
 from rattle.equations.motion import drive
 from rattle.equations.system import Compiled
 from rattle.jit.workspace import Memory
 from rattle.results.columns import width
-from rattle.singular import describe_rank_loss, unlike_masses
 from rattle.solvers import step_audit, step_loop
 from rattle.solvers.output_row import record
-from rattle.trouble import not_finite
-from rattle.unclosed import driver_slot
 
 if TYPE_CHECKING:
-    from rattle.dynamics import Run
+    from rattle.analyses.dynamics.simulate import Run
 
 LIMIT = 1e-3  # share of its measure that drift or energy may be off by
 MOREAU = 0.2  # the same for the energy of Moreau-Jean, whose accounts close in proportion to the step

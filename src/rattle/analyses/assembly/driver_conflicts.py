@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from rattle.analyses.assembly.rank import RANK, left_null, row_lengths, scaled_rows
 from rattle.equations.closure import close_position, close_rate, open_by
 from rattle.equations.system import Compiled, compile_system
 from rattle.jit.layout import GAMMA, NU
 from rattle.jit.workspace import Memory
-from rattle.singular import RANK, left_null, row_lengths, scaled_rows
 
 NOISE = 1e-9  # share of the terms of N^T nu that is rounding
 SHAKE = 1e-3  # way along the freedoms of the joints: dependence that goes away is that of a singular position

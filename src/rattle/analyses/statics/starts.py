@@ -12,10 +12,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from rattle.analyses.assembly.first_guess import outward
+from rattle.analyses.statics.balance import Rest
+from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.equations.system import Compiled
-from rattle.equilibrium import Equilibrium
-from rattle.placing import outward
-from rattle.resting import Rest
 
 MOST_STRIDES = 160  # along a freedom that does not close
 STRIDES = 12  # along one of many freedoms, either way

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rattle.analyses.assembly.rank import describe_rank_loss
 from rattle.elements.custom import contact_law, load_law
 from rattle.equations.complementarity import OFF
 from rattle.equations.motion import NOT_FINITE
@@ -13,7 +14,6 @@ from rattle.equations.system import Compiled
 from rattle.jit.layout import CLOSED, GAP, IMPACT, OPEN, OWNER, SHAPE_P, SHUT
 from rattle.jit.workspace import Memory
 from rattle.results.columns import width
-from rattle.singular import describe_rank_loss
 from rattle.solvers import step_loop
 from rattle.solvers.gap_search import DEEP, ESCAPED
 from rattle.solvers.output_row import record

@@ -20,19 +20,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rattle.assembly import assemble, ideal_model
+from rattle.analyses.accuracy.displaced_pins import Displaced, widest
+from rattle.analyses.accuracy.extremes import extreme, largest_turn
+from rattle.analyses.assembly.assembly import assemble, ideal_model
+from rattle.analyses.kinematics import Sweep, begin, instants, require_driven, why_stuck
+from rattle.analyses.statics.balance import Rest
+from rattle.analyses.statics.equilibria import rigid_model, without_guide_play
+from rattle.analyses.statics.starts import opened
 from rattle.description.model import Joint
-from rattle.displaced import Displaced, widest
 from rattle.equations.system import Compiled, compile_system
 from rattle.errors import ModelError, Problem
-from rattle.extremes import extreme, largest_turn
 from rattle.jit import functions
-from rattle.kinematics import Sweep, begin, instants, require_driven, why_stuck
-from rattle.rest_starts import opened
-from rattle.resting import Rest
 from rattle.results.display import quantity, table
 from rattle.solvers import position_sweep as swept
-from rattle.statics import rigid_model, without_guide_play
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

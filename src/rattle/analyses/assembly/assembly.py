@@ -14,6 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from rattle.analyses.assembly.first_guess import outward, passed_angles, place_positions, place_rates, turned
+from rattle.analyses.assembly.start_values import given_values, keep_places, keep_positions, keep_rates, start_notes
+from rattle.analyses.assembly.unclosed import why_open, without_value
 from rattle.description.model import Contact, Joint, Model
 from rattle.equations.closure import close_position, close_rate, open_by, place_only
 from rattle.equations.compliant import touch_all
@@ -23,9 +26,6 @@ from rattle.equations.system import Compiled, compile_system, has_contacts, is_l
 from rattle.errors import AssemblyError
 from rattle.jit.layout import GAP, OWNER
 from rattle.jit.workspace import Memory
-from rattle.placing import outward, passed_angles, place_positions, place_rates, turned
-from rattle.starting import given_values, keep_places, keep_positions, keep_rates, start_notes
-from rattle.unclosed import why_open, without_value
 
 HOLD = 1e-6  # share of its mobility that a rate given keeps in mechanisms too large for `starting`
 FAR = 0.1  # turn of a body that pins pressed to their default places may ask for [rad]
@@ -205,7 +205,7 @@ def _positions(
 
 def _without_drivers(ready: Compiled, memory: Memory, t: float) -> None:
     """Where the joints alone can be closed, see whether the drivers hinder each other, or have nothing to move."""
-    from rattle.singular import without_freedom
+    from rattle.analyses.assembly.rank import without_freedom
 
     if not ready.model.drivers or ready.row_count > LARGE:
         return
@@ -227,7 +227,7 @@ def _without_drivers(ready: Compiled, memory: Memory, t: float) -> None:
 
 def _refuse_two_drivers(ready: Compiled, memory: Memory) -> None:
     """Raise AssemblyError when drivers move the same freedom at the state in the memory."""
-    from rattle.singular import on_one_freedom
+    from rattle.analyses.assembly.rank import on_one_freedom
 
     names = on_one_freedom(ready, memory)
     if len(names) > 1:
@@ -239,7 +239,7 @@ def _refuse_two_drivers(ready: Compiled, memory: Memory) -> None:
 
 def _refuse_contradiction(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> None:
     """Raise AssemblyError when the joints, or other drivers, contradict a driver."""
-    from rattle.contradiction import contradicted
+    from rattle.analyses.assembly.driver_conflicts import contradicted
 
     if ready.row_count > LARGE:
         return

@@ -1,6 +1,6 @@
 """A slow motion: one position of rest after the other while the drivers go on.
 
-At each instant equilibrium (see `statics`); from it the efforts of the drivers and how much force a unit of effort
+At each instant equilibrium (see `analyses.statics.equilibria`); from it the efforts of the drivers and how much force a unit of effort
 holds at each load (mechanical advantage), from the linearised balance
 
     [K  Phi_q^T; Phi_q  0] [dq; dlambda] = [dQ; 0]
@@ -15,17 +15,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rattle.assembly import ideal_model
+from rattle.analyses.assembly.assembly import ideal_model
+from rattle.analyses.kinematics import instants
+from rattle.analyses.statics.balance import Rest
+from rattle.analyses.statics.equilibria import equilibria, rigid_model, without_guide_play
+from rattle.analyses.statics.equilibrium import Equilibrium
+from rattle.analyses.statics.starts import opened
 from rattle.equations.dense import dense_rows
 from rattle.equations.rest_force import stiffness
 from rattle.equations.system import Compiled, compile_system
-from rattle.equilibrium import Equilibrium
 from rattle.jit import functions
-from rattle.kinematics import instants
-from rattle.rest_starts import opened
-from rattle.resting import Rest
 from rattle.results.result import Event, Result, Trust
-from rattle.statics import equilibria, rigid_model, without_guide_play
 
 log = logging.getLogger("rattle")
 

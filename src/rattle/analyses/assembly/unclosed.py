@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
+from rattle.analyses.assembly.loops import describe_loop, tree_path
+from rattle.analyses.assembly.rank import unlike_masses
 from rattle.description.model import driven_ends
 from rattle.equations.system import Compiled
 from rattle.jit.workspace import Memory
-from rattle.loops import describe_loop, tree_path
-from rattle.singular import unlike_masses
 
 TAKES_PART = 0.05  # share of the widest gap from which on a joint is named
 MOST_NAMED = 6

@@ -19,17 +19,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from rattle.assembly import assemble, ideal_model
+from rattle.analyses.assembly.assembly import assemble, ideal_model
+from rattle.analyses.assembly.rank import scaled_rows
+from rattle.analyses.statics.balance import MOST_TURN, Found, Rest
+from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
+from rattle.analyses.statics.starts import Turning, along, apart, around, opened, sides
 from rattle.description.model import Contact
 from rattle.equations.closure import merit_at
 from rattle.equations.motion import drive
 from rattle.equations.system import Compiled, compile_system, has_contacts, is_link
-from rattle.equilibrium import Equilibria, Equilibrium
 from rattle.errors import AssemblyError
 from rattle.jit import functions
-from rattle.rest_starts import Turning, along, apart, around, opened, sides
-from rattle.resting import MOST_TURN, Found, Rest
-from rattle.singular import scaled_rows
 
 RANDOM_STARTS = 48  # of a mechanism without a freedom, for other ways to put it together
 FEW_STARTS = 12  # of a mechanism with one
@@ -112,7 +112,7 @@ def rigid_model(ready: Compiled) -> Compiled | None:
 
 def position_at(ready: Compiled, t: float) -> np.ndarray:
     """The assembled position at time t; a driven mechanism is led there from t = 0 on its branch."""
-    from rattle import kinematics
+    from rattle.analyses import kinematics
     from rattle.solvers import position_sweep
 
     try:

@@ -10,8 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rattle import asked
-from rattle.assembly import Assembled, assemble
+from rattle.analyses import arguments
+from rattle.analyses.assembly.assembly import Assembled, assemble
+from rattle.analyses.assembly.rank import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
+from rattle.analyses.timetable import jump_notes, timetable
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import drive
@@ -21,9 +23,7 @@ from rattle.jit import functions
 from rattle.jit.workspace import Memory
 from rattle.results.columns import BODY, columns, geometry, width
 from rattle.results.result import Event, Result, Trust
-from rattle.singular import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
 from rattle.solvers import position_sweep as swept
-from rattle.timetable import jump_notes, timetable
 
 log = logging.getLogger("rattle")
 
@@ -169,7 +169,7 @@ def analyse(
         require_driven(ready, start, what)
     jumps = timetable(ready, min(start.t, float(times[0])), float(times[-1])).jumps
     motors = _motors(ready, effort_at)
-    asked.require_room(len(times), width(ready))
+    arguments.require_room(len(times), width(ready))
     sweep = begin(ready, start, motors)
     if times[0] != start.t:  # what the user says about the start holds at t = 0: go from there
         if not len(sweep.go(times[:1], False)):
@@ -212,7 +212,7 @@ def _without_effort(sweep: Sweep, t: np.ndarray, raw: np.ndarray, motors: list[t
 
 def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
     """t_eval as an array. Raises ValueError unless it is increasing and finite."""
-    times = np.atleast_1d(asked.instants(t_eval))
+    times = np.atleast_1d(arguments.instants(t_eval))
     if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise ValueError("t_eval must be one time or increasing finite times in s")
     return times

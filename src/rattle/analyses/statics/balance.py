@@ -16,15 +16,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle.analyses.assembly.rank import RANK, nonunique_reactions
+from rattle.analyses.statics.equilibrium import Equilibrium, Table
 from rattle.equations.closure import close_position
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import drive
 from rattle.equations.rest_force import force_at
 from rattle.equations.system import Compiled, has_contacts, is_link
-from rattle.equilibrium import Equilibrium, Table
 from rattle.jit.layout import AUTO, CLOSED, SPEED
 from rattle.results.columns import columns, geometry, width
-from rattle.singular import RANK, nonunique_reactions
 from rattle.solvers import equilibrium_newton
 from rattle.solvers.output_row import write
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle.analyses.law_check import law_faults
 from rattle.description.model import Model
 from rattle.equations.system import Compiled
 from rattle.errors import ModelError, Problem
@@ -23,7 +24,6 @@ from rattle.jit.layout import (
     SPEED,
 )  # fmt: skip
 from rattle.jit.workspace import Memory
-from rattle.passivity import law_faults
 from rattle.results.result import Event
 
 SHORTEST = 1e-12  # a step that is taken for impossible [s]

@@ -1,0 +1,1 @@
+"""Putting a mechanism together, and what it then is."""

@@ -1,0 +1,1 @@
+"""Equilibrium, quasi-static motion, small vibrations."""
