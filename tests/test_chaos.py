@@ -8,8 +8,8 @@ from click.testing import CliRunner
 from scipy.integrate import solve_ivp
 
 import rattle as rt
-from rattle.chaos import driver_period
 from rattle.cli import main
+from rattle.studies.chaos import driver_period
 
 DUFFING = """
 format = 1

@@ -155,7 +155,7 @@ def test_a_picture_drawn_into_given_axes_returns_them_and_no_second_figure(run, 
 def test_sections_and_bifurcations_draw_into_given_axes(run):
     from matplotlib.figure import Figure
 
-    from rattle.chaos import Bifurcation, Section
+    from rattle.studies.chaos import Bifurcation, Section
 
     section = Section(run.t, {n: run[n] for n in ("O3.ex", "O3.ey")}, {"O3.ex": "m", "O3.ey": "m"}, "a rule")
     points = np.arange(6.0).reshape(2, 3)

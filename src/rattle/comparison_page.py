@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rattle.compare import COMPLIANT, HEAD, IDEAL, IMPACT, LINK, Comparison, newton
 from rattle.plot import (
     BLACK,
     BLUE,
@@ -29,6 +28,7 @@ from rattle.plot import (
     tidy,
 )  # fmt: skip
 from rattle.results.contact_summary import pressing_spans
+from rattle.studies.compare import COMPLIANT, HEAD, IDEAL, IMPACT, LINK, Comparison, newton
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

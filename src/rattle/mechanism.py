@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from rattle.analyses.check import Check
     from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
     from rattle.analyses.statics.modes import Modes
-    from rattle.chaos import Bifurcation, Lyapunov, Section
-    from rattle.compare import Comparison
     from rattle.equations.system import Compiled
     from rattle.results.result import Result
+    from rattle.studies.chaos import Bifurcation, Lyapunov, Section
+    from rattle.studies.compare import Comparison
 
 
 class Mechanism(Building):
@@ -231,8 +231,8 @@ class Mechanism(Building):
         self, *, joint: str | None = None, curve: str | None = None, t_end: Seconds | None = None,
         law: str | None = None, progress: bool = False,
     ) -> Comparison:  # fmt: skip
-        """The mechanism ideal, with massless links, one-sided impact and compliant contacts; see `rattle.compare`."""
-        from rattle.compare import compare
+        """The mechanism ideal, with massless links, one-sided impact and compliant contacts; see `rattle.studies.compare`."""
+        from rattle.studies.compare import compare
 
         return compare(
             self, joint=joint, curve=curve, t_end=seconds_or_none(t_end, "t_end"), law=law, progress=progress
@@ -241,8 +241,8 @@ class Mechanism(Building):
     def lyapunov(
         self, t_end: Seconds | None = None, *, stretch: Seconds | None = None, rtol: float = 1e-10
     ) -> Lyapunov:
-        """Largest Lyapunov exponent [1/s] with its uncertainty: the reason behind the horizon; see `rattle.chaos`."""
-        from rattle.chaos import lyapunov
+        """Largest Lyapunov exponent [1/s] with its uncertainty: the reason behind the horizon; see `rattle.studies.chaos`."""
+        from rattle.studies.chaos import lyapunov
 
         return lyapunov(self, seconds_or_none(t_end, "t_end"), stretch=seconds_or_none(stretch, "stretch"), rtol=rtol)
 
@@ -256,7 +256,7 @@ class Mechanism(Building):
         period: time between two points [s].  crossing, level: the curve and the level [SI] that it rises through.
         skip: points left out at the start.  points: how many are kept.  method, rtol, atol, step: as in `simulate`.
         """
-        from rattle.chaos import section
+        from rattle.studies.chaos import section
 
         return section(
             self, names, period=seconds_or_none(period, "period"), crossing=crossing, level=level, skip=skip,
@@ -273,7 +273,7 @@ class Mechanism(Building):
         parameter, values: the parameter and its values [SI].  of: a name of the result.  period: time between two
         points [s] (default: a turn of the driver).  skip, points: points left out, points kept, per value.
         """
-        from rattle.chaos import bifurcation
+        from rattle.studies.chaos import bifurcation
 
         return bifurcation(
             self, parameter, values, of, period=seconds_or_none(period, "period"), skip=skip, points=points,

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rattle.chaos import Bifurcation, Section
+    from rattle.studies.chaos import Bifurcation, Section
 
 
 @overload

@@ -1,0 +1,1 @@
+"""What runs a mechanism many times."""
