@@ -139,7 +139,7 @@ def test_a_result_is_a_table_in_a_notebook(run):
 def test_a_picture_drawn_into_given_axes_returns_them_and_no_second_figure(run, draw):
     from matplotlib.figure import Figure
 
-    from rattle.plot import plot_path
+    from rattle.plots.curves import plot_path
 
     ways = {
         "curves": lambda ax: run.plot("rocker.angle", ax=ax),
@@ -171,17 +171,17 @@ def test_sections_and_bifurcations_draw_into_given_axes(run):
 def test_options_of_pictures_and_films_have_names():
     from inspect import Parameter, signature
 
-    from rattle import animate, plot
     from rattle.analyses.statics.modes import Modes
+    from rattle.plots import animation, curves
 
-    for method, function in ((rt.Result.plot, plot.plot), (rt.Result.animate, animate.animate)):
+    for method, function in ((rt.Result.plot, curves.plot), (rt.Result.animate, animation.animate)):
         ours, theirs = signature(method).parameters, signature(function).parameters
         assert not any(one.kind == Parameter.VAR_KEYWORD for one in ours.values())
         assert {n: p.default for n, p in ours.items() if n != "self"} == {
             n: p.default for n, p in theirs.items() if n != "result"
         }
     film = signature(Modes.animate).parameters
-    wanted = signature(animate.animate).parameters
+    wanted = signature(animation.animate).parameters
     assert {n: film[n].default for n in wanted if n not in ("result", "path")} == {
         n: p.default for n, p in wanted.items() if n not in ("result", "path")
     }

@@ -10,10 +10,10 @@ from matplotlib.patches import Circle, Polygon
 
 import rattle as rt
 from circling import circling
-from rattle.animate import animate, scene
 from rattle.cli import main
-from rattle.plot import handy_unit, plot, plot_path
-from rattle.plot_chaos import plot_section
+from rattle.plots.animation import animate, scene
+from rattle.plots.chaos import plot_section
+from rattle.plots.curves import handy_unit, plot, plot_path
 from rattle.results.result import Result
 from rattle.studies.chaos import Section
 from rattle.studies.compare import newton

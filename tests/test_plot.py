@@ -8,9 +8,9 @@ from PIL import Image
 
 import rattle as rt
 from circling import OMEGA, STEADY, SWING, T_END, C, circling
-from rattle.animate import scene
-from rattle.demo import paper_page
-from rattle.plot import AFTER, RED, new_axes, robust_limits, save_figure
+from rattle.plots.animation import scene
+from rattle.plots.curves import AFTER, RED, new_axes, robust_limits, save_figure
+from rattle.plots.paper_page import paper_page
 
 nojit = pytest.mark.nojit
 

@@ -8,7 +8,7 @@ import rattle as rt
 from rattle.analyses.dynamics.events import contact_notes, method_notes
 from rattle.cli import main
 from rattle.errors import ModelError
-from rattle.plot import plot_orbit
+from rattle.plots.curves import plot_orbit
 from rattle.results.result import Event
 
 

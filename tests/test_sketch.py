@@ -6,9 +6,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 import rattle as rt
-from rattle.animate import scene
-from rattle.plot_statics import magnified, plot_accuracy
-from rattle.sketch import Scene, draw_mechanism
+from rattle.plots.animation import scene
+from rattle.plots.sketch import Scene, draw_mechanism
+from rattle.plots.statics import magnified, plot_accuracy
 
 CYLINDER = """
 format = 1

@@ -295,7 +295,7 @@ def modes(
     \b
     Example:  rattle modes balanced_arm -o mode.svg
     """
-    from rattle.plot import SUFFIXES, save_figure
+    from rattle.plots.curves import SUFFIXES, save_figure
 
     check_pictures(file, output, moving=True)
     found = read_model(file, settings, ideal).modes(t, effort=effort)
@@ -339,7 +339,7 @@ def accuracy(
     \b
     Example:  rattle accuracy path_generator --of coupler.P.y -o accuracy.svg
     """
-    from rattle.plot import save_figure
+    from rattle.plots.curves import save_figure
 
     check_pictures(file, output)
     if ideal:

@@ -41,7 +41,7 @@ def compare(
     \b
     Example:  rattle compare fourbar -o play.png
     """
-    from rattle.plot import save_figure
+    from rattle.plots.curves import save_figure
 
     check_pictures(file, output)
     found = read_model(file, settings, ideal).compare(
@@ -107,7 +107,7 @@ def poincare(
     """
     import numpy as np
 
-    from rattle.plot import save_figure
+    from rattle.plots.curves import save_figure
 
     check_pictures(file, picture)
     m = read_model(file, settings, ideal)

@@ -65,8 +65,8 @@ def check_results(read: str, output: str | None, csv: str | None, fallback: str 
 
 def check_pictures(read: str, *paths: str | Path | None, moving: bool = False) -> None:
     """Refuse names under which a picture cannot be written; moving: films are pictures too."""
-    from rattle.movie import require_film
-    from rattle.plot import SUFFIXES
+    from rattle.plots.curves import SUFFIXES
+    from rattle.plots.movie_file import require_film
 
     for path in paths:
         if path is None or Path(path).suffix.lower() in SUFFIXES:

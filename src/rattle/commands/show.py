@@ -17,7 +17,7 @@ def demo(output: str) -> None:
     \b
     Example:  rattle demo -o pictures
     """
-    from rattle.demo import run_demo
+    from rattle.plots.paper_page import run_demo
 
     paths, text = run_demo(output)
     click.echo(text)
@@ -56,8 +56,8 @@ def plot(
     """
     from pathlib import Path
 
-    from rattle.plot import plot as curves
-    from rattle.plot import plot_orbit, plot_path, save_figure
+    from rattle.plots.curves import plot as curves
+    from rattle.plots.curves import plot_orbit, plot_path, save_figure
     from rattle.results.result import load_result
 
     target = Path(output) if output else Path(result).with_suffix(".png")
@@ -113,8 +113,8 @@ def animate(result: str, output: str, frames: int, speed: float | None, trace: t
     Example:  rattle animate out.nc -o out.gif
               rattle animate out.nc --trace coupler.O3 --frames 40 -o out.gif
     """
-    from rattle.animate import animate as make
-    from rattle.movie import require_film
+    from rattle.plots.animation import animate as make
+    from rattle.plots.movie_file import require_film
     from rattle.results.result import load_result
 
     require_film(output)

@@ -413,22 +413,22 @@ class Result:
         says how far they reach.  over: another curve, such as "crank.angle", in the place of time.
         Raises UnknownName, or ValueError where there is nothing to draw or one axis for two units.
         """
-        from rattle import plot
+        from rattle.plots import curves as curves_
 
-        return plot.plot(self, *names, ax=ax, compare=compare, robust=robust, over=over)
+        return curves_.plot(self, *names, ax=ax, compare=compare, robust=robust, over=over)
 
     @overload
     def plot_orbit(self, joint: str, ax: None = None) -> Figure: ...
     @overload
     def plot_orbit(self, joint: str, ax: Axes) -> Axes: ...
     def plot_orbit(self, joint: str, ax: Axes | None = None) -> Figure | Axes:
-        """Path of a pin in its clearance circle, coloured by the normal force; see `rattle.plot.plot_orbit`.
+        """Path of a pin in its clearance circle, coloured by the normal force; see `rattle.plots.curves.plot_orbit`.
 
         ax: draw there.  Returns a new figure, or `ax` where it is given.  Raises ValueError without clearance.
         """
-        from rattle import plot
+        from rattle.plots import curves as curves_
 
-        return plot.plot_orbit(self, joint, ax=ax)
+        return curves_.plot_orbit(self, joint, ax=ax)
 
     def animate(
         self, path: str | os.PathLike[str], *, frames: int = 120, fps: int = 20, trace: Iterable[str] = (),
@@ -441,10 +441,10 @@ class Result:
         slower; then there are as many frames as that takes.  names: write the names of bodies on them.
         Raises ValueError for another suffix or a result without instants, UnknownName, MissingProgram without ffmpeg.
         """
-        from rattle import animate
+        from rattle.plots import animation
         from rattle.results.display import Picture
 
-        animate.animate(self, path, frames=frames, fps=fps, trace=trace, dpi=dpi, speed=speed, names=names)
+        animation.animate(self, path, frames=frames, fps=fps, trace=trace, dpi=dpi, speed=speed, names=names)
         return Picture(Path(path))
 
 

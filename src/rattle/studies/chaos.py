@@ -100,7 +100,7 @@ class Section:
 
         ax: draw there.  Returns a new figure, or `ax` where it is given.
         """
-        from rattle.plot_chaos import plot_section
+        from rattle.plots.chaos import plot_section
 
         names = list(self.values)
         if x is None or y is None:
@@ -193,7 +193,7 @@ class Bifurcation:
     def plot(self, ax: Axes) -> Axes: ...
     def plot(self, ax: Axes | None = None) -> Figure | Axes:
         """Points over the parameter, on a new figure; with `ax` there, and `ax` is returned."""
-        from rattle.plot_chaos import plot_bifurcation
+        from rattle.plots.chaos import plot_bifurcation
 
         return plot_bifurcation(self, ax)
 

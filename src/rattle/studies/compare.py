@@ -77,7 +77,7 @@ class Comparison:
 
     def figure(self) -> Figure:
         """The page."""
-        from rattle.comparison_page import page
+        from rattle.plots.comparison import page
 
         return page(self)
 

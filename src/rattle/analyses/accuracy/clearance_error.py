@@ -134,8 +134,8 @@ class Accuracy:
         return table(("joint", "clearance", "contribution", "share"), rows, report[0], facts)
 
     def plot(self) -> Figure:
-        """Output with its band, and a bar of contributions; see `rattle.plot_statics.plot_accuracy`."""
-        from rattle.plot_statics import plot_accuracy
+        """Output with its band, and a bar of contributions; see `rattle.plots.statics.plot_accuracy`."""
+        from rattle.plots.statics import plot_accuracy
 
         return plot_accuracy(self)
 

@@ -120,8 +120,8 @@ class Modes:
         )
 
     def plot(self, mode: int = 0, amplitude: float = 0.1) -> Figure:
-        """The mechanism at rest and at both ends of a mode's swing; see `rattle.plot_statics.plot_mode`."""
-        from rattle.plot_statics import plot_mode
+        """The mechanism at rest and at both ends of a mode's swing; see `rattle.plots.statics.plot_mode`."""
+        from rattle.plots.statics import plot_mode
 
         return plot_mode(self, mode, amplitude)
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rattle.plot import BLACK, BLUE, GREY, ORANGE, QUANTITY, RED, axis_label, handy_unit, new_figure, tidy
-from rattle.sketch import Scene, draw_mechanism, extent
+from rattle.plots.curves import BLACK, BLUE, GREY, ORANGE, QUANTITY, RED, axis_label, handy_unit, new_figure, tidy
+from rattle.plots.sketch import Scene, draw_mechanism, extent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

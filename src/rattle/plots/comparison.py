@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rattle.plot import (
+from rattle.plots.curves import (
     BLACK,
     BLUE,
     BORE,
@@ -302,7 +302,7 @@ def _legend(ax: Axes, found: Comparison) -> None:
 
 def _sketch(ax: Axes, found: Comparison) -> None:
     """The mechanism at the start."""
-    from rattle.sketch import draw_at
+    from rattle.plots.sketch import draw_at
 
     shown = next(model for model in (LINK, IMPACT, found.reference) if model in found.results)
     draw_at(ax, found.results[shown], 0)

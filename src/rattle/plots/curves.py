@@ -322,7 +322,7 @@ def length_unit(clearance: float) -> tuple[float, str]:
 # ---------------------------------------------------------------- common to all pictures
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure [inches] of its own, without the global state of pyplot; it shows itself in a notebook."""
-    from rattle.page import Page
+    from rattle.plots.figure import Page
 
     return Page(width, height)
 

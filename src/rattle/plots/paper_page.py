@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rattle.plot import (
+from rattle.plots.curves import (
     BLACK,
     BLUE,
     RED,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle.errors import MissingProgram
-from rattle.plot import BORE, CURVES, GREY, LINES, MORE
+from rattle.plots.curves import BORE, CURVES, GREY, LINES, MORE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

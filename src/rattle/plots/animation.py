@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
-from rattle.movie import Update, require_film, write_gif, write_mp4
-from rattle.plot import (
+from rattle.plots.curves import (
     AFTER,
     BLACK,
     BORE,
@@ -28,7 +27,8 @@ from rattle.plot import (
     require_point,
     tidy,
 )
-from rattle.sketch import Scene, draw_mechanism, draw_tag, extent
+from rattle.plots.movie_file import Update, require_film, write_gif, write_mp4
+from rattle.plots.sketch import Scene, draw_mechanism, draw_tag, extent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
