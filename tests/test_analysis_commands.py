@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from linkages import fourbar_text, slider_crank
-from rattle.cli import main
+from rattle.cli.main import main
 
 pytestmark = pytest.mark.nojit
 

@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from scipy.integrate import solve_ivp
 
 import rattle as rt
-from rattle.cli import main
+from rattle.cli.main import main
 from rattle.studies.chaos import driver_period
 
 DUFFING = """

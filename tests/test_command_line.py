@@ -16,7 +16,7 @@ import rattle as rt
 from circling import circling
 from rattle import mechanism
 from rattle.analyses.dynamics import simulate
-from rattle.cli import main
+from rattle.cli.main import main
 from rattle.results import archive
 from rattle.results.result import load_result
 
@@ -139,7 +139,7 @@ class Blocked:
         if name.partition(".")[0] in ("xarray", "h5netcdf", "h5py", "pandas", "netCDF4"):
             raise ImportError(name)
 sys.meta_path.insert(0, Blocked())
-from rattle.cli import main
+from rattle.cli.main import main
 for words in (
     "run double_pendulum --t-end 1ms --no-horizon -o out.npz --csv out.csv",
     "plot out.npz", "plot out.npz upper.angle -o p.png", "animate out.npz -o a.gif --frames 2",

@@ -5,7 +5,7 @@ import pytest
 from click.testing import CliRunner
 
 import rattle as rt
-from rattle.cli import main
+from rattle.cli.main import main
 from rattle.description.switch_contact import recontact
 from rattle.errors import ModelError
 

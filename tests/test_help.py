@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 import rattle as rt
-from rattle.cli import COMMANDS, main
+from rattle.cli.main import COMMANDS, main
 
 ROOT = Path(__file__).parent.parent
 

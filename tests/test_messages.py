@@ -4,7 +4,7 @@ import pytest
 from click.testing import CliRunner
 
 import rattle as rt
-from rattle.cli import main
+from rattle.cli.main import main
 from rattle.language.expression import ExpressionError, parse
 
 pytestmark = pytest.mark.nojit

@@ -12,7 +12,7 @@ import click
 import pytest
 
 import rattle as rt
-from rattle.cli import main
+from rattle.cli.main import main
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

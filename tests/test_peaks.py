@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 import rattle as rt
-from rattle.cli import main
+from rattle.cli.main import main
 from rattle.results.contact_summary import extreme, rms
 
 FORCES = (".force", ".moment", ".torque", ".power", ".normal")

@@ -10,7 +10,7 @@ from matplotlib.patches import Circle, Polygon
 
 import rattle as rt
 from circling import circling
-from rattle.cli import main
+from rattle.cli.main import main
 from rattle.plots.animation import animate, scene
 from rattle.plots.chaos import plot_section
 from rattle.plots.curves import handy_unit, plot, plot_path

@@ -6,7 +6,7 @@ from click.testing import CliRunner
 
 import rattle as rt
 from rattle.analyses.dynamics.events import contact_notes, method_notes
-from rattle.cli import main
+from rattle.cli.main import main
 from rattle.errors import ModelError
 from rattle.plots.curves import plot_orbit
 from rattle.results.result import Event

@@ -5,7 +5,7 @@ from click.testing import CliRunner
 
 import rattle as rt
 from circling import circling
-from rattle.cli import main
+from rattle.cli.main import main
 
 
 def said(*words):

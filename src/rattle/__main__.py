@@ -1,6 +1,6 @@
 """`python -m rattle` is the command `rattle`."""
 
-from rattle.cli import main
+from rattle.cli.main import main
 
 if __name__ == "__main__":
     main()

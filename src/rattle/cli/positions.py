@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.commands.output import zeroed
+from rattle.cli.output import zeroed
 
 if TYPE_CHECKING:
     from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium

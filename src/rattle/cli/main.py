@@ -1,4 +1,4 @@
-"""The command `rattle`. Commands live in `rattle.commands` and are imported when they are called."""
+"""The command `rattle`. Commands live in `rattle.cli.main.main` and are imported when they are called."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ COMMANDS = {
     "example": "files",
     "check": "files",
     "run": "run",
-    "compare": "compare",
-    "poincare": "compare",
+    "compare": "studies",
+    "poincare": "studies",
     "kinematics": "analyses",
     "inverse-dynamics": "analyses",
     "equilibrium": "analyses",
@@ -68,7 +68,7 @@ class Lazy(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in COMMANDS:
             return None
-        module = importlib.import_module(f"rattle.commands.{COMMANDS[name]}")
+        module = importlib.import_module(f"rattle.cli.{COMMANDS[name]}")
         command: click.Command = getattr(module, name.replace("-", "_"))
         if not any("--quiet" in one.opts for one in command.params):
             quiet = click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=_quieten, help=QUIET)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.commands.options import model_options, read_model, time
-from rattle.commands.output import as_json as to_json
-from rattle.commands.output import check_pictures, check_results, finish, keep, save_options, say_written, zeroed
-from rattle.commands.positions import entry, listed, modes_record
+from rattle.cli.options import model_options, read_model, time
+from rattle.cli.output import as_json as to_json
+from rattle.cli.output import check_pictures, check_results, finish, keep, save_options, say_written, zeroed
+from rattle.cli.positions import entry, listed, modes_record
 
 if TYPE_CHECKING:
     import numpy as np

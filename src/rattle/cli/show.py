@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rattle.commands.output import check_files, check_pictures, say_written
+from rattle.cli.output import check_files, check_pictures, say_written
 
 
 @click.command()

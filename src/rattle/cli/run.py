@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rattle.commands.options import model_options, read_model, time
-from rattle.commands.output import as_json as to_json
-from rattle.commands.output import check_results, finish, keep, save_options
+from rattle.cli.options import model_options, read_model, time
+from rattle.cli.output import as_json as to_json
+from rattle.cli.output import check_results, finish, keep, save_options
 
 if TYPE_CHECKING:
     from rattle.results.result import Result

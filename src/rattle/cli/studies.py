@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rattle.commands.options import model_options, read_model, time
-from rattle.commands.output import STOPPED, beside, check_pictures, say_written
+from rattle.cli.options import model_options, read_model, time
+from rattle.cli.output import STOPPED, beside, check_pictures, say_written
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism

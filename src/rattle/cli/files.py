@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
-from rattle.commands.options import model_options, read_model
-from rattle.commands.output import as_json as to_json
-from rattle.commands.output import check_files, say_written
+from rattle.cli.options import model_options, read_model
+from rattle.cli.output import as_json as to_json
+from rattle.cli.output import check_files, say_written
 
 
 @click.command()
