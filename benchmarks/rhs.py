@@ -16,7 +16,7 @@ from measure import Row, interleave, timed
 from rattle.analyses.dynamics.simulate import start_state
 from rattle.equations.motion import derivative
 from rattle.jit import functions
-from rattle.jit.functions import Compiled
+from rattle.jit.functions import KernelFunction
 
 LINKS = (10, 30, 100, 300, 1000, 3000, 10_000)
 C_OPTIONS = ("-O3", "-march=native")
@@ -27,7 +27,7 @@ def _many(m, t, y, dy, n):  # type: ignore[no-untyped-def]
         derivative(m, t, y, dy)
 
 
-many = Compiled(_many)
+many = KernelFunction(_many)
 
 
 def seconds_per_rhs(mechanism: rt.Mechanism, calls: int) -> float:

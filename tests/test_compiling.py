@@ -12,7 +12,7 @@ import pytest
 import rattle
 from rattle.jit import folder
 from rattle.jit import functions as catalog
-from rattle.jit.functions import Compiled, compiled
+from rattle.jit.functions import KernelFunction, compiled
 
 
 def all_compiled():
@@ -21,7 +21,7 @@ def all_compiled():
         if module.name == "rattle.__main__":
             continue
         for one in vars(importlib.import_module(module.name)).values():
-            if type(one) is Compiled:
+            if type(one) is KernelFunction:
                 found[one.__module__, one.__name__] = one
     return found
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle import registry
 from rattle.elements.contact_laws.normal import returned
-from rattle.jit import functions
 
 SLIDER_CRANK = "slider_crank_play"
 A = 19419.360511  # acceleration of the ideal slider at the outer dead centre [m/s^2], independent reference
@@ -91,7 +91,7 @@ def test_slider_crank_hits_its_bush_as_the_independent_reference_says():
 
 
 @pytest.mark.parametrize("e", [0.3, 0.9])
-@pytest.mark.parametrize("law", sorted(set(functions.kinds("normal")) - {"kelvin-voigt", "anagnostopoulos"}))
+@pytest.mark.parametrize("law", sorted(set(registry.kinds("normal")) - {"kelvin-voigt", "anagnostopoulos"}))
 def test_every_law_returns_its_restitution_through_the_public_interface(law, e):
     contact = f'{{ model = "{law}", restitution = {e}, stiffness = 1e9, exponent = 1.5 }}'
     r = pin_in_bush(contact).simulate(0.0035, rtol=1e-11, atol=1e-14)
@@ -132,7 +132,7 @@ FRICTIONS = {
 
 
 def test_all_friction_laws_are_here():
-    assert set(FRICTIONS) == {"none", *functions.kinds("friction")}
+    assert set(FRICTIONS) == {"none", *registry.kinds("friction")}
 
 
 @pytest.mark.parametrize("name", sorted(FRICTIONS))
@@ -152,7 +152,7 @@ def test_a_pair_left_to_itself_keeps_momentum_and_accounts_for_its_energy(name):
     assert np.abs(r["energy.balance"]).max() < 1e-6 * energy
     lost = r["energy.dissipated"]
     back = float(np.diff(lost).min())
-    memory = functions.kinds("friction")[name].leaf.memory if name != "none" else False
+    memory = registry.kinds("friction")[name].leaf.memory if name != "none" else False
     assert back >= (-1e-3 if memory else -1e-9) * energy  # bristles give back what they hold, nothing else does
     assert lost[-1] == pytest.approx(r.contacts["P"].energy_lost, rel=1e-6, abs=1e-9)
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle import registry
 from rattle.elements.custom.contact_law import friction_law, normal_law
 from rattle.errors import ModelError
 from rattle.jit import functions
@@ -32,7 +33,7 @@ pin = {{ x = 0, y = 0.0003, angle = 0, vx = 0.5, vy = {vy}, omega = 0 }}
 @pytest.fixture
 def laws():
     """Laws of a test leave the catalogue after it."""
-    before = {family: dict(functions.kinds(family)) for family in ("normal", "friction")}
+    before = {family: dict(registry.kinds(family)) for family in ("normal", "friction")}
     yield
     for family, kinds in before.items():
         entries = functions._families[family]
@@ -143,11 +144,11 @@ def test_friction_that_pushes_is_named(sign):
     assert all("friction law 'pusher' gives energy back" in one for one in found)
 
 
-@pytest.mark.parametrize("name", sorted(functions.kinds("friction")))
+@pytest.mark.parametrize("name", sorted(registry.kinds("friction")))
 def test_every_friction_law_of_the_package_passes_the_same_check(name):
     from rattle.analyses.law_check import friction_fault
 
-    kind = functions.kinds("friction")[name]
+    kind = registry.kinds("friction")[name]
     values = {}
     for key, entry in kind.fields.items():
         default = entry.default(values) if callable(entry.default) else entry.default
@@ -156,11 +157,11 @@ def test_every_friction_law_of_the_package_passes_the_same_check(name):
 
 
 @pytest.mark.parametrize("e", [0.1, 0.5, 1.0])
-@pytest.mark.parametrize("name", sorted(functions.kinds("normal")))
+@pytest.mark.parametrize("name", sorted(registry.kinds("normal")))
 def test_every_normal_law_of_the_package_passes_the_same_check(name, e):
     from rattle.analyses.law_check import normal_fault
 
-    kind = functions.kinds("normal")[name]
+    kind = registry.kinds("normal")[name]
     p = np.array([*kind.leaf.pack({"restitution": e, "least_speed": 1e-3, "effective_mass": 1.0}), 0.0])
     m = free_pin('{ model = "exact", restitution = 0.5, stiffness = 1e9 }')
     assert normal_fault(kind.kernel.python, p, m.model.joints["O"].contact) == ""

@@ -11,6 +11,7 @@ import zlib
 import numpy as np
 import pytest
 
+from rattle import registry
 from rattle.elements.custom.load_law import LawKernel
 from rattle.jit import functions
 from rattle.jit.layout import BX, DISSIPATED, ELASTIC, GAMMA, NU, OUTSIDE, POTENTIAL, RES
@@ -22,8 +23,8 @@ H = 1e-5  # step of central differences: error H**2 / 6 times third derivatives 
 FIRST, SECOND = 1e-8, 1e-4  # error allowed in first and (1e-16 / H**2) second differences
 A, B = 1, 2
 BUILT_IN = ("joint", "driver", "load", "contact", "normal", "stiffness", "friction", "clearance")
-JOINTS = [(family, name) for family in ("joint", "driver") for name in functions.kinds(family)]
-LOADS = [name for name, one in functions.kinds("load").items() if not isinstance(one.kernel, LawKernel)]
+JOINTS = [(family, name) for family in ("joint", "driver") for name in registry.kinds(family)]
+LOADS = [name for name, one in registry.kinds("load").items() if not isinstance(one.kernel, LawKernel)]
 
 
 @pytest.fixture(params=["python", "machine"])
@@ -92,7 +93,7 @@ def parameters(family, kind, rng, f):
     if family == "joint":
         return np.array(points + field_values(kind, rng))
     drives = kind.leaf.drives
-    held = field_values(functions.kinds("joint")[drives], rng) if drives in functions.kinds("joint") else []
+    held = field_values(registry.kinds("joint")[drives], rng) if drives in registry.kinds("joint") else []
     return np.array(points + held + f)
 
 
@@ -106,7 +107,7 @@ def evaluate(kind, q, v, p):
 @pytest.mark.usefixtures("mode")
 @pytest.mark.parametrize(("family", "name"), JOINTS)
 def test_jacobian_is_the_derivative_of_the_residual(family, name):
-    kind, path = functions.kinds(family)[name], Path(rng_for(name))
+    kind, path = registry.kinds(family)[name], Path(rng_for(name))
     p = parameters(family, kind, rng_for(name, "p"), path.f(0.3))
     q, v = path.q(0.3), path.v(0.3)
     rows = evaluate(kind, q, v, p)
@@ -127,7 +128,7 @@ def along(family, kind, name, t):
 @pytest.mark.usefixtures("mode")
 @pytest.mark.parametrize(("family", "name"), JOINTS)
 def test_nu_and_gamma_are_time_derivatives_along_a_path(family, name):
-    kind, path, t = functions.kinds(family)[name], Path(rng_for(name)), 0.3
+    kind, path, t = registry.kinds(family)[name], Path(rng_for(name)), 0.3
     here, ahead, behind = (along(family, kind, name, t + dt) for dt in (0.0, H, -H))
     v, dv = path.v(t), path.dv(t)
     jacobian = np.hstack([here[:, 3:6], here[:, 6:9]])
@@ -142,7 +143,7 @@ def test_nu_and_gamma_are_time_derivatives_along_a_path(family, name):
 @pytest.mark.parametrize(("family", "name"), JOINTS)
 def test_force_of_a_joint_does_no_work_on_rigid_motion_of_both_bodies(family, name):
     """Action and reaction: shifting everything changes no residual, nor does turning it where A carries the frame."""
-    kind, path = functions.kinds(family)[name], Path(rng_for(name))
+    kind, path = registry.kinds(family)[name], Path(rng_for(name))
     if family == "driver" and kind.leaf.drives == "body":
         pytest.skip("held from the ground")
     q, v = path.q(0.3), path.v(0.3)
@@ -161,7 +162,7 @@ def load_at(kind, q, v, p, t=0.3):
 
 
 def load_of(name):
-    kind, path = functions.kinds("load")[name], Path(rng_for(name))
+    kind, path = registry.kinds("load")[name], Path(rng_for(name))
     return kind, path.q(0.3), path.v(0.3), np.array([*field_values(kind, rng_for(name, "p")), 0.0])
 
 
@@ -235,12 +236,12 @@ def test_loads_add_up(name):
 
 
 # ---------------------------------------------------------------- what a kind says about itself
-EVERY = [(family, name) for family in BUILT_IN for name in functions.kinds(family)]
+EVERY = [(family, name) for family in BUILT_IN for name in registry.kinds(family)]
 
 
 @pytest.mark.parametrize(("family", "name"), EVERY)
 def test_kind_says_what_it_is_and_where_it_comes_from(family, name):
-    kind = functions.kinds(family)[name]
+    kind = registry.kinds(family)[name]
     assert len(kind.summary) > 10
     assert kind.summary.endswith((".", ")"))
     assert kind.source
@@ -257,9 +258,9 @@ def test_kind_says_what_it_is_and_where_it_comes_from(family, name):
 
 @pytest.mark.parametrize(("family", "name"), JOINTS)
 def test_rows_have_units(family, name):
-    assert set(functions.kinds(family)[name].leaf.rows) <= {"m", "rad"}
+    assert set(registry.kinds(family)[name].leaf.rows) <= {"m", "rad"}
 
 
 def test_tags_are_places_in_the_table():
     for family in BUILT_IN:
-        assert [one.tag for one in functions.kinds(family).values()] == list(range(len(functions.kinds(family))))
+        assert [one.tag for one in registry.kinds(family).values()] == list(range(len(registry.kinds(family))))

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rattle import registry
 from rattle.jit import functions
 
 pytestmark = pytest.mark.nojit
-LAWS = functions.kinds("friction")
+LAWS = registry.kinds("friction")
 WITHOUT_MEMORY = sorted(name for name, found in LAWS.items() if not found.leaf.memory)
 WITH_MEMORY = sorted(name for name, found in LAWS.items() if found.leaf.memory)
 GIVEN = {"mu": 0.2, "mu_static": 0.3, "viscosity": 5.0, "sigma2": 0.1}
@@ -180,17 +181,17 @@ def test_every_kernel_gives_the_same_value_compiled():
     rng = np.random.default_rng(3)
     dz, dz_python = np.zeros(1), np.zeros(1)
     pin = {"bush_radius": 0.01, "clearance": 5e-4, "length": 0.015, "bush_material": "steel", "pin_material": "nylon"}
-    for found in functions.kinds("stiffness").values():
+    for found in registry.kinds("stiffness").values():
         p = np.array((0.0, *found.leaf.pack({**pin, "stiffness": 1e9, "exponent": 1.3})))
         for delta in (-1e-6, 0.0, *10.0 ** rng.uniform(-12, -1, 30)):
             assert found.kernel(delta, p, 1) == pytest.approx(found.kernel.python(delta, p, 1), rel=1e-14)
-    for found in functions.kinds("normal").values():
+    for found in registry.kinds("normal").values():
         p = np.array((0.0, *found.leaf.pack({"restitution": 0.4, "least_speed": 1e-3, "effective_mass": 0.2})))
         for static, delta, ddelta in zip(*rng.uniform(-1, 1, (3, 30)), strict=True):
             for v0 in (0.0, 0.5):
                 want = found.kernel.python(static, delta, ddelta, v0, p, 1)
                 assert found.kernel(static, delta, ddelta, v0, p, 1) == pytest.approx(want, rel=1e-14)
-    for name, found in functions.kinds("friction").items():
+    for name, found in registry.kinds("friction").items():
         p = np.array((0.0, *numbers(name)))
         for u, N, z in zip(rng.normal(0, 0.01, 30), rng.uniform(-1, 50, 30), rng.normal(0, 1e-4, 30), strict=True):
             T = found.kernel(u, N, z, p, 1, dz)
@@ -209,8 +210,8 @@ def test_laws_are_called_through_their_tables_in_a_compiled_loop():
     functions.start()
     families = ("stiffness", "normal", "friction")
     names = ("power", "exact", "coulomb-smooth")
-    tables = tuple(functions.table(family) for family in families)
-    found = [functions.kinds(family)[name] for family, name in zip(families, names, strict=True)]
+    tables = tuple(registry.table(family) for family in families)
+    found = [registry.kinds(family)[name] for family, name in zip(families, names, strict=True)]
     p = np.array([1e9, 1.5, *found[1].leaf.pack({"restitution": 0.5, "least_speed": 1e-3}), 0.2, 1e-3])
     N, T = contact(tables, tuple(kind.tag for kind in found), 1e-4, 0.1, 0.4, 0.05, p, np.zeros(1))
     assert pytest.approx(1e9 * 1e-6 * (1 + p[2] * 0.25), rel=1e-14) == N

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.jit.functions import kinds
 from rattle.jit.layout import DGAP, GAMMA_N, GAMMA_T, GAP, SLIP
+from rattle.registry import kinds
 
 DATA = Path(__file__).parent / "data"
 PIN_TIMES = [1.553954329, 3.054303658, 4.437756907]  # c/v0 after the first; independent, 9 decimals

@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from rattle import registry
 from rattle.elements.contact_laws.normal import damping_factor, returned
 from rattle.elements.contact_laws.restitution import factor_returning, restitution_returned
-from rattle.jit import functions
 
 pytestmark = pytest.mark.nojit
-LAWS = functions.kinds("normal")
-STATIC = functions.kinds("stiffness")
+LAWS = registry.kinds("normal")
+STATIC = registry.kinds("stiffness")
 POWER = ("power", {"stiffness": 1.0, "exponent": 1.5})
 PIN = {"bush_radius": 0.01, "clearance": 5e-4, "length": 0.015, "bush_material": "steel", "pin_material": "brass"}
 
@@ -171,7 +171,7 @@ def test_bad_input_is_refused():
 
 def test_every_law_names_its_source_and_explains_its_fields():
     for family in ("normal", "stiffness", "friction"):
-        for found in functions.kinds(family).values():
+        for found in registry.kinds(family).values():
             assert found.source
             assert found.kernel.family == family
             assert all(entry.meaning for entry in found.fields.values())

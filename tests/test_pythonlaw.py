@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle import registry
 from rattle.elements.custom.load_law import LawKernel
 from rattle.jit import functions
 
@@ -64,7 +65,7 @@ def laws():
     rt.load_law("constant")(constant)
     rt.load_law("constant in Python", compiled=False)(constant)
     yield
-    entries = functions.kinds("load")
+    entries = registry.kinds("load")
     for name in [name for name, one in entries.items() if isinstance(one.kernel, LawKernel)]:
         del entries[name]
 
@@ -154,10 +155,10 @@ def test_log_says_what_runs_slower(caplog):
     if not functions.start():
         pytest.skip("machine code is switched off: everything is plain Python")
     for name in ("turn back slowly", "turn back plainly"):  # as if met for the first time
-        functions.kinds("load")[name].kernel._native = None
-        functions.kinds("load")[name].kernel._address = 0
+        registry.kinds("load")[name].kernel._native = None
+        registry.kinds("load")[name].kernel._address = 0
     with caplog.at_level(logging.INFO, logger="rattle"):
-        functions.table("load")
+        registry.table("load")
     text = caplog.text
     assert "load law 'turn back plainly' runs as plain Python, slower (compiled=False)" in text
     assert "load law 'turn back slowly' runs as plain Python, slower: Numba cannot compile it" in text
@@ -174,7 +175,7 @@ def test_name_and_units_of_a_law_are_checked_at_once():
 
 
 def test_law_describes_itself_in_the_catalogue():
-    kind = functions.kinds("load")["turn back"]
+    kind = registry.kinds("load")["turn back"]
     assert kind.summary == "A torsion spring and damper to the ground."
     assert kind.source == "test."
-    assert functions.kinds("load")["wind"].source.endswith("test_pythonlaw.wind")
+    assert registry.kinds("load")["wind"].source.endswith("test_pythonlaw.wind")

@@ -8,8 +8,8 @@ import jsonschema
 import pytest
 
 import rattle
+from rattle import registry
 from rattle.description.schema import schema
-from rattle.jit import functions
 
 pytestmark = pytest.mark.nojit
 
@@ -100,7 +100,7 @@ def test_every_field_of_the_catalogue_is_there_with_unit_and_meaning(family):
         one["properties"]["type"]["const"]: one
         for one in schema()["properties"][f"{family}s"]["additionalProperties"]["anyOf"]
     }
-    for kind in functions.kinds(family).values():
+    for kind in registry.kinds(family).values():
         assert entries[kind.name]["description"] == kind.summary
         for key, field in kind.fields.items():
             described = entries[kind.name]["properties"][key]

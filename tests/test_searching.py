@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 import rattle as rt
-from rattle.jit.functions import Compiled
+from rattle.jit.functions import KernelFunction
 from rattle.solvers import step_loop
 
 IMPACT = '{ model = "impact", restitution = 0.5, friction = 0.1, bush_radius = 0.01 }'
@@ -366,7 +366,7 @@ def test_a_contact_that_escapes_the_search_ends_the_run_with_joint_and_time(monk
     def blind(m, h, n, side, until):  # type: ignore[no-untyped-def]
         return 2.0
 
-    monkeypatch.setattr(step_loop, "search", Compiled(blind, "search"))
+    monkeypatch.setattr(step_loop, "search", KernelFunction(blind, "search"))
     r = rotor(1000.0, contact).simulate(0.05, t_eval=np.linspace(0.0, 0.05, outputs))
     assert not r.success
     assert "joint 'J'" in r.message

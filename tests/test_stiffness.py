@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rattle import registry
 from rattle.elements.contact_laws.stiffness import penetration, sphere_stiffness
-from rattle.jit import functions
 from rattle.language.materials import MATERIALS, contact_modulus, material
 
 pytestmark = pytest.mark.nojit
-LAWS = functions.kinds("stiffness")
+LAWS = registry.kinds("stiffness")
 STEEL = {"E": 207e9, "nu": 0.3}
 PIN = {"bush_radius": 0.01, "clearance": 5e-4, "length": 0.015, "bush_material": STEEL, "pin_material": STEEL}
 POWER = {"stiffness": 6e10, "exponent": 1.5}

@@ -11,7 +11,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from rattle.version import __version__
 
 if TYPE_CHECKING:
     from rattle.elements.custom.contact_law import friction_law, normal_law
@@ -37,6 +37,7 @@ __all__ = [
     "Result",
     "SolverError",
     "Trust",
+    "__version__",
     "example",
     "examples",
     "friction_law",
@@ -55,4 +56,4 @@ def __getattr__(name: str) -> Any:  # heavy modules are imported when first used
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, "__version__"])
+    return sorted(__all__)

@@ -231,7 +231,7 @@ class Mechanism(Building):
         self, *, joint: str | None = None, curve: str | None = None, t_end: Seconds | None = None,
         law: str | None = None, progress: bool = False,
     ) -> Comparison:  # fmt: skip
-        """The mechanism ideal, with massless links, one-sided impact and compliant contacts; see `rattle.studies.compare`."""
+        """The mechanism ideal, with massless links, one-sided impact and compliant contacts."""
         from rattle.studies.compare import compare
 
         return compare(
@@ -241,7 +241,7 @@ class Mechanism(Building):
     def lyapunov(
         self, t_end: Seconds | None = None, *, stretch: Seconds | None = None, rtol: float = 1e-10
     ) -> Lyapunov:
-        """Largest Lyapunov exponent [1/s] with its uncertainty: the reason behind the horizon; see `rattle.studies.chaos`."""
+        """Largest Lyapunov exponent [1/s] with its uncertainty: the reason behind the horizon."""
         from rattle.studies.chaos import lyapunov
 
         return lyapunov(self, seconds_or_none(t_end, "t_end"), stretch=seconds_or_none(stretch, "stretch"), rtol=rtol)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rattle import registry
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled, assemble
 from rattle.analyses.assembly.rank import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
@@ -24,6 +25,7 @@ from rattle.jit.workspace import Memory
 from rattle.results.columns import BODY, columns, geometry, width
 from rattle.results.result import Event, Result, Trust
 from rattle.solvers import position_sweep as swept
+from rattle.version import __version__
 
 log = logging.getLogger("rattle")
 
@@ -96,7 +98,7 @@ def begin(
     for row, name in motors:
         joint = ready.model.joints[name]
         number = {"ground": 0, **{body: n + 1 for n, body in enumerate(ready.bodies)}}
-        tag = len(functions.kinds("joint")) + functions.kinds("driver")[MOTORS[joint.kind][0]].tag
+        tag = len(registry.kinds("joint")) + registry.kinds("driver")[MOTORS[joint.kind][0]].tag
         probe.append((tag, number[joint.a.body], number[joint.b.body], len(values), row))
         values += [*joint.a.at, *joint.b.at, *joint.fields.values(), 0.0, 0.0, 0.0]
     arrays = {**ready.arrays, "weight": weight, "values": np.array(values, dtype=float)}
@@ -365,8 +367,6 @@ def _result(
     sweep: Sweep, t: np.ndarray, raw: np.ndarray, forces: bool, motors: list[tuple[int, str]], message: str,
     events: list[Event], notes: list[str], wall: float,
 ) -> Result:  # fmt: skip
-    from rattle import __version__
-
     ready, model = sweep.ready, sweep.ready.model
     nonunique: tuple[str, ...] = ()
     if forces:

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from rattle import registry
 from rattle.description.model import Choice, Contact, Model
 from rattle.elements.custom.contact_law import ContactLaw
-from rattle.jit import functions
 
 PATHS = 40
 POINTS = 400  # of a path
@@ -33,7 +33,7 @@ def law_faults(model: Model) -> list[str]:
             continue
         laws = (("normal", contact.normal), ("friction", contact.friction))
         for family, choice in laws:
-            if choice is not None and isinstance(functions.kinds(family)[choice.kind].kernel, ContactLaw):
+            if choice is not None and isinstance(registry.kinds(family)[choice.kind].kernel, ContactLaw):
                 fault = _fault(family, choice, contact)
                 if fault:
                     found.append(f"{name}: {family} law '{choice.kind}' {fault}")
@@ -41,10 +41,10 @@ def law_faults(model: Model) -> list[str]:
 
 
 def _fault(family: str, choice: Choice, contact: Contact) -> str:
-    kernel = functions.kinds(family)[choice.kind].kernel
+    kernel = registry.kinds(family)[choice.kind].kernel
     key = (kernel, tuple(choice.values.items()), repr(contact.static) if family == "normal" else "")
     if key not in _known:
-        p = np.array([*functions.kinds(family)[choice.kind].leaf.pack(choice.values), 0.0])
+        p = np.array([*registry.kinds(family)[choice.kind].leaf.pack(choice.values), 0.0])
         _known[key] = normal_fault(kernel, p, contact) if family == "normal" else friction_fault(kernel, p)
     return _known[key]
 
@@ -52,7 +52,7 @@ def _fault(family: str, choice: Choice, contact: Contact) -> str:
 def normal_fault(kernel: Any, p: np.ndarray, contact: Contact) -> str:
     """What is wrong with a normal law under the stiffness of a contact, in words; empty if nothing is."""
     assert contact.static is not None
-    stiffness = functions.kinds("stiffness")[contact.static.kind]
+    stiffness = registry.kinds("stiffness")[contact.static.kind]
     q = np.array([*stiffness.leaf.pack(contact.static.values), 0.0])
     rng = np.random.default_rng(7)
     s = np.linspace(0.0, 1.0, POINTS + 1)

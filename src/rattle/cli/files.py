@@ -88,13 +88,13 @@ def kinds(name: str | None) -> None:
     Examples: rattle kinds spring
               rattle kinds units
     """
+    from rattle import registry
     from rattle.description.reference import common, topics
-    from rattle.jit import functions
     from rattle.language.materials import MATERIALS
 
     found = False
-    for family in functions.families():
-        entries = {key: one for key, one in functions.kinds(family).items() if name in (None, key, family)}
+    for family in registry.families():
+        entries = {key: one for key, one in registry.kinds(family).items() if name in (None, key, family)}
         if entries:
             found = True
             click.secho(f"{family}", bold=True)
@@ -115,7 +115,7 @@ def kinds(name: str | None) -> None:
     if not found:
         from rattle.errors import suggest
 
-        known = [key for family in functions.families() for key in (family, *functions.kinds(family))]
+        known = [key for family in registry.families() for key in (family, *registry.kinds(family))]
         known += [*topics(), *MATERIALS]
         if name in MATERIALS:
             click.echo(next(line for line in topics()["materials"].lines if line.startswith(f"{name}:")))
@@ -130,7 +130,7 @@ def _unit(spec: Any) -> str:
 
 
 def _default(spec: Any, family: str) -> str:
-    from rattle.jit.functions import REQUIRED
+    from rattle.registry import REQUIRED
 
     more = ", may use t, state and signals" if spec.live and family != "driver" else ""
     if spec.default is REQUIRED or callable(spec.default):

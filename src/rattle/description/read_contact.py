@@ -9,10 +9,10 @@ import math
 from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
+from rattle import registry
 from rattle.description.model import Choice, Contact
 from rattle.description.read_values import Path, said
 from rattle.errors import suggest
-from rattle.jit import functions
 
 if TYPE_CHECKING:
     from rattle.description.read_parts import Parts
@@ -22,8 +22,8 @@ GEOMETRY = ("bush_material", "pin_material", "length", "geometry")
 
 def contact_models(joint: str = "") -> list[str]:
     """Every name that may stand in `contact`, for a kind of joint or for any."""
-    plain = [name for name, one in functions.kinds("contact").items() if not joint or joint in one.leaf.joints]
-    laws = list(functions.kinds("normal")) if joint in ("", "revolute", "prismatic") else []
+    plain = [name for name, one in registry.kinds("contact").items() if not joint or joint in one.leaf.joints]
+    laws = list(registry.kinds("normal")) if joint in ("", "revolute", "prismatic") else []
     return [*plain, *laws]
 
 
@@ -47,7 +47,7 @@ def read_contact(parts: Parts, written: Any, joint: str, clearance: float, path:
         wanted = f"; wanted {', '.join(others)}" if others else "; leave the clearance out"
         values.wrong(here, f"'{model}' does not work on a {joint} joint{wanted}")
         return None
-    if model in functions.kinds("contact"):
+    if model in registry.kinds("contact"):
         return _plain(parts, table, str(model), joint, clearance, path)
     return _compliant(parts, table, str(model), joint, clearance, path)
 
@@ -74,9 +74,9 @@ def _unused(
     parts: Parts, table: Mapping[str, Any], used: Collection[str], joint: str, clearance: float, path: Path
 ) -> tuple[str, ...]:
     """Keys of a table that other contact models read; they are checked all the same.  Unknown ones are refused."""
-    fields: dict[str, functions.Field | None] = {"friction": None, "bush_radius": None, "geometry": None}
+    fields: dict[str, registry.Field | None] = {"friction": None, "bush_radius": None, "geometry": None}
     for family in ("stiffness", "normal", "contact"):
-        for kind in functions.kinds(family).values():
+        for kind in registry.kinds(family).values():
             for key, one in kind.fields.items():
                 known = fields.setdefault(key, one)
                 if known is not None and known.unit != one.unit:
@@ -104,7 +104,7 @@ def _unused(
 
 
 def _plain(parts: Parts, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path) -> Contact:
-    kind = functions.kinds("contact")[model]
+    kind = registry.kinds("contact")[model]
     contacts = kind.leaf.contacts
     used = ["model", *kind.fields, *(["bush_radius"] if contacts else [])]
     unused = _unused(parts, table, used, joint, clearance, path)
@@ -136,8 +136,8 @@ def _compliant(
     parts: Parts, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path
 ) -> Contact | None:
     values = parts.values
-    law = functions.kinds("normal")[model]
-    statics = functions.kinds("stiffness")
+    law = registry.kinds("normal")[model]
+    statics = registry.kinds("stiffness")
     by_geometry = any(key in table for key in GEOMETRY)
     if by_geometry and "stiffness" in table:
         values.wrong((*path, "stiffness"), "give either a stiffness or materials and geometry, not both", at_key=True)
@@ -178,14 +178,14 @@ def _compliant(
 
 
 def _geometry(parts: Parts, name: Any, path: Path) -> bool:
-    choices = [one for one in functions.kinds("stiffness") if one != "power"]
+    choices = [one for one in registry.kinds("stiffness") if one != "power"]
     if name not in choices:
         parts.values.wrong((*path, "geometry"), f"unknown geometry {said(name)}{suggest(str(name), choices)}")
     return name in choices
 
 
 def _elastic(
-    parts: Parts, field: functions.Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path
+    parts: Parts, field: registry.Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path
 ) -> Any:
     if field.shape == "material":
         default = field.default(read) if key not in table and callable(field.default) else field.default
@@ -207,7 +207,7 @@ def _elastic(
 
 
 def _friction(parts: Parts, given: Any, path: Path) -> Choice | None:
-    laws = functions.kinds("friction")
+    laws = registry.kinds("friction")
     if isinstance(given, Mapping) and given.get("model") == "coulomb":  # as good as the contact model can
         parts.values.keys(given, ["model", "mu"], path)
         given = given.get("mu", 0.0)
@@ -230,6 +230,6 @@ def _pack(parts: Parts, family: str, choice: Choice | None, path: Path) -> None:
     if choice is None or parts.values.problems:
         return
     try:
-        functions.kinds(family)[choice.kind].leaf.pack(choice.values)
+        registry.kinds(family)[choice.kind].leaf.pack(choice.values)
     except ValueError as error:
         parts.values.wrong(path, str(error))

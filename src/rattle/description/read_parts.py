@@ -6,12 +6,12 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from rattle import registry
 from rattle.description.model import Body, Contact, Driver, Joint, Load, Point, Vector
 from rattle.description.read_contact import read_contact
 from rattle.description.read_values import Path, Values, said
 from rattle.errors import suggest
-from rattle.jit import functions as catalog
-from rattle.jit.functions import REQUIRED, Field
+from rattle.registry import REQUIRED, Field
 
 BODY = ("points", "center", "mass", "inertia")  # what a body may say
 BAR = ("bar", "length", "points", "mass", "inertia")
@@ -123,9 +123,9 @@ class Parts:
         return a, b
 
     # ------------------------------------------------------------ kinds and their fields
-    def choose(self, given: Mapping[str, Any], family: str, path: Path, key: str = "type") -> catalog.Kind | None:
+    def choose(self, given: Mapping[str, Any], family: str, path: Path, key: str = "type") -> registry.Kind | None:
         """The kind that an entry names."""
-        known = catalog.kinds(family)
+        known = registry.kinds(family)
         if key not in given:
             self.values.wrong(path, f"needs a {key}: " + ", ".join(known))
             return None
@@ -154,7 +154,7 @@ class Parts:
             return self.values.vector(given[key], one.unit, here, one.live)
         return self.values.value(given[key], one.unit, here, one.least, one.live)
 
-    def fields(self, kind: catalog.Kind, given: Mapping[str, Any], path: Path) -> dict[str, float]:
+    def fields(self, kind: registry.Kind, given: Mapping[str, Any], path: Path) -> dict[str, float]:
         """All fields of a kind, in its order."""
         read: dict[str, float] = {}
         for key, one in kind.fields.items():
@@ -201,7 +201,7 @@ class Parts:
     def add_driver(self, name: str, given: Mapping[str, Any]) -> None:
         """A joint's freedom or a coordinate of a body as a function of time."""
         values, path = self.values, ("drivers", name)
-        functions = dict.fromkeys(key for kind in catalog.kinds("driver").values() for key in kind.fields)
+        functions = dict.fromkeys(key for kind in registry.kinds("driver").values() for key in kind.fields)
         values.keys(given, ["joint", "body", "coordinate", *functions], path)
         if "body" in given and "joint" in given:
             values.wrong(path, "drives a joint or a body, not both")
@@ -221,7 +221,7 @@ class Parts:
         if key in given or not wrong:
             self.drivers[name] = Driver(name, kind.name, joint, self.fields(kind, given, path)[key], point)
 
-    def _driven_joint(self, given: Mapping[str, Any], path: Path) -> tuple[catalog.Kind, str, None, str] | None:
+    def _driven_joint(self, given: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, None, str] | None:
         """Kind of driver, joint, and what is driven in words."""
         if "coordinate" in given:
             self.values.wrong((*path, "coordinate"), "only a driven body has a coordinate", at_key=True)
@@ -234,16 +234,16 @@ class Parts:
                 self.values.wrong(here, f"no joint {said(joint)}{suggest(str(joint), self.joints)}")
             return None
         driven = self.joints[joint].kind
-        drives = {one.leaf.drives: one for one in catalog.kinds("driver").values()}
+        drives = {one.leaf.drives: one for one in registry.kinds("driver").values()}
         if driven in drives:
             return drives[driven], joint, None, f"joint '{joint}'"
-        drivable = " or ".join(sorted(drives.keys() & catalog.kinds("joint").keys()))
+        drivable = " or ".join(sorted(drives.keys() & registry.kinds("joint").keys()))
         self.values.wrong(here, f"a {driven} joint has nothing to drive; wanted {drivable}")
         return None
 
-    def _driven_body(self, given: Mapping[str, Any], path: Path) -> tuple[catalog.Kind, str, Point, str] | None:
+    def _driven_body(self, given: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, Point, str] | None:
         """Kind of driver, no joint, the point, and what is driven in words."""
-        known = catalog.kinds("driver")
+        known = registry.kinds("driver")
         coordinates = [name.removeprefix("body-") for name in known if name.startswith("body-")]
         point = self.point(given["body"], (*path, "body"), alone=True)
         coordinate = given.get("coordinate")

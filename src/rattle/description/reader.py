@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from rattle import registry
 from rattle.description.model import Driver, Initial, Model, Settings, Vector
 from rattle.description.read_parameters import read_parameters, read_signals
 from rattle.description.read_parts import Parts
 from rattle.description.read_values import Path, TooManyProblems, Values, said
 from rattle.errors import ModelError, shown, suggest
-from rattle.jit import functions
 from rattle.language.expression import Node, names
 from rattle.language.units import dimension_of
 
@@ -183,5 +183,5 @@ def _drivers_follow_time(values: Values, drivers: Mapping[str, Driver], signals:
     for name, driver in drivers.items():
         if not isinstance(driver.value, float):
             for one in sorted(names(driver.value) & moving):
-                path = ("drivers", name, next(iter(functions.kinds("driver")[driver.kind].fields)))
+                path = ("drivers", name, next(iter(registry.kinds("driver")[driver.kind].fields)))
                 values.wrong(path, f"a driver follows time alone, but '{one}' depends on the motion")

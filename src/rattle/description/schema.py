@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from rattle import registry
 from rattle.description.read_parameters import DISTRIBUTIONS
 from rattle.description.read_parts import BLOCK, GUIDED
 from rattle.description.reader import METHODS, SETTING_UNITS, STATE_UNITS
-from rattle.jit import functions
-from rattle.jit.functions import REQUIRED, Field, Kind
+from rattle.registry import REQUIRED, Field, Kind
 
 Schema = dict[str, Any]
 NAME = r"^[A-Za-z_][A-Za-z0-9_]*$"
@@ -37,9 +37,9 @@ def schema() -> Schema:
                 "signals": _named(_number("", "expression over parameters, t and state"), "recorded quantities"),
                 "ground": _object({"points": _points("points of the ground")}),
                 "bodies": _named({"anyOf": [_bar(), _body()]}, "rigid bodies"),
-                "joints": _named({"anyOf": [_joint(kind) for kind in functions.kinds("joint").values()]}, "joints"),
+                "joints": _named({"anyOf": [_joint(kind) for kind in registry.kinds("joint").values()]}, "joints"),
                 "drivers": _named({"anyOf": _drivers()}, "freedoms that follow a function of time"),
-                "loads": _named({"anyOf": [_load(kind) for kind in functions.kinds("load").values()]}, "loads"),
+                "loads": _named({"anyOf": [_load(kind) for kind in registry.kinds("load").values()]}, "loads"),
                 "initial": _named({"anyOf": [_start(), _offset()]}, "start of bodies and of clearance joints"),
                 "simulate": _settings(),
             },
@@ -187,7 +187,7 @@ def _joint(kind: Kind) -> Schema:
 
 def _contact() -> Schema:
     """How play is treated: the name of a model, or a table with its fields; those of other models may stand in it."""
-    plain, laws, statics = functions.kinds("contact"), functions.kinds("normal"), functions.kinds("stiffness")
+    plain, laws, statics = registry.kinds("contact"), registry.kinds("normal"), registry.kinds("stiffness")
     radius = {"bush_radius": _number("m", "radius of the bush; the pin's is less by the clearance", "positive")}
     friction = {"friction": _friction()}
     own = [key for key in statics if key != "power"]
@@ -203,14 +203,14 @@ def _contact() -> Schema:
 
 
 def _friction() -> Schema:
-    laws = functions.kinds("friction").values()
+    laws = registry.kinds("friction").values()
     tables = [_object({"model": _choice(kind), **_fields(kind)}, ("model", *_needed(kind))) for kind in laws]
     return {"anyOf": [_number("", "coefficient of friction", "not negative"), *tables]}
 
 
 def _drivers() -> list[Schema]:
     made = []
-    for kind in functions.kinds("driver").values():
+    for kind in registry.kinds("driver").values():
         where: dict[str, Schema] = {"joint": {"type": "string", "description": f"a {kind.leaf.drives} joint"}}
         if kind.name.startswith("body-"):
             where = {

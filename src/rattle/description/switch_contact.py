@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from rattle import registry
 from rattle.errors import ModelError, Problem, suggest
-from rattle.jit import functions
 
 ELASTIC = ("stiffness", "exponent", "bush_material", "pin_material", "length", "geometry")
 
@@ -18,7 +18,7 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
     bush radius, stiffness or materials, and the fields of the same law.
     """
     old: Mapping[str, Any] = written if isinstance(written, Mapping) else {"model": written}
-    plain, laws = functions.kinds("contact"), functions.kinds("normal")
+    plain, laws = registry.kinds("contact"), registry.kinds("normal")
     if model in plain and not getattr(plain[model].leaf, "contacts", False):
         return model
     keys = ["bush_radius", "friction"]

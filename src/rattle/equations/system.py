@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle import registry
 from rattle.description.model import Choice, Joint, Model, driven_ends
 from rattle.equations import schur
 from rattle.jit import functions
@@ -74,12 +75,12 @@ class Compiled:
         return Memory(
             {
                 **self.arrays,
-                "joint_table": functions.table(
+                "joint_table": registry.table(
                     "joint", "driver", machine=machine, used=[*self.arrays["joint"][:, 0], *also]
                 ),
-                "load_table": functions.table("load", machine=machine, used=self.arrays["load"][:, 0]),
+                "load_table": registry.table("load", machine=machine, used=self.arrays["load"][:, 0]),
                 **{
-                    f"{family}_table": functions.table(family, machine=machine, used=self.arrays["contact"][:, column])
+                    f"{family}_table": registry.table(family, machine=machine, used=self.arrays["contact"][:, column])
                     for family, column in CONTACT_FAMILIES.items()
                     if nc
                 },
@@ -110,15 +111,15 @@ class Compiled:
         )
 
 
-def joint_rows(joint: Joint) -> tuple[functions.Kind | None, tuple[float, ...]]:
+def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:
     """The kind whose rows hold this joint, and the values of its fields; None when contacts alone act on it."""
-    own = functions.kinds("joint")[joint.kind]
+    own = registry.kinds("joint")[joint.kind]
     if has_contacts(joint):
         return None, ()
     if joint.contact is not None and joint.clearance > 0.0:
-        replaces: Mapping[str, str] = functions.kinds("contact")[joint.contact.model].leaf.replaces
+        replaces: Mapping[str, str] = registry.kinds("contact")[joint.contact.model].leaf.replaces
         if joint.kind in replaces:
-            return functions.kinds("joint")[replaces[joint.kind]], (joint.clearance,)
+            return registry.kinds("joint")[replaces[joint.kind]], (joint.clearance,)
     return own, tuple(joint.fields.values())
 
 
@@ -126,7 +127,7 @@ def has_contacts(joint: Joint) -> bool:
     """True when the joint is open: only contacts with its clearance act on it."""
     if joint.contact is None or joint.clearance <= 0.0:
         return False
-    known = functions.kinds("contact")
+    known = registry.kinds("contact")
     return joint.contact.model not in known or bool(known[joint.contact.model].leaf.contacts)
 
 
@@ -161,10 +162,10 @@ def compile_system(model: Model) -> Compiled:
     joint, rows, row_body, watch, watched = _joints(model, number, values)
     jets = []
     for name, driver in model.drivers.items():
-        one = functions.kinds("driver")[driver.kind]
+        one = registry.kinds("driver")[driver.kind]
         end_a, end_b, fields = driven_ends(model, driver)
         a, b = number[end_a.body], number[end_b.body]
-        tag = len(functions.kinds("joint")) + one.tag
+        tag = len(registry.kinds("joint")) + one.tag
         joint.append((tag, a, b, len(values), len(rows)))
         values += [*end_a.at, *end_b.at, *fields]
         if isinstance(driver.value, float):
@@ -238,10 +239,10 @@ def _joints(
 def _contacts(
     model: Model, number: Mapping[str, int], values: list[float]
 ) -> tuple[list[tuple[int, ...]], list[tuple[float, float, float]]]:
-    """One entry per contact point, see `jit.layout`: geometry and laws with their parameters; the levers of its bodies."""
+    """One entry per contact point, see `layout`: geometry and laws with their parameters; the levers of its bodies."""
     found: list[tuple[int, ...]] = []
     levers: list[tuple[float, float, float]] = []
-    shapes = {one.leaf.joint: one for one in functions.kinds("clearance").values()}
+    shapes = {one.leaf.joint: one for one in registry.kinds("clearance").values()}
     for n, joint in enumerate(model.joints.values()):
         contact = joint.contact
         if contact is None or not has_contacts(joint):
@@ -277,7 +278,7 @@ def _contacts(
 def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, int]:
     if choice is None:
         return -1, -1
-    kind = functions.kinds(family)[choice.kind]
+    kind = registry.kinds(family)[choice.kind]
     place = len(values)
     values += kind.leaf.pack(choice.values)
     return kind.tag, place
@@ -297,7 +298,7 @@ def _loads(
     load = []
     live: list[tuple[int, int]] = []
     for name, one in model.loads.items():
-        tag = functions.kinds("load")[one.kind].tag
+        tag = registry.kinds("load")[one.kind].tag
         start, before = len(values), len(live)
         for n, value in enumerate(one.values):
             if isinstance(value, float | int):

@@ -1,12 +1,7 @@
-"""Families of kinds, their kernel signatures, and how compiled functions are made and called.
+"""KernelFunction functions: how they are made, kept, found and called.
 
-A *family* (joint, load ...) has one kernel signature.  A *kind* (revolute, spring ...) is one class
-in one file: its fields say what the user writes, its kernel says what it does.  Kernels are reached
-through a table of native addresses, so one compile serves every mechanism and a new kind recompiles
-nothing else.
-
-Numba is imported on first use only: every compiled function is ordinary Python until `start()`.
-With NUMBA_DISABLE_JIT=1 it stays so.
+Numba is imported on first use only: every compiled function is ordinary Python until `start()`.  With
+NUMBA_DISABLE_JIT=1 it stays so.
 """
 
 from __future__ import annotations
@@ -15,11 +10,9 @@ import importlib
 import logging
 import os
 import pickle
-import pkgutil
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -41,112 +34,17 @@ SIGNATURE = {
     "hold": ("void", "h"),  # m, see rattle.equations.unilateral
     "problem": ("i", "h", "i"),  # m, number of contacts, see rattle.equations.unilateral
 }
-REQUIRED: Any = object()
 _lock = threading.RLock()
 _jit = False
-_families: dict[str, dict[str, Kind]] = {}
-_discovered = _discovering = False
 
 
-# ---------------------------------------------------------------- what the user writes
-@dataclass(frozen=True)
-class Field:
-    """One thing the user writes for a kind.
-
-    shape: number | pair | point ("body.point") | body | joint | choice | size (a table of numbers)
-    live: the value may use t, state and signals, and is then evaluated anew at every instant.
-    least: "positive" or "not negative" where the number is limited.
-    default: a number, or a function of the fields read so far.
-    """
-
-    unit: str
-    meaning: str
-    default: Any = REQUIRED
-    shape: str = "number"
-    least: str = ""
-    live: bool = False
-    choices: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Kind:
-    """A catalogue entry: the class a leaf file defines, its kernel and its place in the table."""
-
-    family: str
-    name: str
-    tag: int
-    kernel: Compiled | None
-    leaf: Any  # the class; what it holds depends on the family
-    fields: Mapping[str, Field]
-
-    @property
-    def summary(self) -> str:
-        """First line of the leaf's docstring."""
-        return (self.leaf.__doc__ or "").strip().splitlines()[0]
-
-    @property
-    def source(self) -> str:
-        """Where the formula comes from, as the docstring says."""
-        lines = (self.leaf.__doc__ or "").splitlines()
-        found = [line.strip()[7:].strip() for line in lines if line.strip().startswith("Source:")]
-        return found[0] if found else ""
-
-
-def kind(family: str, name: str, kernel: Compiled | None = None) -> Callable[[type], type]:
-    """Class decorator: enter the class in the catalogue as one kind of `family`."""
-
-    def enter(leaf: type) -> type:
-        entries = _families.setdefault(family, {})
-        old = entries.get(name)
-        if old is not None and old.leaf.__module__ != leaf.__module__:
-            raise ValueError(f"{family} '{name}' is in the catalogue already ({old.leaf.__module__})")
-        fields = {key: value for key, value in vars(leaf).items() if isinstance(value, Field)}
-        tag = old.tag if old is not None else len(entries)
-        entries[name] = Kind(family, name, tag, kernel, leaf, fields)
-        return leaf
-
-    return enter
-
-
-def kinds(family: str) -> Mapping[str, Kind]:
-    """All kinds of one family by name; the leaf packages are searched on first use."""
-    _discover()
-    return _families.setdefault(family, {})
-
-
-def families() -> Iterator[str]:
-    """Names of all families that have at least one kind."""
-    _discover()
-    return iter(sorted(_families))
-
-
-def _discover() -> None:
-    """Search the leaf packages once; other threads wait until the catalogue is whole."""
-    global _discovered, _discovering
-    if _discovered:
-        return
-    with _lock:
-        if _discovered or _discovering:  # the second: a leaf asks for the catalogue while it is being made
-            return
-        _discovering = True
-        try:
-            for package in ("joints", "clearances", "contact_laws", "loads"):
-                found = importlib.import_module(f"rattle.elements.{package}")
-                for module in pkgutil.iter_modules(found.__path__):
-                    importlib.import_module(f"{found.__name__}.{module.name}")
-            _discovered = True
-        finally:
-            _discovering = False
-
-
-# ---------------------------------------------------------------- compiled functions
 class PlainHandle(tuple[Any, ...]):
     """The arrays of a memory that was made before machine code ran: functions that get it stay plain Python."""
 
     __slots__ = ()
 
 
-class Compiled:
+class KernelFunction:
     """A function that Numba compiles on first use after `start()`; plain Python before.
 
     letters: types of result and arguments, as in SIGNATURE.  A function that has them is *native*: compiled once and
@@ -240,16 +138,15 @@ class Compiled:
         return int(found)
 
 
-def natives() -> tuple[Compiled, ...]:
+def natives() -> tuple[KernelFunction, ...]:
     """All functions with fixed types."""
     for name in compiled_modules():
         importlib.import_module(name)
-    _discover()
     return tuple(_natives)
 
 
-_natives: list[Compiled] = []
-_places: dict[Compiled, Any] = {}  # of the first of them
+_natives: list[KernelFunction] = []
+_places: dict[KernelFunction, Any] = {}  # of the first of them
 
 
 def _announced() -> Any:
@@ -265,24 +162,24 @@ def _machine() -> Any:
     return importlib.import_module("rattle.jit.machine")  # imports llvmlite
 
 
-def _compiling_address(one: Compiled) -> int:
+def _compiling_address(one: KernelFunction) -> int:
     with _compiling() as compiling:
         return int(compiling.address(one.dispatcher))
 
 
-def compiled(function: Callable[..., Any]) -> Compiled:
+def compiled(function: Callable[..., Any]) -> KernelFunction:
     """Decorator for a function of the compiled layer (types follow from the first call)."""
-    return Compiled(function)
+    return KernelFunction(function)
 
 
-def native(*letters: str) -> Callable[[Callable[..., Any]], Compiled]:
-    """Decorator for a large function of the compiled layer, or one not every run needs; see `Compiled`, SIGNATURE."""
-    return lambda function: Compiled(function, letters=letters)
+def native(*letters: str) -> Callable[[Callable[..., Any]], KernelFunction]:
+    """Decorator for a large function, or one that not every run needs; see `KernelFunction` and SIGNATURE."""
+    return lambda function: KernelFunction(function, letters=letters)
 
 
-def kernel(family: str) -> Callable[[Callable[..., Any]], Compiled]:
+def kernel(family: str) -> Callable[[Callable[..., Any]], KernelFunction]:
     """Decorator for the kernel of a kind: compiled for the family's one signature."""
-    return lambda function: Compiled(function, family)
+    return lambda function: KernelFunction(function, family)
 
 
 @contextmanager
@@ -304,7 +201,17 @@ def _teach(compiling: Any) -> None:
     _taught.append(True)
     for family, call in _CALLERS.items():
         compiling.jumps(call, SIGNATURE[family], family in ("hold", "problem"))
-    importlib.import_module("rattle.jit.workspace").teach_numba()
+    for teach in _teachers:
+        teach()
+
+
+def on_first_compile(teach: Callable[[], None]) -> Callable[[], None]:
+    """Decorator for a function that is called before anything is compiled, to tell Numba about our types."""
+    _teachers.append(teach)
+    return teach
+
+
+_teachers: list[Callable[[], None]] = []
 
 
 # ---------------------------------------------------------------- tables of kernels
@@ -368,20 +275,7 @@ def start() -> bool:
     return _jit
 
 
-def table(*names: str, machine: bool | None = None, used: Any = None) -> Any:
-    """Kernels of the given families in tag order, one family after the other.
-
-    An int64 array of addresses when machine code runs (or is asked for), a tuple of Python functions otherwise.
-    used: places in the table that may be called; others are 0.  None means all.
-    """
-    found = [entry.kernel for family in names for entry in kinds(family).values() if entry.kernel]
-    if _jit if machine is None else machine:
-        wanted = set(range(len(found))) if used is None else {int(n) for n in used}
-        return np.array([one.address if n in wanted else 0 for n, one in enumerate(found)], dtype=np.int64)
-    return tuple(one.python for one in found)
-
-
-def entries(functions: Iterable[Compiled]) -> Any:
+def entries(functions: Iterable[KernelFunction]) -> Any:
     """Functions by number, for those who cannot import them: places of their addresses, see `machine`."""
     if _jit:
         machine = _announced()

@@ -87,7 +87,7 @@ FIELDS = {
     "looks": "f2",  # (looks, 4 nc + 2) places of a step that were looked at, see solvers.nonsmooth.event_search
     "glances": "f2",  # (9, 4 nc + 2) the same at the stages of a step, see solvers.glances
     "held": "f1",  # (8,) see equations.unilateral and complementarity
-    "net_place": "i1",  # (nr + 2 nc,) rows of joints and contacts together, see equations.contact_network, also the next twelve
+    "net_place": "i1",  # (nr + 2 nc,) rows of joints and contacts together, see contact_network, also the next twelve
     "net_first": "i1",
     "net_below": "i1",
     "net_target": "i1",
@@ -182,6 +182,7 @@ def imat(m: Any, k: int) -> Any:
     return m[k]
 
 
+@functions.on_first_compile
 def teach_numba() -> None:
     """Let Numba make arrays of the addresses and shapes in a handle."""
     from rattle.jit import blocks

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from rattle import registry
 from rattle.description.model import Joint, Model
 from rattle.equations.system import Compiled, joint_rows
-from rattle.jit import functions
 from rattle.jit.layout import OF_NEGATIVE, OF_SIZE, OF_VALUE, OF_VECTOR
 
 BODY = (
@@ -39,7 +39,7 @@ def quantities(ready: Compiled) -> list[tuple[str, int, int]]:
     for n, name in enumerate(ready.joints):
         c = JOINT * n
         if name in ready.model.drivers:
-            effort = functions.kinds("driver")[ready.model.drivers[name].kind].leaf.effort[0]
+            effort = registry.kinds("driver")[ready.model.drivers[name].kind].leaf.effort[0]
             found += [(f"{name}.{effort}", OF_SIZE, c + 5), (f"{name}.power", OF_SIZE, c + 6)]
             continue
         joint = ready.model.joints[name]
@@ -78,7 +78,7 @@ def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], di
         fx, fy, moment, ex, ey, effort, power, deep = raw[:, c : c + JOINT].T
         c += JOINT
         if name in model.drivers:
-            effort_name, unit = functions.kinds("driver")[model.drivers[name].kind].leaf.effort
+            effort_name, unit = registry.kinds("driver")[model.drivers[name].kind].leaf.effort
             add(f"{name}.{effort_name}", unit, effort)
             add(f"{name}.power", "W", power)
             continue

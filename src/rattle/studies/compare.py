@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rattle import registry
 from rattle.description.switch_contact import recontact
 from rattle.errors import AssemblyError, ModelError, Problem, suggest
-from rattle.jit import functions
 from rattle.results.display import table
 
 if TYPE_CHECKING:
@@ -131,8 +131,8 @@ def compare(
         raise ModelError([Problem((), "no joint has a clearance, so there is nothing to compare")])
     if joint is not None and joint not in loose:
         raise ModelError([Problem(("joints", joint), f"has no clearance{suggest(joint, loose)}")])
-    if law is not None and law not in functions.kinds("normal"):
-        raise ValueError(f"law: no compliant law '{law}'{suggest(str(law), functions.kinds('normal'))}")
+    if law is not None and law not in registry.kinds("normal"):
+        raise ValueError(f"law: no compliant law '{law}'{suggest(str(law), registry.kinds('normal'))}")
     end = t_end if t_end is not None else min(driver_period(m.ready) or math.inf, m.model.settings.t_end)
     times = np.linspace(0.0, end, POINTS + 1)
     compliant, assumed = _compliant(m, loose, law)
@@ -200,7 +200,7 @@ def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechani
         own = one.contact.normal.kind if one.contact and one.contact.normal else ""
         given = recontact(m.contact_of(name), law or own or DEFAULT_LAW)
         written = {"model": given} if isinstance(given, str) else given
-        fields = functions.kinds("normal")[written["model"]].fields
+        fields = registry.kinds("normal")[written["model"]].fields
         more: dict[str, Any] = {}
         said = []
         if "stiffness" not in written and not any(key.endswith("material") for key in written):
@@ -223,7 +223,7 @@ def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechani
             more["bush_radius"] = RADII * one.clearance
         if (
             "restitution" in fields
-            and fields["restitution"].default is functions.REQUIRED
+            and fields["restitution"].default is registry.REQUIRED
             and "restitution" not in written
         ):
             more["restitution"] = DEFAULT_RESTITUTION

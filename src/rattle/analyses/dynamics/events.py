@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from rattle import registry
 from rattle.analyses.law_check import law_faults
 from rattle.description.model import Model
 from rattle.equations.system import Compiled
 from rattle.errors import ModelError, Problem
-from rattle.jit import functions
 from rattle.jit.layout import (
     CLOSED,
     IMPULSE_0,
@@ -75,7 +75,7 @@ def contact_duration(ready: Compiled, joint: str, speed: float = 1.0) -> float:
     if static is None:
         raise ValueError(f"joint '{joint}' has no compliant contact")
     inverse = sum(1.0 / ready.model.bodies[b].mass for b in (one.a.body, one.b.body) if b in ready.model.bodies)
-    kind = functions.kinds("stiffness")[static.kind]
+    kind = registry.kinds("stiffness")[static.kind]
     p = np.array([*kind.leaf.pack(static.values), 0.0])
     delta = 1e-30
     while kind.kernel(delta, p, 0) * delta * inverse < speed * speed and delta < 1.0:  # type: ignore[misc]  # it has a kernel
@@ -145,8 +145,8 @@ def contact_notes(ready: Compiled, events: Sequence[Event], energy: float) -> tu
             continue
         peak = max((event.peak_force for event in events if event.joint == name), default=0.0)
         static, normal = (
-            functions.kinds("stiffness")[contact.static.kind],
-            functions.kinds("normal")[contact.normal.kind],
+            registry.kinds("stiffness")[contact.static.kind],
+            registry.kinds("normal")[contact.normal.kind],
         )
         found += [f"{name}, {contact.static.kind}: {one}" for one in static.leaf.notes(contact.static.values, peak)]
         if contact.normal.values.get("effective_mass", 1.0) > 0.0:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rattle import registry
 from rattle.analyses.dynamics.failure import explain
 from rattle.analyses.dynamics.peak_values import peak_arrays
 from rattle.analyses.dynamics.simulate import Run, start_state
@@ -67,7 +68,7 @@ def require_one_law(ready: Compiled, method: str) -> None:
 
     An impact at several joints is one problem: it has one law.
     """
-    choices = functions.kinds("contact")["impact"].fields["restitution_law"].choices
+    choices = registry.kinds("contact")["impact"].fields["restitution_law"].choices
     laws = {
         ready.joints[row[OWNER]]: choices[int(ready.arrays["values"][row[NORMAL_P] + 3])]
         for row in ready.arrays["contact"]
@@ -255,8 +256,8 @@ class ImpactRun(Run):
             joint = self.ready.joints[self.ready.arrays["contact"][int(self.stuck[2]), OWNER]]
             if self.stuck[3] > event_driven.MOST_IN_A_ROW:
                 return (
-                    f"{self.stuck[3]:.0f} events in a row, each within {event_driven.CROWDED * self.t_end:.2g} s of the one"
-                    f" before, up to t = {t:.9g} s, last at joint '{joint}': contacts change faster than a run can"
+                    f"{self.stuck[3]:.0f} events in a row, each within {event_driven.CROWDED * self.t_end:.2g} s of"
+                    f" the one before, up to t = {t:.9g} s, last at joint '{joint}': contacts change faster than a run can"
                     " follow; a smaller restitution, a compliant contact or method moreau goes on"
                 )
             return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; method moreau goes on"

@@ -51,6 +51,7 @@ from rattle.solvers.nonsmooth.jolts import jolt, speeds
 from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import TURNS, choose_sides
 from rattle.solvers.step_audit import UNSOUND
+from rattle.version import __version__
 
 log = logging.getLogger("rattle")
 
@@ -349,8 +350,6 @@ def progress_bar(t_end: float, what: str = "simulate") -> Any:
 
 
 def _result(run: Run, reach: Reach | None) -> Result:
-    from rattle import __version__
-
     ready, clock, tally, seen = run.ready, run.clock, run.tally, run.memory["audit"]
     n = int(tally[step_loop.OUTPUTS])
     data, names, units = columns(ready, run.raw[:n])

@@ -84,8 +84,8 @@ def remarks(ready: Compiled, memory: Memory, method: str) -> tuple[str, ...]:
         found.append(f"joints opened by {opened:.2g} of the mechanism's size (or rad): {shorter} closes them better")
     if seen[step_audit.SUNK] > SUNK:
         found.append(
-            f"contacts sank up to {100 * seen[step_audit.SUNK]:.2g} % of the play into their walls: Moreau-Jean finds them"
-            " only from step to step, a shorter step finds them sooner"
+            f"contacts sank up to {100 * seen[step_audit.SUNK]:.2g} % of the play into their walls: Moreau-Jean finds"
+            " them only from step to step, a shorter step finds them sooner"
         )
     share = float(seen[step_audit.SHARE])
     if share > SAID and method == "moreau":

@@ -27,6 +27,7 @@ from rattle.jit.layout import AUTO, CLOSED, SPEED
 from rattle.results.columns import columns, geometry, width
 from rattle.solvers import equilibrium_newton
 from rattle.solvers.output_row import write
+from rattle.version import __version__
 
 MOST_TURN = 0.4  # of a body in one step [rad]
 MOST_TRIALS = 600  # positions tried from one start before it is given up
@@ -257,8 +258,6 @@ class Rest:
         ]  # fmt: skip
 
     def _table(self, names: Sequence[str], units: Mapping[str, str]) -> Table:
-        from rattle import __version__
-
         column = {name: k for k, name in enumerate(names)}
         drawn = geometry(self.ready.model)
         pins = [name for name, joint in drawn["joints"].items() if joint["contact"] not in ("", "ideal")]

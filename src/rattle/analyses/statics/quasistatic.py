@@ -1,7 +1,7 @@
 """A slow motion: one position of rest after the other while the drivers go on.
 
-At each instant equilibrium (see `analyses.statics.equilibria`); from it the efforts of the drivers and how much force a unit of effort
-holds at each load (mechanical advantage), from the linearised balance
+At each instant equilibrium (see `equilibria`); from it the efforts of the drivers and how much force a unit of
+effort holds at each load (mechanical advantage), from the linearised balance
 
     [K  Phi_q^T; Phi_q  0] [dq; dlambda] = [dQ; 0]
 """
@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rattle import registry
 from rattle.analyses.assembly.assembly import ideal_model
 from rattle.analyses.kinematics import instants
 from rattle.analyses.statics.balance import Rest
@@ -26,6 +27,7 @@ from rattle.equations.rest_force import stiffness
 from rattle.equations.system import Compiled, compile_system
 from rattle.jit import functions
 from rattle.results.result import Event, Result, Trust
+from rattle.version import __version__
 
 log = logging.getLogger("rattle")
 
@@ -228,8 +230,6 @@ ADVANTAGE_UNITS = {("torque", "N*m"): "", ("force", "N"): "", ("force", "N*m"): 
 
 
 def _result(rest: Rest, kept: list[Equilibrium], events: list[Event], message: str, note: str, wall: float) -> Result:
-    from rattle import __version__
-
     ready, first = rest.ready, kept[0].result
     names, units = list(first.stored), {name: first.unit(name) for name in first.stored}
     table = [[one[name] for name in names] for one in kept]
@@ -238,7 +238,7 @@ def _result(rest: Rest, kept: list[Equilibrium], events: list[Event], message: s
         line += [one.eigenvalue, float(one.stable), float(one.admissible)]
         rest.at(one.t)
         for (load, driver), value in advantage(rest, one).items():
-            effort = functions.kinds("driver")[ready.model.drivers[driver].kind].leaf.effort[1]
+            effort = registry.kinds("driver")[ready.model.drivers[driver].kind].leaf.effort[1]
             name = f"{load}.advantage" if len(ready.model.drivers) == 1 else f"{load}.advantage_{driver}"
             extra[name] = ADVANTAGE_UNITS[ready.model.loads[load].kind, effort]
             line.append(value)

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from rattle.jit.functions import kernel, kind
+from rattle.jit.functions import kernel
 from rattle.jit.layout import (
     DGAP,
     GAMMA_N,
@@ -39,6 +39,7 @@ from rattle.jit.layout import (
     turn_x,
     turn_y,
 )  # fmt: skip
+from rattle.registry import kind
 
 
 @kernel("clearance")

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from rattle.jit.functions import kernel, kind
+from rattle.jit.functions import kernel
 from rattle.jit.layout import (
     ACROSS,
     DGAP,
@@ -38,6 +38,7 @@ from rattle.jit.layout import (
     turn_x,
     turn_y,
 )  # fmt: skip
+from rattle.registry import kind
 
 
 @kernel("clearance")

@@ -22,7 +22,8 @@ import math
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from rattle.jit.functions import Field, kernel, kind
+from rattle.jit.functions import kernel
+from rattle.registry import Field, kind
 
 MU = Field("", "coefficient of friction", least="not negative")
 MU_STATIC = Field("", "at rest; default: mu", lambda read: read["mu"], least="not negative")

@@ -23,7 +23,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle.elements.contact_laws.restitution import LEAST_RESTITUTION, checked, factor_returning, restitution_returned
-from rattle.jit.functions import Field, kernel, kind, kinds
+from rattle.jit.functions import kernel
+from rattle.registry import Field, kind, kinds
 
 RESTITUTION = Field("", "restitution asked for, 0 to 1", least="not negative")
 LEAST_SPEED = Field("m/s", "slower approaches are damped like this one", default=1e-3, least="positive")

@@ -22,8 +22,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any
 
-from rattle.jit.functions import Compiled, Field, kernel, kind
+from rattle.jit.functions import KernelFunction, kernel
 from rattle.language.materials import Given, contact_modulus, material
+from rattle.registry import Field, kind
 
 BUSH_RADIUS = Field("m", "radius of the bush; the pin's is less by the clearance", least="positive")
 LENGTH = Field("m", "length of the contact along the pin", least="positive")
@@ -67,7 +68,7 @@ def conforming(delta, p, k):
     return p[k] * delta * math.sqrt(0.5 * delta / (p[k + 1] + delta))
 
 
-def penetration(law: Compiled, p: Any, force: float, k: int = 0) -> float:
+def penetration(law: KernelFunction, p: Any, force: float, k: int = 0) -> float:
     """Penetration [m] at which the static force of a kernel with numbers p[k:] is `force` [N]."""
     if force <= 0.0:
         return 0.0

@@ -24,8 +24,8 @@ from typing import Any
 
 import numpy as np
 
-from rattle.jit import functions
-from rattle.jit.functions import Compiled, Field
+from rattle import registry
+from rattle.jit.functions import KernelFunction
 from rattle.jit.layout import (
     BRISTLE,
     DGAP,
@@ -42,6 +42,7 @@ from rattle.jit.layout import (
     STATIC_P,
 )
 from rattle.language.units import dimension_of
+from rattle.registry import Field
 
 Law = Callable[..., Any]
 TAKEN = {
@@ -81,10 +82,10 @@ def _enter(family: str, name: str, fields: dict[str, str], memory: bool) -> Call
         if key in TAKEN[family] or key.startswith("_"):
             raise ValueError(f"{family} law '{name}': a field cannot be called '{key}'")
         dimension_of(unit)
-    known = functions.kinds(family)
+    known = registry.kinds(family)
     if name in known and not isinstance(known[name].kernel, ContactLaw):
         raise ValueError(f"{family} law '{name}': a law of the program has this name; choose another")
-    if family == "normal" and name in functions.kinds("contact"):
+    if family == "normal" and name in registry.kinds("contact"):
         raise ValueError(f"normal law '{name}': a contact model of the program has this name; choose another")
 
     def enter(law: Law) -> Law:
@@ -97,13 +98,13 @@ def _enter(family: str, name: str, fields: dict[str, str], memory: bool) -> Call
         notes: Any = staticmethod(lambda values: [])
         common = {"__doc__": text, "__module__": law.__module__, "pack": pack, "notes": notes, "memory": memory}
         leaf = type(law.__name__, (), {**common, **own})
-        functions.kind(family, name, ContactLaw(family, name, law, keys, memory))(leaf)
+        registry.kind(family, name, ContactLaw(family, name, law, keys, memory))(leaf)
         return law
 
     return enter
 
 
-class ContactLaw(Compiled):
+class ContactLaw(KernelFunction):
     """The kernel of a law: the function behind the signature of its family."""
 
     def __init__(self, family: str, name: str, law: Law, keys: tuple[str, ...], memory: bool) -> None:
@@ -112,7 +113,7 @@ class ContactLaw(Compiled):
         make = _normal if family == "normal" else _friction
         super().__init__(make(self, law, _slice(len(keys))), family, ours=False)
         self._make = make
-        self._native: Compiled | None = None
+        self._native: KernelFunction | None = None
 
     @property
     def dispatcher(self) -> Any:
@@ -125,7 +126,7 @@ class ContactLaw(Compiled):
             if not isinstance(law, numba.core.dispatcher.Dispatcher):
                 law = numba.njit(nogil=True, error_model="numpy")(law)
             part = numba.njit(lambda p, k: to_fixed_tuple(p[k : k + count], count))
-            made = Compiled(self._make(self, law, part), self.family, ours=False)
+            made = KernelFunction(self._make(self, law, part), self.family, ours=False)
             try:
                 _ = made.dispatcher
             except Exception as error:  # Numba has many kinds of error
@@ -205,9 +206,9 @@ def failure(contact: np.ndarray, touch: np.ndarray, grip: np.ndarray, values: np
     return ""
 
 
-def _kernel(family: str, tag: float) -> Compiled:
+def _kernel(family: str, tag: float) -> KernelFunction:
     """A kernel by its place in the table of its family."""
-    return [one.kernel for one in functions.kinds(family).values() if one.kernel is not None][int(tag)]
+    return [one.kernel for one in registry.kinds(family).values() if one.kernel is not None][int(tag)]
 
 
 def _tried(kernel: ContactLaw, where: str, arguments: tuple[float, ...], values: np.ndarray) -> tuple[float, str]:

@@ -25,10 +25,11 @@ from typing import Any
 
 import numpy as np
 
-from rattle.jit import functions
-from rattle.jit.functions import Compiled, Field
+from rattle import registry
+from rattle.jit.functions import KernelFunction
 from rattle.jit.layout import OUTSIDE, PHI, VX, VY, W, X, Y
 from rattle.language.units import dimension_of
+from rattle.registry import Field
 
 log = logging.getLogger("rattle")
 
@@ -59,22 +60,22 @@ def load_law(name: str, *, compiled: bool = True, **fields: str) -> Callable[[La
         own = {key: Field(unit, key.replace("_", " "), live=True) for key, unit in fields.items()}
         place = Field("", "body the load acts on", shape="body")
         leaf = type(law.__name__, (), {"__doc__": text, "__module__": law.__module__, "body": place, **own})
-        functions.kind("load", name, LawKernel(name, law, tuple(fields), compiled))(leaf)
+        registry.kind("load", name, LawKernel(name, law, tuple(fields), compiled))(leaf)
         return law
 
-    if name in functions.kinds("load") and not isinstance(functions.kinds("load")[name].kernel, LawKernel):
+    if name in registry.kinds("load") and not isinstance(registry.kinds("load")[name].kernel, LawKernel):
         raise ValueError(f"load law '{name}': a load of the program has this name; choose another")
     return enter
 
 
-class LawKernel(Compiled):
+class LawKernel(KernelFunction):
     """The kernel of a law: the function between the arrays of the load family."""
 
     def __init__(self, name: str, law: Law, keys: Sequence[str], compiled: bool) -> None:
         self.name, self.law, self.keys, self.compiled = name, law, tuple(keys), compiled
         self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
         super().__init__(_plain(self), "load", ours=False)
-        self._native: Compiled | None = None
+        self._native: KernelFunction | None = None
         self._callback: Any = None  # lives as long as machine code may call it
 
     @property
@@ -84,10 +85,10 @@ class LawKernel(Compiled):
             self._native = self._make()
         return self._native.dispatcher
 
-    def _make(self) -> Compiled:
+    def _make(self) -> KernelFunction:
         if self.compiled:
             try:
-                made = Compiled(_native(self), "load", ours=False)
+                made = KernelFunction(_native(self), "load", ours=False)
                 _ = made.dispatcher
                 return made
             except Exception as error:  # Numba has many kinds of error, and plain Python is the remedy for all
@@ -96,7 +97,7 @@ class LawKernel(Compiled):
         else:
             log.info(f"load law '{self.name}' runs as plain Python, slower (compiled=False)")
         self._callback = _callback(self)
-        return Compiled(_through(self._callback), "load", ours=False)
+        return KernelFunction(_through(self._callback), "load", ours=False)
 
     def evaluate(self, t: float, state: Sequence[float], values: Sequence[float]) -> tuple[float, float, float]:
         """Force and moment; nan after an exception, which is kept."""
@@ -128,7 +129,7 @@ def complaint(since: float) -> str:
 
 def failure(kind: str, t: float, body: np.ndarray, values: np.ndarray) -> str:
     """Why the law of a kind of load has no finite value, by running it as plain Python; "" where it has one."""
-    kernel = functions.kinds("load")[kind].kernel
+    kernel = registry.kinds("load")[kind].kernel
     if not isinstance(kernel, LawKernel):
         return ""
     forget()

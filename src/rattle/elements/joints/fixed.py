@@ -8,8 +8,9 @@ gamma = s_B w_B^2 - s_A w_A^2, 0                [m/s^2, m/s^2, rad/s^2]
 from __future__ import annotations
 
 from rattle.elements.joints.revolute import revolute
-from rattle.jit.functions import Field, kernel, kind
+from rattle.jit.functions import kernel
 from rattle.jit.layout import AP, AX, AY, BP, BX, BY, GAMMA, NU, PHI, RES
+from rattle.registry import Field, kind
 
 
 @kernel("joint")

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import math
 
-from rattle.jit.functions import Field, kernel, kind
+from rattle.jit.functions import kernel
 from rattle.jit.layout import AP, AX, AY, BP, BX, BY, GAMMA, NU, PHI, RES, VX, VY, W, X, Y, turn_x, turn_y
+from rattle.registry import Field, kind
 
 
 @kernel("joint")

@@ -7,8 +7,9 @@ gamma = s_B w_B^2 - s_A w_A^2                   [m/s^2]
 
 from __future__ import annotations
 
-from rattle.jit.functions import kernel, kind
+from rattle.jit.functions import kernel
 from rattle.jit.layout import AP, AX, AY, BP, BX, BY, GAMMA, NU, RES, W, X, Y, turn_x, turn_y
+from rattle.registry import kind
 
 
 @kernel("joint")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from rattle.jit.functions import Field, kernel, kind
+from rattle.jit.functions import kernel
 from rattle.jit.layout import OUTSIDE, PHI, W
+from rattle.registry import Field, kind
 
 
 @kernel("load")

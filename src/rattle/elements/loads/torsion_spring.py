@@ -5,8 +5,9 @@ T = stiffness (phi_B - phi_A - free_angle) + damping (w_B - w_A)      turns B ba
 
 from __future__ import annotations
 
-from rattle.jit.functions import Field, kernel, kind
+from rattle.jit.functions import kernel
 from rattle.jit.layout import DISSIPATED, ELASTIC, PHI, POTENTIAL, W
+from rattle.registry import Field, kind
 
 
 @kernel("load")

@@ -6,7 +6,7 @@
     0 <= g'+ + e_N g'-,  0 <= P_N,  complementary;   P_T in -mu P_N Sgn(-(u_t+ + e_T u_t-))
     q+   = q_M + h/2 v+
 
-The contact problem is solved by `equations.unilateral.solve_contacts`, started from the modes of the step before.  A bounce takes
+The contact problem is solved by `unilateral.solve_contacts`, started from the modes of the step before.  A bounce takes
 its approach speed where it hits, at the time that g(q_M) says, and the motion without contact before and after it.
 Then positions are corrected with the least mass-weighted change: a contact that hit at the depth d, having come with
 v- and leaving with v+, by d (1 + v+/v-), which it lost by turning too late; lasting contacts onto the wall; the
