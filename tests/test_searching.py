@@ -8,8 +8,9 @@ import pytest
 from scipy.optimize import brentq
 
 import rattle as rt
+from rattle.jit import functions
 from rattle.jit.functions import KernelFunction
-from rattle.solvers import step_loop
+from rattle.solvers import gap_search
 
 IMPACT = '{ model = "impact", restitution = 0.5, friction = 0.1, bush_radius = 0.01 }'
 HERTZ = '{ model = "hunt-crossley", restitution = 0.5, stiffness = 1e9, bush_radius = 0.01 }'
@@ -366,7 +367,10 @@ def test_a_contact_that_escapes_the_search_ends_the_run_with_joint_and_time(monk
     def blind(m, h, n, side, until):  # type: ignore[no-untyped-def]
         return 2.0
 
-    monkeypatch.setattr(step_loop, "search", KernelFunction(blind, "search"))
+    found = gap_search.search
+    assert found.address  # it has its place, at which machine code looks for it
+    place = functions._places[found]
+    monkeypatch.setattr(place, "value", KernelFunction(blind, letters=found.letters).address)
     r = rotor(1000.0, contact).simulate(0.05, t_eval=np.linspace(0.0, 0.05, outputs))
     assert not r.success
     assert "joint 'J'" in r.message

@@ -257,8 +257,8 @@ class ImpactRun(Run):
             if self.stuck[3] > event_driven.MOST_IN_A_ROW:
                 return (
                     f"{self.stuck[3]:.0f} events in a row, each within {event_driven.CROWDED * self.t_end:.2g} s of"
-                    f" the one before, up to t = {t:.9g} s, last at joint '{joint}': contacts change faster than a run can"
-                    " follow; a smaller restitution, a compliant contact or method moreau goes on"
+                    f" the one before, up to t = {t:.9g} s, last at joint '{joint}': contacts change faster than a run"
+                    " can follow; a smaller restitution, a compliant contact or method moreau goes on"
                 )
             return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; method moreau goes on"
         if status == NOT_FINITE and self.method == "moreau":
