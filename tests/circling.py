@@ -6,7 +6,9 @@ N = STEADY + SWING cos a, which is negative where the pin would have to be pulle
 
 import numpy as np
 
-from rattle.results.result import Event, Result, Trust
+from rattle.results.event import Event
+from rattle.results.result import Result
+from rattle.results.trust import Trust
 
 C, OMEGA, STEADY, SWING = 0.005, 20 * np.pi, 100.0, 200.0
 T_END = 0.2  # two rounds

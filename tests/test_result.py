@@ -11,7 +11,8 @@ import xarray
 from circling import OMEGA, STEADY, SWING, T_END, C, circling
 from rattle.atomic_file import atomic
 from rattle.results.contact_summary import joint_table
-from rattle.results.result import Trust, load_result
+from rattle.results.result import load_result
+from rattle.results.trust import Trust
 
 pytestmark = pytest.mark.nojit
 

@@ -9,7 +9,7 @@ from rattle.analyses.dynamics.events import contact_notes, method_notes
 from rattle.cli.main import main
 from rattle.errors import ModelError
 from rattle.plots.curves import plot_orbit
-from rattle.results.result import Event
+from rattle.results.event import Event
 
 
 @pytest.mark.nojit

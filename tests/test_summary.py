@@ -5,7 +5,9 @@ import pytest
 
 from circling import T_END, circling
 from rattle.results.contact_summary import joint_table, pressing_spans
-from rattle.results.result import Event, Result, Trust
+from rattle.results.event import Event
+from rattle.results.result import Result
+from rattle.results.trust import Trust
 
 pytestmark = pytest.mark.nojit
 

@@ -23,7 +23,9 @@ from rattle.errors import AssemblyError, ModelError, Problem, SolverError, sugge
 from rattle.jit import functions
 from rattle.jit.workspace import Memory
 from rattle.results.columns import BODY, columns, geometry, width
-from rattle.results.result import Event, Result, Trust
+from rattle.results.event import Event
+from rattle.results.result import Result
+from rattle.results.trust import Trust
 from rattle.solvers import position_sweep as swept
 from rattle.version import __version__
 

@@ -13,7 +13,7 @@ from rattle.equations.system import Compiled
 from rattle.errors import ModelError, Problem
 from rattle.language.bytecode import SIDE
 from rattle.language.switching import SAME, locate_all, merged, side_at
-from rattle.results.result import Event
+from rattle.results.event import Event
 
 BEYOND = 1e-6  # share of a run by which it is looked further: what happens at its very end counts
 FEW = 3  # jolts of a driver that are told one by one

@@ -7,15 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rattle import registry
 from rattle.description.model import Choice, Contact
+from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Path, said
 from rattle.errors import suggest
-
-if TYPE_CHECKING:
-    from rattle.description.read_parts import Parts
 
 GEOMETRY = ("bush_material", "pin_material", "length", "geometry")
 
@@ -27,9 +25,9 @@ def contact_models(joint: str = "") -> list[str]:
     return [*plain, *laws]
 
 
-def read_contact(parts: Parts, written: Any, joint: str, clearance: float, path: Path) -> Contact | None:
+def read_contact(reader: FieldReader, written: Any, joint: str, clearance: float, path: Path) -> Contact | None:
     """One contact model; None after a problem."""
-    values = parts.values
+    values = reader.values
     table = {"model": written} if isinstance(written, str) else values.table(written, path)
     known = contact_models()
     if "model" not in table:
@@ -48,30 +46,32 @@ def read_contact(parts: Parts, written: Any, joint: str, clearance: float, path:
         values.wrong(here, f"'{model}' does not work on a {joint} joint{wanted}")
         return None
     if model in registry.kinds("contact"):
-        return _plain(parts, table, str(model), joint, clearance, path)
-    return _compliant(parts, table, str(model), joint, clearance, path)
+        return _plain(reader, table, str(model), joint, clearance, path)
+    return _compliant(reader, table, str(model), joint, clearance, path)
 
 
-def _radius(parts: Parts, table: Mapping[str, Any], joint: str, clearance: float, needed: str, path: Path) -> float:
+def _radius(
+    reader: FieldReader, table: Mapping[str, Any], joint: str, clearance: float, needed: str, path: Path
+) -> float:
     """Radius of the bush; asked for where something depends on it."""
     if joint != "revolute":
         if "bush_radius" in table:
-            parts.values.wrong((*path, "bush_radius"), "a guide has no bush", at_key=True)
+            reader.values.wrong((*path, "bush_radius"), "a guide has no bush", at_key=True)
         return 0.0
     if "bush_radius" not in table:
         if needed:
-            parts.values.wrong(
+            reader.values.wrong(
                 path, f"needs bush_radius in m: {needed} depends on it (pin radius = bush_radius - clearance)"
             )
         return 0.0
-    radius = float(parts.values.value(table["bush_radius"], "m", (*path, "bush_radius"), "positive"))
+    radius = float(reader.values.value(table["bush_radius"], "m", (*path, "bush_radius"), "positive"))
     if not math.isnan(radius) and not radius > clearance:
-        parts.values.wrong((*path, "bush_radius"), f"must be larger than the clearance of {clearance:g} m")
+        reader.values.wrong((*path, "bush_radius"), f"must be larger than the clearance of {clearance:g} m")
     return radius
 
 
 def _unused(
-    parts: Parts, table: Mapping[str, Any], used: Collection[str], joint: str, clearance: float, path: Path
+    reader: FieldReader, table: Mapping[str, Any], used: Collection[str], joint: str, clearance: float, path: Path
 ) -> tuple[str, ...]:
     """Keys of a table that other contact models read; they are checked all the same.  Unknown ones are refused."""
     fields: dict[str, registry.Field | None] = {"friction": None, "bush_radius": None, "geometry": None}
@@ -81,61 +81,63 @@ def _unused(
                 known = fields.setdefault(key, one)
                 if known is not None and known.unit != one.unit:
                     fields[key] = None  # means another thing in every law
-    parts.values.keys(table, dict.fromkeys(["model", *used, *fields]), path)
+    reader.values.keys(table, dict.fromkeys(["model", *used, *fields]), path)
     found = tuple(key for key in table if key not in used and key in fields)
     for key in found:
         field = fields[key]
         if key == "friction":
-            _pack(parts, "friction", _friction(parts, table[key], (*path, key)), path)
+            _pack(reader, "friction", _friction(reader, table[key], (*path, key)), path)
         elif key == "bush_radius":
-            _radius(parts, table, joint, clearance, "", path)
+            _radius(reader, table, joint, clearance, "", path)
         elif key == "geometry":
-            _geometry(parts, table[key], path)
+            _geometry(reader, table[key], path)
         elif field is not None and field.shape == "material":  # the simplest formula says whether it is known
             given = {
-                "bush_material": _elastic(parts, field, key, table, {}, path),
+                "bush_material": _elastic(reader, field, key, table, {}, path),
                 "bush_radius": 1.0,
                 "clearance": 0.1,
             }
-            _pack(parts, "stiffness", Choice("sphere", given | {"pin_material": given["bush_material"]}), path)
+            _pack(reader, "stiffness", Choice("sphere", given | {"pin_material": given["bush_material"]}), path)
         elif field is not None:
-            _unit_interval(parts, {key: _elastic(parts, field, key, table, {}, path)}, path)
+            _unit_interval(reader, {key: _elastic(reader, field, key, table, {}, path)}, path)
     return found
 
 
-def _plain(parts: Parts, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path) -> Contact:
+def _plain(
+    reader: FieldReader, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path
+) -> Contact:
     kind = registry.kinds("contact")[model]
     contacts = kind.leaf.contacts
     used = ["model", *kind.fields, *(["bush_radius"] if contacts else [])]
-    unused = _unused(parts, table, used, joint, clearance, path)
+    unused = _unused(reader, table, used, joint, clearance, path)
     given = dict(table)
     if "friction" in kind.fields and isinstance(given.get("friction"), Mapping):
-        law = _friction(parts, given["friction"], (*path, "friction"))
-        _pack(parts, "friction", law, path)
+        law = _friction(reader, given["friction"], (*path, "friction"))
+        _pack(reader, "friction", law, path)
         given["friction"] = law.values.get("mu", 0.0) if law else 0.0  # set-valued Coulomb takes the mu of any law
         left = [f"friction.{key}" for key in table["friction"] if key not in ("model", "mu")]
         unused += tuple(left) if law is None or "mu" in law.values else ("friction",)
-    fields = parts.fields(kind, given, path)
-    _unit_interval(parts, fields, path)
+    fields = reader.fields(kind, given, path)
+    _unit_interval(reader, fields, path)
     if fields.get("restitution_law", 0.0) > 0.0 and fields.get("tangential_restitution", 0.0) > 0.0:
         other = kind.fields["restitution_law"].choices[int(fields["restitution_law"])]
         unfit = f'goes with restitution_law = "newton" only, not with "{other}"'
-        parts.values.wrong((*path, "tangential_restitution"), unfit, at_key=True)
+        reader.values.wrong((*path, "tangential_restitution"), unfit, at_key=True)
     needed = "friction" if fields.get("friction", 0.0) > 0.0 or fields.get("tangential_restitution", 0.0) > 0.0 else ""
-    radius = _radius(parts, table, joint, clearance, needed, path) if contacts else 0.0
+    radius = _radius(reader, table, joint, clearance, needed, path) if contacts else 0.0
     return Contact(model, fields, radius, unused=unused)
 
 
-def _unit_interval(parts: Parts, fields: Mapping[str, Any], path: Path) -> None:
+def _unit_interval(reader: FieldReader, fields: Mapping[str, Any], path: Path) -> None:
     for key in ("restitution", "tangential_restitution"):
         if key in fields and fields[key] > 1.0:
-            parts.values.wrong((*path, key), f"{fields[key]:g} is outside [0, 1]")
+            reader.values.wrong((*path, key), f"{fields[key]:g} is outside [0, 1]")
 
 
 def _compliant(
-    parts: Parts, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path
+    reader: FieldReader, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path
 ) -> Contact | None:
-    values = parts.values
+    values = reader.values
     law = registry.kinds("normal")[model]
     statics = registry.kinds("stiffness")
     by_geometry = any(key in table for key in GEOMETRY)
@@ -148,7 +150,7 @@ def _compliant(
     name = "power"
     if by_geometry:
         name = table.get("geometry", "sphere")
-        if not _geometry(parts, name, path):
+        if not _geometry(reader, name, path):
             return None
         if joint != "revolute":
             values.wrong((*path, "geometry"), "a guide wants stiffness and exponent: these formulas are for pins")
@@ -156,9 +158,9 @@ def _compliant(
     static = statics[name]
     own = [key for key in static.fields if key != "bush_radius"]
     used = ["model", "friction", "bush_radius", "geometry" if by_geometry else "stiffness", *law.fields, *own]
-    unused = _unused(parts, table, used, joint, clearance, path)
+    unused = _unused(reader, table, used, joint, clearance, path)
     radius = _radius(
-        parts,
+        reader,
         table,
         joint,
         clearance,
@@ -167,69 +169,69 @@ def _compliant(
     )
     elastic: dict[str, Any] = {"clearance": clearance, "bush_radius": radius}
     for key in own:
-        elastic[key] = _elastic(parts, static.fields[key], key, table, elastic, path)
-    normal = parts.fields(law, table, path)
-    _unit_interval(parts, normal, path)
-    friction = _friction(parts, table["friction"], (*path, "friction")) if "friction" in table else None
+        elastic[key] = _elastic(reader, static.fields[key], key, table, elastic, path)
+    normal = reader.fields(law, table, path)
+    _unit_interval(reader, normal, path)
+    friction = _friction(reader, table["friction"], (*path, "friction")) if "friction" in table else None
     found = Contact("compliant", {}, radius, Choice(model, normal), Choice(name, elastic), friction, unused)
-    _pack(parts, "stiffness", found.static, path)
-    _pack(parts, "friction", friction, path)
+    _pack(reader, "stiffness", found.static, path)
+    _pack(reader, "friction", friction, path)
     return found
 
 
-def _geometry(parts: Parts, name: Any, path: Path) -> bool:
+def _geometry(reader: FieldReader, name: Any, path: Path) -> bool:
     choices = [one for one in registry.kinds("stiffness") if one != "power"]
     if name not in choices:
-        parts.values.wrong((*path, "geometry"), f"unknown geometry {said(name)}{suggest(str(name), choices)}")
+        reader.values.wrong((*path, "geometry"), f"unknown geometry {said(name)}{suggest(str(name), choices)}")
     return name in choices
 
 
 def _elastic(
-    parts: Parts, field: registry.Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path
+    reader: FieldReader, field: registry.Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path
 ) -> Any:
     if field.shape == "material":
         default = field.default(read) if key not in table and callable(field.default) else field.default
         given = table.get(key, default)
         if isinstance(given, Mapping):
             here = (*path, key)
-            parts.values.keys(given, ("E", "nu"), here)
-            modulus = parts.values.value(given.get("E", "missing"), "Pa", (*here, "E"), "positive")
-            return {"E": modulus, "nu": parts.values.value(given.get("nu", 0.3), "", (*here, "nu"))}
+            reader.values.keys(given, ("E", "nu"), here)
+            modulus = reader.values.value(given.get("E", "missing"), "Pa", (*here, "E"), "positive")
+            return {"E": modulus, "nu": reader.values.value(given.get("nu", 0.3), "", (*here, "nu"))}
         if not isinstance(given, str):
-            parts.values.wrong((*path, key), f"expected the name of a material or {{ E, nu }}, got {said(given)}")
+            reader.values.wrong((*path, key), f"expected the name of a material or {{ E, nu }}, got {said(given)}")
             return "steel"
         return given
     if key == "stiffness":
-        exponent = parts.values.value(table.get("exponent", 1.5), "", (*path, "exponent"), "positive")
+        exponent = reader.values.value(table.get("exponent", 1.5), "", (*path, "exponent"), "positive")
         unit = f"N/m^{exponent:g}" if exponent == exponent else "N/m"
-        return parts.values.value(table[key], unit, (*path, key), "positive")
-    return parts.field(field, key, table, read, path)
+        return reader.values.value(table[key], unit, (*path, key), "positive")
+    return reader.field(field, key, table, read, path)
 
 
-def _friction(parts: Parts, given: Any, path: Path) -> Choice | None:
+def _friction(reader: FieldReader, given: Any, path: Path) -> Choice | None:
     laws = registry.kinds("friction")
     if isinstance(given, Mapping) and given.get("model") == "coulomb":  # as good as the contact model can
-        parts.values.keys(given, ["model", "mu"], path)
+        reader.values.keys(given, ["model", "mu"], path)
         given = given.get("mu", 0.0)
     if isinstance(given, Mapping):
         if not isinstance(given.get("model"), str) or given["model"] not in laws:
-            parts.values.wrong(
+            reader.values.wrong(
                 (*path, "model"), f"unknown friction {said(given.get('model'))}{suggest(str(given.get('model')), laws)}"
             )
             return None
         kind = laws[given["model"]]
-        parts.values.keys(given, ["model", *kind.fields], path)
-        return Choice(kind.name, parts.fields(kind, given, path))
-    mu = parts.values.value(given, "", path, "not negative")
+        reader.values.keys(given, ["model", *kind.fields], path)
+        return Choice(kind.name, reader.fields(kind, given, path))
+    mu = reader.values.value(given, "", path, "not negative")
     kind = laws["coulomb-smooth"]
-    return Choice(kind.name, parts.fields(kind, {"mu": mu}, path)) if mu == mu else None
+    return Choice(kind.name, reader.fields(kind, {"mu": mu}, path)) if mu == mu else None
 
 
-def _pack(parts: Parts, family: str, choice: Choice | None, path: Path) -> None:
+def _pack(reader: FieldReader, family: str, choice: Choice | None, path: Path) -> None:
     """Let a law itself refuse values that do not go together."""
-    if choice is None or parts.values.problems:
+    if choice is None or reader.values.problems:
         return
     try:
         registry.kinds(family)[choice.kind].leaf.pack(choice.values)
     except ValueError as error:
-        parts.values.wrong(path, str(error))
+        reader.values.wrong(path, str(error))

@@ -9,9 +9,10 @@ from typing import Any
 from rattle import registry
 from rattle.description.model import Body, Contact, Driver, Joint, Load, Point, Vector
 from rattle.description.read_contact import read_contact
+from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Path, Values, said
 from rattle.errors import suggest
-from rattle.registry import REQUIRED, Field
+from rattle.registry import Field
 
 BODY = ("points", "center", "mass", "inertia")  # what a body may say
 BAR = ("bar", "length", "points", "mass", "inertia")
@@ -25,11 +26,11 @@ DEFAULT_CONTACT = "massless-link"
 NOWHERE = Point("", "", (math.nan, math.nan))
 
 
-class Parts:
+class Parts(FieldReader):
     """Reads parts one by one; later ones refer to those read before."""
 
     def __init__(self, values: Values) -> None:
-        self.values = values
+        super().__init__(values)
         self.ground: dict[str, Vector] = {}
         self.bodies: dict[str, Body] = {}
         self.joints: dict[str, Joint] = {}
@@ -121,45 +122,6 @@ class Parts:
         if a.body and a.body == b.body:
             self.values.wrong(here, f"both ends are on '{a.body}'; wanted two different bodies")
         return a, b
-
-    # ------------------------------------------------------------ kinds and their fields
-    def choose(self, given: Mapping[str, Any], family: str, path: Path, key: str = "type") -> registry.Kind | None:
-        """The kind that an entry names."""
-        known = registry.kinds(family)
-        if key not in given:
-            self.values.wrong(path, f"needs a {key}: " + ", ".join(known))
-            return None
-        name = given[key]
-        if isinstance(name, str) and name in known:
-            return known[name]
-        self.values.wrong((*path, key), f"unknown {family} {said(name)}{suggest(str(name), known)}")
-        return None
-
-    def field(self, one: Field, key: str, given: Mapping[str, Any], read: Mapping[str, Any], path: Path) -> Any:
-        """One field of a kind, as the user wrote it or its default."""
-        here = (*path, key)
-        if key not in given:
-            if one.default is REQUIRED:
-                self.values.wrong(path, f"needs {key}: {one.meaning}" + (f" [{one.unit}]" if one.unit else ""))
-                return (math.nan, math.nan) if one.shape == "pair" else math.nan
-            default = one.default(read) if callable(one.default) else one.default
-            return float(one.choices.index(default)) if one.shape == "choice" else default
-        if one.shape == "choice":
-            if given[key] in one.choices:
-                return float(one.choices.index(given[key]))
-            hint = suggest(str(given[key]), one.choices)
-            self.values.wrong(here, f"wanted one of {', '.join(one.choices)}, got {said(given[key])}{hint}")
-            return math.nan
-        if one.shape == "pair":
-            return self.values.vector(given[key], one.unit, here, one.live)
-        return self.values.value(given[key], one.unit, here, one.least, one.live)
-
-    def fields(self, kind: registry.Kind, given: Mapping[str, Any], path: Path) -> dict[str, float]:
-        """All fields of a kind, in its order."""
-        read: dict[str, float] = {}
-        for key, one in kind.fields.items():
-            read[key] = self.field(one, key, given, read, path)
-        return read
 
     # ------------------------------------------------------------ joints
     def add_joint(self, name: str, given: Mapping[str, Any]) -> None:

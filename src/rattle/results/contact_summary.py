@@ -3,19 +3,36 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from rattle.results.result import Event, Result
-
+from rattle.results.event import Event, Peak
+from rattle.results.trust import Trust
 
 ROUNDING = 1e-12  # share of the largest kinetic energy below which a loss is rounding
 SMOOTH = 0.1  # share of a curve's change by which the polynomial through five outputs may miss the two beside them
 
 
-def peak(result: Result, name: str) -> tuple[float, float]:
+class Curves(Protocol):
+    """What of a result is summed up here."""
+
+    @property
+    def t(self) -> np.ndarray: ...
+    @property
+    def geometry(self) -> Mapping[str, Any]: ...
+    @property
+    def trust(self) -> Trust: ...
+    @property
+    def events(self) -> tuple[Event, ...]: ...
+    @property
+    def peaks(self) -> Mapping[str, Peak]: ...
+    def __getitem__(self, name: str) -> np.ndarray: ...
+    def __contains__(self, name: object) -> bool: ...
+
+
+def peak(result: Curves, name: str) -> tuple[float, float]:
     """Largest size of a curve and its time [s], see `Result.peak`."""
     known = result.peaks.get(name)
     if known is not None:
@@ -26,7 +43,7 @@ def peak(result: Result, name: str) -> tuple[float, float]:
     return extreme(result.t, values)
 
 
-def rms_of(result: Result, name: str) -> float:
+def rms_of(result: Curves, name: str) -> float:
     """Root mean square of a curve over time, see `Result.rms`."""
     known = result.peaks.get(name)
     return known.rms if known is not None else rms(result.t, result[name])
@@ -71,12 +88,12 @@ class ContactSummary(NamedTuple):
     power_lost: float  # the same per time, mean over the run [W]
 
 
-def contacts(result: Result) -> dict[str, ContactSummary]:
+def contacts(result: Curves) -> dict[str, ContactSummary]:
     """Summary of every joint with play that is not ideal, by name."""
     return {name: _summary(result, name) for name in _loose(result)}
 
 
-def _loose(result: Result) -> list[str]:
+def _loose(result: Curves) -> list[str]:
     """Joints whose play the result shows."""
     found = []
     for name, form in result.geometry["joints"].items():
@@ -85,7 +102,7 @@ def _loose(result: Result) -> list[str]:
     return found
 
 
-def _summary(result: Result, joint: str) -> ContactSummary:
+def _summary(result: Curves, joint: str) -> ContactSummary:
     t, normal = result.t, result[f"{joint}.normal"]
     start, end = float(t[0]), max(float(t[-1]), result.trust.t_end)
     span = end - start
@@ -116,7 +133,7 @@ def _summary(result: Result, joint: str) -> ContactSummary:
     )
 
 
-def _pressing(result: Result, joint: str) -> float:
+def _pressing(result: Curves, joint: str) -> float:
     """Largest normal force [N]; that of a link, which may also pull, where it presses."""
     known = result.peaks.get(f"{joint}.pressing") or result.peaks.get(f"{joint}.normal")
     return known.value if known is not None else float(result[f"{joint}.normal"].max())
@@ -151,7 +168,7 @@ def rms(t: np.ndarray, values: np.ndarray) -> float:
     return math.sqrt(float(np.trapezoid(values**2, t)) / span) if span else abs(float(values[0]))
 
 
-def joint_rows(result: Result) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Heading and one row per joint: peak force and its time, RMS force; with play what its contacts amount to.
 
     Peak and RMS of a run in time come from within its steps; otherwise from a smooth curve through the positions.
@@ -176,7 +193,7 @@ def joint_rows(result: Result) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
 WIDTHS = (14, 12, 14, 10, 10, 9, 14, 13)  # of the columns after the name
 
 
-def joint_table(result: Result) -> str:
+def joint_table(result: Curves) -> str:
     """The rows of `joint_rows` as text in columns."""
     head, rows = joint_rows(result)
     wide = max([10, *(len(joint) for joint in result.geometry["joints"])]) + 2

@@ -20,7 +20,8 @@ from rattle.equations.dense import dense_rows
 from rattle.equations.motion import loads
 from rattle.equations.system import Compiled
 from rattle.results.columns import columns, geometry, width
-from rattle.results.result import Result, Trust
+from rattle.results.result import Result
+from rattle.results.trust import Trust
 from rattle.solvers import position_sweep as swept
 
 SMALL = 1e-4  # of a clearance: displacement for differences

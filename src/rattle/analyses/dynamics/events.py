@@ -24,7 +24,7 @@ from rattle.jit.layout import (
     SPEED,
 )  # fmt: skip
 from rattle.jit.workspace import Memory
-from rattle.results.result import Event
+from rattle.results.event import Event
 
 SHORTEST = 1e-12  # a step that is taken for impossible [s]
 GAIN = 1e-12  # energy from an impact, as a share of that of the run, below which it is rounding

@@ -9,7 +9,7 @@ import numpy as np
 from rattle.equations.system import Compiled
 from rattle.jit.workspace import Memory
 from rattle.results.columns import JOINT, quantities
-from rattle.results.result import Peak
+from rattle.results.event import Peak
 from rattle.solvers import peaks
 from rattle.solvers.gap_search import DEEP
 

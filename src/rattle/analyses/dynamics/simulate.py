@@ -43,7 +43,8 @@ from rattle.jit import functions
 from rattle.jit.workspace import Memory
 from rattle.language.switching import SAME
 from rattle.results.columns import columns, geometry, width
-from rattle.results.result import Result, Trust
+from rattle.results.result import Result
+from rattle.results.trust import Trust
 from rattle.solvers import step_audit, step_loop
 from rattle.solvers.gap_search import ESCAPED
 from rattle.solvers.nonsmooth.impacts import LOW

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.results.display import quantity, table
-from rattle.results.result import Result, Trust
+from rattle.results.result import Result
+from rattle.results.trust import Trust
 
 LONG = 1000.0  # effort from which on no more is advised
 

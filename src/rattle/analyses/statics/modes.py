@@ -19,7 +19,8 @@ from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.equations.motion import loads, place
 from rattle.equations.rest_force import force_at
 from rattle.results.display import table
-from rattle.results.result import Result, Trust
+from rattle.results.result import Result
+from rattle.results.trust import Trust
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -26,7 +26,9 @@ from rattle.equations.dense import dense_rows
 from rattle.equations.rest_force import stiffness
 from rattle.equations.system import Compiled, compile_system
 from rattle.jit import functions
-from rattle.results.result import Event, Result, Trust
+from rattle.results.event import Event
+from rattle.results.result import Result
+from rattle.results.trust import Trust
 from rattle.version import __version__
 
 log = logging.getLogger("rattle")

@@ -1,0 +1,57 @@
+"""The fields of a kind, as the user wrote them or their defaults."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rattle import registry
+from rattle.description.read_values import Path, Values, said
+from rattle.errors import suggest
+from rattle.registry import REQUIRED, Field
+
+
+class FieldReader:
+    """Reads kinds and their fields; what is wrong is collected in `values`."""
+
+    def __init__(self, values: Values) -> None:
+        self.values = values
+
+    def choose(self, given: Mapping[str, Any], family: str, path: Path, key: str = "type") -> registry.Kind | None:
+        """The kind that an entry names."""
+        known = registry.kinds(family)
+        if key not in given:
+            self.values.wrong(path, f"needs a {key}: " + ", ".join(known))
+            return None
+        name = given[key]
+        if isinstance(name, str) and name in known:
+            return known[name]
+        self.values.wrong((*path, key), f"unknown {family} {said(name)}{suggest(str(name), known)}")
+        return None
+
+    def field(self, one: Field, key: str, given: Mapping[str, Any], read: Mapping[str, Any], path: Path) -> Any:
+        """One field of a kind, as the user wrote it or its default."""
+        here = (*path, key)
+        if key not in given:
+            if one.default is REQUIRED:
+                self.values.wrong(path, f"needs {key}: {one.meaning}" + (f" [{one.unit}]" if one.unit else ""))
+                return (math.nan, math.nan) if one.shape == "pair" else math.nan
+            default = one.default(read) if callable(one.default) else one.default
+            return float(one.choices.index(default)) if one.shape == "choice" else default
+        if one.shape == "choice":
+            if given[key] in one.choices:
+                return float(one.choices.index(given[key]))
+            hint = suggest(str(given[key]), one.choices)
+            self.values.wrong(here, f"wanted one of {', '.join(one.choices)}, got {said(given[key])}{hint}")
+            return math.nan
+        if one.shape == "pair":
+            return self.values.vector(given[key], one.unit, here, one.live)
+        return self.values.value(given[key], one.unit, here, one.least, one.live)
+
+    def fields(self, kind: registry.Kind, given: Mapping[str, Any], path: Path) -> dict[str, float]:
+        """All fields of a kind, in its order."""
+        read: dict[str, float] = {}
+        for key, one in kind.fields.items():
+            read[key] = self.field(one, key, given, read, path)
+        return read

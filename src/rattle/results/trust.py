@@ -1,0 +1,139 @@
+"""How far a result can be trusted: what was checked, in numbers and in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rattle.results.display import lines
+
+Array = NDArray[np.float64]
+FEW = 6  # steps in the shortest contact below which its forces are coarse
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Trust:
+    """How far a result can be trusted; `str()` says it in two lines."""
+
+    drift: float  # largest distance between points that belong together [m]
+    drift_joint: str = ""  # where
+    energy_balance: float = math.nan  # largest unexplained change of energy [J]; NaN where there is no audit
+    t_end: float = 0.0  # last instant of the run [s]
+    horizon: float | None = None  # time up to which a tighter run agrees [s]; None: not asked
+    pulled: Mapping[str, float] = field(default_factory=dict)  # massless-link joint -> share of time with N < 0
+    first_pull: Mapping[str, float | None] = field(default_factory=dict)  # ... -> first such time [s]
+    intervals: Mapping[str, Array] = field(default_factory=dict)  # ... -> (k, 2) times with N < 0 [s]
+    contacts: int | None = None  # contacts that started; None: no joint can touch and let go
+    impacts: int = 0  # impacts without duration
+    fewest_steps: float | None = None  # steps in the shortest contact
+    nonunique: tuple[str, ...] = ()  # joints whose reactions are not unique
+    notes: tuple[str, ...] = ()
+    drift_angle: float = 0.0  # largest angle between bodies that belong together [rad]
+    stopped: bool = False  # the run ended before its time
+    horizon_motion: float | None = None  # time up to which positions and rates agree [s]
+    horizon_curve: str = ""  # the curve that parts first
+    energy_share: float | None = None  # the same change as a share of the largest of kinetic energy, work and potential
+
+    def __repr__(self) -> str:
+        return f"<rattle.Trust: {self._accuracy()}; {self._reach()}>"
+
+    def _repr_html_(self) -> str:
+        return lines(str(self))
+
+    def __str__(self) -> str:
+        remarks = "; ".join(one for one in (self._pulling(), *self._remarks()) if one)
+        first = f"{self._accuracy()}; {self._reach()}"
+        return f"{first}\n{remarks}" if remarks else f"{self._accuracy()}\n{self._reach()}"
+
+    def _accuracy(self) -> str:
+        where = f" (worst at {self.drift_joint})" if self.drift_joint and self.drift > 0 else ""
+        energy = "" if math.isnan(self.energy_balance) else f", energy to {_short(abs(self.energy_balance))} J"
+        off = self.energy_share or 0.0
+        share = f" ({_short(off)} of the largest energy)" if off > 1e-6 else ""
+        angle = f" and {_short(self.drift_angle)} rad" if self.drift_angle > self.drift else ""
+        return f"constraints held to {_short(self.drift)} m{angle}{where}{energy}{share}"
+
+    def _reach(self) -> str:
+        if self.horizon is None:
+            return "how long the curves can be trusted was not asked (horizon=True does)"
+        whole = f"up to where the run ended, t = {self.t_end:.4g} s"
+        if not self.stopped:
+            whole = f"over the whole run, to t = {self.t_end:.4g} s"
+        agree = self.horizon >= self.t_end or (self.stopped and not self.horizon_curve)
+        if agree and self.horizon > 0.0:
+            return f"the curves can be trusted {whole}"
+        motion = self.horizon_motion
+        if motion is not None and motion > 2.0 * self.horizon:
+            until = whole if motion >= self.t_end else f"up to t = {motion:.3g} s (horizon)"
+            first = f" ({self.horizon_curve} parts first)" if self.horizon_curve else ""
+            return f"positions and rates can be trusted {until}, all other curves up to t = {self.horizon:.3g} s{first}"
+        return f"the curves can be trusted up to t = {self.horizon:.3g} s (horizon), after it statistics only"
+
+    def coarse(self) -> tuple[str, ...]:
+        """What to say where the shortest contact took too few steps."""
+        if self.fewest_steps is None or self.fewest_steps >= FEW:
+            return ()
+        return (f"the shortest contact took {_steps(self.fewest_steps)}: too few for its peak, tighten rtol",)
+
+    def _touching(self) -> str:
+        """Contacts and impacts, in words; empty where no joint can touch and let go."""
+        if self.contacts is None:
+            return ""
+        counts = [
+            f"{n} {what}{'s' if n != 1 else ''}"
+            for n, what in ((self.contacts, "contact"), (self.impacts, "impact"))
+            if n
+        ]
+        if not counts:
+            return "no contact in the whole run"
+        if self.fewest_steps is None:
+            return " and ".join(counts)
+        coarse = ": too few for its peak, tighten rtol" if self.fewest_steps < FEW else ""
+        return f"{' and '.join(counts)}, the shortest contact took {_steps(self.fewest_steps)}{coarse}"
+
+    def _pulling(self) -> str:
+        return "; ".join(one for one in (self._links(), self._touching()) if one)
+
+    def _links(self) -> str:
+        pulling = sorted((j for j, share in self.pulled.items() if share > 0), key=lambda j: -self.pulled[j])
+        if not self.pulled:
+            return ""
+        if not pulling:
+            return f"{' and '.join(self.pulled)} would never have to pull: the pin stays on its bush all the time"
+        said = [f"{j} {'would have to pull ' if n == 0 else ''}{self._how_much(j)}" for n, j in enumerate(pulling[:3])]
+        more = [f"{len(pulling) - 3} more pins"] if len(pulling) > 3 else []
+        pin = "the pin" if len(pulling) == 1 else "these pins"
+        return f"{', and '.join(said + more)}: {pin} would lift off; this model does not hold there"
+
+    def _how_much(self, joint: str) -> str:
+        share, first = 100 * self.pulled[joint], self.first_pull.get(joint)
+        part = f"for {share:.0f} % of the run" if share >= 1 else "for less than 1 % of the run"
+        return part if first is None else f"{part}, first at t = {first:.4g}{' s' if first else ''}"
+
+    def _remarks(self) -> list[str]:
+        joints = ", ".join(self.nonunique)
+        return ([f"reactions not unique (redundant constraints) at {joints}"] if joints else []) + list(self.notes)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same as numbers, texts and lists, ready for JSON."""
+        return asdict(self) | {"intervals": {j: np.asarray(v).tolist() for j, v in self.intervals.items()}}
+
+    @classmethod
+    def from_dict(cls, record: Mapping[str, Any]) -> Trust:
+        """The inverse of `to_dict`."""
+        intervals = {j: np.asarray(v, float).reshape(-1, 2) for j, v in record["intervals"].items()}
+        texts = {key: tuple(record[key]) for key in ("nonunique", "notes")}
+        return cls(**{**record, **texts, "intervals": intervals})
+
+
+def _steps(count: float) -> str:
+    return f"{count:.0f} step{'s' if round(count) != 1 else ''}"
+
+
+def _short(value: float) -> str:
+    return f"{value:.1g}".replace("e-0", "e-")
