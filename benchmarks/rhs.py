@@ -13,7 +13,7 @@ import numpy as np
 
 import rattle as rt
 from measure import Row, interleave, timed
-from rattle.analyses.dynamics.simulate import start_state
+from rattle.analyses.dynamics.run import start_state
 from rattle.equations.motion import derivative
 from rattle.jit import functions
 from rattle.jit.functions import KernelFunction

@@ -36,7 +36,7 @@ def laws():
     before = {family: dict(registry.kinds(family)) for family in ("normal", "friction")}
     yield
     for family, kinds in before.items():
-        entries = functions._families[family]
+        entries = registry._families[family]
         entries.clear()
         entries.update(kinds)
 

@@ -27,6 +27,7 @@ from numba.core.compiler_machinery import PassManager, register_pass
 from numba.core.registry import cpu_target
 from numba.core.typing.templates import ConcreteTemplate
 from numba.extending import lower_builtin, type_callable
+from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from rattle.jit import machine
 from rattle.jit.blocks import MATRIX, VECTOR, WHOLE_ROWS, WHOLES, block
@@ -234,6 +235,13 @@ def native(function: Callable[..., Any], letters: Sequence[str]) -> machine.Code
 def _symbols(module: Any) -> Iterator[Any]:
     yield from module.functions
     yield from module.global_variables
+
+
+def users_law(law: Callable[..., Any], count: int) -> tuple[Any, Any]:
+    """A function of the user's, compiled, and one that takes its `count` values from parameters: (p, k) -> tuple."""
+    if not isinstance(law, numba.core.dispatcher.Dispatcher):
+        law = numba.njit(**OPTIONS)(law)
+    return law, numba.njit(lambda p, k: to_fixed_tuple(p[k : k + count], count))
 
 
 def address(dispatcher: Any) -> int:

@@ -167,6 +167,13 @@ def _compiling_address(one: KernelFunction) -> int:
         return int(compiling.address(one.dispatcher))
 
 
+def users_law(law: Callable[..., Any], count: int) -> tuple[Any, Any]:
+    """The same function compiled by Numba, and one that takes its `count` values from parameters: (p, k) -> tuple."""
+    with _compiling() as compiling:
+        found: tuple[Any, Any] = compiling.users_law(law, count)
+    return found
+
+
 def compiled(function: Callable[..., Any]) -> KernelFunction:
     """Decorator for a function of the compiled layer (types follow from the first call)."""
     return KernelFunction(function)

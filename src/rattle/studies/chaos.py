@@ -17,7 +17,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.analyses.assembly.rank import rank
 from rattle.analyses.assembly.unclosed import driver_slot
-from rattle.analyses.dynamics import simulate
+from rattle.analyses.dynamics.run import stop
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import DONE, PAUSED, drive
@@ -245,11 +245,11 @@ def bifurcation(
         if not rows:
             raise
         interrupted = True
-        simulate.stop.set()  # the runs in other threads end now too
+        stop.set()  # the runs in other threads end now too
     finally:
         pool.shutdown(cancel_futures=True)
         if interrupted:
-            simulate.stop.clear()
+            stop.clear()
         if bar is not None:
             bar.close()
     what = m.model.parameters.get(parameter)

@@ -5,16 +5,14 @@ Source: docs/theory.md, section 8.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from rattle.analyses.dynamics.run import Run
 from rattle.results.columns import columns
 from rattle.solvers import step_loop
 from rattle.solvers.output_row import record
-
-if TYPE_CHECKING:
-    from rattle.analyses.dynamics.simulate import Run
 
 AGREE = 0.01  # share of its range within which a curve agrees
 STILL = 1e-7  # a curve whose range is below this share of the widest of its unit does not move

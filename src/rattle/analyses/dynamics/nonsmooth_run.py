@@ -10,7 +10,7 @@ import numpy as np
 from rattle import registry
 from rattle.analyses.dynamics.failure import explain
 from rattle.analyses.dynamics.peak_values import peak_arrays
-from rattle.analyses.dynamics.simulate import Run, start_state
+from rattle.analyses.dynamics.run import Run, start_state
 from rattle.analyses.dynamics.soundness import audit_arrays, set_floor, why_unsound
 from rattle.equations import complementarity, contact_network, lemke, unilateral
 from rattle.equations.complementarity import BACKWARD, FORWARD

@@ -8,10 +8,11 @@ a run ends before the step that would take it there; beyond `SAID` it says so.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
+from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.assembly.driver_conflicts import contradicted
 from rattle.analyses.assembly.rank import describe_rank_loss, unlike_masses
 from rattle.analyses.assembly.unclosed import driver_slot
@@ -25,9 +26,6 @@ from rattle.results.columns import width
 from rattle.solvers import step_audit, step_loop
 from rattle.solvers.output_row import record
 
-if TYPE_CHECKING:
-    from rattle.analyses.dynamics.simulate import Run
-
 LIMIT = 1e-3  # share of its measure that drift or energy may be off by
 MOREAU = 0.2  # the same for the energy of Moreau-Jean, whose accounts close in proportion to the step
 SAID = 1e-6  # share beyond which it is said
@@ -38,6 +36,20 @@ SWIFT = 1000.0  # speed of a massless link, in speeds of the driver, that is out
 CREEPING = 200_000  # steps that must bring a run further than
 LEAST_GONE = 1e-4  # this share of its time, unless the user says how many steps it may take
 FAR = 1e6  # distance from the origin, in sizes, that leaves too few digits for the motion
+
+
+class Running(Protocol):
+    """What of a run is looked at here."""
+
+    ready: Compiled
+    memory: Memory
+    start: Assembled
+    clock: np.ndarray
+    tally: np.ndarray
+    t_end: float
+    method: str
+    rtol: float
+    most_steps: int | None
 
 
 # ---------------------------------------------------------------- what is measured with what
@@ -151,7 +163,7 @@ def _point_rate(curve: Mapping[str, np.ndarray], point: Point) -> tuple[np.ndarr
     return curve[f"{point.body}.vx"] - omega * y, curve[f"{point.body}.vy"] + omega * x
 
 
-def too_slow(run: Run, mark: tuple[int, float]) -> tuple[str, tuple[int, float]]:
+def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, float]]:
     """Why a run that gets nowhere is ended ("" while it gets on), and the steps and time [s] to measure from next."""
     steps, t = int(run.tally[step_loop.STEPS]), float(run.clock[step_loop.T])
     if run.most_steps is not None:
@@ -169,7 +181,7 @@ def too_slow(run: Run, mark: tuple[int, float]) -> tuple[str, tuple[int, float]]
     ), mark
 
 
-def why_unsound(run: Run) -> str:
+def why_unsound(run: Running) -> str:
     """Why a run ended at the last instant that can be believed, in words."""
     ready, seen = run.ready, run.memory["audit"]
     t, ahead = float(run.clock[step_loop.T]), float(run.clock[step_loop.TROUBLE])
@@ -185,7 +197,7 @@ def why_unsound(run: Run) -> str:
     return f"ended at t = {t:.6g} s, before {' and '.join(what)}: {_cause(run, t, ahead)}"
 
 
-def _cause(run: Run, t: float, ahead: float) -> str:
+def _cause(run: Running, t: float, ahead: float) -> str:
     ready, memory = run.ready, run.memory
     nq = 3 * ready.body_count
     q, v = memory["y"][:nq].copy(), memory["y"][nq : 2 * nq].copy()

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from rattle import registry
-from rattle.jit.functions import KernelFunction
+from rattle.jit.functions import KernelFunction, users_law
 from rattle.jit.layout import (
     BRISTLE,
     DGAP,
@@ -119,13 +119,7 @@ class ContactLaw(KernelFunction):
     def dispatcher(self) -> Any:
         """The Numba dispatcher, made when first asked for.  Raises ValueError where Numba cannot compile the law."""
         if self._native is None:
-            import numba
-            from numba.np.unsafe.ndarray import to_fixed_tuple
-
-            law, count = self.law, len(self.pack._fields)
-            if not isinstance(law, numba.core.dispatcher.Dispatcher):
-                law = numba.njit(nogil=True, error_model="numpy")(law)
-            part = numba.njit(lambda p, k: to_fixed_tuple(p[k : k + count], count))
+            law, part = users_law(self.law, len(self.pack._fields))
             made = KernelFunction(self._make(self, law, part), self.family, ours=False)
             try:
                 _ = made.dispatcher

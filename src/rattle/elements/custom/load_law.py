@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from rattle import registry
-from rattle.jit.functions import KernelFunction
+from rattle.jit.functions import KernelFunction, users_law
 from rattle.jit.layout import OUTSIDE, PHI, VX, VY, W, X, Y
 from rattle.language.units import dimension_of
 from rattle.registry import Field
@@ -157,19 +157,14 @@ def _plain(kernel: LawKernel) -> Callable[..., None]:
 
 def _native(kernel: LawKernel) -> Callable[..., None]:
     """For machine code, with the law compiled into it."""
-    import numba
-    from numba.np.unsafe.ndarray import to_fixed_tuple
-
-    law = kernel.law
-    if not isinstance(law, numba.core.dispatcher.Dispatcher):
-        law = numba.njit(nogil=True, error_model="numpy")(law)
-    pack, count = kernel.pack, len(kernel.keys)
+    law, part = users_law(kernel.law, len(kernel.keys))
+    pack = kernel.pack
 
     def run(t, body, a, b, p, k, force, energy):  # type: ignore[no-untyped-def]
         kept = force[b, X]
         force[b, X] = math.nan  # stays if the law raises: machine code would go on as if nothing had happened
         state = (body[b, X], body[b, Y], body[b, PHI], body[b, VX], body[b, VY], body[b, W])
-        fx, fy, torque = law(t, state, pack(*to_fixed_tuple(p[k : k + count], count)))
+        fx, fy, torque = law(t, state, pack(*part(p, k)))
         force[b, X] = kept + fx
         force[b, Y] += fy
         force[b, PHI] += torque
