@@ -33,8 +33,8 @@ many = KernelFunction(_many)
 def seconds_per_rhs(mechanism: rt.Mechanism, calls: int) -> float:
     """Time of one right-hand side at the start of the mechanism [s], called in a compiled loop."""
     functions.start()
-    y = start_state(mechanism.ready, mechanism.start)
-    memory, dy = mechanism.ready.memory(), np.zeros_like(y)
+    y = start_state(mechanism.system, mechanism.start)
+    memory, dy = mechanism.system.memory(), np.zeros_like(y)
     many(memory.handle, 0.0, y, dy, 1)
     return timed(lambda: many(memory.handle, 0.0, y, dy, calls))() / calls
 

@@ -18,16 +18,16 @@ PLAIN = TEXT[: TEXT.index("[loads.back]")] + TEXT[TEXT.index("[initial]") :]  # 
 
 
 def angle(m, body):
-    return m.start.q[3 * m.ready.bodies.index(body) + 2]
+    return m.start.q[3 * m.system.bodies.index(body) + 2]
 
 
 def rate(m, body):
-    return m.start.v[3 * m.ready.bodies.index(body) + 2]
+    return m.start.v[3 * m.system.bodies.index(body) + 2]
 
 
 def point(m, body, name):
     """Place of a body's point at the start [m]."""
-    x, y, phi = m.start.q[3 * m.ready.bodies.index(body) :][:3]
+    x, y, phi = m.start.q[3 * m.system.bodies.index(body) :][:3]
     px, py = m.model.bodies[body].points[name]
     return np.array([x + math.cos(phi) * px - math.sin(phi) * py, y + math.sin(phi) * px + math.cos(phi) * py])
 
@@ -73,10 +73,10 @@ def test_angles_that_do_not_close_change_least_by_mass():
         x, y, phi = q0[3 * n : 3 * n + 3] + 1e-4 * np.array([1, -2, 3]) * (n + 1)
         m.initial(body, x=x, y=y, angle=phi)
     start = np.array([v for one in m.model.initial.bodies.values() for v in one.values()])
-    change = (m.start.q - start) * m.ready.arrays["mass"][1:].ravel()
-    memory = m.ready.memory()
+    change = (m.start.q - start) * m.system.arrays["mass"][1:].ravel()
+    memory = m.system.memory()
     open_by(memory.handle, 0.0, m.start.q, m.start.v)
-    rows = dense_rows(m.ready, memory)
+    rows = dense_rows(m.system, memory)
     free = np.linalg.svd(rows)[2][np.linalg.matrix_rank(rows) :]
     assert np.abs(change).max() > 1e-4
     assert np.abs(free @ change).max() < 1e-3 * np.abs(change).max()  # second order in the change
@@ -99,7 +99,7 @@ def test_angles_nobody_gave_are_found(crank):
 
 def test_position_follows_the_driver_to_any_time():
     m = four_bar().driver("motor", "A", angle="1 + 2*t")
-    later = assemble(m.ready, 0.7)
+    later = assemble(m.system, 0.7)
     assert later.q[2] == pytest.approx(2.4, abs=1e-12)
     assert later.v[2] == pytest.approx(2.0, abs=1e-12)
     assert later.residual < 1e-13
@@ -182,9 +182,9 @@ def test_rates_not_given_are_those_of_the_ideal_mechanism():
 def test_one_rate_of_a_linkage_makes_the_others():
     m = four_bar().initial("crank", angle=1.0).initial("coupler", angle=0.5).initial("rocker", angle=-1, omega=2.0)
     assert rate(m, "rocker") == pytest.approx(2.0, rel=1e-5)
-    memory = m.ready.memory()
+    memory = m.system.memory()
     open_by(memory.handle, 0.0, m.start.q, m.start.v)
-    assert np.abs(dense_rows(m.ready, memory) @ m.start.v).max() < 1e-12
+    assert np.abs(dense_rows(m.system, memory) @ m.start.v).max() < 1e-12
 
 
 def test_rates_of_an_open_chain_are_free():

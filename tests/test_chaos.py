@@ -274,8 +274,8 @@ def test_bifurcation_does_not_depend_on_threads_and_shows_period_doubling():
 
 
 def test_driver_period_is_one_turn():
-    assert driver_period(rt.example("slider_crank").ready) == pytest.approx(0.012)
-    assert driver_period(rt.example("double_pendulum").ready) is None
+    assert driver_period(rt.example("slider_crank").system) == pytest.approx(0.012)
+    assert driver_period(rt.example("double_pendulum").system) is None
     with pytest.raises(ValueError, match="give the period"):
         rt.example("double_pendulum").poincare("upper.x")
 

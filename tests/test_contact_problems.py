@@ -39,8 +39,8 @@ def chain(pins, friction=0.1, restitution=0.3, hanging=False, bend=0.4):
 def problem(pins, friction, rng, known_slip=False):
     """A problem with all pins of a chain closed and any right side; its memory and G, made without the joints' code."""
     functions.start()
-    ready = chain(pins, friction, hanging=True).ready
-    memory = ready.memory(**contact_arrays(ready, False))
+    system = chain(pins, friction, hanging=True).system
+    memory = system.memory(**contact_arrays(system, False))
     q = np.concatenate([[0.3 * k, -0.2 * k, rng.uniform(-3, 3)] for k in range(pins)])
     motion.free_motion(memory.handle, 0.0, q, rng.normal(size=3 * pins))
     memory["chosen"][:] = np.arange(pins)
@@ -49,7 +49,7 @@ def problem(pins, friction, rng, known_slip=False):
     complementarity.rows_kernel(memory.handle, pins)
     memory["side"][B] = rng.normal(size=2 * pins) * 10.0 ** rng.uniform(-4, 0, 2 * pins)
     lines = np.zeros((2 * pins, 3 * pins))
-    for k, contact in enumerate(ready.arrays["contact"]):
+    for k, contact in enumerate(system.arrays["contact"]):
         for column, body in ((0, contact[A_BODY]), (3, contact[B_BODY])):
             if body:
                 lines[2 * k : 2 * k + 2, 3 * body - 3 : 3 * body] = memory["arm"][
@@ -241,7 +241,7 @@ def test_words_about_an_unsolved_problem_name_painleve_only_where_friction_is_sh
     for outcome in (IMPOSSIBLE, JAMMED, complementarity.UNSETTLED):
         memory, _ = problem(3, 0.1, np.random.default_rng(1))
         memory["held"][complementarity.OUTCOME] = outcome
-        run.ready, run.memory, run.clock = chain(3).ready, memory, np.zeros(9)
+        run.system, run.memory, run.clock = chain(3).system, memory, np.zeros(9)
         said[outcome] = ImpactRun.trouble(run, unilateral.ending(memory.handle))
     assert "has no solution" in said[IMPOSSIBLE]
     assert "Painleve" in said[IMPOSSIBLE]

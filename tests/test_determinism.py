@@ -60,10 +60,10 @@ def test_two_threads_give_the_bits_of_one(alone):
 
 def test_two_threads_may_share_one_mechanism(alone):
     m = rt.example("fourbar")
-    ready = threading.Barrier(2)
+    system = threading.Barrier(2)
 
     def go(_: int) -> bytes:
-        ready.wait()
+        system.wait()
         return bits(m.simulate())
 
     with ThreadPoolExecutor(2) as pool:

@@ -110,7 +110,7 @@ def test_a_driver_at_a_dead_centre_is_not_called_a_contradiction():
     ],
 )
 def test_where_a_driver_jumps_is_found_and_smooth_ones_are_left_alone(function, said):
-    found = jump(rt.loads(slider_crank(f'joint = "O"\nangle = "{function}"')).ready, 0.45, 0.6)
+    found = jump(rt.loads(slider_crank(f'joint = "O"\nangle = "{function}"')).system, 0.45, 0.6)
     assert said in found
     assert bool(found) == bool(said)
 
@@ -122,7 +122,7 @@ def test_a_ratio_of_masses_that_leaves_no_digits_ends_the_run_and_is_named():
     assert "'slider' has 4.8e+12 times the mass of 'rod'" in run.message
     assert run.t[-1] < 0.01
     assert run.trust.horizon <= run.t[-1]
-    assert run.trust.drift < 1e-3 * extent(m.ready)
+    assert run.trust.drift < 1e-3 * extent(m.system)
     assert run.trust.energy_share < 1e-3
 
 
@@ -167,7 +167,7 @@ def test_mechanisms_without_energy_are_not_refused_for_rounding():
 def test_place_of_the_origin_does_not_change_what_drift_is_measured_with():
     near = rt.loads(slider_crank())
     far = rt.loads(slider_crank().replace("O = [0, 0]\n[bodies.crank]", "O = [1000, 500]\n[bodies.crank]"))
-    assert extent(far.ready) == pytest.approx(extent(near.ready), rel=1e-12)
+    assert extent(far.system) == pytest.approx(extent(near.system), rel=1e-12)
 
 
 # ---------------------------------------------------------------- runs that get nowhere

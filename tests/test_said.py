@@ -14,11 +14,11 @@ from rattle.results.event import Event
 
 @pytest.mark.nojit
 def test_rounding_is_no_gain_of_energy_and_a_true_gain_is():
-    ready = rt.example("fourbar").with_contact("impact").ready
+    system = rt.example("fourbar").with_contact("impact").system
     tiny = [Event(0.1, "O3", "impact", 1e-9, impulse=1e-9, energy_lost=-1e-16)]
-    assert contact_notes(ready, tiny, 10.0) == ()
+    assert contact_notes(system, tiny, 10.0) == ()
     gain = [Event(0.1, "O3", "impact", 0.1, impulse=1.0, energy_lost=-1e-3)]
-    assert "1 impact gave energy, 0.001 J" in contact_notes(ready, gain, 10.0)[0]
+    assert "1 impact gave energy, 0.001 J" in contact_notes(system, gain, 10.0)[0]
 
 
 @pytest.mark.parametrize(("name", "contact"), [("fourbar_onesided", None), ("fourbar", "impact")])

@@ -117,12 +117,12 @@ def test_the_angle_given_stays_and_the_others_close_the_loop():
 
 def test_rates_that_do_not_go_together_change_least_by_mass_among_those_given():
     m = parallelogram(0.7, ("crank",)).initial("rocker", angle=0.7, omega=11.0)
-    memory = m.ready.memory()
+    memory = m.system.memory()
     open_by(memory.handle, 0.0, m.start.q, m.start.v)
-    rows = dense_rows(m.ready, memory)
+    rows = dense_rows(m.system, memory)
     assert np.abs(rows @ m.start.v).max() < 1e-12
     # one freedom w: inertia about the mass centre weighs what is asked of crank and rocker
-    inertia = m.ready.arrays["mass"][1:, 2]
+    inertia = m.system.arrays["mass"][1:, 2]
     best = (10.0 * inertia[0] + 11.0 * inertia[2]) / (inertia[0] + inertia[2])
     assert m.start.v[2] == pytest.approx(best, rel=1e-9)
     assert "the values given do not go together" in m.start.notes[0]

@@ -107,8 +107,8 @@ def test_stability_of_a_pendulum():
     assert [(round(math.sin(one["rod.angle"])), one.stable) for one in found] == [(-1, True), (1, False)]
     assert found[0]["O.fy"] == pytest.approx(9.81, abs=1e-10)
     # a displacement dz turns by dphi, dz^2 = (0.5 dphi)^2 + (size dphi)^2: H = m g l/2 dphi^2/dz^2
-    rest = Rest(rt.loads(pendulum()).ready, 0.0)
-    arm = 0.25 + rest.ready.size**2
+    rest = Rest(rt.loads(pendulum()).system, 0.0)
+    arm = 0.25 + rest.system.size**2
     assert found[0].eigenvalue == pytest.approx(9.81 * 0.5 / arm, rel=1e-9)
     assert found[1].eigenvalue == pytest.approx(-9.81 * 0.5 / arm, rel=1e-9)
 
@@ -118,7 +118,7 @@ def test_reduced_hessian_is_the_second_difference_of_the_energy():
     spring = '[loads.spring]\ntype = "spring"\nconnect = ["ground.S", "rod.B"]\nstiffness = 40\nfree_length = 0.3\n'
     m = rt.loads(pendulum(spring, angle=0.4))
     one = m.equilibrium()[0]
-    rest = Rest(m.ready, 0.0)
+    rest = Rest(m.system, 0.0)
     _, null = rest.look(one.q)
     h = rest.hessian(one.q, null)
 
@@ -141,7 +141,7 @@ def test_reduced_hessian_is_the_second_difference_of_the_energy():
 def test_reduced_hessian_with_clearance_pins_is_that_of_the_energy_over_their_directions():
     m = rt.loads(paper(40.0, 9.81))
     one = m.equilibrium()[0]
-    rest = Rest(m.ready, 0.0)
+    rest = Rest(m.system, 0.0)
     g, null = rest.look(one.q)
     h = rest.hessian(one.q, null)
 
@@ -149,7 +149,7 @@ def test_reduced_hessian_with_clearance_pins_is_that_of_the_energy_over_their_di
         q = one.q + null @ z
         for _ in range(3):
             rest.close(q)
-        bodies = dict(zip(m.ready.bodies, q.reshape(-1, 3), strict=True))
+        bodies = dict(zip(m.system.bodies, q.reshape(-1, 3), strict=True))
         return (
             9.81 * (0.5 * bodies["crank"][1] + 2 * bodies["coupler"][1] + 2 * bodies["rocker"][1])
             - 40 * bodies["rocker"][2]
@@ -328,10 +328,10 @@ def test_slow_motion_of_a_parallelogram_has_the_torque_of_its_weight():
 @nojit
 def test_pins_are_displaced_by_what_is_asked():
     m = rt.loads(paper())
-    ideal = Rest(m.ideal().ready, 0.0)
+    ideal = Rest(m.ideal().system, 0.0)
     start = m.ideal().start.q
     wanted = {"O3": np.array([1e-3, 2e-3]), "O4": np.array([-3e-3, 0.0])}
-    moved = Rest(m.ready, 0.0).offsets(opened(ideal, start, wanted))
+    moved = Rest(m.system, 0.0).offsets(opened(ideal, start, wanted))
     np.testing.assert_allclose(moved, [wanted["O3"], wanted["O4"]], atol=1e-14)
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rattle.analyses.check import Check
     from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
     from rattle.analyses.statics.modes import Modes
-    from rattle.equations.system import Compiled
+    from rattle.equations.system import System
     from rattle.results.result import Result
     from rattle.studies.chaos import Bifurcation, Lyapunov, Section
     from rattle.studies.compare import Comparison
@@ -90,7 +90,7 @@ class Mechanism(Building):
             raise (model_file.point_out(error, self._text) if self._text else error) from None
 
     @cached_property
-    def ready(self) -> Compiled:
+    def system(self) -> System:
         """The model as flat arrays."""
         from rattle.equations.system import compile_system
 
@@ -101,7 +101,7 @@ class Mechanism(Building):
         """The mechanism put together at t = 0. Raises AssemblyError."""
         from rattle.analyses.assembly.assembly import assemble
 
-        return assemble(self.ready)
+        return assemble(self.system)
 
     @property
     def name(self) -> str:
@@ -192,7 +192,7 @@ class Mechanism(Building):
         """Bodies, joints, mobility, redundant rows, loops, branch and reach of the driver; str() is a short report."""
         from rattle.analyses.check import check
 
-        return check(self.ready, self.start)
+        return check(self.system, self.start)
 
     def simulate(
         self, t_end: Seconds | None = None, *, t_eval: Sequence[Seconds] | np.ndarray | None = None,
@@ -222,7 +222,7 @@ class Mechanism(Building):
         from rattle.analyses.dynamics import simulate as simulation
 
         return simulation.simulate(
-            self.ready, self.start, t_end=seconds_or_none(t_end, "t_end"), t_eval=times(t_eval, "t_eval"),
+            self.system, self.start, t_end=seconds_or_none(t_end, "t_end"), t_eval=times(t_eval, "t_eval"),
             method=method, rtol=rtol, atol=atol, step=seconds_or_none(step, "step"), progress=progress, strict=strict,
             horizon=horizon, most_steps=most_steps,
         )  # fmt: skip
@@ -293,7 +293,7 @@ class Mechanism(Building):
         from rattle.analyses import kinematics
 
         return kinematics.analyse(
-            self.ready, self._start_or_none(), times(t_eval, "t_eval"), forces=False, strict=strict
+            self.system, self._start_or_none(), times(t_eval, "t_eval"), forces=False, strict=strict
         )
 
     def inverse_dynamics(
@@ -314,7 +314,7 @@ class Mechanism(Building):
         from rattle.analyses import kinematics
 
         return kinematics.analyse(
-            self.ready, self._start_or_none(), times(t_eval, "t_eval"), forces=True, effort_at=effort_at, strict=strict
+            self.system, self._start_or_none(), times(t_eval, "t_eval"), forces=True, effort_at=effort_at, strict=strict
         )
 
     @overload
@@ -350,10 +350,10 @@ class Mechanism(Building):
         if np.ndim(t) == 0:
             from rattle.analyses.statics.equilibria import equilibria
 
-            return equilibria(self.ready, arguments.number("t", t), branches, arguments.positive("effort", effort))
+            return equilibria(self.system, arguments.number("t", t), branches, arguments.positive("effort", effort))
         from rattle.analyses.statics.quasistatic import quasistatic
 
-        return quasistatic(self.ready, np.asarray(t, dtype=float), arguments.positive("effort", effort))
+        return quasistatic(self.system, np.asarray(t, dtype=float), arguments.positive("effort", effort))
 
     def modes(self, t: Seconds = 0.0, equilibrium: Equilibrium | None = None, *, effort: float = 1.0) -> Modes:
         """Natural frequencies, damping and shapes about a position of rest (default: the first of `equilibrium(t)`).
@@ -368,7 +368,7 @@ class Mechanism(Building):
         found = [equilibrium] if equilibrium is not None else searched
         if not found:
             raise ValueError(f"no position of rest was found at t = {seconds(t, 't'):g} s")
-        return modes(rest_of(self.ready, found[0]), found[0], searched.note if searched is not None else "")
+        return modes(rest_of(self.system, found[0]), found[0], searched.note if searched is not None else "")
 
     def accuracy(
         self, of: str, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *, extremes: bool = True, loaded: bool = True
@@ -385,7 +385,7 @@ class Mechanism(Building):
         """
         from rattle.analyses.accuracy.clearance_error import accuracy
 
-        return accuracy(self.ready, of, times(t_eval, "t_eval"), extremes=extremes, loaded=loaded)
+        return accuracy(self.system, of, times(t_eval, "t_eval"), extremes=extremes, loaded=loaded)
 
     def _start_or_none(self) -> Assembled | None:
         """The start at t = 0, or None when the mechanism cannot be put together there."""

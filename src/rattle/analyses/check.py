@@ -16,7 +16,7 @@ from rattle.analyses.timetable import jump_lines, timetable
 from rattle.description.model import Model
 from rattle.equations.closure import close_position, open_by
 from rattle.equations.dense import LARGE
-from rattle.equations.system import Compiled, compile_system, is_link
+from rattle.equations.system import System, compile_system, is_link
 from rattle.jit.workspace import Memory
 from rattle.results.display import table
 
@@ -73,29 +73,29 @@ class Check:
         return "\n".join(lines)
 
 
-def check(ready: Compiled, start: Assembled) -> Check:
+def check(system: System, start: Assembled) -> Check:
     """Look a mechanism over at its assembled start."""
-    model = ready.model
-    jumps = timetable(ready, start.t, model.settings.t_end).jumps
-    memory = ready.memory()
+    model = system.model
+    jumps = timetable(system, start.t, model.settings.t_end).jumps
+    memory = system.memory()
     open_by(memory.handle, start.t, start.q, start.v)
-    if ready.row_count > LARGE:
+    if system.row_count > LARGE:
         from rattle.equations.schur import factorise
 
         factorise(memory.handle)
-    independent = rank(ready, memory)
-    redundant = ready.row_count - independent
+    independent = rank(system, memory)
+    redundant = system.row_count - independent
     return Check(
         name=model.name,
-        bodies=ready.body_count,
+        bodies=system.body_count,
         joints=len(model.joints),
-        mobility=3 * ready.body_count - independent,
+        mobility=3 * system.body_count - independent,
         redundant=redundant,
-        redundant_joints=nonunique_reactions(ready, memory) if redundant else (),
+        redundant_joints=nonunique_reactions(system, memory) if redundant else (),
         loops=tuple(describe_loop(model, joint, path) for joint, path in loops(model)),
-        branches=tuple(_branches(ready, start)),
+        branches=tuple(_branches(system, start)),
         clearances=tuple(_clearances(model)),
-        reach=(*_reach(ready, start), *jump_lines(jumps)),
+        reach=(*_reach(system, start), *jump_lines(jumps)),
         laws=tuple(law_faults(model)),
         start=start.notes,
         residual=start.residual,
@@ -110,14 +110,16 @@ def _clearances(model: Model) -> list[str]:
     ]
 
 
-def _branches(ready: Compiled, start: Assembled) -> list[str]:
+def _branches(system: System, start: Assembled) -> list[str]:
     """For every pair of links between three pins: on which side of the line of the outer pins the middle one lies."""
-    model = ready.model
-    if ready.row_count > LARGE:
+    model = system.model
+    if system.row_count > LARGE:
         return []
     at = {}
     for name, joint in model.joints.items():
-        x, y, phi = (0.0, 0.0, 0.0) if joint.a.body == "ground" else start.q[3 * ready.bodies.index(joint.a.body) :][:3]
+        x, y, phi = (
+            (0.0, 0.0, 0.0) if joint.a.body == "ground" else start.q[3 * system.bodies.index(joint.a.body) :][:3]
+        )
         c, s = math.cos(phi), math.sin(phi)
         at[name] = np.array([x + c * joint.a.at[0] - s * joint.a.at[1], y + s * joint.a.at[0] + c * joint.a.at[1]])
     driven = {driver.joint for driver in model.drivers.values()}
@@ -136,7 +138,7 @@ def _branches(ready: Compiled, start: Assembled) -> list[str]:
                 continue
             first, second = at[two] - at[one], at[three] - at[one]
             side = first[1] * second[0] - first[0] * second[1]
-            if min(np.hypot(*first), np.hypot(*second), np.hypot(*(second - first))) < 1e-9 * ready.size:
+            if min(np.hypot(*first), np.hypot(*second), np.hypot(*(second - first))) < 1e-9 * system.size:
                 continue  # two pins in one place: there is no side
             scale = float(np.hypot(*first) * np.hypot(*second))
             where = "on" if abs(side) < 1e-9 * scale else "left of" if side > 0 else "right of"
@@ -144,24 +146,24 @@ def _branches(ready: Compiled, start: Assembled) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def _reach(ready: Compiled, start: Assembled) -> list[str]:
+def _reach(system: System, start: Assembled) -> list[str]:
     """How far each driver can be taken from its start, the others held, with all clearances closed."""
-    model = ready.model
-    if not model.drivers or ready.row_count > LARGE:
+    model = system.model
+    if not model.drivers or system.row_count > LARGE:
         return []
     links = any(is_link(joint) for joint in model.joints.values())
-    ideal = compile_system(ideal_model(model)) if links else ready
+    ideal = compile_system(ideal_model(model)) if links else system
     frozen, slots, at_start = _hold_drivers(ideal, start.t)
     found = []
     q = start.q.copy()
     scratch = np.empty_like(q)
-    close_position(frozen.handle, 0.0, q, scratch, 1e-10 * ready.size, 30)
+    close_position(frozen.handle, 0.0, q, scratch, 1e-10 * system.size, 30)
     for name, slot in slots.items():
-        turning = ready.rows[ready.arrays["joint"][ready.joints.index(name), 4]].unit == "rad"
-        step = 2 * math.pi / TURN if turning else ready.size / 36
-        up = _far(frozen, q, scratch, slot, at_start[name], step, 1e-9 * ready.size)
+        turning = system.rows[system.arrays["joint"][system.joints.index(name), 4]].unit == "rad"
+        step = 2 * math.pi / TURN if turning else system.size / 36
+        up = _far(frozen, q, scratch, slot, at_start[name], step, 1e-9 * system.size)
         full = turning and up is None
-        ends = [up, None if full else _far(frozen, q, scratch, slot, at_start[name], -step, 1e-9 * ready.size)]
+        ends = [up, None if full else _far(frozen, q, scratch, slot, at_start[name], -step, 1e-9 * system.size)]
         unit, scale = ("deg", 180 / math.pi) if turning else ("m", 1.0)
         if full:
             found.append(f"{name} can turn fully")
@@ -171,21 +173,21 @@ def _reach(ready: Compiled, start: Assembled) -> list[str]:
     return found
 
 
-def _hold_drivers(ready: Compiled, t: float) -> tuple[Memory, dict[str, int], dict[str, float]]:
+def _hold_drivers(system: System, t: float) -> tuple[Memory, dict[str, int], dict[str, float]]:
     """Memory in which the functions of the drivers are plain numbers, and where these stand."""
     from dataclasses import replace
 
     from rattle.equations.motion import drive
 
-    running = ready.memory()
+    running = system.memory()
     drive(running.handle, t)
     slots = {}
-    for n, name in enumerate(ready.joints):
-        if name in ready.model.drivers:
-            slots[name] = int(ready.arrays["joint"][n, 3]) + driver_slot(ready, n)
+    for n, name in enumerate(system.joints):
+        if name in system.model.drivers:
+            slots[name] = int(system.arrays["joint"][n, 3]) + driver_slot(system, n)
     none = np.zeros((0, 3), np.int64)
     frozen = replace(
-        ready, arrays={**ready.arrays, "jet": none, "jet_signal": none, "values": running["values"]}
+        system, arrays={**system.arrays, "jet": none, "jet_signal": none, "values": running["values"]}
     ).memory()
     return frozen, slots, {name: float(running["values"][slot]) for name, slot in slots.items()}
 

@@ -18,7 +18,7 @@ from rattle.analyses.timetable import jump_notes, timetable
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import drive
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, suggest
 from rattle.jit import functions
 from rattle.jit.workspace import Memory
@@ -40,7 +40,7 @@ MOTORS = {"revolute": ("angle", "torque", "N*m"), "prismatic": ("position", "thr
 class Sweep:
     """The state of one sweep: where it is, and what it has seen."""
 
-    ready: Compiled
+    system: System
     memory: Memory
     node: np.ndarray  # (9, 3 nb), see solvers.position_sweep
     clock: np.ndarray
@@ -52,19 +52,19 @@ class Sweep:
     def go(self, times: np.ndarray, forces: bool) -> np.ndarray:
         """Rows (k, width) at the times that can be reached, in their order."""
         columns_ = (
-            (width(self.ready) + 2 * len(self.probe))
+            (width(self.system) + 2 * len(self.probe))
             if forces
-            else 9 * self.ready.body_count + len(self.ready.model.signals)
+            else 9 * self.system.body_count + len(self.system.model.signals)
         )
         raw = np.zeros((len(times), columns_))
         done, onward = 0, 0.0
-        size = max(2, PIECE // max(1, self.ready.row_count))
+        size = max(2, PIECE // max(1, self.system.row_count))
         while done < len(times):  # in pieces, so that the user can stop it
             part = slice(done, done + size)
             self.tally[swept.COUNT] = 0
             swept.sweep(
                 self.memory.handle, times[part], raw[part], self.node, self.clock, self.tally, self.spots,
-                self.ready.size, forces, self.probe, self.line, onward,
+                self.system.size, forces, self.probe, self.line, onward,
             )  # fmt: skip
             done += int(self.tally[swept.COUNT])
             if self.tally[swept.COUNT] < len(times[part]):
@@ -82,7 +82,7 @@ class Sweep:
 
 
 def begin(
-    ready: Compiled, start: Assembled, motors: Sequence[tuple[int, str]] = (), shift: np.ndarray | None = None
+    system: System, start: Assembled, motors: Sequence[tuple[int, str]] = (), shift: np.ndarray | None = None
 ) -> Sweep:
     """A sweep that stands at an assembled start.
 
@@ -90,53 +90,53 @@ def begin(
     Raises ModelError where freedoms are left.
     """
     radius = np.array(
-        [max([math.hypot(*at) for at in body.points.values()] + [0.0]) for body in ready.model.bodies.values()]
+        [max([math.hypot(*at) for at in body.points.values()] + [0.0]) for body in system.model.bodies.values()]
     )
-    weight = np.ones_like(ready.arrays["weight"])
+    weight = np.ones_like(system.arrays["weight"])
     weight[0] = 0.0
-    weight[1:, 2] = 1.0 / np.where(radius > 0.0, radius, ready.size) ** 2
-    values = list(ready.arrays["values"] if shift is None else shift)
+    weight[1:, 2] = 1.0 / np.where(radius > 0.0, radius, system.size) ** 2
+    values = list(system.arrays["values"] if shift is None else shift)
     probe = []
     for row, name in motors:
-        joint = ready.model.joints[name]
-        number = {"ground": 0, **{body: n + 1 for n, body in enumerate(ready.bodies)}}
+        joint = system.model.joints[name]
+        number = {"ground": 0, **{body: n + 1 for n, body in enumerate(system.bodies)}}
         tag = len(registry.kinds("joint")) + registry.kinds("driver")[MOTORS[joint.kind][0]].tag
         probe.append((tag, number[joint.a.body], number[joint.b.body], len(values), row))
         values += [*joint.a.at, *joint.b.at, *joint.fields.values(), 0.0, 0.0, 0.0]
-    arrays = {**ready.arrays, "weight": weight, "values": np.array(values, dtype=float)}
-    memory = replace(ready, arrays=arrays).memory(also=[one[0] for one in probe])
-    node = np.zeros((9, 3 * ready.body_count))
+    arrays = {**system.arrays, "weight": weight, "values": np.array(values, dtype=float)}
+    memory = replace(system, arrays=arrays).memory(also=[one[0] for one in probe])
+    node = np.zeros((9, 3 * system.body_count))
     made = Sweep(
-        ready, memory, node, np.array([start.t, math.inf, 0.0, 1.0, 1.0, start.t]), np.zeros(4, np.int64),
+        system, memory, node, np.array([start.t, math.inf, 0.0, 1.0, 1.0, start.t]), np.zeros(4, np.int64),
         np.zeros((SPOTS, 2)), np.array(probe, np.int64).reshape(-1, 5), np.zeros((1, 9)),
     )  # fmt: skip
     node[swept.Q_NEW], node[swept.V_NEW] = start.q, start.v
     for _ in range(2):  # the second round takes the rates as they are now
-        _, root, _, _ = swept.closed_at(memory.handle, start.t, node, ready.size)
+        _, root, _, _ = swept.closed_at(memory.handle, start.t, node, system.size)
     node[: swept.Q_NEW] = node[swept.Q_NEW : swept.Q_OLD]
     made.clock[swept.ROOT] = made.clock[swept.ROOT_BEFORE] = root
     return made
 
 
-def require_driven(ready: Compiled, start: Assembled, what: str) -> None:
+def require_driven(system: System, start: Assembled, what: str) -> None:
     """Raise ModelError that says which freedoms are left, unless the drivers fix every position."""
-    memory = ready.memory()
+    memory = system.memory()
     open_by(memory.handle, start.t, start.q, start.v)
-    rows = scaled_rows(ready, memory)
+    rows = scaled_rows(system, memory)
     _, values, right = np.linalg.svd(rows)
     independent = int((values > 1e-9 * values[0]).sum()) if len(values) else 0
-    left = 3 * ready.body_count - independent
+    left = 3 * system.body_count - independent
     if left == 0:
         return
     if (
-        ready.row_count >= 3 * ready.body_count
-        and left_null(ready, memory).shape[1] <= 1 + ready.row_count - 3 * ready.body_count
+        system.row_count >= 3 * system.body_count
+        and left_null(system, memory).shape[1] <= 1 + system.row_count - 3 * system.body_count
     ):
-        where = describe_rank_loss(ready, memory)
+        where = describe_rank_loss(system, memory)
         raise ModelError([Problem(("initial",), f"{what} cannot start at t = {start.t:g} s: {where}")])
     free = np.abs(right[independent:]).reshape(left, -1, 3).max(axis=(0, 2))
-    movers = [name for name, share in zip(ready.bodies, free, strict=True) if share > 1e-6]
-    loose = _loose(ready)
+    movers = [name for name, share in zip(system.bodies, free, strict=True) if share > 1e-6]
+    loose = _loose(system)
     freedoms = f"{left} freedoms are left" if left > 1 else "1 freedom is left"
     names = ", ".join(movers[:8]) + (" ..." if len(movers) > 8 else "")
     text = f"{what} wants a mechanism whose drivers fix every position; {freedoms} (can still move: {names})."
@@ -147,14 +147,14 @@ def require_driven(ready: Compiled, start: Assembled, what: str) -> None:
     raise ModelError([Problem(("drivers",), text)])
 
 
-def _loose(ready: Compiled) -> str:
+def _loose(system: System) -> str:
     """Names of the joints with play."""
-    joints = ready.model.joints.items()
+    joints = system.model.joints.items()
     return ", ".join(name for name, one in joints if one.contact and one.clearance and one.contact.model != "ideal")
 
 
 def analyse(
-    ready: Compiled, start: Assembled | None, t_eval: float | Sequence[float] | np.ndarray, *, forces: bool,
+    system: System, start: Assembled | None, t_eval: float | Sequence[float] | np.ndarray, *, forces: bool,
     effort_at: str | Mapping[str, str] | None = None, strict: bool = False,
 ) -> Result:  # fmt: skip
     """Kinematics, or with `forces` inverse dynamics; see `Mechanism.kinematics` and `Mechanism.inverse_dynamics`."""
@@ -164,17 +164,17 @@ def analyse(
     functions.start()
     if start is None:
         try:
-            start = assemble(ready, float(times[0]))
+            start = assemble(system, float(times[0]))
         except AssemblyError as error:
-            loose = _loose(ready)
+            loose = _loose(system)
             hint = f" There is play in {loose}: close it with ideal() or --ideal." if loose else ""
             raise AssemblyError(f"{error}{hint}") from None
-    if ready.row_count <= LARGE:
-        require_driven(ready, start, what)
-    jumps = timetable(ready, min(start.t, float(times[0])), float(times[-1])).jumps
-    motors = _motors(ready, effort_at)
-    arguments.require_room(len(times), width(ready))
-    sweep = begin(ready, start, motors)
+    if system.row_count <= LARGE:
+        require_driven(system, start, what)
+    jumps = timetable(system, min(start.t, float(times[0])), float(times[-1])).jumps
+    motors = _motors(system, effort_at)
+    arguments.require_room(len(times), width(system))
+    sweep = begin(system, start, motors)
     if times[0] != start.t:  # what the user says about the start holds at t = 0: go from there
         if not len(sweep.go(times[:1], False)):
             raise AssemblyError(f"the first position cannot be reached: {why_stuck(sweep)}")
@@ -202,13 +202,13 @@ def _without_effort(sweep: Sweep, t: np.ndarray, raw: np.ndarray, motors: list[t
     """A note for every motor that cannot do the work of its driver at some instants, with how many and where."""
     notes = []
     for n, (row, joint) in enumerate(motors):
-        dead = ~np.isfinite(raw[:, width(sweep.ready) + 2 * n])
+        dead = ~np.isfinite(raw[:, width(sweep.system) + 2 * n])
         if dead.any():
             listed = ", ".join(f"{one:.6g}" for one in t[dead][:4]) + (" ..." if dead.sum() > 4 else "")
-            effort = MOTORS[sweep.ready.model.joints[joint].kind][1]
+            effort = MOTORS[sweep.system.model.joints[joint].kind][1]
             notes.append(
                 f"{joint}.{effort}: none at {int(dead.sum())} of {len(t)} instants (t = {listed} s): '{joint}' is at a"
-                f" dead centre there, no effort of it does the work of driver '{sweep.ready.rows[row].owner}';"
+                f" dead centre there, no effort of it does the work of driver '{sweep.system.rows[row].owner}';"
                 " forces and efforts are nan at these instants and grow without bound next to them"
             )
     return notes
@@ -222,11 +222,11 @@ def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
     return times
 
 
-def _motors(ready: Compiled, effort_at: str | Mapping[str, str] | None) -> list[tuple[int, str]]:
+def _motors(system: System, effort_at: str | Mapping[str, str] | None) -> list[tuple[int, str]]:
     """(row of the driver, joint) for every driver whose work a motor elsewhere does."""
     if effort_at is None:
         return []
-    drivers, joints = list(ready.model.drivers), ready.model.joints
+    drivers, joints = list(system.model.drivers), system.model.joints
     if isinstance(effort_at, str):
         if len(drivers) != 1:
             raise ValueError(f"effort_at: say which driver is replaced, as {{'{drivers[0]}': '{effort_at}'}}")
@@ -241,7 +241,7 @@ def _motors(ready: Compiled, effort_at: str | Mapping[str, str] | None) -> list[
             raise ValueError(
                 f"effort_at: a {joints[joint].kind} joint has no freedom for a motor; wanted revolute or prismatic"
             )
-        found.append((int(ready.arrays["joint"][ready.joints.index(driver), 4]), joint))
+        found.append((int(system.arrays["joint"][system.joints.index(driver), 4]), joint))
     if len({joint for _, joint in found}) < len(found):
         raise ValueError("effort_at: one joint cannot do the work of two drivers")
     return found
@@ -249,15 +249,15 @@ def _motors(ready: Compiled, effort_at: str | Mapping[str, str] | None) -> list[
 
 # ---------------------------------------------------------------- what went on
 def why_stuck(sweep: Sweep) -> str:
-    ready, memory = sweep.ready, sweep.memory
+    system, memory = sweep.system, sweep.memory
     t = float(sweep.clock[swept.NOW])
     for ahead in (0.0, 1e-12, 1e-9, 1e-6):
         drive(memory.handle, t + ahead * max(1.0, abs(t)))
-        for name, unit_row in zip(ready.joints, ready.arrays["joint"], strict=True):
-            if name in ready.model.drivers and not np.isfinite(memory["values"][unit_row[3] : unit_row[3] + 9]).all():
+        for name, unit_row in zip(system.joints, system.arrays["joint"], strict=True):
+            if name in system.model.drivers and not np.isfinite(memory["values"][unit_row[3] : unit_row[3] + 9]).all():
                 return f"the function of driver '{name}' has no finite value after t = {t:.10g} s; check its domain"
     open_by(memory.handle, t, sweep.node[swept.Q], sweep.node[swept.V])
-    where = describe_rank_loss(ready, memory)
+    where = describe_rank_loss(system, memory)
     if where:
         return f"no position beyond t = {t:.10g} s: {where}"
     return f"no way on at t = {t:.10g} s: a driver's function jumps there or is too fast to be followed; smooth it"
@@ -266,19 +266,19 @@ def why_stuck(sweep: Sweep) -> str:
 def _blocking(sweep: Sweep) -> str:
     """The joint or driver that takes the largest part in the loss of rank."""
     open_by(sweep.memory.handle, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
-    free = left_null(sweep.ready, sweep.memory, 1e-3)
+    free = left_null(sweep.system, sweep.memory, 1e-3)
     if free.shape[1] == 0:
         return ""
-    return sweep.ready.rows[int(np.abs(free).max(axis=1).argmax())].owner
+    return sweep.system.rows[int(np.abs(free).max(axis=1).argmax())].owner
 
 
 def _branch_points(
     first: Sweep, sweep: Sweep, times: np.ndarray, raw: np.ndarray, stuck: bool
 ) -> tuple[list[Event], list[str]]:
     """Where the motion passed a position from which it could also have gone on another way."""
-    ready = sweep.ready
+    system = sweep.system
     events: list[Event] = []
-    if ready.row_count > LARGE:
+    if system.row_count > LARGE:
         return events, []
     rows = _independent(first)
     notes = []
@@ -290,9 +290,9 @@ def _branch_points(
             continue
         near = _at(first, times, raw, found)
         open_by(near.memory.handle, found, near.node[swept.Q_NEW], near.node[swept.V_NEW])
-        free = left_null(ready, near.memory, 1e-3)
+        free = left_null(system, near.memory, 1e-3)
         share = np.abs(free).max(axis=1, initial=0.0)
-        owners = list(dict.fromkeys(ready.rows[int(r)].owner for r in np.argsort(-share) if share[r] > 0.05))
+        owners = list(dict.fromkeys(system.rows[int(r)].owner for r in np.argsort(-share) if share[r] > 0.05))
         events.append(Event(found, owners[0] if owners else "", "branch point"))
         notes.append(
             f"branch point at t = {found:.9g} s: rows of {', '.join(owners[:6])} lose rank,"
@@ -306,10 +306,10 @@ def _independent(first: Sweep) -> np.ndarray:
     from scipy.linalg import qr
 
     open_by(first.memory.handle, float(first.clock[swept.NOW]), first.node[swept.Q], first.node[swept.V])
-    count = 3 * first.ready.body_count
-    if first.ready.row_count == count:
+    count = 3 * first.system.body_count
+    if first.system.row_count == count:
         return np.arange(count)
-    order = qr(scaled_rows(first.ready, first.memory).T, mode="r", pivoting=True)[1]
+    order = qr(scaled_rows(first.system, first.memory).T, mode="r", pivoting=True)[1]
     return np.sort(order[:count])
 
 
@@ -317,12 +317,12 @@ def _at(first: Sweep, times: np.ndarray, raw: np.ndarray, t: float) -> Sweep:
     """The sweep at time t (in its new rows), restarted from the last output before t."""
     made = first.fork()
     k = int(np.searchsorted(times[: len(raw)], t, side="right")) - 1
-    nb = first.ready.body_count
+    nb = first.system.body_count
     while k > 0 and times[k] > made.clock[swept.NOW]:
         state = raw[k, : 9 * nb].reshape(nb, 3, 3)
         for n in range(3):
             made.node[swept.Q_NEW + n] = state[:, n].ravel()
-        _, root, _, _ = swept.closed_at(made.memory.handle, times[k], made.node, first.ready.size)
+        _, root, _, _ = swept.closed_at(made.memory.handle, times[k], made.node, first.system.size)
         if root > 2 * swept.WEAK_ROOT:
             made.node[: swept.Q_NEW] = made.node[swept.Q_NEW : swept.Q_OLD]
             made.clock[:] = times[k], math.inf, 0.0, root, root, times[k]
@@ -340,7 +340,7 @@ def _locate(
     def determinant(t: float) -> float:
         made = _at(first, times, raw, t)
         open_by(made.memory.handle, t, made.node[swept.Q_NEW], made.node[swept.V_NEW])
-        return float(np.linalg.det(scaled_rows(first.ready, made.memory)[rows]))
+        return float(np.linalg.det(scaled_rows(first.system, made.memory)[rows]))
 
     f_low, f_high = determinant(low), determinant(high)
     if not f_low * f_high < 0.0:
@@ -369,11 +369,11 @@ def _result(
     sweep: Sweep, t: np.ndarray, raw: np.ndarray, forces: bool, motors: list[tuple[int, str]], message: str,
     events: list[Event], notes: list[str], wall: float,
 ) -> Result:  # fmt: skip
-    ready, model = sweep.ready, sweep.ready.model
+    system, model = sweep.system, sweep.system.model
     nonunique: tuple[str, ...] = ()
     if forces:
-        data, names, units = columns(ready, raw[:, : width(ready)])
-        replaced = {ready.rows[row].owner for row, _ in motors}
+        data, names, units = columns(system, raw[:, : width(system)])
+        replaced = {system.rows[row].owner for row, _ in motors}
         drop = {f"energy.{key}" for key in ("work", "dissipated", "balance")}
         keep = [k for k, name in enumerate(names) if name not in drop and name.partition(".")[0] not in replaced]
         data, names = data[:, keep], [names[k] for k in keep]
@@ -381,14 +381,14 @@ def _result(
             _, effort, unit = MOTORS[model.joints[joint].kind]
             names += [f"{joint}.{effort}", f"{joint}.power"]
             units |= {f"{joint}.{effort}": unit, f"{joint}.power": "W"}
-            data = np.column_stack([data, raw[:, width(ready) + 2 * n : width(ready) + 2 * n + 2]])
-        if ready.row_count > 3 * ready.body_count:
+            data = np.column_stack([data, raw[:, width(system) + 2 * n : width(system) + 2 * n + 2]])
+        if system.row_count > 3 * system.body_count:
             open_by(sweep.memory.handle, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
-            nonunique = nonunique_reactions(ready, sweep.memory)
+            nonunique = nonunique_reactions(system, sweep.memory)
         data = np.ascontiguousarray(data)
     else:
-        names = [f"{body}.{key}" for body in ready.bodies for key, _ in BODY] + list(model.signals)
-        units = {f"{body}.{key}": unit for body in ready.bodies for key, unit in BODY}
+        names = [f"{body}.{key}" for body in system.bodies for key, _ in BODY] + list(model.signals)
+        units = {f"{body}.{key}": unit for body in system.bodies for key, unit in BODY}
         units |= {name: model.signal_units.get(name, "") for name in model.signals}
         data = raw
     trust = Trust(

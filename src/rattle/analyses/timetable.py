@@ -9,7 +9,7 @@ import numpy as np
 
 from rattle.analyses.assembly.unclosed import driver_slot
 from rattle.equations.motion import drive
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
 from rattle.language.bytecode import SIDE
 from rattle.language.switching import SAME, locate_all, merged, side_at
@@ -61,12 +61,12 @@ class Timetable:
         code[self.rows, SIDE] = self.sides[piece]
 
 
-def timetable(ready: Compiled, start: float, end: float) -> Timetable:
+def timetable(system: System, start: float, end: float) -> Timetable:
     """Instants of a run between two times [s].  Raises ModelError where a driver jumps in position."""
     span = end - start
-    switches = [replace(one) for one in ready.switches if one.timed] if span > 0.0 else []
+    switches = [replace(one) for one in system.switches if one.timed] if span > 0.0 else []
     beyond = end + BEYOND * span
-    locate_all(ready.signals, switches, start, beyond)
+    locate_all(system.signals, switches, start, beyond)
     every = merged(switches, span)
     instants = np.minimum(every[every <= end + SAME * span], end)
     edges = np.concatenate([[start], instants, [*every, beyond][len(instants) : len(instants) + 1]])
@@ -78,17 +78,17 @@ def timetable(ready: Compiled, start: float, end: float) -> Timetable:
     rows = np.array([one.row for one in switches], np.int64)
     table = Timetable(instants, rows, np.ascontiguousarray(sides), driving, (), unresolved)
     if any(one.driving for one in switches):
-        return replace(table, jumps=_jumps(ready, table, start))
+        return replace(table, jumps=_jumps(system, table, start))
     return table
 
 
-def _jumps(ready: Compiled, table: Timetable, start: float) -> tuple[Jump, ...]:
+def _jumps(system: System, table: Timetable, start: float) -> tuple[Jump, ...]:
     """Jumps in speed of all drivers. Raises ModelError where one jumps in position, the start included."""
-    memory = ready.memory()
-    names = [name for name in ready.joints if name in ready.model.drivers]
-    at = [ready.joints.index(name) for name in names]
-    slots = np.array([ready.arrays["joint"][n, 3] + driver_slot(ready, n) for n in at])
-    units = [ready.rows[ready.arrays["joint"][n, 4]].unit for n in at]
+    memory = system.memory()
+    names = [name for name in system.joints if name in system.model.drivers]
+    at = [system.joints.index(name) for name in names]
+    slots = np.array([system.arrays["joint"][n, 3] + driver_slot(system, n) for n in at])
+    units = [system.rows[system.arrays["joint"][n, 4]].unit for n in at]
     pieces = np.flatnonzero(table.driving).tolist()
     times = [start, *table.instants[pieces].tolist()]
     found = np.zeros((len(times), 2, 2, len(names)))  # instant, before and after, value and speed, driver
@@ -102,7 +102,7 @@ def _jumps(ready: Compiled, table: Timetable, start: float) -> tuple[Jump, ...]:
     problems, jumps = [], []
     for d, (name, unit) in enumerate(zip(names, units, strict=True)):
         leap = found[:, 1, 0, d] - found[:, 0, 0, d]
-        scale = (1.0 if unit == "rad" else ready.size) + np.abs(found[:, :, 0, d]).max(axis=1)
+        scale = (1.0 if unit == "rad" else system.size) + np.abs(found[:, :, 0, d]).max(axis=1)
         broken = np.flatnonzero(np.abs(leap) > LEAP * scale)
         if len(broken):
             t, size = times[int(broken[0])], float(leap[broken[0]])

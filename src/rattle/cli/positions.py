@@ -44,7 +44,7 @@ def _angles(one: Equilibrium) -> str:
 def _position(m: Mechanism, one: Equilibrium) -> str:
     """Where the bodies are in the first position, and what holds it."""
     lines = ["position 1:"]
-    floor = ZERO * m.ready.size
+    floor = ZERO * m.system.size
     for body in m.model.bodies:
         x, y = (zeroed(one[f"{body}.{key}"], floor) for key in "xy")
         angle = zeroed(one[f"{body}.angle"], ZERO)

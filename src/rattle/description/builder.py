@@ -34,7 +34,7 @@ class Building:
 
     def _forget(self) -> None:
         self._text = None
-        for key in ("model", "ready", "start"):
+        for key in ("model", "system", "start"):
             self.__dict__.pop(key, None)
 
     def parameter(self, name: str, value: float | str, **more: Any) -> Self:

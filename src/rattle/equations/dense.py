@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.jit.workspace import Memory
 
 LARGE = 400  # rows above which dense linear algebra is avoided and machine code is worth its start
 
 
-def dense_rows(ready: Compiled, memory: Memory) -> np.ndarray:
+def dense_rows(system: System, memory: Memory) -> np.ndarray:
     """The Jacobian Phi_q of the rows at hand as a dense array (nr, 3 nb)."""
-    nr = ready.row_count
-    full = np.zeros((nr, 3 * (ready.body_count + 1)))
+    nr = system.row_count
+    full = np.zeros((nr, 3 * (system.body_count + 1)))
     line = np.arange(nr)[:, None]
     for side, columns in ((0, slice(3, 6)), (1, slice(6, 9))):
-        np.add.at(full, (line, 3 * ready.arrays["row_body"][:, side, None] + np.arange(3)), memory["rows"][:, columns])
+        np.add.at(full, (line, 3 * system.arrays["row_body"][:, side, None] + np.arange(3)), memory["rows"][:, columns])
     return full[:, 3:]

@@ -32,7 +32,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Compiled:
+class System:
     """A model made ready to compute: arrays, names and where they stand."""
 
     model: Model
@@ -153,7 +153,7 @@ class _Programs:
         return len(self.programs) - 1
 
 
-def compile_system(model: Model) -> Compiled:
+def compile_system(model: Model) -> System:
     """Flat arrays, names and the pattern of the Schur complement for one model."""
     bodies = {name: n + 1 for n, name in enumerate(model.bodies)}
     number = {"ground": 0, **bodies}
@@ -208,7 +208,7 @@ def compile_system(model: Model) -> Compiled:
         **pattern._asdict(),
         "row_body": _table(row_body, 2),
     }
-    return Compiled(
+    return System(
         model, arrays, tuple(model.bodies), (*model.joints, *model.drivers), tuple(rows), tuple(watched), depth + 1,
         tuple(programs.names), tuple(int(n) for n in first[:-1]), _size(model), tuple(switches),
     )  # fmt: skip

@@ -12,7 +12,7 @@ import numpy as np
 
 from rattle import registry
 from rattle.description.model import Joint, Model
-from rattle.equations.system import Compiled, joint_rows
+from rattle.equations.system import System, joint_rows
 from rattle.jit.layout import OF_NEGATIVE, OF_SIZE, OF_VALUE, OF_VECTOR
 
 BODY = (
@@ -23,12 +23,12 @@ JOINT = 8  # force x, y, moment on B about its point, e_x, e_y; effort, power, 0
 ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
 
 
-def width(ready: Compiled) -> int:
+def width(system: System) -> int:
     """Columns of one raw output row."""
-    return 9 * ready.body_count + JOINT * len(ready.joints) + len(ready.model.signals) + 4
+    return 9 * system.body_count + JOINT * len(system.joints) + len(system.model.signals) + 4
 
 
-def quantities(ready: Compiled) -> list[tuple[str, int, int]]:
+def quantities(system: System) -> list[tuple[str, int, int]]:
     """What is watched for peaks within steps: name, what is made of it, first column behind those of bodies.
 
     The force of every joint, its moment, normal and tangential force, and effort and power of the drivers: the
@@ -36,13 +36,13 @@ def quantities(ready: Compiled) -> list[tuple[str, int, int]]:
     force; `<joint>.pressing` is the largest N of a link, which may also pull.
     """
     found: list[tuple[str, int, int]] = []
-    for n, name in enumerate(ready.joints):
+    for n, name in enumerate(system.joints):
         c = JOINT * n
-        if name in ready.model.drivers:
-            effort = registry.kinds("driver")[ready.model.drivers[name].kind].leaf.effort[0]
+        if name in system.model.drivers:
+            effort = registry.kinds("driver")[system.model.drivers[name].kind].leaf.effort[0]
             found += [(f"{name}.{effort}", OF_SIZE, c + 5), (f"{name}.power", OF_SIZE, c + 6)]
             continue
-        joint = ready.model.joints[name]
+        joint = system.model.joints[name]
         kind = joint_rows(joint)[0]
         found.append((f"{name}.force", OF_VECTOR, c))
         if kind is None or kind.leaf.moment:
@@ -57,9 +57,9 @@ def quantities(ready: Compiled) -> list[tuple[str, int, int]]:
     return found
 
 
-def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], dict[str, str]]:
+def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dict[str, str]]:
     """Raw rows (n, width) -> named columns, their names and units."""
-    model = ready.model
+    model = system.model
     names: list[str] = []
     units: dict[str, str] = {}
     parts: list[np.ndarray] = []
@@ -70,11 +70,11 @@ def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], di
         parts.append(values)
 
     c = 0
-    for body in ready.bodies:
+    for body in system.bodies:
         for k, (key, unit) in enumerate(BODY):
             add(f"{body}.{key}", unit, raw[:, c + k])
         c += 9
-    for name in ready.joints:
+    for name in system.joints:
         fx, fy, moment, ex, ey, effort, power, deep = raw[:, c : c + JOINT].T
         c += JOINT
         if name in model.drivers:
@@ -100,7 +100,7 @@ def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], di
                 normal = pull if link else np.hypot(fx, fy)
                 penetration = distance - joint.clearance if link else tangential
             if "axis" in joint.fields:
-                ex, ey = _across(ready, joint, raw, ex, ey)
+                ex, ey = _across(system, joint, raw, ex, ey)
             add(f"{name}.ex", "m", ex)
             add(f"{name}.ey", "m", ey)
             add(f"{name}.normal", "N", normal)
@@ -117,10 +117,10 @@ def columns(ready: Compiled, raw: np.ndarray) -> tuple[np.ndarray, list[str], di
 
 
 def _across(
-    ready: Compiled, joint: Joint, raw: np.ndarray, ex: np.ndarray, ey: np.ndarray
+    system: System, joint: Joint, raw: np.ndarray, ex: np.ndarray, ey: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The part of a guide's offset that is across its line: the way along it is motion, not play."""
-    turned = 0.0 if joint.a.body == "ground" else raw[:, 9 * ready.bodies.index(joint.a.body) + 2]
+    turned = 0.0 if joint.a.body == "ground" else raw[:, 9 * system.bodies.index(joint.a.body) + 2]
     axis = turned + joint.fields["axis"]
     along = ex * np.cos(axis) + ey * np.sin(axis)
     return ex - along * np.cos(axis), ey - along * np.sin(axis)

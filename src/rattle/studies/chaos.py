@@ -21,7 +21,7 @@ from rattle.analyses.dynamics.run import stop
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import DONE, PAUSED, drive
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.jit import functions
 from rattle.jit.layout import CLOSED, SHUT, SPEED
 from rattle.results.display import lines
@@ -48,13 +48,13 @@ STUDENT = 2.262  # 95 % of Student's t with BLOCKS - 1 degrees of freedom
 
 
 # ---------------------------------------------------------------- period of the driver
-def driver_period(ready: Compiled) -> float | None:
+def driver_period(system: System) -> float | None:
     """Time of one turn [s] of the first driver that turns a joint at constant rate; None where there is none."""
-    memory = ready.memory()
-    for n, name in enumerate(ready.joints):
-        if name not in ready.model.drivers or ready.rows[ready.arrays["joint"][n, 4]].unit != "rad":
+    memory = system.memory()
+    for n, name in enumerate(system.joints):
+        if name not in system.model.drivers or system.rows[system.arrays["joint"][n, 4]].unit != "rad":
             continue
-        slot = int(ready.arrays["joint"][n, 3]) + driver_slot(ready, n)
+        slot = int(system.arrays["joint"][n, 3]) + driver_slot(system, n)
         rates = []
         for t in (0.0, 0.0137, 0.171, 1.93):
             drive(memory.handle, t)
@@ -65,7 +65,7 @@ def driver_period(ready: Compiled) -> float | None:
 
 
 def _period(m: Mechanism, period: float | None) -> float:
-    found = period if period is not None else driver_period(m.ready)
+    found = period if period is not None else driver_period(m.system)
     if found is None:
         raise ValueError("no driver turns at constant rate; give the period in s, or a crossing")
     if not 0.0 < found < math.inf:
@@ -357,11 +357,11 @@ def _slope(growth: np.ndarray) -> float:
 
 def _require_freedom(m: Mechanism) -> None:
     """Refuse a mechanism in which nothing is free to grow apart."""
-    ready, memory = m.ready, m.ready.memory()
-    if len(ready.arrays["contact"]) or ready.row_count > LARGE:
+    system, memory = m.system, m.system.memory()
+    if len(system.arrays["contact"]) or system.row_count > LARGE:
         return
     open_by(memory.handle, m.start.t, m.start.q, m.start.v)
-    if rank(ready, memory) == 3 * ready.body_count:
+    if rank(system, memory) == 3 * system.body_count:
         raise ValueError(
             "the drivers fix every position: there is no freedom in which errors could grow, so no exponent"
             " (a joint with play, or a driver less, gives one)"
@@ -372,11 +372,11 @@ def _growths(m: Mechanism, span: float, length: float, rtol: float) -> np.ndarra
     """Logarithm of the growth in every stretch; None when one grows beyond linearity."""
     from rattle.analyses.dynamics.simulate import kind_of_run
 
-    kind, method, _ = kind_of_run(m.ready, "dop853", None, span)
+    kind, method, _ = kind_of_run(m.system, "dop853", None, span)
     none = np.zeros(0)
-    one, two = (kind(m.ready, m.start, none, span, method, rtol, 1e-2 * rtol, None) for _ in range(2))
-    nq = 3 * m.ready.body_count
-    weight = np.concatenate([np.tile([1.0 / m.ready.size, 1.0 / m.ready.size, 1.0], m.ready.body_count)] * 2)
+    one, two = (kind(m.system, m.start, none, span, method, rtol, 1e-2 * rtol, None) for _ in range(2))
+    nq = 3 * m.system.body_count
+    weight = np.concatenate([np.tile([1.0 / m.system.size, 1.0 / m.system.size, 1.0], m.system.body_count)] * 2)
     weight[nq:] *= length
     for run in (one, two):
         _must(run, run.begin(m.start.t))

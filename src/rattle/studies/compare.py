@@ -133,7 +133,7 @@ def compare(
         raise ModelError([Problem(("joints", joint), f"has no clearance{suggest(joint, loose)}")])
     if law is not None and law not in registry.kinds("normal"):
         raise ValueError(f"law: no compliant law '{law}'{suggest(str(law), registry.kinds('normal'))}")
-    end = t_end if t_end is not None else min(driver_period(m.ready) or math.inf, m.model.settings.t_end)
+    end = t_end if t_end is not None else min(driver_period(m.system) or math.inf, m.model.settings.t_end)
     times = np.linspace(0.0, end, POINTS + 1)
     compliant, assumed = _compliant(m, loose, law)
     models: dict[str, Callable[[], Mechanism]] = {

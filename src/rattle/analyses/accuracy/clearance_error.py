@@ -28,7 +28,7 @@ from rattle.analyses.statics.balance import Rest
 from rattle.analyses.statics.equilibria import rigid_model, without_guide_play
 from rattle.analyses.statics.starts import opened
 from rattle.description.model import Joint
-from rattle.equations.system import Compiled, compile_system
+from rattle.equations.system import System, compile_system
 from rattle.errors import ModelError, Problem
 from rattle.jit import functions
 from rattle.results.display import quantity, table
@@ -141,14 +141,14 @@ class Accuracy:
 
 
 def accuracy(
-    ready: Compiled, of: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool, loaded: bool
+    system: System, of: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool, loaded: bool
 ) -> Accuracy:
     """Band of an output; see `Mechanism.accuracy`."""
     began = time.perf_counter()
     times = instants(t_eval)
     functions.start()
-    ideal = compile_system(ideal_model(ready.model))
-    joints = [one for one in ready.model.joints.values() if one.clearance > 0.0 and one.contact is not None]
+    ideal = compile_system(ideal_model(system.model))
+    joints = [one for one in system.model.joints.values() if one.clearance > 0.0 and one.contact is not None]
     if not joints:
         raise ModelError(
             [
@@ -179,7 +179,7 @@ def accuracy(
         if extremes:
             low[i], high[i] = (extreme(shown, t, node, sign, slopes[i]) for sign in (-1.0, 1.0))
     nothing = np.full(n, math.nan)
-    at_rest = _loaded(ready, ideal, shown, times, nodes, slopes) if loaded else [nothing] * 3
+    at_rest = _loaded(system, ideal, shown, times, nodes, slopes) if loaded else [nothing] * 3
     record = Accuracy(
         of=of, unit=shown.unit, t=times, nominal=nominal, joints=tuple(one.name for one in joints),
         contributions=part, low=low, high=high, loaded=at_rest[0], pressed=at_rest[1], rule=at_rest[2],
@@ -207,8 +207,8 @@ def _node(lead: Sweep) -> np.ndarray:
 
 
 def _loaded(
-    ready: Compiled,
-    ideal: Compiled,
+    system: System,
+    ideal: System,
     shown: Displaced,
     times: np.ndarray,
     nodes: list[np.ndarray],
@@ -218,8 +218,8 @@ def _loaded(
 
     n = len(times)
     found = [np.full(n, math.nan) for _ in range(3)]
-    model = ready.model
-    rigid = rigid_model(without_guide_play(ready))
+    model = system.model
+    rigid = rigid_model(without_guide_play(system))
     pins = [one for one in shown.joints if one.kind == "revolute"]
     if rigid is None or not (model.loads or any(model.gravity)) or shown.output.rpartition(".")[2] in RATES:
         return found
@@ -251,14 +251,14 @@ def _in_frame(shown: Displaced, node: np.ndarray, joint: Joint, e: np.ndarray) -
     """A ground vector in the frame of the joint's A."""
     if joint.a.body == "ground":
         return e
-    angle = node[swept.Q, 3 * shown.ready.bodies.index(joint.a.body) + 2]
+    angle = node[swept.Q, 3 * shown.system.bodies.index(joint.a.body) + 2]
     c, s = math.cos(angle), math.sin(angle)
     return np.array([c * e[0] + s * e[1], -s * e[0] + c * e[1]])
 
 
 def _conjugate(shown: Displaced) -> str:
     """The load whose virtual work is load times the change of the output, if it is the only thing that acts."""
-    model = shown.ready.model
+    model = shown.system.model
     if any(model.gravity) or len(model.loads) != 1:
         return ""
     ((name, load),) = model.loads.items()
@@ -266,5 +266,5 @@ def _conjugate(shown: Displaced) -> str:
 
 
 def _moment(rest: Rest, name: str) -> float:
-    at = int(rest.ready.arrays["load"][list(rest.ready.model.loads).index(name), 3])
+    at = int(rest.system.arrays["load"][list(rest.system.model.loads).index(name), 3])
     return float(rest.memory["values"][at])

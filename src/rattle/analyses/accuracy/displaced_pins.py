@@ -18,7 +18,7 @@ from rattle.description.model import Joint
 from rattle.equations.closure import open_by
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import loads
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.results.columns import columns, geometry, width
 from rattle.results.result import Result
 from rattle.results.trust import Trust
@@ -30,10 +30,10 @@ SMALL = 1e-4  # of a clearance: displacement for differences
 class Displaced:
     """The mechanism without play, with its pins displaced in their bushes by given amounts."""
 
-    def __init__(self, ready: Compiled, start: Assembled, joints: Sequence[Joint], output: str) -> None:
-        self.ready, self.start, self.joints, self.output = ready, start, joints, output
-        self.sweep = begin(ready, start)
-        self.place = [int(ready.arrays["joint"][ready.joints.index(one.name), 3]) for one in joints]
+    def __init__(self, system: System, start: Assembled, joints: Sequence[Joint], output: str) -> None:
+        self.system, self.start, self.joints, self.output = system, start, joints, output
+        self.sweep = begin(system, start)
+        self.place = [int(system.arrays["joint"][system.joints.index(one.name), 3]) for one in joints]
         self.values = self.sweep.memory["values"]
         self.base = self.values.copy()
         self.names: list[str] = []
@@ -55,8 +55,8 @@ class Displaced:
         sweep = self.sweep
         sweep.node[:] = node
         sweep.node[swept.Q_NEW : swept.Q_OLD] = node[: swept.Q_NEW]
-        moved, root, _, _ = swept.closed_at(sweep.memory.handle, t, sweep.node, self.ready.size)
-        raw = np.full(width(self.ready), math.nan)
+        moved, root, _, _ = swept.closed_at(sweep.memory.handle, t, sweep.node, self.system.size)
+        raw = np.full(width(self.system), math.nan)
         if moved < math.inf:
             sweep.node[: swept.Q_NEW] = sweep.node[swept.Q_NEW : swept.Q_OLD]
             sweep.clock[:] = t, math.inf, 0.0, root, root, t
@@ -71,20 +71,20 @@ class Displaced:
         raw = self.row(t, node, e)
         owner, _, last = self.output.rpartition(".")
         body, _, point = owner.partition(".")
-        if not self.names or body not in self.ready.bodies or last not in ("x", "y", "angle"):
+        if not self.names or body not in self.system.bodies or last not in ("x", "y", "angle"):
             return float(self.read(raw[None])[0])
-        k = 9 * self.ready.bodies.index(body)  # a place, the usual case, without the table of all results
+        k = 9 * self.system.bodies.index(body)  # a place, the usual case, without the table of all results
         if not point:
             return float(raw[k + ("x", "y", "angle").index(last)])
-        x, y = self.ready.model.bodies[body].points[point]
+        x, y = self.system.model.bodies[body].points[point]
         c, s = math.cos(raw[k + 2]), math.sin(raw[k + 2])
         return float(raw[k] + c * x - s * y if last == "x" else raw[k + 1] + s * x + c * y)
 
     def read(self, raw: np.ndarray) -> np.ndarray:
         """The output of raw rows. Raises UnknownName."""
-        data, names, units = columns(self.ready, raw)
+        data, names, units = columns(self.system, raw)
         result = Result(
-            t=np.arange(len(raw)), data=data, names=names, units=units, geometry=geometry(self.ready.model),
+            t=np.arange(len(raw)), data=data, names=names, units=units, geometry=geometry(self.system.model),
             trust=Trust(drift=0.0), stats={}, provenance={},
         )  # fmt: skip
         self.names, self.unit = list(result.names), result.unit(self.output)
@@ -96,15 +96,15 @@ class Displaced:
         if q_slope is None:
             return self._differences(t, node, e)
         memory = self.sweep.memory
-        rows = dense_rows(self.ready, memory)
+        rows = dense_rows(self.system, memory)
         y = np.linalg.lstsq(rows.T, q_slope, rcond=1e-12)[0]
         found = np.zeros((len(self.joints), 2))
         for k, joint in enumerate(self.joints):
-            first = int(self.ready.arrays["joint"][self.ready.joints.index(joint.name), 4])
+            first = int(self.system.arrays["joint"][self.system.joints.index(joint.name), 4])
             found[k] = y[first : first + 2]
             if joint.kind != "prismatic":  # rows are in the ground frame, e in that of A
                 angle = (
-                    0.0 if joint.a.body == "ground" else memory["body"][1 + self.ready.bodies.index(joint.a.body), 2]
+                    0.0 if joint.a.body == "ground" else memory["body"][1 + self.system.bodies.index(joint.a.body), 2]
                 )
                 c, s = math.cos(angle), math.sin(angle)
                 found[k] = c * found[k, 0] + s * found[k, 1], -s * found[k, 0] + c * found[k, 1]
@@ -114,8 +114,8 @@ class Displaced:
         """(3 nb,) d output / dq, the rows of this place in the memory; None unless it depends on positions alone."""
         owner, _, last = self.output.rpartition(".")
         body, _, point = owner.partition(".")
-        bodies = self.ready.model.bodies
-        signal = self.output in self.ready.model.signals
+        bodies = self.system.model.bodies
+        signal = self.output in self.system.model.signals
         if not signal and (
             body not in bodies or last not in ("x", "y", "angle") or (point and point not in bodies[body].points)
         ):
@@ -128,7 +128,7 @@ class Displaced:
         open_by(memory.handle, t, q, v)
         slope = np.zeros(len(q))
         if not signal:
-            k = 3 * self.ready.bodies.index(body)
+            k = 3 * self.system.bodies.index(body)
             c, s = math.cos(q[k + 2]), math.sin(q[k + 2])
             x, y = bodies[body].points[point] if point else (0.0, 0.0)
             slope[k + ("x", "y", "angle").index(last)] = 1.0
@@ -145,7 +145,7 @@ class Displaced:
 
     def _signal_slopes(self, t: float, q: np.ndarray, v: np.ndarray, slope: np.ndarray) -> bool:
         """Fill in d signal / dq by differences; True when the signal depends on rates as well."""
-        memory, k = self.sweep.memory, list(self.ready.model.signals).index(self.output)
+        memory, k = self.sweep.memory, list(self.system.model.signals).index(self.output)
 
         def at(q: np.ndarray, v: np.ndarray) -> float:
             open_by(memory.handle, t, q, v)
@@ -154,7 +154,7 @@ class Displaced:
 
         base = at(q, v)
         for n in range(len(q)):
-            step = 1e-5 * (self.ready.size if n % 3 < 2 else 1.0)
+            step = 1e-5 * (self.system.size if n % 3 < 2 else 1.0)
             up, down = q.copy(), q.copy()
             up[n] += step
             down[n] -= step

@@ -22,7 +22,7 @@ from rattle.equations.closure import close_position, close_rate, open_by, place_
 from rattle.equations.compliant import touch_all
 from rattle.equations.dense import LARGE, dense_rows
 from rattle.equations.motion import constraints, drive, solve_motion
-from rattle.equations.system import Compiled, compile_system, has_contacts, is_link
+from rattle.equations.system import System, compile_system, has_contacts, is_link
 from rattle.errors import AssemblyError
 from rattle.jit.layout import GAP, OWNER
 from rattle.jit.workspace import Memory
@@ -52,70 +52,70 @@ def ideal_model(model: Model) -> Model:
     return replace(model, joints=joints)
 
 
-def assemble(ready: Compiled, t: float = 0.0, ideal: Assembled | None = None) -> Assembled:
+def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> Assembled:
     """Positions and rates at time t from what the model's [initial] table says.
 
     Raises AssemblyError when the joints cannot be closed, naming the loop and the gap.
     """
-    model = ready.model
+    model = system.model
     links = {name: one for name, one in model.joints.items() if is_link(one)}
     open_ = {name: one for name, one in model.joints.items() if has_contacts(one)}
     offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
-    ideal_ready = compile_system(ideal_model(model)) if offsets else ready
+    ideal_system = compile_system(ideal_model(model)) if offsets else system
     held = [name for name in open_ if not _placed(model, open_[name])]
     missing: list[str] = []
     if offsets:
         try:
-            ideal = assemble(ideal_ready, t)
+            ideal = assemble(ideal_system, t)
         except AssemblyError:  # nor need it close where the user's numbers say everything
             if links or held:
                 raise
         missing = [name for name in links if math.hypot(*offsets[name]) < 1e-9 * links[name].clearance]
         if missing and ideal is not None:
-            offsets.update(_along_reactions(ideal_ready, ideal, missing))
+            offsets.update(_along_reactions(ideal_system, ideal, missing))
             held = [*links, *held]  # closing would turn the pins away from where the reactions press them
-    memory = ready.memory()
-    q, iterations = _closed(ready, memory, t, offsets, held, missing, ideal)
-    given = given_values(ready, 1)
+    memory = system.memory()
+    q, iterations = _closed(system, memory, t, offsets, held, missing, ideal)
+    given = given_values(system, 1)
     if ideal is None:
-        v = _free_rates(ready, memory, t, q, given)
+        v = _free_rates(system, memory, t, q, given)
     else:
         v = np.where(np.isnan(given), ideal.v, given)
-        place_rates(ready, q, v, given, ideal.v)
-        v = _closed_rates(ready, memory, t, q, v, given)
-    _refuse_contradiction(ready, t, q, v)
+        place_rates(system, q, v, given, ideal.v)
+        v = _closed_rates(system, memory, t, q, v, given)
+    _refuse_contradiction(system, t, q, v)
     residual = float(open_by(memory.handle, t, q, v))
-    outside = _outside(ready, memory)
+    outside = _outside(system, memory)
     if outside:
         raise AssemblyError(outside)
-    return Assembled(t, q, v, residual, iterations, (*model.remarks, *start_notes(ready, t, q, v)) if t == 0.0 else ())
+    return Assembled(t, q, v, residual, iterations, (*model.remarks, *start_notes(system, t, q, v)) if t == 0.0 else ())
 
 
 def _closed(
-    ready: Compiled, memory: Memory, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
+    system: System, memory: Memory, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
     ideal: Assembled | None,
 ) -> tuple[np.ndarray, int]:  # fmt: skip
     """Positions that satisfy every joint, with the pins of the `held` joints at their offsets if that goes together."""
     q = None
     if held and ideal is not None:
         try:
-            q, iterations = _hold_offsets(ready, t, {name: offsets[name] for name in held}, ideal)
-            gap = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * ready.size, 60)[0]
-            if not gap <= 1e-9 * ready.size or (missing and np.abs(q - ideal.q)[2::3].max() > FAR):
-                raise AssemblyError(_why_open(ready, memory, t, q))
+            q, iterations = _hold_offsets(system, t, {name: offsets[name] for name in held}, ideal)
+            gap = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * system.size, 60)[0]
+            if not gap <= 1e-9 * system.size or (missing and np.abs(q - ideal.q)[2::3].max() > FAR):
+                raise AssemblyError(_why_open(system, memory, t, q))
         except AssemblyError:
             if not missing:
                 raise
             q, missing = None, []  # reactions that are not unique may press the pins to where they do not fit together
     if q is None:
-        q, iterations = _positions(ready, memory, t, offsets, ideal)
-    if missing and ready.row_count <= LARGE:
-        q = keep_places(ready, memory, t, q, given_values(ready, 0))
-    if ready.row_count > LARGE or missing or any(name in ready.model.initial.offsets for name in held):
+        q, iterations = _positions(system, memory, t, offsets, ideal)
+    if missing and system.row_count <= LARGE:
+        q = keep_places(system, memory, t, q, given_values(system, 0))
+    if system.row_count > LARGE or missing or any(name in system.model.initial.offsets for name in held):
         return q, iterations
-    kept = keep_positions(ready, memory, t, q, given_values(ready, 0))
+    kept = keep_positions(system, memory, t, q, given_values(system, 0))
     open_by(memory.handle, t, kept, np.zeros_like(kept))
-    return (q if _outside(ready, memory) else kept), iterations
+    return (q if _outside(system, memory) else kept), iterations
 
 
 def _placed(model: Model, joint: Joint) -> bool:
@@ -138,40 +138,40 @@ def _placed(model: Model, joint: Joint) -> bool:
     return all(known(body) or (body in turning and body in reached) for body in bodies)
 
 
-def _hold_offsets(ready: Compiled, t: float, offsets: dict[str, Any], ideal: Assembled) -> tuple[np.ndarray, int]:
+def _hold_offsets(system: System, t: float, offsets: dict[str, Any], ideal: Assembled) -> tuple[np.ndarray, int]:
     """Positions with the pins of some open joints at given offsets: these joints are closed with shifted bushes."""
-    model, q, iterations = ready.model, ideal.q.copy(), 0
+    model, q, iterations = system.model, ideal.q.copy(), 0
     for _ in range(6 if any(math.hypot(*one) for one in offsets.values()) else 1):
         joints = dict(model.joints)
         for name, offset in offsets.items():
             joint = joints[name]
-            angle = 0.0 if joint.a.body == "ground" else float(q[3 * ready.bodies.index(joint.a.body) + 2])
+            angle = 0.0 if joint.a.body == "ground" else float(q[3 * system.bodies.index(joint.a.body) + 2])
             shift = turned(-angle, offset)
             at = (joint.a.at[0] + float(shift[0]), joint.a.at[1] + float(shift[1]))
             joints[name] = replace(joint, a=replace(joint.a, at=at), contact=None)
         shifted = compile_system(replace(model, joints=joints))
         memory = shifted.memory()
         before = q.copy()
-        gap, more = close_position(memory.handle, t, q, np.empty_like(q), 1e-13 * ready.size, 60)
+        gap, more = close_position(memory.handle, t, q, np.empty_like(q), 1e-13 * system.size, 60)
         iterations += more
-        if not gap <= 1e-9 * ready.size:
+        if not gap <= 1e-9 * system.size:
             raise AssemblyError(_why_open(shifted, memory, t, q))
         if shifted.row_count <= LARGE:
-            q = keep_positions(shifted, memory, t, q, given_values(ready, 0))
-        if np.abs(q - before).max() < 1e-14 * ready.size:
+            q = keep_positions(shifted, memory, t, q, given_values(system, 0))
+        if np.abs(q - before).max() < 1e-14 * system.size:
             break
     return q, iterations
 
 
-def _outside(ready: Compiled, memory: Memory) -> str:
+def _outside(system: System, memory: Memory) -> str:
     """Which pin is outside its bush, or block outside its guide, at the state in the memory; empty when none."""
-    contact = ready.arrays["contact"]
+    contact = system.arrays["contact"]
     if not len(contact):
         return ""
     touch_all(memory.handle)
     for entry, gap in zip(contact, memory["touch"][:, GAP], strict=True):
-        name = ready.joints[entry[OWNER]]
-        clearance = ready.model.joints[name].clearance
+        name = system.joints[entry[OWNER]]
+        clearance = system.model.joints[name].clearance
         if gap < -1e-6 * clearance:
             return (
                 f"joint '{name}' starts {-gap:.3g} m beyond its clearance of {clearance:.3g} m: give the bodies"
@@ -182,54 +182,54 @@ def _outside(ready: Compiled, memory: Memory) -> str:
 
 # ---------------------------------------------------------------- positions
 def _positions(
-    ready: Compiled, memory: Memory, t: float, offsets: dict[str, Any], ideal: Assembled | None
+    system: System, memory: Memory, t: float, offsets: dict[str, Any], ideal: Assembled | None
 ) -> tuple[np.ndarray, int]:
     """Close the positions; guesses for angles that were not given are varied until it works."""
     best = None
-    for q in _guesses(ready, memory, t, offsets, ideal):
+    for q in _guesses(system, memory, t, offsets, ideal):
         start = q.copy()
-        gap, iterations = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * ready.size, 60)
-        if not gap <= 1e-9 * ready.size and ready.row_count <= LARGE:
+        gap, iterations = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * system.size, 60)
+        if not gap <= 1e-9 * system.size and system.row_count <= LARGE:
             q[:] = start
-            _least_open(ready, memory, t, q)
-            gap, more = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * ready.size, 60)
+            _least_open(system, memory, t, q)
+            gap, more = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * system.size, 60)
             iterations += more
-        if gap <= 1e-9 * ready.size:
+        if gap <= 1e-9 * system.size:
             return q, iterations
         if best is None or gap < best[0]:
             best = (gap, q)
     assert best is not None
-    _without_drivers(ready, memory, t)
-    raise AssemblyError(_why_open(ready, memory, t, best[1]))
+    _without_drivers(system, memory, t)
+    raise AssemblyError(_why_open(system, memory, t, best[1]))
 
 
-def _without_drivers(ready: Compiled, memory: Memory, t: float) -> None:
+def _without_drivers(system: System, memory: Memory, t: float) -> None:
     """Where the joints alone can be closed, see whether the drivers hinder each other, or have nothing to move."""
     from rattle.analyses.assembly.rank import without_freedom
 
-    if not ready.model.drivers or ready.row_count > LARGE:
+    if not system.model.drivers or system.row_count > LARGE:
         return
     try:
-        q = assemble(compile_system(replace(ready.model, drivers={})), t).q
+        q = assemble(compile_system(replace(system.model, drivers={})), t).q
     except AssemblyError:
         return
     place_only(memory.handle, q)
     drive(memory.handle, t)
     constraints(memory.handle)
-    _refuse_two_drivers(ready, memory)
-    for name, row in without_freedom(ready, memory):
+    _refuse_two_drivers(system, memory)
+    for name, row in without_freedom(system, memory):
         off = abs(float(memory["rows"][row, 0]))
         raise AssemblyError(
-            f"driver '{name}' asks for a place {off:.4g} {ready.rows[row].unit} away from the one that the joints hold:"
-            " they leave its freedom no motion (one driver too many); take it out, or free a joint"
+            f"driver '{name}' asks for a place {off:.4g} {system.rows[row].unit} away from the one that the joints"
+            " hold: they leave its freedom no motion (one driver too many); take it out, or free a joint"
         )
 
 
-def _refuse_two_drivers(ready: Compiled, memory: Memory) -> None:
+def _refuse_two_drivers(system: System, memory: Memory) -> None:
     """Raise AssemblyError when drivers move the same freedom at the state in the memory."""
     from rattle.analyses.assembly.rank import on_one_freedom
 
-    names = on_one_freedom(ready, memory)
+    names = on_one_freedom(system, memory)
     if len(names) > 1:
         listed = ", ".join(f"'{one}'" for one in names[:-1]) + f" and '{names[-1]}'"
         raise AssemblyError(
@@ -237,32 +237,32 @@ def _refuse_two_drivers(ready: Compiled, memory: Memory) -> None:
         )
 
 
-def _refuse_contradiction(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> None:
+def _refuse_contradiction(system: System, t: float, q: np.ndarray, v: np.ndarray) -> None:
     """Raise AssemblyError when the joints, or other drivers, contradict a driver."""
     from rattle.analyses.assembly.driver_conflicts import contradicted
 
-    if ready.row_count > LARGE:
+    if system.row_count > LARGE:
         return
-    found = contradicted(ready, t, q, v, ready.model.settings.t_end)
+    found = contradicted(system, t, q, v, system.model.settings.t_end)
     if found:
         raise AssemblyError(found)
 
 
 def _guesses(
-    ready: Compiled, memory: Memory, t: float, offsets: dict[str, Any], ideal: Assembled | None
+    system: System, memory: Memory, t: float, offsets: dict[str, Any], ideal: Assembled | None
 ) -> Iterator[np.ndarray]:
     """Bodies placed by the joints, from the ground outwards, for one set of angles after the other."""
-    model = ready.model
+    model = system.model
     drive(memory.handle, t)
-    functions = {name: memory["values"][ready.arrays["joint"][n, 3] :] for n, name in enumerate(ready.joints)}
+    functions = {name: memory["values"][system.arrays["joint"][n, 3] :] for n, name in enumerate(system.joints)}
     angles, free = passed_angles(model, functions)
     if ideal is not None:  # the ideal mechanism has found the angles that were not given
-        angles.update({name: float(ideal.q[3 * ready.bodies.index(name) + 2]) for name in free})
+        angles.update({name: float(ideal.q[3 * system.bodies.index(name) + 2]) for name in free})
         free = []
-    yield place_positions(ready, angles, offsets, functions)
+    yield place_positions(system, angles, offsets, functions)
     if ideal is not None:  # the angles given may have been rough: those of the ideal mechanism close to within the play
-        closed = {name: float(ideal.q[3 * n + 2]) for n, name in enumerate(ready.bodies)}
-        yield place_positions(ready, {**angles, **closed}, offsets, functions)
+        closed = {name: float(ideal.q[3 * n + 2]) for n, name in enumerate(system.bodies)}
+        yield place_positions(system, {**angles, **closed}, offsets, functions)
     if not free:
         return
     turns = [math.radians(x) for x in (60, -60, 120, -120, 180, 30, -30)]
@@ -271,12 +271,12 @@ def _guesses(
         random = np.random.default_rng(0)
         tried = iter([tuple(random.uniform(-math.pi, math.pi, len(free))) for _ in range(STARTS)])
     for turn in itertools.islice(tried, STARTS):
-        yield place_positions(ready, {**angles, **dict(zip(free, turn, strict=True))}, offsets, functions)
+        yield place_positions(system, {**angles, **dict(zip(free, turn, strict=True))}, offsets, functions)
 
 
-def _least_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> None:
+def _least_open(system: System, memory: Memory, t: float, q: np.ndarray) -> None:
     """Levenberg-Marquardt on |Phi|^2 in mass-weighted coordinates: works where the rows lose rank."""
-    scale = np.sqrt(ready.arrays["weight"][1:].ravel() / ready.arrays["weight"][1:].max())
+    scale = np.sqrt(system.arrays["weight"][1:].ravel() / system.arrays["weight"][1:].max())
     damping = 1e-2
 
     def rows_at(q: np.ndarray) -> np.ndarray:
@@ -287,7 +287,7 @@ def _least_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> Non
     drive(memory.handle, t)
     phi = rows_at(q)
     for _ in range(80):
-        jacobian = dense_rows(ready, memory) * scale
+        jacobian = dense_rows(system, memory) * scale
         normal = jacobian.T @ jacobian
         gradient = jacobian.T @ phi
         if not np.isfinite(gradient).all() or np.abs(gradient).max() < 1e-14:
@@ -308,50 +308,50 @@ def _least_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> Non
                 break
 
 
-def _why_open(ready: Compiled, memory: Memory, t: float, q: np.ndarray) -> str:
+def _why_open(system: System, memory: Memory, t: float, q: np.ndarray) -> str:
     """Why the joints cannot be closed from q, which goes to where they are open least."""
     drive(memory.handle, t)
-    if ready.row_count <= LARGE and not without_value(ready, memory, t):
-        _least_open(ready, memory, t, q)
+    if system.row_count <= LARGE and not without_value(system, memory, t):
+        _least_open(system, memory, t, q)
     place_only(memory.handle, q)
     constraints(memory.handle)
-    return why_open(ready, memory, t)
+    return why_open(system, memory, t)
 
 
-def _along_reactions(ideal_ready: Compiled, ideal: Assembled, missing: list[str]) -> dict[str, tuple[float, float]]:
+def _along_reactions(ideal_system: System, ideal: Assembled, missing: list[str]) -> dict[str, tuple[float, float]]:
     """Pin offsets that press on the bush as the ideal mechanism's reactions do."""
-    memory = ideal_ready.memory()
+    memory = ideal_system.memory()
     solve_motion(memory.handle, ideal.t, ideal.q, ideal.v)
     found = {}
     for name in missing:
-        row = ideal_ready.arrays["joint"][ideal_ready.joints.index(name), 4]
+        row = ideal_system.arrays["joint"][ideal_system.joints.index(name), 4]
         force = -memory["multiplier"][row : row + 2]  # on B
         size = float(np.hypot(*force))
-        n = -force / size if size > 1e-12 * ideal_ready.arrays["mass"].max() else np.array([1.0, 0.0])
-        clearance = ideal_ready.model.joints[name].clearance
+        n = -force / size if size > 1e-12 * ideal_system.arrays["mass"].max() else np.array([1.0, 0.0])
+        clearance = ideal_system.model.joints[name].clearance
         found[name] = (float(n[0]) * clearance, float(n[1]) * clearance)
     return found
 
 
 # ---------------------------------------------------------------- rates
-def _free_rates(ready: Compiled, memory: Memory, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
+def _free_rates(system: System, memory: Memory, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Rates of an ideal mechanism: those given are kept where the joints allow, the others follow."""
     v: np.ndarray = np.nan_to_num(given)
-    place_rates(ready, q, v, given, v.copy())
-    return _closed_rates(ready, memory, t, q, v, given)
+    place_rates(system, q, v, given, v.copy())
+    return _closed_rates(system, memory, t, q, v, given)
 
 
 def _closed_rates(
-    ready: Compiled, memory: Memory, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
+    system: System, memory: Memory, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
 ) -> np.ndarray:
     """Rates near v that satisfy the constraints, those given moved last."""
-    if ready.row_count <= LARGE:
-        return keep_rates(ready, memory, t, q, v, given)
+    if system.row_count <= LARGE:
+        return keep_rates(system, memory, t, q, v, given)
     known = ~np.isnan(given)
     if known.any():
-        weight = ready.arrays["weight"].copy()
+        weight = system.arrays["weight"].copy()
         weight[1:].reshape(-1)[known] *= HOLD
-        held = replace(ready, arrays={**ready.arrays, "weight": weight}).memory()
+        held = replace(system, arrays={**system.arrays, "weight": weight}).memory()
         for _ in range(4):
             v[known] = given[known]
             close_rate(held.handle, t, q, v)

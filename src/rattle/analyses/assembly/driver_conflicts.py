@@ -11,7 +11,7 @@ import numpy as np
 
 from rattle.analyses.assembly.rank import RANK, left_null, row_lengths, scaled_rows
 from rattle.equations.closure import close_position, close_rate, open_by
-from rattle.equations.system import Compiled, compile_system
+from rattle.equations.system import System, compile_system
 from rattle.jit.layout import GAMMA, NU
 from rattle.jit.workspace import Memory
 
@@ -23,64 +23,67 @@ MOST_STEPS = 200
 LATER = 8  # instants looked at after the start, the nearest a 2^LATER part of the span away
 
 
-def contradicted(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
+def contradicted(system: System, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
     """Which drivers the joints (or other drivers) contradict at the state (t, q, v) or soon after it; empty when none.
 
     span: how far to look ahead [s].  A dead centre is no contradiction: there another position would do.
     """
-    if not ready.model.drivers:
+    if not system.model.drivers:
         return ""
-    memory = ready.memory()
+    memory = system.memory()
     open_by(memory.handle, t, q, v)
-    null = _with_drivers(ready, left_null(ready, memory))
+    null = _with_drivers(system, left_null(system, memory))
     if not null.shape[1]:
         return ""
-    found = _at_odds(ready, memory, null)
+    found = _at_odds(system, memory, null)
     if not found:
-        return _later(ready, memory, t, q.copy(), v.copy(), span) if np.isfinite(span) and span > 0.0 else ""
-    return _said(ready, found) if _structural(ready, t, q) else ""
+        return _later(system, memory, t, q.copy(), v.copy(), span) if np.isfinite(span) and span > 0.0 else ""
+    return _said(system, found) if _structural(system, t, q) else ""
 
 
-def _with_drivers(ready: Compiled, null: np.ndarray) -> np.ndarray:
+def _with_drivers(system: System, null: np.ndarray) -> np.ndarray:
     """Those columns of a null space in which drivers take part."""
-    driving = np.array([row.driver for row in ready.rows])
+    driving = np.array([row.driver for row in system.rows])
     return null[:, np.abs(null[driving]).max(axis=0, initial=0.0) > TAKES_PART]
 
 
-def _at_odds(ready: Compiled, memory: Memory, null: np.ndarray) -> tuple[str, ...]:
+def _at_odds(system: System, memory: Memory, null: np.ndarray) -> tuple[str, ...]:
     """Owners of the dependent rows whose right sides do not go together, at the state in the memory."""
-    rows, length = memory["rows"], row_lengths(ready, memory)
+    rows, length = memory["rows"], row_lengths(system, memory)
     for column in (NU, GAMMA):
         side = rows[:, column] / length
         for k in range(null.shape[1]):
             terms = null[:, k] * side
             if abs(terms.sum()) > NOISE * np.abs(terms).sum() + 1e-12 * np.abs(side).max(initial=0.0):
-                return _taking_part(ready, null[:, k : k + 1])
+                return _taking_part(system, null[:, k : k + 1])
     return ()
 
 
-def _structural(ready: Compiled, t: float, q: np.ndarray) -> bool:
+def _structural(system: System, t: float, q: np.ndarray) -> bool:
     """True when drivers stay among the dependent rows a little further along the freedoms that the joints leave."""
-    memory = ready.memory()
+    memory = system.memory()
     open_by(memory.handle, t, q, np.zeros_like(q))
-    driving = np.array([row.driver for row in ready.rows])
+    driving = np.array([row.driver for row in system.rows])
     near = q.copy()
     if not driving.all():
-        joints = compile_system(replace(ready.model, drivers={})).memory()
-        scale = np.tile([ready.size, ready.size, 1.0], ready.body_count)
-        _, values, right = np.linalg.svd(scaled_rows(ready, memory)[~driving])
+        joints = compile_system(replace(system.model, drivers={})).memory()
+        scale = np.tile([system.size, system.size, 1.0], system.body_count)
+        _, values, right = np.linalg.svd(scaled_rows(system, memory)[~driving])
         free = right[int((values > RANK * values[0]).sum()) :]
         near += SHAKE * scale * (free.T @ np.random.default_rng(0).uniform(0.5, 1.0, len(free)))
-        if not close_position(joints.handle, t, near, np.empty_like(q), 1e-12 * ready.size, 30)[0] <= 1e-9 * ready.size:
+        if (
+            not close_position(joints.handle, t, near, np.empty_like(q), 1e-12 * system.size, 30)[0]
+            <= 1e-9 * system.size
+        ):
             return False
     open_by(memory.handle, t, near, np.zeros_like(q))
-    return bool(_with_drivers(ready, left_null(ready, memory)).shape[1])
+    return bool(_with_drivers(system, left_null(system, memory)).shape[1])
 
 
-def _later(ready: Compiled, memory: Memory, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
+def _later(system: System, memory: Memory, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
     """The same at some later instants, as far as positions can be followed."""
     scratch = np.empty_like(q)
-    scale = np.tile([1.0 / ready.size, 1.0 / ready.size, 1.0], ready.body_count)
+    scale = np.tile([1.0 / system.size, 1.0 / system.size, 1.0], system.body_count)
     now, steps = t, 0
     for k in range(LATER, -1, -1):
         mark = t + span * 2.0**-k
@@ -88,41 +91,43 @@ def _later(ready: Compiled, memory: Memory, t: float, q: np.ndarray, v: np.ndarr
             if steps == MOST_STEPS:
                 return ""
             ahead = min(mark, now + SHORT / max(float(np.abs(scale * v).max()), 1e-300))
-            owners = _taking_part(ready, _with_drivers(ready, left_null(ready, memory)))
+            owners = _taking_part(system, _with_drivers(system, left_null(system, memory)))
             q += (ahead - now) * v
-            if not close_position(memory.handle, ahead, q, scratch, 1e-12 * ready.size, 30)[0] <= 1e-9 * ready.size:
+            if not close_position(memory.handle, ahead, q, scratch, 1e-12 * system.size, 30)[0] <= 1e-9 * system.size:
                 return (
-                    f"{_said(ready, owners)} (at t = {ahead:.4g} s)" if _closes_without(ready, owners, ahead, q) else ""
+                    f"{_said(system, owners)} (at t = {ahead:.4g} s)"
+                    if _closes_without(system, owners, ahead, q)
+                    else ""
                 )
             close_rate(memory.handle, ahead, q, v)
             now, steps = ahead, steps + 1
-        found = contradicted(ready, now, q, v, 0.0)
+        found = contradicted(system, now, q, v, 0.0)
         if found:
             return f"{found} (at t = {now:.4g} s)"
     return ""
 
 
-def _closes_without(ready: Compiled, owners: tuple[str, ...], t: float, q: np.ndarray) -> bool:
+def _closes_without(system: System, owners: tuple[str, ...], t: float, q: np.ndarray) -> bool:
     """True when the positions close at t once one of the drivers among the owners is left out."""
-    for name in ready.model.drivers:
+    for name in system.model.drivers:
         if name in owners:
-            drivers = {other: one for other, one in ready.model.drivers.items() if other != name}
-            memory, near = compile_system(replace(ready.model, drivers=drivers)).memory(), q.copy()
-            gap = close_position(memory.handle, t, near, np.empty_like(q), 1e-12 * ready.size, 60)[0]
-            if gap <= 1e-9 * ready.size:
+            drivers = {other: one for other, one in system.model.drivers.items() if other != name}
+            memory, near = compile_system(replace(system.model, drivers=drivers)).memory(), q.copy()
+            gap = close_position(memory.handle, t, near, np.empty_like(q), 1e-12 * system.size, 60)[0]
+            if gap <= 1e-9 * system.size:
                 return True
     return False
 
 
-def _taking_part(ready: Compiled, null: np.ndarray) -> tuple[str, ...]:
+def _taking_part(system: System, null: np.ndarray) -> tuple[str, ...]:
     """Owners of all dependent rows."""
     size = np.abs(null).max(axis=1, initial=0.0)
-    return tuple(dict.fromkeys(ready.rows[int(r)].owner for r in np.argsort(-size) if size[r] > TAKES_PART))
+    return tuple(dict.fromkeys(system.rows[int(r)].owner for r in np.argsort(-size) if size[r] > TAKES_PART))
 
 
-def _said(ready: Compiled, owners: tuple[str, ...]) -> str:
-    drivers = [f"'{one}'" for one in ready.model.drivers if one in owners]
-    joints = ", ".join(f"'{one}'" for one in ready.model.joints if one in owners)
+def _said(system: System, owners: tuple[str, ...]) -> str:
+    drivers = [f"'{one}'" for one in system.model.drivers if one in owners]
+    joints = ", ".join(f"'{one}'" for one in system.model.joints if one in owners)
     if not drivers:
         return ""
     if len(drivers) > 1:

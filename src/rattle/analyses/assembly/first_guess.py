@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rattle.description.model import Joint, Model, driven_ends
-from rattle.equations.system import Compiled, is_link
+from rattle.equations.system import System, is_link
 
 
 def outward(model: Model) -> list[tuple[str, str, Joint]]:
@@ -71,9 +71,9 @@ def passed_angles(model: Model, functions: dict[str, np.ndarray]) -> tuple[dict[
 
 
 def place_positions(
-    ready: Compiled, angles: dict[str, float], offsets: dict[str, Any], functions: dict[str, np.ndarray]
+    system: System, angles: dict[str, float], offsets: dict[str, Any], functions: dict[str, np.ndarray]
 ) -> np.ndarray:
-    model = ready.model
+    model = system.model
     at: dict[str, np.ndarray] = {"ground": np.zeros(2)}
     driven = {driver.joint: name for name, driver in model.drivers.items() if driver.joint}
     given = {
@@ -100,17 +100,17 @@ def place_positions(
             gap = joint.fields["length"] * (where / distance if distance > 0.0 else np.array([0.0, -1.0]))
         place_at = at[parent] + other + sign * gap - own
         at[body] = np.where(np.isnan(wanted), place_at, wanted)
-    q = np.zeros(3 * ready.body_count)
-    for n, name in enumerate(ready.bodies):
+    q = np.zeros(3 * system.body_count)
+    for n, name in enumerate(system.bodies):
         x, y = at[name] if name in at else np.nan_to_num(given.get(name, np.zeros(2)))
         q[3 * n : 3 * n + 3] = x, y, angles[name]
     return q
 
 
-def place_rates(ready: Compiled, q: np.ndarray, v: np.ndarray, given: np.ndarray, otherwise: np.ndarray) -> None:
+def place_rates(system: System, q: np.ndarray, v: np.ndarray, given: np.ndarray, otherwise: np.ndarray) -> None:
     """With all angular rates in v, let the joints place vx and vy from the ground outwards."""
-    model = ready.model
-    number = {name: 3 * n for n, name in enumerate(ready.bodies)}
+    model = system.model
+    number = {name: 3 * n for n, name in enumerate(system.bodies)}
 
     def rate_of(point: Any) -> np.ndarray:
         if point.body == "ground":

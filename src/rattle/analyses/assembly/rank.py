@@ -5,81 +5,83 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.equations.dense import LARGE, dense_rows
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.jit.workspace import Memory
 
 RANK = 1e-9  # a singular value below this share of the largest counts as zero
 UNLIKE = 1e9  # ratio of masses that leaves too few digits for the lighter body
 
 
-def scaled_rows(ready: Compiled, memory: Memory) -> np.ndarray:
+def scaled_rows(system: System, memory: Memory) -> np.ndarray:
     """Phi_q with angles measured as lengths at the size of the mechanism, every row of length one."""
-    full = dense_rows(ready, memory)
-    full[:, 2::3] /= ready.size
-    scaled: np.ndarray = full / row_lengths(ready, memory)[:, None]
+    full = dense_rows(system, memory)
+    full[:, 2::3] /= system.size
+    scaled: np.ndarray = full / row_lengths(system, memory)[:, None]
     return scaled
 
 
-def row_lengths(ready: Compiled, memory: Memory) -> np.ndarray:
+def row_lengths(system: System, memory: Memory) -> np.ndarray:
     """(nr,) what `scaled_rows` divides every row by."""
-    full = dense_rows(ready, memory)
-    full[:, 2::3] /= ready.size
+    full = dense_rows(system, memory)
+    full[:, 2::3] /= system.size
     length = np.linalg.norm(full, axis=1)
     made: np.ndarray = np.where(length > 0, length, 1.0)
     return made
 
 
-def rank(ready: Compiled, memory: Memory) -> int:
+def rank(system: System, memory: Memory) -> int:
     """Number of independent rows at the state in the memory."""
-    if ready.row_count == 0:
+    if system.row_count == 0:
         return 0
-    if ready.row_count > LARGE:
-        return ready.row_count - int(memory["redundant"].sum())
-    values = np.linalg.svd(scaled_rows(ready, memory), compute_uv=False)
+    if system.row_count > LARGE:
+        return system.row_count - int(memory["redundant"].sum())
+    values = np.linalg.svd(scaled_rows(system, memory), compute_uv=False)
     return int((values > RANK * values[0]).sum())
 
 
-def left_null(ready: Compiled, memory: Memory, tolerance: float = RANK) -> np.ndarray:
+def left_null(system: System, memory: Memory, tolerance: float = RANK) -> np.ndarray:
     """(nr, k) combinations of rows that vanish: forces that the joints can exert on each other for nothing."""
-    if ready.row_count == 0 or ready.row_count > LARGE:
-        return np.zeros((ready.row_count, 0))
-    u, values, _ = np.linalg.svd(scaled_rows(ready, memory))
-    values = np.concatenate([values, np.zeros(ready.row_count - len(values))])
+    if system.row_count == 0 or system.row_count > LARGE:
+        return np.zeros((system.row_count, 0))
+    u, values, _ = np.linalg.svd(scaled_rows(system, memory))
+    values = np.concatenate([values, np.zeros(system.row_count - len(values))])
     return u[:, values <= tolerance * values[0]]
 
 
-def nonunique_reactions(ready: Compiled, memory: Memory) -> tuple[str, ...]:
+def nonunique_reactions(system: System, memory: Memory) -> tuple[str, ...]:
     """Names of joints and drivers whose reactions are not unique at the state in the memory."""
-    if ready.row_count > LARGE:
-        lost = np.flatnonzero(memory["redundant"][ready.arrays["place"]])
-        return tuple(dict.fromkeys(ready.rows[r].owner for r in lost))
-    free = left_null(ready, memory)
+    if system.row_count > LARGE:
+        lost = np.flatnonzero(memory["redundant"][system.arrays["place"]])
+        return tuple(dict.fromkeys(system.rows[r].owner for r in lost))
+    free = left_null(system, memory)
     taking_part = np.abs(free).max(axis=1, initial=0.0) > 1e-6
-    return tuple(dict.fromkeys(row.owner for row, takes in zip(ready.rows, taking_part, strict=True) if takes))
+    return tuple(dict.fromkeys(row.owner for row, takes in zip(system.rows, taking_part, strict=True) if takes))
 
 
-def on_one_freedom(ready: Compiled, memory: Memory) -> tuple[str, ...]:
+def on_one_freedom(system: System, memory: Memory) -> tuple[str, ...]:
     """Names of drivers that would move the same freedom of what the joints leave free, at the state in the memory."""
-    if len(ready.model.drivers) < 2 or ready.row_count > LARGE:
+    if len(system.model.drivers) < 2 or system.row_count > LARGE:
         return ()
-    names = [row.owner for row in ready.rows if row.driver]
-    u, values, _ = np.linalg.svd(_driven(ready, memory))
+    names = [row.owner for row in system.rows if row.driver]
+    u, values, _ = np.linalg.svd(_driven(system, memory))
     values = np.concatenate([values, np.zeros(max(0, len(names) - len(values)))])
     taking_part = np.abs(u[:, values <= 1e-7]).max(axis=1, initial=0.0) > 1e-6
     return tuple(name for name, takes in zip(names, taking_part, strict=True) if takes)
 
 
-def without_freedom(ready: Compiled, memory: Memory) -> list[tuple[str, int]]:
+def without_freedom(system: System, memory: Memory) -> list[tuple[str, int]]:
     """Drivers, with their rows, of a mechanism whose joints leave nothing free, at the state in the memory."""
-    if _driven(ready, memory).shape[1]:  # at a dead centre a driver moves nothing either, but another position would do
+    if _driven(system, memory).shape[
+        1
+    ]:  # at a dead centre a driver moves nothing either, but another position would do
         return []
-    return [(row.owner, r) for r, row in enumerate(ready.rows) if row.driver]
+    return [(row.owner, r) for r, row in enumerate(system.rows) if row.driver]
 
 
-def _driven(ready: Compiled, memory: Memory) -> np.ndarray:
+def _driven(system: System, memory: Memory) -> np.ndarray:
     """(drivers, freedoms) rows of the drivers along the directions that the joints leave free."""
-    full = scaled_rows(ready, memory)
-    driving = np.array([row.driver for row in ready.rows])
+    full = scaled_rows(system, memory)
+    driving = np.array([row.driver for row in system.rows])
     free = np.eye(full.shape[1])  # one per row
     if not driving.all():
         _, values, v = np.linalg.svd(full[~driving])
@@ -88,9 +90,9 @@ def _driven(ready: Compiled, memory: Memory) -> np.ndarray:
     return along
 
 
-def unlike_masses(ready: Compiled) -> str:
+def unlike_masses(system: System) -> str:
     """In words, which masses are too unlike for the digits there are; empty when none."""
-    masses = {name: body.mass for name, body in ready.model.bodies.items()}
+    masses = {name: body.mass for name, body in system.model.bodies.items()}
     heavy, light = max(masses, key=lambda name: masses[name]), min(masses, key=lambda name: masses[name])
     ratio = masses[heavy] / masses[light]
     if ratio <= UNLIKE:
@@ -98,19 +100,19 @@ def unlike_masses(ready: Compiled) -> str:
     return f"'{heavy}' has {ratio:.2g} times the mass of '{light}', too few digits are left; take less of a ratio"
 
 
-def describe_rank_loss(ready: Compiled, memory: Memory, tolerance: float = 1e-3) -> str:
+def describe_rank_loss(system: System, memory: Memory, tolerance: float = 1e-3) -> str:
     """In words, which joints block the motion at the state in the memory; empty when all rows are independent."""
-    free = left_null(ready, memory, tolerance)
+    free = left_null(system, memory, tolerance)
     if free.shape[1] == 0:
         return ""
     share = np.abs(free).max(axis=1)
     owners: dict[str, float] = {}
-    for row, value in zip(ready.rows, share, strict=True):
+    for row, value in zip(system.rows, share, strict=True):
         owners[row.owner] = max(owners.get(row.owner, 0.0), float(value))
     names = [name for name, value in sorted(owners.items(), key=lambda item: -item[1]) if value > 0.05]
-    drivers = [name for name in names if name in ready.model.drivers]
+    drivers = [name for name in names if name in system.model.drivers]
     if drivers:
-        driver = ready.model.drivers[drivers[0]]
+        driver = system.model.drivers[drivers[0]]
         return (
             f"driver '{drivers[0]}' on {driver.on} is at a dead centre (its force no longer moves the mechanism;"
             f" rows of {', '.join(names[:6])} lose rank). Drive another joint, or keep the driver short of it."

@@ -15,7 +15,7 @@ import numpy as np
 from rattle.description.model import driven_ends
 from rattle.equations.closure import close_position, open_by
 from rattle.equations.dense import dense_rows
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.jit.layout import NU
 from rattle.jit.workspace import Memory
 
@@ -28,25 +28,25 @@ SEEN = 1e-6  # change that is said [rad, mechanism sizes, share of the rates]
 ROUNDS = 40  # of Newton's method
 
 
-def given_values(ready: Compiled, turn: int) -> np.ndarray:
+def given_values(system: System, turn: int) -> np.ndarray:
     """(3 nb,) positions (turn 0) or rates (turn 1) that the user gave, nan where none was."""
-    given = np.full(3 * ready.body_count, math.nan)
-    for n, name in enumerate(ready.bodies):
+    given = np.full(3 * system.body_count, math.nan)
+    for n, name in enumerate(system.bodies):
         for k, key in enumerate(KEYS[turn]):
-            given[3 * n + k] = ready.model.initial.bodies.get(name, {}).get(key, math.nan)
+            given[3 * n + k] = system.model.initial.bodies.get(name, {}).get(key, math.nan)
     return given
 
 
 # ---------------------------------------------------------------- least change in two turns
 def least_change(
-    ready: Compiled, jacobian: np.ndarray, wanted: np.ndarray, known: np.ndarray, noise: np.ndarray
+    system: System, jacobian: np.ndarray, wanted: np.ndarray, known: np.ndarray, noise: np.ndarray
 ) -> np.ndarray:
     """(3 nb,) change x with jacobian @ x = wanted that moves the `known` coordinates last.
 
     noise: (nr,) parts of `wanted` that are rounding; combinations that are no larger move nothing that is known.
     """
-    root = np.sqrt(ready.arrays["weight"][1:].ravel())
-    scale = np.tile([1.0, 1.0, 1.0 / ready.size], ready.body_count)
+    root = np.sqrt(system.arrays["weight"][1:].ravel())
+    scale = np.tile([1.0, 1.0, 1.0 / system.size], system.body_count)
     change = np.zeros(len(root))
     others = jacobian[:, ~known]
     if known.any():
@@ -76,83 +76,81 @@ def _shortest(matrix: np.ndarray, side: np.ndarray, root: np.ndarray) -> np.ndar
     return found
 
 
-def keep_positions(ready: Compiled, memory: Memory, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
+def keep_positions(system: System, memory: Memory, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Positions near the closed q that hold the values given as far as joints allow; q where none are found."""
     known = ~np.isnan(given)
-    if not known.any() or np.abs(q - given)[known].max() <= 1e-14 * max(1.0, ready.size):
+    if not known.any() or np.abs(q - given)[known].max() <= 1e-14 * max(1.0, system.size):
         return q
     made, still = q.copy(), np.zeros_like(q)
-    size = np.tile([ready.size, ready.size, 1.0], ready.body_count)
+    size = np.tile([system.size, system.size, 1.0], system.body_count)
     for _ in range(ROUNDS):
         open_by(memory.handle, t, made, still)
-        jacobian = dense_rows(ready, memory)
+        jacobian = dense_rows(system, memory)
         there = np.where(known, given - made, 0.0)
         wanted = -memory["rows"][:, 0] - jacobian @ there
-        noise = NOISE * (np.abs(jacobian) @ np.abs(made) + ready.size)
-        step = there + least_change(ready, jacobian, wanted, known, noise)
+        noise = NOISE * (np.abs(jacobian) @ np.abs(made) + system.size)
+        step = there + least_change(system, jacobian, wanted, known, noise)
         step *= min(1.0, 0.5 / max(float(np.abs(step / size).max()), 1e-300))
         made += step
         if np.abs(step / size).max() < 1e-14:
             break
     exact = made.copy()
-    gap = close_position(memory.handle, t, made, np.empty_like(made), 1e-12 * ready.size, 30)[0]
-    if not gap <= 1e-9 * ready.size:
+    gap = close_position(memory.handle, t, made, np.empty_like(made), 1e-12 * system.size, 30)[0]
+    if not gap <= 1e-9 * system.size:
         return q
-    if float(open_by(memory.handle, t, exact, still)) <= 1e-14 * max(1.0, ready.size):
+    if float(open_by(memory.handle, t, exact, still)) <= 1e-14 * max(1.0, system.size):
         made = exact
-    nearer = _distance(ready, made - given, known) < _distance(ready, q - given, known)
+    nearer = _distance(system, made - given, known) < _distance(system, q - given, known)
     return made if nearer else q
 
 
-def keep_places(ready: Compiled, memory: Memory, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
+def keep_places(system: System, memory: Memory, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Closed positions with all values given, where places x, y are among those that q has not; else q.
 
     A massless link may stand on either side of its bush: the side where the body was put goes before the one to which
     its force presses it.  Angles alone say no side: they are those of the ideal mechanism, more often than not.
     """
-    known, near = ~np.isnan(given), 1e-9 * ready.size
+    known, near = ~np.isnan(given), 1e-9 * system.size
     places = known & (np.arange(len(q)) % 3 < 2)
     if not (np.abs(q - given)[places] > near).any():
         return q
     made = np.where(known, given, q)
-    if not close_position(memory.handle, t, made, np.empty_like(made), 1e-12 * ready.size, 60)[0] <= near:
+    if not close_position(memory.handle, t, made, np.empty_like(made), 1e-12 * system.size, 60)[0] <= near:
         return q
-    made = keep_positions(ready, memory, t, made, given)
+    made = keep_positions(system, memory, t, made, given)
     return made if (np.abs(made - given)[known] <= near).all() else q
 
 
-def _distance(ready: Compiled, change: np.ndarray, known: np.ndarray) -> float:
-    return float(np.linalg.norm((change * np.sqrt(ready.arrays["mass"][1:].ravel()))[known]))
+def _distance(system: System, change: np.ndarray, known: np.ndarray) -> float:
+    return float(np.linalg.norm((change * np.sqrt(system.arrays["mass"][1:].ravel()))[known]))
 
 
-def keep_rates(
-    ready: Compiled, memory: Memory, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
-) -> np.ndarray:
+def keep_rates(system: System, memory: Memory, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Rates near v that satisfy the constraints and hold the values given as far as these allow."""
     known = ~np.isnan(given)
     made = np.where(known, given, v)
     for _ in range(2):
         open_by(memory.handle, t, q, made)
-        jacobian = dense_rows(ready, memory)
+        jacobian = dense_rows(system, memory)
         wanted = memory["rows"][:, NU] - jacobian @ made
         noise = 8.0 * NOISE * (np.abs(jacobian) @ np.abs(made) + np.abs(memory["rows"][:, NU]))
         if (np.abs(wanted) <= noise).all():
             break
-        made = made + least_change(ready, jacobian, wanted, known, noise)
+        made = made + least_change(system, jacobian, wanted, known, noise)
     return made
 
 
 # ---------------------------------------------------------------- what is said
-def start_notes(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> tuple[str, ...]:
+def start_notes(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple[str, ...]:
     """What became of the values given: "asked crank.angle = 90 deg, is 0 deg: the driver 'motor' holds it"."""
     speed = max(float(np.abs(v).max(initial=0.0)), 1e-300)
     changed: dict[str, list[str]] = {}
-    free = functools.cache(lambda: _freedom(ready, t, q, v))  # costly, and mostly not asked for
+    free = functools.cache(lambda: _freedom(system, t, q, v))  # costly, and mostly not asked for
     for turn, now in enumerate((q, v)):
-        given = given_values(ready, turn)
+        given = given_values(system, turn)
         for k in np.flatnonzero(~np.isnan(given)):
-            name, key = ready.bodies[k // 3], KEYS[turn][k % 3]
-            size = (1.0 if key == "angle" else ready.size) if turn == 0 else max(speed, abs(given[k]))
+            name, key = system.bodies[k // 3], KEYS[turn][k % 3]
+            size = (1.0 if key == "angle" else system.size) if turn == 0 else max(speed, abs(given[k]))
             if abs(now[k] - given[k]) > SEEN * size:
                 factor = 180.0 / math.pi if key == "angle" else 1.0
                 asked, found = (
@@ -162,51 +160,51 @@ def start_notes(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> tupl
                 if asked == found:
                     found = f"{now[k] * factor:.12g}"
                 text = f"asked {name}.{key} = {asked} {UNITS[key]}, is {found} {UNITS[key]}"
-                changed.setdefault(_holder(ready, free(), int(k)), []).append(text)
+                changed.setdefault(_holder(system, free(), int(k)), []).append(text)
     return tuple(f"{'; '.join(texts)}: {who}" for who, texts in changed.items())
 
 
-def _freedom(ready: Compiled, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _freedom(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Which coordinates (3 nb,) can change under all rows, and which under those of joints alone; the rows."""
-    memory = ready.memory()
+    memory = system.memory()
     open_by(memory.handle, t, q, v)
-    full = dense_rows(ready, memory)
-    driving = np.array([row.driver for row in ready.rows], dtype=bool)
+    full = dense_rows(system, memory)
+    driving = np.array([row.driver for row in system.rows], dtype=bool)
     every = _free(full)
     return every, (_free(full[~driving]) if driving.any() else every), full
 
 
-def _holder(ready: Compiled, free: tuple[np.ndarray, np.ndarray, np.ndarray], k: int) -> str:
+def _holder(system: System, free: tuple[np.ndarray, np.ndarray, np.ndarray], k: int) -> str:
     """Who does not let coordinate k be as given."""
     under_all, under_joints, rows = free
     if under_all[k]:
         return "the values given do not go together"
     if not under_joints[k]:
         return "the joints hold it"
-    body = ready.bodies[k // 3]
+    body = system.bodies[k // 3]
     own = []
-    for name, driver in ready.model.drivers.items():
-        a, b, _ = driven_ends(ready.model, driver)
+    for name, driver in system.model.drivers.items():
+        a, b, _ = driven_ends(system.model, driver)
         if body in (a.body, b.body):
             own.append(name)
     if len(own) == 1:
         return f"the driver '{own[0]}' holds it"
-    owners = _holding(ready, rows, k)
-    drivers = [f"'{one}'" for one in ready.model.drivers if one in owners or not owners]
-    joints = [f"'{one}'" for one in ready.model.joints if one in owners]
+    owners = _holding(system, rows, k)
+    drivers = [f"'{one}'" for one in system.model.drivers if one in owners or not owners]
+    joints = [f"'{one}'" for one in system.model.joints if one in owners]
     more = f" and {len(joints) - MOST_NAMED} more" if len(joints) > MOST_NAMED else ""
     through = f" through joint{'s' if len(joints) > 1 else ''} {', '.join(joints[:MOST_NAMED])}{more}" if joints else ""
     several = len(drivers) > 1
     return f"the driver{'s' if several else ''} {', '.join(drivers)} hold{'' if several else 's'} it{through}"
 
 
-def _holding(ready: Compiled, rows: np.ndarray, k: int) -> set[str]:
+def _holding(system: System, rows: np.ndarray, k: int) -> set[str]:
     """Owners of the rows that together hold coordinate k: those in e_k = Phi_q^T x."""
     unit = np.zeros(rows.shape[1])
     unit[k] = 1.0
     length = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)
     part = np.abs(np.linalg.lstsq((rows / length[:, None]).T, unit, rcond=1e-9)[0])
-    return {row.owner for row, size in zip(ready.rows, part, strict=True) if size > 1e-9 * part.max()}
+    return {row.owner for row, size in zip(system.rows, part, strict=True) if size > 1e-9 * part.max()}
 
 
 def _free(rows: np.ndarray) -> np.ndarray:

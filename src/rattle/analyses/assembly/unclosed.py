@@ -7,21 +7,21 @@ import math
 from rattle.analyses.assembly.loops import describe_loop, tree_path
 from rattle.analyses.assembly.rank import unlike_masses
 from rattle.description.model import driven_ends
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.jit.workspace import Memory
 
 TAKES_PART = 0.05  # share of the widest gap from which on a joint is named
 MOST_NAMED = 6
 
 
-def why_open(ready: Compiled, memory: Memory, t: float) -> str:
+def why_open(system: System, memory: Memory, t: float) -> str:
     """What stays open at the state in the memory, where all that is open is as small as it can be together."""
-    model = ready.model
-    nothing = without_value(ready, memory, t)
+    model = system.model
+    nothing = without_value(system, memory, t)
     if nothing:
         return nothing
     gaps = dict.fromkeys(model.joints, 0.0)
-    for row, value in zip(ready.rows, memory["rows"][:, 0], strict=True):
+    for row, value in zip(system.rows, memory["rows"][:, 0], strict=True):
         name = (model.drivers[row.owner].joint or row.owner) if row.driver else row.owner
         gaps[name] = math.hypot(gaps.get(name, 0.0), float(value))
     worst = max(gaps, key=lambda name: gaps[name])
@@ -30,25 +30,25 @@ def why_open(ready: Compiled, memory: Memory, t: float) -> str:
     path = tree_path(model, joint.a.body, joint.b.body, without=worst) if joint else None
     if joint is None or path is None:
         gap = gaps[worst]
-        unit = next((row.unit for row in ready.rows if row.owner == worst), "m")
+        unit = next((row.unit for row in system.rows if row.owner == worst), "m")
         taking = sorted((name for name in gaps if gaps[name] > TAKES_PART * gap), key=lambda name: -gaps[name])
-        what = _at_odds(ready, taking)
+        what = _at_odds(system, taking)
     else:
         gap, taking = gaps[worst] + sum(gaps[name] for name in path), [worst, *path]
         what = f"the loop {describe_loop(model, joint, path)}"
-    said = f"the mechanism cannot be put together: {what} stays open by {gap:.3g} {unit}{_at(ready, memory, t)}"
-    unlike = unlike_masses(ready)
+    said = f"the mechanism cannot be put together: {what} stays open by {gap:.3g} {unit}{_at(system, memory, t)}"
+    unlike = unlike_masses(system)
     if unlike:
         return f"{said}: {unlike}"
     said += ". Check the lengths, or give better angles in [initial] (or another driver position)."
-    return said + _closed_play(ready, taking, gap, unit)
+    return said + _closed_play(system, taking, gap, unit)
 
 
-def _at_odds(ready: Compiled, taking: list[str]) -> str:
+def _at_odds(system: System, taking: list[str]) -> str:
     """ "driver 'axis' and joints 'lower', 'upper' do not go together: driver 'axis'"; or the one alone."""
-    worst = f"{'joint' if taking[0] in ready.model.joints else 'driver'} '{taking[0]}'"
+    worst = f"{'joint' if taking[0] in system.model.joints else 'driver'} '{taking[0]}'"
     groups = []
-    for word, known in (("driver", ready.model.drivers), ("joint", ready.model.joints)):
+    for word, known in (("driver", system.model.drivers), ("joint", system.model.joints)):
         names = [f"'{name}'" for name in taking if name in known]
         if names:
             more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
@@ -56,11 +56,11 @@ def _at_odds(ready: Compiled, taking: list[str]) -> str:
     return worst if len(taking) < 2 else f"{' and '.join(groups)} do not go together; {worst}"
 
 
-def _closed_play(ready: Compiled, taking: list[str], gap: float, unit: str) -> str:
+def _closed_play(system: System, taking: list[str], gap: float, unit: str) -> str:
     """Joints whose play is closed, where it is wide enough to be the reason."""
     closed = {
         name: joint.clearance
-        for name, joint in ready.model.joints.items()
+        for name, joint in system.model.joints.items()
         if name in taking and joint.contact is not None and joint.contact.model == "ideal" and joint.clearance > 0.0
     }
     if unit != "m" or sum(closed.values()) < gap:
@@ -72,28 +72,28 @@ def _closed_play(ready: Compiled, taking: list[str], gap: float, unit: str) -> s
     )
 
 
-def _at(ready: Compiled, memory: Memory, t: float) -> str:
+def _at(system: System, memory: Memory, t: float) -> str:
     """Instant, and where the drivers are then."""
     functions = []
-    for n, name in enumerate(ready.joints):
-        if name in ready.model.drivers:
-            value = memory["values"][ready.arrays["joint"][n, 3] + driver_slot(ready, n)]
-            unit = ready.rows[ready.arrays["joint"][n, 4]].unit
+    for n, name in enumerate(system.joints):
+        if name in system.model.drivers:
+            value = memory["values"][system.arrays["joint"][n, 3] + driver_slot(system, n)]
+            unit = system.rows[system.arrays["joint"][n, 4]].unit
             functions.append(f"{name} = {math.degrees(value):.4g} deg" if unit == "rad" else f"{name} = {value:.4g} m")
     return f" at t = {t:.6g} s" + (f" ({', '.join(functions)})" if functions else "")
 
 
-def without_value(ready: Compiled, memory: Memory, t: float) -> str:
+def without_value(system: System, memory: Memory, t: float) -> str:
     """Which driver has no finite value at the instant in the memory, in words; empty when all have."""
-    for n, name in enumerate(ready.joints):
-        if name in ready.model.drivers:
-            value = memory["values"][ready.arrays["joint"][n, 3] + driver_slot(ready, n)]
+    for n, name in enumerate(system.joints):
+        if name in system.model.drivers:
+            value = memory["values"][system.arrays["joint"][n, 3] + driver_slot(system, n)]
             if not math.isfinite(value):
                 domain = "check its domain (square root, logarithm, division by zero)"
                 return f"the function of driver '{name}' has no finite value at t = {t:.6g} s ({value:g}); {domain}"
     return ""
 
 
-def driver_slot(ready: Compiled, n: int) -> int:
+def driver_slot(system: System, n: int) -> int:
     """Where the value of a driver's function stands, counted from its first parameter."""
-    return 4 + len(driven_ends(ready.model, ready.model.drivers[ready.joints[n]])[2])
+    return 4 + len(driven_ends(system.model, system.model.drivers[system.joints[n]])[2])

@@ -11,7 +11,7 @@ import numpy as np
 from rattle import registry
 from rattle.analyses.law_check import law_faults
 from rattle.description.model import Model
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
 from rattle.jit.layout import (
     CLOSED,
@@ -32,12 +32,12 @@ STEPS_WANTED = 10  # in the shortest contact
 KINDS = ("contact", "release", "impact", "stick", "slip")  # in the order of their numbers in `plane`
 
 
-def contact_events(ready: Compiled, rows: Sequence[np.ndarray], memory: Memory, t: float) -> tuple[Event, ...]:
+def contact_events(system: System, rows: Sequence[np.ndarray], memory: Memory, t: float) -> tuple[Event, ...]:
     """Events in order of time; contacts still going on at the end (time t) come with what they have so far."""
-    owner = ready.arrays["contact"][:, OWNER]
+    owner = system.arrays["contact"][:, OWNER]
     found = []
     for row in np.concatenate(rows) if rows else np.zeros((0, 8)):
-        joint = ready.joints[owner[int(row[1])]]
+        joint = system.joints[owner[int(row[1])]]
         kind = KINDS[int(row[2])]
         values = row[3:8] if kind in ("contact", "impact") else row[3:4]
         found.append(Event(float(row[0]), joint, kind, *(float(x) for x in values)))
@@ -46,18 +46,18 @@ def contact_events(ready: Compiled, rows: Sequence[np.ndarray], memory: Memory, 
         k = len(y) - 4 * len(grip) + 4 * n
         since, speed, peak = (float(grip[n, c]) for c in (SINCE, SPEED, PEAK))
         impulse, lost = float(y[k + 1] - grip[n, IMPULSE_0]), float(y[k + 2] - grip[n, LOSS_0])
-        found.append(Event(since, ready.joints[owner[n]], "contact", speed, t - since, peak, impulse, lost))
+        found.append(Event(since, system.joints[owner[n]], "contact", speed, t - since, peak, impulse, lost))
     return tuple(sorted(found, key=lambda event: event.t))
 
 
-def require_workable(ready: Compiled) -> None:
+def require_workable(system: System) -> None:
     """Refuse contacts so stiff that no step could resolve them; ModelError names the joint."""
     problems = []
-    for name, joint in ready.model.joints.items():
+    for name, joint in system.model.joints.items():
         contact = joint.contact
         if contact is None or contact.static is None or joint.clearance <= 0.0:
             continue
-        lasting = contact_duration(ready, name)
+        lasting = contact_duration(system, name)
         if lasting < STEPS_WANTED * SHORTEST:
             said = (
                 f"so stiff that a contact at 1 m/s would last {lasting:.1g} s and steps fall below {SHORTEST:g} s;"
@@ -68,13 +68,13 @@ def require_workable(ready: Compiled) -> None:
         raise ModelError(problems)
 
 
-def contact_duration(ready: Compiled, joint: str, speed: float = 1.0) -> float:
+def contact_duration(system: System, joint: str, speed: float = 1.0) -> float:
     """Rough time [s] that an impact of the two bodies at `speed` [m/s] lasts, at the stiffness of a joint's contact."""
-    one = ready.model.joints[joint]
+    one = system.model.joints[joint]
     static = one.contact.static if one.contact else None
     if static is None:
         raise ValueError(f"joint '{joint}' has no compliant contact")
-    inverse = sum(1.0 / ready.model.bodies[b].mass for b in (one.a.body, one.b.body) if b in ready.model.bodies)
+    inverse = sum(1.0 / system.model.bodies[b].mass for b in (one.a.body, one.b.body) if b in system.model.bodies)
     kind = registry.kinds("stiffness")[static.kind]
     p = np.array([*kind.leaf.pack(static.values), 0.0])
     delta = 1e-30
@@ -83,9 +83,9 @@ def contact_duration(ready: Compiled, joint: str, speed: float = 1.0) -> float:
     return 3.0 * delta / speed
 
 
-def contact_counts(ready: Compiled, events: Sequence[Event], fewest: float) -> dict[str, Any]:
+def contact_counts(system: System, events: Sequence[Event], fewest: float) -> dict[str, Any]:
     """What `Trust` says of contacts: how many, impacts, steps of the shortest."""
-    if not len(ready.arrays["contact"]):
+    if not len(system.arrays["contact"]):
         return {}
     return {
         "contacts": sum(event.kind == "contact" for event in events),
@@ -128,18 +128,18 @@ def method_notes(asked: str | None, ran: str) -> tuple[str, ...]:
     return (f"method {asked} knows no impacts: {ran} ran",)
 
 
-def contact_notes(ready: Compiled, events: Sequence[Event], energy: float) -> tuple[str, ...]:
+def contact_notes(system: System, events: Sequence[Event], energy: float) -> tuple[str, ...]:
     """Remarks on contacts: values without use, laws outside their range, laws of the user that give energy back.
 
     energy: what is large in this run [J]; gains beside it are rounding below a share of GAIN.
     """
-    found = [*_unused(ready.model), *law_faults(ready.model)]
+    found = [*_unused(system.model), *law_faults(system.model)]
     if gains := _gains(events, energy):
         found.append(
             f"{len(gains)} impact{'s' if len(gains) > 1 else ''} gave energy, {sum(gains):.3g} J in all:"
             " Newton's and Poisson's restitution with friction can; restitution_law = \"energetic\" cannot"
         )
-    for name, joint in ready.model.joints.items():
+    for name, joint in system.model.joints.items():
         contact = joint.contact
         if contact is None or contact.normal is None or contact.static is None:
             continue

@@ -10,7 +10,7 @@ from rattle.analyses.assembly.rank import describe_rank_loss
 from rattle.elements.custom import contact_law, load_law
 from rattle.equations.complementarity import OFF
 from rattle.equations.motion import NOT_FINITE
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.jit.layout import CLOSED, GAP, IMPACT, OPEN, OWNER, SHAPE_P, SHUT
 from rattle.jit.workspace import Memory
 from rattle.results.columns import width
@@ -25,24 +25,24 @@ GROWN = 20.0  # growth of a value, by which a pole is told, where the time to it
 TINY = 1e-12  # a contact that wants shorter steps is too stiff [s]
 
 
-def explain(ready: Compiled, memory: Memory, t_end: float, status: int, method: str = "", rtol: float = 0.0) -> str:
+def explain(system: System, memory: Memory, t_end: float, status: int, method: str = "", rtol: float = 0.0) -> str:
     """One or two sentences on why a run with this method and tolerance stopped at memory["clock"][T]."""
-    clock, nq = memory["clock"], 3 * ready.body_count
+    clock, nq = memory["clock"], 3 * system.body_count
     t, h = float(clock[step_loop.T]), float(clock[step_loop.H])
     if status == ESCAPED:
-        return _escaped(ready, memory)
-    what = load_law.complaint(t) or not_finite(ready, memory, t_end)
+        return _escaped(system, memory)
+    what = load_law.complaint(t) or not_finite(system, memory, t_end)
     if what:
         return what
     if status == SLIDES:
-        return _sliding(ready, memory)
-    record(memory.handle, t, memory["y"], np.zeros(width(ready)))
-    rank = describe_rank_loss(ready, memory)
+        return _sliding(system, memory)
+    record(memory.handle, t, memory["y"], np.zeros(width(system)))
+    rank = describe_rank_loss(system, memory)
     if rank:
         return f"cannot go on at t = {t:.6g} s: {rank}"
-    shut = np.flatnonzero((memory["grip"][:, CLOSED] == SHUT) & (ready.arrays["contact"][:, IMPACT] == 0))
+    shut = np.flatnonzero((memory["grip"][:, CLOSED] == SHUT) & (system.arrays["contact"][:, IMPACT] == 0))
     if len(shut) and h < TINY:
-        joint = ready.joints[ready.arrays["contact"][shut[0], OWNER]]
+        joint = system.joints[system.arrays["contact"][shut[0], OWNER]]
         return (
             f"cannot go on at t = {t:.6g} s: the contact of joint '{joint}' is so stiff that it wants steps below"
             f' {TINY:g} s. Lower its stiffness, or use contact = {{ model = "impact" }}'
@@ -51,24 +51,24 @@ def explain(ready: Compiled, memory: Memory, t_end: float, status: int, method: 
         return f"the motion ran away at t = {t:.6g} s with the step of {h:.3g} s; try a smaller step or method dop853"
     if status == NOT_FINITE:
         size = np.abs(memory["acceleration"][1:]).max(axis=1)
-        body = ready.bodies[int(np.argmax(np.where(np.isfinite(size), size, np.inf)))]
+        body = system.bodies[int(np.argmax(np.where(np.isfinite(size), size, np.inf)))]
         return (
             f"cannot go on at t = {t:.6g} s: forces, rates or accelerations are too large for numbers (worst at body"
             f" '{body}', {size.max():.3g} in SI units); look for a load, mass or rate that is far too large or small"
         )
-    pole = _pole(ready, memory, t_end)
+    pole = _pole(system, memory, t_end)
     if pole:
         return pole
-    fastest = ready.bodies[int(np.argmax(np.abs(memory["f"][nq : 2 * nq]))) // 3]
+    fastest = system.bodies[int(np.argmax(np.abs(memory["f"][nq : 2 * nq]))) // 3]
     return (
         f"cannot go on at t = {t:.6g} s: the step fell below {h:.1g} s (worst at body '{fastest}');"
         f" {'look' if rtol >= 1e-6 else 'try a larger rtol, and look'} for a position that cannot be passed"
     )
 
 
-def _escaped(ready: Compiled, memory: Memory) -> str:
+def _escaped(system: System, memory: Memory) -> str:
     """Which joint's contact is inside its wall, from the gaps at hand, and by how much."""
-    contact = ready.arrays["contact"]
+    contact = system.arrays["contact"]
     clearance = memory["values"][contact[:, SHAPE_P] + 4]
     rigid = contact[:, IMPACT] == 1
     off = np.resize(memory["mode"] == OFF, len(contact)) if rigid.any() else rigid
@@ -77,7 +77,7 @@ def _escaped(ready: Compiled, memory: Memory) -> str:
     if not (depth > 0.1 * DEEP).any():  # Moreau-Jean, whose contacts know no modes between steps
         depth = shares
     n = int(np.argmax(depth))
-    joint = ready.joints[contact[n, OWNER]]
+    joint = system.joints[contact[n, OWNER]]
     return (
         f"a contact was missed: at t = {memory['clock'][step_loop.TROUBLE]:.9g} s joint '{joint}' is"
         f" {depth[n] * clearance[n]:.3g} m inside its wall (play {clearance[n]:g} m), though not in contact;"
@@ -85,13 +85,13 @@ def _escaped(ready: Compiled, memory: Memory) -> str:
     )
 
 
-def _sliding(ready: Compiled, memory: Memory) -> str:
+def _sliding(system: System, memory: Memory) -> str:
     """Which switch changes its side without end."""
     t = float(memory["landing"][LAST])
     see(memory.handle, t, memory["y"])
     sizes = [abs(float(argument(memory.handle, n, t))) for n in range(len(memory["switch"]))]
     row = int(memory["switch"][int(np.argmin(sizes)), 2])
-    name = next(one.name for one in ready.switches if one.row == row)
+    name = next(one.name for one in system.switches if one.row == row)
     return (
         f"cannot go on at t = {t:.6g} s: {name} switches to and fro without end, each of its branches drives the motion"
         " back to the other. Make the change gradual, as tanh(x/width) for sign(x); dry friction is `friction` of a"
@@ -99,7 +99,7 @@ def _sliding(ready: Compiled, memory: Memory) -> str:
     )
 
 
-def not_finite(ready: Compiled, memory: Memory, t_end: float) -> str:
+def not_finite(system: System, memory: Memory, t_end: float) -> str:
     """Which expression has no finite value near the last state, and when; empty if none."""
     clock, y, f = memory["clock"], memory["y"], memory["f"]
     start = float(clock[step_loop.T])
@@ -109,44 +109,44 @@ def not_finite(ready: Compiled, memory: Memory, t_end: float) -> str:
         if t > t_end * (1 + 1e-12) and share:
             break
         state = y + (t - start) * np.where(np.isfinite(f), f, 0.0)
-        record(memory.handle, t, state, np.zeros(width(ready)))
-        for first, values in _evaluated(ready, memory):
+        record(memory.handle, t, state, np.zeros(width(system)))
+        for first, values in _evaluated(system, memory):
             if not np.isfinite(values).all():
-                name = ready.live_names[ready.program_starts.index(first)]
+                name = system.live_names[system.program_starts.index(first)]
                 seen = values[~np.isfinite(values)][0]
                 return (
                     f"{name} has no finite value at t = {t:.6g} s ({seen:g}); check its domain"
                     " (square root, logarithm, division by zero)"
                 )
-        for (name, load), row in zip(ready.model.loads.items(), ready.arrays["load"], strict=True):
+        for (name, load), row in zip(system.model.loads.items(), system.arrays["load"], strict=True):
             why = load_law.failure(load.kind, t, memory["body"][row[2]], memory["values"][row[3] :])
             if why:
                 return f"loads.{name}: {why}"
-        for n, row in enumerate(ready.arrays["contact"]):
+        for n, row in enumerate(system.arrays["contact"]):
             why = contact_law.failure(row, memory["touch"][n], memory["grip"][n], memory["values"])
             if why and share <= NEAR:
-                return f"joint '{ready.joints[row[OWNER]]}': {why} at t = {t:.6g} s"
+                return f"joint '{system.joints[row[OWNER]]}': {why} at t = {t:.6g} s"
     return ""
 
 
-def _pole(ready: Compiled, memory: Memory, t_end: float) -> str:
+def _pole(system: System, memory: Memory, t_end: float) -> str:
     """Which expression has grown beyond all bounds towards the last state; empty if none.
 
     Steps that shrink towards a pole never reach it, and behind it values are finite again: what tells it is that the
     value grows by a factor wherever the time to go shrinks by one.
     """
-    t, nq = float(memory["clock"][step_loop.T]), 3 * ready.body_count
+    t, nq = float(memory["clock"][step_loop.T]), 3 * system.body_count
     back = np.zeros_like(memory["y"])
     back[:nq] = memory["y"][nq : 2 * nq]
     sizes: list[dict[int, float]] = []
     for share in (GLANCE, GLANCE * SHARE, 0.0):
         now = t - share * t_end
-        record(memory.handle, now, memory["y"] - (t - now) * back, np.zeros(width(ready)))
-        sizes.append({first: float(np.abs(values).max()) for first, values in _evaluated(ready, memory)})
+        record(memory.handle, now, memory["y"] - (t - now) * back, np.zeros(width(system)))
+        sizes.append({first: float(np.abs(values).max()) for first, values in _evaluated(system, memory)})
     for first, least in sizes[0].items():
         middle, last = sizes[1][first], sizes[2][first]
         if 0.0 < GROWN * least < middle and GROWN * middle < last:
-            name = ready.live_names[ready.program_starts.index(first)]
+            name = system.live_names[system.program_starts.index(first)]
             return (
                 f"{name} has no finite value at t = {t:.6g} s, towards which it grows beyond all bounds"
                 f" (to {last:.3g} so far); check its domain (division by zero, logarithm)"
@@ -154,10 +154,10 @@ def _pole(ready: Compiled, memory: Memory, t_end: float) -> str:
     return ""
 
 
-def _evaluated(ready: Compiled, memory: Memory) -> Iterator[tuple[int, np.ndarray]]:
+def _evaluated(system: System, memory: Memory) -> Iterator[tuple[int, np.ndarray]]:
     """First code row and present values of every expression."""
     where = {"jet_signal": ("jets", 0), "jet": ("values", 3), "signal": ("signals", 1), "live": ("values", 1)}
     for table, (array, count) in where.items():
-        for first, _, place in ready.arrays[table]:
+        for first, _, place in system.arrays[table]:
             found = memory[array][place] if count == 0 else memory[array][place : place + count]
             yield int(first), np.atleast_1d(found)

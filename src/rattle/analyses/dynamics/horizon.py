@@ -42,8 +42,8 @@ def tighter(rtol: float, usual: float) -> float:
 def agreement(run: Run, second: Run) -> Reach:
     """Time up to which every curve of two runs agrees within 1 % of its range."""
     n = int(min(run.tally[step_loop.OUTPUTS], second.tally[step_loop.OUTPUTS]))
-    one, names, units = columns(run.ready, run.raw[:n])
-    other, _, _ = columns(second.ready, second.raw[:n])
+    one, names, units = columns(run.system, run.raw[:n])
+    other, _, _ = columns(second.system, second.raw[:n])
     keep = [k for k, name in enumerate(names) if not name.startswith("energy.")]
     one, other = one[:, keep], other[:, keep]
     span = np.ptp(one, axis=0)
@@ -51,16 +51,16 @@ def agreement(run: Run, second: Run) -> Reach:
     for k, width_ in zip(keep, span, strict=True):
         widest[units[names[k]]] = max(widest.get(units[names[k]], 0.0), float(width_))
     for linear, angular in LIKE:  # a length at the mechanism's size is worth an angle of one
-        arm = 1.0 / run.ready.size if angular == "N*m" else run.ready.size
+        arm = 1.0 / run.system.size if angular == "N*m" else run.system.size
         wide = max(widest.get(linear, 0.0), widest.get(angular, 0.0) * arm)
         widest[linear], widest[angular] = wide, wide / arm
     # a curve that stays put beside others of its unit, or moves less than the tolerance does, has no range of its own
     wide_ = np.array([widest[units[names[k]]] for k in keep])
-    signal = np.array([names[k] in run.ready.model.signals for k in keep])
+    signal = np.array([names[k] in run.system.model.signals for k in keep])
     shaken = _rounding(run, n)[keep]
     floor = np.maximum(STILL * wide_, np.where(signal, shaken, np.minimum(shaken, MOST_NOISE * wide_)))
     apart = np.abs(one - other) > np.maximum(AGREE * span, floor)
-    moving = np.array([units[names[k]] in MOTION and names[k] not in run.ready.model.signals for k in keep])
+    moving = np.array([units[names[k]] in MOTION and names[k] not in run.system.model.signals for k in keep])
 
     def until(some: np.ndarray) -> float:
         parted = some.any(axis=1)
@@ -72,19 +72,19 @@ def agreement(run: Run, second: Run) -> Reach:
 
 def _rounding(run: Run, n: int) -> np.ndarray:
     """(columns,) how far every curve moves when positions and rates are shaken by some tolerances."""
-    nq = 3 * run.ready.body_count
+    nq = 3 * run.system.body_count
     y = np.zeros_like(run.memory["y"])
     random = np.random.default_rng(0)
     rows = np.zeros((2, run.raw.shape[1]))
-    most = np.zeros(len(columns(run.ready, rows[:1])[1]))
+    most = np.zeros(len(columns(run.system, rows[:1])[1]))
     for k in np.unique(np.linspace(0, n - 1, SHAKEN).astype(int)):
-        state = run.raw[k, : 9 * run.ready.body_count].reshape(-1, 3, 3)
+        state = run.raw[k, : 9 * run.system.body_count].reshape(-1, 3, 3)
         y[:nq], y[nq : 2 * nq] = state[:, 0].ravel(), state[:, 1].ravel()
         record(run.memory.handle, run.t_eval[k], y, rows[0])
         near = y.copy()
         near[: 2 * nq] += NOISE * (run.atol + run.rtol * np.abs(y[: 2 * nq])) * random.uniform(-1.0, 1.0, 2 * nq)
         record(run.memory.handle, run.t_eval[k], near, rows[1])
-        found = columns(run.ready, rows)[0]
+        found = columns(run.system, rows)[0]
         change = np.abs(found[1] - found[0])
         most = np.maximum(most, np.where(np.isfinite(change), change, 0.0))
     return most

@@ -15,7 +15,7 @@ from rattle.analyses.dynamics.soundness import audit_arrays, set_floor, why_unso
 from rattle.equations import complementarity, contact_network, lemke, unilateral
 from rattle.equations.complementarity import BACKWARD, FORWARD
 from rattle.equations.motion import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
 from rattle.jit import functions
 from rattle.jit.layout import IMPACT, NORMAL_P, OWNER
@@ -38,24 +38,24 @@ TOGETHER = 1e-6  # the same of the smallest singular value of all contacts toget
 STEPS = 20_000  # of Moreau-Jean over a run, when nothing is said
 
 
-def has_impacts(ready: Compiled) -> bool:
+def has_impacts(system: System) -> bool:
     """True when the model has set-valued contacts."""
-    return bool((ready.arrays["contact"][:, IMPACT] == 1).any())
+    return bool((system.arrays["contact"][:, IMPACT] == 1).any())
 
 
-def choose_method(ready: Compiled, method: str, step: float | None, span: float) -> tuple[str, float | None]:
+def choose_method(system: System, method: str, step: float | None, span: float) -> tuple[str, float | None]:
     """Method and step for a model with set-valued contacts over a time [s].
 
     Methods that know no impact become "event".  Raises ModelError when impact and compliant contacts are mixed.
     """
-    if not (ready.arrays["contact"][:, IMPACT] == 1).all():
-        laws = {ready.joints[row[OWNER]]: "impact" if row[IMPACT] else "compliant" for row in ready.arrays["contact"]}
+    if not (system.arrays["contact"][:, IMPACT] == 1).all():
+        laws = {system.joints[row[OWNER]]: "impact" if row[IMPACT] else "compliant" for row in system.arrays["contact"]}
         listed = ", ".join(f"{name}: {law}" for name, law in laws.items())
         said = f"impact and compliant contacts do not go together ({listed}); give all joints one kind"
         first = next(name for name, law in laws.items() if law == "compliant")
         raise ModelError([Problem(("joints", first, "contact"), said)])
-    require_one_law(ready, method)
-    settings = ready.model.settings
+    require_one_law(system, method)
+    settings = system.model.settings
     if method != "moreau" and settings.method == "moreau" and step == settings.step:
         step = None  # it was meant for the other method
     if method == "moreau":
@@ -63,15 +63,15 @@ def choose_method(ready: Compiled, method: str, step: float | None, span: float)
     return "event", step
 
 
-def require_one_law(ready: Compiled, method: str) -> None:
+def require_one_law(system: System, method: str) -> None:
     """Raise ModelError when joints differ in their restitution law, or Moreau-Jean is to follow another than Newton's.
 
     An impact at several joints is one problem: it has one law.
     """
     choices = registry.kinds("contact")["impact"].fields["restitution_law"].choices
     laws = {
-        ready.joints[row[OWNER]]: choices[int(ready.arrays["values"][row[NORMAL_P] + 3])]
-        for row in ready.arrays["contact"]
+        system.joints[row[OWNER]]: choices[int(system.arrays["values"][row[NORMAL_P] + 3])]
+        for row in system.arrays["contact"]
     }
     first = next(iter(laws))
     for name, law in laws.items():
@@ -84,13 +84,13 @@ def require_one_law(ready: Compiled, method: str) -> None:
         raise ModelError([Problem(("joints", first, "contact", "restitution_law"), said)])
 
 
-def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
+def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
     """What set-valued contacts need besides the arrays of one instant; lasting: their forces are part of the motion."""
-    nc, nr, nb = len(ready.arrays["contact"]), ready.row_count, ready.body_count
-    contact, solvers = ready.arrays["contact"], (contact_network.KERNEL, lemke.KERNEL, uniqueness.KERNELS[0])
+    nc, nr, nb = len(system.arrays["contact"]), system.row_count, system.body_count
+    contact, solvers = system.arrays["contact"], (contact_network.KERNEL, lemke.KERNEL, uniqueness.KERNELS[0])
     laws = (impact_phases.expand_kernel, impact_path.path_kernel, uniqueness.KERNELS[1])
     return {
-        **(contact_network.arrays(ready.arrays["row_body"], contact) if nc > complementarity.FEW else {}),
+        **(contact_network.arrays(system.arrays["row_body"], contact) if nc > complementarity.FEW else {}),
         **{name: np.zeros(nc, np.int64) for name in ("mode", "chosen", "trial", "slide")},
         "pivot": np.zeros(2 * nc, np.int64),
         "arm": np.zeros((2 * nc, 6)),
@@ -105,7 +105,7 @@ def contact_arrays(ready: Compiled, lasting: bool) -> dict[str, Any]:
         "path": np.zeros((6, 2 * nc)),
         "bounce": np.zeros((7, 2 * nc)),
         "looks": np.zeros((event_search.LOOKS_KEPT, glances.KINDS * nc + 2)),
-        "held": np.array([1.0, ready.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+        "held": np.array([1.0, system.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
         "problem_table": functions.entries((*complementarity.KERNELS, *solvers, *laws)),
         **({"hold_table": functions.entries([unilateral.hold]), "glances": glances.table(nc)} if lasting else {}),
     }
@@ -128,10 +128,10 @@ class ImpactRun(Run):
     def prepare(self) -> Memory:
         """Memory of the run."""
         self.jams: list[tuple[float, str]] = []  # times [s] at which friction locked and what was closed there
-        arrays = step_loop.march_arrays(start_state(self.ready, self.start), len(self.ready.watched))
-        arrays |= audit_arrays(self.ready, self.method)
-        contacts = contact_arrays(self.ready, self.method == "event")
-        return self.ready.memory(**arrays, **contacts, **peak_arrays(self.ready))
+        arrays = step_loop.march_arrays(start_state(self.system, self.start), len(self.system.watched))
+        arrays |= audit_arrays(self.system, self.method)
+        contacts = contact_arrays(self.system, self.method == "event")
+        return self.system.memory(**arrays, **contacts, **peak_arrays(self.system))
 
     def begin(self, t: float) -> int:
         """Closed contacts find their modes and those that hit take their impact; see `Run.begin`."""
@@ -139,9 +139,9 @@ class ImpactRun(Run):
         if self.method == "moreau":
             self.leg = Leg(t, t, 0.0, 0)
             moreau_jean.start(self.memory.handle, t)
-            set_floor(self.ready, self.memory, self.rtol, self.atol)
+            set_floor(self.system, self.memory, self.rtol, self.atol)
             return PAUSED
-        values, contact = self.memory["values"], self.ready.arrays["contact"]
+        values, contact = self.memory["values"], self.system.arrays["contact"]
         self.may_pass = bool((values[contact[:, NORMAL_P] + 4] > 0.0).any())
         self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])
         self.clock[step_loop.T] = t
@@ -194,7 +194,7 @@ class ImpactRun(Run):
         """What happened on the way that a result has to say."""
         said: tuple[str, ...] = ()
         if shared := int(self.memory["held"][complementarity.SHARED]):
-            joint = self.ready.joints[self.ready.arrays["contact"][shared - 1, OWNER]]
+            joint = self.system.joints[self.system.arrays["contact"][shared - 1, OWNER]]
             said = (
                 f"how contacts that depend on each other share a force at joint '{joint}' is not unique: what is"
                 " listed is one way of several, with the same motion",
@@ -253,7 +253,7 @@ class ImpactRun(Run):
                 f" friction, or a compliant contact, goes on{passed}"
             )
         if status == unilateral.CHATTER:
-            joint = self.ready.joints[self.ready.arrays["contact"][int(self.stuck[2]), OWNER]]
+            joint = self.system.joints[self.system.arrays["contact"][int(self.stuck[2]), OWNER]]
             if self.stuck[3] > event_driven.MOST_IN_A_ROW:
                 return (
                     f"{self.stuck[3]:.0f} events in a row, each within {event_driven.CROWDED * self.t_end:.2g} s of"
@@ -263,14 +263,14 @@ class ImpactRun(Run):
             return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; method moreau goes on"
         if status == NOT_FINITE and self.method == "moreau":
             return f"the motion ran away at t = {t:.6g} s with the step of {self.step:.3g} s; try a smaller step"
-        what = explain(self.ready, self.memory, self.t_end, status, self.method, self.rtol)
+        what = explain(self.system, self.memory, self.t_end, status, self.method, self.rtol)
         if status == ESCAPED and self.method == "moreau":
             what += "; or the drivers push against a dead end, a position that rigid bodies cannot pass"
         return what
 
     def _locks(self, t: float) -> bool:
         """True when sliding contacts are about to lock by friction, alone or together: the proof of Painleve's name."""
-        mode, contact = self.memory["mode"], self.ready.arrays["contact"]
+        mode, contact = self.memory["mode"], self.system.arrays["contact"]
         rough = self.memory["values"][contact[:, NORMAL_P] + 2] > 0.0
         slides = (((mode == FORWARD) | (mode == BACKWARD)) & rough).any()
         if not slides:
@@ -280,7 +280,7 @@ class ImpactRun(Run):
     def _firmness(self) -> float:
         """Smallest singular value of a_n (a_t where they stick) of the closed contacts by their forces, as a share of
         that without friction of sliding; their modes and G are at hand."""
-        mode, contact, g = self.memory["mode"], self.ready.arrays["contact"], self.memory["delassus"]
+        mode, contact, g = self.memory["mode"], self.system.arrays["contact"], self.memory["delassus"]
         closed = self.memory["chosen"][: int(((mode != complementarity.OFF) & (contact[:, IMPACT] == 1)).sum())]
         normal, least = 2 * np.arange(len(closed)), []
         lines = np.sort(np.concatenate([normal, normal[mode[closed] == complementarity.STICK] + 1]))
@@ -292,6 +292,6 @@ class ImpactRun(Run):
         return float(least[0] / least[1]) if least[1] > 0.0 else 1.0
 
     def _closed(self) -> list[str]:
-        owner, mode = self.ready.arrays["contact"][:, OWNER], self.memory["mode"]
-        touching = (mode != complementarity.OFF) | (self.memory["touch"][:, 0] < 1e-6 * self.ready.size)
-        return [f"'{name}'" for name in dict.fromkeys(self.ready.joints[n] for n in owner[touching])]
+        owner, mode = self.system.arrays["contact"][:, OWNER], self.memory["mode"]
+        touching = (mode != complementarity.OFF) | (self.memory["touch"][:, 0] < 1e-6 * self.system.size)
+        return [f"'{name}'" for name in dict.fromkeys(self.system.joints[n] for n in owner[touching])]

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.jit.workspace import Memory
 from rattle.results.columns import JOINT, quantities
 from rattle.results.event import Peak
@@ -14,33 +14,33 @@ from rattle.solvers import peaks
 from rattle.solvers.gap_search import DEEP
 
 
-def peak_arrays(ready: Compiled) -> dict[str, np.ndarray]:
+def peak_arrays(system: System) -> dict[str, np.ndarray]:
     """What a run needs to watch its forces for peaks, see `solvers.peaks`."""
-    watched = [(what, column) for _, what, column in quantities(ready)]
+    watched = [(what, column) for _, what, column in quantities(system)]
     table = np.zeros((len(watched), peaks.WIDTH))
     table[:, peaks.BEST] = -math.inf
-    for row, (name, *_) in zip(table, quantities(ready), strict=True):
+    for row, (name, *_) in zip(table, quantities(system), strict=True):
         joint, _, of = name.rpartition(".")
-        contact = ready.model.joints[joint].contact if joint in ready.model.joints else None
+        contact = system.model.joints[joint].contact if joint in system.model.joints else None
         if of == "moment":
-            row[peaks.ARM] = ready.size
+            row[peaks.ARM] = system.size
         elif of == "penetration" and contact is not None and contact.model == "impact":
-            row[peaks.NOTHING] = DEEP * ready.model.joints[joint].clearance  # a rigid wall gives way by drift alone
+            row[peaks.NOTHING] = DEEP * system.model.joints[joint].clearance  # a rigid wall gives way by drift alone
     return {
         "quantity": np.array(watched, np.int64).reshape(-1, 2),
         "peaks": table,
-        "peak_row": np.zeros(JOINT * len(ready.joints)),
+        "peak_row": np.zeros(JOINT * len(system.joints)),
     }
 
 
-def peak_values(ready: Compiled, memory: Memory, span: float) -> dict[str, Peak]:
+def peak_values(system: System, memory: Memory, span: float) -> dict[str, Peak]:
     """Largest size, its time and RMS of every watched quantity over a run of length `span` [s]."""
     found = {}
-    for (name, *_), row in zip(quantities(ready), memory["peaks"], strict=True):
+    for (name, *_), row in zip(quantities(system), memory["peaks"], strict=True):
         best, when, squares = (float(row[k]) for k in (peaks.BEST, peaks.WHEN, peaks.SQUARES))
         rms = math.sqrt(max(squares, 0.0) / span) if span > 0.0 else abs(best)
         found[name] = Peak(best, when, rms)
-    for name, joint in ready.model.joints.items():
+    for name, joint in system.model.joints.items():
         if joint.contact is not None:  # without contacts N is as large as the force
             found.setdefault(f"{name}.normal", found[f"{name}.force"])
     return found

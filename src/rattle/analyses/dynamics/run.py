@@ -21,7 +21,7 @@ from rattle.analyses.dynamics.soundness import (
 from rattle.analyses.timetable import Jolt, timetable
 from rattle.elements.custom import load_law
 from rattle.equations.motion import DONE, OK, PAUSED
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.jit import functions
 from rattle.jit.workspace import Memory
 from rattle.language.switching import SAME
@@ -43,7 +43,7 @@ class Run:
 
     def __init__(
         self,
-        ready: Compiled,
+        system: System,
         start: Assembled,
         t_eval: np.ndarray,
         t_end: float,
@@ -52,17 +52,17 @@ class Run:
         atol: float,
         step: float | None,
     ) -> None:
-        self.ready, self.start, self.t_eval, self.t_end = ready, start, t_eval, t_end
+        self.system, self.start, self.t_eval, self.t_end = system, start, t_eval, t_end
         self.method, self.rtol, self.atol, self.step = method, rtol, atol, step
-        self.table = timetable(ready, start.t, t_end)
+        self.table = timetable(system, start.t, t_end)
         self.piece = 0  # smooth pieces of the run that are over
         self.jolts: list[Jolt] = []
         self.memory = self.prepare()
         self.clock, self.tally = self.memory["clock"], self.memory["tally"]
-        self.raw = np.zeros((len(t_eval), width(ready)))
+        self.raw = np.zeros((len(t_eval), width(system)))
         self.crossings: list[np.ndarray] = []
         self.contacts: list[np.ndarray] = []
-        self.first_sign = np.ones(len(ready.watched))
+        self.first_sign = np.ones(len(system.watched))
         self.message = ""
         self.most_steps: int | None = None
         self.interrupted = False
@@ -71,14 +71,14 @@ class Run:
 
     def prepare(self) -> Memory:
         """Memory of the run."""
-        arrays = step_loop.march_arrays(start_state(self.ready, self.start), len(self.ready.watched))
-        return self.ready.memory(**arrays, **audit_arrays(self.ready, self.method), **peak_arrays(self.ready))
+        arrays = step_loop.march_arrays(start_state(self.system, self.start), len(self.system.watched))
+        return self.system.memory(**arrays, **audit_arrays(self.system, self.method), **peak_arrays(self.system))
 
     def begin(self, t: float) -> int:
         """Get ready to march from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
         self.take_sides(t)
         status = step_loop.begin(self.memory.handle, t, self.t_end, self.rtol, self.atol, self.step or math.inf)
-        set_floor(self.ready, self.memory, self.rtol, self.atol)
+        set_floor(self.system, self.memory, self.rtol, self.atol)
         self.pace(t)
         return PAUSED if status == OK else int(status)
 
@@ -129,7 +129,7 @@ class Run:
 
     def switch(self, t: float) -> int:
         """Expressions switch at t [s]: sides of the next piece, a jolt where a driver jumps; PAUSED or a trouble."""
-        handle, nr = self.memory.handle, self.ready.row_count
+        handle, nr = self.memory.handle, self.system.row_count
         before, after, percussion = np.zeros((3, nr))
         jumps = [jump for jump in self.table.jumps if jump.t == t]
         if jumps:
@@ -143,7 +143,7 @@ class Run:
                 return status
             work = -0.5 * percussion * (before + after)
             for jump in jumps:
-                row = self.ready.arrays["joint"][self.ready.joints.index(jump.driver), 4]
+                row = self.system.arrays["joint"][self.system.joints.index(jump.driver), 4]
                 self.jolts.append(Jolt(jump, -float(percussion[row]), float(work[row])))
         status = self.go_on(t, bool(jumps))
         if status == PAUSED:
@@ -172,7 +172,7 @@ class Run:
         """Why the run cannot go on."""
         if status == UNSOUND:
             return why_unsound(self)
-        return explain(self.ready, self.memory, self.t_end, status, self.method, self.rtol)
+        return explain(self.system, self.memory, self.t_end, status, self.method, self.rtol)
 
     def go(self, progress: bool = False, what: str = "simulate") -> None:
         """March to the end, or to where it cannot go on (then `message` says why)."""
@@ -205,7 +205,7 @@ class Run:
                     self.trouble(status) if status == ESCAPED else ""
                 )  # told by the gaps at hand, which go with outputs
                 if not tally[step_loop.OUTPUTS] and len(self.t_eval) and self.t_eval[0] <= self.start.t:
-                    record(m.handle, self.start.t, start_state(self.ready, self.start), self.raw[0])
+                    record(m.handle, self.start.t, start_state(self.system, self.start), self.raw[0])
                     tally[step_loop.OUTPUTS] = 1
                 self.message = lost or self.trouble(status)
         except KeyboardInterrupt:
@@ -218,9 +218,9 @@ class Run:
             self.wall = time.perf_counter() - began
 
 
-def start_state(ready: Compiled, start: Assembled) -> np.ndarray:
+def start_state(system: System, start: Assembled) -> np.ndarray:
     """y at the start: q, v, work, dissipated energy, and four numbers per contact (see `equations.motion.collect`)."""
-    return np.concatenate([start.q, start.v, np.zeros(2 + 4 * len(ready.arrays["contact"]))])
+    return np.concatenate([start.q, start.v, np.zeros(2 + 4 * len(system.arrays["contact"]))])
 
 
 def pulls(run: Run, reached: float) -> tuple[dict[str, float], dict[str, float | None], dict[str, np.ndarray]]:
@@ -230,7 +230,7 @@ def pulls(run: Run, reached: float) -> tuple[dict[str, float], dict[str, float |
     first: dict[str, float | None] = {}
     intervals = {}
     span = max(reached - run.start.t, 1e-300)
-    for n, name in enumerate(run.ready.watched):
+    for n, name in enumerate(run.system.watched):
         mine = crossings[crossings[:, 1] == n]
         times = list(mine[:, 0])
         if run.first_sign[n] < 0:

@@ -30,7 +30,7 @@ from rattle.analyses.dynamics.soundness import (
 )
 from rattle.analyses.law_check import law_faults
 from rattle.analyses.timetable import jolt_events, jolt_notes
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.errors import SolverError
 from rattle.jit import functions
 from rattle.results.columns import columns, geometry, width
@@ -50,14 +50,14 @@ POINTS = 1000  # output intervals when nothing is said
 
 
 def simulate(
-    ready: Compiled, start: Assembled, *, t_end: float | None = None,
+    system: System, start: Assembled, *, t_end: float | None = None,
     t_eval: Sequence[float] | np.ndarray | None = None, method: str | None = None, rtol: float | None = None,
     atol: float | None = None, step: float | None = None, progress: bool = False, strict: bool = False,
     horizon: bool = False, most_steps: int | None = None,
 ) -> Result:  # fmt: skip
     """Integrate the equations of motion; see `Mechanism.simulate`."""
     functions.start()
-    settings = ready.model.settings
+    settings = system.model.settings
     end, times = output_times(settings, t_end, t_eval)
     wanted, method = method, settings.method if method is None else method
     if method not in METHODS:
@@ -67,15 +67,17 @@ def simulate(
     step = settings.step if step is None else step
     if step is not None:
         arguments.positive("step", step)
-    arguments.require_room(len(times), width(ready))
-    if method == "rk4" and any(one.contact and one.contact.model == "compliant" for one in ready.model.joints.values()):
+    arguments.require_room(len(times), width(system))
+    if method == "rk4" and any(
+        one.contact and one.contact.model == "compliant" for one in system.model.joints.values()
+    ):
         raise ValueError("rk4 takes fixed steps, which contacts do not allow; use method dop853")
-    require_workable(ready)
-    for fault in law_faults(ready.model):
+    require_workable(system)
+    for fault in law_faults(system.model):
         log.warning(fault)
     wanted = wanted or (method if method != METHODS[0] else None)
-    one_run, method, step = kind_of_run(ready, method, step, end)
-    run = one_run(ready, start, times, end, method, rtol, atol, step)
+    one_run, method, step = kind_of_run(system, method, step, end)
+    run = one_run(system, start, times, end, method, rtol, atol, step)
     if most_steps is not None and most_steps < 1:
         raise ValueError(f"most_steps must be at least 1, got {most_steps}")
     run.most_steps = most_steps
@@ -85,7 +87,7 @@ def simulate(
     if horizon and run.tally[step_loop.OUTPUTS] > 1 and not run.interrupted:
         finer = None if step is None else step / 10 ** (1 / step_loop.ORDERS.get(method, 1))
         fine = tighter(rtol, RTOL)
-        second = one_run(ready, start, times, end, method, fine, atol * fine / rtol, finer)
+        second = one_run(system, start, times, end, method, fine, atol * fine / rtol, finer)
         second.most_steps = None if most_steps is None else 10 * most_steps
         second.go(progress, "once more, tighter")
         reach = None if second.interrupted else agreement(run, second)
@@ -101,10 +103,10 @@ def simulate(
     return result
 
 
-def kind_of_run(ready: Compiled, method: str, step: float | None, span: float) -> tuple[type[Run], str, float | None]:
+def kind_of_run(system: System, method: str, step: float | None, span: float) -> tuple[type[Run], str, float | None]:
     """What runs this model: set-valued contacts have methods of their own, which other models do not need."""
-    if nonsmooth_run.has_impacts(ready):
-        return nonsmooth_run.ImpactRun, *nonsmooth_run.choose_method(ready, method, step, span)
+    if nonsmooth_run.has_impacts(system):
+        return nonsmooth_run.ImpactRun, *nonsmooth_run.choose_method(system, method, step, span)
     if method not in step_loop.METHODS:
         method = "dop853"
     return Run, method, min(1e-4, span / POINTS) if method == "rk4" and step is None else step
@@ -141,9 +143,9 @@ def _first_given(*values: float | None) -> float:
 
 
 def _result(run: Run, reach: Reach | None) -> Result:
-    ready, clock, tally, seen = run.ready, run.clock, run.tally, run.memory["audit"]
+    system, clock, tally, seen = run.system, run.clock, run.tally, run.memory["audit"]
     n = int(tally[step_loop.OUTPUTS])
-    data, names, units = columns(ready, run.raw[:n])
+    data, names, units = columns(system, run.raw[:n])
     t = run.t_eval[:n]
     reached = float(clock[step_loop.T])
     pulled, first, intervals = pulls(run, reached)
@@ -151,12 +153,15 @@ def _result(run: Run, reach: Reach | None) -> Result:
     nonunique: tuple[str, ...] = ()
     notes = run.start.notes
     if tally[step_loop.LOST]:
-        record(run.memory.handle, run.start.t, start_state(ready, run.start), np.zeros(width(ready)))
-        nonunique = nonunique_reactions(ready, run.memory)
+        record(run.memory.handle, run.start.t, start_state(system, run.start), np.zeros(width(system)))
+        nonunique = nonunique_reactions(system, run.memory)
         if not nonunique:
             notes += ("the run passed through a position where the joints lose independence (a singular position)",)
-    events = contact_events(ready, run.contacts, run.memory, reached)
-    notes += (*run.notes, *contact_notes(ready, events, float(data[:, names.index("energy.kinetic")].max(initial=0.0))))
+    events = contact_events(system, run.contacts, run.memory, reached)
+    notes += (
+        *run.notes,
+        *contact_notes(system, events, float(data[:, names.index("energy.kinetic")].max(initial=0.0))),
+    )
     events = tuple(sorted((*events, *jolt_events(run.jolts)), key=lambda event: event.t))
     notes += jolt_notes(run.jolts, run.table)
     if run.method == "moreau":
@@ -164,13 +169,13 @@ def _result(run: Run, reach: Reach | None) -> Result:
         impacts = any(event.kind == "impact" for event in events)
         notes += (f"Moreau-Jean: peaks are the largest of its steps{impact if impacts else ''}",)
     if not run.message:
-        notes += remarks(ready, run.memory, run.method)
-    notes += loose(run.method, run.rtol) + fast_links(ready, data, names)
+        notes += remarks(system, run.memory, run.method)
+    notes += loose(run.method, run.rtol) + fast_links(system, data, names)
     if series := int(tally[step_loop.SERIES]):
         one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
         notes += (f"{one} closed: bounces that rise less than {LOW:g} clearances are counted as contact",)
     notes += run.remarks()
-    owner = ready.rows[tally[step_loop.DRIFT_ROW]].owner if ready.rows else ""
+    owner = system.rows[tally[step_loop.DRIFT_ROW]].owner if system.rows else ""
     trust = Trust(
         drift=float(seen[step_audit.LENGTH]),
         drift_angle=float(seen[step_audit.ANGLE]),
@@ -187,7 +192,7 @@ def _result(run: Run, reach: Reach | None) -> Result:
         intervals=intervals,
         nonunique=nonunique,
         notes=notes,
-        **contact_counts(ready, events, float(clock[step_loop.FEWEST])),
+        **contact_counts(system, events, float(clock[step_loop.FEWEST])),
     )
     stats = {
         "steps": int(tally[step_loop.STEPS]),
@@ -200,26 +205,26 @@ def _result(run: Run, reach: Reach | None) -> Result:
         "singular_positions_leapt": int(tally[step_loop.LEAPS]),
     }
     provenance = {
-        "model": ready.model.name,
+        "model": system.model.name,
         "program": f"rattle {__version__}",
         "analysis": "simulate",
         "method": run.method,
         "rtol": run.rtol,
         "atol": run.atol,
         "step": run.step,
-        "parameters": {name: one.value for name, one in ready.model.parameters.items()},
+        "parameters": {name: one.value for name, one in system.model.parameters.items()},
     }
     return Result(
         t=t,
         data=data,
         names=names,
         units=units,
-        geometry=geometry(ready.model),
+        geometry=geometry(system.model),
         trust=trust,
         stats=stats,
         provenance=provenance,
         success=not run.message,
         message=run.message,
         events=events,
-        peaks=peak_values(ready, run.memory, reached - run.start.t),
+        peaks=peak_values(system, run.memory, reached - run.start.t),
     )

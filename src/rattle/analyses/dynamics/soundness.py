@@ -20,7 +20,7 @@ from rattle.analyses.dynamics.failure import not_finite
 from rattle.description.model import Point
 from rattle.elements.custom import load_law
 from rattle.equations.motion import drive
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 from rattle.jit.workspace import Memory
 from rattle.results.columns import width
 from rattle.solvers import step_audit, step_loop
@@ -41,7 +41,7 @@ FAR = 1e6  # distance from the origin, in sizes, that leaves too few digits for 
 class Running(Protocol):
     """What of a run is looked at here."""
 
-    ready: Compiled
+    system: System
     memory: Memory
     start: Assembled
     clock: np.ndarray
@@ -53,44 +53,44 @@ class Running(Protocol):
 
 
 # ---------------------------------------------------------------- what is measured with what
-def extent(ready: Compiled) -> float:
+def extent(system: System) -> float:
     """How large the mechanism is [m], wherever it stands: its largest body, or the spread of its ground points."""
-    model = ready.model
+    model = system.model
     lengths = [one.fields["length"] for one in model.joints.values() if "length" in one.fields]
     held = {joint.a.at for joint in model.joints.values() if joint.a.body == "ground"}
     held |= {joint.b.at for joint in model.joints.values() if joint.b.body == "ground"}
     groups = [list(held), *([*body.points.values(), (0.0, 0.0)] for body in model.bodies.values())]
     lengths += [float(np.hypot(*np.ptp(np.array(group), axis=0))) for group in groups if group]
-    return max([*lengths, 0.0]) or ready.size
+    return max([*lengths, 0.0]) or system.size
 
 
-def audit_arrays(ready: Compiled, method: str) -> dict[str, np.ndarray]:
+def audit_arrays(system: System, method: str) -> dict[str, np.ndarray]:
     """What a run needs to tell whether its steps stand, see `solvers.step_audit`."""
-    size = extent(ready)
+    size = extent(system)
     seen = np.zeros(step_audit.SUNK + 1)
     seen[step_audit.OPEN_LIMIT], seen[step_audit.UNREST_LIMIT] = LIMIT, MOREAU if method == "moreau" else LIMIT
-    return {"measure": np.array([-1.0 if row.unit == "rad" else 1.0 / size for row in ready.rows]), "audit": seen}
+    return {"measure": np.array([-1.0 if row.unit == "rad" else 1.0 / size for row in system.rows]), "audit": seen}
 
 
-def set_floor(ready: Compiled, memory: Memory, rtol: float, atol: float) -> None:
+def set_floor(system: System, memory: Memory, rtol: float, atol: float) -> None:
     """Energies below which nothing is asked: what the tolerances leave to a mechanism at rest under its loads.
 
     Positions are known to rtol of the size, rates to atol; steps add up, so a hundred (a hundred thousand) times that.
     The applied forces are those of the start.
     """
     forces = np.abs(memory["force"][1:])
-    moment = float(forces[:, 2].sum() + extent(ready) * forces[:, :2].sum())
-    slow = 1e5 * atol * np.array([1.0, 1.0, 1.0 / extent(ready)])
-    resting = 0.5 * float((ready.arrays["mass"][1:] * slow**2).sum())
+    moment = float(forces[:, 2].sum() + extent(system) * forces[:, :2].sum())
+    slow = 1e5 * atol * np.array([1.0, 1.0, 1.0 / extent(system)])
+    resting = 0.5 * float((system.arrays["mass"][1:] * slow**2).sum())
     memory["audit"][step_audit.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
 
 
 # ---------------------------------------------------------------- what is said
-def remarks(ready: Compiled, memory: Memory, method: str) -> tuple[str, ...]:
+def remarks(system: System, memory: Memory, method: str) -> tuple[str, ...]:
     """What to say of a run whose drift or energy is off by more than rounding."""
     seen = memory["audit"]
     found = []
-    opened = max(float(seen[step_audit.LENGTH]) / extent(ready), float(seen[step_audit.ANGLE]))
+    opened = max(float(seen[step_audit.LENGTH]) / extent(system), float(seen[step_audit.ANGLE]))
     shorter = "a shorter step" if method in ("moreau", "rk4") else "a smaller rtol"
     if opened > SAID:
         found.append(f"joints opened by {opened:.2g} of the mechanism's size (or rad): {shorter} closes them better")
@@ -114,19 +114,19 @@ def loose(method: str, rtol: float) -> tuple[str, ...]:
     return (f"rtol = {rtol:g} is loose: short contacts may be missed and the horizon may be said too late",)
 
 
-def fast_links(ready: Compiled, data: np.ndarray, names: Sequence[str]) -> tuple[str, ...]:
+def fast_links(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[str, ...]:
     """What to say of massless links that turn out of all reason beside their mechanism (data: (n, len(names)))."""
-    if not len(data) or not ready.watched:
+    if not len(data) or not system.watched:
         return ()
     curve = dict(zip(names, data.T, strict=True))
-    usual = max(float(np.abs(curve[f"{body}.omega"][0])) for body in ready.bodies)
+    usual = max(float(np.abs(curve[f"{body}.omega"][0])) for body in system.bodies)
     what = "the fastest body at the start"
-    drivers = _driver_rates(ready)
+    drivers = _driver_rates(system)
     if drivers and max(drivers) > 0.0:
         usual, what = max(drivers), "its driver"
     found = []
-    for name in ready.watched:
-        joint = ready.model.joints[name]
+    for name in system.watched:
+        joint = system.model.joints[name]
         ax, ay = _point_rate(curve, joint.a)
         bx, by = _point_rate(curve, joint.b)
         turning = np.abs(curve[f"{name}.ex"] * (by - ay) - curve[f"{name}.ey"] * (bx - ax)) / joint.clearance**2
@@ -140,16 +140,16 @@ def fast_links(ready: Compiled, data: np.ndarray, names: Sequence[str]) -> tuple
     return tuple(found)
 
 
-def _driver_rates(ready: Compiled) -> list[float]:
+def _driver_rates(system: System) -> list[float]:
     """Rates of all drivers at the start [rad/s], those along a line at the mechanism's size."""
-    memory = ready.memory()
+    memory = system.memory()
     drive(memory.handle, 0.0)
     found = []
-    for n, name in enumerate(ready.joints):
-        if name in ready.model.drivers:
-            rate = abs(float(memory["values"][ready.arrays["joint"][n, 3] + driver_slot(ready, n) + 1]))
-            turns = ready.rows[ready.arrays["joint"][n, 4]].unit == "rad"
-            found.append(rate if turns else rate / extent(ready))
+    for n, name in enumerate(system.joints):
+        if name in system.model.drivers:
+            rate = abs(float(memory["values"][system.arrays["joint"][n, 3] + driver_slot(system, n) + 1]))
+            turns = system.rows[system.arrays["joint"][n, 4]].unit == "rad"
+            found.append(rate if turns else rate / extent(system))
     return found
 
 
@@ -183,13 +183,13 @@ def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, flo
 
 def why_unsound(run: Running) -> str:
     """Why a run ended at the last instant that can be believed, in words."""
-    ready, seen = run.ready, run.memory["audit"]
+    system, seen = run.system, run.memory["audit"]
     t, ahead = float(run.clock[step_loop.T]), float(run.clock[step_loop.TROUBLE])
     what = []
     opened = max(float(seen[step_audit.OPEN]), float(seen[step_audit.CORRECTION]))
     limit = LIMIT if seen[step_audit.OPEN] > LIMIT else step_audit.TOO_FAR
-    if not opened <= limit and ready.rows:
-        row = ready.rows[int(seen[step_audit.OPEN_ROW])]
+    if not opened <= limit and system.rows:
+        row = system.rows[int(seen[step_audit.OPEN_ROW])]
         measure = "rad" if row.unit == "rad" else "of the mechanism's size"
         what.append(f"'{row.owner}' would open by {opened:.2g} {measure}")
     if not seen[step_audit.UNREST] <= seen[step_audit.UNREST_LIMIT]:
@@ -198,46 +198,46 @@ def why_unsound(run: Running) -> str:
 
 
 def _cause(run: Running, t: float, ahead: float) -> str:
-    ready, memory = run.ready, run.memory
-    nq = 3 * ready.body_count
+    system, memory = run.system, run.memory
+    nq = 3 * system.body_count
     q, v = memory["y"][:nq].copy(), memory["y"][nq : 2 * nq].copy()
-    found = load_law.complaint(t) or not_finite(ready, memory, run.t_end)
-    found = found or jump(ready, t, ahead) or contradicted(ready, t, q, v, run.t_end - t)
+    found = load_law.complaint(t) or not_finite(system, memory, run.t_end)
+    found = found or jump(system, t, ahead) or contradicted(system, t, q, v, run.t_end - t)
     if found:
         return found
-    found = unlike_masses(ready)
+    found = unlike_masses(system)
     if found:
         return found
     away = float(np.abs(q.reshape(-1, 3)[:, :2]).max(initial=0.0))
-    if away > FAR * extent(ready):
+    if away > FAR * extent(system):
         return (
-            f"the mechanism of {extent(ready):.2g} m is {away:.2g} m away from the origin, too few digits are left;"
+            f"the mechanism of {extent(system):.2g} m is {away:.2g} m away from the origin, too few digits are left;"
             " put the origin near it"
         )
     if run.method in ("rk4", "moreau"):
         return f"the step of {ahead - t:.3g} s is far too long for this motion; take a shorter step"
-    record(memory.handle, t, memory["y"], np.zeros(width(ready)))
-    lost = describe_rank_loss(ready, memory, NEARLY)
+    record(memory.handle, t, memory["y"], np.zeros(width(system)))
+    lost = describe_rank_loss(system, memory, NEARLY)
     if lost:
         return lost
     return f"the steps are too long for this motion at rtol = {run.rtol:g}; take a smaller rtol or a largest step"
 
 
-def jump(ready: Compiled, start: float, end: float) -> str:
+def jump(system: System, start: float, end: float) -> str:
     """Which driver jumps between two instants [s], in position or in speed, and where; empty when none does."""
-    memory = ready.memory()
+    memory = system.memory()
 
     def value(t: float, slot: int) -> float:
         drive(memory.handle, t)
         return float(memory["values"][slot])
 
     reach = max(end - start, 1e-9 * max(abs(start), abs(end)))
-    for n, name in enumerate(ready.joints):
-        if name not in ready.model.drivers:
+    for n, name in enumerate(system.joints):
+        if name not in system.model.drivers:
             continue
-        slot = int(ready.arrays["joint"][n, 3]) + driver_slot(ready, n)
-        unit = ready.rows[ready.arrays["joint"][n, 4]].unit
-        scale = 1.0 if unit == "rad" else extent(ready)
+        slot = int(system.arrays["joint"][n, 3]) + driver_slot(system, n)
+        unit = system.rows[system.arrays["joint"][n, 4]].unit
+        scale = 1.0 if unit == "rad" else extent(system)
         for k, (what, per) in enumerate((("position", ""), ("speed", "/s"))):
             low, high = start - reach, end + reach
             before, after = value(low, slot + k), value(high, slot + k)

@@ -22,7 +22,7 @@ from rattle.equations.closure import close_position
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import drive
 from rattle.equations.rest_force import force_at
-from rattle.equations.system import Compiled, has_contacts, is_link
+from rattle.equations.system import System, has_contacts, is_link
 from rattle.jit.layout import AUTO, CLOSED, SPEED
 from rattle.results.columns import columns, geometry, width
 from rattle.solvers import equilibrium_newton
@@ -80,26 +80,26 @@ class Found(NamedTuple):
 class Rest:
     """One mechanism to be brought to rest at one position of its drivers."""
 
-    def __init__(self, ready: Compiled, t: float) -> None:
-        self.ready, self.memory = ready, ready.memory()
+    def __init__(self, system: System, t: float) -> None:
+        self.system, self.memory = system, system.memory()
         if len(self.memory["grip"]):
             self.memory["grip"][:, CLOSED] = AUTO
             self.memory["grip"][:, SPEED] = 1.0
-        self.scale = np.ones(3 * ready.body_count)
-        self.scale[2::3] = 1.0 / ready.size
-        joints = ready.model.joints.values()
+        self.scale = np.ones(3 * system.body_count)
+        self.scale[2::3] = 1.0 / system.size
+        joints = system.model.joints.values()
         arms = [one.clearance for one in joints if is_link(one)] + [
             one.fields["length"] for one in joints if "length" in one.fields
         ]
-        length = min([1e-4 * ready.size] + [3e-3 * one for one in arms])
+        length = min([1e-4 * system.size] + [3e-3 * one for one in arms])
         if len(self.memory["grip"]):  # penetrations are small
             length = min([length] + [1e-5 * one.clearance for one in joints if has_contacts(one)])
         self.length, self.step = length, length * self.scale
-        self.out = np.zeros(3 * ready.body_count)
-        self.links = [name for name, one in ready.model.joints.items() if is_link(one)]
-        entries = ready.arrays["joint"][np.array([ready.joints.index(name) for name in self.links], np.int64)]
+        self.out = np.zeros(3 * system.body_count)
+        self.links = [name for name, one in system.model.joints.items() if is_link(one)]
+        entries = system.arrays["joint"][np.array([system.joints.index(name) for name in self.links], np.int64)]
         self.pins = np.ascontiguousarray(entries[:, 1:4])
-        self.room = Room.of(3 * ready.body_count, ready.row_count, len(self.links))
+        self.room = Room.of(3 * system.body_count, system.row_count, len(self.links))
         self.trials = 0  # positions looked at
         self.arrived = False  # whether the last start led to a position of rest, known or new
         self.redundant = False  # whether the rows looked at last depend on each other
@@ -113,12 +113,12 @@ class Rest:
 
     def close(self, q: np.ndarray) -> float:
         """Put the joints together in place; returns the largest residual."""
-        gap, _ = close_position(self.memory.handle, self.t, q, np.empty_like(q), 1e-13 * self.ready.size, 60)
+        gap, _ = close_position(self.memory.handle, self.t, q, np.empty_like(q), 1e-13 * self.system.size, 60)
         return float(gap)
 
     def look(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Reduced force g [N] and the scaled null space Z at q; leaves the least-squares multipliers."""
-        r, rows_all = self.room, self.ready.row_count
+        r, rows_all = self.room, self.system.row_count
         freedoms = equilibrium_newton.look(
             self.memory.handle, self.t, q, self.scale, r.wide, r.norm, r.order, r.pivot, r.null, r.line
         )
@@ -128,7 +128,7 @@ class Rest:
         self.memory["multiplier"][:] = 0.0  # of all that hold the balance, those of least size
         force_at(self.memory.handle, self.t, q, self.out)
         applied = self.out * self.scale
-        rows = dense_rows(self.ready, self.memory) * self.scale
+        rows = dense_rows(self.system, self.memory) * self.scale
         norm = np.linalg.norm(rows, axis=1)
         _, values, right = np.linalg.svd(rows / norm[:, None])
         count = int((values > RANK * values[0]).sum())
@@ -150,13 +150,13 @@ class Rest:
         """(k, 2) pin centre minus bush centre of every link, at q."""
         found = []
         for name in self.links:
-            joint = self.ready.model.joints[name]
+            joint = self.system.model.joints[name]
             ends = []
             for point in (joint.a, joint.b):
                 if point.body == "ground":
                     ends.append(np.array(point.at))
                     continue
-                x, y, phi = q[3 * self.ready.bodies.index(point.body) :][:3]
+                x, y, phi = q[3 * self.system.bodies.index(point.body) :][:3]
                 c, s = math.cos(phi), math.sin(phi)
                 ends.append(np.array([x + c * point.at[0] - s * point.at[1], y + s * point.at[0] + c * point.at[1]]))
             found.append(ends[1] - ends[0])
@@ -185,7 +185,7 @@ class Rest:
         status = equilibrium_newton.GOING
         while status == equilibrium_newton.GOING:  # in pieces, so that the user can stop it
             status = equilibrium_newton.settle(
-                self.memory.handle, self.t, q, self.scale, self.ready.size, self.length, downhill, rounds, known,
+                self.memory.handle, self.t, q, self.scale, self.system.size, self.length, downhill, rounds, known,
                 len(known), near, self.pins, *room, float(most),
             )  # fmt: skip
         self.trials += int(room.state[equilibrium_newton.TRIALS]) + 1
@@ -197,7 +197,7 @@ class Rest:
         r = self.room
         self.trials += 1
         gap, along, most = equilibrium_newton.walk(
-            self.memory.handle, self.t, q, self.scale, self.ready.size, stride, direction, r.wide, r.norm, r.order,
+            self.memory.handle, self.t, q, self.scale, self.system.size, stride, direction, r.wide, r.norm, r.order,
             r.pivot, r.null, r.line,
         )  # fmt: skip
         return gap < math.inf, float(along), float(most)
@@ -211,11 +211,11 @@ class Rest:
 
     def force_scale(self) -> float:
         """A force typical of what acts [N]."""
-        return float(equilibrium_newton.force_size(self.memory.handle, self.ready.size))
+        return float(equilibrium_newton.force_size(self.memory.handle, self.system.size))
 
     def weigh(self, q: np.ndarray, iterations: int) -> Found:
         """What is to be known about a position of rest; the memory holds it afterwards."""
-        memory, ready = self.memory, self.ready
+        memory, system = self.memory, self.system
         g, null = self.look(q)
         eigenvalue, neutral, falling = math.inf, 0, 0
         if len(g):
@@ -224,7 +224,7 @@ class Rest:
             even = float(np.abs(h - h.T).max()) <= 1e-9 * largest  # loads that keep energy
             values = np.linalg.eigvalsh(0.5 * (h + h.T)) if even else np.linalg.eigvals(h).real
             # a soft freedom beside a stiff contact is no free one: what counts as nothing is what rounding leaves
-            tiny = max(1e-8 * self.force_scale() / ready.size, 1e-13 * float(np.abs(values).max()))
+            tiny = max(1e-8 * self.force_scale() / system.size, 1e-13 * float(np.abs(values).max()))
             neutral, falling = int((np.abs(values) < tiny).sum()), int((values <= -tiny).sum())
             eigenvalue = float(values.min()) if abs(values.min()) >= tiny else 0.0
         force_at(memory.handle, self.t, q, self.out)
@@ -232,11 +232,11 @@ class Rest:
         residual = float(np.abs(self.out * self.scale).max(initial=0.0))
         memory["acceleration"][:] = 0.0
         memory["rows"][:, 1] = 0.0  # at rest
-        raw = np.zeros(width(ready))
+        raw = np.zeros(width(system))
         write(memory.handle, 0.0, 0.0, raw)
         return Found(
             q.copy(), memory["multiplier"].copy(), eigenvalue, residual, gap, iterations,
-            nonunique_reactions(ready, memory) if self.redundant else (),
+            nonunique_reactions(system, memory) if self.redundant else (),
             len(g), neutral, falling, float(memory["power"][0]), self.force_scale(), raw,
         )  # fmt: skip
 
@@ -244,7 +244,7 @@ class Rest:
         """Positions of rest with all their quantities."""
         if not found:
             return []
-        data, names, units = columns(self.ready, np.array([one.raw for one in found]))
+        data, names, units = columns(self.system, np.array([one.raw for one in found]))
         keep = [k for k, name in enumerate(names) if name not in ("energy.work", "energy.dissipated", "energy.balance")]
         if self.table is None:
             self.table = self._table([names[k] for k in keep], units)
@@ -259,14 +259,14 @@ class Rest:
 
     def _table(self, names: Sequence[str], units: Mapping[str, str]) -> Table:
         column = {name: k for k, name in enumerate(names)}
-        drawn = geometry(self.ready.model)
+        drawn = geometry(self.system.model)
         pins = [name for name, joint in drawn["joints"].items() if joint["contact"] not in ("", "ideal")]
         return Table(
             column,
             {name: units[name] for name in names},
             tuple((name, column[f"{name}.normal"]) for name in pins if f"{name}.normal" in column),
             drawn,
-            {"model": self.ready.model.name, "program": f"rattle {__version__}", "analysis": "equilibrium"},
+            {"model": self.system.model.name, "program": f"rattle {__version__}", "analysis": "equilibrium"},
         )
 
     def finish(self, q: np.ndarray, iterations: int) -> Equilibrium:

@@ -27,7 +27,7 @@ from rattle.analyses.statics.starts import Turning, along, apart, around, opened
 from rattle.description.model import Contact
 from rattle.equations.closure import merit_at
 from rattle.equations.motion import drive
-from rattle.equations.system import Compiled, compile_system, has_contacts, is_link
+from rattle.equations.system import System, compile_system, has_contacts, is_link
 from rattle.errors import AssemblyError
 from rattle.jit import functions
 
@@ -46,22 +46,22 @@ WIDE = 1.0  # turn of a body in one step downhill [rad]: any valley will do
 
 def price(rest: Rest, trials: int, found: bool) -> float:
     """What a start has cost, very roughly in microseconds of one core: of the size of the mechanism."""
-    n = 3.0 * rest.ready.body_count
+    n = 3.0 * rest.system.body_count
     look = 3.0 + 0.05 * n * n + 0.0003 * n * n * n
     weighing = 150.0 + 2.0 * look + (1000.0 if rest.redundant else 0.0)
     return 60.0 + look * trials + (weighing if found else 0.0)
 
 
-def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near", effort: float = 1.0) -> Equilibria:
+def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: float = 1.0) -> Equilibria:
     """All positions of rest found; see `Mechanism.equilibrium`."""
     if branches not in ("near", "all"):
         raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
     functions.start()
-    ready = without_guide_play(ready)
-    rigid = rigid_model(ready)
-    ideal_ready = compile_system(ideal_model(ready.model)) if rigid is not None else ready
-    start = position_at(ideal_ready, t)
-    rest = Rest(ideal_ready, t)
+    system = without_guide_play(system)
+    rigid = rigid_model(system)
+    ideal_system = compile_system(ideal_model(system.model)) if rigid is not None else system
+    start = position_at(ideal_system, t)
+    rest = Rest(ideal_system, t)
     search = Search(rest, effort if rigid is None else 0.5 * effort)
     search.explore(start, branches == "all")
     found = rest.tell(search.found)
@@ -74,8 +74,8 @@ def equilibria(ready: Compiled, t: float = 0.0, branches: str = "near", effort: 
         partners.explore(position_at(rigid, t), True)
     reference = start + _first_offset(rest, rigid, start)
     pressing = play.tell(partners.found)
-    if any(has_contacts(joint) and _compliant(joint.contact) for joint in ready.model.joints.values()):
-        pressing = partners.pressed(ready, pressing)
+    if any(has_contacts(joint) and _compliant(joint.contact) for joint in system.model.joints.values()):
+        pressing = partners.pressed(system, pressing)
     stopped = search.stopped or partners.stopped
     extent = f"without play {search.extent}; every pin was put on either side of its bush" if search.extent else ""
     return Equilibria(_sorted(pressing, reference), search.starts + partners.starts, stopped, extent, effort)
@@ -90,46 +90,46 @@ def _compliant(contact: Contact | None) -> bool:
     return contact is not None and contact.normal is not None
 
 
-def without_guide_play(ready: Compiled) -> Compiled:
+def without_guide_play(system: System) -> System:
     """The mechanism with every guide closed."""
-    joints = dict(ready.model.joints)
+    joints = dict(system.model.joints)
     for name, one in joints.items():
         if one.kind != "revolute" and has_contacts(one):
             joints[name] = replace(one, contact=Contact("ideal"))
-    changed = any(joints[name] is not one for name, one in ready.model.joints.items())
-    return compile_system(replace(ready.model, joints=joints)) if changed else ready
+    changed = any(joints[name] is not one for name, one in system.model.joints.items())
+    return compile_system(replace(system.model, joints=joints)) if changed else system
 
 
-def rigid_model(ready: Compiled) -> Compiled | None:
+def rigid_model(system: System) -> System | None:
     """The mechanism with every open pin held by a massless link; None when no joint has play."""
-    joints = dict(ready.model.joints)
+    joints = dict(system.model.joints)
     for name, one in joints.items():
         if one.kind == "revolute" and (has_contacts(one) or is_link(one)):
             joints[name] = replace(one, contact=Contact("massless-link"))
-    model = replace(ready.model, joints=joints)
+    model = replace(system.model, joints=joints)
     return compile_system(model) if any(is_link(one) for one in joints.values()) else None
 
 
-def position_at(ready: Compiled, t: float) -> np.ndarray:
+def position_at(system: System, t: float) -> np.ndarray:
     """The assembled position at time t; a driven mechanism is led there from t = 0 on its branch."""
     from rattle.analyses import kinematics
     from rattle.solvers import position_sweep
 
     try:
-        start = assemble(ready)
+        start = assemble(system)
     except AssemblyError:
         if t == 0.0:
             raise
-        return assemble(ready, t).q
+        return assemble(system, t).q
     if t == 0.0:
         return start.q
-    memory = ready.memory()
+    memory = system.memory()
     drive(memory.handle, 0.0)
     merit_at(memory.handle, start.q)
-    driven = ready.row_count and np.linalg.matrix_rank(scaled_rows(ready, memory), tol=1e-9) == 3 * ready.body_count
+    driven = system.row_count and np.linalg.matrix_rank(scaled_rows(system, memory), tol=1e-9) == 3 * system.body_count
     if not driven:
-        return assemble(ready, t).q
-    led = kinematics.begin(ready, start)
+        return assemble(system, t).q
+    led = kinematics.begin(system, start)
     if not len(led.go(np.array([t]), False)):
         raise AssemblyError(f"the position at t = {t:g} s cannot be reached: {kinematics.why_stuck(led)}")
     return np.array(led.node[position_sweep.Q_NEW])
@@ -146,14 +146,14 @@ class Search:
         self.extent = ""  # how far the search went, in words
         self.arrived = False  # whether the last start led to a position of rest, known or new
         self._work, self._left = 0.0, WORK * effort
-        self._known = np.zeros((16, 3 * rest.ready.body_count))
+        self._known = np.zeros((16, 3 * rest.system.body_count))
         self._count = 0
-        self._near = 1e-3 * _tiny(rest.ready)
+        self._near = 1e-3 * _tiny(rest.system)
         self._trials = rest.trials
         self._turning: Turning | None = None
-        self._start = np.zeros(3 * rest.ready.body_count)
+        self._start = np.zeros(3 * rest.system.body_count)
         self._quiet = 0  # starts in vain since the last that was not
-        first = [int(rest.ready.arrays["joint"][rest.ready.joints.index(name), 4]) for name in rest.links]
+        first = [int(rest.system.arrays["joint"][rest.system.joints.index(name), 4]) for name in rest.links]
         self._links = np.array(first, np.int64)
 
     def spent(self) -> bool:
@@ -170,12 +170,12 @@ class Search:
         most, turn = (TRIALS_EACH, WIDE) if downhill else (TRIALS_NEWTON, MOST_TURN)
         settled = rest.settle(start, downhill, self._known[: self._count], self._near, most, turn)
         self.arrived = rest.arrived
-        weighed = settled is not None and not _same(rest.ready, settled[0], self._known[: self._count])
+        weighed = settled is not None and not _same(rest.system, settled[0], self._known[: self._count])
         new = False
         if settled is not None and weighed:
             self._remember(settled[0])
             one = self._weighed(*settled)
-            new = not any(_one_family(one, other, self._links, rest.ready.size) for other in self.found)
+            new = not any(_one_family(one, other, self._links, rest.system.size) for other in self.found)
             if new:
                 self.found.append(one)
         self._work += price(rest, rest.trials - self._trials, weighed)
@@ -189,8 +189,8 @@ class Search:
             if (same != q).any():
                 one, other = self.rest.weigh(q, iterations), self.rest.weigh(same, iterations)
                 slight = 1e-9 * one.force
-                alike = abs(one.potential - other.potential) <= slight * self.rest.ready.size
-                closed = other.gap <= one.gap + 1e-12 * self.rest.ready.size
+                alike = abs(one.potential - other.potential) <= slight * self.rest.system.size
+                closed = other.gap <= one.gap + 1e-12 * self.rest.system.size
                 return other if alike and closed and other.residual <= one.residual + slight else one
         return self.rest.weigh(q, iterations)
 
@@ -203,7 +203,7 @@ class Search:
     # ------------------------------------------------------------ from nothing
     def explore(self, start: np.ndarray, everywhere: bool) -> None:
         """All kinds of starts; everywhere: other ways to put the mechanism together too."""
-        turning, random = Turning(self.rest.ready), np.random.default_rng(0)
+        turning, random = Turning(self.rest.system), np.random.default_rng(0)
         self._turning, self._start = turning, start
         _, null = self.rest.look(start)
         freedoms = null.shape[1]
@@ -297,10 +297,10 @@ class Search:
             if not self.arrived and not self.spent():
                 self.settled(start, True)
 
-    def pressed(self, ready: Compiled, rigid: list[Equilibrium]) -> list[Equilibrium]:
+    def pressed(self, system: System, rigid: list[Equilibrium]) -> list[Equilibrium]:
         """Compliant pins: from the rigid positions that press everywhere, let every pin sink in."""
-        play, rest = self.rest, Rest(ready, self.rest.t)
-        ideal = Rest(compile_system(ideal_model(ready.model)), rest.t)
+        play, rest = self.rest, Rest(system, self.rest.t)
+        ideal = Rest(compile_system(ideal_model(system.model)), rest.t)
         found: list[Equilibrium] = []
         for one in sorted((one for one in rigid if one.admissible), key=_height):
             if found and self._work >= self._left + PRESSED * WORK * self.effort:
@@ -313,7 +313,7 @@ class Search:
                 settled = rest.settle(start)
                 self._work += price(rest, rest.trials - before, settled is not None)
                 if settled is not None:
-                    if not found or not _same(ready, settled[0], np.array([other.q for other in found])):
+                    if not found or not _same(system, settled[0], np.array([other.q for other in found])):
                         found.append(rest.finish(*settled))
                     break
         return found
@@ -332,19 +332,19 @@ def _one_family(one: Found, other: Found, links: np.ndarray, size: float) -> boo
     return bool((pulls * others >= -1e-18 * one.force**2).all())
 
 
-def _tiny(ready: Compiled) -> float:
+def _tiny(system: System) -> float:
     """The smallest length that tells positions apart [m]."""
-    return min([ready.size] + [joint.clearance for joint in ready.model.joints.values() if joint.clearance > 0])
+    return min([system.size] + [joint.clearance for joint in system.model.joints.values() if joint.clearance > 0])
 
 
-def _same(ready: Compiled, one: np.ndarray, others: np.ndarray) -> bool:
+def _same(system: System, one: np.ndarray, others: np.ndarray) -> bool:
     """True where a position is one of the others (k, 3 nb)."""
     if not len(others):
         return False
-    return bool(apart(ready, one, others).min() < 1e-5 * _tiny(ready) + 1e-10 * ready.size)
+    return bool(apart(system, one, others).min() < 1e-5 * _tiny(system) + 1e-10 * system.size)
 
 
-def _first_offset(ideal: Rest, rigid: Compiled, start: np.ndarray) -> np.ndarray:
+def _first_offset(ideal: Rest, rigid: System, start: np.ndarray) -> np.ndarray:
     """What the pins' offsets at the start, as far as given, change in the ideal position."""
     given = rigid.model.initial.offsets
     wanted = {
@@ -367,10 +367,10 @@ def _sorted(found: list[Equilibrium], start: np.ndarray) -> list[Equilibrium]:
     return sorted(found, key=key)
 
 
-def rest_of(ready: Compiled, one: Equilibrium) -> Rest:
+def rest_of(system: System, one: Equilibrium) -> Rest:
     """The mechanism as it stands in one of its positions of rest: with rigid or with compliant pins."""
-    ready = without_guide_play(ready)
-    rigid = rigid_model(ready)
+    system = without_guide_play(system)
+    rigid = rigid_model(system)
     if rigid is not None and rigid.row_count == len(one.multiplier):
         return Rest(rigid, one.t)
-    return Rest(ready, one.t)
+    return Rest(system, one.t)

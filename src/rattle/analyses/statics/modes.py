@@ -60,7 +60,7 @@ class Modes:
 
     def rows(self) -> list[tuple[str, str, str, str]]:
         """Number from 1, frequency or growth, damping, the bodies that move most; one row per mode."""
-        bodies = self.rest.ready.bodies
+        bodies = self.rest.system.bodies
         found = []
         for k in range(len(self)):
             share = np.abs(self.shapes[k] / self.rest.scale).reshape(-1, 3).max(axis=1)
@@ -149,7 +149,7 @@ def modes(rest: Rest, one: Equilibrium, note: str = "") -> Modes:
         return Modes(one, empty, empty, empty, np.zeros((0, len(one.q))), rest, note)
     h = rest.hessian(one.q, null)
     h = 0.5 * (h + h.T)
-    mass = null.T @ (rest.ready.arrays["mass"][1:].ravel()[:, None] * null)
+    mass = null.T @ (rest.system.arrays["mass"][1:].ravel()[:, None] * null)
     c = null.T @ _damping(rest, one.q) @ null
     lower = np.linalg.inv(np.linalg.cholesky(mass))
     squares, vectors = np.linalg.eigh(lower @ h @ lower.T)
@@ -162,7 +162,7 @@ def modes(rest: Rest, one: Equilibrium, note: str = "") -> Modes:
     damping = np.einsum("ik,ij,jk->k", vectors, c, vectors) / critical
     shapes = (null @ vectors).T
     largest = np.abs(shapes / rest.scale).max(axis=1, keepdims=True)
-    return Modes(one, omega, growth, np.nan_to_num(damping), shapes / largest * rest.ready.size, rest, note)
+    return Modes(one, omega, growth, np.nan_to_num(damping), shapes / largest * rest.system.size, rest, note)
 
 
 def _damping(rest: Rest, q: np.ndarray) -> np.ndarray:
@@ -173,10 +173,10 @@ def _damping(rest: Rest, q: np.ndarray) -> np.ndarray:
         sides = []
         for sign in (1.0, -1.0):
             v = np.zeros(n)
-            v[k] = sign * 1e-4 * rest.scale[k] * rest.ready.size
+            v[k] = sign * 1e-4 * rest.scale[k] * rest.system.size
             place(memory.handle, q, v)
             loads(memory.handle, rest.t)
             sides.append(memory["force"][1:].ravel().copy())
-        result[:, k] = -(sides[0] - sides[1]) / (2e-4 * rest.scale[k] * rest.ready.size)
+        result[:, k] = -(sides[0] - sides[1]) / (2e-4 * rest.scale[k] * rest.system.size)
     force_at(memory.handle, rest.t, q, rest.out)
     return result

@@ -24,7 +24,7 @@ from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.analyses.statics.starts import opened
 from rattle.equations.dense import dense_rows
 from rattle.equations.rest_force import stiffness
-from rattle.equations.system import Compiled, compile_system
+from rattle.equations.system import System, compile_system
 from rattle.jit import functions
 from rattle.results.event import Event
 from rattle.results.result import Result
@@ -63,7 +63,7 @@ class Path:
 
     def _near(self, q: np.ndarray) -> bool:
         """Whether a position is so close to the last that it belongs to the same branch."""
-        if np.abs((q - self.last.q) / self.rest.scale).max() > 0.3 * self.rest.ready.size:
+        if np.abs((q - self.last.q) / self.rest.scale).max() > 0.3 * self.rest.system.size:
             return False
         one, other = self.rest.offsets(self.last.q), self.rest.offsets(q)
         cosine = (one * other).sum(axis=1) / (np.linalg.norm(one, axis=1) * np.linalg.norm(other, axis=1) + 1e-300)
@@ -74,18 +74,18 @@ class Path:
         self.before, self.last = self.last, one
 
 
-def quasistatic(ready: Compiled, t_eval: np.ndarray, effort: float = 1.0) -> Result:
+def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Result:
     """Positions of rest over the times; see `Mechanism.equilibrium`."""
     began = time.perf_counter()
     times = instants(t_eval)
     functions.start()
-    ready = without_guide_play(ready)
-    first = equilibria(ready, float(times[0]), effort=effort)
+    system = without_guide_play(system)
+    first = equilibria(system, float(times[0]), effort=effort)
     if not first:
         raise ValueError(f"no position of rest was found at t = {times[0]:g} s")
-    rigid = rigid_model(ready)
-    ideal = Rest(compile_system(ideal_model(ready.model)), float(times[0])) if rigid is not None else None
-    path = Path(Rest(rigid or ready, float(times[0])), ideal, first[0])
+    rigid = rigid_model(system)
+    ideal = Rest(compile_system(ideal_model(system.model)), float(times[0])) if rigid is not None else None
+    path = Path(Rest(rigid or system, float(times[0])), ideal, first[0])
     if rigid is not None and path.last.result.geometry["joints"] != {}:
         path.last = _on_links(path, first[0])
     kept = [path.last]
@@ -181,16 +181,16 @@ def advantage(rest: Rest, one: Equilibrium) -> dict[tuple[str, str], float]:
 
     Loads with a constant direction only (force, torque); inf where no effort is needed (a toggle).
     """
-    ready, memory = rest.ready, rest.memory
-    drivers = [name for name in ready.joints if name in ready.model.drivers]
-    acting = [name for name, load in ready.model.loads.items() if load.kind in ("force", "torque")]
+    system, memory = rest.system, rest.memory
+    drivers = [name for name in system.joints if name in system.model.drivers]
+    acting = [name for name, load in system.model.loads.items() if load.kind in ("force", "torque")]
     if not drivers or not acting:
         return {}
-    n, nr = 3 * ready.body_count, ready.row_count
+    n, nr = 3 * system.body_count, system.row_count
     rest.look(one.q)
     tangent = np.zeros((n, n))
     stiffness(memory.handle, rest.t, one.q, rest.step, rest.out, tangent)
-    rows = dense_rows(ready, memory)
+    rows = dense_rows(system, memory)
     whole = np.block([[tangent, rows.T], [rows, np.zeros((nr, nr))]])
     scale = np.concatenate([rest.scale, np.ones(nr)])
     found = {}
@@ -199,7 +199,7 @@ def advantage(rest: Rest, one: Equilibrium) -> dict[tuple[str, str], float]:
         right[:n] = _direction(rest, one, name)
         answer = np.linalg.lstsq(whole * scale[:, None] * scale, right * scale, rcond=1e-13)[0] * scale
         for driver in drivers:
-            row = int(ready.arrays["joint"][ready.joints.index(driver), 4])
+            row = int(system.arrays["joint"][system.joints.index(driver), 4])
             effort = -float(answer[n + row])  # effort for one unit of the load
             found[name, driver] = -1.0 / effort if abs(effort) > 1e-12 * np.abs(answer[n:]).max() else math.inf
     return found
@@ -207,16 +207,16 @@ def advantage(rest: Rest, one: Equilibrium) -> dict[tuple[str, str], float]:
 
 def _direction(rest: Rest, one: Equilibrium, name: str) -> np.ndarray:
     """(3 nb,) generalised force of one unit of a load in its present direction."""
-    ready, memory = rest.ready, rest.memory
-    load = ready.model.loads[name]
-    unit = np.zeros(3 * ready.body_count)
+    system, memory = rest.system, rest.memory
+    load = system.model.loads[name]
+    unit = np.zeros(3 * system.body_count)
     if load.b.body == "ground":
         return unit
-    k = 3 * ready.bodies.index(load.b.body)
+    k = 3 * system.bodies.index(load.b.body)
     if load.kind == "torque":
         unit[k + 2] = 1.0
         return unit
-    at = int(ready.arrays["load"][list(ready.model.loads).index(name), 3])
+    at = int(system.arrays["load"][list(system.model.loads).index(name), 3])
     px, py, fx, fy, turning = memory["values"][at : at + 5]
     c, s = math.cos(one.q[k + 2]), math.sin(one.q[k + 2])
     if turning == 1.0:
@@ -232,7 +232,7 @@ ADVANTAGE_UNITS = {("torque", "N*m"): "", ("force", "N"): "", ("force", "N*m"): 
 
 
 def _result(rest: Rest, kept: list[Equilibrium], events: list[Event], message: str, note: str, wall: float) -> Result:
-    ready, first = rest.ready, kept[0].result
+    system, first = rest.system, kept[0].result
     names, units = list(first.stored), {name: first.unit(name) for name in first.stored}
     table = [[one[name] for name in names] for one in kept]
     extra = {"equilibrium.stiffness": "N/m", "equilibrium.stable": "", "equilibrium.admissible": ""}
@@ -240,9 +240,9 @@ def _result(rest: Rest, kept: list[Equilibrium], events: list[Event], message: s
         line += [one.eigenvalue, float(one.stable), float(one.admissible)]
         rest.at(one.t)
         for (load, driver), value in advantage(rest, one).items():
-            effort = registry.kinds("driver")[ready.model.drivers[driver].kind].leaf.effort[1]
-            name = f"{load}.advantage" if len(ready.model.drivers) == 1 else f"{load}.advantage_{driver}"
-            extra[name] = ADVANTAGE_UNITS[ready.model.loads[load].kind, effort]
+            effort = registry.kinds("driver")[system.model.drivers[driver].kind].leaf.effort[1]
+            name = f"{load}.advantage" if len(system.model.drivers) == 1 else f"{load}.advantage_{driver}"
+            extra[name] = ADVANTAGE_UNITS[system.model.loads[load].kind, effort]
             line.append(value)
     pulled = {name: float(np.mean([name in one.pulled for one in kept])) for name in kept[0].normals}
     first_pull = {name: next((one.t for one in kept if name in one.pulled), None) for name in pulled}
@@ -254,5 +254,5 @@ def _result(rest: Rest, kept: list[Equilibrium], events: list[Event], message: s
         t=[one.t for one in kept], data=np.array(table, dtype=float), names=[*names, *extra], units=units | extra,
         geometry=first.geometry, trust=trust, events=events, success=not message, message=message,
         stats={"positions": len(kept), "residual": max(one.residual for one in kept), "wall_time": wall},
-        provenance={"model": ready.model.name, "program": f"rattle {__version__}", "analysis": "quasi-static path"},
+        provenance={"model": system.model.name, "program": f"rattle {__version__}", "analysis": "quasi-static path"},
     )  # fmt: skip

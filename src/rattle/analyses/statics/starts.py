@@ -15,7 +15,7 @@ import numpy as np
 from rattle.analyses.assembly.first_guess import outward
 from rattle.analyses.statics.balance import Rest
 from rattle.analyses.statics.equilibrium import Equilibrium
-from rattle.equations.system import Compiled
+from rattle.equations.system import System
 
 MOST_STRIDES = 160  # along a freedom that does not close
 STRIDES = 12  # along one of many freedoms, either way
@@ -26,19 +26,19 @@ FAR = 0.3  # shift of what slides or is free, as a share of the mechanism's size
 class Turning:
     """Bodies that may turn, one group for those that can only turn together, and who hangs on whom."""
 
-    def __init__(self, ready: Compiled) -> None:
-        model, self.ready = ready.model, ready
+    def __init__(self, system: System) -> None:
+        model, self.system = system.model, system
         self.edges: list[tuple[int, int, complex, complex, float]] = []  # body, parent, points, axis of a guide or nan
         hung = set()
         for body, parent, joint in outward(model):
             one, other = (joint.a, joint.b) if joint.a.body == body else (joint.b, joint.a)
             axis = joint.fields.get("axis", math.nan)
-            child, bearer = ready.bodies.index(body), -1 if parent == "ground" else ready.bodies.index(parent)
+            child, bearer = system.bodies.index(body), -1 if parent == "ground" else system.bodies.index(parent)
             self.edges.append((child, bearer, complex(*one.at), complex(*other.at), axis))
             hung.add(child)
-        self.loose = [k for k in range(ready.body_count) if k not in hung]  # held by loads alone
-        self.groups = _groups(ready)
-        self._level = _level(ready)
+        self.loose = [k for k in range(system.body_count) if k not in hung]  # held by loads alone
+        self.groups = _groups(system)
+        self._level = _level(system)
 
     def placed(self, q: np.ndarray, turn: np.ndarray, slide: np.ndarray | None = None) -> np.ndarray:
         """A position q (3 nb,) with its bodies turned by `turn` (nb,) and shifted to stay on each other.
@@ -64,7 +64,7 @@ class Turning:
 
     def turned(self, q: np.ndarray, groups: Iterable[Sequence[int]], near: np.ndarray) -> np.ndarray:
         """A position with some groups of bodies turned over, towards `near`; all others keep their angles."""
-        turn = np.zeros(self.ready.body_count)
+        turn = np.zeros(self.system.body_count)
         for group in groups:
             k = 3 * group[0] + 2
             turn[group] = -math.pi if q[k] > near[k] else math.pi
@@ -75,7 +75,7 @@ class Turning:
 
         A chain that hangs becomes an arch.
         """
-        turn = np.zeros(self.ready.body_count)
+        turn = np.zeros(self.system.body_count)
         for group in self.groups:
             k = 3 * group[0] + 2
             turn[group] = near[k] + math.remainder(2.0 * self._level - q[k] - near[k], 2 * math.pi) - q[k]
@@ -91,10 +91,10 @@ class Turning:
 
     def anywhere(self, q: np.ndarray, random: np.random.Generator) -> np.ndarray:
         """All bodies that may turn at random angles, what slides or is free at random places."""
-        turn = np.zeros(self.ready.body_count)
+        turn = np.zeros(self.system.body_count)
         for group in self.groups:
             turn[group] = random.uniform(-math.pi, math.pi)
-        far = FAR * self.ready.size
+        far = FAR * self.system.size
         moved = self.placed(q, turn, random.normal(size=len(self.edges)) * far)
         for k in self.loose:
             moved[3 * k : 3 * k + 2] += random.normal(size=2) * far
@@ -102,26 +102,26 @@ class Turning:
 
     def nearby(self, q: np.ndarray, random: np.random.Generator) -> np.ndarray:
         """One or two groups of bodies at random angles, all others as they are."""
-        turn = np.zeros(self.ready.body_count)
+        turn = np.zeros(self.system.body_count)
         for n in random.permutation(len(self.groups))[: random.integers(1, 3)]:
             turn[self.groups[n]] = random.uniform(-math.pi, math.pi)
         return self.placed(q, turn)
 
 
-def _level(ready: Compiled) -> float:
+def _level(system: System) -> float:
     """Angle of the line through the two supports that are farthest apart, across gravity where there is one [rad]."""
-    ends = [end for joint in ready.model.joints.values() for end in (joint.a, joint.b) if end.body == "ground"]
+    ends = [end for joint in system.model.joints.values() for end in (joint.a, joint.b) if end.body == "ground"]
     supports = [complex(*end.at) for end in ends]
     line = max((b - a for a, b in itertools.combinations(supports, 2)), key=abs, default=0j)
-    if abs(line) < 1e-9 * ready.size:
-        line = 1j * complex(*ready.arrays["gravity"])
+    if abs(line) < 1e-9 * system.size:
+        line = 1j * complex(*system.arrays["gravity"])
     return cmath.phase(line) if line else 0.0
 
 
-def _groups(ready: Compiled) -> list[list[int]]:
+def _groups(system: System) -> list[list[int]]:
     """Bodies by what fixes their angles to each other; without those whose angle is held."""
-    model = ready.model
-    group = {name: name for name in ["ground", *ready.bodies]}
+    model = system.model
+    group = {name: name for name in ["ground", *system.bodies]}
 
     def leader(name: str) -> str:
         while group[name] != name:
@@ -137,7 +137,7 @@ def _groups(ready: Compiled) -> list[list[int]]:
     for one, other in ties:
         group[leader(other)] = leader(one)
     found: dict[str, list[int]] = {}
-    for k, name in enumerate(ready.bodies):
+    for k, name in enumerate(system.bodies):
         if leader(name) != leader("ground"):
             found.setdefault(leader(name), []).append(k)
     return list(found.values())
@@ -150,14 +150,14 @@ def along(rest: Rest, start: np.ndarray) -> Iterator[np.ndarray]:
     for direction in [sign * null[:, k] for k in range(min(null.shape[1], DIRECTIONS)) for sign in (1.0, -1.0)]:
         q = start.copy()
         for _ in range(STRIDES):
-            if not rest.walk(q, direction, 0.25 * rest.ready.size)[0]:
+            if not rest.walk(q, direction, 0.25 * rest.system.size)[0]:
                 break
             yield q.copy()
 
 
 def around(rest: Rest, start: np.ndarray, direction: np.ndarray) -> list[np.ndarray]:
     """One freedom: walk along it, all around where it closes; the places where the force along it changes its sign."""
-    stride = rest.ready.size / 8
+    stride = rest.system.size / 8
     path, force = [start], [float(rest.look(start)[0][0])]
     for sign in (1.0, -1.0):
         q, ahead, closed = start.copy(), sign * direction, False
@@ -167,7 +167,7 @@ def around(rest: Rest, start: np.ndarray, direction: np.ndarray) -> list[np.ndar
                 break
             path.insert(len(path) if sign > 0 else 0, q.copy())
             force.insert(len(force) if sign > 0 else 0, sign * strength)
-            closed = n > 2 and apart(rest.ready, q, start[None])[0] < stride
+            closed = n > 2 and apart(rest.system, q, start[None])[0] < stride
             if closed:
                 break
         if closed:
@@ -184,21 +184,21 @@ def around(rest: Rest, start: np.ndarray, direction: np.ndarray) -> list[np.ndar
     return found
 
 
-def apart(ready: Compiled, one: np.ndarray, others: np.ndarray) -> np.ndarray:
+def apart(system: System, one: np.ndarray, others: np.ndarray) -> np.ndarray:
     """(k,) largest distance [m] of a position from others (k, 3 nb), angles as on a circle of the mechanism's size."""
     distance = one - others
     distance[:, 2::3] = (distance[:, 2::3] + math.pi) % (2 * math.pi) - math.pi
-    distance[:, 2::3] *= ready.size
+    distance[:, 2::3] *= system.size
     return np.asarray(np.abs(distance).max(axis=1))
 
 
 # ---------------------------------------------------------------- pins
 def opened(ideal: Rest, q: np.ndarray, wanted: Mapping[str, np.ndarray]) -> np.ndarray:
     """The ideal mechanism's position with its pins displaced in their bushes, by least change."""
-    ready = ideal.ready
-    target = np.zeros(ready.row_count)
+    system = ideal.system
+    target = np.zeros(system.row_count)
     for name, offset in wanted.items():
-        first = int(ready.arrays["joint"][ready.joints.index(name), 4])
+        first = int(system.arrays["joint"][system.joints.index(name), 4])
         target[first : first + 2] = offset
     q = q.copy()
     ideal.displace(q, target)
@@ -215,7 +215,7 @@ def sides(ideal: Rest, play: Rest, found: Sequence[Equilibrium]) -> Iterator[np.
             force = np.array([one[f"{name}.fx"], one[f"{name}.fy"]])
             size = float(np.hypot(*force))
             direction = -force / size if size > tiny else np.array([1.0, 0.0])
-            directions[n] = play.ready.model.joints[name].clearance * direction
+            directions[n] = play.system.model.joints[name].clearance * direction
         pressed.append(directions)
     count = len(play.links)
     for pulling in range(count + 1):
