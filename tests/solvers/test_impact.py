@@ -11,7 +11,7 @@ import rattle as rt
 from rattle.jit.layout import DGAP, GAMMA_N, GAMMA_T, GAP, SLIP
 from rattle.registry import kinds
 
-DATA = Path(__file__).parent / "data"
+DATA = Path(__file__).parents[1] / "data"
 PIN_TIMES = [1.553954329, 3.054303658, 4.437756907]  # c/v0 after the first; independent, 9 decimals
 
 

@@ -14,7 +14,7 @@ from rattle.description.schema import schema
 pytestmark = pytest.mark.nojit
 
 EXAMPLES = sorted((Path(rattle.__file__).parent / "examples").glob("*.toml"))
-FOURBAR = tomllib.loads((Path(__file__).parent / "data" / "full.toml").read_text())
+FOURBAR = tomllib.loads((Path(__file__).parents[1] / "data" / "full.toml").read_text())
 
 
 @pytest.fixture(scope="module")

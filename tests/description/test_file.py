@@ -15,7 +15,7 @@ from rattle.language.syntax import Apply, Name, Number
 
 pytestmark = pytest.mark.nojit
 
-TEXT = (Path(__file__).parent / "data" / "full.toml").read_text()
+TEXT = (Path(__file__).parents[1] / "data" / "full.toml").read_text()
 EXAMPLES = sorted((Path(rt.__file__).parent / "examples").glob("*.toml"))
 
 

@@ -13,7 +13,7 @@ from rattle.equations.dense import LARGE, dense_rows
 
 pytestmark = pytest.mark.nojit
 
-TEXT = (Path(__file__).parent / "data" / "full.toml").read_text()
+TEXT = (Path(__file__).parents[1] / "data" / "full.toml").read_text()
 PLAIN = TEXT[: TEXT.index("[loads.back]")] + TEXT[TEXT.index("[initial]") :]  # the paper's four-bar alone
 
 

@@ -12,7 +12,7 @@ import pytest
 
 import rattle as rt
 
-DATA = Path(__file__).parent / "data"
+DATA = Path(__file__).parents[1] / "data"
 CASES = {"fourbar_M+40_g0.csv": (40.0, 0.0), "fourbar_M-40_g9.81.csv": (-40.0, 9.81)}
 
 

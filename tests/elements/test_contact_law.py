@@ -223,7 +223,7 @@ def test_the_law_in_the_docs_runs():
     import re
     from pathlib import Path
 
-    text = (Path(__file__).parents[1] / "docs" / "contact.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "docs" / "contact.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```python\n(.*?)```", text, re.S)
     scope = {}
     exec(code, scope)

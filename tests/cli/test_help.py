@@ -12,7 +12,7 @@ from click.testing import CliRunner
 import rattle as rt
 from rattle.cli.main import COMMANDS, main
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 
 
 def examples_of(command):

@@ -19,7 +19,7 @@ from rattle.errors import MOST, ModelError
 
 pytestmark = pytest.mark.nojit
 
-TEXT = (Path(__file__).parent / "data" / "full.toml").read_text()
+TEXT = (Path(__file__).parents[1] / "data" / "full.toml").read_text()
 DOCUMENT = tomllib.loads(TEXT)
 
 
