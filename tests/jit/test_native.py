@@ -11,7 +11,7 @@ import pytest
 from rattle.jit import folder, functions
 from rattle.jit.functions import native
 
-SOURCES = str(Path(__file__).parent.parent / "src")
+SOURCES = str(Path(__file__).parents[2] / "src")
 
 
 @native("ff", "v", "f")
