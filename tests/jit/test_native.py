@@ -124,6 +124,19 @@ def test_a_run_whose_code_is_kept_does_without_numba():
     assert in_fresh_process(RUN) == [before[0], "False", "False"]
 
 
+LATER = """
+import rattle as rt
+rt.example("squeezer").simulate(1e-3), rt.example("quick_return").simulate(1e-3)
+print(len(rt.example("balanced_arm").equilibrium()))
+"""
+
+
+def test_functions_that_are_imported_after_a_run_are_found_by_what_calls_them():
+    # the run has called all native functions that put a mechanism together; those of statics come after it
+    alone = in_fresh_process("import rattle as rt; print(len(rt.example('balanced_arm').equilibrium()))")
+    assert in_fresh_process(LATER) == in_fresh_process(LATER) == alone
+
+
 def test_code_that_needs_what_is_not_there_is_made_anew(tmp_path, monkeypatch):
     from rattle.jit import machine
     from rattle.jit.cache import Folder, KeptFile

@@ -194,6 +194,7 @@ def _compiling() -> Iterator[Any]:
     """Our compiler, with its settings; one thread at a time."""
     with _lock:
         compiling: Any = importlib.import_module("rattle.jit.compiler")  # imports Numba
+        _announced()  # the linker takes a name that it does not know for an address of zero
         with compiling.lock, compiling.settings():
             if not _taught:
                 _teach(compiling)
