@@ -251,7 +251,7 @@ class Mechanism(Building):
         skip: int = 50, points: int = 500, method: str | None = None, rtol: float | None = None,
         atol: float | None = None, step: Seconds | None = None,
     ) -> Section:  # fmt: skip
-        """Values once per turn of the driver, or whenever a curve rises through a level; see `rattle.chaos.section`.
+        """Values once per turn of the driver, or whenever a curve rises through a level; see `rattle.studies.chaos.section`.
 
         period: time between two points [s].  crossing, level: the curve and the level [SI] that it rises through.
         skip: points left out at the start.  points: how many are kept.  method, rtol, atol, step: as in `simulate`.
@@ -268,7 +268,7 @@ class Mechanism(Building):
         skip: int = 100, points: int = 100, method: str | None = None, rtol: float | None = None,
         atol: float | None = None, step: Seconds | None = None, threads: int | None = None, progress: bool = False,
     ) -> Bifurcation:  # fmt: skip
-        """What an output does once per turn, over the values of a parameter; see `rattle.chaos.bifurcation`.
+        """What an output does once per turn, over the values of a parameter; see `rattle.studies.chaos.bifurcation`.
 
         parameter, values: the parameter and its values [SI].  of: a name of the result.  period: time between two
         points [s] (default: a turn of the driver).  skip, points: points left out, points kept, per value.

@@ -10,10 +10,10 @@ from rattle.jit import functions
 
 CODE = """
 import numpy as np
-from rattle import arrays, catalog, compiling
+from rattle.jit import functions
 
-catalog.start()
-@catalog.compiled
+functions.start()
+@functions.compiled
 def beyond(values, k):
     return values[k]
 

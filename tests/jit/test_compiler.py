@@ -11,7 +11,7 @@ import pytest
 
 import rattle
 from rattle.jit import folder
-from rattle.jit import functions as catalog
+from rattle.jit import functions as jit
 from rattle.jit.functions import KernelFunction, compiled
 
 
@@ -58,7 +58,7 @@ def mix(table, weights, count, out):
 
 
 def test_machine_code_gives_what_plain_python_gives():
-    catalog.start()
+    jit.start()
     rng = np.random.default_rng(3)
     table, weights = rng.normal(size=(5, 4)), rng.normal(size=4)
     count, expected_count = np.arange(5) % 4, np.arange(5) % 4
@@ -69,7 +69,7 @@ def test_machine_code_gives_what_plain_python_gives():
 
 
 def test_arrays_that_are_not_contiguous_are_read_as_they_lie():
-    catalog.start()
+    jit.start()
     table = np.arange(24.0).reshape(6, 4)
     out = np.zeros((3, 3))
     mix(table[::2], np.ones(4), np.zeros(3, np.int64), out)
@@ -77,7 +77,7 @@ def test_arrays_that_are_not_contiguous_are_read_as_they_lie():
 
 
 def test_other_functions_of_numba_still_count_from_the_end():
-    catalog.start()
+    jit.start()
     numba = pytest.importorskip("numba")
     last = numba.njit(lambda a: a[-1] + a[len(a) - 2] * 2.0)
     assert last(np.array([1.0, 2.0, 4.0])) == 8.0

@@ -50,14 +50,14 @@ def test_first_use_from_several_threads_at_once(order):
     assert in_fresh_process(TOGETHER, order) == "[]"
 
 
-def test_the_catalogue_is_whole_for_every_thread_that_asks_first():
+def test_the_registry_is_whole_for_every_thread_that_asks_first():
     code = """
 import threading
-from rattle import catalog
+from rattle import registry
 gate, seen = threading.Barrier(8), []
 def ask():
     gate.wait()
-    seen.append((len(catalog.kinds("joint")), len(catalog.kinds("friction"))))
+    seen.append((len(registry.kinds("joint")), len(registry.kinds("friction"))))
 threads = [threading.Thread(target=ask) for _ in range(8)]
 [one.start() for one in threads]
 [one.join() for one in threads]
@@ -68,5 +68,6 @@ print(len(set(seen)), len(seen))
 
 @pytest.mark.parametrize("call", ["equilibrium()", "ideal().kinematics([0.0, 1e-3])"])
 def test_short_work_runs_as_machine_code_too(call):
-    code = f"import rattle as rt; rt.example('fourbar').{call}; from rattle import catalog; print(catalog.jit_runs())"
+    done = f"import rattle as rt; rt.example('fourbar').{call}"
+    code = f"{done}; from rattle.jit.functions import jit_runs; print(jit_runs())"
     assert in_fresh_process(code) == "True"

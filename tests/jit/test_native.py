@@ -159,15 +159,15 @@ def test_code_that_needs_what_is_not_there_is_made_anew(tmp_path, monkeypatch):
 
 CHECKED = """
 import numpy as np
-from rattle import catalog
-from rattle.catalog import native
+from rattle.jit import functions
+from rattle.jit.functions import native
 @native("f", "v", "i")
 def at(row, n):
     return row[n]
 @native("f", "v", "i")
 def next_to(row, n):
     return at(row, n + 1)
-catalog.start()
+functions.start()
 try:
     next_to(np.zeros(3), 2)
 except IndexError as error:

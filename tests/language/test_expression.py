@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rattle.jit import functions as catalog
+from rattle.jit import functions as compiled_functions
 from rattle.language import bytecode
 from rattle.language.expression import (
     FUNCTIONS,
@@ -32,8 +32,8 @@ SIGNALS = {"reach": 0, "lift": 1}
 def mode(request, monkeypatch):
     """Every test of the interpreter runs as plain Python and as machine code."""
     if request.param == "python":
-        monkeypatch.setattr(catalog, "_jit", False)
-    elif not catalog.start():
+        monkeypatch.setattr(compiled_functions, "_jit", False)
+    elif not compiled_functions.start():
         pytest.skip("machine code is switched off")
 
 

@@ -15,7 +15,7 @@ from rattle.errors import shown
 
 STOPPED = 130  # exit status after Ctrl-C, as shells have it
 
-# command -> module in rattle.commands; the function has the command's name with _ for -
+# command -> module in rattle.cli; the function has the command's name with _ for -
 COMMANDS = {
     "demo": "show",
     "example": "files",
