@@ -251,7 +251,7 @@ class Mechanism(Building):
         skip: int = 50, points: int = 500, method: str | None = None, rtol: float | None = None,
         atol: float | None = None, step: Seconds | None = None,
     ) -> Section:  # fmt: skip
-        """Values once per turn of the driver, or whenever a curve rises through a level; see `rattle.studies.chaos.section`.
+        """Values once per turn of the driver, or when a curve rises past a level; see `rattle.studies.chaos.section`.
 
         period: time between two points [s].  crossing, level: the curve and the level [SI] that it rises through.
         skip: points left out at the start.  points: how many are kept.  method, rtol, atol, step: as in `simulate`.

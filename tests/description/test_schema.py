@@ -95,7 +95,7 @@ def test_a_wrong_value_is_refused(validator, path, value):
 
 
 @pytest.mark.parametrize("family", ["joint", "load"])
-def test_every_field_of_the_catalogue_is_there_with_unit_and_meaning(family):
+def test_every_field_of_the_registry_is_there_with_unit_and_meaning(family):
     entries = {
         one["properties"]["type"]["const"]: one
         for one in schema()["properties"][f"{family}s"]["additionalProperties"]["anyOf"]

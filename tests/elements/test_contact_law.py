@@ -32,7 +32,7 @@ pin = {{ x = 0, y = 0.0003, angle = 0, vx = 0.5, vy = {vy}, omega = 0 }}
 
 @pytest.fixture
 def laws():
-    """Laws of a test leave the catalogue after it."""
+    """Laws of a test leave the registry after it."""
     before = {family: dict(registry.kinds(family)) for family in ("normal", "friction")}
     yield
     for family, kinds in before.items():

@@ -1,4 +1,4 @@
-"""What every kind in the catalogue promises; a new kind is tested here without an edit.
+"""What every kind in the registry promises; a new kind is tested here without an edit.
 
 A joint or driver: its Jacobian is the derivative of Phi, nu and gamma are its time derivatives along a path.
 A load: its power is accounted for, its elastic force is the slope of its potential, between two bodies it is

@@ -174,7 +174,7 @@ def test_name_and_units_of_a_law_are_checked_at_once():
         rt.load_law("x", force="newton")
 
 
-def test_law_describes_itself_in_the_catalogue():
+def test_law_describes_itself_in_the_registry():
     kind = registry.kinds("load")["turn back"]
     assert kind.summary == "A torsion spring and damper to the ground."
     assert kind.source == "test."

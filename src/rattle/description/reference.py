@@ -1,4 +1,4 @@
-"""What may stand in a model file besides the kinds of the catalogue: tables, names, functions, units, materials.
+"""What may stand in a model file besides the kinds of the registry: tables, names, functions, units, materials.
 
 The words come from the JSON Schema, the numbers from the tables that the reader itself uses.
 """

@@ -1,4 +1,4 @@
-"""JSON Schema of the model file, made from the catalogue, for editors that complete and check while one writes.
+"""JSON Schema of the model file, made from the registry, for editors that complete and check while one writes.
 
 It knows every key, kind and unit; what refers to other parts (points, names, dimensions of expressions)
 only the reader can check.

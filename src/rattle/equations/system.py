@@ -36,7 +36,7 @@ class System:
     """A model made ready to compute: arrays, names and where they stand."""
 
     model: Model
-    arrays: Mapping[str, np.ndarray]  # the first part of memory.FIELDS, read-only in a run
+    arrays: Mapping[str, np.ndarray]  # the first part of the workspace, read-only in a run
     bodies: tuple[str, ...]  # without the ground; body i of the arrays is bodies[i - 1]
     joints: tuple[str, ...]  # joints, then drivers, as in the array `joint`
     rows: tuple[Row, ...]

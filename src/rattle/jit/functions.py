@@ -196,30 +196,25 @@ def _compiling() -> Iterator[Any]:
         compiling: Any = importlib.import_module("rattle.jit.compiler")  # imports Numba
         _announced()  # the linker takes a name that it does not know for an address of zero
         with compiling.lock, compiling.settings():
-            if not _taught:
-                _teach(compiling)
+            while _lessons:
+                _lessons.pop(0)(compiling)
             yield compiling
 
 
-_taught: list[bool] = []
+def before_compiling(lesson: Callable[[Any], None]) -> Callable[[Any], None]:
+    """Decorator for what Numba has to be told before anything else is compiled; it gets the module `compiler`."""
+    _lessons.append(lesson)
+    return lesson
 
 
-def _teach(compiling: Any) -> None:
+_lessons: list[Callable[[Any], None]] = []
+
+
+@before_compiling
+def _teach_calls(compiling: Any) -> None:
     """What compiled code may call besides other functions."""
-    _taught.append(True)
     for family, call in _CALLERS.items():
         compiling.jumps(call, SIGNATURE[family], family in ("hold", "problem"))
-    for teach in _teachers:
-        teach()
-
-
-def on_first_compile(teach: Callable[[], None]) -> Callable[[], None]:
-    """Decorator for a function that is called before anything is compiled, to tell Numba about our types."""
-    _teachers.append(teach)
-    return teach
-
-
-_teachers: list[Callable[[], None]] = []
 
 
 # ---------------------------------------------------------------- tables of kernels

@@ -182,8 +182,8 @@ def imat(m: Any, k: int) -> Any:
     return m[k]
 
 
-@functions.on_first_compile
-def teach_numba() -> None:
+@functions.before_compiling
+def teach_views(compiling: Any) -> None:
     """Let Numba make arrays of the addresses and shapes in a handle."""
     from rattle.jit import blocks
 
