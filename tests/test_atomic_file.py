@@ -55,7 +55,7 @@ def test_a_socket_is_refused(tmp_path):
 
 @pytest.mark.parametrize("redirect", ["pipe", "file"])
 def test_own_output_is_written_to(tmp_path, redirect):
-    code = "from rattle.files import atomic\nprint('before')\n"
+    code = "from rattle.atomic_file import atomic\nprint('before')\n"
     code += "with atomic('/dev/stdout') as f:\n    f.write_text('x\\n')\nprint('after')"
     if redirect == "pipe":
         said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
@@ -119,7 +119,7 @@ def test_errors_keep_what_the_system_said(tmp_path):
 
 def test_a_program_that_is_ended_leaves_no_temporary_file(tmp_path):
     code = (
-        "import time; from rattle.files import atomic\n"
+        "import time; from rattle.atomic_file import atomic\n"
         f"with atomic({str(tmp_path / 'a.csv')!r}) as f:\n"
         "    f.write_text('x'); print('go', flush=True); time.sleep(30)"
     )

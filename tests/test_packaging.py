@@ -52,7 +52,7 @@ def test_importing_the_package_loads_nothing_heavy():
 
 
 def test_help_loads_nothing_heavy_and_not_even_numpy():
-    code = "from rattle.cli import main\nmain(['--help'], standalone_mode=False)"
+    code = "from rattle.cli.main import main\nmain(['--help'], standalone_mode=False)"
     assert not (HEAVY | {"numpy"}) & modules_after(code)
 
 

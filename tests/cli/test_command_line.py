@@ -15,7 +15,7 @@ from click.testing import CliRunner
 import rattle as rt
 from circling import circling
 from rattle import mechanism
-from rattle.analyses.dynamics import run
+from rattle.analyses.dynamics import run as running
 from rattle.cli.main import main
 from rattle.results import archive
 from rattle.results.result import load_result
@@ -169,7 +169,7 @@ except SystemExit as end:
 @pytest.fixture
 def stop_at(monkeypatch):
     """Ctrl-C in the given call of `advance` of the given run; returns the list of calls."""
-    real, calls = run.Run.advance, []
+    real, calls = running.Run.advance, []
 
     def at(number, run=1):
         def advance(self, t, chunk):
@@ -178,8 +178,8 @@ def stop_at(monkeypatch):
                 raise KeyboardInterrupt
             return real(self, t, chunk)
 
-        monkeypatch.setattr(run, "CHUNK", 20)
-        monkeypatch.setattr(run.Run, "advance", advance)
+        monkeypatch.setattr(running, "CHUNK", 20)
+        monkeypatch.setattr(running.Run, "advance", advance)
         return calls
 
     return at
@@ -210,10 +210,10 @@ def test_an_interrupted_run_does_not_replace_a_complete_one(tmp_path, stop_at):
 
 
 def test_a_stop_in_the_second_run_keeps_the_whole_first_one(tmp_path, monkeypatch):
-    def stopped(self, progress=False, what="simulate", real=run.Run.go):
+    def stopped(self, progress=False, what="simulate", real=running.Run.go):
         real(self, progress, what) if what == "simulate" else setattr(self, "interrupted", True)
 
-    monkeypatch.setattr(run.Run, "go", stopped)
+    monkeypatch.setattr(running.Run, "go", stopped)
     found = call("run", "double_pendulum", "--t-end", "1 ms", "-o", tmp_path / "out.npz")
     assert found.exit_code == 130
     r = load_result(tmp_path / "out.npz")
@@ -241,7 +241,7 @@ def test_an_interrupted_bifurcation_ends_its_other_runs(stop_at):
     assert found.interrupted
     assert "stopped by the user" in found.rule
     assert found.points.shape == (4, 5)
-    assert not run.stop.is_set()
+    assert not running.stop.is_set()
     assert np.isfinite(found.points[0]).all()
     assert np.isnan(found.points[1:]).all()
     assert len(set(calls)) <= 3  # the third may have begun when the second was stopped

@@ -178,4 +178,4 @@ def test_law_describes_itself_in_the_registry():
     kind = registry.kinds("load")["turn back"]
     assert kind.summary == "A torsion spring and damper to the ground."
     assert kind.source == "test."
-    assert registry.kinds("load")["wind"].source.endswith("test_pythonlaw.wind")
+    assert registry.kinds("load")["wind"].source.endswith("test_load_law.wind")
