@@ -126,3 +126,22 @@ def test_moment_of_a_smooth_pin_is_rounding_and_its_force_has_its_peak():
         sampled = np.hypot(fine[f"p{k}.fx"], fine[f"p{k}.fy"]).max()
         assert r.peak(f"p{k}.force")[0] == pytest.approx(sampled, rel=1e-5)  # 2.5 us between samples
         assert r.peak(f"p{k}.moment")[0] < 1e-12 * sampled
+
+
+def test_contact_that_lets_go_takes_none_with_it_that_still_presses_however_hard_it_once_did():
+    """A blow long ago is no measure of what a contact presses now: only the pin that is pulled up lets go."""
+    text = "format = 1\ngravity = [0, -9.81]\n[ground.points]\nG = [0, 0]\n"
+    contact = '{ model = "impact", restitution = 0, friction = 0.3, bush_radius = 0.01 }'
+    for n, pull in (("a", 0.0), ("b", 2.0)):
+        text += f'[bodies.{n}]\nmass = 1\ninertia = 0.01\npoints = {{ C = [0, 0] }}\n[drivers.d{n}]\nbody = "{n}"\n'
+        text += f'coordinate = "angle"\nangle = 0\n[joints.j{n}]\ntype = "revolute"\nconnect = ["ground.G", "{n}.C"]\n'
+        text += f'clearance = "1 mm"\ncontact = {contact}\n[loads.l{n}]\ntype = "force"\nat = "{n}.C"\n'
+        text += f'force = [0, "-1e10*exp(-((t - 0.1)/0.005)**2) + {pull}*9.81*t/0.3"]\n'
+    text += "[initial]\n" + "".join(f"{n} = {{ x = 0, y = -1e-3, angle = 0, vx = 0, vy = 0, omega = 0 }}\n" for n in "ab")
+    run = rt.loads(text).simulate(0.17)
+    assert run.success, run.message
+    assert [(e.joint, e.kind) for e in run.events if e.kind in ("impact", "release")] == [("jb", "release")]
+    assert run.events[-1].t == pytest.approx(0.15, rel=1e-9)
+    assert run["ja.normal"][-1] == pytest.approx(9.81, rel=1e-9)
+    # m y'' = m g (2 t / 0.3 - 1) from rest at 0.15 s
+    assert run["b.y"][-1] + 1e-3 == pytest.approx(9.81 * 2 / 0.3 * 0.02**3 / 6, rel=1e-6)

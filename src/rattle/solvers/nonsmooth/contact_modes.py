@@ -64,9 +64,81 @@ from rattle.solvers.gap_search import clearance_of
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without, note
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN = range(5)  # what an event is
+TOGETHER, ALONE, KEPT = range(3)  # a contact lets go: with all that are about to, by itself, or not after all
 CREEP = 1e-7  # share of the largest slip at one instant below which the sense of a slip is not resolved
 CREEPS = 30  # see regroup
 SLIGHT = 1e-7  # share of its largest force at which a contact lets go together with another one
+SLOWLY = 1e-4  # share of the largest acceleration with which it then parts, at most
+
+
+@compiled
+def goes_along(m, n, apart):
+    """True when lasting contact n presses next to nothing, against its force before, while another one lets go."""
+    return n != apart and ivec(m, MODE)[n] != OFF and mat(m, TOUCH)[n, NORMAL] <= SLIGHT * mat(m, GRIP)[n, PEAK]
+
+
+@compiled
+def leaves(m, n, apart, attempt):
+    """True when contact n is left out of an attempt."""
+    return (n == apart and attempt != KEPT) or (attempt == TOGETHER and goes_along(m, n, apart))
+
+
+@compiled
+def choose_closed(m, apart, kind, attempt, pulling):
+    """Choose the contacts that are closed and do not part, with the sense of their slips, and modes to start from.
+
+    The motion without their forces is at hand; pulling: force along the wall at contact `apart`.  Returns how many.
+    """
+    contact, mode, body, grip = imat(m, CONTACT), ivec(m, MODE), mat(m, BODY), mat(m, GRIP)
+    chosen, trial, slide = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE)
+    count = 0
+    for n in range(contact.shape[0]):
+        left_out = contact[n, IMPACT] == 0 or leaves(m, n, apart, attempt)
+        if not left_out and (mode[n] != OFF or n == apart or at_wall(m, n)):
+            chosen[count] = n
+            count += 1
+    contact_rows(m, count)
+    closed = 0
+    for k in range(count):
+        n = chosen[k]
+        kept = mode[n] != OFF and kind != HIT
+        if kept or at_rest(m, 2 * k, n, along(m, 2 * k, n, body, VX), grip[n, N_1]):
+            chosen[closed] = n
+            u = along(m, 2 * k + 1, n, body, VX)
+            slide[closed] = 0
+            still = (kept and mode[n] == STICK) or (n == apart and kind == TURN)
+            if not still and not at_rest(m, 2 * k + 1, n, u, grip[n, N_1]):
+                slide[closed] = 1 if u > 0.0 else -1
+            if n == apart and kind == BREAK_AWAY:
+                slide[closed] = 1 if pulling > 0.0 else -1
+            elif kind == BREAK_AWAY and kept and mode[n] != STICK:  # it had reached its limit before: goes along
+                slide[closed] = 1 if mode[n] == FORWARD else -1
+            trial[closed] = mode[n]
+            if mode[n] == OFF or slide[closed] != 0:
+                trial[closed] = FORWARD if slide[closed] >= 0 else BACKWARD
+            closed += 1
+    if closed < count:
+        contact_rows(m, closed)
+    return closed
+
+
+@compiled
+def part(m, count, apart, attempt):
+    """True when the gaps of all contacts that an attempt leaves out are going to open; the others' forces are at hand.
+
+    Those that go along have to open slowly, too: a contact that flies off is not one that was about to let go.
+    The motion at hand becomes that with these forces.
+    """
+    touch, acceleration = mat(m, TOUCH), mat(m, ACCELERATION)
+    add_forces(m, count, acceleration, vec(m, MULTIPLIER))
+    for n in range(touch.shape[0]):
+        if leaves(m, n, apart, attempt):
+            contact_rows_of_one(m, count, n)
+            opening = touch[n, GAMMA_N] - along(m, 2 * count, n, acceleration, 0)
+            size = turning(m, n) + largest_acceleration(m)
+            if opening < -1e-9 * size or (n != apart and opening > SLOWLY * size):
+                return False
+    return True
 
 
 @native("i", "h", "f", "v", "i", "i")
@@ -74,61 +146,31 @@ def regroup(m, t, y, apart, kind):
     """Modes of all closed contacts from the problem for the accelerations; `apart` is the contact of the event, or -1.
 
     A contact that has just let go or broken away keeps to that unless the others then press it back; contacts that
-    are about to let go do so with it, so that a block that is parallel to its wall leaves it parallel.
+    are about to let go do so with it if all of them part then, so that a block parallel to its wall leaves it parallel.
     Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE; or CREEPS, when some stick now and it is to be tried anew.
     """
-    contact, touch, mode, body = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, BODY)
-    chosen, trial, slide = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE)
-    grip, pulling = mat(m, GRIP), touch[apart, TANGENT] if apart >= 0 else 0.0
-    motion_without(m, t, y)
-    for attempt in range(2):
-        count = 0
-        for n in range(contact.shape[0]):
-            lets_go = n == apart or (mode[n] != OFF and touch[n, NORMAL] <= SLIGHT * grip[n, PEAK])
-            if contact[n, IMPACT] == 0 or (attempt == 0 and kind == LET_GO and lets_go):
-                continue
-            if mode[n] != OFF or n == apart or at_wall(m, n):
-                chosen[count] = n
-                count += 1
-        contact_rows(m, count)
-        closed = 0
-        for k in range(count):
-            n = chosen[k]
-            kept = mode[n] != OFF and kind != HIT
-            if kept or at_rest(m, 2 * k, n, along(m, 2 * k, n, body, VX), grip[n, N_1]):
-                chosen[closed] = n
-                u = along(m, 2 * k + 1, n, body, VX)
-                slide[closed] = 0
-                still = (kept and mode[n] == STICK) or (n == apart and kind == TURN)
-                if not still and not at_rest(m, 2 * k + 1, n, u, grip[n, N_1]):
-                    slide[closed] = 1 if u > 0.0 else -1
-                if n == apart and kind == BREAK_AWAY:
-                    slide[closed] = 1 if pulling > 0.0 else -1
-                elif kind == BREAK_AWAY and kept and mode[n] != STICK:  # it had reached its limit before: goes along
-                    slide[closed] = 1 if mode[n] == FORWARD else -1
-                trial[closed] = mode[n]
-                if mode[n] == OFF or slide[closed] != 0:
-                    trial[closed] = FORWARD if slide[closed] >= 0 else BACKWARD
-                closed += 1
-        if closed < count:
-            contact_rows(m, closed)
-        lasting_side(m, closed)
-        if not solve_contacts(m, closed):
-            if end_creep(m, closed):
-                return CREEPS
-            if not solve_by_trying(m, closed):
-                return ending(m)
-        if is_rough(m, closed) and count_solutions(m, closed) > 1:
-            return NOT_UNIQUE
-        if kind != LET_GO or attempt == 1:
-            break
-        # the contact that let go: is its gap going to open?
-        add_forces(m, closed, mat(m, ACCELERATION), vec(m, MULTIPLIER))
-        contact_rows_of_one(m, closed, apart)
-        opening = touch[apart, GAMMA_N] - along(m, 2 * closed, apart, mat(m, ACCELERATION), 0)
-        if opening >= -1e-9 * (turning(m, apart) + largest_acceleration(m)):
-            break
+    touch, attempt = mat(m, TOUCH), KEPT
+    pulling = touch[apart, TANGENT] if apart >= 0 else 0.0
+    if kind == LET_GO:
+        attempt = ALONE
+        for n in range(touch.shape[0]):
+            attempt = TOGETHER if goes_along(m, n, apart) else attempt
+    while True:
         motion_without(m, t, y)
+        closed = choose_closed(m, apart, kind, attempt, pulling)
+        lasting_side(m, closed)
+        solved = solve_contacts(m, closed)
+        if attempt != TOGETHER:
+            if not solved and end_creep(m, closed):
+                return CREEPS
+            if not solved and not solve_by_trying(m, closed):
+                return ending(m)
+            if is_rough(m, closed) and count_solutions(m, closed) > 1:
+                return NOT_UNIQUE
+            solved = True
+        if attempt == KEPT or (solved and part(m, closed, apart, attempt)):
+            break
+        attempt += 1
     change_modes(m, t, y, closed)
     return OK
 
