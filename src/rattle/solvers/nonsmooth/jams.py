@@ -16,7 +16,7 @@ from rattle.equations.complementarity import FORWARD, OFF, STICK, B, F, friction
 from rattle.equations.motion import OK
 from rattle.equations.unilateral import LOCKED, contact_rows, shift, solve_contacts, solve_modes
 from rattle.jit.functions import compiled, native
-from rattle.jit.layout import DGAP, IMPACT, NORMAL_P, SLIP, STEPS_IN
+from rattle.jit.layout import DGAP, IMPACT, N_1, NORMAL_P, SLIP, STEPS_IN
 from rattle.jit.workspace import (
     CHANGE,
     CHOSEN,
@@ -37,7 +37,7 @@ from rattle.jit.workspace import (
     mat,
     vec,
 )  # fmt: skip
-from rattle.solvers.nonsmooth.contact_projection import at_wall, held_contacts, motion_without, settle
+from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, held_contacts, motion_without, settle
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 from rattle.solvers.nonsmooth.impacts import settle_accounts
 
@@ -80,6 +80,21 @@ def holds(m, count):
     return pressed
 
 
+@compiled
+def ends_slip(m, count):
+    """True when a contact that slides, and may pass jams, sticks after the percussions at hand.
+
+    Contacts that are closed have another solution, no percussion at all, or next to none: that passes nothing.
+    """
+    touch, trial, chosen, grip = mat(m, TOUCH), ivec(m, TRIAL), ivec(m, CHOSEN), mat(m, GRIP)
+    for k in range(count):
+        n = chosen[k]
+        slides = not at_rest(m, 2 * k + 1, n, touch[n, SLIP], grip[n, N_1])
+        if slides and trial[k] == STICK and passes_jams(m, n):
+            return True
+    return False
+
+
 @native("i", "h", "f", "i")
 def pass_jam(m, t, late):
     """Impact without collision of the closed contacts that may pass a jam; rates jump in the state at hand.
@@ -108,10 +123,10 @@ def pass_jam(m, t, late):
             side[B, 2 * k], side[B, 2 * k + 1], slide[k] = touch[n, DGAP], -touch[n, SLIP], 0
             trial[k] = STICK if passes_jams(m, n) and friction_of(m, n) > 0.0 else mode[n]
         if attempt == 0:
-            found = solve_contacts(m, count) and holds(m, count)
+            found = solve_contacts(m, count) and holds(m, count) and ends_slip(m, count)
         else:
             solve_modes(m, count, 0)
-            found = holds(m, count)
+            found = holds(m, count) and ends_slip(m, count)
         if found:
             break
     if not found:
