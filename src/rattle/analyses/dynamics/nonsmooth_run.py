@@ -35,6 +35,7 @@ from rattle.solvers.step_audit import UNSOUND
 
 NEARLY_LOCKED = 1e-2  # share of G_nn that friction leaves of it where a run that cannot go on is called locked
 TOGETHER = 1e-6  # the same of the smallest singular value of all contacts together
+DEAD = 1e-8  # the same as a share of the largest one, where contacts that stick hold each other or the joints
 STEPS = 20_000  # of Moreau-Jean over a run, when nothing is said
 
 
@@ -252,6 +253,12 @@ class ImpactRun(Run):
                 f"friction locks {names} at t = {t:.9g} s: the normal force grows beyond all bounds (Painleve); less"
                 f" friction, or a compliant contact, goes on{passed}"
             )
+        if status == STEP_TOO_SMALL and (wedged := ", ".join(self._wedged(t))):
+            return (
+                f"friction holds {wedged} at t = {t:.9g} s while drivers or inertia push on: a dead end, where"
+                " the force stays within friction however large it is, so that nothing slips and no rigid body passes;"
+                " less friction, or a compliant contact, goes on"
+            )
         if status == unilateral.CHATTER:
             joint = self.system.joints[self.system.arrays["contact"][int(self.stuck[2]), OWNER]]
             if self.stuck[3] > event_driven.MOST_IN_A_ROW:
@@ -280,16 +287,40 @@ class ImpactRun(Run):
     def _firmness(self) -> float:
         """Smallest singular value of a_n (a_t where they stick) of the closed contacts by their forces, as a share of
         that without friction of sliding; their modes and G are at hand."""
+        least = [np.linalg.svd(self._driven(rough)[0], compute_uv=False)[-1] for rough in (True, False)]
+        return float(least[0] / least[1]) if least[1] > 0.0 else 1.0
+
+    def _driven(self, rough: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """G with friction of sliding, or without, on the lines of closed contacts; these contacts, and the lines."""
         mode, contact, g = self.memory["mode"], self.system.arrays["contact"], self.memory["delassus"]
         closed = self.memory["chosen"][: int(((mode != complementarity.OFF) & (contact[:, IMPACT] == 1)).sum())]
-        normal, least = 2 * np.arange(len(closed)), []
+        normal = 2 * np.arange(len(closed))
         lines = np.sort(np.concatenate([normal, normal[mode[closed] == complementarity.STICK] + 1]))
-        for friction in (self.memory["values"][contact[closed, NORMAL_P] + 2], np.zeros(len(closed))):
-            drag = friction * ((mode[closed] == FORWARD) * 1.0 - (mode[closed] == BACKWARD))
-            matrix = g[:, : 2 * len(closed)].copy()
-            matrix[:, normal] += drag * matrix[:, normal + 1]
-            least.append(np.linalg.svd(matrix[np.ix_(lines, lines)], compute_uv=False)[-1])
-        return float(least[0] / least[1]) if least[1] > 0.0 else 1.0
+        drag = (mode[closed] == FORWARD) * 1.0 - (mode[closed] == BACKWARD)
+        drag *= self.memory["values"][contact[closed, NORMAL_P] + 2] * (1.0 if rough else 0.0)
+        matrix = g[:, : 2 * len(closed)].copy()
+        matrix[:, normal] += drag * matrix[:, normal + 1]
+        return matrix[np.ix_(lines, lines)], closed, lines
+
+    def _wedged(self, t: float) -> list[str]:
+        """Joints whose contacts friction holds where bodies are pushed on: forces in a ratio that changes no motion,
+        which press and stay within friction, and along which b calls for ever more.  None where that is not so."""
+        jams.lock_share(self.memory.handle, t)
+        matrix, closed, lines = self._driven(True)
+        if not (self.memory["mode"][closed] == complementarity.STICK).any() or not np.isfinite(matrix).all():
+            return []
+        b, force = self.memory["side"][complementarity.B, lines], np.zeros(2 * len(closed))
+        rates, sizes, forces = np.linalg.svd(matrix)
+        called = -float(rates[:, -1] @ b)
+        force[lines] = math.copysign(1.0, called) * forces[-1]
+        pressed, held = force[0::2], np.abs(force[1::2])
+        friction = self.memory["values"][self.system.arrays["contact"][closed, NORMAL_P] + 2]
+        if sizes[-1] > DEAD * sizes[0] or abs(called) < DEAD * np.abs(b).max():
+            return []
+        if (pressed < -1e-3 * pressed.max()).any() or (held > friction * pressed + 1e-3 * pressed.max()).any():
+            return []
+        owner = self.system.arrays["contact"][closed[pressed > 1e-3 * pressed.max()], OWNER]
+        return [f"'{name}'" for name in dict.fromkeys(self.system.joints[n] for n in owner)]
 
     def _closed(self) -> list[str]:
         owner, mode = self.system.arrays["contact"][:, OWNER], self.memory["mode"]

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from rattle.equations.complementarity import FORWARD, OFF, STICK, B, F, friction_of
 from rattle.equations.motion import OK
-from rattle.equations.unilateral import LOCKED, contact_rows, shift, solve_contacts, solve_modes
+from rattle.equations.unilateral import LOCKED, contact_rows, lasting_side, shift, solve_contacts, solve_modes
 from rattle.jit.functions import compiled, native
 from rattle.jit.layout import DGAP, IMPACT, N_1, NORMAL_P, SLIP, STEPS_IN
 from rattle.jit.workspace import (
@@ -52,13 +52,17 @@ def passes_jams(m, n):
 
 @native("f", "h", "f")
 def lock_share(m, t):
-    """Smallest (G_nn +- mu G_nt) / G_nn of a contact that slides in the state at hand: it locks where that is <= 0."""
+    """Smallest (G_nn +- mu G_nt) / G_nn of a contact that slides in the state at hand: it locks where that is <= 0.
+
+    Leaves G and b of the closed contacts.
+    """
     y, mode, chosen, delassus = vec(m, STATE), ivec(m, MODE), ivec(m, CHOSEN), mat(m, DELASSUS)
     settle(m, t, y, -1)
     motion_without(m, t, y)
     count = held_contacts(m)
     contact_rows(m, count)
     as_full_matrix(m, count)
+    lasting_side(m, count)
     share = 1.0
     for k in range(count):
         n, r = chosen[k], 2 * k
