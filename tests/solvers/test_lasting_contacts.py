@@ -137,7 +137,9 @@ def test_contact_that_lets_go_takes_none_with_it_that_still_presses_however_hard
         text += f'coordinate = "angle"\nangle = 0\n[joints.j{n}]\ntype = "revolute"\nconnect = ["ground.G", "{n}.C"]\n'
         text += f'clearance = "1 mm"\ncontact = {contact}\n[loads.l{n}]\ntype = "force"\nat = "{n}.C"\n'
         text += f'force = [0, "-1e10*exp(-((t - 0.1)/0.005)**2) + {pull}*9.81*t/0.3"]\n'
-    text += "[initial]\n" + "".join(f"{n} = {{ x = 0, y = -1e-3, angle = 0, vx = 0, vy = 0, omega = 0 }}\n" for n in "ab")
+    text += "[initial]\n" + "".join(
+        f"{n} = {{ x = 0, y = -1e-3, angle = 0, vx = 0, vy = 0, omega = 0 }}\n" for n in "ab"
+    )
     run = rt.loads(text).simulate(0.17)
     assert run.success, run.message
     assert [(e.joint, e.kind) for e in run.events if e.kind in ("impact", "release")] == [("jb", "release")]
