@@ -35,8 +35,8 @@ def seconds_per_rhs(mechanism: rt.Mechanism, calls: int) -> float:
     functions.start()
     y = start_state(mechanism.system, mechanism.start)
     memory, dy = mechanism.system.memory(), np.zeros_like(y)
-    many(memory.handle, 0.0, y, dy, 1)
-    return timed(lambda: many(memory.handle, 0.0, y, dy, calls))() / calls
+    many(memory, 0.0, y, dy, 1)
+    return timed(lambda: many(memory, 0.0, y, dy, calls))() / calls
 
 
 def handwritten(folder: Path) -> Path | None:

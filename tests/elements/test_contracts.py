@@ -14,7 +14,7 @@ import pytest
 from rattle import registry
 from rattle.elements.custom.load_law import LawKernel
 from rattle.jit import functions
-from rattle.jit.layout import BX, DISSIPATED, ELASTIC, GAMMA, NU, OUTSIDE, POTENTIAL, RES
+from rattle.jit import layout as at
 from rattle.language.units import dimension_of
 
 pytestmark = pytest.mark.nojit
@@ -116,7 +116,7 @@ def test_jacobian_is_the_derivative_of_the_residual(family, name):
             ahead, behind = q.copy(), q.copy()
             ahead[body, k] += H
             behind[body, k] -= H
-            slope = (evaluate(kind, ahead, v, p)[:, RES] - evaluate(kind, behind, v, p)[:, RES]) / (2 * H)
+            slope = (evaluate(kind, ahead, v, p)[:, at.RES] - evaluate(kind, behind, v, p)[:, at.RES]) / (2 * H)
             np.testing.assert_allclose(rows[:, first + k], slope, atol=FIRST)
 
 
@@ -133,10 +133,10 @@ def test_nu_and_gamma_are_time_derivatives_along_a_path(family, name):
     v, dv = path.v(t), path.dv(t)
     jacobian = np.hstack([here[:, 3:6], here[:, 6:9]])
     # d Phi / dt = Phi_q v - nu,   d (Phi_q v - nu) / dt = Phi_q dv - gamma
-    rate = jacobian @ np.concatenate([v[A], v[B]]) - here[:, NU]
-    np.testing.assert_allclose(rate, (ahead[:, RES] - behind[:, RES]) / (2 * H), atol=FIRST)
-    second = jacobian @ np.concatenate([dv[A], dv[B]]) - here[:, GAMMA]
-    curvature = (ahead[:, RES] - 2 * here[:, RES] + behind[:, RES]) / H**2
+    rate = jacobian @ np.concatenate([v[A], v[B]]) - here[:, at.NU]
+    np.testing.assert_allclose(rate, (ahead[:, at.RES] - behind[:, at.RES]) / (2 * H), atol=FIRST)
+    second = jacobian @ np.concatenate([dv[A], dv[B]]) - here[:, at.GAMMA]
+    curvature = (ahead[:, at.RES] - 2 * here[:, at.RES] + behind[:, at.RES]) / H**2
     np.testing.assert_allclose(second, curvature, atol=SECOND)
 
 
@@ -148,7 +148,7 @@ def test_force_of_a_joint_does_no_work_on_rigid_motion_of_both_bodies(family, na
         pytest.skip("held from the ground")
     q, v = path.q(0.3), path.v(0.3)
     rows = evaluate(kind, q, v, parameters(family, kind, rng_for(name, "p"), path.f(0.3)))
-    np.testing.assert_allclose(rows[:, 3:5] + rows[:, BX : BX + 2], 0.0, atol=1e-14)
+    np.testing.assert_allclose(rows[:, 3:5] + rows[:, at.BX : at.BX + 2], 0.0, atol=1e-14)
     turning = np.array([-q[A, 1], q[A, 0], 1.0, -q[B, 1], q[B, 0], 1.0])
     if kind.leaf.rows != ("m", "m") and name != "fixed":  # rows in the frame of A, or of no frame
         np.testing.assert_allclose(rows[:, 3:9] @ turning, 0.0, atol=1e-13)
@@ -172,7 +172,7 @@ def test_power_of_a_load_is_accounted_for(name):
     kind, q, v, p = load_of(name)
     force, energy = load_at(kind, q, v, p)
     power = float((force * v).sum())
-    assert power == pytest.approx(energy[ELASTIC] + energy[OUTSIDE] - energy[DISSIPATED], abs=1e-12)
+    assert power == pytest.approx(energy[at.ELASTIC] + energy[at.OUTSIDE] - energy[at.DISSIPATED], abs=1e-12)
     assert abs(power) > 1e-3, "the case is too special to show anything"
 
 
@@ -181,8 +181,8 @@ def test_power_of_a_load_is_accounted_for(name):
 def test_elastic_power_is_the_rate_at_which_the_potential_falls(name):
     kind, q, v, p = load_of(name)
     _, here = load_at(kind, q, v, p)
-    ahead, behind = (load_at(kind, q + dt * v, v, p)[1][POTENTIAL] for dt in (H, -H))
-    assert here[ELASTIC] == pytest.approx(-(ahead - behind) / (2 * H), abs=1e-7)
+    ahead, behind = (load_at(kind, q + dt * v, v, p)[1][at.POTENTIAL] for dt in (H, -H))
+    assert here[at.ELASTIC] == pytest.approx(-(ahead - behind) / (2 * H), abs=1e-7)
 
 
 @pytest.mark.usefixtures("mode")
@@ -191,15 +191,15 @@ def test_load_at_rest_that_stores_is_the_slope_of_its_potential(name):
     kind, q, v, p = load_of(name)
     rest = np.zeros_like(v)
     force, energy = load_at(kind, q, rest, p)
-    assert energy[[ELASTIC, OUTSIDE, DISSIPATED]] == pytest.approx(0.0)
-    if energy[POTENTIAL] == 0.0:
+    assert energy[[at.ELASTIC, at.OUTSIDE, at.DISSIPATED]] == pytest.approx(0.0)
+    if energy[at.POTENTIAL] == 0.0:
         return
     for body in (A, B):
         for k in range(3):
             ahead, behind = q.copy(), q.copy()
             ahead[body, k] += H
             behind[body, k] -= H
-            slope = load_at(kind, ahead, rest, p)[1][POTENTIAL] - load_at(kind, behind, rest, p)[1][POTENTIAL]
+            slope = load_at(kind, ahead, rest, p)[1][at.POTENTIAL] - load_at(kind, behind, rest, p)[1][at.POTENTIAL]
             assert force[body, k] == pytest.approx(-slope / (2 * H), abs=1e-7)
 
 
@@ -221,7 +221,7 @@ def test_load_between_two_bodies_is_action_and_reaction(name):
 def test_damping_never_gives_energy(name):
     kind, q, _, p = load_of(name)
     rng = rng_for(name, "v")
-    assert all(load_at(kind, q, rng.uniform(-2, 2, (3, 3)), p)[1][DISSIPATED] >= 0.0 for _ in range(50))
+    assert all(load_at(kind, q, rng.uniform(-2, 2, (3, 3)), p)[1][at.DISSIPATED] >= 0.0 for _ in range(50))
 
 
 @pytest.mark.usefixtures("mode")

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from rattle.equations import schur
 from rattle.jit import functions
-from rattle.jit.layout import AX, BX
-from rattle.jit.workspace import Memory
+from rattle.jit import layout as at
+from rattle.jit.workspace import Workspace
 
 pytestmark = pytest.mark.nojit
 
@@ -24,7 +24,7 @@ def mode(request, monkeypatch):
 
 
 def system(joints, rows, weight):
-    """Memory with what the factor reads, and the dense Jacobian. joints: (A, B, number of rows)."""
+    """Workspace with what the factor reads, and the dense Jacobian. joints: (A, B, number of rows)."""
     row_body = [(a, b) for a, b, count in joints for _ in range(count)]
     ends = np.cumsum([0, *(count for _, _, count in joints)])
     blocks = [range(first, last) for first, last in pairwise(ends)]
@@ -32,8 +32,8 @@ def system(joints, rows, weight):
     nr, nb = len(row_body), len(weight)
     dense = np.zeros((nr, 3 * nb))
     for r, (a, b) in enumerate(row_body):
-        dense[r, 3 * a : 3 * a + 3] += rows[r, AX : AX + 3]
-        dense[r, 3 * b : 3 * b + 3] += rows[r, BX : BX + 3]
+        dense[r, 3 * a : 3 * a + 3] += rows[r, at.AX : at.AX + 3]
+        dense[r, 3 * b : 3 * b + 3] += rows[r, at.BX : at.BX + 3]
     arrays = {
         "weight": weight,
         "rows": rows,
@@ -42,10 +42,10 @@ def system(joints, rows, weight):
         "schur": np.zeros(nr + len(pattern.below)),
         "inverse": np.zeros(nr),
         "redundant": np.zeros(nr, np.int64),
-        "x": np.zeros(nr),
+        "solution": np.zeros(nr),
         "power": np.ones(4),
     }
-    return Memory(arrays), dense[:, 3:], pattern
+    return Workspace(arrays), dense[:, 3:], pattern
 
 
 def random_system(seed, bodies, joints):
@@ -60,9 +60,9 @@ def random_system(seed, bodies, joints):
 
 
 def solve(m, pattern, right):
-    m["x"][pattern.place] = right
-    schur.solve(m.handle)
-    return m["x"][pattern.place]
+    m.solution[pattern.place] = right
+    schur.solve(m)
+    return m.solution[pattern.place]
 
 
 @pytest.mark.usefixtures("mode")
@@ -72,7 +72,7 @@ def test_multipliers_are_those_of_dense_algebra(seed):
     m, jacobian, pattern, weight, rng = random_system(seed, bodies, int(0.9 * bodies))
     full = (jacobian * weight) @ jacobian.T
     right = rng.normal(size=len(jacobian))
-    lost = schur.factorise(m.handle)
+    lost = schur.factorise(m)
     if np.linalg.cond(full) > 1e8:
         pytest.skip("too close to singular to compare digits")
     assert lost == 0
@@ -89,15 +89,15 @@ def test_redundant_rows_are_counted_and_change_nothing(seed):
     weight = np.vstack([np.zeros(3), rng.uniform(0.5, 2, (3, 3))])
     right = rng.normal(size=6)
     m, jacobian, pattern = system(single, rows, weight)
-    assert schur.factorise(m.handle) == 0
+    assert schur.factorise(m) == 0
     motion = jacobian.T @ solve(m, pattern, right)
     copy = rng.permutation(6)[:3]
     doubled = [*single, *[(*next(pair[:2] for pair, row in owners(single) if row == r), 1) for r in copy]]
     m2, jacobian2, pattern2 = system(doubled, np.vstack([rows, rows[copy]]), weight)
-    assert schur.factorise(m2.handle) == 3
+    assert schur.factorise(m2) == 3
     multipliers = solve(m2, pattern2, np.concatenate([right, right[copy]]))
     np.testing.assert_allclose(jacobian2.T @ multipliers, motion, rtol=1e-6, atol=1e-8)
-    assert (multipliers[m2["redundant"][pattern2.place] == 1] == 0.0).all()
+    assert (multipliers[m2.redundant[pattern2.place] == 1] == 0.0).all()
 
 
 def owners(joints):
@@ -114,7 +114,7 @@ def test_any_graph_of_joints_gives_consistent_motion(seed, bodies, joints):
     m, jacobian, pattern, weight, rng = random_system(seed, bodies, joints)
     full = (jacobian * weight) @ jacobian.T
     right = full @ rng.normal(size=len(jacobian))
-    schur.factorise(m.handle)
+    schur.factorise(m)
     found = solve(m, pattern, right)
     scale = np.abs(right).max() + 1.0
     np.testing.assert_allclose(full @ found, right, atol=1e-6 * scale)
@@ -149,7 +149,7 @@ def test_fill_of_a_closed_ring_and_a_star_stays_small():
 def test_long_chain_is_solved_as_exactly_as_a_short_one():
     m, jacobian, pattern = chain(300)
     right = np.random.default_rng(2).normal(size=600)
-    assert schur.factorise(m.handle) == 0
+    assert schur.factorise(m) == 0
     found = solve(m, pattern, right)
     full = jacobian @ jacobian.T
     assert np.abs(full @ found - right).max() < 1e-9 * np.abs(found).max()

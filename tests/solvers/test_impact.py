@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.jit.layout import DGAP, GAMMA_N, GAMMA_T, GAP, SLIP
+from rattle.jit import layout as at
 from rattle.registry import kinds
 
 DATA = Path(__file__).parents[1] / "data"
@@ -60,7 +60,7 @@ def test_contact_rates_and_gammas_are_derivatives_along_any_motion(shape):
     p = np.array([0.1, -0.2, 0.3, 0.15, 0.02, 0.5, 0.7, 0.2, 0.4, 0.1])
     start, rate, bend = rng.normal(size=(3, 2, 3))
 
-    def at(t):
+    def spot(t):
         q, v = start + t * rate + 0.5 * t * t * bend, rate + t * bend
         body = np.zeros((2, 8))
         body[:, 0:3], body[:, 3:6] = q, v
@@ -72,10 +72,10 @@ def test_contact_rates_and_gammas_are_derivatives_along_any_motion(shape):
 
     h = 1e-5
     for corner in range(4 if shape == "guide" else 1):
-        now, before, after = at(0.0)[corner], at(-h)[corner], at(h)[corner]
-        assert (after[GAP] - before[GAP]) / (2 * h) == pytest.approx(now[DGAP], abs=1e-8)
+        now, before, after = spot(0.0)[corner], spot(-h)[corner], spot(h)[corner]
+        assert (after[at.GAP] - before[at.GAP]) / (2 * h) == pytest.approx(now[at.DGAP], abs=1e-8)
         normal, tangent = now[2:4], np.array([-now[3], now[2]])
-        for unit, sign, column, gamma in ((normal, -1.0, DGAP, GAMMA_N), (tangent, 1.0, SLIP, GAMMA_T)):
+        for unit, sign, column, gamma in ((normal, -1.0, at.DGAP, at.GAMMA_N), (tangent, 1.0, at.SLIP, at.GAMMA_T)):
             # J dv of the two material points, with the accelerations of the bodies
             arms = now[4:6], now[6:8]
             points = [bend[i, :2] + bend[i, 2] * np.array([-arm[1], arm[0]]) for i, arm in enumerate(arms)]

@@ -2,6 +2,7 @@
 
 import math
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 import rattle as rt
 from rattle.analyses.dynamics.nonsmooth_run import ImpactRun
 from rattle.equations.complementarity import BACKWARD, FORWARD, STICK
-from rattle.jit.layout import NORMAL_P
+from rattle.jit import layout as at
 from rattle.solvers.nonsmooth import jams
 
 BORE, ARM, COUPLER = 0.01, 0.1, 0.3
@@ -73,12 +74,6 @@ def test_dead_end_that_friction_holds_is_named_with_its_joint():
     assert 0.4 < math.acos(abs(line @ normal)) < math.atan(0.6)
 
 
-class Arrays(dict):
-    """Arrays of a run without a machine."""
-
-    handle = None
-
-
 def test_contacts_that_lock_together_are_told_though_each_alone_would_not(monkeypatch):
     """Each is pushed open by friction of the other alone: (1, -mu; -mu, 1) N is what the forces part them by."""
     run = ImpactRun.__new__(ImpactRun)
@@ -87,13 +82,13 @@ def test_contacts_that_lock_together_are_told_though_each_alone_would_not(monkey
     lines[0, 3] = lines[3, 0] = lines[1, 2] = lines[2, 1] = -1.0
     values = run.system.arrays["values"].copy()
     arrays = {"mode": np.array([FORWARD, FORWARD]), "chosen": np.arange(2), "delassus": lines, "values": values}
-    run.memory = Arrays(arrays)
+    run.memory = SimpleNamespace(**arrays)
     monkeypatch.setattr(jams, "lock_share", lambda handle, t: 1.0 + lines[0, 1])  # that of each alone: G_nt of its own
     for friction, together in ((0.5, False), (0.999, False), (1.0, True)):
-        values[contact[:, NORMAL_P] + 2] = friction
+        values[contact[:, at.NORMAL_P] + 2] = friction
         assert run._firmness() == pytest.approx(1.0 - friction, abs=1e-12)
         assert run._locks(0.0) == together
-    run.memory["mode"][1] = BACKWARD  # (1, mu; -mu, 1): firm, whatever the friction
+    run.memory.mode[1] = BACKWARD  # (1, mu; -mu, 1): firm, whatever the friction
     assert run._firmness() == pytest.approx(math.sqrt(2.0), rel=1e-12)
-    run.memory["mode"][:] = STICK  # nothing slides, nothing locks
+    run.memory.mode[:] = STICK  # nothing slides, nothing locks
     assert not run._locks(0.0)

@@ -17,7 +17,7 @@ from rattle.description.model import Model
 from rattle.equations.closure import close_position, open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.system import System, compile_system, is_link
-from rattle.jit.workspace import Memory
+from rattle.jit.workspace import Workspace
 from rattle.results.display import table
 
 TURN = 72  # positions of a driver tried around a full turn
@@ -78,11 +78,11 @@ def check(system: System, start: Assembled) -> Check:
     model = system.model
     jumps = timetable(system, start.t, model.settings.t_end).jumps
     memory = system.memory()
-    open_by(memory.handle, start.t, start.q, start.v)
+    open_by(memory, start.t, start.q, start.v)
     if system.row_count > LARGE:
         from rattle.equations.schur import factorise
 
-        factorise(memory.handle)
+        factorise(memory)
     independent = rank(system, memory)
     redundant = system.row_count - independent
     return Check(
@@ -157,7 +157,7 @@ def _reach(system: System, start: Assembled) -> list[str]:
     found = []
     q = start.q.copy()
     scratch = np.empty_like(q)
-    close_position(frozen.handle, 0.0, q, scratch, 1e-10 * system.size, 30)
+    close_position(frozen, 0.0, q, scratch, 1e-10 * system.size, 30)
     for name, slot in slots.items():
         turning = system.rows[system.arrays["joint"][system.joints.index(name), 4]].unit == "rad"
         step = 2 * math.pi / TURN if turning else system.size / 36
@@ -173,47 +173,47 @@ def _reach(system: System, start: Assembled) -> list[str]:
     return found
 
 
-def _hold_drivers(system: System, t: float) -> tuple[Memory, dict[str, int], dict[str, float]]:
-    """Memory in which the functions of the drivers are plain numbers, and where these stand."""
+def _hold_drivers(system: System, t: float) -> tuple[Workspace, dict[str, int], dict[str, float]]:
+    """Workspace in which the functions of the drivers are plain numbers, and where these stand."""
     from dataclasses import replace
 
     from rattle.equations.motion import drive
 
     running = system.memory()
-    drive(running.handle, t)
+    drive(running, t)
     slots = {}
     for n, name in enumerate(system.joints):
         if name in system.model.drivers:
             slots[name] = int(system.arrays["joint"][n, 3]) + driver_slot(system, n)
     none = np.zeros((0, 3), np.int64)
     frozen = replace(
-        system, arrays={**system.arrays, "jet": none, "jet_signal": none, "values": running["values"]}
+        system, arrays={**system.arrays, "jet": none, "jet_signal": none, "values": running.values}
     ).memory()
-    return frozen, slots, {name: float(running["values"][slot]) for name, slot in slots.items()}
+    return frozen, slots, {name: float(running.values[slot]) for name, slot in slots.items()}
 
 
 def _far(
-    memory: Memory, start: np.ndarray, scratch: np.ndarray, slot: int, value: float, step: float, tolerance: float
+    memory: Workspace, start: np.ndarray, scratch: np.ndarray, slot: int, value: float, step: float, tolerance: float
 ) -> float | None:
     """Last value of a driver that can be reached in steps from `value`; None when nothing stops it."""
     q, good = start.copy(), start.copy()
     reached = value
     for _ in range(TURN):
-        memory["values"][slot] = reached + step
-        gap, _ = close_position(memory.handle, 0.0, q, scratch, 1e-3 * tolerance, 30)
+        memory.values[slot] = reached + step
+        gap, _ = close_position(memory, 0.0, q, scratch, 1e-3 * tolerance, 30)
         if not gap <= tolerance or np.abs(q - good)[2::3].max() > 1.5:
             break
         reached += step
         good[:] = q
     else:
-        memory["values"][slot] = value
+        memory.values[slot] = value
         return None
     low, high = 0.0, 1.0
     for _ in range(12):
         middle = 0.5 * (low + high)
         q[:] = good
-        memory["values"][slot] = reached + middle * step
-        gap, _ = close_position(memory.handle, 0.0, q, scratch, 1e-3 * tolerance, 30)
+        memory.values[slot] = reached + middle * step
+        gap, _ = close_position(memory, 0.0, q, scratch, 1e-3 * tolerance, 30)
         low, high = (middle, high) if gap <= tolerance and np.abs(q - good)[2::3].max() <= 1.5 else (low, middle)
-    memory["values"][slot] = value
+    memory.values[slot] = value
     return reached + low * step

@@ -21,7 +21,7 @@ from rattle.equations.motion import drive
 from rattle.equations.system import System
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, suggest
 from rattle.jit import functions
-from rattle.jit.workspace import Memory
+from rattle.jit.workspace import Workspace
 from rattle.results.columns import BODY, columns, geometry, width
 from rattle.results.event import Event
 from rattle.results.result import Result
@@ -41,7 +41,7 @@ class Sweep:
     """The state of one sweep: where it is, and what it has seen."""
 
     system: System
-    memory: Memory
+    memory: Workspace
     node: np.ndarray  # (9, 3 nb), see solvers.position_sweep
     clock: np.ndarray
     tally: np.ndarray
@@ -63,7 +63,7 @@ class Sweep:
             part = slice(done, done + size)
             self.tally[swept.COUNT] = 0
             swept.sweep(
-                self.memory.handle, times[part], raw[part], self.node, self.clock, self.tally, self.spots,
+                self.memory, times[part], raw[part], self.node, self.clock, self.tally, self.spots,
                 self.system.size, forces, self.probe, self.line, onward,
             )  # fmt: skip
             done += int(self.tally[swept.COUNT])
@@ -112,7 +112,7 @@ def begin(
     )  # fmt: skip
     node[swept.Q_NEW], node[swept.V_NEW] = start.q, start.v
     for _ in range(2):  # the second round takes the rates as they are now
-        _, root, _, _ = swept.closed_at(memory.handle, start.t, node, system.size)
+        _, root, _, _ = swept.closed_at(memory, start.t, node, system.size)
     node[: swept.Q_NEW] = node[swept.Q_NEW : swept.Q_OLD]
     made.clock[swept.ROOT] = made.clock[swept.ROOT_BEFORE] = root
     return made
@@ -121,7 +121,7 @@ def begin(
 def require_driven(system: System, start: Assembled, what: str) -> None:
     """Raise ModelError that says which freedoms are left, unless the drivers fix every position."""
     memory = system.memory()
-    open_by(memory.handle, start.t, start.q, start.v)
+    open_by(memory, start.t, start.q, start.v)
     rows = scaled_rows(system, memory)
     _, values, right = np.linalg.svd(rows)
     independent = int((values > 1e-9 * values[0]).sum()) if len(values) else 0
@@ -252,11 +252,11 @@ def why_stuck(sweep: Sweep) -> str:
     system, memory = sweep.system, sweep.memory
     t = float(sweep.clock[swept.NOW])
     for ahead in (0.0, 1e-12, 1e-9, 1e-6):
-        drive(memory.handle, t + ahead * max(1.0, abs(t)))
+        drive(memory, t + ahead * max(1.0, abs(t)))
         for name, unit_row in zip(system.joints, system.arrays["joint"], strict=True):
-            if name in system.model.drivers and not np.isfinite(memory["values"][unit_row[3] : unit_row[3] + 9]).all():
+            if name in system.model.drivers and not np.isfinite(memory.values[unit_row[3] : unit_row[3] + 9]).all():
                 return f"the function of driver '{name}' has no finite value after t = {t:.10g} s; check its domain"
-    open_by(memory.handle, t, sweep.node[swept.Q], sweep.node[swept.V])
+    open_by(memory, t, sweep.node[swept.Q], sweep.node[swept.V])
     where = describe_rank_loss(system, memory)
     if where:
         return f"no position beyond t = {t:.10g} s: {where}"
@@ -265,7 +265,7 @@ def why_stuck(sweep: Sweep) -> str:
 
 def _blocking(sweep: Sweep) -> str:
     """The joint or driver that takes the largest part in the loss of rank."""
-    open_by(sweep.memory.handle, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
+    open_by(sweep.memory, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
     free = left_null(sweep.system, sweep.memory, 1e-3)
     if free.shape[1] == 0:
         return ""
@@ -289,7 +289,7 @@ def _branch_points(
         if found is None or any(abs(found - event.t) < 1e-9 * max(1.0, abs(found)) for event in events):
             continue
         near = _at(first, times, raw, found)
-        open_by(near.memory.handle, found, near.node[swept.Q_NEW], near.node[swept.V_NEW])
+        open_by(near.memory, found, near.node[swept.Q_NEW], near.node[swept.V_NEW])
         free = left_null(system, near.memory, 1e-3)
         share = np.abs(free).max(axis=1, initial=0.0)
         owners = list(dict.fromkeys(system.rows[int(r)].owner for r in np.argsort(-share) if share[r] > 0.05))
@@ -305,7 +305,7 @@ def _independent(first: Sweep) -> np.ndarray:
     """Numbers of rows that determine the position at the start (the others are redundant)."""
     from scipy.linalg import qr
 
-    open_by(first.memory.handle, float(first.clock[swept.NOW]), first.node[swept.Q], first.node[swept.V])
+    open_by(first.memory, float(first.clock[swept.NOW]), first.node[swept.Q], first.node[swept.V])
     count = 3 * first.system.body_count
     if first.system.row_count == count:
         return np.arange(count)
@@ -322,7 +322,7 @@ def _at(first: Sweep, times: np.ndarray, raw: np.ndarray, t: float) -> Sweep:
         state = raw[k, : 9 * nb].reshape(nb, 3, 3)
         for n in range(3):
             made.node[swept.Q_NEW + n] = state[:, n].ravel()
-        _, root, _, _ = swept.closed_at(made.memory.handle, times[k], made.node, first.system.size)
+        _, root, _, _ = swept.closed_at(made.memory, times[k], made.node, first.system.size)
         if root > 2 * swept.WEAK_ROOT:
             made.node[: swept.Q_NEW] = made.node[swept.Q_NEW : swept.Q_OLD]
             made.clock[:] = times[k], math.inf, 0.0, root, root, times[k]
@@ -339,7 +339,7 @@ def _locate(
 
     def determinant(t: float) -> float:
         made = _at(first, times, raw, t)
-        open_by(made.memory.handle, t, made.node[swept.Q_NEW], made.node[swept.V_NEW])
+        open_by(made.memory, t, made.node[swept.Q_NEW], made.node[swept.V_NEW])
         return float(np.linalg.det(scaled_rows(first.system, made.memory)[rows]))
 
     f_low, f_high = determinant(low), determinant(high)
@@ -383,7 +383,7 @@ def _result(
             units |= {f"{joint}.{effort}": unit, f"{joint}.power": "W"}
             data = np.column_stack([data, raw[:, width(system) + 2 * n : width(system) + 2 * n + 2]])
         if system.row_count > 3 * system.body_count:
-            open_by(sweep.memory.handle, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
+            open_by(sweep.memory, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
             nonunique = nonunique_reactions(system, sweep.memory)
         data = np.ascontiguousarray(data)
     else:

@@ -95,10 +95,10 @@ def _jumps(system: System, table: Timetable, start: float) -> tuple[Jump, ...]:
     for k, (t, piece) in enumerate(zip(times, [-1, *pieces], strict=True)):
         for side in range(2):
             if piece + side >= 0:  # at the start there is no piece before: what the definition says stands for it
-                table.take(memory["code"], piece + side)
-            drive(memory.handle, t)
+                table.take(memory.code, piece + side)
+            drive(memory, t)
             for rate in range(2):
-                found[k, side, rate] = memory["values"][slots + rate]
+                found[k, side, rate] = memory.values[slots + rate]
     problems, jumps = [], []
     for d, (name, unit) in enumerate(zip(names, units, strict=True)):
         leap = found[:, 1, 0, d] - found[:, 0, 0, d]

@@ -6,9 +6,8 @@ import math
 
 from rattle.equations.motion import constraints, correct, drive, place, rate_residual, residual
 from rattle.equations.schur import factorise
+from rattle.jit import layout as at
 from rattle.jit.functions import native
-from rattle.jit.layout import COS, PHI, RES, SIN, X, Y
-from rattle.jit.workspace import BODY, CHANGE, ROWS, mat, vec
 
 
 @native("f", "h", "f", "v", "v")
@@ -23,24 +22,24 @@ def open_by(m, t, q, v):
 @native("void", "h", "v")
 def place_only(m, q):
     """Positions alone: rates stay as they are in `body`."""
-    body = mat(m, BODY)
+    body = m.body
     for i in range(1, body.shape[0]):
-        body[i, X] = q[3 * i - 3]
-        body[i, Y] = q[3 * i - 2]
-        body[i, PHI] = q[3 * i - 1]
-        body[i, COS] = math.cos(q[3 * i - 1])
-        body[i, SIN] = math.sin(q[3 * i - 1])
+        body[i, at.X] = q[3 * i - 3]
+        body[i, at.Y] = q[3 * i - 2]
+        body[i, at.PHI] = q[3 * i - 1]
+        body[i, at.COS] = math.cos(q[3 * i - 1])
+        body[i, at.SIN] = math.sin(q[3 * i - 1])
 
 
 @native("f", "h", "v")
 def merit_at(m, q):
     """Sum of squared position residuals at q."""
-    rows = mat(m, ROWS)
+    rows = m.rows
     place_only(m, q)
     constraints(m)
     value = 0.0
     for r in range(rows.shape[0]):
-        value += rows[r, RES] * rows[r, RES]
+        value += rows[r, at.RES] * rows[r, at.RES]
     return value
 
 
@@ -50,7 +49,7 @@ def close_position(m, t, q, start, tolerance, most):
 
     start: (3 nb,) scratch.  Once below the tolerance two more steps polish the answer.
     """
-    change = vec(m, CHANGE)
+    change = m.change
     drive(m, t)
     merit = merit_at(m, q)
     gap = residual(m)
@@ -89,7 +88,7 @@ def close_position(m, t, q, start, tolerance, most):
 @native("f", "h", "f", "v", "v")
 def close_rate(m, t, q, v):
     """Bring v onto Phi_q v = nu with the least mass-weighted change, in place; returns the largest residual."""
-    change = vec(m, CHANGE)
+    change = m.change
     open_by(m, t, q, v)
     factorise(m)
     for _ in range(3):

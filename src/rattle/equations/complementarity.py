@@ -18,35 +18,8 @@ Non-Smooth Mechanical Systems (2004), chapter 5.
 from __future__ import annotations
 
 from rattle.equations.schur import solve
+from rattle.jit import layout as at
 from rattle.jit.functions import call_problem, compiled, kernel
-from rattle.jit.layout import A_BODY, AX, B_BODY, BX, NORMAL_P, NX, NY, PAX, PAY, PBX, PBY
-from rattle.jit.workspace import (
-    ARM,
-    CHOSEN,
-    CONTACT,
-    DELASSUS,
-    DIRECTION,
-    HELD,
-    NET_FIRST,
-    PIVOTS,
-    PLACE,
-    PROBLEM_TABLE,
-    REPLY,
-    ROW_BODY,
-    ROWS,
-    SIDE,
-    SLIDE,
-    SOLUTION,
-    SYSTEM,
-    TOUCH,
-    TRIAL,
-    VALUES,
-    WEIGHT,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 
 OFF, STICK, FORWARD, BACKWARD = range(4)
 B, F, A, OTHER = range(4)  # rows of `side`
@@ -68,7 +41,7 @@ TRY_ALL = 8
 @compiled
 def friction_of(m, n):
     """Coefficient of friction of contact n."""
-    return vec(m, VALUES)[imat(m, CONTACT)[n, NORMAL_P] + 2]
+    return m.values[m.contact[n, at.NORMAL_P] + 2]
 
 
 @kernel("problem")
@@ -77,16 +50,16 @@ def rows_kernel(m, count):
 
     The geometry in `touch` and the factor of S are at hand.
     """
-    touch, chosen, arm, held = mat(m, TOUCH), ivec(m, CHOSEN), mat(m, ARM), vec(m, HELD)
+    touch, chosen, arm, held = m.touch, m.chosen, m.arm, m.held
     for k in range(count):
         n = chosen[k]
         for d in range(2):
             r = 2 * k + d
-            ux = touch[n, NX] if d == 0 else -touch[n, NY]
-            uy = touch[n, NY] if d == 0 else touch[n, NX]
-            arm[r, 0], arm[r, 1], arm[r, 2] = -ux, -uy, -(touch[n, PAX] * uy - touch[n, PAY] * ux)
-            arm[r, 3], arm[r, 4], arm[r, 5] = ux, uy, touch[n, PBX] * uy - touch[n, PBY] * ux
-    held[SPARSE] = 1.0 if count > FEW and ivec(m, NET_FIRST).shape[0] > 0 else 0.0
+            ux = touch[n, at.NX] if d == 0 else -touch[n, at.NY]
+            uy = touch[n, at.NY] if d == 0 else touch[n, at.NX]
+            arm[r, 0], arm[r, 1], arm[r, 2] = -ux, -uy, -(touch[n, at.PAX] * uy - touch[n, at.PAY] * ux)
+            arm[r, 3], arm[r, 4], arm[r, 5] = ux, uy, touch[n, at.PBX] * uy - touch[n, at.PBY] * ux
+    held[SPARSE] = 1.0 if count > FEW and m.net_first.shape[0] > 0 else 0.0
     if held[SPARSE] == 0.0:
         fill_delassus(m, count)
     return 0
@@ -95,12 +68,12 @@ def rows_kernel(m, count):
 @compiled
 def fill_delassus(m, count):
     """What a unit force on each line of the chosen contacts changes, and G; rows w and the factor of S are at hand."""
-    contact, chosen, row_body = imat(m, CONTACT), ivec(m, CHOSEN), imat(m, ROW_BODY)
-    arm, direction, reply, delassus = mat(m, ARM), mat(m, DIRECTION), mat(m, REPLY), mat(m, DELASSUS)
-    rows, weight, x, place_of = mat(m, ROWS), mat(m, WEIGHT), vec(m, SOLUTION), ivec(m, PLACE)
+    contact, chosen, row_body = m.contact, m.chosen, m.row_body
+    arm, direction, reply, delassus = m.arm, m.direction, m.reply, m.delassus
+    rows, weight, x, place_of = m.rows, m.weight, m.solution, m.place
     for k in range(count):
         n = chosen[k]
-        a, b = contact[n, A_BODY], contact[n, B_BODY]
+        a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
         rough = friction_of(m, n) > 0.0
         for d in range(2):
             r = 2 * k + d
@@ -110,7 +83,7 @@ def fill_delassus(m, count):
                 for row in range(rows.shape[0]):
                     value = 0.0
                     for side in range(2):
-                        i, c = row_body[row, side], AX + 3 * side
+                        i, c = row_body[row, side], at.AX + 3 * side
                         if i == a:
                             for q in range(3):
                                 value += rows[row, c + q] * weight[i, q] * arm[r, q]
@@ -130,9 +103,9 @@ def fill_delassus(m, count):
                     i, j = row_body[row, 0], row_body[row, 1]
                     for q in range(3):
                         if i > 0:
-                            direction[r, 3 * i - 3 + q] -= weight[i, q] * rows[row, AX + q] * z
+                            direction[r, 3 * i - 3 + q] -= weight[i, q] * rows[row, at.AX + q] * z
                         if j > 0:
-                            direction[r, 3 * j - 3 + q] -= weight[j, q] * rows[row, BX + q] * z
+                            direction[r, 3 * j - 3 + q] -= weight[j, q] * rows[row, at.BX + q] * z
             else:
                 for row in range(rows.shape[0]):
                     reply[r, row] = 0.0
@@ -151,7 +124,7 @@ def fill_delassus(m, count):
 @compiled
 def linear(m, count):
     """Forces f and a = G f + b for the modes in `trial`."""
-    return call_problem(ivec(m, PROBLEM_TABLE)[MODES], (m, 4 * count + 1))
+    return call_problem(m.problem_table[MODES], (m, 4 * count + 1))
 
 
 @kernel("problem")
@@ -162,11 +135,11 @@ def modes_kernel(m, number):
     Returns the sign of the determinant: +1 as without friction, -1 when friction locks, 0 for dependent contacts.
     """
     count, rough = number // 4, number % 2
-    if vec(m, HELD)[SPARSE] == 1.0:
-        sign = call_problem(ivec(m, PROBLEM_TABLE)[NETWORK], (m, number))
+    if m.held[SPARSE] == 1.0:
+        sign = call_problem(m.problem_table[NETWORK], (m, number))
         if sign != DENSE_WAY:
             return sign
-        vec(m, HELD)[SPARSE] = 0.0
+        m.held[SPARSE] = 0.0
         fill_delassus(m, count)
     return eliminate(m, count, rough)
 
@@ -174,9 +147,9 @@ def modes_kernel(m, number):
 @compiled
 def eliminate(m, count, rough):
     """`modes_kernel` with G as a full matrix."""
-    ridge = 1.0 + vec(m, HELD)[RIDGE]
-    delassus, side, system, trial = mat(m, DELASSUS), mat(m, SIDE), mat(m, SYSTEM), ivec(m, TRIAL)
-    chosen, pivot = ivec(m, CHOSEN), ivec(m, PIVOTS)
+    ridge = 1.0 + m.held[RIDGE]
+    delassus, side, system, trial = m.delassus, m.side, m.system, m.trial
+    chosen, pivot = m.chosen, m.pivots
     size = 0
     for k in range(count):
         size += 0 if trial[k] == OFF else (2 if trial[k] == STICK else 1)
@@ -250,9 +223,9 @@ def eliminate(m, count, rough):
 @compiled
 def resolution(m, count):
     """Values of f and of a that count as zero."""
-    side, delassus = mat(m, SIDE), mat(m, DELASSUS)
-    force, rate = 0.0, vec(m, HELD)[SCALE]
-    if vec(m, HELD)[SPARSE] == 0.0:
+    side, delassus = m.side, m.delassus
+    force, rate = 0.0, m.held[SCALE]
+    if m.held[SPARSE] == 0.0:
         rate = 0.0
         for r in range(2 * count):
             rate = max(rate, abs(side[B, r]))
@@ -266,8 +239,8 @@ def resolution(m, count):
 @compiled
 def better_mode(m, k, force, rate):
     """The mode that contact k should have, seen from the solution at hand; its present one if that is right."""
-    side, trial, slide = mat(m, SIDE), ivec(m, TRIAL), ivec(m, SLIDE)
-    mu = friction_of(m, ivec(m, CHOSEN)[k])
+    side, trial, slide = m.side, m.trial, m.slide
+    mu = friction_of(m, m.chosen[k])
     mode, pressed, held = trial[k], side[F, 2 * k], side[F, 2 * k + 1]
     if mode == OFF:
         if side[A, 2 * k] >= -rate:
@@ -291,7 +264,7 @@ def better_mode(m, k, force, rate):
 @compiled
 def settled(m, count, slack):
     """True when the solution at hand meets all conditions of the modes in `trial`; slack: in units of what is zero."""
-    side, trial = mat(m, SIDE), ivec(m, TRIAL)
+    side, trial = m.side, m.trial
     force, rate = resolution(m, count)
     for k in range(count):
         if better_mode(m, k, slack * force, slack * rate) != trial[k]:
@@ -304,7 +277,7 @@ def settled(m, count, slack):
 @compiled
 def change_where_broken(m, count):
     """Change modes where a condition is broken until none is, from those in `trial` on; True when that settles."""
-    trial = ivec(m, TRIAL)
+    trial = m.trial
     together = 6 + 2 * min(count, FEW)  # later one at a time, lest it goes round
     for sweep in range(12 + 6 * min(count, FEW)):
         linear(m, count)
@@ -326,18 +299,18 @@ def search_kernel(m, count):
 
     Returns SOLVED, IMPOSSIBLE, JAMMED or UNSETTLED.
     """
-    held = vec(m, HELD)
+    held = m.held
     held[OUTCOME] = SOLVED
     if change_where_broken(m, count):
         return SOLVED
-    outcome = call_problem(ivec(m, PROBLEM_TABLE)[FOLLOW], (m, count))
+    outcome = call_problem(m.problem_table[FOLLOW], (m, count))
     if outcome == SOLVED and not change_where_broken(m, count):
         # rows that depend on each other, or forces at the limit of rounding: as the path has left it
-        call_problem(ivec(m, PROBLEM_TABLE)[FOLLOW], (m, count))
+        call_problem(m.problem_table[FOLLOW], (m, count))
         linear(m, count)
         outcome = SOLVED if settled(m, count, LOOSE) else UNSETTLED
     if outcome != SOLVED and count <= MOST_TRIED:
-        outcome = SOLVED if call_problem(ivec(m, PROBLEM_TABLE)[TRY_ALL], (m, 2 * count)) > 0 else IMPOSSIBLE
+        outcome = SOLVED if call_problem(m.problem_table[TRY_ALL], (m, 2 * count)) > 0 else IMPOSSIBLE
     held[OUTCOME] = outcome
     return outcome
 

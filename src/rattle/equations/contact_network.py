@@ -19,37 +19,8 @@ import numpy as np
 
 from rattle.equations import schur
 from rattle.equations.complementarity import DENSE_WAY, FORWARD, OFF, RIDGE, SCALE, STICK, WEAKEST, A, B, F, friction_of
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
-from rattle.jit.layout import A_BODY, AX, B_BODY
-from rattle.jit.workspace import (
-    ARM,
-    CHOSEN,
-    CONTACT,
-    HELD,
-    NET_BELOW,
-    NET_COLUMN,
-    NET_FIRST,
-    NET_LINE,
-    NET_LOWER,
-    NET_ON,
-    NET_PAIRS,
-    NET_PLACE,
-    NET_ROW,
-    NET_SIZE,
-    NET_TARGET,
-    NET_UPPER,
-    NET_X,
-    PUSHED,
-    ROW_BODY,
-    ROWS,
-    SIDE,
-    TRIAL,
-    WEIGHT,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 
 VANISHED = 1e-11  # share of its diagonal below which a pivot is nothing
 CLEAN = 1e-14  # share of the terms that a residual may have without being refined
@@ -62,7 +33,7 @@ def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
     nr, nc = len(row_body), len(contact)
     bodies = [(int(a), int(b)) for a, b in row_body]
     for one in contact:
-        bodies += [(int(one[A_BODY]), int(one[B_BODY]))] * 2
+        bodies += [(int(one[at.A_BODY]), int(one[at.B_BODY]))] * 2
     blocks: Sequence[range] = [
         *(range(row, row + 1) for row in range(nr)),
         *(range(nr + 2 * n, nr + 2 * n + 2) for n in range(nc)),
@@ -71,7 +42,7 @@ def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
     place, pairs = pattern.place, pattern.pairs.copy()
     above = place[pairs[:, 1]] < place[pairs[:, 3]]  # the lower row of the two comes first
     pairs[above] = pairs[above][:, [0, 3, 4, 1, 2, 5]]
-    pairs[:, [2, 4]] -= AX
+    pairs[:, [2, 4]] -= at.AX
     size = len(bodies)
     entries = size + len(pattern.below)
     return {
@@ -94,9 +65,9 @@ def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
 @compiled
 def choose_rows(m, count, rough):
     """R and M^-1 C^T of the rows that take part with the modes in `trial`; True when they are the same but for M."""
-    on, line, column, size = ivec(m, NET_ON), mat(m, NET_LINE), mat(m, NET_COLUMN), vec(m, NET_SIZE)
-    rows, row_body, weight, arm = mat(m, ROWS), imat(m, ROW_BODY), mat(m, WEIGHT), mat(m, ARM)
-    contact, chosen, trial = imat(m, CONTACT), ivec(m, CHOSEN), ivec(m, TRIAL)
+    on, line, column, size = m.net_on, m.net_line, m.net_column, m.net_size
+    rows, row_body, weight, arm = m.rows, m.row_body, m.weight, m.arm
+    contact, chosen, trial = m.contact, m.chosen, m.trial
     nr, even = rows.shape[0], True
     for i in range(on.shape[0]):
         on[i] = 1 if i < nr else 0
@@ -105,7 +76,7 @@ def choose_rows(m, count, rough):
         for side in range(2):
             body = row_body[i, side]
             for q in range(3 * side, 3 * side + 3):
-                line[i, q] = rows[i, AX + q]
+                line[i, q] = rows[i, at.AX + q]
                 column[i, q] = weight[body, q - 3 * side] * line[i, q]
                 size[i] += line[i, q] * column[i, q]
     for k in range(count):
@@ -122,7 +93,7 @@ def choose_rows(m, count, rough):
             on[i] = 1
             size[i] = 0.0
             for side in range(2):
-                body = contact[n, A_BODY + side]
+                body = contact[n, at.A_BODY + side]
                 for q in range(3 * side, 3 * side + 3):
                     line[i, q] = arm[r, q]
                     size[i] += weight[body, q - 3 * side] * arm[r, q] ** 2
@@ -137,9 +108,9 @@ def eliminate(m, ridge, even):
     ridge: share by which the diagonal is raised.  even: the matrix is symmetric, its upper half is left out.
     The smallest share of its diagonal that a pivot has goes to `held`.
     """
-    on, row, line, column = ivec(m, NET_ON), ivec(m, NET_ROW), mat(m, NET_LINE), mat(m, NET_COLUMN)
-    first, target, pairs, size = ivec(m, NET_FIRST), ivec(m, NET_TARGET), imat(m, NET_PAIRS), vec(m, NET_SIZE)
-    low, up = vec(m, NET_LOWER), vec(m, NET_UPPER)
+    on, row, line, column = m.net_on, m.net_row, m.net_line, m.net_column
+    first, target, pairs, size = m.net_first, m.net_target, m.net_pairs, m.net_size
+    low, up = m.net_lower, m.net_upper
     total = row.shape[0]
     for e in range(low.shape[0]):
         low[e], up[e] = 0.0, 0.0
@@ -186,7 +157,7 @@ def eliminate(m, ridge, even):
             if even:
                 up[a] = low[a]
             low[a] *= inverse
-    vec(m, HELD)[WEAKEST] = weakest
+    m.held[WEAKEST] = weakest
     return sign
 
 
@@ -194,11 +165,11 @@ def eliminate(m, ridge, even):
 def substitute(m, n):
     """Solve L U x = x for line n of `net_x`, in place."""
     first, below, low, up, x = (
-        ivec(m, NET_FIRST),
-        ivec(m, NET_BELOW),
-        vec(m, NET_LOWER),
-        vec(m, NET_UPPER),
-        mat(m, NET_X),
+        m.net_first,
+        m.net_below,
+        m.net_lower,
+        m.net_upper,
+        m.net_x,
     )
     total = x.shape[1]
     for k in range(total):
@@ -217,13 +188,13 @@ def substitute(m, n):
 def effect_of_rows(m):
     """`pushed` from the solution: M^-1 C^T x."""
     on, place, column, x, pushed = (
-        ivec(m, NET_ON),
-        ivec(m, NET_PLACE),
-        mat(m, NET_COLUMN),
-        mat(m, NET_X),
-        mat(m, PUSHED),
+        m.net_on,
+        m.net_place,
+        m.net_column,
+        m.net_x,
+        m.pushed,
     )
-    contact, row_body = imat(m, CONTACT), imat(m, ROW_BODY)
+    contact, row_body = m.contact, m.row_body
     nr = row_body.shape[0]
     for i in range(pushed.shape[0]):
         for q in range(3):
@@ -232,8 +203,8 @@ def effect_of_rows(m):
         if on[i] == 0:
             continue
         force = x[0, place[i]]
-        a = row_body[i, 0] if i < nr else contact[(i - nr) // 2, A_BODY]
-        b = row_body[i, 1] if i < nr else contact[(i - nr) // 2, B_BODY]
+        a = row_body[i, 0] if i < nr else contact[(i - nr) // 2, at.A_BODY]
+        b = row_body[i, 1] if i < nr else contact[(i - nr) // 2, at.B_BODY]
         for q in range(3):
             pushed[a, q] += column[i, q] * force
             pushed[b, q] += column[i, 3 + q] * force
@@ -242,9 +213,9 @@ def effect_of_rows(m):
 @compiled
 def remainder(m, count):
     """Residual of all rows into line 1 of `net_x`; returns the largest and the size of the terms."""
-    on, place, line, x, pushed = ivec(m, NET_ON), ivec(m, NET_PLACE), mat(m, NET_LINE), mat(m, NET_X), mat(m, PUSHED)
-    contact, row_body, size = imat(m, CONTACT), imat(m, ROW_BODY), vec(m, NET_SIZE)
-    chosen, side = ivec(m, CHOSEN), mat(m, SIDE)
+    on, place, line, x, pushed = m.net_on, m.net_place, m.net_line, m.net_x, m.pushed
+    contact, row_body, size = m.contact, m.row_body, m.net_size
+    chosen, side = m.chosen, m.side
     nr = row_body.shape[0]
     worst, scale = 0.0, 0.0
     for i in range(on.shape[0]):
@@ -258,8 +229,8 @@ def remainder(m, count):
     for i in range(on.shape[0]):
         if on[i] == 0:
             continue
-        a = row_body[i, 0] if i < nr else contact[(i - nr) // 2, A_BODY]
-        b = row_body[i, 1] if i < nr else contact[(i - nr) // 2, B_BODY]
+        a = row_body[i, 0] if i < nr else contact[(i - nr) // 2, at.A_BODY]
+        b = row_body[i, 1] if i < nr else contact[(i - nr) // 2, at.B_BODY]
         value = x[1, place[i]]
         for q in range(3):
             value -= line[i, q] * pushed[a, q] + line[i, 3 + q] * pushed[b, q]
@@ -275,8 +246,8 @@ def solve_rows(m, count, ridge, only):
 
     Fills `pushed`; only = 1: just the solution, where no pivot is so small that it asks for a second look.
     """
-    on, place, x, chosen, side = ivec(m, NET_ON), ivec(m, NET_PLACE), mat(m, NET_X), ivec(m, CHOSEN), mat(m, SIDE)
-    nr = imat(m, ROW_BODY).shape[0]
+    on, place, x, chosen, side = m.net_on, m.net_place, m.net_x, m.chosen, m.side
+    nr = m.row_body.shape[0]
     for i in range(on.shape[0]):
         x[0, i] = 0.0
     for k in range(count):
@@ -285,7 +256,7 @@ def solve_rows(m, count, ridge, only):
             if on[i] == 1:
                 x[0, place[i]] = -side[B, 2 * k + d]
     substitute(m, 0)
-    if only == 1 and vec(m, HELD)[WEAKEST] > SOUND:
+    if only == 1 and m.held[WEAKEST] > SOUND:
         return True
     effect_of_rows(m)
     worst, scale = remainder(m, count)
@@ -295,7 +266,7 @@ def solve_rows(m, count, ridge, only):
             x[0, i] += x[1, i]
         effect_of_rows(m)
         worst, scale = remainder(m, count)
-    vec(m, HELD)[SCALE] = scale
+    m.held[SCALE] = scale
     return worst <= WRONG * scale
 
 
@@ -306,9 +277,9 @@ def network_kernel(m, number):
     Returns the sign of the determinant, or DENSE_WAY when the rows depend on each other.
     """
     count, only, rough = number // 4, number // 2 % 2, number % 2
-    arm, side, pushed, x = mat(m, ARM), mat(m, SIDE), mat(m, PUSHED), mat(m, NET_X)
-    contact, chosen, trial, place = imat(m, CONTACT), ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, NET_PLACE)
-    nr, ridge = imat(m, ROW_BODY).shape[0], vec(m, HELD)[RIDGE]
+    arm, side, pushed, x = m.arm, m.side, m.pushed, m.net_x
+    contact, chosen, trial, place = m.contact, m.chosen, m.trial, m.net_place
+    nr, ridge = m.row_body.shape[0], m.held[RIDGE]
     even = choose_rows(m, count, rough)
     sign = eliminate(m, ridge, even)
     if sign == 0 or not solve_rows(m, count, ridge, only):
@@ -325,7 +296,7 @@ def network_kernel(m, number):
                 side[F, 2 * k + 1] = (mu if trial[k] == FORWARD else -mu) * side[F, 2 * k]
         if only == 1:
             continue
-        a, b = contact[n, A_BODY], contact[n, B_BODY]
+        a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
         for r in range(2 * k, 2 * k + (2 if mu > 0.0 else 1)):
             value = side[B, r]
             for q in range(3):

@@ -38,7 +38,6 @@ from rattle.equations.complementarity import (
     linear,
 )  # fmt: skip
 from rattle.jit.functions import compiled, kernel
-from rattle.jit.workspace import CHOSEN, HELD, PATH, SIDE, SLIDE, TRIAL, ivec, mat, vec
 
 RAISED = 1e-11
 ATTEMPTS = 4
@@ -51,7 +50,7 @@ PARTING, PRESSING, FORWARDS, BACKWARDS, SHORT_OF_FORWARD, SHORT_OF_BACKWARD = ra
 @compiled
 def margin(m, k, what, theta, slope):
     """What must stay positive for contact k at theta; with slope = 1 how fast it grows with theta."""
-    side, path = mat(m, SIDE), mat(m, PATH)
+    side, path = m.side, m.path
     n, t = 2 * k, 2 * k + 1
     if what in (PARTING, FORWARDS, BACKWARDS):
         r = n if what == PARTING else t
@@ -61,18 +60,18 @@ def margin(m, k, what, theta, slope):
     if what == PRESSING:
         return pressed
     held = path[F_RATE, t] if slope == 1 else side[F, t] + theta * path[F_RATE, t]
-    return friction_of(m, ivec(m, CHOSEN)[k]) * pressed - (held if what == SHORT_OF_FORWARD else -held)
+    return friction_of(m, m.chosen[k]) * pressed - (held if what == SHORT_OF_FORWARD else -held)
 
 
 @compiled
 def margins(m, k):
     """The two margins of contact k in its mode; the second is the first again where there is only one."""
-    mode = ivec(m, TRIAL)[k]
+    mode = m.trial[k]
     if mode == OFF:
         return PARTING, PARTING
     if mode == STICK:
         return SHORT_OF_FORWARD, SHORT_OF_BACKWARD
-    if ivec(m, SLIDE)[k] != 0 or friction_of(m, ivec(m, CHOSEN)[k]) == 0.0:
+    if m.slide[k] != 0 or friction_of(m, m.chosen[k]) == 0.0:
         return PRESSING, PRESSING
     return PRESSING, FORWARDS if mode == FORWARD else BACKWARDS
 
@@ -80,9 +79,9 @@ def margins(m, k):
 @compiled
 def cross(m, k, what, theta):
     """Mode that contact k takes where a margin ends, and the margin that it then starts to have."""
-    slide = ivec(m, SLIDE)[k]
+    slide = m.slide[k]
     if what == PARTING:
-        if slide != 0 or friction_of(m, ivec(m, CHOSEN)[k]) == 0.0:
+        if slide != 0 or friction_of(m, m.chosen[k]) == 0.0:
             return BACKWARD if slide < 0 else FORWARD, PRESSING
         return FORWARD if margin(m, k, BACKWARDS, theta, 0) < 0.0 else BACKWARD, PRESSING
     if what == PRESSING:
@@ -97,7 +96,7 @@ def cross(m, k, what, theta):
 @compiled
 def begin(m, count, attempt):
     """Keep b, choose d, another one for each attempt, let all contacts part; returns a theta at which they do."""
-    side, path, trial = mat(m, SIDE), mat(m, PATH), ivec(m, TRIAL)
+    side, path, trial = m.side, m.path, m.trial
     size = 0.0
     for r in range(2 * count):
         path[KEPT_B, r] = side[B, r]
@@ -109,14 +108,14 @@ def begin(m, count, attempt):
         path[UNEVEN, 2 * k] = size * (0.75 + 0.5 * (spread - math.floor(spread)))
         spread += GOLDEN
         spread -= math.floor(spread) + 0.5
-        path[UNEVEN, 2 * k + 1] = 0.2 * size * spread / (1.0 + friction_of(m, ivec(m, CHOSEN)[k]))
+        path[UNEVEN, 2 * k + 1] = 0.2 * size * spread / (1.0 + friction_of(m, m.chosen[k]))
     return 2.0
 
 
 @compiled
 def both_parts(m, count):
     """f, a for b alone into `side`, and for d alone into `path`."""
-    side, path = mat(m, SIDE), mat(m, PATH)
+    side, path = m.side, m.path
     for r in range(2 * count):
         side[B, r] = path[UNEVEN, r]
     linear(m, count)
@@ -129,7 +128,7 @@ def both_parts(m, count):
 @compiled
 def follow(m, count, attempt):
     """Follow the path of one d; leaves the modes at its end in `trial`."""
-    trial, path = ivec(m, TRIAL), mat(m, PATH)
+    trial, path = m.trial, m.path
     theta, sense, who, entered = begin(m, count, attempt), -1.0, -1, -1
     for _ in range(60 + 30 * count):
         both_parts(m, count)
@@ -163,7 +162,7 @@ def follow(m, count, attempt):
 @kernel("problem")
 def follow_kernel(m, count):
     """Modes of a solution into `trial`: SOLVED, JAMMED (the path ends in a ray) or UNSETTLED."""
-    held, side, path = vec(m, HELD), mat(m, SIDE), mat(m, PATH)
+    held, side, path = m.held, m.side, m.path
     found = UNSETTLED
     held[RIDGE] = RAISED
     for attempt in range(ATTEMPTS):

@@ -12,70 +12,8 @@ import math
 
 from rattle.equations.compliant import press, touch_all
 from rattle.equations.schur import WEAK, factorise, solve
+from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_hold, call_joint, call_load, compiled, native
-from rattle.jit.layout import (
-    AX,
-    BRISTLE,
-    BX,
-    COS,
-    DBRISTLE,
-    DISSIPATED,
-    ELASTIC,
-    GAMMA,
-    LOSS,
-    NORMAL,
-    NU,
-    OUTSIDE,
-    PHI,
-    POTENTIAL,
-    RES,
-    SIN,
-    STORE,
-    VX,
-    VY,
-    W,
-    X,
-    Y,
-)  # fmt: skip
-from rattle.jit.workspace import (
-    ACCELERATION,
-    BODY,
-    CHANGE,
-    CODE,
-    CONST,
-    CONTACT,
-    ENERGY,
-    FORCE,
-    GRAVITY,
-    HOLD_TABLE,
-    JET,
-    JET_OUT,
-    JET_SIGNAL,
-    JET_STACK,
-    JETS,
-    JOINT,
-    JOINT_TABLE,
-    LIVE,
-    LOAD,
-    LOAD_TABLE,
-    MASS,
-    MULTIPLIER,
-    PLACE,
-    POWER,
-    ROW_BODY,
-    ROWS,
-    SIGNAL,
-    SIGNALS,
-    SOLUTION,
-    STACK,
-    TOUCH,
-    VALUES,
-    WEIGHT,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.language.bytecode import evaluate, evaluate_jet
 
 OK, NOT_CLOSED, NOT_FINITE, STEP_TOO_SMALL, PAUSED, DONE = range(6)
@@ -84,24 +22,24 @@ OK, NOT_CLOSED, NOT_FINITE, STEP_TOO_SMALL, PAUSED, DONE = range(6)
 @compiled
 def place(m, q, v):
     """Copy positions q and rates v (3 nb each) into `body`, with the cosine and sine of every angle."""
-    body = mat(m, BODY)
+    body = m.body
     for i in range(1, body.shape[0]):
         k = 3 * i - 3
-        body[i, X] = q[k]
-        body[i, Y] = q[k + 1]
-        body[i, PHI] = q[k + 2]
-        body[i, VX] = v[k]
-        body[i, VY] = v[k + 1]
-        body[i, W] = v[k + 2]
-        body[i, COS] = math.cos(q[k + 2])
-        body[i, SIN] = math.sin(q[k + 2])
+        body[i, at.X] = q[k]
+        body[i, at.Y] = q[k + 1]
+        body[i, at.PHI] = q[k + 2]
+        body[i, at.VX] = v[k]
+        body[i, at.VY] = v[k + 1]
+        body[i, at.W] = v[k + 2]
+        body[i, at.COS] = math.cos(q[k + 2])
+        body[i, at.SIN] = math.sin(q[k + 2])
 
 
 @native("void", "h", "f")
 def drive(m, t):
     """Functions of time: value, first and second derivative of every driver, exactly."""
-    jet_signal, jet, out = imat(m, JET_SIGNAL), imat(m, JET), vec(m, JET_OUT)
-    code, const, jets, stack, values = imat(m, CODE), vec(m, CONST), mat(m, JETS), mat(m, JET_STACK), vec(m, VALUES)
+    jet_signal, jet, out = m.jet_signal, m.jet, m.jet_out
+    code, const, jets, stack, values = m.code, m.const, m.jets, m.jet_stack, m.values
     for n in range(jet_signal.shape[0]):
         evaluate_jet(code, const, jet_signal[n, 0], jet_signal[n, 1], t, jets, stack, out)
         k = jet_signal[n, 2]
@@ -115,7 +53,7 @@ def drive(m, t):
 @compiled
 def constraints(m):
     """Residual, nu, gamma and Jacobian of every row at the state in `body`."""
-    table, joint, body, values, rows = ivec(m, JOINT_TABLE), imat(m, JOINT), mat(m, BODY), vec(m, VALUES), mat(m, ROWS)
+    table, joint, body, values, rows = m.joint_table, m.joint, m.body, m.values, m.rows
     for n in range(joint.shape[0]):
         if joint[n, 0] < 0:  # held by contacts alone
             continue
@@ -125,16 +63,16 @@ def constraints(m):
 @native("void", "h", "f")
 def loads(m, t):
     """Applied forces Q, potential energy, work rate and dissipation at the state in `body`."""
-    force, body, energy, power = mat(m, FORCE), mat(m, BODY), vec(m, ENERGY), vec(m, POWER)
+    force, body, energy, power = m.force, m.body, m.energy, m.power
     mass, gravity, load, table, values = (
-        mat(m, MASS),
-        vec(m, GRAVITY),
-        imat(m, LOAD),
-        ivec(m, LOAD_TABLE),
-        vec(m, VALUES),
+        m.mass,
+        m.gravity,
+        m.load,
+        m.load_table,
+        m.values,
     )
-    signal, live, signals = imat(m, SIGNAL), imat(m, LIVE), vec(m, SIGNALS)
-    code, const, stack = imat(m, CODE), vec(m, CONST), vec(m, STACK)
+    signal, live, signals = m.signal, m.live, m.signals
+    code, const, stack = m.code, m.const, m.stack
     potential, rate, lost = 0.0, 0.0, 0.0
     for n in range(signal.shape[0]):
         signals[signal[n, 2]] = evaluate(code, const, signal[n, 0], signal[n, 1], t, body, signals, stack)
@@ -145,19 +83,19 @@ def loads(m, t):
         force[i, 0] = mass[i, 0] * gx
         force[i, 1] = mass[i, 0] * gy
         force[i, 2] = 0.0
-        potential -= mass[i, 0] * (gx * body[i, X] + gy * body[i, Y])
+        potential -= mass[i, 0] * (gx * body[i, at.X] + gy * body[i, at.Y])
     for n in range(load.shape[0]):
         for k in range(4):
             energy[k] = 0.0
         call_load(table[load[n, 0]], (t, body, load[n, 1], load[n, 2], values, load[n, 3], force, energy))
-        rate += energy[OUTSIDE]
-        lost += energy[DISSIPATED]
+        rate += energy[at.OUTSIDE]
+        lost += energy[at.DISSIPATED]
         if load[n, 4] == 0:
-            potential += energy[POTENTIAL]
+            potential += energy[at.POTENTIAL]
         else:  # its values change with time: what it stores is not a function of position alone
-            rate += energy[ELASTIC]
+            rate += energy[at.ELASTIC]
     power[0], power[1], power[2] = potential, rate, lost
-    if imat(m, CONTACT).shape[0] > 0:
+    if m.contact.shape[0] > 0:
         touch_all(m)
         press(m)
 
@@ -169,8 +107,8 @@ def correct(m):
     On entry the right side holds r, from `residual` or `rate_residual`, and S is factored.
     """
     solve(m)
-    change, rows, weight, x = vec(m, CHANGE), mat(m, ROWS), mat(m, WEIGHT), vec(m, SOLUTION)
-    place_of, row_body = ivec(m, PLACE), imat(m, ROW_BODY)
+    change, rows, weight, x = m.change, m.rows, m.weight, m.solution
+    place_of, row_body = m.place, m.row_body
     for k in range(change.shape[0]):
         change[k] = 0.0
     for r in range(rows.shape[0]):
@@ -178,19 +116,19 @@ def correct(m):
         a, b = row_body[r, 0], row_body[r, 1]
         if a > 0:
             for k in range(3):
-                change[3 * a - 3 + k] -= weight[a, k] * rows[r, AX + k] * force
+                change[3 * a - 3 + k] -= weight[a, k] * rows[r, at.AX + k] * force
         if b > 0:
             for k in range(3):
-                change[3 * b - 3 + k] -= weight[b, k] * rows[r, BX + k] * force
+                change[3 * b - 3 + k] -= weight[b, k] * rows[r, at.BX + k] * force
 
 
 @compiled
 def residual(m):
     """Put the position residuals on the right side; returns the largest [m or rad]."""
-    rows, x, place_of = mat(m, ROWS), vec(m, SOLUTION), ivec(m, PLACE)
+    rows, x, place_of = m.rows, m.solution, m.place
     largest = 0.0
     for r in range(rows.shape[0]):
-        value = rows[r, RES]
+        value = rows[r, at.RES]
         x[place_of[r]] = value
         if not abs(value) <= largest:  # also catches nan
             largest = abs(value)
@@ -200,14 +138,14 @@ def residual(m):
 @compiled
 def rate_residual(m):
     """Put Phi_q v - nu on the right side; returns the largest [m/s or rad/s]."""
-    rows, body, x = mat(m, ROWS), mat(m, BODY), vec(m, SOLUTION)
-    place_of, row_body = ivec(m, PLACE), imat(m, ROW_BODY)
+    rows, body, x = m.rows, m.body, m.solution
+    place_of, row_body = m.place, m.row_body
     largest = 0.0
     for r in range(rows.shape[0]):
         a, b = row_body[r, 0], row_body[r, 1]
-        value = -rows[r, NU]
+        value = -rows[r, at.NU]
         for k in range(3):
-            value += rows[r, AX + k] * body[a, VX + k] + rows[r, BX + k] * body[b, VX + k]
+            value += rows[r, at.AX + k] * body[a, at.VX + k] + rows[r, at.BX + k] * body[b, at.VX + k]
         x[place_of[r]] = value
         if not abs(value) <= largest:
             largest = abs(value)
@@ -217,26 +155,26 @@ def rate_residual(m):
 @native("void", "h")
 def accelerate(m):
     """Multipliers and accelerations from the rows, the factor and the forces at hand."""
-    rows, force, weight, x = mat(m, ROWS), mat(m, FORCE), mat(m, WEIGHT), vec(m, SOLUTION)
-    acceleration, multiplier = mat(m, ACCELERATION), vec(m, MULTIPLIER)
-    place_of, row_body = ivec(m, PLACE), imat(m, ROW_BODY)
+    rows, force, weight, x = m.rows, m.force, m.weight, m.solution
+    acceleration, multiplier = m.acceleration, m.multiplier
+    place_of, row_body = m.place, m.row_body
     for i in range(acceleration.shape[0]):
         for k in range(3):
             acceleration[i, k] = weight[i, k] * force[i, k]
     for r in range(rows.shape[0]):
         multiplier[r] = 0.0
-    rounds = 1 if vec(m, POWER)[3] > WEAK else 3  # near a singular position the solution is refined
+    rounds = 1 if m.power[3] > WEAK else 3  # near a singular position the solution is refined
     for _ in range(rounds):
         for r in range(rows.shape[0]):
             a, b = row_body[r, 0], row_body[r, 1]
             x[place_of[r]] = (
-                rows[r, AX] * acceleration[a, 0]
-                + rows[r, AX + 1] * acceleration[a, 1]
-                + rows[r, AX + 2] * acceleration[a, 2]
-                + rows[r, BX] * acceleration[b, 0]
-                + rows[r, BX + 1] * acceleration[b, 1]
-                + rows[r, BX + 2] * acceleration[b, 2]
-                - rows[r, GAMMA]
+                rows[r, at.AX] * acceleration[a, 0]
+                + rows[r, at.AX + 1] * acceleration[a, 1]
+                + rows[r, at.AX + 2] * acceleration[a, 2]
+                + rows[r, at.BX] * acceleration[b, 0]
+                + rows[r, at.BX + 1] * acceleration[b, 1]
+                + rows[r, at.BX + 2] * acceleration[b, 2]
+                - rows[r, at.GAMMA]
             )
         solve(m)
         for r in range(rows.shape[0]):
@@ -244,8 +182,8 @@ def accelerate(m):
             multiplier[r] += value
             a, b = row_body[r, 0], row_body[r, 1]
             for k in range(3):
-                acceleration[a, k] -= weight[a, k] * rows[r, AX + k] * value
-                acceleration[b, k] -= weight[b, k] * rows[r, BX + k] * value
+                acceleration[a, k] -= weight[a, k] * rows[r, at.AX + k] * value
+                acceleration[b, k] -= weight[b, k] * rows[r, at.BX + k] * value
 
 
 @compiled
@@ -270,7 +208,7 @@ def free_motion(m, t, q, v):
 def move(m, t, q, v):
     """See `solve_motion`; callers hold a copy."""
     lost = move_freely(m, t, q, v)
-    hold = ivec(m, HOLD_TABLE)
+    hold = m.hold_table
     if len(hold) > 0:  # lasting set-valued contacts
         call_hold(hold[0], (m,))
     return lost
@@ -288,12 +226,12 @@ def collect(m, v, dy):
 
     y = [q, v, work done on the mechanism, energy dissipated, then per contact z, impulse, loss, stored energy].
     """
-    rows, multiplier, acceleration, power = mat(m, ROWS), vec(m, MULTIPLIER), mat(m, ACCELERATION), vec(m, POWER)
-    touch = mat(m, TOUCH)
+    rows, multiplier, acceleration, power = m.rows, m.multiplier, m.acceleration, m.power
+    touch = m.touch
     nq = v.shape[0]
     rate = power[1]
     for r in range(rows.shape[0]):
-        rate -= multiplier[r] * rows[r, NU]
+        rate -= multiplier[r] * rows[r, at.NU]
     for k in range(nq):
         dy[k] = v[k]
     for i in range(1, acceleration.shape[0]):
@@ -303,25 +241,25 @@ def collect(m, v, dy):
     dy[2 * nq + 1] = power[2]
     for n in range(touch.shape[0]):
         k = 2 * nq + 2 + 4 * n
-        dy[k] = touch[n, DBRISTLE]
-        dy[k + 1] = touch[n, NORMAL]
-        dy[k + 2] = touch[n, LOSS]
-        dy[k + 3] = touch[n, STORE]
+        dy[k] = touch[n, at.DBRISTLE]
+        dy[k + 1] = touch[n, at.NORMAL]
+        dy[k + 2] = touch[n, at.LOSS]
+        dy[k + 3] = touch[n, at.STORE]
 
 
 @compiled
 def set_bristles(m, y):
     """Bristle states of the contacts, from y into `touch`."""
-    touch = mat(m, TOUCH)
+    touch = m.touch
     first = y.shape[0] - 4 * touch.shape[0]
     for n in range(touch.shape[0]):
-        touch[n, BRISTLE] = y[first + 4 * n]
+        touch[n, at.BRISTLE] = y[first + 4 * n]
 
 
 @native("i", "h", "f", "v", "v")
 def derivative(m, t, y, dy):
     """dy/dt of y (6 nb + 2 + 4 nc,), see `collect`. Returns the number of redundant rows."""
-    nq = vec(m, CHANGE).shape[0]
+    nq = m.change.shape[0]
     set_bristles(m, y)
     lost = move(m, t, y[:nq], y[nq : 2 * nq])
     collect(m, y[nq : 2 * nq], dy)

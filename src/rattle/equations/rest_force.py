@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from rattle.equations.closure import place_only
 from rattle.equations.motion import constraints, loads
+from rattle.jit import layout as at
 from rattle.jit.functions import native
-from rattle.jit.layout import AX, BX, VX
-from rattle.jit.workspace import BODY, FORCE, MULTIPLIER, ROW_BODY, ROWS, imat, mat, vec
 
 
 @native("void", "h", "f", "v", "v")
 def force_at(m, t, q, out):
     """Q - Phi_q^T lambda at rest at q, into out (3 nb,); drivers as they stand, lambda as in the memory."""
-    body, rows, force = mat(m, BODY), mat(m, ROWS), mat(m, FORCE)
-    multiplier, row_body = vec(m, MULTIPLIER), imat(m, ROW_BODY)
+    body, rows, force = m.body, m.rows, m.force
+    multiplier, row_body = m.multiplier, m.row_body
     for i in range(1, body.shape[0]):
         for k in range(3):
-            body[i, VX + k] = 0.0
+            body[i, at.VX + k] = 0.0
     place_only(m, q)
     constraints(m)
     loads(m, t)
@@ -27,9 +26,9 @@ def force_at(m, t, q, out):
         i, j = 3 * row_body[r, 0] - 3, 3 * row_body[r, 1] - 3
         for k in range(3):
             if i >= 0:
-                out[i + k] -= rows[r, AX + k] * multiplier[r]
+                out[i + k] -= rows[r, at.AX + k] * multiplier[r]
             if j >= 0:
-                out[j + k] -= rows[r, BX + k] * multiplier[r]
+                out[j + k] -= rows[r, at.BX + k] * multiplier[r]
 
 
 @native("void", "h", "f", "v", "v", "v", "m")
@@ -39,15 +38,15 @@ def stiffness(m, t, q, step, out, result):
     step (3 nb,): of every coordinate; out (3 nb,): scratch.  q is left as it was.
     """
     for c in range(q.shape[0]):
-        at = q[c]
+        spot = q[c]
         for r in range(q.shape[0]):
             result[r, c] = 0.0
         for n in range(4):
             shift = (-2.0, -1.0, 1.0, 2.0)[n]
             factor = (-1.0, 8.0, -8.0, 1.0)[n] / (12.0 * step[c])
-            q[c] = at + shift * step[c]
+            q[c] = spot + shift * step[c]
             force_at(m, t, q, out)
             for r in range(q.shape[0]):
                 result[r, c] += factor * out[r]
-        q[c] = at
+        q[c] = spot
     force_at(m, t, q, out)

@@ -14,25 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.jit.layout import AX, BX
-from rattle.jit.workspace import (
-    BELOW,
-    FIRST,
-    INVERSE,
-    PAIRS,
-    POWER,
-    REDUNDANT,
-    ROWS,
-    SCHUR,
-    SOLUTION,
-    TARGET,
-    WEIGHT,
-    imat,
-    ivec,
-    mat,
-    vec,
-)
 
 PIVOT = 1e-13  # a pivot below this share of its diagonal is a redundant row
 WEAK = 1e-3  # below this share the solution is refined: S has the square of the condition of Phi_q
@@ -59,7 +42,7 @@ def analyse(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> P
     place[order] = np.arange(nr)
     touching: dict[int, list[tuple[int, int]]] = {}
     for row, bodies in enumerate(row_bodies):
-        for body, column in zip(bodies, (AX, BX), strict=True):
+        for body, column in zip(bodies, (at.AX, at.BX), strict=True):
             if body:
                 touching.setdefault(body, []).append((row, column))
     under: list[set[int]] = [set() for _ in range(nr)]
@@ -129,9 +112,9 @@ def factorise(m):
     inverse[k] becomes 1 / pivot, or 0 for a redundant row: its multiplier is then zero.
     power[3] falls to the smallest share of its diagonal that a pivot has.
     """
-    first, target, pairs = ivec(m, FIRST), ivec(m, TARGET), imat(m, PAIRS)
-    weight, rows = mat(m, WEIGHT), mat(m, ROWS)
-    s, inverse, redundant = vec(m, SCHUR), vec(m, INVERSE), ivec(m, REDUNDANT)
+    first, target, pairs = m.first, m.target, m.pairs
+    weight, rows = m.weight, m.rows
+    s, inverse, redundant = m.schur, m.inverse, m.redundant
     nr = inverse.shape[0]
     for n in range(s.shape[0]):
         s[n] = 0.0
@@ -147,7 +130,7 @@ def factorise(m):
     for k in range(nr):
         inverse[k] = s[k]  # the diagonal before elimination, for the pivot test
     lost = 0
-    weakest = vec(m, POWER)[3]
+    weakest = m.power[3]
     u = 0
     for k in range(nr):
         pivot = s[k]
@@ -166,15 +149,15 @@ def factorise(m):
                 u += 1
         for a in range(nr + first[k], nr + first[k + 1]):
             s[a] *= inverse[k]
-    vec(m, POWER)[3] = weakest
+    m.power[3] = weakest
     return lost
 
 
 @compiled
 def solve(m):
     """Solve L D L^T x = x in place (x in elimination order)."""
-    first, below = ivec(m, FIRST), ivec(m, BELOW)
-    s, inverse, x = vec(m, SCHUR), vec(m, INVERSE), vec(m, SOLUTION)
+    first, below = m.first, m.below
+    s, inverse, x = m.schur, m.inverse, m.solution
     nr = inverse.shape[0]
     for k in range(nr):
         for a in range(first[k], first[k + 1]):

@@ -12,13 +12,13 @@ from rattle import registry
 from rattle.description.model import Choice, Joint, Model, driven_ends
 from rattle.equations import schur
 from rattle.jit import functions
-from rattle.jit.layout import AUTO, CLOSED, FRICTION, NORMAL_LAW, SHAPE, STATIC
-from rattle.jit.workspace import Memory
+from rattle.jit import layout as at
+from rattle.jit.workspace import Workspace
 from rattle.language.expression import Node, compile_program, concatenate
 from rattle.language.switching import Signals, Switch, find_switches
 
 # families of kernels that contacts call, and the columns of `contact` that name them
-CONTACT_FAMILIES = {"clearance": SHAPE, "stiffness": STATIC, "normal": NORMAL_LAW, "friction": FRICTION}
+CONTACT_FAMILIES = {"clearance": at.SHAPE, "stiffness": at.STATIC, "normal": at.NORMAL_LAW, "friction": at.FRICTION}
 STATE = {"x": 0, "y": 1, "angle": 2, "vx": 3, "vy": 4, "omega": 5}  # columns of `body`
 
 
@@ -63,16 +63,16 @@ class System:
         """Constraint rows, drivers included."""
         return len(self.rows)
 
-    def memory(self, also: Iterable[int] = (), **more: np.ndarray) -> Memory:
+    def memory(self, also: Iterable[int] = (), **more: np.ndarray) -> Workspace:
         """Fresh memory for one run; also: other joint kernels called; `more` are arrays of the march."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
         nc = self.arrays["contact"].shape[0]
         machine = functions.jit_runs()  # asked once: another thread may switch to machine code at any moment
         grip = np.zeros((nc, 13))
-        grip[:, CLOSED] = AUTO
+        grip[:, at.CLOSED] = at.AUTO
         body = np.zeros((nb, 8))
         body[0, 6] = 1.0
-        return Memory(
+        return Workspace(
             {
                 **self.arrays,
                 "joint_table": registry.table(
@@ -99,13 +99,13 @@ class System:
                 "schur": np.zeros(nr + self.arrays["below"].shape[0]),
                 "inverse": np.zeros(nr),
                 "redundant": np.zeros(nr, np.int64),
-                "x": np.zeros(nr),
+                "solution": np.zeros(nr),
                 "multiplier": np.zeros(nr),
                 "acceleration": np.zeros((nb, 3)),
                 "change": np.zeros(3 * nb - 3),
                 "touch": np.zeros((nc, 18)),
                 "grip": grip,
-                "rate": np.zeros(1),
+                "bristle_rate": np.zeros(1),
                 **more,
             }
         )

@@ -25,50 +25,8 @@ from rattle.equations.complementarity import (
     friction_of,
 )  # fmt: skip
 from rattle.equations.schur import solve
+from rattle.jit import layout as at
 from rattle.jit.functions import call_problem, compiled, kernel
-from rattle.jit.layout import (
-    A_BODY,
-    AX,
-    B_BODY,
-    BX,
-    DBRISTLE,
-    GAMMA_N,
-    GAMMA_T,
-    IMPACT,
-    LOSS,
-    NORMAL,
-    SLIP,
-    STORE,
-    TANGENT,
-    VX,
-)
-from rattle.jit.workspace import (
-    ACCELERATION,
-    ARM,
-    BODY,
-    CALLED,
-    CHOSEN,
-    CONTACT,
-    DIRECTION,
-    HELD,
-    MODE,
-    MULTIPLIER,
-    PLACE,
-    PROBLEM_TABLE,
-    PUSHED,
-    REPLY,
-    ROW_BODY,
-    ROWS,
-    SIDE,
-    SOLUTION,
-    TOUCH,
-    TRIAL,
-    WEIGHT,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 
 DETERMINANT, SIZE = range(2)  # entries of `held`; more in complementarity
 EXPAND, TRACE = (
@@ -82,8 +40,8 @@ NO_SOLUTION, NOT_UNIQUE, LOCKED, CHATTER, NOT_FOUND = range(10, 15)
 @compiled
 def along(m, r, n, values, column):
     """w . values for line r of contact n; values (nb + 1, ...) has x, y, phi from `column` on."""
-    contact, arm = imat(m, CONTACT), mat(m, ARM)
-    a, b = contact[n, A_BODY], contact[n, B_BODY]
+    contact, arm = m.contact, m.arm
+    a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
     total = 0.0
     for q in range(3):
         total += arm[r, q] * values[a, column + q] + arm[r, 3 + q] * values[b, column + q]
@@ -93,14 +51,14 @@ def along(m, r, n, values, column):
 @compiled
 def swing(m, r, n):
     """Size of the terms that make up w . v: what rounding of a contact velocity is measured by [m/s]."""
-    return reach(m, r, n, mat(m, BODY), VX)
+    return reach(m, r, n, m.body, at.VX)
 
 
 @compiled
 def reach(m, r, n, values, column):
     """Size of the terms that make up `along`."""
-    contact, arm = imat(m, CONTACT), mat(m, ARM)
-    a, b = contact[n, A_BODY], contact[n, B_BODY]
+    contact, arm = m.contact, m.arm
+    a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
     total = 0.0
     for q in range(3):
         total += abs(arm[r, q] * values[a, column + q]) + abs(arm[r, 3 + q] * values[b, column + q])
@@ -110,32 +68,32 @@ def reach(m, r, n, values, column):
 @compiled
 def lasting_side(m, count):
     """b of lasting contacts: g'' and minus the rate of slip that the motion without contact forces would have."""
-    touch, chosen, side, acceleration = mat(m, TOUCH), ivec(m, CHOSEN), mat(m, SIDE), mat(m, ACCELERATION)
+    touch, chosen, side, acceleration = m.touch, m.chosen, m.side, m.acceleration
     for k in range(count):
         n = chosen[k]
-        side[B, 2 * k] = touch[n, GAMMA_N] - along(m, 2 * k, n, acceleration, 0)
-        side[B, 2 * k + 1] = touch[n, GAMMA_T] - along(m, 2 * k + 1, n, acceleration, 0)
+        side[B, 2 * k] = touch[n, at.GAMMA_N] - along(m, 2 * k, n, acceleration, 0)
+        side[B, 2 * k + 1] = touch[n, at.GAMMA_T] - along(m, 2 * k + 1, n, acceleration, 0)
 
 
 @compiled
 def contact_rows(m, count):
     """Rows w of the chosen contacts, what a unit force on each of them changes, and G."""
-    call_problem(ivec(m, PROBLEM_TABLE)[ROWS_OF], (m, count))
+    call_problem(m.problem_table[ROWS_OF], (m, count))
 
 
 @compiled
 def solve_contacts(m, count):
     """Find modes, f and a of the chosen contacts, from those in `trial` on; False when none was found: see `ending`."""
-    return call_problem(ivec(m, PROBLEM_TABLE)[SEARCH], (m, count)) == SOLVED
+    return call_problem(m.problem_table[SEARCH], (m, count)) == SOLVED
 
 
 @compiled
 def solve_by_trying(m, count):
     """Try all modes where `solve_contacts` has found none; True when there is a solution, else see `ending`."""
-    held = vec(m, HELD)
+    held = m.held
     if held[OUTCOME] == IMPOSSIBLE:
         return False
-    found = call_problem(ivec(m, PROBLEM_TABLE)[TRY_ALL], (m, 2 * count))
+    found = call_problem(m.problem_table[TRY_ALL], (m, 2 * count))
     if found >= 0:
         held[OUTCOME] = SOLVED if found > 0 else IMPOSSIBLE
     return found > 0
@@ -144,13 +102,13 @@ def solve_by_trying(m, count):
 @compiled
 def ending(m):
     """How a run ends whose contact problem was not solved: NOT_FOUND where nothing tells that friction jams."""
-    return NOT_FOUND if vec(m, HELD)[OUTCOME] == UNSETTLED else NO_SOLUTION
+    return NOT_FOUND if m.held[OUTCOME] == UNSETTLED else NO_SOLUTION
 
 
 @compiled
 def count_solutions(m, count):
     """Number of different solutions of the problem, at most 2."""
-    return call_problem(ivec(m, PROBLEM_TABLE)[COUNT], (m, count))
+    return call_problem(m.problem_table[COUNT], (m, count))
 
 
 @compiled
@@ -159,13 +117,13 @@ def solve_modes(m, count, rough):
 
     See `complementarity.modes_kernel`.
     """
-    return call_problem(ivec(m, PROBLEM_TABLE)[MODES], (m, 4 * count + 2 + rough))
+    return call_problem(m.problem_table[MODES], (m, 4 * count + 2 + rough))
 
 
 @compiled
 def is_rough(m, count):
     """True when a chosen contact has friction."""
-    chosen = ivec(m, CHOSEN)
+    chosen = m.chosen
     for k in range(count):
         if friction_of(m, chosen[k]) > 0.0:
             return True
@@ -175,7 +133,7 @@ def is_rough(m, count):
 @compiled
 def add_forces(m, count, acceleration, multiplier):
     """Add what f changes: acceleration (nb + 1, 3) and multipliers (or rates and percussions of the joints)."""
-    pushed, called = mat(m, PUSHED), vec(m, CALLED)
+    pushed, called = m.pushed, m.called
     push_all(m, count)
     for i in range(1, acceleration.shape[0]):
         for q in range(3):
@@ -187,7 +145,7 @@ def add_forces(m, count, acceleration, multiplier):
 @compiled
 def shift(m, count, values, share):
     """Add to values (3 nb,) a share of what f changes."""
-    pushed = mat(m, PUSHED)
+    pushed = m.pushed
     push_all(m, count)
     for c in range(values.shape[0]):
         values[c] += share * pushed[1 + c // 3, c % 3]
@@ -196,9 +154,9 @@ def shift(m, count, values, share):
 @compiled
 def push_all(m, count):
     """What all f change together, M^-1 (W^T f - Phi_q^T z), into `pushed`, and z into `called`."""
-    side, pushed, called = mat(m, SIDE), mat(m, PUSHED), vec(m, CALLED)
-    direction, reply, arm, weight = mat(m, DIRECTION), mat(m, REPLY), mat(m, ARM), mat(m, WEIGHT)
-    contact, chosen, sparse = imat(m, CONTACT), ivec(m, CHOSEN), vec(m, HELD)[SPARSE] == 1.0
+    side, pushed, called = m.side, m.pushed, m.called
+    direction, reply, arm, weight = m.direction, m.reply, m.arm, m.weight
+    contact, chosen, sparse = m.contact, m.chosen, m.held[SPARSE] == 1.0
     for i in range(pushed.shape[0]):
         for q in range(3):
             pushed[i, q] = 0.0
@@ -209,7 +167,7 @@ def push_all(m, count):
         if f == 0.0:
             continue
         if sparse:
-            a, b = contact[chosen[r // 2], A_BODY], contact[chosen[r // 2], B_BODY]
+            a, b = contact[chosen[r // 2], at.A_BODY], contact[chosen[r // 2], at.B_BODY]
             for q in range(3):
                 pushed[a, q] += weight[a, q] * arm[r, q] * f
                 pushed[b, q] += weight[b, q] * arm[r, 3 + q] * f
@@ -226,32 +184,32 @@ def push_all(m, count):
 @compiled
 def hold_joints(m):
     """Take off `pushed` what the joints do not allow; their multipliers go to `called`."""
-    pushed, called, rows, weight = mat(m, PUSHED), vec(m, CALLED), mat(m, ROWS), mat(m, WEIGHT)
-    row_body, place, x = imat(m, ROW_BODY), ivec(m, PLACE), vec(m, SOLUTION)
+    pushed, called, rows, weight = m.pushed, m.called, m.rows, m.weight
+    row_body, place, x = m.row_body, m.place, m.solution
     for row in range(called.shape[0]):
         a, b = row_body[row, 0], row_body[row, 1]
         value = 0.0
         for q in range(3):
-            value += rows[row, AX + q] * pushed[a, q] + rows[row, BX + q] * pushed[b, q]
+            value += rows[row, at.AX + q] * pushed[a, q] + rows[row, at.BX + q] * pushed[b, q]
         x[place[row]] = value
     solve(m)
     for row in range(called.shape[0]):
         a, b = row_body[row, 0], row_body[row, 1]
         called[row] = x[place[row]]
         for q in range(3):
-            pushed[a, q] -= weight[a, q] * rows[row, AX + q] * called[row]
-            pushed[b, q] -= weight[b, q] * rows[row, BX + q] * called[row]
+            pushed[a, q] -= weight[a, q] * rows[row, at.AX + q] * called[row]
+            pushed[b, q] -= weight[b, q] * rows[row, at.BX + q] * called[row]
 
 
 @kernel("hold")
 def hold(m):
     """Forces of lasting contacts in their present modes, on top of the motion without them; N, T go to `touch`."""
-    contact, touch, mode = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE)
-    chosen, trial, side, held = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), vec(m, HELD)
+    contact, touch, mode = m.contact, m.touch, m.mode
+    chosen, trial, side, held = m.chosen, m.trial, m.side, m.held
     count = 0
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1:
-            for column in (NORMAL, TANGENT, LOSS, STORE, DBRISTLE):
+        if contact[n, at.IMPACT] == 1:
+            for column in (at.NORMAL, at.TANGENT, at.LOSS, at.STORE, at.DBRISTLE):
                 touch[n, column] = 0.0
             if mode[n] != OFF:
                 chosen[count], trial[count] = n, mode[n]
@@ -261,10 +219,10 @@ def hold(m):
     contact_rows(m, count)
     lasting_side(m, count)
     held[DETERMINANT] = solve_modes(m, count, 1)
-    add_forces(m, count, mat(m, ACCELERATION), vec(m, MULTIPLIER))
+    add_forces(m, count, m.acceleration, m.multiplier)
     for k in range(count):
         n = chosen[k]
-        touch[n, NORMAL], touch[n, TANGENT] = side[F, 2 * k], side[F, 2 * k + 1]
-        touch[n, LOSS] = 0.0 if mode[n] == STICK else side[F, 2 * k + 1] * touch[n, SLIP]
+        touch[n, at.NORMAL], touch[n, at.TANGENT] = side[F, 2 * k], side[F, 2 * k + 1]
+        touch[n, at.LOSS] = 0.0 if mode[n] == STICK else side[F, 2 * k + 1] * touch[n, at.SLIP]
         if side[F, 2 * k] == 0.0 and held[DETERMINANT] == 0.0:
             held[SHARED] = 1.0 + n

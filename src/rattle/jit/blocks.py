@@ -9,16 +9,25 @@ end.  With NUMBA_BOUNDSCHECK=1 indices are checked as in other arrays of Numba.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
+from llvmlite import ir
 from numba import config, types
 from numba.core import cgutils
 from numba.core.datamodel import models
 from numba.core.typeconv import Conversion
 from numba.core.typing import signature
-from numba.core.typing.templates import AbstractTemplate, infer_global
-from numba.extending import lower_builtin, lower_cast, register_model, type_callable
+from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global
+from numba.extending import (
+    NativeValue,
+    lower_builtin,
+    lower_cast,
+    lower_getattr,
+    lower_getattr_generic,
+    register_model,
+    unbox,
+)
 
 # Numba has no types: its classes and decorators are unknown
 # mypy: disable-error-code="untyped-decorator, misc"
@@ -36,12 +45,15 @@ class Block(types.Array):
 
 
 register_model(Block)(models.ArrayModel)
+HANDLE = types.Array(types.int64, 3, "C")
 VECTOR, MATRIX = Block(types.float64, 1), Block(types.float64, 2)
 WHOLES, WHOLE_ROWS = Block(types.int64, 1), Block(types.int64, 2)
 
 
 def block(kind: Any) -> Any:
     """The block for a contiguous array; any other type as it is."""
+    if is_handle(kind):
+        return WORKSPACE
     if isinstance(kind, types.Array) and kind.layout == "C" and kind.ndim in (1, 2):
         return Block(kind.dtype, kind.ndim)
     return kind
@@ -178,31 +190,83 @@ lower_builtin(_Max.how, types.VarArg(types.Any))(_extreme(">"))
 lower_builtin(_Min.how, types.VarArg(types.Any))(_extreme("<"))
 
 
-# ---------------------------------------------------------------- arrays behind a handle
-def views(function: Callable[[Any, int], Any], array: Block) -> None:
-    """Teach Numba that `function(handle, k)` is the array whose address and shape stand at 3 k in the handle."""
+# ---------------------------------------------------------------- the workspace: arrays behind a handle
+class _WorkspaceType(types.Type):
+    """A place in memory at which the address and shape of every array of a run stand.
 
-    @type_callable(function)
-    def result(context: Any) -> Any:
-        return lambda handle, k: array
+    In Python it is the only array of integers with three dimensions that there is.
+    """
 
-    @lower_builtin(function, types.Array, types.Integer)
-    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        data = _part(context, builder, sig.args[0], args[0], "data")
-        k = args[1]
-        first = builder.mul(k, k.type(3))
-        place, *shape = (
-            builder.load(builder.gep(data, [builder.add(first, k.type(n))])) for n in range(1 + array.ndim)
-        )
-        size = k.type(array.dtype.bitwidth // 8)
-        made = context.get_constant_null(array)
-        model = context.data_model_manager[array]
-        for name, part in (
-            ("nitems", builder.mul(shape[0], shape[1]) if array.ndim == 2 else shape[0]),
+    def __init__(self) -> None:
+        super().__init__("Workspace")
+
+    def can_convert_from(self, typing_context: Any, other: Any) -> Any:
+        """The array with the addresses will do."""
+        return Conversion.safe if is_handle(other) else None
+
+
+def is_handle(kind: Any) -> bool:
+    """True for the type of the array with the addresses."""
+    return isinstance(kind, types.Array) and kind.ndim == 3 and kind.dtype == types.int64
+
+
+WORKSPACE = _WorkspaceType()
+
+
+@register_model(_WorkspaceType)
+class _WorkspaceModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, ir.IntType(64).as_pointer())
+
+
+@lower_cast(types.Array, _WorkspaceType)
+def _only_the_place(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
+    return _part(context, builder, given, value, "data")
+
+
+@unbox(_WorkspaceType)
+def _from_python(kind: Any, value: Any, c: Any) -> Any:
+    found = c.unbox(HANDLE, value)
+    return NativeValue(_only_the_place(c.context, c.builder, HANDLE, kind, found.value), found.is_error)
+
+
+def attributes(fields: Mapping[str, str]) -> None:
+    """Teach Numba that `m.name` is the array whose address and shape stand in the line of that name of a workspace."""
+    blocks = {"f1": VECTOR, "f2": MATRIX, "i1": WHOLES, "i2": WHOLE_ROWS}
+    place = {name: 3 * n for n, name in enumerate(fields)}
+
+    class Attributes(AttributeTemplate):
+        def generic_resolve(self, kind: Any, name: str) -> Any:
+            known = name in fields and (kind is WORKSPACE or is_handle(kind))
+            return blocks[fields[name]] if known else None
+
+    for key in (_WorkspaceType, types.Array):
+        infer_getattr(type(f"_{key.__name__}Attributes", (Attributes,), {"key": key}))
+
+    def array(context: Any, builder: Any, first: Any, name: str) -> Any:
+        kind, whole = blocks[fields[name]], ir.IntType(64)
+        address, *shape = (builder.load(builder.gep(first, [whole(place[name] + n)])) for n in range(1 + kind.ndim))
+        size = whole(8)
+        made, model = context.get_constant_null(kind), context.data_model_manager[kind]
+        for part, value in (
+            ("nitems", builder.mul(shape[0], shape[1]) if kind.ndim == 2 else shape[0]),
             ("itemsize", size),
-            ("data", builder.inttoptr(place, made.type.elements[model.get_field_position("data")])),
+            ("data", builder.inttoptr(address, made.type.elements[model.get_field_position("data")])),
             ("shape", cgutils.pack_array(builder, shape)),
             ("strides", cgutils.pack_array(builder, [builder.mul(one, size) for one in shape[1:]] + [size])),
         ):
-            made = builder.insert_value(made, part, model.get_field_position(name))
+            made = builder.insert_value(made, value, model.get_field_position(part))
         return made
+
+    @lower_getattr_generic(_WorkspaceType)
+    def of_workspace(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
+        return array(context, builder, value, name)
+
+    def of_handle(name: str) -> Any:  # by name: Numba has a way of its own for all other names
+        def lower(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+            return array(context, builder, _part(context, builder, kind, value, "data"), name)
+
+        return lower
+
+    for name in fields:
+        lower_getattr(types.Array, name)(of_handle(name))

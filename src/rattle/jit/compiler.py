@@ -30,7 +30,7 @@ from numba.extending import lower_builtin, type_callable
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from rattle.jit import machine
-from rattle.jit.blocks import MATRIX, VECTOR, WHOLE_ROWS, WHOLES, block
+from rattle.jit.blocks import MATRIX, VECTOR, WHOLE_ROWS, WORKSPACE, block
 from rattle.jit.cache import CodeCache
 
 # Numba has no types: its classes and decorators are unknown
@@ -47,7 +47,7 @@ TYPES = {
     "f": types.float64,
     "v": VECTOR,
     "m": MATRIX,
-    "h": WHOLES,
+    "h": WORKSPACE,
     "n": WHOLE_ROWS,
 }
 

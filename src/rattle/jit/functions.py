@@ -38,10 +38,7 @@ _lock = threading.RLock()
 _jit = False
 
 
-class PlainHandle(tuple[Any, ...]):
-    """The arrays of a memory that was made before machine code ran: functions that get it stay plain Python."""
-
-    __slots__ = ()
+PLAIN = "plain"  # handle of a workspace that was made before machine code ran: functions that get it stay plain Python
 
 
 class KernelFunction:
@@ -73,8 +70,13 @@ class KernelFunction:
             _natives.append(self)
 
     def __call__(self, *args: Any) -> Any:
-        if not _jit or (args and type(args[0]) is PlainHandle):  # a memory made before machine code ran stays plain
+        if not _jit:
             return self.python(*args)
+        handle = getattr(args[0], "handle", None) if args else None
+        if handle is PLAIN:
+            return self.python(*args)
+        if handle is not None:
+            args = (handle, *args[1:])
         if self._called is None:
             if self.native:
                 self._called = _machine().caller(self.__name__, self.address, self.letters)

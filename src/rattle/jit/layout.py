@@ -6,8 +6,6 @@ row per constraint.  Their columns are named here.
 
 from __future__ import annotations
 
-from rattle.jit.functions import compiled
-
 # columns of `body`: mass centre [m], angle [rad], their rates, cosine and sine of the angle
 X, Y, PHI, VX, VY, W, COS, SIN = range(8)
 # columns of `rows`: residual Phi, nu, gamma, then the Jacobian with respect to x, y, phi of A and of B
@@ -35,15 +33,3 @@ CONTACT_EVENT, RELEASE_EVENT, IMPACT_EVENT, STICK_EVENT, SLIP_EVENT = 0.0, 1.0, 
 # its negative
 OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE = range(4)
 OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)
-
-
-@compiled
-def turn_x(body, i, x, y):
-    """Ground-frame x component [m] of the body-fixed vector (x, y) of body i."""
-    return body[i, COS] * x - body[i, SIN] * y
-
-
-@compiled
-def turn_y(body, i, x, y):
-    """Ground-frame y component [m] of the body-fixed vector (x, y) of body i."""
-    return body[i, SIN] * x + body[i, COS] * y

@@ -100,13 +100,13 @@ def reason() -> BaseException:
 
 
 # ---------------------------------------------------------------- calls from Python
-RESULTS: dict[str, Any] = {"void": ctypes.c_void_p, "i": ctypes.c_int64, "f": ctypes.c_double}
+RESULTS: dict[str, Any] = {"void": ctypes.c_void_p, "i": ctypes.c_int64, "f": ctypes.c_double, "h": ctypes.c_void_p}
 ARRAYS = {
     "v": (np.dtype(np.float64), 1),
     "m": (np.dtype(np.float64), 2),
-    "h": (np.dtype(np.int64), 1),
     "n": (np.dtype(np.int64), 2),
 }
+TABLE = (np.dtype(np.int64), 3)  # the addresses and shapes behind a workspace
 
 
 def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any]:
@@ -137,6 +137,10 @@ def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any
                 flat.append(int(one))
                 if flat[len(flat) - 1] != one:
                     raise TypeError(f"{name} takes a whole number, got {one}")
+            elif kind == "h":
+                if (one.dtype, one.ndim) != TABLE:
+                    raise TypeError(f"{name} takes a workspace, got {one.dtype}, {one.shape}")
+                flat.append(one.__array_interface__["data"][0])
             else:
                 if (one.dtype, one.ndim) != ARRAYS[kind] or not one.flags.c_contiguous:
                     raise TypeError(f"{name} takes a contiguous array of {ARRAYS[kind]}, got {one.dtype}, {one.shape}")

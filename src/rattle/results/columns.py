@@ -13,7 +13,7 @@ import numpy as np
 from rattle import registry
 from rattle.description.model import Joint, Model
 from rattle.equations.system import System, joint_rows
-from rattle.jit.layout import OF_NEGATIVE, OF_SIZE, OF_VALUE, OF_VECTOR
+from rattle.jit import layout as at
 
 BODY = (
     ("x", "m"), ("y", "m"), ("angle", "rad"), ("vx", "m/s"), ("vy", "m/s"), ("omega", "rad/s"),
@@ -40,20 +40,20 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
         c = JOINT * n
         if name in system.model.drivers:
             effort = registry.kinds("driver")[system.model.drivers[name].kind].leaf.effort[0]
-            found += [(f"{name}.{effort}", OF_SIZE, c + 5), (f"{name}.power", OF_SIZE, c + 6)]
+            found += [(f"{name}.{effort}", at.OF_SIZE, c + 5), (f"{name}.power", at.OF_SIZE, c + 6)]
             continue
         joint = system.model.joints[name]
         kind = joint_rows(joint)[0]
-        found.append((f"{name}.force", OF_VECTOR, c))
+        found.append((f"{name}.force", at.OF_VECTOR, c))
         if kind is None or kind.leaf.moment:
-            found.append((f"{name}.moment", OF_SIZE, c + 2))
+            found.append((f"{name}.moment", at.OF_SIZE, c + 2))
         if joint.contact is None:
             continue
         if kind is None:
-            found += [(f"{name}.normal", OF_VALUE, c + 5), (f"{name}.tangential", OF_SIZE, c + 6)]
-            found.append((f"{name}.penetration", OF_VALUE, c + 7))
+            found += [(f"{name}.normal", at.OF_VALUE, c + 5), (f"{name}.tangential", at.OF_SIZE, c + 6)]
+            found.append((f"{name}.penetration", at.OF_VALUE, c + 7))
         elif kind.name != joint.kind:
-            found.append((f"{name}.pressing", OF_NEGATIVE, c + 5))
+            found.append((f"{name}.pressing", at.OF_NEGATIVE, c + 5))
     return found
 
 
@@ -149,9 +149,10 @@ def geometry(model: Model) -> dict[str, Any]:
     }
     return {
         "bodies": {
-            name: {"points": {key: list(at) for key, at in body.points.items()}} for name, body in model.bodies.items()
+            name: {"points": {key: list(spot) for key, spot in body.points.items()}}
+            for name, body in model.bodies.items()
         },
-        "ground": {"points": {key: list(at) for key, at in model.ground.items()}},
+        "ground": {"points": {key: list(spot) for key, spot in model.ground.items()}},
         "joints": joints,
         "loads": loads,
         "driven": [driver.joint for driver in model.drivers.values() if driver.joint],

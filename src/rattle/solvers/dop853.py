@@ -9,18 +9,6 @@ import math
 
 from rattle.equations.motion import derivative
 from rattle.jit.functions import native
-from rattle.jit.workspace import (
-    CHANGE,
-    DENSE,
-    RATE,
-    RATE_NEW,
-    SLOPES,
-    STAGE,
-    STATE,
-    STATE_NEW,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.solvers.dop853_tableau import E3, E5, A, B, C, D
 from rattle.solvers.peaks import NODE_OF_STAGE, gauge
 from rattle.solvers.projection import settle
@@ -36,9 +24,9 @@ def step(m, t, h, rtol, atol, tame):
 
     Returns the error relative to the tolerance, and True when a watched force changed its sign on the way.
     """
-    y, f, k, stage, y_new = vec(m, STATE), vec(m, RATE), mat(m, SLOPES), vec(m, STAGE), vec(m, STATE_NEW)
+    y, f, k, stage, y_new = m.state, m.rate, m.slopes, m.stage, m.state_new
     ny = y.shape[0]
-    nq = 2 * vec(m, CHANGE).shape[0]
+    nq = 2 * m.change.shape[0]
     changed = False
     for n in range(ny):
         k[0, n] = f[n]
@@ -83,7 +71,7 @@ def step(m, t, h, rtol, atol, tame):
 @native("void", "h", "f", "f")
 def prepare_dense(m, t, h):
     """Three more stages and the upper rows of the dense output for the step from (t, y) to (t + h, y_new)."""
-    y, k, stage, dense, f_new = vec(m, STATE), mat(m, SLOPES), vec(m, STAGE), mat(m, DENSE), vec(m, RATE_NEW)
+    y, k, stage, dense, f_new = m.state, m.slopes, m.stage, m.dense, m.rate_new
     ny = y.shape[0]
     for n in range(ny):
         k[12, n] = f_new[n]

@@ -11,8 +11,8 @@ import math
 
 from rattle.equations.closure import close_position, merit_at
 from rattle.equations.rest_force import force_at
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled
-from rattle.jit.layout import AX, BX, COS, RES, SIN, X, Y
 from rattle.jit.small_matrices import (
     into_basis,
     out_of_basis,
@@ -23,7 +23,6 @@ from rattle.jit.small_matrices import (
     solve_upper,
     triangulate,
 )
-from rattle.jit.workspace import BODY, FORCE, MULTIPLIER, ROW_BODY, ROWS, VALUES, imat, mat, vec
 
 RANK = 1e-9  # what is left of a row, as a share of the longest, that counts as dependent
 ROUNDS = 150  # Newton steps before a start is given up
@@ -38,7 +37,7 @@ PHASE, ITERATION, SMALL, FORCE_SIZE, TRIALS, EXTENT, FREEDOMS, G_SIZE, G_LENGTH,
 @compiled
 def scaled_rows(m, scale, wide, norm):
     """Phi_q of the rows at hand in scaled coordinates into wide (nr, 3 nb), every row of length one."""
-    rows, row_body = mat(m, ROWS), imat(m, ROW_BODY)
+    rows, row_body = m.rows, m.row_body
     for r in range(rows.shape[0]):
         line = wide[r]
         for c in range(line.shape[0]):
@@ -46,9 +45,9 @@ def scaled_rows(m, scale, wide, norm):
         i, j = 3 * row_body[r, 0] - 3, 3 * row_body[r, 1] - 3
         for k in range(3):
             if i >= 0:
-                line[i + k] += rows[r, AX + k] * scale[i + k]
+                line[i + k] += rows[r, at.AX + k] * scale[i + k]
             if j >= 0:
-                line[j + k] += rows[r, BX + k] * scale[j + k]
+                line[j + k] += rows[r, at.BX + k] * scale[j + k]
         square = 0.0
         for c in range(line.shape[0]):
             square += line[c] * line[c]
@@ -64,7 +63,7 @@ def look(m, t, q, scale, wide, norm, order, pivot, null, line):
 
     Returns the number of freedoms.
     """
-    n, multiplier = q.shape[0], vec(m, MULTIPLIER)
+    n, multiplier = q.shape[0], m.multiplier
     for r in range(multiplier.shape[0]):
         multiplier[r] = 0.0
     force_at(m, t, q, line[OUT])
@@ -123,20 +122,20 @@ def reduced_stiffness(m, t, q, step, freedoms, points, null, line, small):
 @compiled
 def offsets(m, links, first, arm):
     """Pin centre minus bush centre of every massless link at the state in `body`, into arm from line `first` on."""
-    body, values = mat(m, BODY), vec(m, VALUES)
+    body, values = m.body, m.values
     for n in range(links.shape[0]):
         a, b, p = links[n, 0], links[n, 1], links[n, 2]
         arm[first + n, 0] = (
-            body[b, X]
-            + body[b, COS] * values[p + 2]
-            - body[b, SIN] * values[p + 3]
-            - (body[a, X] + body[a, COS] * values[p] - body[a, SIN] * values[p + 1])
+            body[b, at.X]
+            + body[b, at.COS] * values[p + 2]
+            - body[b, at.SIN] * values[p + 3]
+            - (body[a, at.X] + body[a, at.COS] * values[p] - body[a, at.SIN] * values[p + 1])
         )
         arm[first + n, 1] = (
-            body[b, Y]
-            + body[b, SIN] * values[p + 2]
-            + body[b, COS] * values[p + 3]
-            - (body[a, Y] + body[a, SIN] * values[p] + body[a, COS] * values[p + 1])
+            body[b, at.Y]
+            + body[b, at.SIN] * values[p + 2]
+            + body[b, at.COS] * values[p + 3]
+            - (body[a, at.Y] + body[a, at.SIN] * values[p] + body[a, at.COS] * values[p + 1])
         )
 
 
@@ -155,11 +154,11 @@ def changed_side(arm, links):
 @compiled
 def force_size(m, size):
     """A force typical of what acts [N]."""
-    rows, force, multiplier = mat(m, ROWS), mat(m, FORCE), vec(m, MULTIPLIER)
+    rows, force, multiplier = m.rows, m.force, m.multiplier
     most = 1e-12
     for r in range(rows.shape[0]):
         for k in range(6):
-            most = max(most, abs(multiplier[r] * rows[r, AX + k]))
+            most = max(most, abs(multiplier[r] * rows[r, at.AX + k]))
     for i in range(force.shape[0]):
         most = max(most, max(abs(force[i, 0]), abs(force[i, 1])))
         most = max(most, abs(force[i, 2]) / size)
@@ -230,7 +229,7 @@ def newton_step(freedoms, downhill, order, pivot, line, small, null, state, size
 @compiled
 def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot, null, line, state, most):
     """One step along line[MOVE], halved until it is safe and helps; q and the state go there. False when none does."""
-    force, n = mat(m, FORCE), q.shape[0]
+    force, n = m.force, q.shape[0]
     move, trial, freedoms = line[MOVE], line[TRIAL], int(state[FREEDOMS])
     ahead = 0.0  # force along the way, here
     for j in range(freedoms):
@@ -373,7 +372,7 @@ def walk(m, t, q, scale, size, stride, direction, wide, norm, order, pivot, null
 @compiled
 def displace(m, q, target, scale, rounds, wide, norm, order, pivot, line):
     """Bring the rows' residuals to `target` (nr,) by the least change of q, in place."""
-    rows, change, n = mat(m, ROWS), line[WORK], q.shape[0]
+    rows, change, n = m.rows, line[WORK], q.shape[0]
     for _ in range(rounds):
         merit_at(m, q)
         scaled_rows(m, scale, wide, norm)
@@ -382,7 +381,7 @@ def displace(m, q, target, scale, rounds, wide, norm, order, pivot, line):
             change[k] = 0.0
         for k in range(rank):
             r = order[k]
-            change[k] = (target[r] - rows[r, RES]) / norm[r]
+            change[k] = (target[r] - rows[r, at.RES]) / norm[r]
         solve_lower(wide, pivot, rank, change)
         out_of_basis(wide, pivot, rank, change)
         most = 0.0

@@ -25,47 +25,8 @@ import math
 from rattle.equations.complementarity import OFF
 from rattle.equations.compliant import touch_all
 from rattle.equations.motion import place
+from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_clearance, compiled, native
-from rattle.jit.layout import (
-    A_BODY,
-    ACROSS,
-    B_BODY,
-    CLOSED,
-    CORNER,
-    COS,
-    DGAP,
-    DGAP_0,
-    DGAP_1,
-    GAP,
-    GAP_0,
-    GAP_1,
-    IMPACT,
-    OPEN,
-    SHAPE,
-    SHAPE_P,
-    SIN,
-    X,
-)  # fmt: skip
-from rattle.jit.workspace import (
-    BODY,
-    CHANGE,
-    CLEARANCE_TABLE,
-    CLOCK,
-    CONTACT,
-    DENSE,
-    GRIP,
-    LEVER,
-    MODE,
-    SLOPES,
-    STATE,
-    STATE_NEW,
-    TOUCH,
-    VALUES,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 
 NONE = 2.0  # a share of the step that does not exist
 STAGES = 12  # slopes of a step whose accelerations bound those in it
@@ -80,16 +41,16 @@ ESCAPED = 21  # ending of a run: a contact is inside its wall
 @compiled
 def clearance_of(m, n):
     """Clearance of contact n [m]."""
-    return vec(m, VALUES)[imat(m, CONTACT)[n, SHAPE_P] + 4]
+    return m.values[m.contact[n, at.SHAPE_P] + 4]
 
 
 @compiled
 def rounding(m, n):
     """Depth that rounding may give to contact n [m]: coordinates and angles may be large."""
-    contact, lever, y = imat(m, CONTACT), mat(m, LEVER), vec(m, STATE)
+    contact, lever, y = m.contact, m.lever, m.state
     size = 0.0
     for end in range(2):
-        i = contact[n, A_BODY + end]
+        i = contact[n, at.A_BODY + end]
         size += lever[n, end]
         if i > 0:
             size += abs(y[3 * i - 3]) + abs(y[3 * i - 2]) + lever[n, end] * abs(y[3 * i - 1])
@@ -99,7 +60,7 @@ def rounding(m, n):
 @compiled
 def largest(m, a, b, q):
     """Bound on component q of the acceleration of body b less that of body a over the step."""
-    k, nq = mat(m, SLOPES), vec(m, CHANGE).shape[0]
+    k, nq = m.slopes, m.change.shape[0]
     first, top, spread = 0.0, 0.0, 0.0
     for s in range(STAGES):
         value = 0.0
@@ -118,8 +79,8 @@ def fastest(m, h, i):
     """Bounds on the rate [rad/s] and the angular acceleration of body i over the step of length h."""
     if i == 0:
         return 0.0, 0.0
-    k, alpha = vec(m, CHANGE).shape[0] + 3 * i - 1, largest(m, 0, i, 2)
-    return max(abs(vec(m, STATE)[k]), abs(vec(m, STATE_NEW)[k])) + 0.5 * h * alpha, alpha
+    k, alpha = m.change.shape[0] + 3 * i - 1, largest(m, 0, i, 2)
+    return max(abs(m.state[k]), abs(m.state_new[k])) + 0.5 * h * alpha, alpha
 
 
 @compiled
@@ -133,15 +94,15 @@ def apart(m, y, a, b, k):
 @compiled
 def bounds(m, h, n):
     """E [m/s^2] and the largest rate of turning W [rad/s] of contact n over the step of length h, see above."""
-    contact, lever, y, y_new = imat(m, CONTACT), mat(m, LEVER), vec(m, STATE), vec(m, STATE_NEW)
-    a, b, s_a, s_b = contact[n, A_BODY], contact[n, B_BODY], lever[n, 0], lever[n, 1]
+    contact, lever, y, y_new = m.contact, m.lever, m.state, m.state_new
+    a, b, s_a, s_b = contact[n, at.A_BODY], contact[n, at.B_BODY], lever[n, 0], lever[n, 1]
     wa, alpha_a = fastest(m, h, a)
     wb, alpha_b = fastest(m, h, b)
     ax, ay = largest(m, a, b, 0), largest(m, a, b, 1)
     linear = math.sqrt(ax * ax + ay * ay)
     bend = linear + s_b * (wb * wb + alpha_b) + s_a * (wa * wa + alpha_a)
     if lever[n, 2] > 0.0 and a > 0:
-        nq = vec(m, CHANGE).shape[0]
+        nq = m.change.shape[0]
         speed = max(apart(m, y, a, b, nq), apart(m, y_new, a, b, nq)) + 0.5 * h * linear + s_a * wa + s_b * wb
         away = max(apart(m, y, a, b, 0), apart(m, y_new, a, b, 0)) + 0.125 * h * h * linear + s_a + s_b
         bend += (wa * wa + alpha_a) * away + 2.0 * wa * speed
@@ -153,25 +114,25 @@ def sweep(m, n, bend, dt, gap):
     """How fast the normal of contact n turns by the way of the pin round its bush [rad/s], |e| there [m]."""
     c = clearance_of(m, n)
     distance = max(0.25 * c, c - gap)
-    if mat(m, LEVER)[n, 2] > 0.0:
+    if m.lever[n, 2] > 0.0:
         return 0.0, distance
-    return (abs(mat(m, TOUCH)[n, ACROSS]) + bend * dt) / distance, distance
+    return (abs(m.touch[n, at.ACROSS]) + bend * dt) / distance, distance
 
 
 @native("i", "h", "f", "i", "f")
 def may_reach(m, h, n, side):
     """True unless the ends of the step prove that side * gap of contact n stays above zero in it."""
-    grip = mat(m, GRIP)[n]
-    at, rate = side * grip[GAP_0], side * grip[DGAP_0]
-    end, end_rate = side * grip[GAP_1], side * grip[DGAP_1]
+    grip = m.grip[n]
+    gap, rate = side * grip[at.GAP_0], side * grip[at.DGAP_0]
+    end, end_rate = side * grip[at.GAP_1], side * grip[at.DGAP_1]
     slight = rounding(m, n)
-    least = min(at, 0.0) - slight
+    least = min(gap, 0.0) - slight
     if end < least:
         return True
     bend, _ = bounds(m, h, n)
-    round_, distance = sweep(m, n, bend, h, max(abs(at), abs(end)) if side > 0.0 else 0.0)
+    round_, distance = sweep(m, n, bend, h, max(abs(gap), abs(end)) if side > 0.0 else 0.0)
     curve = bend + round_ * round_ * distance
-    if min(at, end) - 0.125 * (bend if side > 0.0 else curve) * h * h >= least:
+    if min(gap, end) - 0.125 * (bend if side > 0.0 else curve) * h * h >= least:
         return False
     return abs(rate + end_rate) < curve * h
 
@@ -179,10 +140,10 @@ def may_reach(m, h, n, side):
 @compiled
 def gap_at(m, theta, n):
     """Gap of contact n and its rate at the share theta of the step (dense output ready)."""
-    contact, touch, body, y, dense = imat(m, CONTACT), mat(m, TOUCH), mat(m, BODY), vec(m, STATE), mat(m, DENSE)
-    nq, rest = vec(m, CHANGE).shape[0], 1.0 - theta
+    contact, touch, body, y, dense = m.contact, m.touch, m.body, m.state, m.dense
+    nq, rest = m.change.shape[0], 1.0 - theta
     for end in range(2):
-        i = contact[n, A_BODY + end]
+        i = contact[n, at.A_BODY + end]
         if i == 0:
             continue
         for q in range(6):
@@ -190,22 +151,22 @@ def gap_at(m, theta, n):
             value = 0.0
             for row in range(6, -1, -1):
                 value = (value + dense[row, k]) * (theta if row % 2 == 0 else rest)
-            body[i, X + q] = y[k] + value
-        body[i, COS], body[i, SIN] = math.cos(body[i, X + 2]), math.sin(body[i, X + 2])
+            body[i, at.X + q] = y[k] + value
+        body[i, at.COS], body[i, at.SIN] = math.cos(body[i, at.X + 2]), math.sin(body[i, at.X + 2])
     call_clearance(
-        ivec(m, CLEARANCE_TABLE)[contact[n, SHAPE]],
+        m.clearance_table[contact[n, at.SHAPE]],
         (
             body,
-            contact[n, A_BODY],
-            contact[n, B_BODY],
-            vec(m, VALUES),
-            contact[n, SHAPE_P],
-            contact[n, CORNER],
+            contact[n, at.A_BODY],
+            contact[n, at.B_BODY],
+            m.values,
+            contact[n, at.SHAPE_P],
+            contact[n, at.CORNER],
             n,
             touch,
         ),
     )
-    return touch[n, GAP], touch[n, DGAP]
+    return touch[n, at.GAP], touch[n, at.DGAP]
 
 
 @compiled
@@ -227,34 +188,34 @@ def lowest(left, slope_left, right, slope_right):
 
 
 @compiled
-def first_below(m, h, n, side, left, at, rate, right, end):
+def first_below(m, h, n, side, left, gap, rate, right, end):
     """Share between left and right at which side * gap, which is below zero at the right end, has fallen below it."""
-    t = vec(m, CLOCK)[0]
-    if at <= 0.0 and rate > 0.0:  # it rises from the wall, a little, and comes back: from its top on
+    t = m.clock[0]
+    if gap <= 0.0 and rate > 0.0:  # it rises from the wall, a little, and comes back: from its top on
         top = right
         for _ in range(60):
             middle = 0.5 * (left + top)
             value, slope = gap_at(m, middle, n)
             if side * slope > 0.0:
-                left, at = middle, side * value
+                left, gap = middle, side * value
             else:
                 top = middle
-    if at <= 0.0:
+    if gap <= 0.0:
         return left
     for turn in range(100):
         if not (right - left) * h > 1e-16 * abs(t) + 1e-15 * h:
             break
         middle = 0.5 * (left + right)
         if turn % 3 < 2:
-            middle = left + min(max(at / (at - end), 1e-3), 0.999) * (right - left)
+            middle = left + min(max(gap / (gap - end), 1e-3), 0.999) * (right - left)
         if middle <= left or middle >= right:
             break
         value = side * gap_at(m, middle, n)[0]
         if value < 0.0:
             right, end = middle, value
-            at *= 0.5 if turn % 3 == 1 else 1.0
+            gap *= 0.5 if turn % 3 == 1 else 1.0
         else:
-            left, at = middle, value
+            left, gap = middle, value
             end *= 0.5 if turn % 3 == 1 else 1.0
     return right
 
@@ -268,22 +229,22 @@ def search(m, h, n, side, until):
     side: 1 for a contact that may close, -1 for one that may open.  The dense output is ready, gaps and rates at the
     start of the step are in `grip`.  A contact that starts below zero (by rounding) has to get deeper.
     """
-    grip, t = mat(m, GRIP)[n], vec(m, CLOCK)[0]
+    grip, t = m.grip[n], m.clock[0]
     bend, turning = bounds(m, h, n)
     slight = rounding(m, n)
-    left, at, rate, right = 0.0, side * grip[GAP_0], side * grip[DGAP_0], until
-    begin, at_begin, rate_begin = left, at, rate  # the last look that was above zero, or rising
+    left, gap, rate, right = 0.0, side * grip[at.GAP_0], side * grip[at.DGAP_0], until
+    begin, at_begin, rate_begin = left, gap, rate  # the last look that was above zero, or rising
     end, end_rate = gap_at(m, right, n)
     end, end_rate = side * end, side * end_rate
-    for _ in range(FEW_LOOKS if imat(m, CONTACT)[n, IMPACT] == 1 else MOST_LOOKS):
-        dt, least = (right - left) * h, min(at, 0.0) - slight
+    for _ in range(FEW_LOOKS if m.contact[n, at.IMPACT] == 1 else MOST_LOOKS):
+        dt, least = (right - left) * h, min(gap, 0.0) - slight
         tiny = dt <= 4e-16 * abs(t) or right - left <= 1e-12
-        round_, distance = sweep(m, n, bend, dt, max(at, end) if side > 0.0 else 0.0)
+        round_, distance = sweep(m, n, bend, dt, max(gap, end) if side > 0.0 else 0.0)
         curve = bend + round_ * round_ * distance
         falling, rising = rate + end_rate <= -curve * dt, rate + end_rate >= curve * dt
         if end < least and (falling or tiny):
             return first_below(m, h, n, side, begin, at_begin, rate_begin, right, end)
-        free = falling or rising or tiny or min(at, end) - 0.125 * (bend if side > 0.0 else curve) * dt * dt >= least
+        free = falling or rising or tiny or min(gap, end) - 0.125 * (bend if side > 0.0 else curve) * dt * dt >= least
         wide = max(turning, round_) * dt
         if end < least or not free:
             middle = 0.5 * (left + right)
@@ -291,18 +252,18 @@ def search(m, h, n, side, until):
             value, slope = side * value, side * slope
             free = False
             if end >= least and value >= least and wide <= WHOLE_TURN:
-                missed = abs(value - 0.5 * (at + end) - 0.125 * dt * (rate - end_rate))
+                missed = abs(value - 0.5 * (gap + end) - 0.125 * dt * (rate - end_rate))
                 margin = 2.0 * missed + curve * (wide * dt) ** 2 / 384.0
-                free = lowest(at, rate * dt, end, end_rate * dt) - margin >= least
+                free = lowest(gap, rate * dt, end, end_rate * dt) - margin >= least
             if not free:
                 right, end, end_rate = middle, value, slope
                 continue
         if right >= until:
             return NONE
-        step = (2.0 if wide <= 0.5 * WHOLE_TURN or min(at, end) > bend * dt * dt else 1.0) * (right - left)
-        left, at, rate = right, end, end_rate
-        if at > 0.0 or rate > 0.0:
-            begin, at_begin, rate_begin = left, at, rate
+        step = (2.0 if wide <= 0.5 * WHOLE_TURN or min(gap, end) > bend * dt * dt else 1.0) * (right - left)
+        left, gap, rate = right, end, end_rate
+        if gap > 0.0 or rate > 0.0:
+            begin, at_begin, rate_begin = left, gap, rate
         right = min(until, left + step)
         end, end_rate = gap_at(m, right, n)
         end, end_rate = side * end, side * end_rate
@@ -315,8 +276,8 @@ def escaped(m, y):
 
     One that came out of the projection inside may be as deep as it was at the start of the step.
     """
-    nq = vec(m, CHANGE).shape[0]
-    if imat(m, CONTACT).shape[0] == 0:
+    nq = m.change.shape[0]
+    if m.contact.shape[0] == 0:
         return False
     place(m, y[:nq], y[nq : 2 * nq])
     touch_all(m)
@@ -326,10 +287,10 @@ def escaped(m, y):
 @compiled
 def inside_wall(m):
     """`escaped` at the state at hand."""
-    contact, touch, grip = imat(m, CONTACT), mat(m, TOUCH), mat(m, GRIP)
+    contact, touch, grip = m.contact, m.touch, m.grip
     for n in range(contact.shape[0]):
-        free = ivec(m, MODE)[n] == OFF if contact[n, IMPACT] == 1 else grip[n, CLOSED] == OPEN
-        if free and not touch[n, GAP] >= min(grip[n, GAP_0], 0.0) - DEEP * clearance_of(m, n):
+        free = m.mode[n] == OFF if contact[n, at.IMPACT] == 1 else grip[n, at.CLOSED] == at.OPEN
+        if free and not touch[n, at.GAP] >= min(grip[n, at.GAP_0], 0.0) - DEEP * clearance_of(m, n):
             return True
     return False
 
@@ -337,7 +298,7 @@ def inside_wall(m):
 @compiled
 def deepest(m):
     """Largest depth of a contact in its wall, in clearances, from the gaps at hand."""
-    touch, worst = mat(m, TOUCH), 0.0
+    touch, worst = m.touch, 0.0
     for n in range(touch.shape[0]):
-        worst = max(worst, -touch[n, GAP] / clearance_of(m, n))
+        worst = max(worst, -touch[n, at.GAP] / clearance_of(m, n))
     return worst

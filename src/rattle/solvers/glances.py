@@ -23,24 +23,8 @@ import numpy as np
 
 from rattle.equations.complementarity import FORWARD, OFF, STICK, friction_of
 from rattle.equations.unilateral import SIZE
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled
-from rattle.jit.layout import IMPACT, NORMAL, PEAK, SLIP, TANGENT
-from rattle.jit.workspace import (
-    ACCELERATION,
-    CONTACT,
-    GLANCES,
-    GRIP,
-    HELD,
-    JET,
-    LIVE,
-    MASS,
-    MODE,
-    TOUCH,
-    imat,
-    ivec,
-    mat,
-    vec,
-)
 from rattle.solvers.dop853_tableau import C
 
 KINDS = 4  # what must not become negative: N, mu N - T, mu N + T, slip in its sense; 1 where it does not matter
@@ -65,23 +49,23 @@ def table(contacts: int) -> np.ndarray:
 @compiled
 def write_look(m, line):
     """All that must not become negative at the state at hand into a line of looks, and the largest force."""
-    contact, touch, mode = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE)
+    contact, touch, mode = m.contact, m.touch, m.mode
     largest = 0.0
     for n in range(contact.shape[0]):
         first = 1 + KINDS * n
         for k in range(KINDS):
             line[first + k] = 1.0
-        if contact[n, IMPACT] == 0 or mode[n] == OFF:
+        if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
             continue
-        friction, normal = friction_of(m, n), touch[n, NORMAL]
+        friction, normal = friction_of(m, n), touch[n, at.NORMAL]
         line[first] = normal
         largest = max(largest, abs(normal))
         if friction > 0.0 and mode[n] == STICK:
-            line[first + 1] = friction * normal - touch[n, TANGENT]
-            line[first + 2] = friction * normal + touch[n, TANGENT]
+            line[first + 1] = friction * normal - touch[n, at.TANGENT]
+            line[first + 2] = friction * normal + touch[n, at.TANGENT]
         elif friction > 0.0:
-            line[first + 3] = touch[n, SLIP] if mode[n] == FORWARD else -touch[n, SLIP]
-    mass, acceleration = mat(m, MASS), mat(m, ACCELERATION)
+            line[first + 3] = touch[n, at.SLIP] if mode[n] == FORWARD else -touch[n, at.SLIP]
+    mass, acceleration = m.mass, m.acceleration
     for i in range(1, mass.shape[0]):
         largest = max(largest, mass[i, 0] * max(abs(acceleration[i, 0]), abs(acceleration[i, 1])))
     line[1 + KINDS * contact.shape[0]] = largest
@@ -119,7 +103,7 @@ def may_dip(looks, i, count, c, slack):
 @compiled
 def slack_of(m, kind, left, right, force):
     """By how much rounding may take something below zero between two values; force: the largest of all [N]."""
-    return NOISE * force if kind < 3 else NOISE * (max(left, 0.0) + right) + 1e-13 * vec(m, HELD)[SIZE]
+    return NOISE * force if kind < 3 else NOISE * (max(left, 0.0) + right) + 1e-13 * m.held[SIZE]
 
 
 @compiled
@@ -127,7 +111,7 @@ def matters(m, n, kind):
     """True where contact n, which is closed, may do what is meant by a kind of look."""
     if kind == 0:
         return True
-    return friction_of(m, n) > 0.0 and (kind < 3) == (ivec(m, MODE)[n] == STICK)
+    return friction_of(m, n) > 0.0 and (kind < 3) == (m.mode[n] == STICK)
 
 
 @compiled
@@ -136,11 +120,11 @@ def calm(m, error):
 
     error: of the step [tolerances].
     """
-    contact, mode, looks = imat(m, CONTACT), ivec(m, MODE), mat(m, GLANCES)
-    if not error > LEAST_ERROR or imat(m, LIVE).shape[0] > 0 or imat(m, JET).shape[0] > 0:
+    contact, mode, looks = m.contact, m.mode, m.glances
+    if not error > LEAST_ERROR or m.live.shape[0] > 0 or m.jet.shape[0] > 0:
         return False
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 0 or mode[n] == OFF:
+        if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
             continue
         for kind in range(KINDS):
             if matters(m, n, kind) and not stays_above(looks, 1 + KINDS * n + kind):
@@ -169,16 +153,16 @@ def stays_above(looks, c):
 @compiled
 def keep_forces(m):
     """Remember the largest forces of the lasting contacts at the stages of a step."""
-    contact, mode, looks, grip = imat(m, CONTACT), ivec(m, MODE), mat(m, GLANCES), mat(m, GRIP)
+    contact, mode, looks, grip = m.contact, m.mode, m.glances, m.grip
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1:
+        if contact[n, at.IMPACT] == 1:
             for i in range(1, END + 1):
-                grip[n, PEAK] = max(grip[n, PEAK], looks[i, 1 + KINDS * n]) if mode[n] != OFF else 0.0
+                grip[n, at.PEAK] = max(grip[n, at.PEAK], looks[i, 1 + KINDS * n]) if mode[n] != OFF else 0.0
 
 
 @compiled
 def pass_look_on(m):
     """The end of a step is the start of the next."""
-    looks = mat(m, GLANCES)
+    looks = m.glances
     for c in range(1, looks.shape[1]):
         looks[0, c] = looks[END, c]

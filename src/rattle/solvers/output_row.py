@@ -3,74 +3,36 @@
 from __future__ import annotations
 
 from rattle.equations.motion import set_bristles, solve_motion
+from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
-from rattle.jit.layout import (
-    B_BODY,
-    BP,
-    BX,
-    BY,
-    CORNER,
-    COS,
-    GAP,
-    NORMAL,
-    NU,
-    NX,
-    NY,
-    OWNER,
-    PBX,
-    PBY,
-    SIN,
-    TANGENT,
-    VX,
-    X,
-    Y,
-)  # fmt: skip
-from rattle.jit.workspace import (
-    ACCELERATION,
-    BODY,
-    CHANGE,
-    CONTACT,
-    JOINT,
-    MASS,
-    MULTIPLIER,
-    POWER,
-    ROWS,
-    SIGNAL,
-    SIGNALS,
-    TOUCH,
-    VALUES,
-    imat,
-    mat,
-    vec,
-)  # fmt: skip
 
 
 @native("void", "h", "f", "v", "v")
 def record(m, t, y, row):
     """Write one output row for the state y; the columns are laid out in `recording`."""
-    nq = vec(m, CHANGE).shape[0]
+    nq = m.change.shape[0]
     set_bristles(m, y)
     solve_motion(m, t, y[:nq], y[nq : 2 * nq])
     lost = y[2 * nq + 1]
     for k in range(2 * nq + 2, y.shape[0], 4):
         lost += y[k + 2]
-        vec(m, POWER)[0] += y[k + 3]
+        m.power[0] += y[k + 3]
     write(m, y[2 * nq], lost, row)
 
 
 @native("void", "h", "f", "f", "v")
 def write(m, work_done, dissipated, row):
     """Copy what the memory holds at this instant into one output row."""
-    body, signal, signals = mat(m, BODY), imat(m, SIGNAL), vec(m, SIGNALS)
-    mass, acceleration, power = mat(m, MASS), mat(m, ACCELERATION), vec(m, POWER)
+    body, signal, signals = m.body, m.signal, m.signals
+    mass, acceleration, power = m.mass, m.acceleration, m.power
     c = 0
     kinetic = 0.0
     for i in range(1, body.shape[0]):
         for k in range(3):
-            row[c + k] = body[i, X + k]
-            row[c + 3 + k] = body[i, VX + k]
+            row[c + k] = body[i, at.X + k]
+            row[c + 3 + k] = body[i, at.VX + k]
             row[c + 6 + k] = acceleration[i, k]
-            kinetic += 0.5 * mass[i, k] * body[i, VX + k] ** 2
+            kinetic += 0.5 * mass[i, k] * body[i, at.VX + k] ** 2
         c += 9
     c = write_joints(m, row, c)
     for n in range(signal.shape[0]):
@@ -86,11 +48,11 @@ def write(m, work_done, dissipated, row):
 def write_joints(m, row, first):
     """Forces, offsets and efforts of joints and drivers from column `first` on; returns the column behind them."""
     body, rows, values, joint, multiplier = (
-        mat(m, BODY),
-        mat(m, ROWS),
-        vec(m, VALUES),
-        imat(m, JOINT),
-        vec(m, MULTIPLIER),
+        m.body,
+        m.rows,
+        m.values,
+        m.joint,
+        m.multiplier,
     )
     c = first
     for n in range(joint.shape[0]):
@@ -98,19 +60,19 @@ def write_joints(m, row, first):
         end = joint[n + 1, 4] if n + 1 < joint.shape[0] else rows.shape[0]
         fx, fy, moment, effort_power = 0.0, 0.0, 0.0, 0.0
         for k in range(r, end):
-            fx -= rows[k, BX] * multiplier[k]
-            fy -= rows[k, BY] * multiplier[k]
-            moment -= rows[k, BP] * multiplier[k]
-            effort_power -= rows[k, NU] * multiplier[k]
-        sax = body[a, COS] * values[p] - body[a, SIN] * values[p + 1]
-        say = body[a, SIN] * values[p] + body[a, COS] * values[p + 1]
-        sbx = body[b, COS] * values[p + 2] - body[b, SIN] * values[p + 3]
-        sby = body[b, SIN] * values[p + 2] + body[b, COS] * values[p + 3]
+            fx -= rows[k, at.BX] * multiplier[k]
+            fy -= rows[k, at.BY] * multiplier[k]
+            moment -= rows[k, at.BP] * multiplier[k]
+            effort_power -= rows[k, at.NU] * multiplier[k]
+        sax = body[a, at.COS] * values[p] - body[a, at.SIN] * values[p + 1]
+        say = body[a, at.SIN] * values[p] + body[a, at.COS] * values[p + 1]
+        sbx = body[b, at.COS] * values[p + 2] - body[b, at.SIN] * values[p + 3]
+        sby = body[b, at.SIN] * values[p + 2] + body[b, at.COS] * values[p + 3]
         row[c] = fx
         row[c + 1] = fy
         row[c + 2] = moment - sbx * fy + sby * fx
-        row[c + 3] = body[b, X] + sbx - body[a, X] - sax
-        row[c + 4] = body[b, Y] + sby - body[a, Y] - say
+        row[c + 3] = body[b, at.X] + sbx - body[a, at.X] - sax
+        row[c + 4] = body[b, at.Y] + sby - body[a, at.Y] - say
         row[c + 5] = -multiplier[r] if end > r else 0.0
         row[c + 6] = effort_power
         row[c + 7] = 0.0
@@ -122,18 +84,18 @@ def write_joints(m, row, first):
 @compiled
 def write_contacts(m, row, first):
     """Forces of all contacts on their joints' columns, which start at `first`."""
-    contact, touch, joint, body, values = imat(m, CONTACT), mat(m, TOUCH), imat(m, JOINT), mat(m, BODY), vec(m, VALUES)
+    contact, touch, joint, body, values = m.contact, m.touch, m.joint, m.body, m.values
     for n in range(contact.shape[0]):
-        c = first + 8 * contact[n, OWNER]
-        b, p = contact[n, B_BODY], joint[contact[n, OWNER], 3]
-        normal, tangent = touch[n, NORMAL], touch[n, TANGENT]
-        fx = -normal * touch[n, NX] + tangent * touch[n, NY]
-        fy = -normal * touch[n, NY] - tangent * touch[n, NX]
-        sbx = body[b, COS] * values[p + 2] - body[b, SIN] * values[p + 3]
-        sby = body[b, SIN] * values[p + 2] + body[b, COS] * values[p + 3]
+        c = first + 8 * contact[n, at.OWNER]
+        b, p = contact[n, at.B_BODY], joint[contact[n, at.OWNER], 3]
+        normal, tangent = touch[n, at.NORMAL], touch[n, at.TANGENT]
+        fx = -normal * touch[n, at.NX] + tangent * touch[n, at.NY]
+        fy = -normal * touch[n, at.NY] - tangent * touch[n, at.NX]
+        sbx = body[b, at.COS] * values[p + 2] - body[b, at.SIN] * values[p + 3]
+        sby = body[b, at.SIN] * values[p + 2] + body[b, at.COS] * values[p + 3]
         row[c] += fx
         row[c + 1] += fy
-        row[c + 2] += (touch[n, PBX] - sbx) * fy - (touch[n, PBY] - sby) * fx
+        row[c + 2] += (touch[n, at.PBX] - sbx) * fy - (touch[n, at.PBY] - sby) * fx
         row[c + 5] += normal
         row[c + 6] += tangent
-        row[c + 7] = -touch[n, GAP] if contact[n, CORNER] == 0 else max(row[c + 7], -touch[n, GAP])
+        row[c + 7] = -touch[n, at.GAP] if contact[n, at.CORNER] == 0 else max(row[c + 7], -touch[n, at.GAP])

@@ -19,22 +19,8 @@ import numpy as np
 
 from rattle.equations.motion import set_bristles, solve_motion
 from rattle.equations.schur import WEAK
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.jit.layout import OF_SIZE, OF_VALUE, OF_VECTOR
-from rattle.jit.workspace import (
-    CHANGE,
-    GLANCES,
-    HOLD_TABLE,
-    PEAK_ROW,
-    PEAKS,
-    POWER,
-    QUANTITY,
-    STAGE,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.solvers.contact_events import interpolate
 from rattle.solvers.dop853_tableau import B, C
 from rattle.solvers.glances import write_look
@@ -84,19 +70,19 @@ TRIES = 8
 @compiled
 def value_of(row, kind, c):
     """One quantity from an output row."""
-    if kind == OF_VECTOR:
+    if kind == at.OF_VECTOR:
         return math.sqrt(row[c] * row[c] + row[c + 1] * row[c + 1])
-    if kind == OF_SIZE:
+    if kind == at.OF_SIZE:
         return abs(row[c])
-    return row[c] if kind == OF_VALUE else -row[c]
+    return row[c] if kind == at.OF_VALUE else -row[c]
 
 
 @native("void", "h", "i", "f")
 def gauge(m, sample, t):
     """Put all quantities, as the memory holds them at t, into a sample; START and PROBE may be peaks."""
-    quantity, peaks, row = imat(m, QUANTITY), mat(m, PEAKS), vec(m, PEAK_ROW)
-    if sample < mat(m, GLANCES).shape[0]:
-        write_look(m, mat(m, GLANCES)[sample])
+    quantity, peaks, row = m.quantity, m.peaks, m.peak_row
+    if sample < m.glances.shape[0]:
+        write_look(m, m.glances[sample])
     if quantity.shape[0] == 0:
         return
     write_joints(m, row, 0)
@@ -110,7 +96,7 @@ def gauge(m, sample, t):
 @compiled
 def add_step(m, h):
     """Count the sample START for a time h: methods whose forces are those of whole steps."""
-    peaks = mat(m, PEAKS)
+    peaks = m.peaks
     for n in range(peaks.shape[0]):
         peaks[n, SQUARES] += h * peaks[n, SAMPLE + START] ** 2
 
@@ -173,7 +159,7 @@ def crest(samples, low, top, high):
 @native("void", "h", "f", "f")
 def crest_all(m, t, h):
     """New peaks of a step whose samples are those of LOOKS: they are solved for already, nothing more is."""
-    peaks = mat(m, PEAKS)
+    peaks = m.peaks
     for n in range(peaks.shape[0]):
         for i in range(COUNT[LOOKS]):
             if rises(peaks[n], LOOKS, i):
@@ -205,10 +191,10 @@ def near_peak(peaks):
 @compiled
 def may_rise(m, h, layout):
     """True when the step wants a look at its dense output; the stages of rk4 are too coarse to tell."""
-    peaks = mat(m, PEAKS)
+    peaks = m.peaks
     if layout == RK4:
         return near_peak(peaks)
-    if not vec(m, POWER)[3] > WEAK:
+    if not m.power[3] > WEAK:
         return False
     if unresolved(m, h, DOP853):
         return True
@@ -222,14 +208,14 @@ def may_rise(m, h, layout):
 @compiled
 def probe(m, t, h, theta, n):
     """Measure at the share theta of the step, on its dense output; returns quantity n."""
-    stage, nq = vec(m, STAGE), vec(m, CHANGE).shape[0]
+    stage, nq = m.stage, m.change.shape[0]
     interpolate(m, theta, stage)
-    if len(ivec(m, HOLD_TABLE)) == 0:  # forces of lasting contacts are those of the search for events
+    if len(m.hold_table) == 0:  # forces of lasting contacts are those of the search for events
         settle(m, t + theta * h, stage, stage)
     set_bristles(m, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
     gauge(m, PROBE, t + theta * h)
-    return mat(m, PEAKS)[n, SAMPLE + PROBE]
+    return m.peaks[n, SAMPLE + PROBE]
 
 
 @compiled
@@ -238,7 +224,7 @@ def climb(m, t, h, n, low, top, high, height):
 
     Successive parabolas: the lowest of three points makes room for the top of the parabola through them.
     """
-    known = mat(m, PEAKS)[n, BEST]
+    known = m.peaks[n, BEST]
     fb = probe(m, t, h, top, n)
     if not fb + height > known:
         return 1
@@ -270,9 +256,9 @@ def climb(m, t, h, n, low, top, high, height):
 @compiled
 def largest_force(m):
     """Largest force so far [N]; what of each moment is rounding follows from it."""
-    peaks, quantity, largest = mat(m, PEAKS), imat(m, QUANTITY), 0.0
+    peaks, quantity, largest = m.peaks, m.quantity, 0.0
     for n in range(peaks.shape[0]):
-        if quantity[n, 0] == OF_VECTOR:
+        if quantity[n, 0] == at.OF_VECTOR:
             largest = max(largest, peaks[n, BEST])
     for n in range(peaks.shape[0]):
         if peaks[n, ARM] > 0.0:
@@ -283,9 +269,9 @@ def largest_force(m):
 @native("i", "h", "f", "i")
 def unresolved(m, h, layout):
     """True when two rules for the mean of f^2 over a stretch differ: a force changes faster than the motion."""
-    peaks, quantity, largest = mat(m, PEAKS), imat(m, QUANTITY), largest_force(m)
+    peaks, quantity, largest = m.peaks, m.quantity, largest_force(m)
     for n in range(peaks.shape[0]):
-        if quantity[n, 0] != OF_VECTOR or peaks[n, BEST] < ROUNDING * largest:
+        if quantity[n, 0] != at.OF_VECTOR or peaks[n, BEST] < ROUNDING * largest:
             continue
         mean, apart = 0.0, 0.0
         for k in range(9):
@@ -300,7 +286,7 @@ def unresolved(m, h, layout):
 @compiled
 def add(m, t, h, layout, sound):
     """Count the samples of a stretch of length h and its end, which is at t."""
-    peaks = mat(m, PEAKS)
+    peaks = m.peaks
     for n in range(peaks.shape[0]):
         mean = 0.5 * (peaks[n, SAMPLE + START] ** 2 + peaks[n, SAMPLE + END] ** 2)
         if sound:
@@ -315,7 +301,7 @@ def add(m, t, h, layout, sound):
 @native("i", "h", "f", "f", "f", "f", "i")
 def climb_all(m, t, h, low, high, layout):
     """New peaks between the shares low and high of a step, where the samples are; returns the states solved for."""
-    peaks, solved, wide = mat(m, PEAKS), 0, high - low
+    peaks, solved, wide = m.peaks, 0, high - low
     for n in range(peaks.shape[0]):
         for i in range(COUNT[layout]):
             if rises(peaks[n], layout, i):
@@ -331,7 +317,7 @@ def sample_pieces(m, t, h, until, wide, sound):
 
     wide: share of the first piece.  Returns the states solved for.
     """
-    peaks, low, solved = mat(m, PEAKS), 0.0, 0
+    peaks, low, solved = m.peaks, 0.0, 0
     while low < until:
         high = low + wide if low + 1.001 * wide < until else until
         for k in range(1, COUNT[CUT]):
@@ -353,7 +339,7 @@ def sample_pieces(m, t, h, until, wide, sound):
 @compiled
 def pass_end_on(m):
     """The end of a stretch is the start of the next."""
-    peaks = mat(m, PEAKS)
+    peaks = m.peaks
     for n in range(peaks.shape[0]):
         peaks[n, SAMPLE + START] = peaks[n, SAMPLE + END]
 
@@ -366,10 +352,10 @@ def end_step(m, t, h, until, layout, dense):
     is wanted, with nothing counted.  Where until < 1 an event cuts
     the step: what comes after it is measured as START of the next.
     """
-    peaks = mat(m, PEAKS)
+    peaks = m.peaks
     if peaks.shape[0] == 0:
         return 0
-    sound, solved = vec(m, POWER)[3] > WEAK, 0
+    sound, solved = m.power[3] > WEAK, 0
     if dense < 0:
         if may_rise(m, h, layout):
             return -1

@@ -16,30 +16,8 @@ import math
 
 from rattle.equations.motion import constraints, correct, drive, loads, place, rate_residual, residual
 from rattle.equations.schur import factorise, solve
+from rattle.jit import layout as at
 from rattle.jit.functions import call_joint, compiled
-from rattle.jit.layout import AX, BX, GAMMA, VX
-from rattle.jit.workspace import (
-    ACCELERATION,
-    BODY,
-    CHANGE,
-    FORCE,
-    JOINT_TABLE,
-    MASS,
-    MULTIPLIER,
-    PLACE,
-    POWER,
-    ROW_BODY,
-    ROWS,
-    SIGNAL,
-    SIGNALS,
-    SOLUTION,
-    VALUES,
-    WEIGHT,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.solvers.output_row import write
 
 Q, V, A, Q_NEW, V_NEW, A_NEW, Q_OLD, V_OLD, A_OLD = range(9)  # rows of `node`
@@ -58,16 +36,16 @@ LEAPS = 12  # doublings of a step that tries to get across
 @compiled
 def acceleration_residual(m, a):
     """Put Phi_q a - gamma on the right side; returns the largest [m/s^2 or rad/s^2]."""
-    rows, x, place_of, row_body = mat(m, ROWS), vec(m, SOLUTION), ivec(m, PLACE), imat(m, ROW_BODY)
+    rows, x, place_of, row_body = m.rows, m.solution, m.place, m.row_body
     most = 0.0
     for r in range(rows.shape[0]):
         i, j = 3 * row_body[r, 0] - 3, 3 * row_body[r, 1] - 3
-        value = -rows[r, GAMMA]
+        value = -rows[r, at.GAMMA]
         for k in range(3):
             if i >= 0:
-                value += rows[r, AX + k] * a[i + k]
+                value += rows[r, at.AX + k] * a[i + k]
             if j >= 0:
-                value += rows[r, BX + k] * a[j + k]
+                value += rows[r, at.BX + k] * a[j + k]
         x[place_of[r]] = value
         if not abs(value) <= most:
             most = abs(value)
@@ -93,9 +71,9 @@ def closed_at(m, t, node, size):
     and the number of Newton iterations.
     """
     q, v, a = node[Q_NEW], node[V_NEW], node[A_NEW]
-    change, power = vec(m, CHANGE), vec(m, POWER)
+    change, power = m.change, m.power
     drive(m, t)
-    spare = mat(m, ROWS).shape[0] - q.shape[0]  # rows that may be redundant
+    spare = m.rows.shape[0] - q.shape[0]  # rows that may be redundant
     moved, last, gap = 0.0, math.inf, math.inf
     rounds = 0
     place(m, q, v)
@@ -156,9 +134,9 @@ def predicted(node, h, size):
 @compiled
 def react(m, a):
     """Multipliers of a motion that is known: Phi_q^T lambda = Q - M a, refined once."""
-    rows, force, weight, mass, x = mat(m, ROWS), mat(m, FORCE), mat(m, WEIGHT), mat(m, MASS), vec(m, SOLUTION)
-    multiplier, acceleration = vec(m, MULTIPLIER), mat(m, ACCELERATION)
-    place_of, row_body = ivec(m, PLACE), imat(m, ROW_BODY)
+    rows, force, weight, mass, x = m.rows, m.force, m.weight, m.mass, m.solution
+    multiplier, acceleration = m.multiplier, m.acceleration
+    place_of, row_body = m.place, m.row_body
     for i in range(1, force.shape[0]):
         for k in range(3):
             acceleration[i, k] = a[3 * i - 3 + k]
@@ -170,7 +148,9 @@ def react(m, a):
             i, j = row_body[r, 0], row_body[r, 1]
             value = 0.0
             for k in range(3):
-                value += rows[r, AX + k] * weight[i, k] * force[i, k] + rows[r, BX + k] * weight[j, k] * force[j, k]
+                value += (
+                    rows[r, at.AX + k] * weight[i, k] * force[i, k] + rows[r, at.BX + k] * weight[j, k] * force[j, k]
+                )
             x[place_of[r]] = value
         solve(m)
         for r in range(rows.shape[0]):
@@ -178,8 +158,8 @@ def react(m, a):
             multiplier[r] += value
             i, j = row_body[r, 0], row_body[r, 1]
             for k in range(3):
-                force[i, k] -= rows[r, AX + k] * value
-                force[j, k] -= rows[r, BX + k] * value
+                force[i, k] -= rows[r, at.AX + k] * value
+                force[j, k] -= rows[r, at.BX + k] * value
 
 
 @compiled
@@ -189,20 +169,20 @@ def exchange(m, probe, line, row):
     h = Phi_q^T y gives  lambda_h = lambda_d / y_d  and  lambda -= y lambda_h.  probe (5,): kernel, A, B, first
     parameter of the motor, row d; line (1, 9) scratch.  Writes effort and power of the motor into row[0], row[1].
     """
-    table, body, values, rows = ivec(m, JOINT_TABLE), mat(m, BODY), vec(m, VALUES), mat(m, ROWS)
-    weight, x, multiplier = mat(m, WEIGHT), vec(m, SOLUTION), vec(m, MULTIPLIER)
-    place_of, row_body = ivec(m, PLACE), imat(m, ROW_BODY)
+    table, body, values, rows = m.joint_table, m.body, m.values, m.rows
+    weight, x, multiplier = m.weight, m.solution, m.multiplier
+    place_of, row_body = m.place, m.row_body
     a, b, d = probe[1], probe[2], probe[4]
     call_joint(table[probe[0]], (body, a, b, values, probe[3], 0, line))
     for r in range(rows.shape[0]):
         value = 0.0
         for side in range(2):
-            i, c = row_body[r, side], AX + 3 * side
+            i, c = row_body[r, side], at.AX + 3 * side
             for k in range(3):
                 if i == a:
-                    value += rows[r, c + k] * weight[i, k] * line[0, AX + k]
+                    value += rows[r, c + k] * weight[i, k] * line[0, at.AX + k]
                 if i == b:
-                    value += rows[r, c + k] * weight[i, k] * line[0, BX + k]
+                    value += rows[r, c + k] * weight[i, k] * line[0, at.BX + k]
         x[place_of[r]] = value
     solve(m)
     ratio, most = x[place_of[d]], 0.0
@@ -211,7 +191,7 @@ def exchange(m, probe, line, row):
     motor = multiplier[d] / ratio if abs(ratio) > DEAD * most else math.nan
     rate = 0.0
     for k in range(3):
-        rate += line[0, AX + k] * body[a, VX + k] + line[0, BX + k] * body[b, VX + k]
+        rate += line[0, at.AX + k] * body[a, at.VX + k] + line[0, at.BX + k] * body[b, at.VX + k]
     for r in range(rows.shape[0]):
         multiplier[r] -= x[place_of[r]] * motor
     multiplier[d] = 0.0
@@ -222,7 +202,7 @@ def exchange(m, probe, line, row):
 @compiled
 def put(m, t, q, v, a, forces, probe, line, row):
     """Write one output row for the motion whose rows and factor are in the memory."""
-    body = mat(m, BODY)
+    body = m.body
     if forces:
         loads(m, t)
         react(m, a)
@@ -246,8 +226,8 @@ def put(m, t, q, v, a, forces, probe, line, row):
 @compiled
 def write_signals(m, row):
     """Values of all signals."""
-    from_ = imat(m, SIGNAL)
-    signals = vec(m, SIGNALS)
+    from_ = m.signal
+    signals = m.signals
     for n in range(from_.shape[0]):
         row[n] = signals[from_[n, 2]]
 

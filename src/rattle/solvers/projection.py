@@ -5,7 +5,6 @@ from __future__ import annotations
 from rattle.equations.motion import constraints, correct, drive, place, rate_residual, residual
 from rattle.equations.schur import factorise
 from rattle.jit.functions import native
-from rattle.jit.workspace import AUDIT, CHANGE, vec
 from rattle.solvers.step_audit import CORRECTION, openness
 
 CLOSE_ENOUGH = 1e-15  # residual below which positions are left alone [m or rad]
@@ -18,7 +17,7 @@ def settle(m, t, y, unused):
 
     Returns the number of redundant rows.
     """
-    change = vec(m, CHANGE)
+    change = m.change
     nq = change.shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
     place(m, q, v)
@@ -26,7 +25,7 @@ def settle(m, t, y, unused):
     constraints(m)
     lost = factorise(m)
     drift = residual(m)
-    vec(m, AUDIT)[CORRECTION] = openness(m)
+    m.audit[CORRECTION] = openness(m)
     if drift > CLOSE_ENOUGH:
         for _ in range(3):
             correct(m)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from rattle.equations.motion import derivative
 from rattle.jit.functions import native
-from rattle.jit.workspace import DENSE, RATE, SLOPES, STAGE, STATE, STATE_NEW, mat, vec
 from rattle.solvers.peaks import LAST_STAGE, gauge
 from rattle.solvers.sign_watch import watched_change
 
@@ -17,7 +16,7 @@ ORDER = 4
 @native("i", "h", "f", "f")
 def step(m, t, h):
     """One step from (t, y) into y_new; returns True when a watched force changed its sign on the way."""
-    y, f, k, stage, y_new = vec(m, STATE), vec(m, RATE), mat(m, SLOPES), vec(m, STAGE), vec(m, STATE_NEW)
+    y, f, k, stage, y_new = m.state, m.rate, m.slopes, m.stage, m.state_new
     ny = y.shape[0]
     changed = False
     for n in range(ny):
@@ -37,7 +36,7 @@ def step(m, t, h):
 @native("void", "h")
 def prepare_dense(m):
     """Without the upper rows the dense output is the cubic of Hermite."""
-    dense = mat(m, DENSE)
+    dense = m.dense
     for row in range(3, 7):
         for n in range(dense.shape[1]):
             dense[row, n] = 0.0

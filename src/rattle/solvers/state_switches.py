@@ -10,23 +10,6 @@ from __future__ import annotations
 
 from rattle.equations.motion import derivative, place
 from rattle.jit.functions import compiled, native
-from rattle.jit.workspace import (
-    BODY,
-    CHANGE,
-    CODE,
-    CONST,
-    LANDING,
-    RATE,
-    SIGNAL,
-    SIGNALS,
-    STACK,
-    STAGE,
-    STATE,
-    SWITCH,
-    imat,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.language.bytecode import CROSSED, SIDE, evaluate
 from rattle.solvers.contact_events import interpolate
 from rattle.solvers.gap_search import NONE
@@ -43,26 +26,24 @@ CLOSE = 1e-7  # share of a step that does not count as progress
 @compiled
 def argument(m, n, t):
     """Switching function n at the state in `body`, with the signals at hand."""
-    switch, stack = imat(m, SWITCH), vec(m, STACK)
-    evaluate(imat(m, CODE), vec(m, CONST), switch[n, 0], switch[n, 1], t, mat(m, BODY), vec(m, SIGNALS), stack)
+    switch, stack = m.switch, m.stack
+    evaluate(m.code, m.const, switch[n, 0], switch[n, 1], t, m.body, m.signals, stack)
     return stack[0] - stack[1] if switch[n, 3] == 2 else stack[0]
 
 
 @compiled
 def see(m, t, y):
     """State y with its signals into the memory."""
-    nq, signal, signals = vec(m, CHANGE).shape[0], imat(m, SIGNAL), vec(m, SIGNALS)
+    nq, signal, signals = m.change.shape[0], m.signal, m.signals
     place(m, y[:nq], y[nq : 2 * nq])
     for n in range(signal.shape[0]):
-        signals[signal[n, 2]] = evaluate(
-            imat(m, CODE), vec(m, CONST), signal[n, 0], signal[n, 1], t, mat(m, BODY), signals, vec(m, STACK)
-        )
+        signals[signal[n, 2]] = evaluate(m.code, m.const, signal[n, 0], signal[n, 1], t, m.body, signals, m.stack)
 
 
 @compiled
 def take_sides(m, t):
     """Switches without a side take that of their switching function at the state in `body`."""
-    switch, code = imat(m, SWITCH), imat(m, CODE)
+    switch, code = m.switch, m.code
     for n in range(switch.shape[0]):
         row = switch[n, 2]
         if code[row, SIDE] == 0:
@@ -73,8 +54,8 @@ def take_sides(m, t):
 @compiled
 def choose_sides(m, t, ahead):
     """Sides at the start of a run; where a switching function is zero the side to which it goes in a time `ahead`."""
-    y, f, stage, nq = vec(m, STATE), vec(m, RATE), vec(m, STAGE), vec(m, CHANGE).shape[0]
-    switch, code, landing = imat(m, SWITCH), imat(m, CODE), vec(m, LANDING)
+    y, f, stage, nq = m.state, m.rate, m.stage, m.change.shape[0]
+    switch, code, landing = m.switch, m.code, m.landing
     landing[LANDS], landing[AGAIN] = 0.0, 0.0
     for n in range(switch.shape[0]):
         code[switch[n, 2], SIDE] = 0
@@ -93,7 +74,7 @@ def choose_sides(m, t, ahead):
 @native("i", "h")
 def crossed(m):
     """True when a switching function has been seen on the far side since this was asked last."""
-    switch, code, found = imat(m, SWITCH), imat(m, CODE), False
+    switch, code, found = m.switch, m.code, False
     for n in range(switch.shape[0]):
         row = switch[n, 2]
         found = found or (code[row, CROSSED] == 1 and code[row, SIDE] != 0)
@@ -104,7 +85,7 @@ def crossed(m):
 @native("i", "h")
 def release(m):
     """Free the switches whose switching functions have been seen on the far side; True when there are any."""
-    switch, code, found = imat(m, SWITCH), imat(m, CODE), False
+    switch, code, found = m.switch, m.code, False
     for n in range(switch.shape[0]):
         row = switch[n, 2]
         if code[row, CROSSED] == 1 and code[row, SIDE] != 0:
@@ -117,7 +98,7 @@ def release(m):
 @compiled
 def argument_at(m, t, h, share, n):
     """Switching function n at a share of the step."""
-    stage = vec(m, STAGE)
+    stage = m.stage
     interpolate(m, share, stage)
     see(m, t + share * h, stage)
     return argument(m, n, t + share * h)
@@ -126,7 +107,7 @@ def argument_at(m, t, h, share, n):
 @compiled
 def first_switch(m, t, h):
     """Share of the step at which the first switching function changes its sign (NONE), and which; dense is ready."""
-    switch, code = imat(m, SWITCH), imat(m, CODE)
+    switch, code = m.switch, m.code
     best, who = NONE, -1
     for n in range(switch.shape[0]):
         side = code[switch[n, 2], SIDE]
@@ -158,14 +139,14 @@ def land(m, t, h, t_end, go_on):
 
     Returns that and the length to try next.  go_on: the step that would follow [s].
     """
-    landing = vec(m, LANDING)
+    landing = m.landing
     share, who = first_switch(m, t, h)
     crossed(m)
     if who < 0:
         return ACCEPT, h
     landing[GO_ON] = go_on
     if share * h <= 1e-15 * abs(t) + 1e-16 * t_end:  # at once, without a step
-        y, f = vec(m, STATE), vec(m, RATE)
+        y, f = m.state, m.rate
         turn(m, t, y, who, h)
         derivative(m, t, y, f)
         return (SLIDES if landing[AGAIN] > ENDLESS else REPEAT), h
@@ -178,7 +159,7 @@ def land(m, t, h, t_end, go_on):
 @compiled
 def turn(m, t, y, who, h):
     """Switch `who` changes its side at (t, y), and with it all that are found on the far side; h: usual step [s]."""
-    switch, code, landing = imat(m, SWITCH), imat(m, CODE), vec(m, LANDING)
+    switch, code, landing = m.switch, m.code, m.landing
     see(m, t, y)
     for n in range(switch.shape[0]):
         row = switch[n, 2]
@@ -195,7 +176,7 @@ def turn(m, t, y, who, h):
 @native("i", "h", "f", "v", "v", "f")
 def arrive(m, t, y, f, h):
     """Turn the switch on which the step has ended; True when there was one, with the new derivative in f."""
-    landing = vec(m, LANDING)
+    landing = m.landing
     if landing[LANDS] == 0.0:
         see(m, t, y)
         take_sides(m, t)

@@ -10,9 +10,8 @@ pulled together after, as behind a driver that jumped (docs/theory.md, section 9
 
 from __future__ import annotations
 
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.jit.layout import RES, VX
-from rattle.jit.workspace import AUDIT, BODY, CHANGE, MASS, MEASURE, POWER, ROWS, TOUCH, mat, vec
 
 # entries of `audit`: limits and floor, set by the host; then the start, what was seen so far, and the present step;
 # SUNK: the largest depth of a set-valued contact in its wall so far, in clearances (Moreau-Jean only)
@@ -28,9 +27,9 @@ ROUNDING = 1e-14  # share of the energies themselves that their sum may be off b
 @compiled
 def openness(m):
     """The largest residual of the rows at hand, each by its own measure."""
-    rows, measure, worst = mat(m, ROWS), vec(m, MEASURE), 0.0
+    rows, measure, worst = m.rows, m.measure, 0.0
     for r in range(measure.shape[0]):
-        share = abs(rows[r, RES] * measure[r])
+        share = abs(rows[r, at.RES] * measure[r])
         if not share <= worst:
             worst = share
     return worst
@@ -42,10 +41,10 @@ def note_drift(m):
 
     Returns the row that is open most, or -1 when none is or it does not stand.
     """
-    rows, measure, audit = mat(m, ROWS), vec(m, MEASURE), vec(m, AUDIT)
+    rows, measure, audit = m.rows, m.measure, m.audit
     worst, which, length, angle = 0.0, 0, 0.0, 0.0
     for r in range(rows.shape[0]):
-        value = abs(rows[r, RES])
+        value = abs(rows[r, at.RES])
         share = value * abs(measure[r])
         if not share <= worst:
             worst, which = share, r
@@ -64,13 +63,13 @@ def note_drift(m):
 @native("i", "h", "v")
 def stands(m, y):
     """True when the state y, whose rates are in `body` and potential in `power`, may stand; then it is remembered."""
-    audit, body, mass, power = vec(m, AUDIT), mat(m, BODY), mat(m, MASS), vec(m, POWER)
-    nq = vec(m, CHANGE).shape[0]
+    audit, body, mass, power = m.audit, m.body, m.mass, m.power
+    nq = m.change.shape[0]
     kinetic, potential, lost = 0.0, power[0], y[2 * nq + 1]
     for i in range(1, body.shape[0]):
         for k in range(3):
-            kinetic += 0.5 * mass[i, k] * body[i, VX + k] ** 2
-    for n in range(mat(m, TOUCH).shape[0]):
+            kinetic += 0.5 * mass[i, k] * body[i, at.VX + k] ** 2
+    for n in range(m.touch.shape[0]):
         lost += y[2 * nq + 4 + 4 * n]
         potential += y[2 * nq + 5 + 4 * n]
     total = kinetic + potential - y[2 * nq] + lost

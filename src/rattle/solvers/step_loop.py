@@ -23,34 +23,8 @@ from rattle.equations.motion import (
     solve_motion,
 )
 from rattle.equations.schur import WEAK
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.jit.layout import CLOSED, SHUT, STEPS_IN
-from rattle.jit.workspace import (
-    AUDIT,
-    CHANGE,
-    CLOCK,
-    CONTACT,
-    CROSSINGS,
-    DENSE,
-    GRIP,
-    LANDING,
-    MULTIPLIER,
-    POWER,
-    RATE,
-    RATE_NEW,
-    SIGN,
-    SLOPES,
-    STAGE,
-    STATE,
-    STATE_NEW,
-    SWITCH,
-    TALLY,
-    WATCH,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.solvers import dop853, rk4, step_audit
 from rattle.solvers.contact_events import (
     change_contacts,
@@ -102,9 +76,9 @@ def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     clock[H_MIN] = math.inf
     clock[FEWEST] = math.inf
     return {
-        "y": y.copy(),
-        **{name: np.zeros(ny) for name in ("f", "y_new", "f_new", "stage")},
-        "k": np.zeros((16, ny)),
+        "state": y.copy(),
+        **{name: np.zeros(ny) for name in ("rate", "state_new", "rate_new", "stage")},
+        "slopes": np.zeros((16, ny)),
         "dense": np.zeros((7, ny)),
         "clock": clock,
         "tally": np.zeros(13, np.int64),
@@ -118,7 +92,7 @@ def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
 @native("void", "h", "f", "v")
 def project(m, t, y):
     """Bring y onto the constraints, see `settle`; the largest drift left and lost rows are remembered."""
-    tally = ivec(m, TALLY)
+    tally = m.tally
     lost = settle(m, t, y, y)
     row = note_drift(m)
     if row >= 0:
@@ -130,7 +104,7 @@ def project(m, t, y):
 @compiled
 def prepare_dense(m, t, h, method):
     """Make the dense output of the step from (t, y) to (t + h, y_new)."""
-    y, f, y_new, f_new, dense = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW), mat(m, DENSE)
+    y, f, y_new, f_new, dense = m.state, m.rate, m.state_new, m.rate_new, m.dense
     for n in range(y.shape[0]):
         jump = y_new[n] - y[n]
         dense[0, n] = jump
@@ -145,8 +119,8 @@ def prepare_dense(m, t, h, method):
 @compiled
 def force_at(m, t, h, theta, n):
     """Watched force n at the share theta of the step."""
-    stage, multiplier, watch = vec(m, STAGE), vec(m, MULTIPLIER), ivec(m, WATCH)
-    nq = vec(m, CHANGE).shape[0]
+    stage, multiplier, watch = m.stage, m.multiplier, m.watch
+    nq = m.change.shape[0]
     interpolate(m, theta, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
     return multiplier[watch[n]]
@@ -155,7 +129,7 @@ def force_at(m, t, h, theta, n):
 @native("void", "h", "f", "f", "f")
 def find_crossings(m, t, h, until):
     """Locate every change of sign of the watched forces up to the share `until` of the step (dense output ready)."""
-    sign = vec(m, SIGN)
+    sign = m.sign
     for n in range(sign.shape[0]):
         left = 0.0
         for part in range(1, SCAN + 1):
@@ -177,7 +151,7 @@ def find_crossings(m, t, h, until):
 @compiled
 def cross(m, t, n):
     """Watched force n changes its sign at t."""
-    sign, crossings, tally = vec(m, SIGN), mat(m, CROSSINGS), ivec(m, TALLY)
+    sign, crossings, tally = m.sign, m.crossings, m.tally
     sign[n] = -sign[n]
     k = tally[FOUND]
     if k < crossings.shape[0]:
@@ -188,7 +162,7 @@ def cross(m, t, n):
 @compiled
 def cross_at_once(m, t):
     """Signs of the watched forces at hand are those from t on: after an event they may jump."""
-    watch, sign, multiplier = ivec(m, WATCH), vec(m, SIGN), vec(m, MULTIPLIER)
+    watch, sign, multiplier = m.watch, m.sign, m.multiplier
     for n in range(watch.shape[0]):
         if multiplier[watch[n]] * sign[n] < 0.0:
             cross(m, t, n)
@@ -197,7 +171,7 @@ def cross_at_once(m, t):
 @native("void", "h", "f")
 def resume(m, t):
     """Go on from (t, y) where the right-hand side has changed: its derivative, contacts and signs as from now on."""
-    y, f = vec(m, STATE), vec(m, RATE)
+    y, f = m.state, m.rate
     derivative(m, t, y, f)
     remember_end(m)
     pass_on(m)
@@ -208,11 +182,11 @@ def resume(m, t):
 @native("i", "h", "f", "f", "f", "f", "f")
 def begin(m, t, t_end, rtol, atol, h_max):
     """Derivative at the start, signs of the watched forces, a first step size."""
-    y, f, stage, k1 = vec(m, STATE), vec(m, RATE), vec(m, STAGE), mat(m, SLOPES)[1]
-    clock, tally = vec(m, CLOCK), ivec(m, TALLY)
-    sign, watch, multiplier = vec(m, SIGN), ivec(m, WATCH), vec(m, MULTIPLIER)
+    y, f, stage, k1 = m.state, m.rate, m.stage, m.slopes[1]
+    clock, tally = m.clock, m.tally
+    sign, watch, multiplier = m.sign, m.watch, m.multiplier
     clock[T] = t
-    if imat(m, CONTACT).shape[0] > 0:
+    if m.contact.shape[0] > 0:
         start_contacts(m, t, y)
     tally[LOST] = derivative(m, t, y, f)
     gauge(m, START, t)
@@ -220,7 +194,7 @@ def begin(m, t, t_end, rtol, atol, h_max):
     pass_on(m)
     for n in range(watch.shape[0]):
         sign[n] = -1.0 if multiplier[watch[n]] < 0.0 else 1.0
-    ny = 2 * vec(m, CHANGE).shape[0]
+    ny = 2 * m.change.shape[0]
     size, slope = 0.0, 0.0
     for n in range(ny):
         scale = atol + rtol * abs(y[n])
@@ -228,7 +202,7 @@ def begin(m, t, t_end, rtol, atol, h_max):
         slope += (f[n] / scale) ** 2
     if not slope < math.inf:
         return NOT_FINITE
-    vec(m, AUDIT)[step_audit.STARTED] = 0.0
+    m.audit[step_audit.STARTED] = 0.0
     stands(m, y)
     h = 0.01 * math.sqrt(size / slope) if size > 1e-10 and slope > 1e-10 else 1e-6
     h = min(h, h_max, t_end - t)
@@ -251,7 +225,7 @@ def finish_step(m, t, y_new, f_new):
     project(m, t, y_new)
     loads(m, t)
     accelerate(m)
-    nq = vec(m, CHANGE).shape[0]
+    nq = m.change.shape[0]
     collect(m, y_new[nq : 2 * nq], f_new)
     return 0
 
@@ -263,8 +237,8 @@ def look_back(m, t, h, changed, method, t_out, out):
     Returns the contact that starts or ends first (-1 if none does); its share of the step goes to clock[SHARE].
     -2 when a contact is inside its wall at an output though it has not started.
     """
-    tally, stage = ivec(m, TALLY), vec(m, STAGE)
-    share, who, contacts = NONE, -1, imat(m, CONTACT).shape[0] > 0
+    tally, stage = m.tally, m.stage
+    share, who, contacts = NONE, -1, m.contact.shape[0] > 0
     suspect = may_any_change(m, h)
     peak = near_peak(m)
     wanted = tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t + h
@@ -285,27 +259,27 @@ def look_back(m, t, h, changed, method, t_out, out):
         k = tally[OUTPUTS]
         interpolate(m, (t_out[k] - t) / h, stage)
         if contacts and escaped(m, stage):
-            vec(m, CLOCK)[TROUBLE] = t_out[k]
+            m.clock[TROUBLE] = t_out[k]
             return -2
         project(m, t_out[k], stage)
         record(m, t_out[k], stage, out[k])
         tally[OUTPUTS] = k + 1
-    vec(m, CLOCK)[SHARE] = share
+    m.clock[SHARE] = share
     return who
 
 
 @native("void", "h", "f", "v", "i")
 def turn_contact(m, t, y, who):
     """Contact `who` starts or ends at (t, y): change its memory, note the event, choose a step for what follows."""
-    clock, tally, grip = vec(m, CLOCK), ivec(m, TALLY), mat(m, GRIP)
-    was_shut = grip[who, CLOSED] == SHUT
+    clock, tally, grip = m.clock, m.tally, m.grip
+    was_shut = grip[who, at.CLOSED] == at.SHUT
     if was_shut:
-        clock[FEWEST] = min(clock[FEWEST], grip[who, STEPS_IN])
+        clock[FEWEST] = min(clock[FEWEST], grip[who, at.STEPS_IN])
     else:
         tally[CONTACTS] += 1
         clock[H_FREE] = max(clock[H], 0.5 * clock[H_FREE])
     tally[EVENT_COUNT] = change_contacts(m, who, t, y, tally[EVENT_COUNT])
-    finish_step(m, t, y, vec(m, RATE_NEW))
+    finish_step(m, t, y, m.rate_new)
     remember_end(m)
     if was_shut:
         clock[H] = max(clock[H], 0.3 * clock[H_FREE])
@@ -334,11 +308,11 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
 
     Returns DONE, PAUSED, NOT_FINITE, STEP_TOO_SMALL, ESCAPED, UNSOUND or SLIDES.
     """
-    y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
-    clock, tally, power, most_found = vec(m, CLOCK), ivec(m, TALLY), vec(m, POWER), mat(m, CROSSINGS).shape[0] // 2
+    y, f, y_new, f_new = m.state, m.rate, m.state_new, m.rate_new
+    clock, tally, power, most_found = m.clock, m.tally, m.power, m.crossings.shape[0] // 2
     start = tally[STEPS]
-    contacts = imat(m, CONTACT).shape[0] > 0
-    landing, switches = vec(m, LANDING), imat(m, SWITCH).shape[0] > 0
+    contacts = m.contact.shape[0] > 0
+    landing, switches = m.landing, m.switch.shape[0] > 0
     while tally[STEPS] < start + most_steps and tally[FOUND] < most_found and tally[EVENT_COUNT] < most_found:
         t = clock[T]
         if t >= t_end:

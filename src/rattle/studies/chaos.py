@@ -23,7 +23,7 @@ from rattle.equations.dense import LARGE
 from rattle.equations.motion import DONE, PAUSED, drive
 from rattle.equations.system import System
 from rattle.jit import functions
-from rattle.jit.layout import CLOSED, SHUT, SPEED
+from rattle.jit import layout as at
 from rattle.results.display import lines
 from rattle.solvers import step_loop
 from rattle.solvers.contact_events import pass_on, remember_end
@@ -57,8 +57,8 @@ def driver_period(system: System) -> float | None:
         slot = int(system.arrays["joint"][n, 3]) + driver_slot(system, n)
         rates = []
         for t in (0.0, 0.0137, 0.171, 1.93):
-            drive(memory.handle, t)
-            rates.append(float(memory["values"][slot + 1]))
+            drive(memory, t)
+            rates.append(float(memory.values[slot + 1]))
         if rates[0] and max(rates) - min(rates) <= 1e-9 * abs(rates[0]):
             return 2.0 * math.pi / abs(rates[0])
     return None
@@ -360,7 +360,7 @@ def _require_freedom(m: Mechanism) -> None:
     system, memory = m.system, m.system.memory()
     if len(system.arrays["contact"]) or system.row_count > LARGE:
         return
-    open_by(memory.handle, m.start.t, m.start.q, m.start.v)
+    open_by(memory, m.start.t, m.start.q, m.start.v)
     if rank(system, memory) == 3 * system.body_count:
         raise ValueError(
             "the drivers fix every position: there is no freedom in which errors could grow, so no exponent"
@@ -381,7 +381,7 @@ def _growths(m: Mechanism, span: float, length: float, rtol: float) -> np.ndarra
     for run in (one, two):
         _must(run, run.begin(m.start.t))
     offset = np.random.default_rng(1).normal(size=2 * nq) / weight
-    two.memory["y"][: 2 * nq] += APART / math.sqrt(2 * nq) * offset
+    two.memory.state[: 2 * nq] += APART / math.sqrt(2 * nq) * offset
     _renew(one, two)
     apart = _distance(one, two, weight)
     count = max(BLOCKS * 2, round(span / length))
@@ -404,31 +404,31 @@ def _growths(m: Mechanism, span: float, length: float, rtol: float) -> np.ndarra
 
 def _distance(one: Any, two: Any, weight: np.ndarray) -> float:
     n = len(weight)
-    return float(np.linalg.norm(weight * (two.memory["y"][:n] - one.memory["y"][:n])))
+    return float(np.linalg.norm(weight * (two.memory.state[:n] - one.memory.state[:n])))
 
 
 def _renew(one: Any, two: Any, share: float = 1.0) -> None:
     """Bring the second run to a share of its distance, onto its constraints, with the contact memory of the first."""
     t = float(one.clock[step_loop.T])
-    y, other = one.memory["y"], two.memory["y"]
-    motion = 2 * len(one.memory["change"])
+    y, other = one.memory.state, two.memory.state
+    motion = 2 * len(one.memory.change)
     scaled = [slice(0, motion), slice(motion + 2, None, 4)]  # positions, rates and bristles; accounts are those of one
     kept = [y[part] + share * (other[part] - y[part]) for part in scaled]
     other[:] = y
     for part, values in zip(scaled, kept, strict=True):
         other[part] = values
-    grip, old = one.memory["grip"], two.memory["grip"]
-    both = (grip[:, CLOSED] == SHUT) & (old[:, CLOSED] == SHUT)
-    speed = np.where(both, grip[:, SPEED] + share * (old[:, SPEED] - grip[:, SPEED]), grip[:, SPEED])
+    grip, old = one.memory.grip, two.memory.grip
+    both = (grip[:, at.CLOSED] == at.SHUT) & (old[:, at.CLOSED] == at.SHUT)
+    speed = np.where(both, grip[:, at.SPEED] + share * (old[:, at.SPEED] - grip[:, at.SPEED]), grip[:, at.SPEED])
     old[:] = grip
-    old[:, SPEED] = speed
+    old[:, at.SPEED] = speed
     if one.method == "event":
-        two.memory["mode"][:] = one.memory["mode"]
+        two.memory.mode[:] = one.memory.mode
         _must(two, two.begin(t))
     else:
-        handle = two.memory.handle
-        step_loop.finish_step(handle, t, other, two.memory["f"])
-        two.memory["audit"][STARTED] = 0.0  # energies are counted anew
+        handle = two.memory
+        step_loop.finish_step(handle, t, other, two.memory.rate)
+        two.memory.audit[STARTED] = 0.0  # energies are counted anew
         remember_end(handle)
         pass_on(handle)
     two.clock[:] = one.clock

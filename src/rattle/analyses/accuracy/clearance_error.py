@@ -267,4 +267,4 @@ def _conjugate(shown: Displaced) -> str:
 
 def _moment(rest: Rest, name: str) -> float:
     at = int(rest.system.arrays["load"][list(rest.system.model.loads).index(name), 3])
-    return float(rest.memory["values"][at])
+    return float(rest.memory.values[at])

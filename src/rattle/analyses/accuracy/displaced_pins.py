@@ -34,7 +34,7 @@ class Displaced:
         self.system, self.start, self.joints, self.output = system, start, joints, output
         self.sweep = begin(system, start)
         self.place = [int(system.arrays["joint"][system.joints.index(one.name), 3]) for one in joints]
-        self.values = self.sweep.memory["values"]
+        self.values = self.sweep.memory.values
         self.base = self.values.copy()
         self.names: list[str] = []
 
@@ -55,7 +55,7 @@ class Displaced:
         sweep = self.sweep
         sweep.node[:] = node
         sweep.node[swept.Q_NEW : swept.Q_OLD] = node[: swept.Q_NEW]
-        moved, root, _, _ = swept.closed_at(sweep.memory.handle, t, sweep.node, self.system.size)
+        moved, root, _, _ = swept.closed_at(sweep.memory, t, sweep.node, self.system.size)
         raw = np.full(width(self.system), math.nan)
         if moved < math.inf:
             sweep.node[: swept.Q_NEW] = sweep.node[swept.Q_NEW : swept.Q_OLD]
@@ -103,9 +103,7 @@ class Displaced:
             first = int(self.system.arrays["joint"][self.system.joints.index(joint.name), 4])
             found[k] = y[first : first + 2]
             if joint.kind != "prismatic":  # rows are in the ground frame, e in that of A
-                angle = (
-                    0.0 if joint.a.body == "ground" else memory["body"][1 + self.system.bodies.index(joint.a.body), 2]
-                )
+                angle = 0.0 if joint.a.body == "ground" else memory.body[1 + self.system.bodies.index(joint.a.body), 2]
                 c, s = math.cos(angle), math.sin(angle)
                 found[k] = c * found[k, 0] + s * found[k, 1], -s * found[k, 0] + c * found[k, 1]
         return found
@@ -125,7 +123,7 @@ class Displaced:
         q = self.sweep.node[swept.Q].copy()
         v = self.sweep.node[swept.V].copy()
         self.shift(e)
-        open_by(memory.handle, t, q, v)
+        open_by(memory, t, q, v)
         slope = np.zeros(len(q))
         if not signal:
             k = 3 * self.system.bodies.index(body)
@@ -139,7 +137,7 @@ class Displaced:
             if slope_v:
                 self.shift(np.zeros_like(e))
                 return None
-        open_by(memory.handle, t, q, v)
+        open_by(memory, t, q, v)
         self.shift(np.zeros_like(e))
         return slope
 
@@ -148,9 +146,9 @@ class Displaced:
         memory, k = self.sweep.memory, list(self.system.model.signals).index(self.output)
 
         def at(q: np.ndarray, v: np.ndarray) -> float:
-            open_by(memory.handle, t, q, v)
-            loads(memory.handle, t)
-            return float(memory["signals"][k])
+            open_by(memory, t, q, v)
+            loads(memory, t)
+            return float(memory.signals[k])
 
         base = at(q, v)
         for n in range(len(q)):

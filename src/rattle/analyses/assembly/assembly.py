@@ -24,8 +24,8 @@ from rattle.equations.dense import LARGE, dense_rows
 from rattle.equations.motion import constraints, drive, solve_motion
 from rattle.equations.system import System, compile_system, has_contacts, is_link
 from rattle.errors import AssemblyError
-from rattle.jit.layout import GAP, OWNER
-from rattle.jit.workspace import Memory
+from rattle.jit import layout as at
+from rattle.jit.workspace import Workspace
 
 HOLD = 1e-6  # share of its mobility that a rate given keeps in mechanisms too large for `starting`
 FAR = 0.1  # turn of a body that pins pressed to their default places may ask for [rad]
@@ -84,7 +84,7 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
         place_rates(system, q, v, given, ideal.v)
         v = _closed_rates(system, memory, t, q, v, given)
     _refuse_contradiction(system, t, q, v)
-    residual = float(open_by(memory.handle, t, q, v))
+    residual = float(open_by(memory, t, q, v))
     outside = _outside(system, memory)
     if outside:
         raise AssemblyError(outside)
@@ -92,7 +92,7 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
 
 
 def _closed(
-    system: System, memory: Memory, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
+    system: System, memory: Workspace, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
     ideal: Assembled | None,
 ) -> tuple[np.ndarray, int]:  # fmt: skip
     """Positions that satisfy every joint, with the pins of the `held` joints at their offsets if that goes together."""
@@ -100,7 +100,7 @@ def _closed(
     if held and ideal is not None:
         try:
             q, iterations = _hold_offsets(system, t, {name: offsets[name] for name in held}, ideal)
-            gap = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * system.size, 60)[0]
+            gap = close_position(memory, t, q, np.empty_like(q), 1e-12 * system.size, 60)[0]
             if not gap <= 1e-9 * system.size or (missing and np.abs(q - ideal.q)[2::3].max() > FAR):
                 raise AssemblyError(_why_open(system, memory, t, q))
         except AssemblyError:
@@ -114,7 +114,7 @@ def _closed(
     if system.row_count > LARGE or missing or any(name in system.model.initial.offsets for name in held):
         return q, iterations
     kept = keep_positions(system, memory, t, q, given_values(system, 0))
-    open_by(memory.handle, t, kept, np.zeros_like(kept))
+    open_by(memory, t, kept, np.zeros_like(kept))
     return (q if _outside(system, memory) else kept), iterations
 
 
@@ -147,12 +147,12 @@ def _hold_offsets(system: System, t: float, offsets: dict[str, Any], ideal: Asse
             joint = joints[name]
             angle = 0.0 if joint.a.body == "ground" else float(q[3 * system.bodies.index(joint.a.body) + 2])
             shift = turned(-angle, offset)
-            at = (joint.a.at[0] + float(shift[0]), joint.a.at[1] + float(shift[1]))
-            joints[name] = replace(joint, a=replace(joint.a, at=at), contact=None)
+            spot = (joint.a.at[0] + float(shift[0]), joint.a.at[1] + float(shift[1]))
+            joints[name] = replace(joint, a=replace(joint.a, at=spot), contact=None)
         shifted = compile_system(replace(model, joints=joints))
         memory = shifted.memory()
         before = q.copy()
-        gap, more = close_position(memory.handle, t, q, np.empty_like(q), 1e-13 * system.size, 60)
+        gap, more = close_position(memory, t, q, np.empty_like(q), 1e-13 * system.size, 60)
         iterations += more
         if not gap <= 1e-9 * system.size:
             raise AssemblyError(_why_open(shifted, memory, t, q))
@@ -163,14 +163,14 @@ def _hold_offsets(system: System, t: float, offsets: dict[str, Any], ideal: Asse
     return q, iterations
 
 
-def _outside(system: System, memory: Memory) -> str:
+def _outside(system: System, memory: Workspace) -> str:
     """Which pin is outside its bush, or block outside its guide, at the state in the memory; empty when none."""
     contact = system.arrays["contact"]
     if not len(contact):
         return ""
-    touch_all(memory.handle)
-    for entry, gap in zip(contact, memory["touch"][:, GAP], strict=True):
-        name = system.joints[entry[OWNER]]
+    touch_all(memory)
+    for entry, gap in zip(contact, memory.touch[:, at.GAP], strict=True):
+        name = system.joints[entry[at.OWNER]]
         clearance = system.model.joints[name].clearance
         if gap < -1e-6 * clearance:
             return (
@@ -182,17 +182,17 @@ def _outside(system: System, memory: Memory) -> str:
 
 # ---------------------------------------------------------------- positions
 def _positions(
-    system: System, memory: Memory, t: float, offsets: dict[str, Any], ideal: Assembled | None
+    system: System, memory: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None
 ) -> tuple[np.ndarray, int]:
     """Close the positions; guesses for angles that were not given are varied until it works."""
     best = None
     for q in _guesses(system, memory, t, offsets, ideal):
         start = q.copy()
-        gap, iterations = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * system.size, 60)
+        gap, iterations = close_position(memory, t, q, np.empty_like(q), 1e-12 * system.size, 60)
         if not gap <= 1e-9 * system.size and system.row_count <= LARGE:
             q[:] = start
             _least_open(system, memory, t, q)
-            gap, more = close_position(memory.handle, t, q, np.empty_like(q), 1e-12 * system.size, 60)
+            gap, more = close_position(memory, t, q, np.empty_like(q), 1e-12 * system.size, 60)
             iterations += more
         if gap <= 1e-9 * system.size:
             return q, iterations
@@ -203,7 +203,7 @@ def _positions(
     raise AssemblyError(_why_open(system, memory, t, best[1]))
 
 
-def _without_drivers(system: System, memory: Memory, t: float) -> None:
+def _without_drivers(system: System, memory: Workspace, t: float) -> None:
     """Where the joints alone can be closed, see whether the drivers hinder each other, or have nothing to move."""
     from rattle.analyses.assembly.rank import without_freedom
 
@@ -213,19 +213,19 @@ def _without_drivers(system: System, memory: Memory, t: float) -> None:
         q = assemble(compile_system(replace(system.model, drivers={})), t).q
     except AssemblyError:
         return
-    place_only(memory.handle, q)
-    drive(memory.handle, t)
-    constraints(memory.handle)
+    place_only(memory, q)
+    drive(memory, t)
+    constraints(memory)
     _refuse_two_drivers(system, memory)
     for name, row in without_freedom(system, memory):
-        off = abs(float(memory["rows"][row, 0]))
+        off = abs(float(memory.rows[row, 0]))
         raise AssemblyError(
             f"driver '{name}' asks for a place {off:.4g} {system.rows[row].unit} away from the one that the joints"
             " hold: they leave its freedom no motion (one driver too many); take it out, or free a joint"
         )
 
 
-def _refuse_two_drivers(system: System, memory: Memory) -> None:
+def _refuse_two_drivers(system: System, memory: Workspace) -> None:
     """Raise AssemblyError when drivers move the same freedom at the state in the memory."""
     from rattle.analyses.assembly.rank import on_one_freedom
 
@@ -249,12 +249,12 @@ def _refuse_contradiction(system: System, t: float, q: np.ndarray, v: np.ndarray
 
 
 def _guesses(
-    system: System, memory: Memory, t: float, offsets: dict[str, Any], ideal: Assembled | None
+    system: System, memory: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None
 ) -> Iterator[np.ndarray]:
     """Bodies placed by the joints, from the ground outwards, for one set of angles after the other."""
     model = system.model
-    drive(memory.handle, t)
-    functions = {name: memory["values"][system.arrays["joint"][n, 3] :] for n, name in enumerate(system.joints)}
+    drive(memory, t)
+    functions = {name: memory.values[system.arrays["joint"][n, 3] :] for n, name in enumerate(system.joints)}
     angles, free = passed_angles(model, functions)
     if ideal is not None:  # the ideal mechanism has found the angles that were not given
         angles.update({name: float(ideal.q[3 * system.bodies.index(name) + 2]) for name in free})
@@ -274,17 +274,17 @@ def _guesses(
         yield place_positions(system, {**angles, **dict(zip(free, turn, strict=True))}, offsets, functions)
 
 
-def _least_open(system: System, memory: Memory, t: float, q: np.ndarray) -> None:
+def _least_open(system: System, memory: Workspace, t: float, q: np.ndarray) -> None:
     """Levenberg-Marquardt on |Phi|^2 in mass-weighted coordinates: works where the rows lose rank."""
     scale = np.sqrt(system.arrays["weight"][1:].ravel() / system.arrays["weight"][1:].max())
     damping = 1e-2
 
     def rows_at(q: np.ndarray) -> np.ndarray:
-        place_only(memory.handle, q)
-        constraints(memory.handle)
-        return memory["rows"][:, 0].copy()
+        place_only(memory, q)
+        constraints(memory)
+        return memory.rows[:, 0].copy()
 
-    drive(memory.handle, t)
+    drive(memory, t)
     phi = rows_at(q)
     for _ in range(80):
         jacobian = dense_rows(system, memory) * scale
@@ -308,24 +308,24 @@ def _least_open(system: System, memory: Memory, t: float, q: np.ndarray) -> None
                 break
 
 
-def _why_open(system: System, memory: Memory, t: float, q: np.ndarray) -> str:
+def _why_open(system: System, memory: Workspace, t: float, q: np.ndarray) -> str:
     """Why the joints cannot be closed from q, which goes to where they are open least."""
-    drive(memory.handle, t)
+    drive(memory, t)
     if system.row_count <= LARGE and not without_value(system, memory, t):
         _least_open(system, memory, t, q)
-    place_only(memory.handle, q)
-    constraints(memory.handle)
+    place_only(memory, q)
+    constraints(memory)
     return why_open(system, memory, t)
 
 
 def _along_reactions(ideal_system: System, ideal: Assembled, missing: list[str]) -> dict[str, tuple[float, float]]:
     """Pin offsets that press on the bush as the ideal mechanism's reactions do."""
     memory = ideal_system.memory()
-    solve_motion(memory.handle, ideal.t, ideal.q, ideal.v)
+    solve_motion(memory, ideal.t, ideal.q, ideal.v)
     found = {}
     for name in missing:
         row = ideal_system.arrays["joint"][ideal_system.joints.index(name), 4]
-        force = -memory["multiplier"][row : row + 2]  # on B
+        force = -memory.multiplier[row : row + 2]  # on B
         size = float(np.hypot(*force))
         n = -force / size if size > 1e-12 * ideal_system.arrays["mass"].max() else np.array([1.0, 0.0])
         clearance = ideal_system.model.joints[name].clearance
@@ -334,7 +334,7 @@ def _along_reactions(ideal_system: System, ideal: Assembled, missing: list[str])
 
 
 # ---------------------------------------------------------------- rates
-def _free_rates(system: System, memory: Memory, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
+def _free_rates(system: System, memory: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Rates of an ideal mechanism: those given are kept where the joints allow, the others follow."""
     v: np.ndarray = np.nan_to_num(given)
     place_rates(system, q, v, given, v.copy())
@@ -342,7 +342,7 @@ def _free_rates(system: System, memory: Memory, t: float, q: np.ndarray, given: 
 
 
 def _closed_rates(
-    system: System, memory: Memory, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
+    system: System, memory: Workspace, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
 ) -> np.ndarray:
     """Rates near v that satisfy the constraints, those given moved last."""
     if system.row_count <= LARGE:
@@ -354,6 +354,6 @@ def _closed_rates(
         held = replace(system, arrays={**system.arrays, "weight": weight}).memory()
         for _ in range(4):
             v[known] = given[known]
-            close_rate(held.handle, t, q, v)
-    close_rate(memory.handle, t, q, v)
+            close_rate(held, t, q, v)
+    close_rate(memory, t, q, v)
     return v

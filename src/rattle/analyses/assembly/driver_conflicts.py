@@ -12,8 +12,8 @@ import numpy as np
 from rattle.analyses.assembly.rank import RANK, left_null, row_lengths, scaled_rows
 from rattle.equations.closure import close_position, close_rate, open_by
 from rattle.equations.system import System, compile_system
-from rattle.jit.layout import GAMMA, NU
-from rattle.jit.workspace import Memory
+from rattle.jit import layout as at
+from rattle.jit.workspace import Workspace
 
 NOISE = 1e-9  # share of the terms of N^T nu that is rounding
 SHAKE = 1e-3  # way along the freedoms of the joints: dependence that goes away is that of a singular position
@@ -31,7 +31,7 @@ def contradicted(system: System, t: float, q: np.ndarray, v: np.ndarray, span: f
     if not system.model.drivers:
         return ""
     memory = system.memory()
-    open_by(memory.handle, t, q, v)
+    open_by(memory, t, q, v)
     null = _with_drivers(system, left_null(system, memory))
     if not null.shape[1]:
         return ""
@@ -47,10 +47,10 @@ def _with_drivers(system: System, null: np.ndarray) -> np.ndarray:
     return null[:, np.abs(null[driving]).max(axis=0, initial=0.0) > TAKES_PART]
 
 
-def _at_odds(system: System, memory: Memory, null: np.ndarray) -> tuple[str, ...]:
+def _at_odds(system: System, memory: Workspace, null: np.ndarray) -> tuple[str, ...]:
     """Owners of the dependent rows whose right sides do not go together, at the state in the memory."""
-    rows, length = memory["rows"], row_lengths(system, memory)
-    for column in (NU, GAMMA):
+    rows, length = memory.rows, row_lengths(system, memory)
+    for column in (at.NU, at.GAMMA):
         side = rows[:, column] / length
         for k in range(null.shape[1]):
             terms = null[:, k] * side
@@ -62,7 +62,7 @@ def _at_odds(system: System, memory: Memory, null: np.ndarray) -> tuple[str, ...
 def _structural(system: System, t: float, q: np.ndarray) -> bool:
     """True when drivers stay among the dependent rows a little further along the freedoms that the joints leave."""
     memory = system.memory()
-    open_by(memory.handle, t, q, np.zeros_like(q))
+    open_by(memory, t, q, np.zeros_like(q))
     driving = np.array([row.driver for row in system.rows])
     near = q.copy()
     if not driving.all():
@@ -71,16 +71,13 @@ def _structural(system: System, t: float, q: np.ndarray) -> bool:
         _, values, right = np.linalg.svd(scaled_rows(system, memory)[~driving])
         free = right[int((values > RANK * values[0]).sum()) :]
         near += SHAKE * scale * (free.T @ np.random.default_rng(0).uniform(0.5, 1.0, len(free)))
-        if (
-            not close_position(joints.handle, t, near, np.empty_like(q), 1e-12 * system.size, 30)[0]
-            <= 1e-9 * system.size
-        ):
+        if not close_position(joints, t, near, np.empty_like(q), 1e-12 * system.size, 30)[0] <= 1e-9 * system.size:
             return False
-    open_by(memory.handle, t, near, np.zeros_like(q))
+    open_by(memory, t, near, np.zeros_like(q))
     return bool(_with_drivers(system, left_null(system, memory)).shape[1])
 
 
-def _later(system: System, memory: Memory, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
+def _later(system: System, memory: Workspace, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
     """The same at some later instants, as far as positions can be followed."""
     scratch = np.empty_like(q)
     scale = np.tile([1.0 / system.size, 1.0 / system.size, 1.0], system.body_count)
@@ -93,13 +90,13 @@ def _later(system: System, memory: Memory, t: float, q: np.ndarray, v: np.ndarra
             ahead = min(mark, now + SHORT / max(float(np.abs(scale * v).max()), 1e-300))
             owners = _taking_part(system, _with_drivers(system, left_null(system, memory)))
             q += (ahead - now) * v
-            if not close_position(memory.handle, ahead, q, scratch, 1e-12 * system.size, 30)[0] <= 1e-9 * system.size:
+            if not close_position(memory, ahead, q, scratch, 1e-12 * system.size, 30)[0] <= 1e-9 * system.size:
                 return (
                     f"{_said(system, owners)} (at t = {ahead:.4g} s)"
                     if _closes_without(system, owners, ahead, q)
                     else ""
                 )
-            close_rate(memory.handle, ahead, q, v)
+            close_rate(memory, ahead, q, v)
             now, steps = ahead, steps + 1
         found = contradicted(system, now, q, v, 0.0)
         if found:
@@ -113,7 +110,7 @@ def _closes_without(system: System, owners: tuple[str, ...], t: float, q: np.nda
         if name in owners:
             drivers = {other: one for other, one in system.model.drivers.items() if other != name}
             memory, near = compile_system(replace(system.model, drivers=drivers)).memory(), q.copy()
-            gap = close_position(memory.handle, t, near, np.empty_like(q), 1e-12 * system.size, 60)[0]
+            gap = close_position(memory, t, near, np.empty_like(q), 1e-12 * system.size, 60)[0]
             if gap <= 1e-9 * system.size:
                 return True
     return False

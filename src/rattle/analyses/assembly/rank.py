@@ -6,13 +6,13 @@ import numpy as np
 
 from rattle.equations.dense import LARGE, dense_rows
 from rattle.equations.system import System
-from rattle.jit.workspace import Memory
+from rattle.jit.workspace import Workspace
 
 RANK = 1e-9  # a singular value below this share of the largest counts as zero
 UNLIKE = 1e9  # ratio of masses that leaves too few digits for the lighter body
 
 
-def scaled_rows(system: System, memory: Memory) -> np.ndarray:
+def scaled_rows(system: System, memory: Workspace) -> np.ndarray:
     """Phi_q with angles measured as lengths at the size of the mechanism, every row of length one."""
     full = dense_rows(system, memory)
     full[:, 2::3] /= system.size
@@ -20,7 +20,7 @@ def scaled_rows(system: System, memory: Memory) -> np.ndarray:
     return scaled
 
 
-def row_lengths(system: System, memory: Memory) -> np.ndarray:
+def row_lengths(system: System, memory: Workspace) -> np.ndarray:
     """(nr,) what `scaled_rows` divides every row by."""
     full = dense_rows(system, memory)
     full[:, 2::3] /= system.size
@@ -29,17 +29,17 @@ def row_lengths(system: System, memory: Memory) -> np.ndarray:
     return made
 
 
-def rank(system: System, memory: Memory) -> int:
+def rank(system: System, memory: Workspace) -> int:
     """Number of independent rows at the state in the memory."""
     if system.row_count == 0:
         return 0
     if system.row_count > LARGE:
-        return system.row_count - int(memory["redundant"].sum())
+        return system.row_count - int(memory.redundant.sum())
     values = np.linalg.svd(scaled_rows(system, memory), compute_uv=False)
     return int((values > RANK * values[0]).sum())
 
 
-def left_null(system: System, memory: Memory, tolerance: float = RANK) -> np.ndarray:
+def left_null(system: System, memory: Workspace, tolerance: float = RANK) -> np.ndarray:
     """(nr, k) combinations of rows that vanish: forces that the joints can exert on each other for nothing."""
     if system.row_count == 0 or system.row_count > LARGE:
         return np.zeros((system.row_count, 0))
@@ -48,17 +48,17 @@ def left_null(system: System, memory: Memory, tolerance: float = RANK) -> np.nda
     return u[:, values <= tolerance * values[0]]
 
 
-def nonunique_reactions(system: System, memory: Memory) -> tuple[str, ...]:
+def nonunique_reactions(system: System, memory: Workspace) -> tuple[str, ...]:
     """Names of joints and drivers whose reactions are not unique at the state in the memory."""
     if system.row_count > LARGE:
-        lost = np.flatnonzero(memory["redundant"][system.arrays["place"]])
+        lost = np.flatnonzero(memory.redundant[system.arrays["place"]])
         return tuple(dict.fromkeys(system.rows[r].owner for r in lost))
     free = left_null(system, memory)
     taking_part = np.abs(free).max(axis=1, initial=0.0) > 1e-6
     return tuple(dict.fromkeys(row.owner for row, takes in zip(system.rows, taking_part, strict=True) if takes))
 
 
-def on_one_freedom(system: System, memory: Memory) -> tuple[str, ...]:
+def on_one_freedom(system: System, memory: Workspace) -> tuple[str, ...]:
     """Names of drivers that would move the same freedom of what the joints leave free, at the state in the memory."""
     if len(system.model.drivers) < 2 or system.row_count > LARGE:
         return ()
@@ -69,7 +69,7 @@ def on_one_freedom(system: System, memory: Memory) -> tuple[str, ...]:
     return tuple(name for name, takes in zip(names, taking_part, strict=True) if takes)
 
 
-def without_freedom(system: System, memory: Memory) -> list[tuple[str, int]]:
+def without_freedom(system: System, memory: Workspace) -> list[tuple[str, int]]:
     """Drivers, with their rows, of a mechanism whose joints leave nothing free, at the state in the memory."""
     if _driven(system, memory).shape[
         1
@@ -78,7 +78,7 @@ def without_freedom(system: System, memory: Memory) -> list[tuple[str, int]]:
     return [(row.owner, r) for r, row in enumerate(system.rows) if row.driver]
 
 
-def _driven(system: System, memory: Memory) -> np.ndarray:
+def _driven(system: System, memory: Workspace) -> np.ndarray:
     """(drivers, freedoms) rows of the drivers along the directions that the joints leave free."""
     full = scaled_rows(system, memory)
     driving = np.array([row.driver for row in system.rows])
@@ -100,7 +100,7 @@ def unlike_masses(system: System) -> str:
     return f"'{heavy}' has {ratio:.2g} times the mass of '{light}', too few digits are left; take less of a ratio"
 
 
-def describe_rank_loss(system: System, memory: Memory, tolerance: float = 1e-3) -> str:
+def describe_rank_loss(system: System, memory: Workspace, tolerance: float = 1e-3) -> str:
     """In words, which joints block the motion at the state in the memory; empty when all rows are independent."""
     free = left_null(system, memory, tolerance)
     if free.shape[1] == 0:

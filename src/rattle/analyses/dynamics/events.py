@@ -13,17 +13,8 @@ from rattle.analyses.law_check import law_faults
 from rattle.description.model import Model
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
-from rattle.jit.layout import (
-    CLOSED,
-    IMPULSE_0,
-    LOSS_0,
-    OWNER,
-    PEAK,
-    SHUT,
-    SINCE,
-    SPEED,
-)  # fmt: skip
-from rattle.jit.workspace import Memory
+from rattle.jit import layout as at  # fmt: skip
+from rattle.jit.workspace import Workspace
 from rattle.results.event import Event
 
 SHORTEST = 1e-12  # a step that is taken for impossible [s]
@@ -32,20 +23,20 @@ STEPS_WANTED = 10  # in the shortest contact
 KINDS = ("contact", "release", "impact", "stick", "slip")  # in the order of their numbers in `plane`
 
 
-def contact_events(system: System, rows: Sequence[np.ndarray], memory: Memory, t: float) -> tuple[Event, ...]:
+def contact_events(system: System, rows: Sequence[np.ndarray], memory: Workspace, t: float) -> tuple[Event, ...]:
     """Events in order of time; contacts still going on at the end (time t) come with what they have so far."""
-    owner = system.arrays["contact"][:, OWNER]
+    owner = system.arrays["contact"][:, at.OWNER]
     found = []
     for row in np.concatenate(rows) if rows else np.zeros((0, 8)):
         joint = system.joints[owner[int(row[1])]]
         kind = KINDS[int(row[2])]
         values = row[3:8] if kind in ("contact", "impact") else row[3:4]
         found.append(Event(float(row[0]), joint, kind, *(float(x) for x in values)))
-    grip, y = memory["grip"], memory["y"]
-    for n in np.flatnonzero(grip[:, CLOSED] == SHUT):
+    grip, y = memory.grip, memory.state
+    for n in np.flatnonzero(grip[:, at.CLOSED] == at.SHUT):
         k = len(y) - 4 * len(grip) + 4 * n
-        since, speed, peak = (float(grip[n, c]) for c in (SINCE, SPEED, PEAK))
-        impulse, lost = float(y[k + 1] - grip[n, IMPULSE_0]), float(y[k + 2] - grip[n, LOSS_0])
+        since, speed, peak = (float(grip[n, c]) for c in (at.SINCE, at.SPEED, at.PEAK))
+        impulse, lost = float(y[k + 1] - grip[n, at.IMPULSE_0]), float(y[k + 2] - grip[n, at.LOSS_0])
         found.append(Event(since, system.joints[owner[n]], "contact", speed, t - since, peak, impulse, lost))
     return tuple(sorted(found, key=lambda event: event.t))
 

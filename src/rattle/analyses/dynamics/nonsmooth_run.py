@@ -18,8 +18,8 @@ from rattle.equations.motion import NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
 from rattle.jit import functions
-from rattle.jit.layout import IMPACT, NORMAL_P, OWNER
-from rattle.jit.workspace import Memory
+from rattle.jit import layout as at
+from rattle.jit.workspace import Workspace
 from rattle.solvers import glances, step_loop
 from rattle.solvers.gap_search import ESCAPED
 from rattle.solvers.nonsmooth import (
@@ -41,7 +41,7 @@ STEPS = 20_000  # of Moreau-Jean over a run, when nothing is said
 
 def has_impacts(system: System) -> bool:
     """True when the model has set-valued contacts."""
-    return bool((system.arrays["contact"][:, IMPACT] == 1).any())
+    return bool((system.arrays["contact"][:, at.IMPACT] == 1).any())
 
 
 def choose_method(system: System, method: str, step: float | None, span: float) -> tuple[str, float | None]:
@@ -49,8 +49,11 @@ def choose_method(system: System, method: str, step: float | None, span: float) 
 
     Methods that know no impact become "event".  Raises ModelError when impact and compliant contacts are mixed.
     """
-    if not (system.arrays["contact"][:, IMPACT] == 1).all():
-        laws = {system.joints[row[OWNER]]: "impact" if row[IMPACT] else "compliant" for row in system.arrays["contact"]}
+    if not (system.arrays["contact"][:, at.IMPACT] == 1).all():
+        laws = {
+            system.joints[row[at.OWNER]]: "impact" if row[at.IMPACT] else "compliant"
+            for row in system.arrays["contact"]
+        }
         listed = ", ".join(f"{name}: {law}" for name, law in laws.items())
         said = f"impact and compliant contacts do not go together ({listed}); give all joints one kind"
         first = next(name for name, law in laws.items() if law == "compliant")
@@ -71,7 +74,7 @@ def require_one_law(system: System, method: str) -> None:
     """
     choices = registry.kinds("contact")["impact"].fields["restitution_law"].choices
     laws = {
-        system.joints[row[OWNER]]: choices[int(system.arrays["values"][row[NORMAL_P] + 3])]
+        system.joints[row[at.OWNER]]: choices[int(system.arrays["values"][row[at.NORMAL_P] + 3])]
         for row in system.arrays["contact"]
     }
     first = next(iter(laws))
@@ -93,14 +96,14 @@ def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
     return {
         **(contact_network.arrays(system.arrays["row_body"], contact) if nc > complementarity.FEW else {}),
         **{name: np.zeros(nc, np.int64) for name in ("mode", "chosen", "trial", "slide")},
-        "pivot": np.zeros(2 * nc, np.int64),
+        "pivots": np.zeros(2 * nc, np.int64),
         "arm": np.zeros((2 * nc, 6)),
         "direction": np.zeros((2 * nc, 3 * nb)),
         "reply": np.zeros((2 * nc, nr)),
         "delassus": np.zeros((2 * nc, 2 * nc)),
         "side": np.zeros((4, 2 * nc)),
         "system": np.zeros((2 * nc, 2 * nc + 1)),
-        "series": np.full((nc, 2), -math.inf),
+        "recent": np.full((nc, 2), -math.inf),
         "pushed": np.zeros((nb + 1, 3)),
         "called": np.zeros(nr),
         "path": np.zeros((6, 2 * nc)),
@@ -126,8 +129,8 @@ class ImpactRun(Run):
 
     may_pass = False  # jams are passed by an impact without collision
 
-    def prepare(self) -> Memory:
-        """Memory of the run."""
+    def prepare(self) -> Workspace:
+        """Workspace of the run."""
         self.jams: list[tuple[float, str]] = []  # times [s] at which friction locked and what was closed there
         arrays = step_loop.march_arrays(start_state(self.system, self.start), len(self.system.watched))
         arrays |= audit_arrays(self.system, self.method)
@@ -139,14 +142,14 @@ class ImpactRun(Run):
         self.take_sides(t)
         if self.method == "moreau":
             self.leg = Leg(t, t, 0.0, 0)
-            moreau_jean.start(self.memory.handle, t)
+            moreau_jean.start(self.memory, t)
             set_floor(self.system, self.memory, self.rtol, self.atol)
             return PAUSED
-        values, contact = self.memory["values"], self.system.arrays["contact"]
-        self.may_pass = bool((values[contact[:, NORMAL_P] + 4] > 0.0).any())
+        values, contact = self.memory.values, self.system.arrays["contact"]
+        self.may_pass = bool((values[contact[:, at.NORMAL_P] + 4] > 0.0).any())
         self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])
         self.clock[step_loop.T] = t
-        status = int(event_driven.start(self.memory.handle, t))
+        status = int(event_driven.start(self.memory, t))
         if status == unilateral.NO_SOLUTION and self.may_pass:
             status = OK if self.pass_jam(status, late=False) == PAUSED else status
         return super().begin(t) if status == OK else int(status)
@@ -157,11 +160,11 @@ class ImpactRun(Run):
             super().take_sides(t)
             return
         self.piece = self.table.piece_at(t)
-        self.table.take(self.memory["code"], self.piece)
+        self.table.take(self.memory.code, self.piece)
 
     def march(self, t: float, chunk: int, outputs: int) -> int:
         """Some steps towards the time t [s]; see `Run.march`."""
-        handle = self.memory.handle
+        handle = self.memory
         if self.method == "moreau":
             if t != self.leg.end:
                 now, done = self.leg.end, int(self.tally[step_loop.STEPS])
@@ -181,7 +184,7 @@ class ImpactRun(Run):
 
         late: the state is that of an event whose new modes were not found.
         """
-        t, handle = float(self.clock[step_loop.T]), self.memory.handle
+        t, handle = float(self.clock[step_loop.T]), self.memory
         if self.jams and t - self.jams[-1][0] <= 1e-9 * self.t_end:  # once more at the same place: it does not help
             return status
         names = ", ".join(self._closed())
@@ -194,8 +197,8 @@ class ImpactRun(Run):
     def remarks(self) -> tuple[str, ...]:
         """What happened on the way that a result has to say."""
         said: tuple[str, ...] = ()
-        if shared := int(self.memory["held"][complementarity.SHARED]):
-            joint = self.system.joints[self.system.arrays["contact"][shared - 1, OWNER]]
+        if shared := int(self.memory.held[complementarity.SHARED]):
+            joint = self.system.joints[self.system.arrays["contact"][shared - 1, at.OWNER]]
             said = (
                 f"how contacts that depend on each other share a force at joint '{joint}' is not unique: what is"
                 " listed is one way of several, with the same motion",
@@ -210,7 +213,7 @@ class ImpactRun(Run):
         """Closed contacts find their modes anew; see `Run.go_on`."""
         if self.method == "moreau":
             return PAUSED
-        status = int(event_driven.go_on(self.memory.handle, t, 1 if jolted else 0))
+        status = int(event_driven.go_on(self.memory, t, 1 if jolted else 0))
         return super().go_on(t, jolted) if status == OK else status
 
     def record_now(self, t: float) -> None:
@@ -225,7 +228,7 @@ class ImpactRun(Run):
         t = float(self.clock[step_loop.T])
         names = ", ".join(self._closed()) or "the contacts"
         passed = "" if self.may_pass or self.method == "moreau" else ', and so does jam = "impact" in the contact'
-        if status == unilateral.NO_SOLUTION and self.memory["held"][complementarity.OUTCOME] == complementarity.JAMMED:
+        if status == unilateral.NO_SOLUTION and self.memory.held[complementarity.OUTCOME] == complementarity.JAMMED:
             return (
                 f"no solution of the contact problem at {names} was found at t = {t:.9g} s: on every path that was"
                 " followed the force that presses contacts together makes them approach, as where friction jams a"
@@ -260,7 +263,7 @@ class ImpactRun(Run):
                 " less friction, or a compliant contact, goes on"
             )
         if status == unilateral.CHATTER:
-            joint = self.system.joints[self.system.arrays["contact"][int(self.stuck[2]), OWNER]]
+            joint = self.system.joints[self.system.arrays["contact"][int(self.stuck[2]), at.OWNER]]
             if self.stuck[3] > event_driven.MOST_IN_A_ROW:
                 return (
                     f"{self.stuck[3]:.0f} events in a row, each within {event_driven.CROWDED * self.t_end:.2g} s of"
@@ -277,12 +280,12 @@ class ImpactRun(Run):
 
     def _locks(self, t: float) -> bool:
         """True when sliding contacts are about to lock by friction, alone or together: the proof of Painleve's name."""
-        mode, contact = self.memory["mode"], self.system.arrays["contact"]
-        rough = self.memory["values"][contact[:, NORMAL_P] + 2] > 0.0
+        mode, contact = self.memory.mode, self.system.arrays["contact"]
+        rough = self.memory.values[contact[:, at.NORMAL_P] + 2] > 0.0
         slides = (((mode == FORWARD) | (mode == BACKWARD)) & rough).any()
         if not slides:
             return False
-        return float(jams.lock_share(self.memory.handle, t)) < NEARLY_LOCKED or self._firmness() < TOGETHER
+        return float(jams.lock_share(self.memory, t)) < NEARLY_LOCKED or self._firmness() < TOGETHER
 
     def _firmness(self) -> float:
         """Smallest singular value of a_n (a_t where they stick) of the closed contacts by their forces, as a share of
@@ -292,12 +295,12 @@ class ImpactRun(Run):
 
     def _driven(self, rough: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """G with friction of sliding, or without, on the lines of closed contacts; these contacts, and the lines."""
-        mode, contact, g = self.memory["mode"], self.system.arrays["contact"], self.memory["delassus"]
-        closed = self.memory["chosen"][: int(((mode != complementarity.OFF) & (contact[:, IMPACT] == 1)).sum())]
+        mode, contact, g = self.memory.mode, self.system.arrays["contact"], self.memory.delassus
+        closed = self.memory.chosen[: int(((mode != complementarity.OFF) & (contact[:, at.IMPACT] == 1)).sum())]
         normal = 2 * np.arange(len(closed))
         lines = np.sort(np.concatenate([normal, normal[mode[closed] == complementarity.STICK] + 1]))
         drag = (mode[closed] == FORWARD) * 1.0 - (mode[closed] == BACKWARD)
-        drag *= self.memory["values"][contact[closed, NORMAL_P] + 2] * (1.0 if rough else 0.0)
+        drag *= self.memory.values[contact[closed, at.NORMAL_P] + 2] * (1.0 if rough else 0.0)
         matrix = g[:, : 2 * len(closed)].copy()
         matrix[:, normal] += drag * matrix[:, normal + 1]
         return matrix[np.ix_(lines, lines)], closed, lines
@@ -305,24 +308,24 @@ class ImpactRun(Run):
     def _wedged(self, t: float) -> list[str]:
         """Joints whose contacts friction holds where bodies are pushed on: forces in a ratio that changes no motion,
         which press and stay within friction, and along which b calls for ever more.  None where that is not so."""
-        jams.lock_share(self.memory.handle, t)
+        jams.lock_share(self.memory, t)
         matrix, closed, lines = self._driven(True)
-        if not (self.memory["mode"][closed] == complementarity.STICK).any() or not np.isfinite(matrix).all():
+        if not (self.memory.mode[closed] == complementarity.STICK).any() or not np.isfinite(matrix).all():
             return []
-        b, force = self.memory["side"][complementarity.B, lines], np.zeros(2 * len(closed))
+        b, force = self.memory.side[complementarity.B, lines], np.zeros(2 * len(closed))
         rates, sizes, forces = np.linalg.svd(matrix)
         called = -float(rates[:, -1] @ b)
         force[lines] = math.copysign(1.0, called) * forces[-1]
         pressed, held = force[0::2], np.abs(force[1::2])
-        friction = self.memory["values"][self.system.arrays["contact"][closed, NORMAL_P] + 2]
+        friction = self.memory.values[self.system.arrays["contact"][closed, at.NORMAL_P] + 2]
         if sizes[-1] > DEAD * sizes[0] or abs(called) < DEAD * np.abs(b).max():
             return []
         if (pressed < -1e-3 * pressed.max()).any() or (held > friction * pressed + 1e-3 * pressed.max()).any():
             return []
-        owner = self.system.arrays["contact"][closed[pressed > 1e-3 * pressed.max()], OWNER]
+        owner = self.system.arrays["contact"][closed[pressed > 1e-3 * pressed.max()], at.OWNER]
         return [f"'{name}'" for name in dict.fromkeys(self.system.joints[n] for n in owner)]
 
     def _closed(self) -> list[str]:
-        owner, mode = self.system.arrays["contact"][:, OWNER], self.memory["mode"]
-        touching = (mode != complementarity.OFF) | (self.memory["touch"][:, 0] < 1e-6 * self.system.size)
+        owner, mode = self.system.arrays["contact"][:, at.OWNER], self.memory.mode
+        touching = (mode != complementarity.OFF) | (self.memory.touch[:, 0] < 1e-6 * self.system.size)
         return [f"'{name}'" for name in dict.fromkeys(self.system.joints[n] for n in owner[touching])]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from rattle.equations.system import System
-from rattle.jit.workspace import Memory
+from rattle.jit.workspace import Workspace
 from rattle.results.columns import JOINT, quantities
 from rattle.results.event import Peak
 from rattle.solvers import peaks
@@ -33,10 +33,10 @@ def peak_arrays(system: System) -> dict[str, np.ndarray]:
     }
 
 
-def peak_values(system: System, memory: Memory, span: float) -> dict[str, Peak]:
+def peak_values(system: System, memory: Workspace, span: float) -> dict[str, Peak]:
     """Largest size, its time and RMS of every watched quantity over a run of length `span` [s]."""
     found = {}
-    for (name, *_), row in zip(quantities(system), memory["peaks"], strict=True):
+    for (name, *_), row in zip(quantities(system), memory.peaks, strict=True):
         best, when, squares = (float(row[k]) for k in (peaks.BEST, peaks.WHEN, peaks.SQUARES))
         rms = math.sqrt(max(squares, 0.0) / span) if span > 0.0 else abs(best)
         found[name] = Peak(best, when, rms)

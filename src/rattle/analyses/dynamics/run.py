@@ -23,7 +23,7 @@ from rattle.elements.custom import load_law
 from rattle.equations.motion import DONE, OK, PAUSED
 from rattle.equations.system import System
 from rattle.jit import functions
-from rattle.jit.workspace import Memory
+from rattle.jit.workspace import Workspace
 from rattle.language.switching import SAME
 from rattle.results.columns import width
 from rattle.solvers import step_loop
@@ -58,7 +58,7 @@ class Run:
         self.piece = 0  # smooth pieces of the run that are over
         self.jolts: list[Jolt] = []
         self.memory = self.prepare()
-        self.clock, self.tally = self.memory["clock"], self.memory["tally"]
+        self.clock, self.tally = self.memory.clock, self.memory.tally
         self.raw = np.zeros((len(t_eval), width(system)))
         self.crossings: list[np.ndarray] = []
         self.contacts: list[np.ndarray] = []
@@ -69,15 +69,15 @@ class Run:
         self.wall = 0.0
         self.notes: tuple[str, ...] = ()  # what is known before it starts
 
-    def prepare(self) -> Memory:
-        """Memory of the run."""
+    def prepare(self) -> Workspace:
+        """Workspace of the run."""
         arrays = step_loop.march_arrays(start_state(self.system, self.start), len(self.system.watched))
         return self.system.memory(**arrays, **audit_arrays(self.system, self.method), **peak_arrays(self.system))
 
     def begin(self, t: float) -> int:
         """Get ready to march from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
         self.take_sides(t)
-        status = step_loop.begin(self.memory.handle, t, self.t_end, self.rtol, self.atol, self.step or math.inf)
+        status = step_loop.begin(self.memory, t, self.t_end, self.rtol, self.atol, self.step or math.inf)
         set_floor(self.system, self.memory, self.rtol, self.atol)
         self.pace(t)
         return PAUSED if status == OK else int(status)
@@ -85,9 +85,9 @@ class Run:
     def take_sides(self, t: float) -> None:
         """Every switch takes the side that it has from the time t [s] on."""
         self.piece = self.table.piece_at(t)
-        self.table.take(self.memory["code"], self.piece)
-        if len(self.memory["switch"]):
-            choose_sides(self.memory.handle, t, GLANCE * (self.t_end - t))
+        self.table.take(self.memory.code, self.piece)
+        if len(self.memory.switch):
+            choose_sides(self.memory, t, GLANCE * (self.t_end - t))
 
     def pace(self, t: float) -> None:
         """rk4: equal steps from the time t [s] to the next instant known beforehand."""
@@ -122,20 +122,20 @@ class Run:
         """Some steps towards the time t [s] on the sides at hand, with the first outputs; returns as `advance`."""
         return int(
             step_loop.advance(
-                self.memory.handle, t, self.rtol, self.atol, self.step or math.inf, step_loop.METHODS[self.method],
+                self.memory, t, self.rtol, self.atol, self.step or math.inf, step_loop.METHODS[self.method],
                 self.t_eval[:outputs], self.raw, chunk,
             )
         )  # fmt: skip
 
     def switch(self, t: float) -> int:
         """Expressions switch at t [s]: sides of the next piece, a jolt where a driver jumps; PAUSED or a trouble."""
-        handle, nr = self.memory.handle, self.system.row_count
+        handle, nr = self.memory, self.system.row_count
         before, after, percussion = np.zeros((3, nr))
         jumps = [jump for jump in self.table.jumps if jump.t == t]
         if jumps:
             speeds(handle, t, before)
         self.piece += 1
-        self.table.take(self.memory["code"], self.piece)
+        self.table.take(self.memory.code, self.piece)
         if jumps:
             speeds(handle, t, after)
             status = int(jolt(handle, t, before, percussion))
@@ -153,14 +153,14 @@ class Run:
 
     def go_on(self, t: float, jolted: bool) -> int:
         """Get ready to march on from t [s] after expressions have switched there; PAUSED or a trouble."""
-        step_loop.resume(self.memory.handle, t)
+        step_loop.resume(self.memory, t)
         return PAUSED
 
     def record_now(self, t: float) -> None:
         """Write the outputs at the instant t [s], those of its right side."""
         k = int(self.tally[step_loop.OUTPUTS])
         while k < len(self.t_eval) and self.t_eval[k] <= t + SAME * self.t_end:
-            record(self.memory.handle, t, self.memory["y"], self.raw[k])
+            record(self.memory, t, self.memory.state, self.raw[k])
             k += 1
         self.tally[step_loop.OUTPUTS] = k
 
@@ -183,16 +183,16 @@ class Run:
         try:
             status = self.begin(self.start.t)
             mark = (0, self.start.t)
-            self.first_sign[:] = m["sign"]
+            self.first_sign[:] = m.sign
             if status == PAUSED and self.method != "moreau" and len(self.t_eval) and self.t_eval[0] <= self.start.t:
-                record(m.handle, self.start.t, m["y"], self.raw[0])
+                record(m, self.start.t, m.state, self.raw[0])
                 tally[step_loop.OUTPUTS] = 1
             while status == PAUSED:
                 if stop.is_set():
                     raise KeyboardInterrupt
                 status = self.advance(self.t_end, CHUNK if functions.jit_runs() else 20)
-                self.crossings.append(m["crossings"][: tally[step_loop.FOUND]].copy())
-                self.contacts.append(m["events"][: tally[step_loop.EVENT_COUNT]].copy())
+                self.crossings.append(m.crossings[: tally[step_loop.FOUND]].copy())
+                self.contacts.append(m.events[: tally[step_loop.EVENT_COUNT]].copy())
                 tally[step_loop.FOUND] = tally[step_loop.EVENT_COUNT] = 0
                 if bar is not None:
                     bar.update(self.clock[step_loop.T] - bar.n)
@@ -205,7 +205,7 @@ class Run:
                     self.trouble(status) if status == ESCAPED else ""
                 )  # told by the gaps at hand, which go with outputs
                 if not tally[step_loop.OUTPUTS] and len(self.t_eval) and self.t_eval[0] <= self.start.t:
-                    record(m.handle, self.start.t, start_state(self.system, self.start), self.raw[0])
+                    record(m, self.start.t, start_state(self.system, self.start), self.raw[0])
                     tally[step_loop.OUTPUTS] = 1
                 self.message = lost or self.trouble(status)
         except KeyboardInterrupt:

@@ -143,7 +143,7 @@ def _first_given(*values: float | None) -> float:
 
 
 def _result(run: Run, reach: Reach | None) -> Result:
-    system, clock, tally, seen = run.system, run.clock, run.tally, run.memory["audit"]
+    system, clock, tally, seen = run.system, run.clock, run.tally, run.memory.audit
     n = int(tally[step_loop.OUTPUTS])
     data, names, units = columns(system, run.raw[:n])
     t = run.t_eval[:n]
@@ -153,7 +153,7 @@ def _result(run: Run, reach: Reach | None) -> Result:
     nonunique: tuple[str, ...] = ()
     notes = run.start.notes
     if tally[step_loop.LOST]:
-        record(run.memory.handle, run.start.t, start_state(system, run.start), np.zeros(width(system)))
+        record(run.memory, run.start.t, start_state(system, run.start), np.zeros(width(system)))
         nonunique = nonunique_reactions(system, run.memory)
         if not nonunique:
             notes += ("the run passed through a position where the joints lose independence (a singular position)",)
@@ -201,7 +201,7 @@ def _result(run: Run, reach: Reach | None) -> Result:
         "smallest_step": float(clock[step_loop.H_MIN]) if tally[step_loop.STEPS] else 0.0,
         "wall_time": run.wall,
         "contacts": int(tally[step_loop.CONTACTS]),
-        "switchings": run.piece + int(run.memory["landing"][TURNS]),
+        "switchings": run.piece + int(run.memory.landing[TURNS]),
         "singular_positions_leapt": int(tally[step_loop.LEAPS]),
     }
     provenance = {

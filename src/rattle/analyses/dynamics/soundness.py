@@ -21,7 +21,7 @@ from rattle.description.model import Point
 from rattle.elements.custom import load_law
 from rattle.equations.motion import drive
 from rattle.equations.system import System
-from rattle.jit.workspace import Memory
+from rattle.jit.workspace import Workspace
 from rattle.results.columns import width
 from rattle.solvers import step_audit, step_loop
 from rattle.solvers.output_row import record
@@ -42,7 +42,7 @@ class Running(Protocol):
     """What of a run is looked at here."""
 
     system: System
-    memory: Memory
+    memory: Workspace
     start: Assembled
     clock: np.ndarray
     tally: np.ndarray
@@ -72,23 +72,23 @@ def audit_arrays(system: System, method: str) -> dict[str, np.ndarray]:
     return {"measure": np.array([-1.0 if row.unit == "rad" else 1.0 / size for row in system.rows]), "audit": seen}
 
 
-def set_floor(system: System, memory: Memory, rtol: float, atol: float) -> None:
+def set_floor(system: System, memory: Workspace, rtol: float, atol: float) -> None:
     """Energies below which nothing is asked: what the tolerances leave to a mechanism at rest under its loads.
 
     Positions are known to rtol of the size, rates to atol; steps add up, so a hundred (a hundred thousand) times that.
     The applied forces are those of the start.
     """
-    forces = np.abs(memory["force"][1:])
+    forces = np.abs(memory.force[1:])
     moment = float(forces[:, 2].sum() + extent(system) * forces[:, :2].sum())
     slow = 1e5 * atol * np.array([1.0, 1.0, 1.0 / extent(system)])
     resting = 0.5 * float((system.arrays["mass"][1:] * slow**2).sum())
-    memory["audit"][step_audit.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
+    memory.audit[step_audit.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
 
 
 # ---------------------------------------------------------------- what is said
-def remarks(system: System, memory: Memory, method: str) -> tuple[str, ...]:
+def remarks(system: System, memory: Workspace, method: str) -> tuple[str, ...]:
     """What to say of a run whose drift or energy is off by more than rounding."""
-    seen = memory["audit"]
+    seen = memory.audit
     found = []
     opened = max(float(seen[step_audit.LENGTH]) / extent(system), float(seen[step_audit.ANGLE]))
     shorter = "a shorter step" if method in ("moreau", "rk4") else "a smaller rtol"
@@ -143,11 +143,11 @@ def fast_links(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[
 def _driver_rates(system: System) -> list[float]:
     """Rates of all drivers at the start [rad/s], those along a line at the mechanism's size."""
     memory = system.memory()
-    drive(memory.handle, 0.0)
+    drive(memory, 0.0)
     found = []
     for n, name in enumerate(system.joints):
         if name in system.model.drivers:
-            rate = abs(float(memory["values"][system.arrays["joint"][n, 3] + driver_slot(system, n) + 1]))
+            rate = abs(float(memory.values[system.arrays["joint"][n, 3] + driver_slot(system, n) + 1]))
             turns = system.rows[system.arrays["joint"][n, 4]].unit == "rad"
             found.append(rate if turns else rate / extent(system))
     return found
@@ -183,7 +183,7 @@ def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, flo
 
 def why_unsound(run: Running) -> str:
     """Why a run ended at the last instant that can be believed, in words."""
-    system, seen = run.system, run.memory["audit"]
+    system, seen = run.system, run.memory.audit
     t, ahead = float(run.clock[step_loop.T]), float(run.clock[step_loop.TROUBLE])
     what = []
     opened = max(float(seen[step_audit.OPEN]), float(seen[step_audit.CORRECTION]))
@@ -200,7 +200,7 @@ def why_unsound(run: Running) -> str:
 def _cause(run: Running, t: float, ahead: float) -> str:
     system, memory = run.system, run.memory
     nq = 3 * system.body_count
-    q, v = memory["y"][:nq].copy(), memory["y"][nq : 2 * nq].copy()
+    q, v = memory.state[:nq].copy(), memory.state[nq : 2 * nq].copy()
     found = load_law.complaint(t) or not_finite(system, memory, run.t_end)
     found = found or jump(system, t, ahead) or contradicted(system, t, q, v, run.t_end - t)
     if found:
@@ -216,7 +216,7 @@ def _cause(run: Running, t: float, ahead: float) -> str:
         )
     if run.method in ("rk4", "moreau"):
         return f"the step of {ahead - t:.3g} s is far too long for this motion; take a shorter step"
-    record(memory.handle, t, memory["y"], np.zeros(width(system)))
+    record(memory, t, memory.state, np.zeros(width(system)))
     lost = describe_rank_loss(system, memory, NEARLY)
     if lost:
         return lost
@@ -228,8 +228,8 @@ def jump(system: System, start: float, end: float) -> str:
     memory = system.memory()
 
     def value(t: float, slot: int) -> float:
-        drive(memory.handle, t)
-        return float(memory["values"][slot])
+        drive(memory, t)
+        return float(memory.values[slot])
 
     reach = max(end - start, 1e-9 * max(abs(start), abs(end)))
     for n, name in enumerate(system.joints):

@@ -23,7 +23,7 @@ from rattle.equations.dense import dense_rows
 from rattle.equations.motion import drive
 from rattle.equations.rest_force import force_at
 from rattle.equations.system import System, has_contacts, is_link
-from rattle.jit.layout import AUTO, CLOSED, SPEED
+from rattle.jit import layout as at
 from rattle.results.columns import columns, geometry, width
 from rattle.solvers import equilibrium_newton
 from rattle.solvers.output_row import write
@@ -82,9 +82,9 @@ class Rest:
 
     def __init__(self, system: System, t: float) -> None:
         self.system, self.memory = system, system.memory()
-        if len(self.memory["grip"]):
-            self.memory["grip"][:, CLOSED] = AUTO
-            self.memory["grip"][:, SPEED] = 1.0
+        if len(self.memory.grip):
+            self.memory.grip[:, at.CLOSED] = at.AUTO
+            self.memory.grip[:, at.SPEED] = 1.0
         self.scale = np.ones(3 * system.body_count)
         self.scale[2::3] = 1.0 / system.size
         joints = system.model.joints.values()
@@ -92,7 +92,7 @@ class Rest:
             one.fields["length"] for one in joints if "length" in one.fields
         ]
         length = min([1e-4 * system.size] + [3e-3 * one for one in arms])
-        if len(self.memory["grip"]):  # penetrations are small
+        if len(self.memory.grip):  # penetrations are small
             length = min([length] + [1e-5 * one.clearance for one in joints if has_contacts(one)])
         self.length, self.step = length, length * self.scale
         self.out = np.zeros(3 * system.body_count)
@@ -109,30 +109,30 @@ class Rest:
     def at(self, t: float) -> None:
         """Set the drivers to time t."""
         self.t = t
-        drive(self.memory.handle, t)
+        drive(self.memory, t)
 
     def close(self, q: np.ndarray) -> float:
         """Put the joints together in place; returns the largest residual."""
-        gap, _ = close_position(self.memory.handle, self.t, q, np.empty_like(q), 1e-13 * self.system.size, 60)
+        gap, _ = close_position(self.memory, self.t, q, np.empty_like(q), 1e-13 * self.system.size, 60)
         return float(gap)
 
     def look(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Reduced force g [N] and the scaled null space Z at q; leaves the least-squares multipliers."""
         r, rows_all = self.room, self.system.row_count
         freedoms = equilibrium_newton.look(
-            self.memory.handle, self.t, q, self.scale, r.wide, r.norm, r.order, r.pivot, r.null, r.line
+            self.memory, self.t, q, self.scale, r.wide, r.norm, r.order, r.pivot, r.null, r.line
         )
         self.redundant = freedoms > len(q) - rows_all
         if not self.redundant:
             return r.line[equilibrium_newton.G, :freedoms].copy(), r.null[:freedoms].T.copy()
-        self.memory["multiplier"][:] = 0.0  # of all that hold the balance, those of least size
-        force_at(self.memory.handle, self.t, q, self.out)
+        self.memory.multiplier[:] = 0.0  # of all that hold the balance, those of least size
+        force_at(self.memory, self.t, q, self.out)
         applied = self.out * self.scale
         rows = dense_rows(self.system, self.memory) * self.scale
         norm = np.linalg.norm(rows, axis=1)
         _, values, right = np.linalg.svd(rows / norm[:, None])
         count = int((values > RANK * values[0]).sum())
-        self.memory["multiplier"][:] = np.linalg.lstsq((rows / norm[:, None]).T, applied, rcond=RANK)[0] / norm
+        self.memory.multiplier[:] = np.linalg.lstsq((rows / norm[:, None]).T, applied, rcond=RANK)[0] / norm
         null = right[count:].T
         return null.T @ applied, self.scale[:, None] * null
 
@@ -141,9 +141,9 @@ class Rest:
         room, freedoms = self.room, null.shape[1]
         room.null[:freedoms] = null.T
         equilibrium_newton.reduced_stiffness(
-            self.memory.handle, self.t, q, self.length, freedoms, 4, room.null, room.line, room.small
+            self.memory, self.t, q, self.length, freedoms, 4, room.null, room.line, room.small
         )
-        force_at(self.memory.handle, self.t, q, self.out)
+        force_at(self.memory, self.t, q, self.out)
         return room.small[:freedoms, :freedoms].T.copy()
 
     def offsets(self, q: np.ndarray) -> np.ndarray:
@@ -185,7 +185,7 @@ class Rest:
         status = equilibrium_newton.GOING
         while status == equilibrium_newton.GOING:  # in pieces, so that the user can stop it
             status = equilibrium_newton.settle(
-                self.memory.handle, self.t, q, self.scale, self.system.size, self.length, downhill, rounds, known,
+                self.memory, self.t, q, self.scale, self.system.size, self.length, downhill, rounds, known,
                 len(known), near, self.pins, *room, float(most),
             )  # fmt: skip
         self.trials += int(room.state[equilibrium_newton.TRIALS]) + 1
@@ -197,7 +197,7 @@ class Rest:
         r = self.room
         self.trials += 1
         gap, along, most = equilibrium_newton.walk(
-            self.memory.handle, self.t, q, self.scale, self.system.size, stride, direction, r.wide, r.norm, r.order,
+            self.memory, self.t, q, self.scale, self.system.size, stride, direction, r.wide, r.norm, r.order,
             r.pivot, r.null, r.line,
         )  # fmt: skip
         return gap < math.inf, float(along), float(most)
@@ -205,13 +205,11 @@ class Rest:
     def displace(self, q: np.ndarray, target: np.ndarray) -> None:
         """Bring the residuals of all rows to `target` (nr,) by the least change of q, in place."""
         r = self.room
-        equilibrium_newton.displace(
-            self.memory.handle, q, target, self.scale, 6, r.wide, r.norm, r.order, r.pivot, r.line
-        )
+        equilibrium_newton.displace(self.memory, q, target, self.scale, 6, r.wide, r.norm, r.order, r.pivot, r.line)
 
     def force_scale(self) -> float:
         """A force typical of what acts [N]."""
-        return float(equilibrium_newton.force_size(self.memory.handle, self.system.size))
+        return float(equilibrium_newton.force_size(self.memory, self.system.size))
 
     def weigh(self, q: np.ndarray, iterations: int) -> Found:
         """What is to be known about a position of rest; the memory holds it afterwards."""
@@ -227,17 +225,17 @@ class Rest:
             tiny = max(1e-8 * self.force_scale() / system.size, 1e-13 * float(np.abs(values).max()))
             neutral, falling = int((np.abs(values) < tiny).sum()), int((values <= -tiny).sum())
             eigenvalue = float(values.min()) if abs(values.min()) >= tiny else 0.0
-        force_at(memory.handle, self.t, q, self.out)
-        gap = float(np.abs(memory["rows"][:, 0]).max(initial=0.0))
+        force_at(memory, self.t, q, self.out)
+        gap = float(np.abs(memory.rows[:, 0]).max(initial=0.0))
         residual = float(np.abs(self.out * self.scale).max(initial=0.0))
-        memory["acceleration"][:] = 0.0
-        memory["rows"][:, 1] = 0.0  # at rest
+        memory.acceleration[:] = 0.0
+        memory.rows[:, 1] = 0.0  # at rest
         raw = np.zeros(width(system))
-        write(memory.handle, 0.0, 0.0, raw)
+        write(memory, 0.0, 0.0, raw)
         return Found(
-            q.copy(), memory["multiplier"].copy(), eigenvalue, residual, gap, iterations,
+            q.copy(), memory.multiplier.copy(), eigenvalue, residual, gap, iterations,
             nonunique_reactions(system, memory) if self.redundant else (),
-            len(g), neutral, falling, float(memory["power"][0]), self.force_scale(), raw,
+            len(g), neutral, falling, float(memory.power[0]), self.force_scale(), raw,
         )  # fmt: skip
 
     def tell(self, found: Sequence[Found]) -> list[Equilibrium]:

@@ -124,8 +124,8 @@ def position_at(system: System, t: float) -> np.ndarray:
     if t == 0.0:
         return start.q
     memory = system.memory()
-    drive(memory.handle, 0.0)
-    merit_at(memory.handle, start.q)
+    drive(memory, 0.0)
+    merit_at(memory, start.q)
     driven = system.row_count and np.linalg.matrix_rank(scaled_rows(system, memory), tol=1e-9) == 3 * system.body_count
     if not driven:
         return assemble(system, t).q

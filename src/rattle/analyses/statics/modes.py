@@ -174,9 +174,9 @@ def _damping(rest: Rest, q: np.ndarray) -> np.ndarray:
         for sign in (1.0, -1.0):
             v = np.zeros(n)
             v[k] = sign * 1e-4 * rest.scale[k] * rest.system.size
-            place(memory.handle, q, v)
-            loads(memory.handle, rest.t)
-            sides.append(memory["force"][1:].ravel().copy())
+            place(memory, q, v)
+            loads(memory, rest.t)
+            sides.append(memory.force[1:].ravel().copy())
         result[:, k] = -(sides[0] - sides[1]) / (2e-4 * rest.scale[k] * rest.system.size)
-    force_at(memory.handle, rest.t, q, rest.out)
+    force_at(memory, rest.t, q, rest.out)
     return result

@@ -189,7 +189,7 @@ def advantage(rest: Rest, one: Equilibrium) -> dict[tuple[str, str], float]:
     n, nr = 3 * system.body_count, system.row_count
     rest.look(one.q)
     tangent = np.zeros((n, n))
-    stiffness(memory.handle, rest.t, one.q, rest.step, rest.out, tangent)
+    stiffness(memory, rest.t, one.q, rest.step, rest.out, tangent)
     rows = dense_rows(system, memory)
     whole = np.block([[tangent, rows.T], [rows, np.zeros((nr, nr))]])
     scale = np.concatenate([rest.scale, np.ones(nr)])
@@ -217,7 +217,7 @@ def _direction(rest: Rest, one: Equilibrium, name: str) -> np.ndarray:
         unit[k + 2] = 1.0
         return unit
     at = int(system.arrays["load"][list(system.model.loads).index(name), 3])
-    px, py, fx, fy, turning = memory["values"][at : at + 5]
+    px, py, fx, fy, turning = memory.values[at : at + 5]
     c, s = math.cos(one.q[k + 2]), math.sin(one.q[k + 2])
     if turning == 1.0:
         fx, fy = c * fx - s * fy, s * fx + c * fy

@@ -18,27 +18,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.layout import (
-    DGAP,
-    GAMMA_N,
-    GAMMA_T,
-    GAP,
-    NX,
-    NY,
-    PAX,
-    PAY,
-    PBX,
-    PBY,
-    SLIP,
-    VX,
-    VY,
-    W,
-    X,
-    Y,
-    turn_x,
-    turn_y,
-)  # fmt: skip
+from rattle.jit.geometry import turn_x, turn_y  # fmt: skip
 from rattle.registry import kind
 
 
@@ -61,25 +43,25 @@ def guide(body, a, b, p, k, corner, row, touch):
         dx, dy = -dx, -dy
     pbx = turn_x(body, b, p[k + 2] + dx, p[k + 3] + dy)
     pby = turn_y(body, b, p[k + 2] + dx, p[k + 3] + dy)
-    pax = body[b, X] + pbx - body[a, X]
-    pay = body[b, Y] + pby - body[a, Y]
-    wa, wb = body[a, W], body[b, W]
+    pax = body[b, at.X] + pbx - body[a, at.X]
+    pay = body[b, at.Y] + pby - body[a, at.Y]
+    wa, wb = body[a, at.W], body[b, at.W]
     # velocity of the corner against A's material at the same place
-    rx = body[b, VX] - wb * pby - body[a, VX] + wa * pay
-    ry = body[b, VY] + wb * pbx - body[a, VY] - wa * pax
+    rx = body[b, at.VX] - wb * pby - body[a, at.VX] + wa * pay
+    ry = body[b, at.VY] + wb * pbx - body[a, at.VY] - wa * pax
     along, across = nx * rx + ny * ry, nx * ry - ny * rx
     # acceleration of the corner relative to A = J dv - gamma, with gamma from centripetal and Coriolis terms
     gx = pbx * wb * wb - pax * wa * wa - 2.0 * wa * ry
     gy = pby * wb * wb - pay * wa * wa + 2.0 * wa * rx
 
-    touch[row, GAP] = half_height + c - nx * (pax - sax) - ny * (pay - say)
-    touch[row, DGAP] = -along
-    touch[row, NX], touch[row, NY] = nx, ny
-    touch[row, PAX], touch[row, PAY] = pax, pay
-    touch[row, PBX], touch[row, PBY] = pbx, pby
-    touch[row, SLIP] = across
-    touch[row, GAMMA_N] = nx * gx + ny * gy
-    touch[row, GAMMA_T] = nx * gy - ny * gx
+    touch[row, at.GAP] = half_height + c - nx * (pax - sax) - ny * (pay - say)
+    touch[row, at.DGAP] = -along
+    touch[row, at.NX], touch[row, at.NY] = nx, ny
+    touch[row, at.PAX], touch[row, at.PAY] = pax, pay
+    touch[row, at.PBX], touch[row, at.PBY] = pbx, pby
+    touch[row, at.SLIP] = across
+    touch[row, at.GAMMA_N] = nx * gx + ny * gy
+    touch[row, at.GAMMA_T] = nx * gy - ny * gx
 
 
 @kind("clearance", "guide", guide)

@@ -16,28 +16,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.layout import (
-    ACROSS,
-    DGAP,
-    GAMMA_N,
-    GAMMA_T,
-    GAP,
-    NX,
-    NY,
-    PAX,
-    PAY,
-    PBX,
-    PBY,
-    SLIP,
-    VX,
-    VY,
-    W,
-    X,
-    Y,
-    turn_x,
-    turn_y,
-)  # fmt: skip
+from rattle.jit.geometry import turn_x, turn_y  # fmt: skip
 from rattle.registry import kind
 
 
@@ -48,11 +29,11 @@ def pin(body, a, b, p, k, corner, row, touch):
     sbx = turn_x(body, b, p[k + 2], p[k + 3])
     sby = turn_y(body, b, p[k + 2], p[k + 3])
     c, bore = p[k + 4], p[k + 5]
-    wa, wb = body[a, W], body[b, W]
-    ex = body[b, X] + sbx - body[a, X] - sax
-    ey = body[b, Y] + sby - body[a, Y] - say
-    dex = body[b, VX] - wb * sby - body[a, VX] + wa * say
-    dey = body[b, VY] + wb * sbx - body[a, VY] - wa * sax
+    wa, wb = body[a, at.W], body[b, at.W]
+    ex = body[b, at.X] + sbx - body[a, at.X] - sax
+    ey = body[b, at.Y] + sby - body[a, at.Y] - say
+    dex = body[b, at.VX] - wb * sby - body[a, at.VX] + wa * say
+    dey = body[b, at.VY] + wb * sbx - body[a, at.VY] - wa * sax
     e = math.sqrt(ex * ex + ey * ey)
     inv = 1.0 / e if e > 1e-150 else 0.0
     nx = ex * inv if e > 1e-150 else 1.0
@@ -65,16 +46,16 @@ def pin(body, a, b, p, k, corner, row, touch):
     rx = sbx * wb * wb - sax * wa * wa
     ry = sby * wb * wb - say * wa * wa
 
-    touch[row, GAP] = c - e
-    touch[row, DGAP] = -along
-    touch[row, NX], touch[row, NY] = nx, ny
-    touch[row, PAX], touch[row, PAY] = sax + on_a * nx, say + on_a * ny
-    touch[row, PBX], touch[row, PBY] = sbx + on_b * nx, sby + on_b * ny
+    touch[row, at.GAP] = c - e
+    touch[row, at.DGAP] = -along
+    touch[row, at.NX], touch[row, at.NY] = nx, ny
+    touch[row, at.PAX], touch[row, at.PAY] = sax + on_a * nx, say + on_a * ny
+    touch[row, at.PBX], touch[row, at.PBY] = sbx + on_b * nx, sby + on_b * ny
     # its rate is t . e'' - turning (n . e') + alpha_B (h - |e|) - alpha_A h - (w_A + w_B) (n . e')/2
-    touch[row, SLIP] = across + wb * on_b - wa * on_a
-    touch[row, ACROSS] = across
-    touch[row, GAMMA_N] = nx * rx + ny * ry - across * turning
-    touch[row, GAMMA_T] = -ny * rx + nx * ry + turning * along + 0.5 * (wa + wb) * along
+    touch[row, at.SLIP] = across + wb * on_b - wa * on_a
+    touch[row, at.ACROSS] = across
+    touch[row, at.GAMMA_N] = nx * rx + ny * ry - across * turning
+    touch[row, at.GAMMA_T] = -ny * rx + nx * ry + turning * along + 0.5 * (wa + wb) * along
 
 
 @kind("clearance", "pin", pin)

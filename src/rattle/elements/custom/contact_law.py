@@ -25,22 +25,8 @@ from typing import Any
 import numpy as np
 
 from rattle import registry
+from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction, users_law
-from rattle.jit.layout import (
-    BRISTLE,
-    DGAP,
-    FRICTION,
-    FRICTION_P,
-    GAP,
-    IMPACT,
-    NORMAL,
-    NORMAL_LAW,
-    NORMAL_P,
-    SLIP,
-    SPEED,
-    STATIC,
-    STATIC_P,
-)
 from rattle.language.units import dimension_of
 from rattle.registry import Field
 
@@ -180,22 +166,22 @@ def failure(contact: np.ndarray, touch: np.ndarray, grip: np.ndarray, values: np
 
     contact, touch, grip: the contact's rows.  values: (n,) of all fields of the model [SI].
     """
-    delta, ddelta = -float(touch[GAP]), -float(touch[DGAP])
-    if delta <= 0.0 or contact[IMPACT] == 1:
+    delta, ddelta = -float(touch[at.GAP]), -float(touch[at.DGAP])
+    if delta <= 0.0 or contact[at.IMPACT] == 1:
         return ""
     where = f"at a penetration of {delta:.4g} m"
-    static = _kernel("stiffness", contact[STATIC]).python(delta, values, int(contact[STATIC_P]))
-    law = _kernel("normal", contact[NORMAL_LAW])
-    force = float(touch[NORMAL])
+    static = _kernel("stiffness", contact[at.STATIC]).python(delta, values, int(contact[at.STATIC_P]))
+    law = _kernel("normal", contact[at.NORMAL_LAW])
+    force = float(touch[at.NORMAL])
     if isinstance(law, ContactLaw):
-        force, why = _tried(law, where, (static, delta, ddelta, float(grip[SPEED])), values[contact[NORMAL_P] :])
+        force, why = _tried(law, where, (static, delta, ddelta, float(grip[at.SPEED])), values[contact[at.NORMAL_P] :])
         if why:
             return why
-    rubs = _kernel("friction", contact[FRICTION]) if contact[FRICTION] >= 0 else None
+    rubs = _kernel("friction", contact[at.FRICTION]) if contact[at.FRICTION] >= 0 else None
     if isinstance(rubs, ContactLaw) and force > 0.0:
-        memory = (float(touch[BRISTLE]),) if rubs.memory else ()
-        where = f"at a slip of {float(touch[SLIP]):.4g} m/s under {force:.4g} N"
-        _, why = _tried(rubs, where, (float(touch[SLIP]), force, *memory), values[contact[FRICTION_P] :])
+        memory = (float(touch[at.BRISTLE]),) if rubs.memory else ()
+        where = f"at a slip of {float(touch[at.SLIP]):.4g} m/s under {force:.4g} N"
+        _, why = _tried(rubs, where, (float(touch[at.SLIP]), force, *memory), values[contact[at.FRICTION_P] :])
         return why
     return ""
 

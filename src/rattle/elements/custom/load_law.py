@@ -26,8 +26,8 @@ from typing import Any
 import numpy as np
 
 from rattle import registry
+from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction, users_law
-from rattle.jit.layout import OUTSIDE, PHI, VX, VY, W, X, Y
 from rattle.language.units import dimension_of
 from rattle.registry import Field
 
@@ -147,10 +147,10 @@ def _plain(kernel: LawKernel) -> Callable[..., None]:
     def run(t, body, a, b, p, k, force, energy):  # type: ignore[no-untyped-def]
         values = [float(one) for one in p[k : k + count]]
         fx, fy, torque = kernel.evaluate(float(t), [float(one) for one in body[b, :6]], values)
-        force[b, X] += fx
-        force[b, Y] += fy
-        force[b, PHI] += torque
-        energy[OUTSIDE] += fx * body[b, VX] + fy * body[b, VY] + torque * body[b, W]
+        force[b, at.X] += fx
+        force[b, at.Y] += fy
+        force[b, at.PHI] += torque
+        energy[at.OUTSIDE] += fx * body[b, at.VX] + fy * body[b, at.VY] + torque * body[b, at.W]
 
     return run
 
@@ -161,14 +161,14 @@ def _native(kernel: LawKernel) -> Callable[..., None]:
     pack = kernel.pack
 
     def run(t, body, a, b, p, k, force, energy):  # type: ignore[no-untyped-def]
-        kept = force[b, X]
-        force[b, X] = math.nan  # stays if the law raises: machine code would go on as if nothing had happened
-        state = (body[b, X], body[b, Y], body[b, PHI], body[b, VX], body[b, VY], body[b, W])
+        kept = force[b, at.X]
+        force[b, at.X] = math.nan  # stays if the law raises: machine code would go on as if nothing had happened
+        state = (body[b, at.X], body[b, at.Y], body[b, at.PHI], body[b, at.VX], body[b, at.VY], body[b, at.W])
         fx, fy, torque = law(t, state, pack(*part(p, k)))
-        force[b, X] = kept + fx
-        force[b, Y] += fy
-        force[b, PHI] += torque
-        energy[OUTSIDE] += fx * body[b, VX] + fy * body[b, VY] + torque * body[b, W]
+        force[b, at.X] = kept + fx
+        force[b, at.Y] += fy
+        force[b, at.PHI] += torque
+        energy[at.OUTSIDE] += fx * body[b, at.VX] + fy * body[b, at.VY] + torque * body[b, at.W]
 
     return run
 
@@ -185,7 +185,7 @@ def _callback(kernel: LawKernel) -> Any:
         on_body, rate = ctypes.cast(force, number), ctypes.cast(energy, number)
         for n, part in enumerate(kernel.evaluate(t, state, given)):
             on_body[n] += part
-            rate[OUTSIDE] += part * state[VX + n]
+            rate[at.OUTSIDE] += part * state[at.VX + n]
 
     address = ctypes.c_void_p
     return ctypes.CFUNCTYPE(None, ctypes.c_double, address, address, address, address)(call)

@@ -16,18 +16,19 @@ from __future__ import annotations
 
 import math
 
+from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.layout import AP, AX, AY, BP, BX, BY, GAMMA, NU, PHI, RES, VX, VY, W, X, Y, turn_x, turn_y
+from rattle.jit.geometry import turn_x, turn_y
 from rattle.registry import Field, kind
 
 
 @kernel("joint")
 def driver_angle(body, a, b, p, k, row, rows):
-    rows[row, RES] = body[b, PHI] - body[a, PHI] - p[k + 4]
-    rows[row, NU] = p[k + 5]
-    rows[row, GAMMA] = p[k + 6]
-    rows[row, AX], rows[row, AY], rows[row, AP] = 0.0, 0.0, -1.0
-    rows[row, BX], rows[row, BY], rows[row, BP] = 0.0, 0.0, 1.0
+    rows[row, at.RES] = body[b, at.PHI] - body[a, at.PHI] - p[k + 4]
+    rows[row, at.NU] = p[k + 5]
+    rows[row, at.GAMMA] = p[k + 6]
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = 0.0, 0.0, -1.0
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 0.0, 0.0, 1.0
 
 
 @kernel("joint")
@@ -40,45 +41,45 @@ def driver_position(body, a, b, p, k, row, rows):
     ux = turn_x(body, a, math.cos(axis), math.sin(axis))
     uy = turn_y(body, a, math.cos(axis), math.sin(axis))
     nx, ny = -uy, ux
-    wa, wb = body[a, W], body[b, W]
-    dx = body[b, X] + sbx - body[a, X] - sax
-    dy = body[b, Y] + sby - body[a, Y] - say
-    ddx = body[b, VX] - wb * sby - body[a, VX] + wa * say
-    ddy = body[b, VY] + wb * sbx - body[a, VY] - wa * sax
+    wa, wb = body[a, at.W], body[b, at.W]
+    dx = body[b, at.X] + sbx - body[a, at.X] - sax
+    dy = body[b, at.Y] + sby - body[a, at.Y] - say
+    ddx = body[b, at.VX] - wb * sby - body[a, at.VX] + wa * say
+    ddy = body[b, at.VY] + wb * sbx - body[a, at.VY] - wa * sax
 
-    rows[row, RES] = ux * dx + uy * dy - p[k + 6]
-    rows[row, NU] = p[k + 7]
-    rows[row, GAMMA] = (
+    rows[row, at.RES] = ux * dx + uy * dy - p[k + 6]
+    rows[row, at.NU] = p[k + 7]
+    rows[row, at.GAMMA] = (
         p[k + 8]
         + ux * (sbx * wb * wb - sax * wa * wa)
         + uy * (sby * wb * wb - say * wa * wa)
         - 2.0 * wa * (nx * ddx + ny * ddy)
         + wa * wa * (ux * dx + uy * dy)
     )
-    rows[row, AX], rows[row, AY], rows[row, AP] = -ux, -uy, ux * say - uy * sax + nx * dx + ny * dy
-    rows[row, BX], rows[row, BY], rows[row, BP] = ux, uy, uy * sbx - ux * sby
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -ux, -uy, ux * say - uy * sax + nx * dx + ny * dy
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = ux, uy, uy * sbx - ux * sby
 
 
 @kernel("joint")
 def driver_x(body, a, b, p, k, row, rows):
     sbx = turn_x(body, b, p[k + 2], p[k + 3])
     sby = turn_y(body, b, p[k + 2], p[k + 3])
-    rows[row, RES] = body[b, X] + sbx - p[k + 4]
-    rows[row, NU] = p[k + 5]
-    rows[row, GAMMA] = p[k + 6] + sbx * body[b, W] * body[b, W]
-    rows[row, AX], rows[row, AY], rows[row, AP] = 0.0, 0.0, 0.0
-    rows[row, BX], rows[row, BY], rows[row, BP] = 1.0, 0.0, -sby
+    rows[row, at.RES] = body[b, at.X] + sbx - p[k + 4]
+    rows[row, at.NU] = p[k + 5]
+    rows[row, at.GAMMA] = p[k + 6] + sbx * body[b, at.W] * body[b, at.W]
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = 0.0, 0.0, 0.0
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 1.0, 0.0, -sby
 
 
 @kernel("joint")
 def driver_y(body, a, b, p, k, row, rows):
     sbx = turn_x(body, b, p[k + 2], p[k + 3])
     sby = turn_y(body, b, p[k + 2], p[k + 3])
-    rows[row, RES] = body[b, Y] + sby - p[k + 4]
-    rows[row, NU] = p[k + 5]
-    rows[row, GAMMA] = p[k + 6] + sby * body[b, W] * body[b, W]
-    rows[row, AX], rows[row, AY], rows[row, AP] = 0.0, 0.0, 0.0
-    rows[row, BX], rows[row, BY], rows[row, BP] = 0.0, 1.0, sbx
+    rows[row, at.RES] = body[b, at.Y] + sby - p[k + 4]
+    rows[row, at.NU] = p[k + 5]
+    rows[row, at.GAMMA] = p[k + 6] + sby * body[b, at.W] * body[b, at.W]
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = 0.0, 0.0, 0.0
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 0.0, 1.0, sbx
 
 
 @kind("driver", "angle", driver_angle)

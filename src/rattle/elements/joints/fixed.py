@@ -8,8 +8,8 @@ gamma = s_B w_B^2 - s_A w_A^2, 0                [m/s^2, m/s^2, rad/s^2]
 from __future__ import annotations
 
 from rattle.elements.joints.revolute import revolute
+from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.layout import AP, AX, AY, BP, BX, BY, GAMMA, NU, PHI, RES
 from rattle.registry import Field, kind
 
 
@@ -17,11 +17,11 @@ from rattle.registry import Field, kind
 def fixed(body, a, b, p, k, row, rows):
     revolute(body, a, b, p, k, row, rows)
     row += 2
-    rows[row, RES] = body[b, PHI] - body[a, PHI] - p[k + 4]
-    rows[row, NU] = 0.0
-    rows[row, GAMMA] = 0.0
-    rows[row, AX], rows[row, AY], rows[row, AP] = 0.0, 0.0, -1.0
-    rows[row, BX], rows[row, BY], rows[row, BP] = 0.0, 0.0, 1.0
+    rows[row, at.RES] = body[b, at.PHI] - body[a, at.PHI] - p[k + 4]
+    rows[row, at.NU] = 0.0
+    rows[row, at.GAMMA] = 0.0
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = 0.0, 0.0, -1.0
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 0.0, 0.0, 1.0
 
 
 @kind("joint", "fixed", fixed)

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import math
 
+from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.layout import AP, AX, AY, BP, BX, BY, GAMMA, NU, PHI, RES, VX, VY, W, X, Y, turn_x, turn_y
+from rattle.jit.geometry import turn_x, turn_y
 from rattle.registry import Field, kind
 
 
@@ -26,29 +27,29 @@ def prismatic(body, a, b, p, k, row, rows):
     ux = turn_x(body, a, math.cos(axis), math.sin(axis))
     uy = turn_y(body, a, math.cos(axis), math.sin(axis))
     nx, ny = -uy, ux
-    wa, wb = body[a, W], body[b, W]
-    dx = body[b, X] + sbx - body[a, X] - sax
-    dy = body[b, Y] + sby - body[a, Y] - say
-    ddx = body[b, VX] - wb * sby - body[a, VX] + wa * say
-    ddy = body[b, VY] + wb * sbx - body[a, VY] - wa * sax
+    wa, wb = body[a, at.W], body[b, at.W]
+    dx = body[b, at.X] + sbx - body[a, at.X] - sax
+    dy = body[b, at.Y] + sby - body[a, at.Y] - say
+    ddx = body[b, at.VX] - wb * sby - body[a, at.VX] + wa * say
+    ddy = body[b, at.VY] + wb * sbx - body[a, at.VY] - wa * sax
 
-    rows[row, RES] = nx * dx + ny * dy
-    rows[row, NU] = 0.0
-    rows[row, GAMMA] = (
+    rows[row, at.RES] = nx * dx + ny * dy
+    rows[row, at.NU] = 0.0
+    rows[row, at.GAMMA] = (
         nx * (sbx * wb * wb - sax * wa * wa)
         + ny * (sby * wb * wb - say * wa * wa)
         + 2.0 * wa * (ux * ddx + uy * ddy)
         + wa * wa * (nx * dx + ny * dy)
     )
-    rows[row, AX], rows[row, AY], rows[row, AP] = -nx, -ny, nx * say - ny * sax - ux * dx - uy * dy
-    rows[row, BX], rows[row, BY], rows[row, BP] = nx, ny, ny * sbx - nx * sby
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -nx, -ny, nx * say - ny * sax - ux * dx - uy * dy
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = nx, ny, ny * sbx - nx * sby
 
     row += 1
-    rows[row, RES] = body[b, PHI] - body[a, PHI] - angle
-    rows[row, NU] = 0.0
-    rows[row, GAMMA] = 0.0
-    rows[row, AX], rows[row, AY], rows[row, AP] = 0.0, 0.0, -1.0
-    rows[row, BX], rows[row, BY], rows[row, BP] = 0.0, 0.0, 1.0
+    rows[row, at.RES] = body[b, at.PHI] - body[a, at.PHI] - angle
+    rows[row, at.NU] = 0.0
+    rows[row, at.GAMMA] = 0.0
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = 0.0, 0.0, -1.0
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 0.0, 0.0, 1.0
 
 
 @kind("joint", "prismatic", prismatic)

@@ -7,8 +7,9 @@ gamma = s_B w_B^2 - s_A w_A^2                   [m/s^2]
 
 from __future__ import annotations
 
+from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.layout import AP, AX, AY, BP, BX, BY, GAMMA, NU, RES, W, X, Y, turn_x, turn_y
+from rattle.jit.geometry import turn_x, turn_y
 from rattle.registry import kind
 
 
@@ -18,21 +19,21 @@ def revolute(body, a, b, p, k, row, rows):
     say = turn_y(body, a, p[k], p[k + 1])
     sbx = turn_x(body, b, p[k + 2], p[k + 3])
     sby = turn_y(body, b, p[k + 2], p[k + 3])
-    wa = body[a, W] * body[a, W]
-    wb = body[b, W] * body[b, W]
+    wa = body[a, at.W] * body[a, at.W]
+    wb = body[b, at.W] * body[b, at.W]
 
-    rows[row, RES] = body[b, X] + sbx - body[a, X] - sax
-    rows[row, NU] = 0.0
-    rows[row, GAMMA] = sbx * wb - sax * wa
-    rows[row, AX], rows[row, AY], rows[row, AP] = -1.0, 0.0, say
-    rows[row, BX], rows[row, BY], rows[row, BP] = 1.0, 0.0, -sby
+    rows[row, at.RES] = body[b, at.X] + sbx - body[a, at.X] - sax
+    rows[row, at.NU] = 0.0
+    rows[row, at.GAMMA] = sbx * wb - sax * wa
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -1.0, 0.0, say
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 1.0, 0.0, -sby
 
     row += 1
-    rows[row, RES] = body[b, Y] + sby - body[a, Y] - say
-    rows[row, NU] = 0.0
-    rows[row, GAMMA] = sby * wb - say * wa
-    rows[row, AX], rows[row, AY], rows[row, AP] = 0.0, -1.0, -sax
-    rows[row, BX], rows[row, BY], rows[row, BP] = 0.0, 1.0, sbx
+    rows[row, at.RES] = body[b, at.Y] + sby - body[a, at.Y] - say
+    rows[row, at.NU] = 0.0
+    rows[row, at.GAMMA] = sby * wb - say * wa
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = 0.0, -1.0, -sax
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 0.0, 1.0, sbx
 
 
 @kind("joint", "revolute", revolute)

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import math
 
+from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.layout import AP, AX, AY, BP, BX, BY, GAMMA, NU, RES, VX, VY, W, X, Y, turn_x, turn_y
+from rattle.jit.geometry import turn_x, turn_y
 from rattle.registry import Field, kind
 
 
@@ -22,11 +23,11 @@ def rod(body, a, b, p, k, row, rows):
     say = turn_y(body, a, p[k], p[k + 1])
     sbx = turn_x(body, b, p[k + 2], p[k + 3])
     sby = turn_y(body, b, p[k + 2], p[k + 3])
-    wa, wb = body[a, W], body[b, W]
-    dx = body[b, X] + sbx - body[a, X] - sax
-    dy = body[b, Y] + sby - body[a, Y] - say
-    ddx = body[b, VX] - wb * sby - body[a, VX] + wa * say
-    ddy = body[b, VY] + wb * sbx - body[a, VY] - wa * sax
+    wa, wb = body[a, at.W], body[b, at.W]
+    dx = body[b, at.X] + sbx - body[a, at.X] - sax
+    dy = body[b, at.Y] + sby - body[a, at.Y] - say
+    ddx = body[b, at.VX] - wb * sby - body[a, at.VX] + wa * say
+    ddy = body[b, at.VY] + wb * sbx - body[a, at.VY] - wa * sax
     d = math.sqrt(dx * dx + dy * dy)
     # coincident ends have no direction: any will do, the residual -L then drives them apart
     inv = 1.0 / d if d > 1e-150 else 0.0
@@ -34,11 +35,13 @@ def rod(body, a, b, p, k, row, rows):
     ny = dy * inv
     slip = nx * ddy - ny * ddx
 
-    rows[row, RES] = d - p[k + 4]
-    rows[row, NU] = 0.0
-    rows[row, GAMMA] = -slip * slip * inv + nx * (sbx * wb * wb - sax * wa * wa) + ny * (sby * wb * wb - say * wa * wa)
-    rows[row, AX], rows[row, AY], rows[row, AP] = -nx, -ny, nx * say - ny * sax
-    rows[row, BX], rows[row, BY], rows[row, BP] = nx, ny, ny * sbx - nx * sby
+    rows[row, at.RES] = d - p[k + 4]
+    rows[row, at.NU] = 0.0
+    rows[row, at.GAMMA] = (
+        -slip * slip * inv + nx * (sbx * wb * wb - sax * wa * wa) + ny * (sby * wb * wb - say * wa * wa)
+    )
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -nx, -ny, nx * say - ny * sax
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = nx, ny, ny * sbx - nx * sby
 
 
 @kind("joint", "rod", rod)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.layout import OUTSIDE, PHI, VX, VY, W, X, Y, turn_x, turn_y
+from rattle.jit.geometry import turn_x, turn_y
 from rattle.registry import Field, kind
 
 
@@ -14,10 +15,10 @@ def force_at(t, body, a, b, p, k, force, energy):
     fx, fy = p[k + 2], p[k + 3]
     if p[k + 4] == 1.0:  # given in the frame of the body
         fx, fy = turn_x(body, b, fx, fy), turn_y(body, b, fx, fy)
-    force[b, X] += fx
-    force[b, Y] += fy
-    force[b, PHI] += sx * fy - sy * fx
-    energy[OUTSIDE] += fx * (body[b, VX] - body[b, W] * sy) + fy * (body[b, VY] + body[b, W] * sx)
+    force[b, at.X] += fx
+    force[b, at.Y] += fy
+    force[b, at.PHI] += sx * fy - sy * fx
+    energy[at.OUTSIDE] += fx * (body[b, at.VX] - body[b, at.W] * sy) + fy * (body[b, at.VY] + body[b, at.W] * sx)
 
 
 @kind("load", "force", force_at)

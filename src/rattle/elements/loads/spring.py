@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import math
 
+from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.layout import DISSIPATED, ELASTIC, PHI, POTENTIAL, VX, VY, W, X, Y, turn_x, turn_y
+from rattle.jit.geometry import turn_x, turn_y
 from rattle.registry import Field, kind
 
 
@@ -19,10 +20,10 @@ def spring(t, body, a, b, p, k, force, energy):
     sbx = turn_x(body, b, p[k + 2], p[k + 3])
     sby = turn_y(body, b, p[k + 2], p[k + 3])
     stiffness, free_length, damping = p[k + 4], p[k + 5], p[k + 6]
-    dx = body[b, X] + sbx - body[a, X] - sax
-    dy = body[b, Y] + sby - body[a, Y] - say
-    ddx = body[b, VX] - body[b, W] * sby - body[a, VX] + body[a, W] * say
-    ddy = body[b, VY] + body[b, W] * sbx - body[a, VY] - body[a, W] * sax
+    dx = body[b, at.X] + sbx - body[a, at.X] - sax
+    dy = body[b, at.Y] + sby - body[a, at.Y] - say
+    ddx = body[b, at.VX] - body[b, at.W] * sby - body[a, at.VX] + body[a, at.W] * say
+    ddy = body[b, at.VY] + body[b, at.W] * sbx - body[a, at.VY] - body[a, at.W] * sax
     length = math.sqrt(dx * dx + dy * dy)
     inv = 1.0 / length if length > 1e-150 else 0.0  # coincident ends: no direction, no force
     nx, ny = dx * inv, dy * inv
@@ -30,15 +31,15 @@ def spring(t, body, a, b, p, k, force, energy):
     stretch = length - free_length
     pull = stiffness * stretch + damping * rate
     fx, fy = pull * nx, pull * ny
-    force[a, X] += fx
-    force[a, Y] += fy
-    force[a, PHI] += sax * fy - say * fx
-    force[b, X] -= fx
-    force[b, Y] -= fy
-    force[b, PHI] -= sbx * fy - sby * fx
-    energy[POTENTIAL] += 0.5 * stiffness * stretch * stretch
-    energy[ELASTIC] -= stiffness * stretch * rate
-    energy[DISSIPATED] += damping * rate * rate
+    force[a, at.X] += fx
+    force[a, at.Y] += fy
+    force[a, at.PHI] += sax * fy - say * fx
+    force[b, at.X] -= fx
+    force[b, at.Y] -= fy
+    force[b, at.PHI] -= sbx * fy - sby * fx
+    energy[at.POTENTIAL] += 0.5 * stiffness * stretch * stretch
+    energy[at.ELASTIC] -= stiffness * stretch * rate
+    energy[at.DISSIPATED] += damping * rate * rate
 
 
 @kind("load", "spring", spring)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.layout import OUTSIDE, PHI, W
 from rattle.registry import Field, kind
 
 
 @kernel("load")
 def torque(t, body, a, b, p, k, force, energy):
-    force[b, PHI] += p[k]
-    energy[OUTSIDE] += p[k] * body[b, W]
+    force[b, at.PHI] += p[k]
+    energy[at.OUTSIDE] += p[k] * body[b, at.W]
 
 
 @kind("load", "torque", torque)

@@ -5,22 +5,22 @@ T = stiffness (phi_B - phi_A - free_angle) + damping (w_B - w_A)      turns B ba
 
 from __future__ import annotations
 
+from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.layout import DISSIPATED, ELASTIC, PHI, POTENTIAL, W
 from rattle.registry import Field, kind
 
 
 @kernel("load")
 def torsion_spring(t, body, a, b, p, k, force, energy):
     stiffness, free_angle, damping = p[k + 4], p[k + 5], p[k + 6]
-    rate = body[b, W] - body[a, W]
-    twist = body[b, PHI] - body[a, PHI] - free_angle
+    rate = body[b, at.W] - body[a, at.W]
+    twist = body[b, at.PHI] - body[a, at.PHI] - free_angle
     moment = stiffness * twist + damping * rate
-    force[a, PHI] += moment
-    force[b, PHI] -= moment
-    energy[POTENTIAL] += 0.5 * stiffness * twist * twist
-    energy[ELASTIC] -= stiffness * twist * rate
-    energy[DISSIPATED] += damping * rate * rate
+    force[a, at.PHI] += moment
+    force[b, at.PHI] -= moment
+    energy[at.POTENTIAL] += 0.5 * stiffness * twist * twist
+    energy[at.ELASTIC] -= stiffness * twist * rate
+    energy[at.DISSIPATED] += damping * rate * rate
 
 
 @kind("load", "torsion-spring", torsion_spring)

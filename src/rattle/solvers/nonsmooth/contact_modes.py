@@ -16,50 +16,8 @@ from rattle.equations.unilateral import (
     solve_by_trying,
     solve_contacts,
 )  # fmt: skip
+from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
-from rattle.jit.layout import (
-    A_BODY,
-    ACROSS,
-    CLOSED,
-    CONTACT_EVENT,
-    GAMMA_N,
-    IMPACT,
-    IMPULSE_0,
-    LOSS_0,
-    N_1,
-    NORMAL,
-    OPEN,
-    PEAK,
-    RELEASE_EVENT,
-    SHUT,
-    SINCE,
-    SLIP,
-    SLIP_EVENT,
-    SPEED,
-    STEPS_IN,
-    STICK_EVENT,
-    TANGENT,
-    VX,
-    W,
-)  # fmt: skip
-from rattle.jit.workspace import (
-    ACCELERATION,
-    BODY,
-    CHOSEN,
-    CONTACT,
-    GRIP,
-    LEVER,
-    MODE,
-    MULTIPLIER,
-    SIDE,
-    SLIDE,
-    TOUCH,
-    TRIAL,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.solvers.gap_search import clearance_of
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without, note
 
@@ -74,7 +32,7 @@ SLOWLY = 1e-4  # share of the largest acceleration with which it then parts, at 
 @compiled
 def goes_along(m, n, apart):
     """True when lasting contact n presses next to nothing, against its force before, while another one lets go."""
-    return n != apart and ivec(m, MODE)[n] != OFF and mat(m, TOUCH)[n, NORMAL] <= SLIGHT * mat(m, GRIP)[n, PEAK]
+    return n != apart and m.mode[n] != OFF and m.touch[n, at.NORMAL] <= SLIGHT * m.grip[n, at.PEAK]
 
 
 @compiled
@@ -89,11 +47,11 @@ def choose_closed(m, apart, kind, attempt, pulling):
 
     The motion without their forces is at hand; pulling: force along the wall at contact `apart`.  Returns how many.
     """
-    contact, mode, body, grip = imat(m, CONTACT), ivec(m, MODE), mat(m, BODY), mat(m, GRIP)
-    chosen, trial, slide = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE)
+    contact, mode, body, grip = m.contact, m.mode, m.body, m.grip
+    chosen, trial, slide = m.chosen, m.trial, m.slide
     count = 0
     for n in range(contact.shape[0]):
-        left_out = contact[n, IMPACT] == 0 or leaves(m, n, apart, attempt)
+        left_out = contact[n, at.IMPACT] == 0 or leaves(m, n, apart, attempt)
         if not left_out and (mode[n] != OFF or n == apart or at_wall(m, n)):
             chosen[count] = n
             count += 1
@@ -102,12 +60,12 @@ def choose_closed(m, apart, kind, attempt, pulling):
     for k in range(count):
         n = chosen[k]
         kept = mode[n] != OFF and kind != HIT
-        if kept or at_rest(m, 2 * k, n, along(m, 2 * k, n, body, VX), grip[n, N_1]):
+        if kept or at_rest(m, 2 * k, n, along(m, 2 * k, n, body, at.VX), grip[n, at.N_1]):
             chosen[closed] = n
-            u = along(m, 2 * k + 1, n, body, VX)
+            u = along(m, 2 * k + 1, n, body, at.VX)
             slide[closed] = 0
             still = (kept and mode[n] == STICK) or (n == apart and kind == TURN)
-            if not still and not at_rest(m, 2 * k + 1, n, u, grip[n, N_1]):
+            if not still and not at_rest(m, 2 * k + 1, n, u, grip[n, at.N_1]):
                 slide[closed] = 1 if u > 0.0 else -1
             if n == apart and kind == BREAK_AWAY:
                 slide[closed] = 1 if pulling > 0.0 else -1
@@ -129,12 +87,12 @@ def part(m, count, apart, attempt):
     Those that go along have to open slowly, too: a contact that flies off is not one that was about to let go.
     The motion at hand becomes that with these forces.
     """
-    touch, acceleration = mat(m, TOUCH), mat(m, ACCELERATION)
-    add_forces(m, count, acceleration, vec(m, MULTIPLIER))
+    touch, acceleration = m.touch, m.acceleration
+    add_forces(m, count, acceleration, m.multiplier)
     for n in range(touch.shape[0]):
         if leaves(m, n, apart, attempt):
             contact_rows_of_one(m, count, n)
-            opening = touch[n, GAMMA_N] - along(m, 2 * count, n, acceleration, 0)
+            opening = touch[n, at.GAMMA_N] - along(m, 2 * count, n, acceleration, 0)
             size = turning(m, n) + largest_acceleration(m)
             if opening < -1e-9 * size or (n != apart and opening > SLOWLY * size):
                 return False
@@ -149,8 +107,8 @@ def regroup(m, t, y, apart, kind):
     are about to let go do so with it if all of them part then, so that a block parallel to its wall leaves it parallel.
     Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE; or CREEPS, when some stick now and it is to be tried anew.
     """
-    touch, attempt = mat(m, TOUCH), KEPT
-    pulling = touch[apart, TANGENT] if apart >= 0 else 0.0
+    touch, attempt = m.touch, KEPT
+    pulling = touch[apart, at.TANGENT] if apart >= 0 else 0.0
     if kind == LET_GO:
         attempt = ALONE
         for n in range(touch.shape[0]):
@@ -183,13 +141,13 @@ def end_creep(m, count):
     resolve.  Where friction in that sense leaves the problem without solution they are none: friction ends them at
     once, with no more than CREEP^2 of the energy.
     """
-    touch, mode, chosen, slide = mat(m, TOUCH), ivec(m, MODE), ivec(m, CHOSEN), ivec(m, SLIDE)
+    touch, mode, chosen, slide = m.touch, m.mode, m.chosen, m.slide
     largest, found = 0.0, False
     for k in range(count):
-        largest = max(largest, abs(touch[chosen[k], SLIP]))
+        largest = max(largest, abs(touch[chosen[k], at.SLIP]))
     for k in range(count):
         n = chosen[k]
-        if mode[n] != OFF and slide[k] != 0 and abs(touch[n, SLIP]) <= CREEP * largest:
+        if mode[n] != OFF and slide[k] != 0 and abs(touch[n, at.SLIP]) <= CREEP * largest:
             mode[n] = STICK
             found = True
     return found
@@ -198,10 +156,10 @@ def end_creep(m, count):
 @compiled
 def turning(m, n):
     """Size of what makes up gamma of contact n, which may cancel: what its rounding is measured by [m/s^2]."""
-    contact, touch, lever, body = imat(m, CONTACT), mat(m, TOUCH), mat(m, LEVER), mat(m, BODY)
-    size = abs(touch[n, GAMMA_N]) + touch[n, ACROSS] * touch[n, ACROSS] / clearance_of(m, n)
+    contact, touch, lever, body = m.contact, m.touch, m.lever, m.body
+    size = abs(touch[n, at.GAMMA_N]) + touch[n, at.ACROSS] * touch[n, at.ACROSS] / clearance_of(m, n)
     for end in range(2):
-        rate = body[contact[n, A_BODY + end], W]
+        rate = body[contact[n, at.A_BODY + end], at.W]
         size += lever[n, end] * rate * rate
     return size
 
@@ -209,17 +167,17 @@ def turning(m, n):
 @compiled
 def contact_rows_of_one(m, k, n):
     """Put contact n after k chosen ones, with its rows."""
-    ivec(m, CHOSEN)[k] = n
+    m.chosen[k] = n
     contact_rows(m, k + 1)
 
 
 @compiled
 def change_modes(m, t, y, count):
     """Take over the modes in `trial` of the chosen contacts (all others are off) and note what has changed."""
-    contact, mode, grip = imat(m, CONTACT), ivec(m, MODE), mat(m, GRIP)
-    chosen, trial, side = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE)
+    contact, mode, grip = m.contact, m.mode, m.grip
+    chosen, trial, side = m.chosen, m.trial, m.side
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 0:
+        if contact[n, at.IMPACT] == 0:
             continue
         new, pressed = OFF, 0.0
         for k in range(count):
@@ -228,16 +186,16 @@ def change_modes(m, t, y, count):
         old = mode[n]
         k = y.shape[0] - 4 * grip.shape[0] + 4 * n
         if old == OFF and new != OFF:
-            grip[n, CLOSED], grip[n, SINCE], grip[n, PEAK] = SHUT, max(t, grip[n, STEPS_IN]), pressed
-            grip[n, IMPULSE_0], grip[n, LOSS_0] = y[k + 1], y[k + 2]
+            grip[n, at.CLOSED], grip[n, at.SINCE], grip[n, at.PEAK] = at.SHUT, max(t, grip[n, at.STEPS_IN]), pressed
+            grip[n, at.IMPULSE_0], grip[n, at.LOSS_0] = y[k + 1], y[k + 2]
         if old != OFF and new == OFF:
-            note(m, CONTACT_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
-            note(m, RELEASE_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
-            grip[n, CLOSED], grip[n, SPEED] = OPEN, 0.0
+            note(m, at.CONTACT_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+            note(m, at.RELEASE_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+            grip[n, at.CLOSED], grip[n, at.SPEED] = at.OPEN, 0.0
         if friction_of(m, n) > 0.0 and new != OFF and new != old:
             if new == STICK:
-                note(m, STICK_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+                note(m, at.STICK_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
             elif old != OFF:
-                note(m, SLIP_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+                note(m, at.SLIP_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
         mode[n] = new
-        grip[n, STEPS_IN] = 0.0
+        grip[n, at.STEPS_IN] = 0.0

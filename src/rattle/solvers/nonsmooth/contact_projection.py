@@ -6,28 +6,8 @@ from rattle.equations.complementarity import FORWARD, OFF, STICK, B
 from rattle.equations.compliant import touch_all
 from rattle.equations.motion import constraints, free_motion, place
 from rattle.equations.unilateral import SIZE, contact_rows, push_all, reach, shift, solve_modes, swing
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.jit.layout import CONTACT_EVENT, DGAP, GAP, IMPACT, IMPULSE_0, LOSS_0, PEAK, SINCE, SLIP, SPEED
-from rattle.jit.workspace import (
-    ACCELERATION,
-    AUDIT,
-    CHANGE,
-    CHOSEN,
-    CONTACT,
-    EVENTS,
-    GRIP,
-    HELD,
-    MODE,
-    PUSHED,
-    SIDE,
-    TALLY,
-    TOUCH,
-    TRIAL,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.solvers.gap_search import clearance_of
 from rattle.solvers.step_audit import LENGTH
 from rattle.solvers.step_loop import EVENT_COUNT, project
@@ -40,22 +20,22 @@ STILL = 1e-12  # share of the terms of a contact velocity that counts as rest
 @compiled
 def noise(m, n):
     """Depth that rounding may give to contact n [m]."""
-    return 1e-12 * clearance_of(m, n) + 1e-15 * vec(m, HELD)[SIZE]
+    return 1e-12 * clearance_of(m, n) + 1e-15 * m.held[SIZE]
 
 
 @compiled
 def at_wall(m, n):
     """True when free contact n is at its wall, with the geometry in `touch`; near ones that hit have been put there."""
-    return mat(m, TOUCH)[n, GAP] <= 100.0 * noise(m, n)
+    return m.touch[n, at.GAP] <= 100.0 * noise(m, n)
 
 
 @compiled
 def held_contacts(m):
     """Choose all contacts that last, with their modes; returns how many there are."""
-    contact, mode, chosen, trial = imat(m, CONTACT), ivec(m, MODE), ivec(m, CHOSEN), ivec(m, TRIAL)
+    contact, mode, chosen, trial = m.contact, m.mode, m.chosen, m.trial
     count = 0
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1 and mode[n] != OFF:
+        if contact[n, at.IMPACT] == 1 and mode[n] != OFF:
             chosen[count], trial[count] = n, mode[n]
             count += 1
     return count
@@ -64,12 +44,12 @@ def held_contacts(m):
 @compiled
 def add_hitting(m, count, who):
     """Choose contact `who` and all free ones as near, after the `count` lasting ones; returns how many there are."""
-    contact, mode, touch, chosen = imat(m, CONTACT), ivec(m, MODE), mat(m, TOUCH), ivec(m, CHOSEN)
+    contact, mode, touch, chosen = m.contact, m.mode, m.touch, m.chosen
     closed = count
     for n in range(contact.shape[0]):
-        if who < 0 or contact[n, IMPACT] == 0 or mode[n] != OFF:
+        if who < 0 or contact[n, at.IMPACT] == 0 or mode[n] != OFF:
             continue
-        if n == who or abs(touch[n, GAP]) <= NEAR * clearance_of(m, n):
+        if n == who or abs(touch[n, at.GAP]) <= NEAR * clearance_of(m, n):
             chosen[closed] = n
             closed += 1
     return closed
@@ -78,7 +58,7 @@ def add_hitting(m, count, who):
 @compiled
 def goes_far(m, count, gap):
     """True when the forces at hand, as a shift, move points of contact by more than FAR times a gap."""
-    pushed, chosen = mat(m, PUSHED), ivec(m, CHOSEN)
+    pushed, chosen = m.pushed, m.chosen
     push_all(m, count)
     for k in range(count):
         if reach(m, 2 * k, chosen[k], pushed, 0) > FAR * gap or reach(m, 2 * k + 1, chosen[k], pushed, 0) > FAR * gap:
@@ -99,22 +79,22 @@ def settle(m, t, y, who):
     closed = add_hitting(m, count, who)
     if closed == 0:
         return
-    chosen, trial, side, touch, audit = ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), mat(m, TOUCH), vec(m, AUDIT)
-    nq = vec(m, CHANGE).shape[0]
+    chosen, trial, side, touch, audit = m.chosen, m.trial, m.side, m.touch, m.audit
+    nq = m.change.shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
-    exact, bend = 1e-16 * vec(m, HELD)[SIZE], 1.0
+    exact, bend = 1e-16 * m.held[SIZE], 1.0
     for attempt in range(4):
         worst, left = 0.0, bend
         bend = 0.0
         for k in range(closed):
-            gap = abs(touch[chosen[k], GAP])
+            gap = abs(touch[chosen[k], at.GAP])
             worst, bend = max(worst, gap), max(bend, gap * gap / clearance_of(m, chosen[k]))
         if worst < exact or left < exact or attempt == 3:  # a correction leaves what walls bend: gap^2 / clearance
             audit[LENGTH] = max(audit[LENGTH], worst)
             break
         contact_rows(m, closed)
         for k in range(closed):
-            side[B, 2 * k] = -touch[chosen[k], GAP]
+            side[B, 2 * k] = -touch[chosen[k], at.GAP]
             trial[k] = FORWARD
         solve_modes(m, closed, 0)
         if closed > count + 1 and goes_far(m, closed, worst):
@@ -126,8 +106,8 @@ def settle(m, t, y, who):
     contact_rows(m, count)
     for k in range(count):
         n = chosen[k]
-        side[B, 2 * k], side[B, 2 * k + 1] = touch[n, DGAP], -touch[n, SLIP]
-        trial[k] = STICK if ivec(m, MODE)[n] == STICK else FORWARD
+        side[B, 2 * k], side[B, 2 * k + 1] = touch[n, at.DGAP], -touch[n, at.SLIP]
+        trial[k] = STICK if m.mode[n] == STICK else FORWARD
     solve_modes(m, count, 0)
     shift(m, count, v, -1.0)
     place(m, q, v)
@@ -138,7 +118,7 @@ def settle(m, t, y, who):
 @compiled
 def note(m, kind, n, t, y, speed, peak, impulse, lost):
     """Write one event row; a contact that ends says what it was from its memory."""
-    tally, events = ivec(m, TALLY), mat(m, EVENTS)
+    tally, events = m.tally, m.events
     if tally[EVENT_COUNT] == events.shape[0]:
         return
     event = events[tally[EVENT_COUNT]]
@@ -146,24 +126,29 @@ def note(m, kind, n, t, y, speed, peak, impulse, lost):
         event[k] = 0.0
     event[0], event[1], event[2], event[3] = t, n, kind, speed
     event[5], event[6], event[7] = peak, impulse, lost
-    if kind == CONTACT_EVENT:
-        grip, k = mat(m, GRIP)[n], y.shape[0] - 4 * mat(m, GRIP).shape[0] + 4 * n
-        event[0], event[3], event[4], event[5] = grip[SINCE], grip[SPEED], max(t - grip[SINCE], 0.0), grip[PEAK]
-        event[6], event[7] = y[k + 1] - grip[IMPULSE_0], y[k + 2] - grip[LOSS_0]
+    if kind == at.CONTACT_EVENT:
+        grip, k = m.grip[n], y.shape[0] - 4 * m.grip.shape[0] + 4 * n
+        event[0], event[3], event[4], event[5] = (
+            grip[at.SINCE],
+            grip[at.SPEED],
+            max(t - grip[at.SINCE], 0.0),
+            grip[at.PEAK],
+        )
+        event[6], event[7] = y[k + 1] - grip[at.IMPULSE_0], y[k + 2] - grip[at.LOSS_0]
     tally[EVENT_COUNT] += 1
 
 
 @compiled
 def motion_without(m, t, y):
     """Everything at y but without forces of lasting contacts."""
-    nq = vec(m, CHANGE).shape[0]
+    nq = m.change.shape[0]
     free_motion(m, t, y[:nq], y[nq : 2 * nq])
 
 
 @compiled
 def largest_acceleration(m):
     """Largest acceleration of a mass centre along x or y [m/s^2]."""
-    acceleration = mat(m, ACCELERATION)
+    acceleration = m.acceleration
     total = 0.0
     for i in range(1, acceleration.shape[0]):
         total = max(total, abs(acceleration[i, 0]), abs(acceleration[i, 1]))
@@ -173,4 +158,4 @@ def largest_acceleration(m):
 @compiled
 def at_rest(m, r, n, u, before):
     """True when the velocity u of line r of contact n is rounding; before: size of its terms before an impact [m/s]."""
-    return abs(u) <= STILL * max(swing(m, r, n), before) + 1e-14 * vec(m, HELD)[SIZE]
+    return abs(u) <= STILL * max(swing(m, r, n), before) + 1e-14 * m.held[SIZE]

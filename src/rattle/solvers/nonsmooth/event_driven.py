@@ -22,32 +22,8 @@ from rattle.equations.complementarity import OFF, STICK
 from rattle.equations.compliant import touch_all
 from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
 from rattle.equations.unilateral import CHATTER, DETERMINANT, LOCKED, NOT_FOUND
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.jit.layout import DGAP, DGAP_0, DGAP_1, GAP, GAP_0, GAP_1, IMPACT
-from rattle.jit.workspace import (
-    AUDIT,
-    CHANGE,
-    CLOCK,
-    CONTACT,
-    EVENTS,
-    GRIP,
-    HELD,
-    LANDING,
-    MODE,
-    POWER,
-    RATE,
-    RATE_NEW,
-    STAGE,
-    STATE,
-    STATE_NEW,
-    SWITCH,
-    TALLY,
-    TOUCH,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.solvers.contact_events import interpolate
 from rattle.solvers.dop853 import step as step_dop853
 from rattle.solvers.gap_search import ESCAPED, NONE, clearance_of, escaped, inside_wall, may_reach
@@ -87,23 +63,23 @@ CROWDED = 1e-6
 @compiled
 def remember(m):
     """Keep gaps and their rates: the start of the next step."""
-    touch, grip = mat(m, TOUCH), mat(m, GRIP)
+    touch, grip = m.touch, m.grip
     for n in range(touch.shape[0]):
-        grip[n, GAP_0], grip[n, DGAP_0] = touch[n, GAP], touch[n, DGAP]
+        grip[n, at.GAP_0], grip[n, at.DGAP_0] = touch[n, at.GAP], touch[n, at.DGAP]
 
 
 @compiled
 def count_shift(m):
     """By how much a located event was beside the joints and walls, from gaps before and after settling: drift."""
-    grip, touch, audit = mat(m, GRIP), mat(m, TOUCH), vec(m, AUDIT)
+    grip, touch, audit = m.grip, m.touch, m.audit
     for n in range(grip.shape[0]):
-        audit[LENGTH] = max(audit[LENGTH], abs(touch[n, GAP] - grip[n, GAP_1]))
+        audit[LENGTH] = max(audit[LENGTH], abs(touch[n, at.GAP] - grip[n, at.GAP_1]))
 
 
 @compiled
 def new_modes(m, t, y, who, what):
     """New modes at (t, y) after an event, see `regroup`; leaves y on its constraints. Returns a status."""
-    nq = vec(m, CHANGE).shape[0]
+    nq = m.change.shape[0]
     status = regroup(m, t, y, who, what)
     if status == CREEPS:
         settle(m, t, y, -1)
@@ -121,9 +97,9 @@ def happen(m, t, y, who, what):
     `touch` holds the gaps at (t, y).
     what: HIT, LET_GO, BREAK_AWAY or TURN of contact `who`; or NOTHING: a run starts, `who` hits (-1: none does).
     """
-    grip, touch = mat(m, GRIP), mat(m, TOUCH)
+    grip, touch = m.grip, m.touch
     for n in range(grip.shape[0]):
-        grip[n, GAP_1] = touch[n, GAP]
+        grip[n, at.GAP_1] = touch[n, at.GAP]
     if what == HIT or (what == NOTHING and who >= 0):
         settle(m, t, y, who)
         count_shift(m)
@@ -132,7 +108,7 @@ def happen(m, t, y, who, what):
         if status != OK:
             return status
     else:
-        nq, mode = vec(m, CHANGE).shape[0], ivec(m, MODE)
+        nq, mode = m.change.shape[0], m.mode
         old = mode[who] if what == TURN else OFF
         if what == TURN:  # at the reversal there is no slip; which sign it takes, the accelerations say
             mode[who] = STICK
@@ -146,17 +122,17 @@ def happen(m, t, y, who, what):
 @native("i", "h", "f")
 def start(m, t):
     """Modes at the start of a run: contacts that are closed and hit take their impact at once. Returns a status."""
-    contact, touch, mode, y = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), vec(m, STATE)
+    contact, touch, mode, y = m.contact, m.touch, m.mode, m.state
     project(m, t, y)
     touch_all(m)
     who, nearest = -1, -1
     for n in range(contact.shape[0]):
         near = max(NEAR * clearance_of(m, n), 4.0 * noise(m, n))
-        if contact[n, IMPACT] == 0 or mode[n] != OFF or touch[n, GAP] > near:
+        if contact[n, at.IMPACT] == 0 or mode[n] != OFF or touch[n, at.GAP] > near:
             continue
-        if nearest < 0 or touch[n, GAP] < touch[nearest, GAP]:
+        if nearest < 0 or touch[n, at.GAP] < touch[nearest, at.GAP]:
             nearest = n
-        if touch[n, DGAP] < 0.0:
+        if touch[n, at.DGAP] < 0.0:
             who = n
             break
     if who < 0:
@@ -169,7 +145,7 @@ def start(m, t):
 @native("i", "h", "f", "i")
 def go_on(m, t, jolted):
     """Modes after expressions have switched at t; jolted: rates have jumped, contacts may part. Returns a status."""
-    y = vec(m, STATE)
+    y = m.state
     if jolted == 0:
         status = happen(m, t, y, -1, NOTHING)
     else:
@@ -181,12 +157,12 @@ def go_on(m, t, jolted):
 @compiled
 def write_until(m, t, h, t_until, t_out, out):
     """Outputs of the step from t of length h up to t_until; the dense output is ready. False if a contact escaped."""
-    tally, stage = ivec(m, TALLY), vec(m, STAGE)
+    tally, stage = m.tally, m.stage
     while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_until:
         k = tally[OUTPUTS]
         interpolate(m, (t_out[k] - t) / h, stage)
         if escaped(m, stage):
-            vec(m, CLOCK)[TROUBLE] = t_out[k]
+            m.clock[TROUBLE] = t_out[k]
             return False
         settle(m, t_out[k], stage, -1)
         record(m, t_out[k], stage, out[k])
@@ -200,9 +176,9 @@ def passes_by(m, t, h, error):
 
     No contact does anything, no force has a peak.  Everything at the end of the step is at hand.
     """
-    contact, mode = imat(m, CONTACT), ivec(m, MODE)
+    contact, mode = m.contact, m.mode
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
+        if contact[n, at.IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
             return False
     if not calm(m, error) or end_step(m, t, h, 1.0, DOP853, -1) < 0:
         return False
@@ -219,10 +195,10 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
     Returns DONE, PAUSED, STEP_TOO_SMALL, ESCAPED, NO_SOLUTION, NOT_FOUND, NOT_UNIQUE, LOCKED, CHATTER,
     UNSOUND, or SLIDES.
     """
-    y, f, y_new, f_new = vec(m, STATE), vec(m, RATE), vec(m, STATE_NEW), vec(m, RATE_NEW)
-    clock, tally, touch, grip = vec(m, CLOCK), ivec(m, TALLY), mat(m, TOUCH), mat(m, GRIP)
-    begun, most_found = tally[STEPS], mat(m, EVENTS).shape[0] // 2
-    landing, switches = vec(m, LANDING), imat(m, SWITCH).shape[0] > 0
+    y, f, y_new, f_new = m.state, m.rate, m.state_new, m.rate_new
+    clock, tally, touch, grip = m.clock, m.tally, m.touch, m.grip
+    begun, most_found = tally[STEPS], m.events.shape[0] // 2
+    landing, switches = m.landing, m.switch.shape[0] > 0
     while tally[STEPS] < begun + most_steps and max(tally[EVENT_COUNT], tally[FOUND]) < most_found:
         t, h = clock[T], clock[H]
         if t >= t_end:
@@ -232,8 +208,8 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             h = t_end - t
         if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t:
             return STEP_TOO_SMALL
-        vec(m, POWER)[3] = 1.0
-        vec(m, HELD)[DETERMINANT] = 1.0
+        m.power[3] = 1.0
+        m.held[DETERMINANT] = 1.0
         error, changed = step_dop853(m, t, h, rtol, atol, 0)
         tally[EVALUATIONS] += 12
         if not error <= 1.0:
@@ -260,7 +236,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         gauge(m, END, t_new)
         changed |= watched_change(m)
         for n in range(touch.shape[0]):
-            grip[n, GAP_1], grip[n, DGAP_1] = touch[n, GAP], touch[n, DGAP]
+            grip[n, at.GAP_1], grip[n, at.DGAP_1] = touch[n, at.GAP], touch[n, at.DGAP]
         still = not changed and not switches and passes_by(m, t, t_new - t, error)
         quiet = still and not (tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_new)
         if not quiet:
@@ -330,6 +306,6 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         clock[T] = t_until
         clock[H_MIN] = min(clock[H_MIN], t_until - t) if who < 0 else clock[H_MIN]
         tally[STEPS] += 1
-        if vec(m, HELD)[DETERMINANT] < 0.0:
+        if m.held[DETERMINANT] < 0.0:
             return LOCKED
     return DONE if clock[T] >= t_end else PAUSED

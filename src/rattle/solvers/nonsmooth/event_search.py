@@ -12,23 +12,8 @@ import numpy as np
 from rattle.equations.complementarity import FORWARD, OFF, friction_of
 from rattle.equations.motion import solve_motion
 from rattle.equations.unilateral import SIZE
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled
-from rattle.jit.layout import IMPACT, NORMAL, PEAK, SLIP, TANGENT
-from rattle.jit.workspace import (
-    CHANGE,
-    CONTACT,
-    GRIP,
-    HELD,
-    LOOKS,
-    MODE,
-    STAGE,
-    TALLY,
-    TOUCH,
-    imat,
-    ivec,
-    mat,
-    vec,
-)
 from rattle.solvers.contact_events import interpolate
 from rattle.solvers.gap_search import NONE, may_reach, search
 from rattle.solvers.glances import KINDS, matters, may_dip, slack_of, write_look
@@ -47,7 +32,7 @@ NARROW = 1e-6  # share of a step that is not halved
 @compiled
 def at_share(m, t, h, theta):
     """State and forces at the share theta of the step."""
-    stage, nq = vec(m, STAGE), vec(m, CHANGE).shape[0]
+    stage, nq = m.stage, m.change.shape[0]
     interpolate(m, theta, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
 
@@ -55,12 +40,12 @@ def at_share(m, t, h, theta):
 @compiled
 def indicator(m, n, what):
     """What must not become negative for contact n: N, mu N - |T|, or slip in its sense; touch is at hand."""
-    touch = mat(m, TOUCH)
+    touch = m.touch
     if what == LET_GO:
-        return touch[n, NORMAL]
+        return touch[n, at.NORMAL]
     if what == BREAK_AWAY:
-        return friction_of(m, n) * touch[n, NORMAL] - abs(touch[n, TANGENT])
-    return touch[n, SLIP] if ivec(m, MODE)[n] == FORWARD else -touch[n, SLIP]
+        return friction_of(m, n) * touch[n, at.NORMAL] - abs(touch[n, at.TANGENT])
+    return touch[n, at.SLIP] if m.mode[n] == FORWARD else -touch[n, at.SLIP]
 
 
 @compiled
@@ -101,9 +86,9 @@ def locate(m, t, h, n, what, low, high):
 @compiled
 def first_hit(m, h):
     """Share of the step at which the first free contact closes (NONE if none does, or GAVE_UP), and which."""
-    contact, mode, best, who = imat(m, CONTACT), ivec(m, MODE), NONE, -1
+    contact, mode, best, who = m.contact, m.mode, NONE, -1
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
+        if contact[n, at.IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
             share = search(m, h, n, 1.0, min(best, 1.0))
             if share > NONE:
                 return share, -1
@@ -115,9 +100,9 @@ def first_hit(m, h):
 @compiled
 def any_held(m):
     """True when a set-valued contact is closed."""
-    contact, mode = imat(m, CONTACT), ivec(m, MODE)
+    contact, mode = m.contact, m.mode
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1 and mode[n] != OFF:
+        if contact[n, at.IMPACT] == 1 and mode[n] != OFF:
             return True
     return False
 
@@ -125,7 +110,7 @@ def any_held(m):
 @compiled
 def look(m, t, h, share, row):
     """Look at a share of the step: all that must not become negative into a line of `looks`, and the largest force."""
-    line = mat(m, LOOKS)[row]
+    line = m.looks[row]
     at_share(m, t, h, share)
     line[0] = share
     write_look(m, line)
@@ -134,11 +119,11 @@ def look(m, t, h, share, row):
 @compiled
 def something_may_dip(m, i, count):
     """True when something may be below zero between looks i and i + 1, but is not at either of them."""
-    contact, mode, looks = imat(m, CONTACT), ivec(m, MODE), mat(m, LOOKS)
+    contact, mode, looks = m.contact, m.mode, m.looks
     width = 1 + KINDS * contact.shape[0]
     force = max(looks[i, width], looks[i + 1, width])
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 0 or mode[n] == OFF:
+        if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
             continue
         for kind in range(KINDS):
             c = 1 + KINDS * n + kind
@@ -160,18 +145,18 @@ def move_looks(looks, first, last, by):
 @compiled
 def broken_at(m, i, n, what):
     """True when contact n is seen at look i to let go, to break away or to turn."""
-    c, looks = 1 + KINDS * n, mat(m, LOOKS)
+    c, looks = 1 + KINDS * n, m.looks
     if what == LET_GO:
         return looks[i, c] < 0.0
     if what == BREAK_AWAY:
         return min(looks[i, c + 1], looks[i, c + 2]) < 0.0
-    return looks[i, c + 3] < -1e-13 * vec(m, HELD)[SIZE]
+    return looks[i, c + 3] < -1e-13 * m.held[SIZE]
 
 
 @compiled
 def first_change(m, t, h, best, who, what):
     """First event of lasting contacts before the share `best` of the step, or (best, who, what) as they are."""
-    contact, mode, grip, looks = imat(m, CONTACT), ivec(m, MODE), mat(m, GRIP), mat(m, LOOKS)
+    contact, mode, grip, looks = m.contact, m.mode, m.grip, m.looks
     until, count, placed, i, seen = min(best, 1.0), 0, 0, 0, 0
     while True:
         while count < max(i + 3, 4) and placed < PLACES.shape[0]:
@@ -196,9 +181,9 @@ def first_change(m, t, h, best, who, what):
             i = max(i - 1, 0)
             continue
         for n in range(contact.shape[0]):
-            if contact[n, IMPACT] == 0:
+            if contact[n, at.IMPACT] == 0:
                 continue
-            grip[n, PEAK] = max(grip[n, PEAK], looks[i + 1, 1 + KINDS * n]) if mode[n] != OFF else 0.0
+            grip[n, at.PEAK] = max(grip[n, at.PEAK], looks[i + 1, 1 + KINDS * n]) if mode[n] != OFF else 0.0
             for kind in (LET_GO, BREAK_AWAY, TURN):
                 if mode[n] != OFF and broken_at(m, i + 1, n, kind):
                     share = locate(m, t, h, n, kind, left, right)
@@ -207,7 +192,7 @@ def first_change(m, t, h, best, who, what):
         if what > HIT:
             break
         i += 1
-    ivec(m, TALLY)[EVALUATIONS] += seen
+    m.tally[EVALUATIONS] += seen
     return best, who, what
 
 

@@ -34,22 +34,8 @@ from rattle.equations.complementarity import (
     fill_delassus,
     friction_of,
 )  # fmt: skip
+from rattle.jit import layout as at
 from rattle.jit.functions import call_problem, compiled, kernel
-from rattle.jit.layout import DGAP, SLIP
-from rattle.jit.workspace import (
-    BOUNCE,
-    CHOSEN,
-    DELASSUS,
-    HELD,
-    PROBLEM_TABLE,
-    SIDE,
-    SLIDE,
-    TOUCH,
-    TRIAL,
-    ivec,
-    mat,
-    vec,
-)
 
 # rows of `bounce`, two columns for every contact of the model: restitution e and rate of the gap before the impact
 # (first column), percussions so far, rates now, work of N in this phase (first column) and what it may still become
@@ -61,8 +47,8 @@ ZERO = 1e-13  # share of the largest rate below which a rate is zero
 @compiled
 def follow_path(m):
     """Percussions f of the one chosen contact, from the rates b before; e is in `bounce`."""
-    side, g, e = mat(m, SIDE), mat(m, DELASSUS), mat(m, BOUNCE)[E, 2 * ivec(m, CHOSEN)[0]]
-    mu = friction_of(m, ivec(m, CHOSEN)[0])
+    side, g, e = m.side, m.delassus, m.bounce[E, 2 * m.chosen[0]]
+    mu = friction_of(m, m.chosen[0])
     rate, w = side[B, 0], side[B, 1]  # g' and -slip
     pressed, held, work, target, expands = 0.0, 0.0, 0.0, 0.0, False
     for _ in range(8):  # slide, stick or turn, before and after the end of compression: four pieces at most
@@ -102,22 +88,22 @@ def follow_path(m):
 @compiled
 def as_full_matrix(m, count):
     """Make G of the chosen contacts a full matrix where it is not."""
-    if vec(m, HELD)[SPARSE] == 1.0:
-        vec(m, HELD)[SPARSE] = 0.0
+    if m.held[SPARSE] == 1.0:
+        m.held[SPARSE] = 0.0
         fill_delassus(m, count)
 
 
 @compiled
 def sort_contacts(m, count, expands):
     """Chosen contacts that press or may, first; then those that part. Makes their rows; returns how many press."""
-    chosen, bounce = ivec(m, CHOSEN), mat(m, BOUNCE)
+    chosen, bounce = m.chosen, m.bounce
     active = 0
     for k in range(count):
         n = chosen[k]
         if bounce[NOW, 2 * n] <= 0.0 or (expands and bounce[WORK, 2 * n + 1] > 0.0):
             chosen[k], chosen[active] = chosen[active], n
             active += 1
-    call_problem(ivec(m, PROBLEM_TABLE)[ROWS_OF], (m, count))
+    call_problem(m.problem_table[ROWS_OF], (m, count))
     as_full_matrix(m, count)
     return active
 
@@ -128,8 +114,8 @@ def growth(m, active, expands, left):
 
     left: what is left of compression.
     """
-    chosen, bounce, side = ivec(m, CHOSEN), mat(m, BOUNCE), mat(m, SIDE)
-    slide, trial = ivec(m, SLIDE), ivec(m, TRIAL)
+    chosen, bounce, side = m.chosen, m.bounce, m.side
+    slide, trial = m.slide, m.trial
     drives = False
     for k in range(active):
         n = chosen[k]
@@ -143,7 +129,7 @@ def growth(m, active, expands, left):
         trial[k] = STICK if slide[k] == 0 and friction_of(m, n) > 0.0 else (BACKWARD if slide[k] < 0 else FORWARD)
     if not drives:
         return 0
-    if call_problem(ivec(m, PROBLEM_TABLE)[SEARCH], (m, active)) <= 0:
+    if call_problem(m.problem_table[SEARCH], (m, active)) <= 0:
         return -1
     for k in range(active):
         if not expands or (bounce[WORK, 2 * chosen[k] + 1] > 0.0 and side[F, 2 * k] > 0.0):
@@ -154,7 +140,7 @@ def growth(m, active, expands, left):
 @compiled
 def piece_of(m, count, active, expands, left):
     """How far percussions grow at these rates until a contact changes; rates of change of all contacts go to a."""
-    chosen, bounce, side, g = ivec(m, CHOSEN), mat(m, BOUNCE), mat(m, SIDE), mat(m, DELASSUS)
+    chosen, bounce, side, g = m.chosen, m.bounce, m.side, m.delassus
     piece = math.inf if expands else left
     for k in range(count):
         n, rough = chosen[k], friction_of(m, chosen[k]) > 0.0
@@ -183,7 +169,7 @@ def grow(m, count, active, expands, piece, zero):
 
     zero: rates up to that are none.
     """
-    chosen, bounce, side = ivec(m, CHOSEN), mat(m, BOUNCE), mat(m, SIDE)
+    chosen, bounce, side = m.chosen, m.bounce, m.side
     for k in range(count):
         n = chosen[k]
         grows = side[F, 2 * k] if k < active else 0.0
@@ -219,11 +205,11 @@ def follow_phase(m, count, expands, zero):
 @compiled
 def gives_energy(m, count):
     """True when the percussions of an impact, f in `side`, would give energy; the rates before are in `touch`."""
-    side, g, touch, chosen = mat(m, SIDE), mat(m, DELASSUS), mat(m, TOUCH), ivec(m, CHOSEN)
+    side, g, touch, chosen = m.side, m.delassus, m.touch, m.chosen
     given, size = 0.0, 0.0
     for r in range(2 * count):
         n = chosen[r // 2]
-        before = touch[n, DGAP] if r % 2 == 0 else -touch[n, SLIP]
+        before = touch[n, at.DGAP] if r % 2 == 0 else -touch[n, at.SLIP]
         after = before
         for s in range(2 * count):
             after += g[r, s] * side[F, s]
@@ -235,7 +221,7 @@ def gives_energy(m, count):
 @kernel("problem")
 def path_kernel(m, count):
     """Percussions f of an impact under the energetic law, and rates a after it, from the rates in b; 0: none found."""
-    side, bounce, chosen, trial = mat(m, SIDE), mat(m, BOUNCE), ivec(m, CHOSEN), ivec(m, TRIAL)
+    side, bounce, chosen, trial = m.side, m.bounce, m.chosen, m.trial
     if count == 1:
         follow_path(m)
     else:

@@ -24,9 +24,8 @@ from __future__ import annotations
 import math
 
 from rattle.equations.complementarity import BACKWARD, EXACT, FORWARD, OFF, STICK, A, B, F, friction_of
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
-from rattle.jit.layout import NORMAL_P
-from rattle.jit.workspace import BOUNCE, CHOSEN, CONTACT, DELASSUS, SIDE, SYSTEM, TRIAL, VALUES, imat, ivec, mat, vec
 from rattle.solvers.nonsmooth.impact_path import E, as_full_matrix
 
 NEWTON, POISSON, ENERGETIC = range(3)  # in the order of the choices of the contact table
@@ -40,13 +39,13 @@ SWEEPS = 400  # of relaxation, before modes are read from it
 @compiled
 def law_of(m, n):
     """Restitution law of contact n: NEWTON, POISSON or ENERGETIC."""
-    return int(vec(m, VALUES)[imat(m, CONTACT)[n, NORMAL_P] + 3])
+    return int(m.values[m.contact[n, at.NORMAL_P] + 3])
 
 
 @compiled
 def rates_of(m, count):
     """a of the percussions at hand, on top of the rates after compression."""
-    side, g, bounce = mat(m, SIDE), mat(m, DELASSUS), mat(m, BOUNCE)
+    side, g, bounce = m.side, m.delassus, m.bounce
     for r in range(2 * count):
         side[A, r] = bounce[RATES, r]
         for s in range(2 * count):
@@ -56,7 +55,7 @@ def rates_of(m, count):
 @compiled
 def relax(m, count, sweeps):
     """Projected Gauss-Seidel on the expansion; returns the last change of a percussion, as a share of the largest."""
-    side, g, bounce, chosen = mat(m, SIDE), mat(m, DELASSUS), mat(m, BOUNCE), ivec(m, CHOSEN)
+    side, g, bounce, chosen = m.side, m.delassus, m.bounce, m.chosen
     change, scale = 0.0, 0.0
     for r in range(2 * count):
         scale = max(scale, g[r, r])
@@ -85,7 +84,7 @@ def relax(m, count, sweeps):
 @compiled
 def eliminate(m, size):
     """Solve `system` (size equations, right side in column `size`); False when it is singular."""
-    system = mat(m, SYSTEM)
+    system = m.system
     for c in range(size):
         best = c
         for r in range(c + 1, size):
@@ -110,8 +109,8 @@ def polish(m, count):
 
     OFF: N at its least, and sliding or sticking as T says.
     """
-    side, g, bounce, system = mat(m, SIDE), mat(m, DELASSUS), mat(m, BOUNCE), mat(m, SYSTEM)
-    chosen = ivec(m, CHOSEN)
+    side, g, bounce, system = m.side, m.delassus, m.bounce, m.system
+    chosen = m.chosen
     for r in range(2 * count):
         bounce[KEPT, r] = side[F, r]
     size = 0
@@ -154,18 +153,18 @@ def polish(m, count):
 @compiled
 def is_free(m, r):
     """True when percussion r of relaxation is at none of its bounds; they are in `kept`."""
-    bounce = mat(m, BOUNCE)
+    bounce = m.bounce
     n = r - r % 2
     if r == n:
         return bounce[KEPT, n] > bounce[FLOOR, n]
-    mu = friction_of(m, ivec(m, CHOSEN)[n // 2])
+    mu = friction_of(m, m.chosen[n // 2])
     return mu > 0.0 and abs(bounce[KEPT, r]) < mu * bounce[KEPT, n]
 
 
 @compiled
 def fits(m, count, slack):
     """True when the percussions and rates at hand meet all conditions of expansion but for a share `slack`."""
-    side, g, bounce, chosen = mat(m, SIDE), mat(m, DELASSUS), mat(m, BOUNCE), ivec(m, CHOSEN)
+    side, g, bounce, chosen = m.side, m.delassus, m.bounce, m.chosen
     force, rate = 0.0, 0.0
     for r in range(2 * count):
         force = max(force, abs(side[F, r]), abs(bounce[PRESSED, r]))
@@ -192,7 +191,7 @@ def fits(m, count, slack):
 @compiled
 def expansion(m, count, scale):
     """Percussions f of expansion and rates a after it, with `scale` times the shares; False when none are found."""
-    side, bounce = mat(m, SIDE), mat(m, BOUNCE)
+    side, bounce = m.side, m.bounce
     for k in range(count):
         bounce[FLOOR, 2 * k] = scale * bounce[SHARE, 2 * k] * bounce[PRESSED, 2 * k]
         side[F, 2 * k], side[F, 2 * k + 1] = bounce[FLOOR, 2 * k], 0.0
@@ -210,15 +209,15 @@ def expansion(m, count, scale):
 @compiled
 def work_in_expansion(m, k):
     """Work of N of contact k in expansion."""
-    side, bounce = mat(m, SIDE), mat(m, BOUNCE)
+    side, bounce = m.side, m.bounce
     return 0.5 * side[F, 2 * k] * (bounce[RATES, 2 * k] + side[A, 2 * k])
 
 
 @compiled
 def most_work(m, k):
     """Work that N of contact k may do in expansion: e^2 times what it took in compression."""
-    side, bounce = mat(m, SIDE), mat(m, BOUNCE)
-    e = bounce[E, 2 * ivec(m, CHOSEN)[k]]
+    side, bounce = m.side, m.bounce
+    e = bounce[E, 2 * m.chosen[k]]
     taken = -0.5 * bounce[PRESSED, 2 * k] * (side[B, 2 * k] + bounce[RATES, 2 * k])
     return e * e * max(taken, 0.0)
 
@@ -226,7 +225,7 @@ def most_work(m, k):
 @compiled
 def takes_energy(m, count):
     """True when the impact loses energy as a whole and no contact gives back more than its bound."""
-    side, bounce = mat(m, SIDE), mat(m, BOUNCE)
+    side, bounce = m.side, m.bounce
     lost, size, largest = 0.0, 0.0, 0.0
     for k in range(count):
         largest = max(largest, most_work(m, k))
@@ -243,7 +242,7 @@ def takes_energy(m, count):
 @compiled
 def find_shares(m, count):
     """Shares with which every contact does the work it may in expansion, or less; False when that does not settle."""
-    bounce, chosen = mat(m, BOUNCE), ivec(m, CHOSEN)
+    bounce, chosen = m.bounce, m.chosen
     for k in range(count):
         bounce[SHARE, 2 * k] = bounce[E, 2 * chosen[k]] if most_work(m, k) > 0.0 else 0.0
     for _ in range(60):
@@ -268,7 +267,7 @@ def expand_kernel(m, count):
 
     Leaves f and a of the impact as a whole and modes in `trial`; returns 0 when no expansion was found.
     """
-    side, bounce, chosen, trial = mat(m, SIDE), mat(m, BOUNCE), ivec(m, CHOSEN), ivec(m, TRIAL)
+    side, bounce, chosen, trial = m.side, m.bounce, m.chosen, m.trial
     energetic = law_of(m, chosen[0]) == ENERGETIC
     as_full_matrix(m, count)
     for r in range(2 * count):

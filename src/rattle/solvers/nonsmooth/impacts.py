@@ -36,46 +36,8 @@ from rattle.equations.unilateral import (
     solve_modes,
     swing,
 )  # fmt: skip
+from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_problem, compiled, native
-from rattle.jit.layout import (
-    DGAP,
-    DGAP_1,
-    GAMMA_N,
-    GAP_1,
-    IMPACT,
-    IMPACT_EVENT,
-    N_1,
-    NORMAL_P,
-    NU,
-    SLIP,
-    SPEED,
-    STEPS_IN,
-)  # fmt: skip
-from rattle.jit.workspace import (
-    ACCELERATION,
-    BOUNCE,
-    CHANGE,
-    CHOSEN,
-    CONTACT,
-    GRIP,
-    HELD,
-    MODE,
-    MULTIPLIER,
-    PROBLEM_TABLE,
-    RATE_NEW,
-    RECENT,
-    ROWS,
-    SIDE,
-    SLIDE,
-    TALLY,
-    TOUCH,
-    TRIAL,
-    VALUES,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.solvers.gap_search import clearance_of
 from rattle.solvers.nonsmooth.contact_projection import STILL, at_rest, at_wall, motion_without, note
 from rattle.solvers.nonsmooth.impact_path import BEFORE, E
@@ -93,14 +55,14 @@ def collide(m, t, y, who):
     Bounces that are too low to follow are closed (restitution 0).  Returns OK, NO_SOLUTION, NOT_FOUND or
     NOT_UNIQUE.
     """
-    contact, mode, grip = imat(m, CONTACT), ivec(m, MODE), mat(m, GRIP)
-    chosen, nq = ivec(m, CHOSEN), vec(m, CHANGE).shape[0]
-    v, before = y[nq : 2 * nq], vec(m, RATE_NEW)
+    contact, mode, grip = m.contact, m.mode, m.grip
+    chosen, nq = m.chosen, m.change.shape[0]
+    v, before = y[nq : 2 * nq], m.rate_new
     count = 0
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1 and (n == who or mode[n] != OFF or at_wall(m, n)):
+        if contact[n, at.IMPACT] == 1 and (n == who or mode[n] != OFF or at_wall(m, n)):
             chosen[count] = n
-            grip[n, STEPS_IN], grip[n, N_1] = 0.0, 0.0
+            grip[n, at.STEPS_IN], grip[n, at.N_1] = 0.0, 0.0
             count += 1
     for c in range(nq):
         before[c] = v[c]
@@ -124,16 +86,16 @@ def collide(m, t, y, who):
 @compiled
 def rates_before(m, count, law):
     """b of an impact from the rates in `touch`: those before, times 1 + e under Newton's law."""
-    contact, touch, grip, values = imat(m, CONTACT), mat(m, TOUCH), mat(m, GRIP), vec(m, VALUES)
-    chosen, trial, slide, side, bounce = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE), mat(m, BOUNCE)
+    contact, touch, grip, values = m.contact, m.touch, m.grip, m.values
+    chosen, trial, slide, side, bounce = m.chosen, m.trial, m.slide, m.side, m.bounce
     for k in range(count):
-        n, p = chosen[k], contact[chosen[k], NORMAL_P]
-        grip[n, N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
-        hits = touch[n, DGAP] < -STILL * grip[n, N_1]
-        bounce[E, 2 * n] = values[p] if grip[n, STEPS_IN] == 0.0 else 0.0
-        bounce[BEFORE, 2 * n] = touch[n, DGAP] if hits else 0.0
+        n, p = chosen[k], contact[chosen[k], at.NORMAL_P]
+        grip[n, at.N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
+        hits = touch[n, at.DGAP] < -STILL * grip[n, at.N_1]
+        bounce[E, 2 * n] = values[p] if grip[n, at.STEPS_IN] == 0.0 else 0.0
+        bounce[BEFORE, 2 * n] = touch[n, at.DGAP] if hits else 0.0
         e, e_t = (bounce[E, 2 * n], values[p + 1]) if law == NEWTON and hits else (0.0, 0.0)
-        side[B, 2 * k], side[B, 2 * k + 1] = (1.0 + e) * touch[n, DGAP], -(1.0 + e_t) * touch[n, SLIP]
+        side[B, 2 * k], side[B, 2 * k + 1] = (1.0 + e) * touch[n, at.DGAP], -(1.0 + e_t) * touch[n, at.SLIP]
         slide[k] = 0
         trial[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
 
@@ -141,17 +103,17 @@ def rates_before(m, count, law):
 @compiled
 def percussions(m, count):
     """Percussions of the chosen contacts after their law of restitution; returns a status as `collide` does."""
-    law = law_of(m, ivec(m, CHOSEN)[0])
+    law = law_of(m, m.chosen[0])
     rates_before(m, count, law)
     if law == ENERGETIC:
-        if call_problem(ivec(m, PROBLEM_TABLE)[TRACE], (m, count)) > 0:
+        if call_problem(m.problem_table[TRACE], (m, count)) > 0:
             return OK
         rates_before(m, count, law)
     if not solve_contacts(m, count):
         return ending(m)
     if is_rough(m, count) and count_solutions(m, count) > 1:
         return NOT_UNIQUE
-    if law != NEWTON and call_problem(ivec(m, PROBLEM_TABLE)[EXPAND], (m, count)) == 0:
+    if law != NEWTON and call_problem(m.problem_table[EXPAND], (m, count)) == 0:
         return NOT_FOUND
     return OK
 
@@ -162,17 +124,17 @@ def hold_down(m, count):
 
     Contacts that stay keep their rest meanwhile: the change takes energy, being one onto rates that are zero after it.
     """
-    grip, chosen, trial, side, bounce = mat(m, GRIP), ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE), mat(m, BOUNCE)
+    grip, chosen, trial, side, bounce = m.grip, m.chosen, m.trial, m.side, m.bounce
     lifts = False
     for k in range(count):
         n = chosen[k]
-        closed, parts = grip[n, STEPS_IN] != 0.0, side[A, 2 * k]
+        closed, parts = grip[n, at.STEPS_IN] != 0.0, side[A, 2 * k]
         if law_of(m, n) == NEWTON:
             parts -= bounce[E, 2 * n] * bounce[BEFORE, 2 * n]
         lifts = lifts or (closed and parts > 0.0)
         for r in range(2 * k, 2 * k + 2):
             side[OTHER, r] = side[F, r]
-        stays = side[F, 2 * k] > 0.0 and parts <= STILL * grip[n, N_1]
+        stays = side[F, 2 * k] > 0.0 and parts <= STILL * grip[n, at.N_1]
         side[B, 2 * k], side[B, 2 * k + 1] = parts if closed else 0.0, 0.0
         if closed or stays:
             trial[k] = STICK if trial[k] == STICK and stays else FORWARD
@@ -188,15 +150,15 @@ def hold_down(m, count):
 @compiled
 def stay_together(m, count):
     """Forces of the chosen contacts that neither rise nor would have to pull, after an impact; see `solve_modes`."""
-    touch, grip, chosen = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN)
-    trial, side = ivec(m, TRIAL), mat(m, SIDE)
+    touch, grip, chosen = m.touch, m.grip, m.chosen
+    trial, side = m.trial, m.side
     for k in range(count):
         n = chosen[k]
         trial[k] = OFF
-        if at_rest(m, 2 * k, n, touch[n, DGAP], grip[n, N_1]):
+        if at_rest(m, 2 * k, n, touch[n, at.DGAP], grip[n, at.N_1]):
             trial[k] = STICK
-            if friction_of(m, n) == 0.0 or not at_rest(m, 2 * k + 1, n, touch[n, SLIP], grip[n, N_1]):
-                trial[k] = FORWARD if touch[n, SLIP] >= 0.0 else BACKWARD
+            if friction_of(m, n) == 0.0 or not at_rest(m, 2 * k + 1, n, touch[n, at.SLIP], grip[n, at.N_1]):
+                trial[k] = FORWARD if touch[n, at.SLIP] >= 0.0 else BACKWARD
     lasting_side(m, count)
     for _ in range(count):
         solve_modes(m, count, 1)
@@ -212,38 +174,38 @@ def stay_together(m, count):
 @native("i", "h", "f", "v", "i")
 def low_bounce(m, t, y, count):
     """Mark contacts that rise after the impact, but too low to follow; True when there is a new one."""
-    touch, grip, chosen, side = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), mat(m, SIDE)
-    values, contact, recent, bounce = vec(m, VALUES), imat(m, CONTACT), mat(m, RECENT), mat(m, BOUNCE)
+    touch, grip, chosen, side = m.touch, m.grip, m.chosen, m.side
+    values, contact, recent, bounce = m.values, m.contact, m.recent, m.bounce
     found, lifted, end = False, False, t
     motion_without(m, t, y)
     for r in range(2 * count):
         side[OTHER, r] = side[F, r]
     stay_together(m, count)
-    add_forces(m, count, mat(m, ACCELERATION), vec(m, MULTIPLIER))
+    add_forces(m, count, m.acceleration, m.multiplier)
     for r in range(2 * count):
         side[F, r] = side[OTHER, r]
-    least = 4e-15 * vec(m, HELD)[SIZE]
+    least = 4e-15 * m.held[SIZE]
     for k in range(count):
         n = chosen[k]
-        speed, came = touch[n, DGAP], -bounce[BEFORE, 2 * n]
-        if grip[n, STEPS_IN] != 0.0 or speed <= STILL * swing(m, 2 * k, n):
+        speed, came = touch[n, at.DGAP], -bounce[BEFORE, 2 * n]
+        if grip[n, at.STEPS_IN] != 0.0 or speed <= STILL * swing(m, 2 * k, n):
             continue
-        pull = touch[n, GAMMA_N] - along(m, 2 * k, n, mat(m, ACCELERATION), 0)
+        pull = touch[n, at.GAMMA_N] - along(m, 2 * k, n, m.acceleration, 0)
         if pull < 0.0 and speed * speed < -2.0 * pull * max(LOW * clearance_of(m, n), least):
             found = True
             if side[F, 2 * k] > 0.0 and came > 0.0:
-                e = values[contact[n, NORMAL_P]]
+                e = values[contact[n, at.NORMAL_P]]
                 if law_of(m, n) != NEWTON:
                     e = min(speed / came, 1.0)
-                grip[n, STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
-                ivec(m, TALLY)[SERIES] += 1 if 0.0 < e < 1.0 else 0
+                grip[n, at.STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
+                m.tally[SERIES] += 1 if 0.0 < e < 1.0 else 0
             else:
                 lifted = True
                 end = max(end, t - 2.0 * speed / pull)
-                grip[n, STEPS_IN] = end
+                grip[n, at.STEPS_IN] = end
     if not lifted:
         return found
-    ivec(m, TALLY)[SERIES] += 1
+    m.tally[SERIES] += 1
     for k in range(count):
         n = chosen[k]
         last, before = t - recent[n, 0], recent[n, 0] - recent[n, 1]
@@ -251,21 +213,21 @@ def low_bounce(m, t, y, count):
             end = max(end, t + last * last / (before - last))
     for k in range(count):
         n = chosen[k]
-        if grip[n, STEPS_IN] != 0.0 or (side[F, 2 * k] > 0.0 and touch[n, DGAP] <= STILL * swing(m, 2 * k, n)):
-            grip[n, STEPS_IN] = end
+        if grip[n, at.STEPS_IN] != 0.0 or (side[F, 2 * k] > 0.0 and touch[n, at.DGAP] <= STILL * swing(m, 2 * k, n)):
+            grip[n, at.STEPS_IN] = end
     return found
 
 
 @compiled
 def settle_accounts(m, t, y, count, before):
     """Impulses, losses and work of an impact into y, and its events; v in y is after, `before` (3 nb,) is before."""
-    multiplier, work, nq, rows = vec(m, MULTIPLIER), 0.0, vec(m, CHANGE).shape[0], mat(m, ROWS)
+    multiplier, work, nq, rows = m.multiplier, 0.0, m.change.shape[0], m.rows
     rates_of_contacts(m, y, count, before)
     for row in range(multiplier.shape[0]):
         multiplier[row] = 0.0
-    add_forces(m, count, mat(m, ACCELERATION), multiplier)
+    add_forces(m, count, m.acceleration, multiplier)
     for row in range(multiplier.shape[0]):
-        work -= multiplier[row] * rows[row, NU]
+        work -= multiplier[row] * rows[row, at.NU]
     y[2 * nq] += work
     book_impulses(m, t, y, count)
 
@@ -273,20 +235,20 @@ def settle_accounts(m, t, y, count, before):
 @compiled
 def rates_of_contacts(m, y, count, before):
     """Keep what the rates `before` (3 nb,) make of gaps and slips, for `book_impulses`; rows belong to them then."""
-    touch, grip, chosen, nq = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), vec(m, CHANGE).shape[0]
+    touch, grip, chosen, nq = m.touch, m.grip, m.chosen, m.change.shape[0]
     place(m, y[:nq], before[:nq])
     constraints(m)
     touch_all(m)
     for k in range(count):
         n = chosen[k]
-        grip[n, GAP_1], grip[n, DGAP_1] = touch[n, DGAP], touch[n, SLIP]
+        grip[n, at.GAP_1], grip[n, at.DGAP_1] = touch[n, at.DGAP], touch[n, at.SLIP]
 
 
 @compiled
 def book_impulses(m, t, y, count):
     """Impulses and losses of the chosen contacts into y, and their events; v in y is after, see `rates_of_contacts`."""
-    touch, grip, chosen, side, recent = mat(m, TOUCH), mat(m, GRIP), ivec(m, CHOSEN), mat(m, SIDE), mat(m, RECENT)
-    nq, largest = vec(m, CHANGE).shape[0], 0.0
+    touch, grip, chosen, side, recent = m.touch, m.grip, m.chosen, m.side, m.recent
+    nq, largest = m.change.shape[0], 0.0
     place(m, y[:nq], y[nq : 2 * nq])
     constraints(m)
     touch_all(m)
@@ -297,7 +259,9 @@ def book_impulses(m, t, y, count):
         pressed, held = side[F, 2 * k], side[F, 2 * k + 1]
         if pressed == 0.0 and held == 0.0:
             continue
-        lost = 0.5 * (held * (grip[n, DGAP_1] + touch[n, SLIP]) - pressed * (grip[n, GAP_1] + touch[n, DGAP]))
+        lost = 0.5 * (
+            held * (grip[n, at.DGAP_1] + touch[n, at.SLIP]) - pressed * (grip[n, at.GAP_1] + touch[n, at.DGAP])
+        )
         j = y.shape[0] - 4 * grip.shape[0] + 4 * n
         y[j + 1] += pressed
         y[j + 2] += lost
@@ -305,5 +269,5 @@ def book_impulses(m, t, y, count):
             continue
         recent[n, 1] = recent[n, 0]
         recent[n, 0] = t
-        grip[n, SPEED] = max(-grip[n, GAP_1], 0.0)
-        note(m, IMPACT_EVENT, n, t, y, grip[n, SPEED], 0.0, pressed, lost)
+        grip[n, at.SPEED] = max(-grip[n, at.GAP_1], 0.0)
+        note(m, at.IMPACT_EVENT, n, t, y, grip[n, at.SPEED], 0.0, pressed, lost)

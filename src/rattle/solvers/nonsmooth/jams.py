@@ -15,28 +15,8 @@ from __future__ import annotations
 from rattle.equations.complementarity import FORWARD, OFF, STICK, B, F, friction_of
 from rattle.equations.motion import OK
 from rattle.equations.unilateral import LOCKED, contact_rows, lasting_side, shift, solve_contacts, solve_modes
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.jit.layout import DGAP, IMPACT, N_1, NORMAL_P, SLIP, STEPS_IN
-from rattle.jit.workspace import (
-    CHANGE,
-    CHOSEN,
-    CONTACT,
-    DELASSUS,
-    GRIP,
-    MODE,
-    RATE_NEW,
-    SIDE,
-    SLIDE,
-    STATE,
-    STATE_NEW,
-    TOUCH,
-    TRIAL,
-    VALUES,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, held_contacts, motion_without, settle
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 from rattle.solvers.nonsmooth.impacts import settle_accounts
@@ -47,7 +27,7 @@ NEARLY = 1e-3  # share by which T may exceed mu N in a lock that is just about t
 @compiled
 def passes_jams(m, n):
     """True when contact n is to go on where friction locks it."""
-    return vec(m, VALUES)[imat(m, CONTACT)[n, NORMAL_P] + 4] > 0.0
+    return m.values[m.contact[n, at.NORMAL_P] + 4] > 0.0
 
 
 @native("f", "h", "f")
@@ -56,7 +36,7 @@ def lock_share(m, t):
 
     Leaves G and b of the closed contacts.
     """
-    y, mode, chosen, delassus = vec(m, STATE), ivec(m, MODE), ivec(m, CHOSEN), mat(m, DELASSUS)
+    y, mode, chosen, delassus = m.state, m.mode, m.chosen, m.delassus
     settle(m, t, y, -1)
     motion_without(m, t, y)
     count = held_contacts(m)
@@ -75,7 +55,7 @@ def lock_share(m, t):
 @compiled
 def holds(m, count):
     """True when percussions press and those along the walls stay within friction, or nearly so."""
-    side, chosen, pressed = mat(m, SIDE), ivec(m, CHOSEN), False
+    side, chosen, pressed = m.side, m.chosen, False
     for k in range(count):
         pressed = pressed or side[F, 2 * k] > 0.0
         limit = friction_of(m, chosen[k]) * side[F, 2 * k] * (1.0 + NEARLY)
@@ -90,10 +70,10 @@ def ends_slip(m, count):
 
     Contacts that are closed have another solution, no percussion at all, or next to none: that passes nothing.
     """
-    touch, trial, chosen, grip = mat(m, TOUCH), ivec(m, TRIAL), ivec(m, CHOSEN), mat(m, GRIP)
+    touch, trial, chosen, grip = m.touch, m.trial, m.chosen, m.grip
     for k in range(count):
         n = chosen[k]
-        slides = not at_rest(m, 2 * k + 1, n, touch[n, SLIP], grip[n, N_1])
+        slides = not at_rest(m, 2 * k + 1, n, touch[n, at.SLIP], grip[n, at.N_1])
         if slides and trial[k] == STICK and passes_jams(m, n):
             return True
     return False
@@ -106,9 +86,9 @@ def pass_jam(m, t, late):
     late: 1 when the state is that of an event whose new modes were not found.  Returns OK, or LOCKED when sticking at
     once needs more than friction can give: then nothing is changed.
     """
-    contact, touch, mode, grip = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP)
-    chosen, trial, slide, side = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE)
-    y, y_new, before, nq = vec(m, STATE), vec(m, STATE_NEW), vec(m, RATE_NEW), vec(m, CHANGE).shape[0]
+    contact, touch, mode, grip = m.contact, m.touch, m.mode, m.grip
+    chosen, trial, slide, side = m.chosen, m.trial, m.slide, m.side
+    y, y_new, before, nq = m.state, m.state_new, m.rate_new, m.change.shape[0]
     if late == 1:
         for c in range(y.shape[0]):
             y[c] = y_new[c]
@@ -116,15 +96,15 @@ def pass_jam(m, t, late):
     motion_without(m, t, y)
     count = 0
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
+        if contact[n, at.IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
             chosen[count] = n
-            grip[n, STEPS_IN] = 0.0
+            grip[n, at.STEPS_IN] = 0.0
             count += 1
     contact_rows(m, count)
     for attempt in range(2):
         for k in range(count):
             n = chosen[k]
-            side[B, 2 * k], side[B, 2 * k + 1], slide[k] = touch[n, DGAP], -touch[n, SLIP], 0
+            side[B, 2 * k], side[B, 2 * k + 1], slide[k] = touch[n, at.DGAP], -touch[n, at.SLIP], 0
             trial[k] = STICK if passes_jams(m, n) and friction_of(m, n) > 0.0 else mode[n]
         if attempt == 0:
             found = solve_contacts(m, count) and holds(m, count) and ends_slip(m, count)

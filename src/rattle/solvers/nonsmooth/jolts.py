@@ -27,30 +27,8 @@ from rattle.equations.unilateral import (
     solve_contacts,
     swing,
 )  # fmt: skip
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.jit.layout import DGAP, IMPACT, N_1, NU, SLIP, STEPS_IN
-from rattle.jit.workspace import (
-    ACCELERATION,
-    CHANGE,
-    CHOSEN,
-    CONTACT,
-    GRIP,
-    MODE,
-    MULTIPLIER,
-    PLACE,
-    RATE_NEW,
-    ROWS,
-    SIDE,
-    SLIDE,
-    SOLUTION,
-    STATE,
-    TOUCH,
-    TRIAL,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.solvers.nonsmooth.contact_projection import at_wall
 from rattle.solvers.nonsmooth.impacts import book_impulses, rates_of_contacts
 
@@ -60,12 +38,12 @@ ROUNDS = 2  # the second takes what rounding left
 @compiled
 def speeds(m, t, out):
     """nu of every row at t and the state y into out (nr,), on the sides that hold now."""
-    y, nq, rows = vec(m, STATE), vec(m, CHANGE).shape[0], mat(m, ROWS)
+    y, nq, rows = m.state, m.change.shape[0], m.rows
     place(m, y[:nq], y[nq : 2 * nq])
     drive(m, t)
     constraints(m)
     for r in range(rows.shape[0]):
-        out[r] = rows[r, NU]
+        out[r] = rows[r, at.NU]
 
 
 @native("i", "h", "f", "v", "v")
@@ -74,8 +52,8 @@ def jolt(m, t, before, percussion):
 
     before: (nr,) nu at t as it was.  Returns OK, or why the contact problem has no solution.
     """
-    y, rows, place_of, x = vec(m, STATE), mat(m, ROWS), ivec(m, PLACE), vec(m, SOLUTION)
-    change, old = vec(m, CHANGE), vec(m, RATE_NEW)
+    y, rows, place_of, x = m.state, m.rows, m.place, m.solution
+    change, old = m.change, m.rate_new
     nq = change.shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
     for k in range(nq):
@@ -95,11 +73,11 @@ def jolt(m, t, before, percussion):
             v[k] += change[k]
         place(m, q, v)
     status = OK
-    if ivec(m, MODE).shape[0] > 0:
+    if m.mode.shape[0] > 0:
         status = with_contacts(m, t, y, old, percussion)
     work = 0.0
     for r in range(rows.shape[0]):
-        work -= 0.5 * percussion[r] * (rows[r, NU] + before[r])
+        work -= 0.5 * percussion[r] * (rows[r, at.NU] + before[r])
     y[2 * nq] += work
     return status
 
@@ -107,14 +85,14 @@ def jolt(m, t, before, percussion):
 @compiled
 def with_contacts(m, t, y, old, percussion):
     """Closed contacts do not let the jolt drive them together: their percussions, in one problem."""
-    contact, touch, mode, grip = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), mat(m, GRIP)
-    chosen, trial, slide, side = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE), mat(m, SIDE)
-    multiplier, nq = vec(m, MULTIPLIER), vec(m, CHANGE).shape[0]
+    contact, touch, mode, grip = m.contact, m.touch, m.mode, m.grip
+    chosen, trial, slide, side = m.chosen, m.trial, m.slide, m.side
+    multiplier, nq = m.multiplier, m.change.shape[0]
     v = y[nq : 2 * nq]
     touch_all(m)
     count = 0
     for n in range(contact.shape[0]):
-        if contact[n, IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
+        if contact[n, at.IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
             chosen[count] = n
             count += 1
     if count == 0:
@@ -122,9 +100,9 @@ def with_contacts(m, t, y, old, percussion):
     contact_rows(m, count)
     for k in range(count):
         n = chosen[k]
-        grip[n, STEPS_IN] = 0.0
-        grip[n, N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
-        side[B, 2 * k], side[B, 2 * k + 1] = touch[n, DGAP], -touch[n, SLIP]
+        grip[n, at.STEPS_IN] = 0.0
+        grip[n, at.N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
+        side[B, 2 * k], side[B, 2 * k + 1] = touch[n, at.DGAP], -touch[n, at.SLIP]
         slide[k] = 0
         trial[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
     if not solve_contacts(m, count):
@@ -134,7 +112,7 @@ def with_contacts(m, t, y, old, percussion):
     shift(m, count, v, -1.0)
     for r in range(multiplier.shape[0]):
         multiplier[r] = 0.0
-    add_forces(m, count, mat(m, ACCELERATION), multiplier)
+    add_forces(m, count, m.acceleration, multiplier)
     for r in range(multiplier.shape[0]):
         percussion[r] += multiplier[r]
     rates_of_contacts(m, y, count, old)

@@ -42,69 +42,8 @@ from rattle.equations.motion import (
 )  # fmt: skip
 from rattle.equations.schur import factorise
 from rattle.equations.unilateral import along, contact_rows, ending, push_all, shift, solve_contacts, solve_modes
+from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
-from rattle.jit.layout import (
-    CLOSED,
-    CONTACT_EVENT,
-    DGAP,
-    DGAP_1,
-    GAMMA_N,
-    GAP,
-    GAP_1,
-    IMPACT_EVENT,
-    IMPULSE_0,
-    LOSS_0,
-    N_0,
-    N_1,
-    NORMAL,
-    NORMAL_P,
-    NU,
-    OPEN,
-    PEAK,
-    RELEASE_EVENT,
-    SHAPE_P,
-    SHUT,
-    SINCE,
-    SLIP,
-    SLIP_EVENT,
-    SPEED,
-    STEPS_IN,
-    STICK_EVENT,
-    TANGENT,
-    VX,
-)  # fmt: skip
-from rattle.jit.workspace import (
-    ACCELERATION,
-    AUDIT,
-    BODY,
-    CALLED,
-    CHANGE,
-    CHOSEN,
-    CLOCK,
-    CONTACT,
-    EVENTS,
-    GRIP,
-    MODE,
-    MULTIPLIER,
-    POWER,
-    PUSHED,
-    RATE,
-    ROWS,
-    SIDE,
-    SIGN,
-    SLIDE,
-    STAGE,
-    STATE,
-    STATE_NEW,
-    TALLY,
-    TOUCH,
-    TRIAL,
-    VALUES,
-    imat,
-    ivec,
-    mat,
-    vec,
-)  # fmt: skip
 from rattle.solvers.gap_search import ESCAPED, deepest
 from rattle.solvers.nonsmooth.contact_projection import note
 from rattle.solvers.output_row import write
@@ -128,7 +67,7 @@ from rattle.solvers.step_loop import (
 ACTIVE = 1e-8  # share of the clearance within which a contact takes part
 # columns of `grip` as they are used here: 1 for an impact, its tangential restitution, the rate of the gap that it is
 # to leave with, by how much its gap comes out too small
-HITS, E_T, AFTER, SHIFT = N_0, N_1, DGAP_1, GAP_1
+HITS, E_T, AFTER, SHIFT = at.N_0, at.N_1, at.DGAP_1, at.GAP_1
 KEPT = 1e-4  # the same for one that pressed in the step before: curved paths part by O(h^2) without letting go
 LASTING = 3  # steps in a row after which a contact counts as lasting, or as released
 
@@ -136,28 +75,28 @@ LASTING = 3  # steps in a row after which a contact counts as lasting, or as rel
 @native("void", "h", "f")
 def start(m, t):
     """Bring the start onto its constraints."""
-    y, sign = vec(m, STATE), vec(m, SIGN)
+    y, sign = m.state, m.sign
     project(m, t, y)
     touch_all(m)
     for n in range(sign.shape[0]):  # what the first step finds
         sign[n] = 1.0
-    for n in range(mat(m, GRIP).shape[0]):
-        mat(m, GRIP)[n, CLOSED] = OPEN
+    for n in range(m.grip.shape[0]):
+        m.grip[n, at.CLOSED] = at.OPEN
     loads(m, t)
-    vec(m, AUDIT)[STARTED] = 0.0
+    m.audit[STARTED] = 0.0
     stands(m, y)
-    vec(m, CLOCK)[T] = t
+    m.clock[T] = t
 
 
 @compiled
 def choose_active(m):
     """Choose the contacts that are closed, starting from the modes of the step before; the others are off."""
-    contact, touch, mode, values = imat(m, CONTACT), mat(m, TOUCH), ivec(m, MODE), vec(m, VALUES)
-    chosen, trial, slide = ivec(m, CHOSEN), ivec(m, TRIAL), ivec(m, SLIDE)
+    contact, touch, mode, values = m.contact, m.touch, m.mode, m.values
+    chosen, trial, slide = m.chosen, m.trial, m.slide
     count = 0
     for n in range(contact.shape[0]):
-        touch[n, NORMAL], touch[n, TANGENT] = 0.0, 0.0
-        if touch[n, GAP] <= (ACTIVE if mode[n] == OFF else KEPT) * values[contact[n, SHAPE_P] + 4]:
+        touch[n, at.NORMAL], touch[n, at.TANGENT] = 0.0, 0.0
+        if touch[n, at.GAP] <= (ACTIVE if mode[n] == OFF else KEPT) * values[contact[n, at.SHAPE_P] + 4]:
             chosen[count], trial[count], slide[count] = n, mode[n], 0
             count += 1
     return count
@@ -175,23 +114,23 @@ def impact_side(m, count, h):
 
     Rates are those of the end of the step at the place of its middle.
     """
-    contact, touch, chosen, side = imat(m, CONTACT), mat(m, TOUCH), ivec(m, CHOSEN), mat(m, SIDE)
-    acceleration, values, grip, body = mat(m, ACCELERATION), vec(m, VALUES), mat(m, GRIP), mat(m, BODY)
+    contact, touch, chosen, side = m.contact, m.touch, m.chosen, m.side
+    acceleration, values, grip, body = m.acceleration, m.values, m.grip, m.body
     for k in range(count):
-        n, p = chosen[k], contact[chosen[k], NORMAL_P]
-        touch[n, DGAP], touch[n, SLIP] = -along(m, 2 * k, n, body, VX), along(m, 2 * k + 1, n, body, VX)
-        pull, bend = along(m, 2 * k, n, acceleration, 0), touch[n, GAMMA_N]
+        n, p = chosen[k], contact[chosen[k], at.NORMAL_P]
+        touch[n, at.DGAP], touch[n, at.SLIP] = -along(m, 2 * k, n, body, at.VX), along(m, 2 * k + 1, n, body, at.VX)
+        pull, bend = along(m, 2 * k, n, acceleration, 0), touch[n, at.GAMMA_N]
         least = 2.0 * h * abs(bend - pull)
-        hits = touch[n, DGAP] < -least
+        hits = touch[n, at.DGAP] < -least
         grip[n, HITS], grip[n, E_T] = 1.0 if hits else 0.0, values[p + 1] if hits else 0.0
         grip[n, AFTER] = grip[n, SHIFT] = 0.0  # what a jolt left there is of another kind
         if hits:
-            when = 0.5 * h - late(h, touch[n, GAP], -touch[n, DGAP])  # after the start of the step
-            speed = touch[n, DGAP] - pull * when + bend * (when - 0.5 * h)
+            when = 0.5 * h - late(h, touch[n, at.GAP], -touch[n, at.DGAP])  # after the start of the step
+            speed = touch[n, at.DGAP] - pull * when + bend * (when - 0.5 * h)
             if -values[p] * speed > least:  # it bounces: free before and after
                 grip[n, AFTER] = -values[p] * speed - bend * (when - 0.5 * h) - pull * (h - when)
-        side[B, 2 * k] = touch[n, DGAP] - h * pull - grip[n, AFTER]
-        side[B, 2 * k + 1] = -(1.0 + grip[n, E_T]) * touch[n, SLIP] - h * along(m, 2 * k + 1, n, acceleration, 0)
+        side[B, 2 * k] = touch[n, at.DGAP] - h * pull - grip[n, AFTER]
+        side[B, 2 * k + 1] = -(1.0 + grip[n, E_T]) * touch[n, at.SLIP] - h * along(m, 2 * k + 1, n, acceleration, 0)
 
 
 @compiled
@@ -200,10 +139,10 @@ def take_percussions(m, t, count, h, y):
 
     Returns True when there was an impact.
     """
-    contact, touch, chosen, trial = imat(m, CONTACT), mat(m, TOUCH), ivec(m, CHOSEN), ivec(m, TRIAL)
-    side, pushed, called, multiplier = mat(m, SIDE), mat(m, PUSHED), vec(m, CALLED), vec(m, MULTIPLIER)
-    grip, mode, nq = mat(m, GRIP), ivec(m, MODE), vec(m, CHANGE).shape[0]
-    rows, power = mat(m, ROWS), vec(m, POWER)
+    contact, touch, chosen, trial = m.contact, m.touch, m.chosen, m.trial
+    side, pushed, called, multiplier = m.side, m.pushed, m.called, m.multiplier
+    grip, mode, nq = m.grip, m.mode, m.change.shape[0]
+    rows, power = m.rows, m.power
     push_all(m, count)
     for c in range(nq):
         y[nq + c] -= pushed[1 + c // 3, c % 3]
@@ -212,7 +151,7 @@ def take_percussions(m, t, count, h, y):
     y[2 * nq] += h * power[1]
     y[2 * nq + 1] += h * power[2]
     for row in range(multiplier.shape[0]):
-        y[2 * nq] -= h * multiplier[row] * rows[row, NU]
+        y[2 * nq] -= h * multiplier[row] * rows[row, at.NU]
     k, nc, impact = 0, contact.shape[0], False
     for n in range(nc):
         old = mode[n]
@@ -222,19 +161,29 @@ def take_percussions(m, t, count, h, y):
             if pressed > 0.0:
                 mode[n] = trial[k]
                 gap_rate = side[A, 2 * k] + grip[n, AFTER]
-                slip = -side[A, 2 * k + 1] - grip[n, E_T] * touch[n, SLIP]
+                slip = -side[A, 2 * k + 1] - grip[n, E_T] * touch[n, at.SLIP]
                 if friction_of(m, n) == 0.0:
-                    slip = touch[n, SLIP]
-                lost = 0.5 * (held * (touch[n, SLIP] + slip) - pressed * (touch[n, DGAP] + gap_rate))
+                    slip = touch[n, at.SLIP]
+                lost = 0.5 * (held * (touch[n, at.SLIP] + slip) - pressed * (touch[n, at.DGAP] + gap_rate))
                 j = y.shape[0] - 4 * nc + 4 * n
                 y[j + 1] += pressed
                 y[j + 2] += lost
-                touch[n, NORMAL], touch[n, TANGENT] = pressed / h, held / h
+                touch[n, at.NORMAL], touch[n, at.TANGENT] = pressed / h, held / h
                 if old == OFF and grip[n, HITS] == 1.0:
-                    speed = -touch[n, DGAP]
-                    note(m, IMPACT_EVENT, n, t + 0.5 * h - late(h, touch[n, GAP], speed), y, speed, 0.0, pressed, lost)
-                    grip[n, SPEED] = speed
-                    grip[n, SHIFT] = gap_rate * late(h, touch[n, GAP], speed) - touch[n, GAP]
+                    speed = -touch[n, at.DGAP]
+                    note(
+                        m,
+                        at.IMPACT_EVENT,
+                        n,
+                        t + 0.5 * h - late(h, touch[n, at.GAP], speed),
+                        y,
+                        speed,
+                        0.0,
+                        pressed,
+                        lost,
+                    )
+                    grip[n, at.SPEED] = speed
+                    grip[n, SHIFT] = gap_rate * late(h, touch[n, at.GAP], speed) - touch[n, at.GAP]
                     impact = True
             k += 1
         watch_contact(m, n, old, t, h, y)
@@ -244,41 +193,43 @@ def take_percussions(m, t, count, h, y):
 @compiled
 def watch_contact(m, n, old, t, h, y):
     """Count pressed and free steps of contact n; note where it starts or ends to last, sticks or slips."""
-    mode, grip, touch = ivec(m, MODE), mat(m, GRIP), mat(m, TOUCH)
-    steps = grip[n, STEPS_IN]
+    mode, grip, touch = m.mode, m.grip, m.touch
+    steps = grip[n, at.STEPS_IN]
     j = y.shape[0] - 4 * grip.shape[0] + 4 * n
     if mode[n] != OFF:
         steps = max(steps, 0.0) + 1.0
-        if grip[n, CLOSED] == OPEN and steps >= LASTING:
-            grip[n, CLOSED], grip[n, SINCE], grip[n, PEAK] = SHUT, t + h - steps * h, 0.0
-            grip[n, IMPULSE_0], grip[n, LOSS_0] = y[j + 1], y[j + 2]
+        if grip[n, at.CLOSED] == at.OPEN and steps >= LASTING:
+            grip[n, at.CLOSED], grip[n, at.SINCE], grip[n, at.PEAK] = at.SHUT, t + h - steps * h, 0.0
+            grip[n, at.IMPULSE_0], grip[n, at.LOSS_0] = y[j + 1], y[j + 2]
             if mode[n] == STICK and friction_of(m, n) > 0.0:
-                note(m, STICK_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
-        elif grip[n, CLOSED] == SHUT and (old == STICK) != (mode[n] == STICK) and friction_of(m, n) > 0.0:
-            note(m, STICK_EVENT if mode[n] == STICK else SLIP_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
-        grip[n, PEAK] = max(grip[n, PEAK], touch[n, NORMAL])
+                note(m, at.STICK_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+        elif grip[n, at.CLOSED] == at.SHUT and (old == STICK) != (mode[n] == STICK) and friction_of(m, n) > 0.0:
+            note(m, at.STICK_EVENT if mode[n] == STICK else at.SLIP_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+        grip[n, at.PEAK] = max(grip[n, at.PEAK], touch[n, at.NORMAL])
     else:
         steps = min(steps, 0.0) - 1.0
-        if grip[n, CLOSED] == SHUT and steps <= -LASTING:
-            note(m, CONTACT_EVENT, n, t + (steps + 1.0) * h, y, 0.0, 0.0, 0.0, 0.0)
-            note(m, RELEASE_EVENT, n, t + (steps + 1.0) * h, y, 0.0, 0.0, 0.0, 0.0)
-            grip[n, CLOSED], grip[n, SPEED] = OPEN, 0.0
-    grip[n, STEPS_IN] = steps
+        if grip[n, at.CLOSED] == at.SHUT and steps <= -LASTING:
+            note(m, at.CONTACT_EVENT, n, t + (steps + 1.0) * h, y, 0.0, 0.0, 0.0, 0.0)
+            note(m, at.RELEASE_EVENT, n, t + (steps + 1.0) * h, y, 0.0, 0.0, 0.0, 0.0)
+            grip[n, at.CLOSED], grip[n, at.SPEED] = at.OPEN, 0.0
+    grip[n, at.STEPS_IN] = steps
 
 
 @compiled
 def lift(m, count, y):
     """Move contacts along the joints: bounces to where they belong had they hit in time, lasting ones onto the wall."""
-    touch, chosen, trial, side = mat(m, TOUCH), ivec(m, CHOSEN), ivec(m, TRIAL), mat(m, SIDE)
-    grip, nq = mat(m, GRIP), vec(m, CHANGE).shape[0]
+    touch, chosen, trial, side = m.touch, m.chosen, m.trial, m.side
+    grip, nq = m.grip, m.change.shape[0]
     deep = False
     for k in range(count):
         n = chosen[k]
         trial[k] = OFF
         side[B, 2 * k], side[B, 2 * k + 1] = 0.0, 0.0
-        if touch[n, NORMAL] > 0.0 and (touch[n, GAP] < 0.0 or grip[n, CLOSED] == SHUT or grip[n, SHIFT] > 0.0):
+        if touch[n, at.NORMAL] > 0.0 and (
+            touch[n, at.GAP] < 0.0 or grip[n, at.CLOSED] == at.SHUT or grip[n, SHIFT] > 0.0
+        ):
             trial[k] = FORWARD
-            side[B, 2 * k] = grip[n, SHIFT] if grip[n, SHIFT] > 0.0 else -touch[n, GAP]
+            side[B, 2 * k] = grip[n, SHIFT] if grip[n, SHIFT] > 0.0 else -touch[n, at.GAP]
             deep = True
         grip[n, SHIFT] = 0.0
     if not deep:
@@ -290,7 +241,7 @@ def lift(m, count, y):
 @compiled
 def close_joints(m, t, y):
     """One correction of positions and of rates onto the joints."""
-    change, nq = vec(m, CHANGE), vec(m, CHANGE).shape[0]
+    change, nq = m.change, m.change.shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
     drive(m, t)
     constraints(m)
@@ -303,7 +254,7 @@ def close_joints(m, t, y):
     constraints(m)
     row = note_drift(m)
     if row >= 0:
-        ivec(m, TALLY)[DRIFT_ROW] = row
+        m.tally[DRIFT_ROW] = row
     rate_residual(m)
     correct(m)
     for c in range(nq):
@@ -314,8 +265,8 @@ def close_joints(m, t, y):
 @compiled
 def write_until(m, t, h, t_out, out):
     """Outputs up to t + h: positions between those of both ends, rates of the end, forces of this step."""
-    tally, y, y_new, stage = ivec(m, TALLY), vec(m, STATE), vec(m, STATE_NEW), vec(m, STAGE)
-    acceleration, nq, nc = mat(m, ACCELERATION), vec(m, CHANGE).shape[0], mat(m, TOUCH).shape[0]
+    tally, y, y_new, stage = m.tally, m.state, m.state_new, m.stage
+    acceleration, nq, nc = m.acceleration, m.change.shape[0], m.touch.shape[0]
     while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t + 1.0000001 * h:
         k = tally[OUTPUTS]
         share = min(max((t_out[k] - t) / h, 0.0), 1.0)
@@ -341,9 +292,9 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
 
     Returns DONE, PAUSED, NOT_FINITE, NO_SOLUTION, NOT_FOUND, UNSOUND or ESCAPED.
     """
-    y, y_new, clock, tally, body = vec(m, STATE), vec(m, STATE_NEW), vec(m, CLOCK), ivec(m, TALLY), mat(m, BODY)
-    acceleration, nq, most_found = mat(m, ACCELERATION), vec(m, CHANGE).shape[0], mat(m, EVENTS).shape[0] // 2
-    begun, rate, audit = tally[STEPS], vec(m, RATE), vec(m, AUDIT)
+    y, y_new, clock, tally, body = m.state, m.state_new, m.clock, m.tally, m.body
+    acceleration, nq, most_found = m.acceleration, m.change.shape[0], m.events.shape[0] // 2
+    begun, rate, audit = tally[STEPS], m.rate, m.audit
     clock[H] = clock[H_MIN] = h
     while (
         tally[STEPS] < begun + most_steps
@@ -360,7 +311,7 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
         drive(m, t + 0.5 * h)
         constraints(m)
         loads(m, t + 0.5 * h)
-        vec(m, POWER)[3] = 1.0
+        m.power[3] = 1.0
         factorise(m)
         accelerate(m)
         active = choose_active(m)

@@ -21,7 +21,6 @@ from rattle.equations.complementarity import (
     settled,
 )  # fmt: skip
 from rattle.jit.functions import call_problem, compiled, kernel
-from rattle.jit.workspace import CHOSEN, DELASSUS, HELD, PATH, PROBLEM_TABLE, SIDE, SLIDE, SYSTEM, TRIAL, ivec, mat, vec
 
 MOST_COMBINED = 2**16  # combinations of modes that are tried
 KEPT_MODES, KEPT_A = 4, 5  # rows of `path`, after those of following
@@ -36,7 +35,7 @@ def surely_one(m, count):
     what friction can take from it, is positive definite.  Where the sense of slip is known it takes what it takes;
     elsewhere at most mu (g dN^2 + (G_t e)^2 / g) / 2 at each contact, with any g > 0.
     """
-    system, delassus, chosen, slide = mat(m, SYSTEM), mat(m, DELASSUS), ivec(m, CHOSEN), ivec(m, SLIDE)
+    system, delassus, chosen, slide = m.system, m.delassus, m.chosen, m.slide
     size = 2 * count
     for r in range(size):
         for s in range(size):
@@ -74,13 +73,13 @@ def surely_one(m, count):
 @compiled
 def is_another(m, count):
     """True when the path leads to another a than that of the solution at hand, which stays at hand."""
-    side, path, trial = mat(m, SIDE), mat(m, PATH), ivec(m, TRIAL)
+    side, path, trial = m.side, m.path, m.trial
     for k in range(count):
         path[KEPT_MODES, k] = trial[k]
     for r in range(2 * count):
         path[KEPT_A, r] = side[A, r]
     apart, largest = 0.0, 0.0
-    if call_problem(ivec(m, PROBLEM_TABLE)[FOLLOW], (m, count)) == SOLVED:
+    if call_problem(m.problem_table[FOLLOW], (m, count)) == SOLVED:
         linear(m, count)
         if settled(m, count, LOOSE):
             for r in range(2 * count):
@@ -95,7 +94,7 @@ def is_another(m, count):
 @compiled
 def modes_of(m, k):
     """Number of modes that contact k may have: off or sliding, and sticking and the other sense where it may stick."""
-    return 2 if ivec(m, SLIDE)[k] != 0 or friction_of(m, ivec(m, CHOSEN)[k]) == 0.0 else 4
+    return 2 if m.slide[k] != 0 or friction_of(m, m.chosen[k]) == 0.0 else 4
 
 
 @compiled
@@ -110,7 +109,7 @@ def combinations(m, count):
 @compiled
 def take_modes(m, count, code):
     """Combination number `code` of modes into `trial`."""
-    trial, slide = ivec(m, TRIAL), ivec(m, SLIDE)
+    trial, slide = m.trial, m.slide
     for k in range(count):
         most = modes_of(m, k)
         trial[k] = code % most
@@ -122,8 +121,8 @@ def take_modes(m, count, code):
 @compiled
 def try_combinations(m, count, most, slack):
     """`try_kernel` with solutions that are settled up to `slack`."""
-    side, chosen = mat(m, SIDE), ivec(m, CHOSEN)
-    kept, found, first = mat(m, PATH)[KEPT_A], 0, 0
+    side, chosen = m.side, m.chosen
+    kept, found, first = m.path[KEPT_A], 0, 0
     for code in range(combinations(m, count)):
         take_modes(m, count, code)
         linear(m, count)
@@ -144,7 +143,7 @@ def try_combinations(m, count, most, slack):
         elif found == 1:
             for k in range(count):
                 if abs(side[F, 2 * k] - kept[2 * k]) > 1e-6 * abs(kept[2 * k] + side[F, 2 * k]):
-                    vec(m, HELD)[SHARED] = 1.0 + chosen[k]
+                    m.held[SHARED] = 1.0 + chosen[k]
         if found >= most:
             break
     if found > 0:
@@ -175,7 +174,7 @@ def count_kernel(m, count):
     """
     if count > MOST_TRIED:
         return 2 if linear(m, count) < 0 and is_another(m, count) else 1
-    return 1 if surely_one(m, count) else call_problem(ivec(m, PROBLEM_TABLE)[TRY_ALL], (m, 2 * count + 1))
+    return 1 if surely_one(m, count) else call_problem(m.problem_table[TRY_ALL], (m, 2 * count + 1))
 
 
 KERNELS = (count_kernel, try_kernel)

@@ -1,0 +1,44 @@
+"""The arrays of a run: declared once, found by name; what is not declared is refused."""
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from rattle.jit import functions
+from rattle.jit.functions import compiled
+from rattle.jit.workspace import ARRAYS, Workspace
+
+
+@compiled
+def turned(m, k):
+    return m.body[k, 2] + m.joint[0, 1]
+
+
+@compiled
+def mistaken(m):
+    return m.bodies[0, 0]
+
+
+@pytest.mark.nojit
+def test_an_array_that_is_not_declared_is_refused():
+    with pytest.raises(TypeError, match="no array bodies"):
+        Workspace({"bodies": np.zeros((1, 8))})
+    with pytest.raises(TypeError, match="'body' is not a contiguous f2"):
+        Workspace({"body": np.zeros(8)})
+
+
+def test_machine_code_reads_the_arrays_that_python_sees():
+    functions.start()
+    system = rt.example("fourbar").system
+    memory = system.memory()
+    memory.body[2, 2] = 0.25
+    assert turned(memory, 2) == 0.25 + system.arrays["joint"][0, 1]
+    assert memory.body.shape == (system.body_count + 1, 8)
+    assert {"body", "rows", "joint"} <= set(ARRAYS)
+
+
+def test_a_wrong_name_does_not_compile():
+    if not functions.start():
+        pytest.skip("runs without machine code")
+    with pytest.raises(Exception, match="bodies"):
+        mistaken(rt.example("fourbar").system.memory())
