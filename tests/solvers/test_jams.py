@@ -92,3 +92,80 @@ def test_contacts_that_lock_together_are_told_though_each_alone_would_not(monkey
     assert run._firmness() == pytest.approx(math.sqrt(2.0), rel=1e-12)
     run.memory.mode[:] = STICK  # nothing slides, nothing locks
     assert not run._locks(0.0)
+
+
+MU, COS, SIN = 1.6, math.cos(math.radians(55)), math.sin(math.radians(55))
+FREE = np.array([[1 + 3 * COS**2, 3 * COS * SIN], [3 * COS * SIN, 1 + 3 * SIN**2]])  # of the end of a rod of 2 m, 1 kg
+
+
+def pulled_rod(sense):
+    """A tilted rod stands on the bottom of a bush with 1 N and is pulled along it more and more, all in balance."""
+    pin, bush = 0.009, 0.01
+    force = f"{sense * MU / 0.1} * t"
+    return rt.loads(f"""
+format = 1
+gravity = [0, 0]
+[ground.points]
+O = [0, 0]
+[bodies.rod]
+points = {{ P = [{COS}, {pin - SIN}], M = [0, 0] }}
+mass = 1
+inertia = {1 / 3}
+[joints.end]
+type = "revolute"
+connect = ["ground.O", "rod.P"]
+clearance = {bush - pin}
+contact = {{ model = "impact", restitution = 0, friction = {MU}, bush_radius = {bush} }}
+[loads.push]
+type = "force"
+at = "rod.M"
+force = ["{force}", -1]
+[loads.balance]
+type = "torque"
+body = "rod"
+torque = "{SIN} * {force} - {COS}"
+[initial]
+rod = {{ x = {-COS}, y = {SIN - bush}, angle = 0, vx = 0, vy = 0, omega = 0 }}
+""")
+
+
+def on_springs(sense, t_end):
+    """Gap and slip [m] of that rod's end on stiff springs, the one along the wall with a slider, in small steps."""
+    stiff, damping, h = 1e9, 1e4, 4e-7
+    place, speed, stretch, t = np.array([-1 / stiff, 0.0]), np.zeros(2), sense * MU * 0.98 / stiff, 0.098
+    while t < t_end:
+        press = max(0.0, -stiff * place[0] - damping * speed[0])
+        stretch = min(max(stretch + h * speed[1], -MU * press / stiff), MU * press / stiff)
+        load = np.array([-1.0, sense * MU * t / 0.1])  # what holds 1 N and T = -load in balance
+        speed += h * (FREE @ (np.array([press, -stiff * stretch]) + load))
+        place += h * speed
+        t += h
+    return place
+
+
+def test_end_that_friction_would_lock_as_it_slips_lifts_off_when_it_breaks_away():
+    """Sticking and sliding are solutions before, none of them after: of both that are left one turns back at once."""
+    run = pulled_rod(1.0).simulate(0.105, rtol=1e-9)
+    assert run.success, run.message
+    assert [e.kind for e in run.events if e.t > 0.0 and e.kind != "contact"] == ["release"]
+    assert run.events[-1].t == pytest.approx(0.1, rel=1e-6)
+    later, lift = 0.005, -float((FREE @ [1.0, -MU])[0])  # rate of the gap with no force, from balance with 1 N
+    assert lift > 0.0
+    assert run["rod.y"][-1] - run["rod.y"][0] == pytest.approx(-0.5 * later**2, rel=1e-5)
+    moment, growth = SIN * MU - COS, SIN * MU / 0.1
+    turned = 3 * (moment * later**2 / 2 + growth * later**3 / 6)
+    assert run["rod.angle"][-1] == pytest.approx(turned, rel=1e-5)
+    gap = on_springs(1.0, 0.105)[0]
+    assert gap == pytest.approx(
+        lift * later**2 / 2 + float(FREE[0, 1]) * MU / 0.1 * later**3 / 6, rel=0.2
+    )  # springs take 0.1 ms
+
+
+def test_end_that_friction_does_not_lock_slips_when_it_breaks_away():
+    run = pulled_rod(-1.0).simulate(0.105, rtol=1e-9)
+    assert run.success, run.message
+    assert [(e.kind, round(e.t, 6)) for e in run.events if e.t > 0.0] == [("slip", 0.1)]
+    gap, slip = on_springs(-1.0, 0.105)
+    assert abs(gap) < 2e-6  # the spring itself
+    end = run["rod.x"][-1] + COS * math.cos(run["rod.angle"][-1]) + SIN * math.sin(run["rod.angle"][-1])
+    assert end == pytest.approx(slip, rel=0.1)

@@ -2,9 +2,23 @@
 
 from __future__ import annotations
 
-from rattle.equations.complementarity import BACKWARD, FORWARD, OFF, STICK, F, friction_of
+from rattle.equations.complementarity import (
+    BACKWARD,
+    FORWARD,
+    IMPOSSIBLE,
+    OFF,
+    OUTCOME,
+    SOLVED,
+    STICK,
+    TRY_ALL,
+    B,
+    F,
+    friction_of,
+    linear,
+)  # fmt: skip
 from rattle.equations.motion import OK
 from rattle.equations.unilateral import (
+    NO_SOLUTION,
     NOT_UNIQUE,
     add_forces,
     along,
@@ -17,13 +31,15 @@ from rattle.equations.unilateral import (
     solve_contacts,
 )  # fmt: skip
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.functions import compiled, native
+from rattle.jit.functions import call_problem, compiled, native
 from rattle.solvers.gap_search import clearance_of
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without, note
+from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN = range(5)  # what an event is
 TOGETHER, ALONE, KEPT = range(3)  # a contact lets go: with all that are about to, by itself, or not after all
 CREEP = 1e-7  # share of the largest slip at one instant below which the sense of a slip is not resolved
+AHEAD = 1e-6  # share of a force by which what is called for exceeds friction a little after a contact has broken away
 CREEPS = 30  # see regroup
 SLIGHT = 1e-7  # share of its largest force at which a contact lets go together with another one
 SLOWLY = 1e-4  # share of the largest acceleration with which it then parts, at most
@@ -121,16 +137,45 @@ def regroup(m, t, y, apart, kind):
         if attempt != TOGETHER:
             if not solved and end_creep(m, closed):
                 return CREEPS
+            status = OK
             if not solved and not solve_by_trying(m, closed):
-                return ending(m)
-            if is_rough(m, closed) and count_solutions(m, closed) > 1:
-                return NOT_UNIQUE
+                status = ending(m)
+            elif is_rough(m, closed) and count_solutions(m, closed) > 1:
+                status = NOT_UNIQUE
+            if kind == BREAK_AWAY and (status != OK or linear(m, closed) < 0):
+                status = go_beyond(m, closed, apart, pulling)
+            if status != OK:
+                return status
             solved = True
         if attempt == KEPT or (solved and part(m, closed, apart, attempt)):
             break
         attempt += 1
     change_modes(m, t, y, closed)
     return OK
+
+
+@compiled
+def go_beyond(m, count, apart, pulling):
+    """Modes a little after contact `apart`, one of the chosen ones, has been pulled away from rest. Returns a status.
+
+    Where the force that presses it makes it approach when it slides (Painleve), sticking and sliding are solutions up
+    to that instant and neither is one after it: sliding would turn at once.  So b goes on by what calls for a little
+    more along the wall than friction gives, the sense of slip is open, and what solves the problem then is what lasts.
+    """
+    as_full_matrix(m, count)
+    largest, k = 0.0, 0
+    for j in range(count):
+        largest = max(largest, m.touch[m.chosen[j], at.NORMAL])
+        k = j if m.chosen[j] == apart else k
+    more = max(AHEAD * abs(pulling), 1e-2 * AHEAD * largest)
+    for r in range(2 * count):
+        m.side[B, r] -= (more if pulling > 0.0 else -more) * m.delassus[r, 2 * k + 1]
+    m.slide[k] = 0
+    found = call_problem(m.problem_table[TRY_ALL], (m, 2 * count + 1))
+    if found < 0:  # too many to be tried
+        found = 1 if solve_contacts(m, count) and linear(m, count) > 0 else 2
+    m.held[OUTCOME] = SOLVED if found > 0 else IMPOSSIBLE
+    return OK if found == 1 else (NOT_UNIQUE if found > 1 else NO_SOLUTION)
 
 
 @compiled
