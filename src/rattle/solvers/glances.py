@@ -69,6 +69,9 @@ def write_look(m, line):
     for i in range(1, mass.shape[0]):
         largest = max(largest, mass[i, 0] * max(abs(acceleration[i, 0]), abs(acceleration[i, 1])))
     line[1 + KINDS * contact.shape[0]] = largest
+    for n in range(contact.shape[0]):  # where friction is rounding so is its sense
+        if contact[n, at.IMPACT] == 1 and abs(line[1 + KINDS * n]) <= NOISE * largest:
+            line[1 + KINDS * n + 3] = 1.0
 
 
 @compiled
@@ -101,9 +104,15 @@ def may_dip(looks, i, count, c, slack):
 
 
 @compiled
+def unseen(m, kind):
+    """By how much what must not become negative may be so by rounding alone: a slip [m/s]."""
+    return 1e-13 * m.held[SIZE] if kind == 3 else 0.0
+
+
+@compiled
 def slack_of(m, kind, left, right, force):
     """By how much rounding may take something below zero between two values; force: the largest of all [N]."""
-    return NOISE * force if kind < 3 else NOISE * (max(left, 0.0) + right) + 1e-13 * m.held[SIZE]
+    return NOISE * force if kind < 3 else NOISE * (max(left, 0.0) + right) + unseen(m, kind)
 
 
 @compiled
@@ -115,39 +124,51 @@ def matters(m, n, kind):
 
 
 @compiled
-def calm(m, error):
-    """True when the stages of a step show that no lasting contact lets go, breaks away or turns in it.
+def doubts(m, error):
+    """Stages between which a lasting contact lets go, breaks away or turns first, if one does; (END, END): none does.
 
+    (0, END) where stages do not tell; the second one is END where they do not show it either.
     error: of the step [tolerances].
     """
     contact, mode, looks = m.contact, m.mode, m.glances
+    first, last = END, END
     if not error > LEAST_ERROR or m.live.shape[0] > 0 or m.jet.shape[0] > 0:
-        return False
+        return 0, END
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
             continue
         for kind in range(KINDS):
-            if matters(m, n, kind) and not stays_above(looks, 1 + KINDS * n + kind):
-                return False
-    return True
+            if matters(m, n, kind):
+                one, two = doubt(looks, 1 + KINDS * n + kind, first, last, unseen(m, kind))
+                first, last = min(first, one), min(last, two)
+    return first, last
 
 
 @compiled
-def stays_above(looks, c):
-    """True when column c stays above zero in the step, by a margin wherever stages tell so."""
+def margin_of(looks, c):
+    """Smallest and largest value of column c at the stages, and by how much these may be beside the motion."""
     low, high = looks[0, c], looks[0, c]
     for i in range(1, END + 1):
         low, high = min(low, looks[i, c]), max(high, looks[i, c])
-    margin = BESIDE * abs(looks[LAST_STAGE, c] - looks[END, c]) + SLIGHT * (high - low)
-    if low - (high - low) > margin:
-        return True
-    for i in range(1, END + 1):
-        if looks[i, c] < (margin if i < END else 0.0):
-            return False
-    for i in range(END):
-        if may_dip(looks, i, END + 1, c, -margin):
-            return False
-    return True
+    return low, high, BESIDE * abs(looks[LAST_STAGE, c] - looks[END, c]) + SLIGHT * (high - low)
+
+
+@compiled
+def doubt(looks, c, first, last, lift):
+    """The same for column c, as far as it is before `first` and `last`; lift: by how much it may be below zero."""
+    low, high, margin = margin_of(looks, c)
+    if low + lift - (high - low) > margin:
+        return END, END
+    margin -= lift
+    for i in range(first):
+        if looks[i + 1, c] < (margin if i + 1 < END else -lift) or may_dip(looks, i, END + 1, c, -margin):
+            first = i
+            break
+    for i in range(1, last):
+        if looks[i, c] < -margin - 2.0 * lift:
+            last = i
+            break
+    return first, last
 
 
 @compiled

@@ -27,7 +27,8 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.contact_events import interpolate
 from rattle.solvers.dop853 import step as step_dop853
 from rattle.solvers.gap_search import ESCAPED, NONE, clearance_of, escaped, inside_wall, may_reach
-from rattle.solvers.glances import calm, keep_forces, pass_look_on
+from rattle.solvers.glances import END as LAST
+from rattle.solvers.glances import doubts, keep_forces, pass_look_on
 from rattle.solvers.nonsmooth.contact_modes import CREEPS, HIT, NOTHING, TURN, regroup
 from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, settle
 from rattle.solvers.nonsmooth.event_search import any_held, first_event
@@ -35,6 +36,7 @@ from rattle.solvers.nonsmooth.impacts import collide
 from rattle.solvers.output_row import record
 from rattle.solvers.peaks import DOP853, END, LOOKS, START, end_step, gauge
 from rattle.solvers.sign_watch import watched_change
+from rattle.solvers.stage_peaks import end_by_stages
 from rattle.solvers.state_switches import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
 from rattle.solvers.step_audit import LENGTH, UNSOUND, stands
 from rattle.solvers.step_loop import (
@@ -171,19 +173,26 @@ def write_until(m, t, h, t_until, t_out, out):
 
 
 @compiled
-def passes_by(m, t, h, error):
-    """True when nothing happens within the step from t of length h, as its stages tell; it is counted then.
-
-    No contact does anything, no force has a peak.  Everything at the end of the step is at hand.
-    """
+def none_may_hit(m, h):
+    """True when no free contact can reach its wall in the step of length h."""
     contact, mode = m.contact, m.mode
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
             return False
-    if not calm(m, error) or end_step(m, t, h, 1.0, DOP853, -1) < 0:
-        return False
-    keep_forces(m)
     return True
+
+
+@compiled
+def finish_step(m, t, h, until, met, by_stages):
+    """Peaks and sums of a step with a dense output up to the share `until`; met: an event is there.
+
+    by_stages: lasting contacts have shown at its stages all that they do.
+    """
+    if by_stages:
+        solved = end_by_stages(m, t, h, until)
+    else:
+        solved = end_step(m, t, h, until, LOOKS if not met and any_held(m) else DOP853, 1)
+    m.tally[EVALUATIONS] += 3 + solved
 
 
 @native("i", "h", "f", "f", "f", "f", "v", "m", "i", "v")
@@ -237,8 +246,10 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         changed |= watched_change(m)
         for n in range(touch.shape[0]):
             grip[n, at.GAP_1], grip[n, at.DGAP_1] = touch[n, at.GAP], touch[n, at.DGAP]
-        still = not changed and not switches and passes_by(m, t, t_new - t, error)
-        quiet = still and not (tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_new)
+        low, high = doubts(m, error)
+        calm = low == LAST and not changed and not switches and none_may_hit(m, t_new - t)
+        counted = calm and end_step(m, t, t_new - t, 1.0, DOP853, -1) >= 0  # no force has a peak in it
+        quiet = counted and not (tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_new)
         if not quiet:
             prepare_dense(m, t, t_new - t, 0)
         if switches and landing[LANDS] == 0.0 and crossed(m):
@@ -248,18 +259,19 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             if verdict == REPEAT:
                 clock[H] = shorter
                 continue
-        share, who, what = NONE, -1, NOTHING
-        if not still:
-            share, who, what = first_event(m, t, t_new - t)
+        share, who, what, by_stages = NONE, -1, NOTHING, calm
+        if calm:
+            keep_forces(m)
+        else:
+            share, who, what, by_stages = first_event(m, t, t_new - t, low, high)
         if share > NONE and h > SHORT * (t_end - t):
             clock[H], landing[LANDS] = 0.25 * h, 0.0
             tally[REJECTED] += 1
             continue
         t_until = t + share * (t_new - t) if who >= 0 else t_new
         until = share if who >= 0 else 1.0
-        if not still:
-            layout = LOOKS if who < 0 and any_held(m) else DOP853
-            tally[EVALUATIONS] += 3 + end_step(m, t, t_new - t, until, layout, 1)
+        if not counted:
+            finish_step(m, t, t_new - t, until, who >= 0, by_stages)
         if changed:
             find_crossings(m, t, t_new - t, until)
         if who >= 0:

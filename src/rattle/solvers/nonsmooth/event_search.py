@@ -3,6 +3,8 @@
 Hits of free contacts are found by `searching`; what lasting ones do is noticed at some places of the dense output,
 then located.  The places are few, one of them odd, so that no period of a load fits them all, and where a force or a
 slip may have been below zero between two of them (`glances`) the stretch between them is halved.
+Where the stages of a step show that a contact has broken, its zero is located at once, from where the polynomial
+through them has it; with the look taken there they tell whether anything may have happened before.
 """
 
 from __future__ import annotations
@@ -11,14 +13,16 @@ import numpy as np
 
 from rattle.equations.complementarity import FORWARD, OFF, friction_of
 from rattle.equations.motion import solve_motion
-from rattle.equations.unilateral import SIZE
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 from rattle.solvers.contact_events import interpolate
 from rattle.solvers.gap_search import NONE, may_reach, search
-from rattle.solvers.glances import KINDS, matters, may_dip, slack_of, write_look
+from rattle.solvers.glances import END as LAST
+from rattle.solvers.glances import KINDS, margin_of, matters, may_dip, slack_of, unseen, write_look
+from rattle.solvers.glances import PLACES as PLACES_OF_STAGES
 from rattle.solvers.nonsmooth.contact_modes import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
 from rattle.solvers.peaks import LOOK, gauge
+from rattle.solvers.stage_polynomial import told, zero_told
 from rattle.solvers.step_loop import EVALUATIONS
 
 # places of a step at which it is looked first: even ones, of which peaks make use too, and an odd one
@@ -26,6 +30,7 @@ PLACES = np.array([0.0, 0.057, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0]
 ODD = 1
 LOOKS_KEPT = 64
 MOST_LOOKS = 4000  # in one step
+GUIDED = 6  # tries of a zero where the stages say
 NARROW = 1e-6  # share of a step that is not halved
 
 
@@ -49,10 +54,30 @@ def indicator(m, n, what):
 
 
 @compiled
-def locate(m, t, h, n, what, low, high):
-    """Share of the step between low and high at which an indicator becomes negative."""
-    at_share(m, t, h, low)
-    f_low = indicator(m, n, what)
+def between(low, high, far, f_low, f_high, f_far):
+    """Where f vanishes between low and high as a share of high - low; far: the end that the last point has replaced.
+
+    Inverse quadratic interpolation where that is safe, else the middle.  Source: Chandrupatla, A new hybrid
+    quadratic/bisection algorithm for finding the zero of a nonlinear function, Adv. Eng. Softw. 28 (1997) 145-149.
+    """
+    if f_far in (f_low, f_high):
+        return f_low / (f_low - f_high)
+    if far < low:
+        x, phi = (low - high) / (far - high), (f_low - f_high) / (f_far - f_high)
+    else:
+        x, phi = (high - low) / (far - low), (f_high - f_low) / (f_far - f_low)
+    if not (phi * phi < x and (1.0 - phi) * (1.0 - phi) < 1.0 - x):
+        return 0.5
+    share = f_low * f_far / ((f_high - f_low) * (f_high - f_far))
+    return share + (far - low) / (high - low) * f_low * f_high / ((f_far - f_low) * (f_far - f_high))
+
+
+@compiled
+def locate(m, t, h, n, what, low, high, f_low, f_high, column):
+    """Share of the step between low and high at which an indicator, with these values there, becomes negative.
+
+    column: of the looks at the stages, which tell where it may be; -1 where they do not.
+    """
     # slip that has just turned, or a contact that has just slipped, starts from zero: its sign is that of later places
     share = 0.5 * (high - low)
     while f_low <= 0.0 and share > 1e-9 * (high - low) and share * h > 1e-15 * abs(t):
@@ -61,25 +86,35 @@ def locate(m, t, h, n, what, low, high):
             low += share
             f_low = indicator(m, n, what)
         share *= 0.5
+    lift = (
+        unseen(m, 3 if what == TURN else 0) if f_low <= 0.0 else 0.0
+    )  # of a slip that is rounding: where it is more than that
+    f_low, f_high = f_low + lift, f_high + lift
     if f_low <= 0.0:
         return low
-    at_share(m, t, h, high)
-    f_high = indicator(m, n, what)
+    far, f_far, looks, near, shift, tilt = low, f_low, m.glances, low, lift, 0.0
     for turn in range(100):
-        if not (high - low) * h > 1e-16 * abs(t) + 1e-15 * h:
+        least = 1e-16 * abs(t) + 1e-15 * h
+        if not (high - low) * h > least:
             break
-        share = f_low / (f_low - f_high)
-        middle = low + min(max(share, 1e-3), 0.999) * (high - low) if turn % 3 < 2 else 0.5 * (low + high)
+        if turn < GUIDED and column >= 0:
+            share = (zero_told(looks, column, low, high, near, shift, tilt) - low) / (high - low)
+        else:
+            share = 0.5 if turn % 8 == 7 else between(low, high, far, f_low, f_high, f_far)
+        aside = min(0.5, 0.75 * least / ((high - low) * h))  # onto the other side of a zero that is nearly found
+        middle = low + min(max(share, aside), 1.0 - aside) * (high - low)
         if middle <= low or middle >= high:
             break
         at_share(m, t, h, middle)
-        value = indicator(m, n, what)
+        value = indicator(m, n, what) + lift
+        if column >= 0:
+            beside = value - told(looks, column, middle)
+            tilt = (beside - shift) / (middle - near) if turn > 0 else 0.0
+            near, shift = middle, beside
         if value < 0.0:
-            high, f_high = middle, value
-            f_low *= 0.5 if turn % 3 == 1 else 1.0
+            far, f_far, high, f_high = high, f_high, middle, value
         else:
-            low, f_low = middle, value
-            f_high *= 0.5 if turn % 3 == 1 else 1.0
+            far, f_far, low, f_low = low, f_low, middle, value
     return high
 
 
@@ -143,25 +178,78 @@ def move_looks(looks, first, last, by):
 
 
 @compiled
-def broken_at(m, i, n, what):
-    """True when contact n is seen at look i to let go, to break away or to turn."""
+def seen_at(m, i, n, what):
+    """The indicator of contact n at look i."""
     c, looks = 1 + KINDS * n, m.looks
-    if what == LET_GO:
-        return looks[i, c] < 0.0
     if what == BREAK_AWAY:
-        return min(looks[i, c + 1], looks[i, c + 2]) < 0.0
-    return looks[i, c + 3] < -1e-13 * m.held[SIZE]
+        return min(looks[i, c + 1], looks[i, c + 2])
+    return looks[i, c] if what == LET_GO else looks[i, c + 3]
 
 
 @compiled
-def first_change(m, t, h, best, who, what):
-    """First event of lasting contacts before the share `best` of the step, or (best, who, what) as they are."""
+def soonest(m, i):
+    """Contact that is seen at look i + 1 to let go, to break away or to turn, and which: that with the first zero.
+
+    (-1, NOTHING) when none is; the zeros are those of straight lines from look i.
+    """
+    contact, mode, first, who, what = m.contact, m.mode, 2.0, -1, NOTHING
+    for n in range(contact.shape[0]):
+        if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
+            continue
+        for kind in (LET_GO, BREAK_AWAY, TURN):
+            here, there = max(seen_at(m, i, n, kind), 0.0), seen_at(m, i + 1, n, kind)
+            if there < -unseen(m, 3 if kind == TURN else 0) and here < first * (here - there):
+                first, who, what = here / (here - there), n, kind
+    return who, what
+
+
+@compiled
+def column_of(m, i, n, what):
+    """Column of the looks for the indicator of contact n, which is below zero at look i."""
+    c, looks = 1 + KINDS * n, m.looks
+    if what == BREAK_AWAY:
+        return c + 1 if looks[i, c + 1] < looks[i, c + 2] else c + 2
+    return c if what == LET_GO else c + 3
+
+
+@compiled
+def first_between(m, t, h, i, best, who, what, guided):
+    """First event between looks i and i + 1 before the share `best`, or (best, who, what) as they are.
+
+    One after the other: what is not broken where another one breaks does so later.  The last look is that at the event.
+    guided: 1 where the stages tell nearly where it is.
+    """
+    looks, last = m.looks, -1
+    for _ in range(KINDS * m.contact.shape[0]):
+        n, kind = soonest(m, i)
+        if n < 0 or KINDS * n + kind == last:
+            break
+        last = KINDS * n + kind
+        column = column_of(m, i + 1, n, kind) if guided == 1 else -1
+        left, right = seen_at(m, i, n, kind), seen_at(m, i + 1, n, kind)
+        share = locate(m, t, h, n, kind, looks[i, 0], looks[i + 1, 0], left, right, column)
+        if share < best:
+            best, who, what = share, n, kind
+        if share <= looks[i, 0]:
+            break
+        look(m, t, h, share, i + 1)
+        m.tally[EVALUATIONS] += 1
+    return best, who, what
+
+
+@compiled
+def first_change(m, t, h, low, high, places, best, who, what):
+    """First event of lasting contacts between two shares of the step, or (best, who, what) as they are.
+
+    places: at how many it is looked first, 4 or all of PLACES; these are the samples of LOOKS in a whole step.
+    """
     contact, mode, grip, looks = m.contact, m.mode, m.grip, m.looks
-    until, count, placed, i, seen = min(best, 1.0), 0, 0, 0, 0
+    count, placed, i, seen, wide = 0, 0, 0, 0, high - low
+    whole, narrow = places == PLACES.shape[0] and high == 1.0, places < PLACES.shape[0]
     while True:
-        while count < max(i + 3, 4) and placed < PLACES.shape[0]:
-            look(m, t, h, PLACES[placed] * until, count)
-            if ODD < placed < PLACES.shape[0] - 1 and until == 1.0:
+        while count < max(i + 3, 4) and placed < places:
+            look(m, t, h, low + wide * (placed / 3.0 if narrow else PLACES[placed]), count)
+            if whole and ODD < placed < PLACES.shape[0] - 1:
                 gauge(m, LOOK[placed - 1], t + PLACES[placed] * h)
             count += 1
             placed += 1
@@ -169,7 +257,7 @@ def first_change(m, t, h, best, who, what):
         if i + 1 >= count:
             break
         left, right = looks[i, 0], looks[i + 1, 0]
-        if right - left > NARROW * until and seen < MOST_LOOKS and something_may_dip(m, i, count):
+        if right - left > NARROW * wide and seen < MOST_LOOKS and something_may_dip(m, i, count):
             if count + 2 > looks.shape[0]:
                 move_looks(looks, i - 1, count, 1 - i)
                 count -= i - 1
@@ -181,14 +269,9 @@ def first_change(m, t, h, best, who, what):
             i = max(i - 1, 0)
             continue
         for n in range(contact.shape[0]):
-            if contact[n, at.IMPACT] == 0:
-                continue
-            grip[n, at.PEAK] = max(grip[n, at.PEAK], looks[i + 1, 1 + KINDS * n]) if mode[n] != OFF else 0.0
-            for kind in (LET_GO, BREAK_AWAY, TURN):
-                if mode[n] != OFF and broken_at(m, i + 1, n, kind):
-                    share = locate(m, t, h, n, kind, left, right)
-                    if share < best:
-                        best, who, what = share, n, kind
+            if contact[n, at.IMPACT] == 1:
+                grip[n, at.PEAK] = max(grip[n, at.PEAK], looks[i + 1, 1 + KINDS * n]) if mode[n] != OFF else 0.0
+        best, who, what = first_between(m, t, h, i, best, who, what, 1 if narrow else 0)
         if what > HIT:
             break
         i += 1
@@ -197,13 +280,83 @@ def first_change(m, t, h, best, who, what):
 
 
 @compiled
-def first_event(m, t, h):
+def put_among_stages(m, low, share):
+    """Looks become those of the stages, with the one in line low + 1 put to its share; returns its line."""
+    stages, looks, line = m.glances, m.looks, low + 1
+    while line < LAST and stages[line, 0] < share:
+        line += 1
+    move_looks(looks, low + 1, low + 2, line - low - 1)
+    for k in range(LAST + 1):
+        row = k if k < line else k + 1
+        for c in range(looks.shape[1]):
+            looks[row, c] = stages[k, c]
+    return line
+
+
+@compiled
+def none_dips(m, low, line):
+    """True when nothing is or may be below zero between looks `low` and `line`, which lie among those of the stages."""
+    contact, mode, looks, stages = m.contact, m.mode, m.looks, m.glances
+    for n in range(contact.shape[0]):
+        if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
+            continue
+        for kind in range(KINDS):
+            if not matters(m, n, kind):
+                continue
+            c = 1 + KINDS * n + kind
+            least, most, margin = margin_of(stages, c)
+            margin -= unseen(m, kind)
+            if least - (most - least) > margin:
+                continue
+            for i in range(low, line):
+                if i + 1 < line and looks[i + 1, c] < margin:
+                    return False
+                if may_dip(looks, i, LAST + 2, c, -margin):
+                    return False
+    return True
+
+
+@compiled
+def first_by_stages(m, t, h, low, high):
+    """First event of lasting contacts between two stages, at the later of which one is broken; (NONE, -1, NOTHING)
+    where the stages and the look at the event do not show that it is the first.
+    """
+    contact, mode, grip = m.contact, m.mode, m.grip
+    looks, stages = m.looks, m.glances
+    for c in range(looks.shape[1]):
+        looks[low, c], looks[low + 1, c] = stages[low, c], stages[high, c]
+    share, who, what = first_between(m, t, h, low, NONE, -1, NOTHING, 1)
+    if who < 0 or share <= looks[low, 0]:
+        return NONE, -1, NOTHING
+    line = put_among_stages(m, low, share)
+    if not none_dips(m, low, line):
+        return NONE, -1, NOTHING
+    for n in range(contact.shape[0]):
+        if contact[n, at.IMPACT] == 1:
+            for i in range(1, line + 1):
+                grip[n, at.PEAK] = max(grip[n, at.PEAK], looks[i, 1 + KINDS * n]) if mode[n] != OFF else 0.0
+    return share, who, what
+
+
+@compiled
+def first_event(m, t, h, low, high):
     """First event of the step: share (NONE if there is none, GAVE_UP if that is not known), contact and what it is.
 
-    The dense output is ready, gaps and rates at both ends are in `grip`.
+    low, high: between which of its stages lasting contacts do something first, if they do.
+    The dense output is ready, gaps and rates at both ends are in `grip`.  The last one returned is True where the
+    stages have told all that lasting contacts do; else the samples of the step may be those of the search.
     """
     best, who = first_hit(m, h)
     what = HIT if who >= 0 else NOTHING
-    if any_held(m) and 0.0 < best <= NONE:
-        return first_change(m, t, h, best, who, what)
-    return best, who, what
+    if not any_held(m) or not 0.0 < best <= NONE:
+        return best, who, what, False
+    if best == NONE and high < LAST:
+        best, who, what = first_by_stages(m, t, h, low, high)
+        if who >= 0:
+            return best, who, what, True
+    if best == NONE and low < LAST and (low > 0 or high < LAST):
+        best, who, what = first_change(m, t, h, PLACES_OF_STAGES[low], PLACES_OF_STAGES[high], 4, best, who, what)
+        if who >= 0:
+            return best, who, what, True
+    best, who, what = first_change(m, t, h, 0.0, min(best, 1.0), PLACES.shape[0], best, who, what)
+    return best, who, what, False
