@@ -1,10 +1,11 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+SPHINX = $(BIN)/python -m sphinx -q -W --keep-going -b html -d build/doctrees docs build/docs
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test check coverage bench clean
+.PHONY: help demo test check docs coverage bench clean
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 18
@@ -21,6 +22,10 @@ check: ## the gate without the set-up
 	$(BIN)/lint-imports --no-logo
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q
 	$(BIN)/python -m pytest -q
+	$(SPHINX)
+
+docs: $(VENV)/.ready-docs ## the documentation as web pages: build/docs/index.html
+	$(SPHINX)
 
 coverage: $(VENV)/.ready-dev ## lines of the package that the tests reach, machine code off
 	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -q
@@ -30,12 +35,13 @@ bench: $(VENV)/.ready-bench ## speed, as ratios to yardsticks measured in the sa
 	$(BIN)/python benchmarks/run.py
 
 clean: ## remove .venv and everything made here
-	rm -rf $(VENV) build dist .*_cache .benchmarks .coverage .hypothesis rattle-demo
+	rm -rf $(VENV) build dist docs/generated .*_cache .benchmarks .coverage .hypothesis rattle-demo
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # one stamp per set of extras; a change of pyproject.toml installs anew
 extras-data := data
 extras-dev := dev,data
+extras-docs := docs,data
 extras-bench := bench,data
 $(VENV)/.ready-%: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("rattle needs Python 3.11 or newer, this is " + sys.version.split()[0] + "; name another one: make PYTHON=python3.12 ...")'

@@ -1,0 +1,59 @@
+"""Settings of the documentation.  Built without network; whatever code can say is made anew at every build."""
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+
+import making  # noqa: E402
+import rattle  # noqa: E402
+from making import interface  # noqa: E402
+
+project = "rattle"
+author = "rattle contributors"
+project_copyright = author
+version = release = rattle.__version__
+
+extensions = ["sphinx.ext.autodoc", "myst_parser", "sphinx_design"]
+exclude_patterns = ["generated", "making"]
+html_theme = "pydata_sphinx_theme"
+html_title = "rattle"
+html_static_path = ["_static"]
+html_css_files = ["rattle.css"]
+html_copy_source = html_show_sourcelink = False
+html_theme_options = {
+    "navbar_align": "left",
+    "header_links_before_dropdown": 7,
+    "secondary_sidebar_items": ["page-toc"],
+    "footer_start": ["copyright"],
+    "footer_end": [],
+    "show_prev_next": True,
+    "pygments_light_style": "default",
+    "pygments_dark_style": "monokai",
+}
+html_sidebars = {"index": []}
+
+myst_enable_extensions = ["colon_fence"]
+myst_heading_anchors = 3
+myst_links_external_new_tab = False
+
+autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
+autodoc_typehints_format = "short"
+add_module_names = False
+python_use_unqualified_type_names = True
+python_maximum_signature_line_length = 88
+
+
+def write_pages(app):
+    """Make the pages that code can make, before any is read."""
+    making.write_pages(HERE / "generated")
+
+
+def setup(app):
+    """Make the pages that code can make, and let docstrings be read as they are written."""
+    app.connect("builder-inited", write_pages)
+    app.connect("autodoc-process-docstring", interface.read_docstring)
+    app.connect("autodoc-process-signature", interface.shorten_signature)
+    app.connect("autodoc-skip-member", interface.skip_member)

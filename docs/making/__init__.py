@@ -1,0 +1,21 @@
+"""Pages that code can make: kinds, commands, names in Python, validation, gallery, map, citation.
+
+Each module gives texts in Markdown by name of the file; pages in docs/ include them.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+
+MAKERS = ("kinds", "commands", "interface", "validation", "gallery", "developers", "citing")
+
+
+def write_pages(folder: Path, makers: tuple[str, ...] = MAKERS) -> None:
+    """Write all pages into a folder; a file that would stay as it is is not touched, so that builds are quick."""
+    folder.mkdir(exist_ok=True)
+    for maker in makers:
+        for name, text in import_module(f"making.{maker}").pages(folder).items():
+            path = folder / f"{name}.md"
+            if not path.exists() or path.read_text(encoding="utf-8") != text:
+                path.write_text(text, encoding="utf-8")

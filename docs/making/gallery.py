@@ -1,0 +1,123 @@
+"""All shipped examples: a picture to scale, a curve, one number, the commands of the header."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import rattle as rt
+from making.runs import SHORTER, header, run
+from making.text import paragraph, shell
+from making.tree import module_with
+
+NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
+    "balanced_arm": ("Angle at which the arm rests", lambda r: (r["arm.angle"][0], "rad")),
+    "chain": ("Fastest turning of the last link", lambda r: (np.abs(r["b20.omega"]).max(), "rad/s")),
+    "door_hinge": ("The hatch turns in all by", lambda r: (np.ptp(r["hatch.angle"]), "rad")),
+    "double_pendulum": ("Largest energy that nothing accounts for", lambda r: (r.trust.energy_balance, "J")),
+    "fourbar": ("Normal force at O4 at the start", lambda r: (r["O4.normal"][0], "N")),
+    "guide_play": ("Turns of the crank in 0.2 s", lambda r: (r["crank.angle"][-1] / (2 * np.pi), "")),
+    "squeezer": ("Turns of the motor in 30 ms", lambda r: (r["k1.angle"][-1] / (2 * np.pi), "")),
+    "toggle": ("Force at the jaw in the end", lambda r: (r["grip"][-1], "N")),
+    "windows": ("Corner p0.P.x at 10 s", lambda r: (r["p0.P.x"][-1], "m")),
+    "woodpecker": ("Way down in 1 s", lambda r: (r["sleeve.y"][0] - r["sleeve.y"][-1], "m")),
+}
+CURVES = {"squeezer": "k1.angle", "balanced_arm": ""}  # where the header has no `rattle plot` with a name
+INSTANT = {"toggle_clamp": 0.3, "slider_crank": 0.09, "slider_crank_play": 0.09}  # share of the run that is drawn
+WIDE, HIGH, DOTS = 8.6, 2.9, 100  # inches, inches, dots per inch
+
+
+def pages(folder: Path) -> dict[str, str]:
+    """The gallery; its pictures are drawn into `folder`/pictures."""
+    (folder / "pictures").mkdir(exist_ok=True)
+    parts = [part for name in rt.examples() for part in _example(folder, name)]
+    return {"gallery": "\n\n".join(parts) + "\n"}
+
+
+def _example(folder: Path, name: str) -> list[str]:
+    said = header(name)
+    _draw(folder / "pictures" / f"{name}.png", name)
+    shortened = f" The picture shows the first {SHORTER[name]}." if name in SHORTER else ""
+    return [
+        f"## {name}",
+        f"**{paragraph(rt.example(name).name)}.** {paragraph(said.intro)}",
+        f"![{name}: the mechanism to scale and a curve](generated/pictures/{name}.png)",
+        f"*{_number(name)}.*{shortened} Look at {paragraph(said.look)}",
+        shell(said.commands),
+        f"Source: {paragraph(said.source)}",
+    ]
+
+
+def curve_of(name: str) -> str:
+    """The curve that the header of an example plots first."""
+    words = [word for word in header(name).words_of("plot")[1:] if not word.startswith("-")]
+    return CURVES.get(name, words[0] if words else "")
+
+
+def _number(name: str) -> str:
+    quantity = module_with("quantity", "readable").quantity
+    one = run(name)
+    if name in NUMBERS:
+        words, measure = NUMBERS[name]
+        return f"{words}: {quantity(*measure(one.result))}"
+    if one.accuracy is not None:
+        return f"Largest deviation of {one.accuracy.of}: {quantity(one.accuracy.worst.max(), one.accuracy.unit)}"
+    curve = curve_of(name)
+    value, when = one.result.peak(curve)
+    return f"Largest size of `{curve}`: {quantity(value, one.result.unit(curve))} at {quantity(when, 's')}"
+
+
+# ---------------------------------------------------------------- pictures
+def _draw(path: Path, name: str) -> None:
+    from matplotlib.figure import Figure
+
+    one, curve = run(name), curve_of(name)
+    figure = Figure(figsize=(WIDE, HIGH), layout="constrained")
+    left, *right = figure.subplots(1, 1 if not curve and one.accuracy is None else 2, squeeze=False).flat
+    _mechanism(left, one.result, INSTANT.get(name, 0.0))
+    if right and one.accuracy is not None:
+        _band(right[0], one.accuracy)
+    elif right:
+        _curve(right[0], one.result, curve)
+    figure.savefig(path, dpi=DOTS)
+
+
+def _mechanism(ax: Any, result: Any, share: float) -> None:
+    """The mechanism to scale in the colours of its films."""
+    sketch = module_with("draw_mechanism", "Scene", "extent")
+    stage = sketch.Scene(result, np.array([int(share * (len(result.t) - 1))]), 1.0)
+    low, high = sketch.extent(stage)
+    size = float(max(high - low)) or 1.0
+    ax.set(aspect="equal", xlabel="m")
+    module_with("tidy", "robust_limits").tidy(ax).grid(False)
+    sketch.draw_mechanism(ax, stage._replace(size=size))
+    ax.set(xlim=(low[0] - 0.12 * size, high[0] + 0.12 * size), ylim=(low[1] - 0.12 * size, high[1] + 0.12 * size))
+    ax.locator_params(nbins=5)
+    ax.tick_params(labelsize=8)
+
+
+def _curve(ax: Any, result: Any, name: str) -> None:
+    plot = module_with("handy_unit", "robust_limits", "tidy")
+    values = result[name]
+    factor, unit = plot.handy_unit(result.unit(name), float(np.abs(values[np.isfinite(values)]).max()))
+    span, time = (1e3, "ms") if result.t[-1] < 0.1 else (1.0, "s")
+    plot.tidy(ax).plot(span * result.t, factor * values, color=plot.BLUE, linewidth=1)
+    ax.set(xlabel=f"t [{time}]", title=f"{name} [{unit}]" if unit else name)
+    ax.title.set_fontsize(9)
+    ax.tick_params(labelsize=8)
+
+
+def _band(ax: Any, found: Any) -> None:
+    plot = module_with("handy_unit", "robust_limits", "tidy")
+    factor, unit = plot.handy_unit(found.unit, float(found.worst.max()))
+    plot.tidy(ax).plot(found.t, factor * found.worst, color=plot.BLUE, linewidth=1, label="worst, first order")
+    if np.isfinite(found.high).any():
+        half = factor * (found.high - found.low) / 2
+        ax.plot(found.t, half, color=plot.ORANGE, linewidth=1, linestyle="--", label="exact")
+    ax.set(xlabel="t [s]", title=f"{found.of}: largest deviation by play [{unit}]", ylim=(0, None))
+    ax.title.set_fontsize(9)
+    ax.tick_params(labelsize=8)
+    ax.legend(frameon=False, fontsize=8)

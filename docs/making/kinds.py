@@ -1,0 +1,228 @@
+"""Every kind of joint, driver, contact, law and load, as the catalogue has it, and what else a model file may hold.
+
+Each has an example, made from its fields and read by the program: a build with an example that is refused fails.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import rattle as rt
+from making.text import blocks, code, fence, paragraph, table
+from making.tree import PACKAGE, module_with, sources
+
+FAMILIES = {
+    "joint": ("Joints", "`[joints.NAME]` with `type`: what holds two bodies together."),
+    "driver": ("Drivers", "`[drivers.NAME]`: a freedom that follows a function of time."),
+    "clearance": ("Shapes of play", "What a joint becomes with `clearance`; the joint's type decides."),
+    "contact": ("Contact models", "`contact = NAME` or `contact = { model = NAME, ... }` of a joint with clearance."),
+    "normal": ("Normal force laws", "Also a `model` of `contact`: elastic pin and bush."),
+    "stiffness": ("Stiffness", "`geometry` in `contact`: static force from material and shape; `power` from numbers."),
+    "friction": ("Friction laws", "`friction = { model = NAME, ... }` in the `contact` of a normal force law."),
+    "load": ("Loads", "`[loads.NAME]` with `type`: forces and moments on bodies."),
+}
+FRAME = """format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.link]
+bar = ["P", "Q"]
+length = "200 mm"
+mass = 0.5
+"""
+WITH_CONTACT = {"restitution": 0.5, "friction": '0.1, bush_radius = "10 mm"'}  # what a contact model may want
+VALUES = {  # what an example gives where a field needs a number
+    "m": "20 mm", "rad": "30 deg", "N": "10 N", "N*m": "2 N*m", "N/m": "2 kN/m", "N*m/rad": "5 N*m/rad",
+    "N*s/m": "20 N*s/m", "m/s": "1 mm/s", "Pa": "200 GPa", "": 0.5, "1/m": 1e4, "N/m^exponent": 1e9,
+}  # fmt: skip
+
+
+def pages(folder: Path) -> dict[str, str]:
+    """One page for all kinds, one for the other tables and words of a model file."""
+    catalog = module_with("kind", "kinds", "families")
+    return {"kinds": _kinds(catalog), "tables": _tables()}
+
+
+def _kinds(catalog: Any) -> str:
+    parts = []
+    for family in sorted(catalog.families(), key=lambda one: [*FAMILIES, one].index(one)):
+        title, words = FAMILIES.get(family, (family.capitalize(), ""))
+        parts += [f"## {title}", words]
+        own = [one for one in catalog.kinds(family).values() if one.leaf.__module__.startswith("rattle.")]
+        for kind in own:
+            parts.append(_kind(catalog, kind))
+        parts += [_derivation(module) for module in dict.fromkeys(one.leaf.__module__ for one in own)]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _kind(catalog: Any, kind: Any) -> str:
+    path = Path(inspect.getfile(kind.leaf)).relative_to(PACKAGE)
+    line = inspect.getsourcelines(kind.leaf)[1]
+    words = "\n\n".join(
+        fence("\n".join(lines)) if plain else paragraph(" ".join(lines))
+        for plain, lines in blocks("\n".join(_without_source(kind.leaf.__doc__ or "")))
+    )
+    rows = [
+        (code(key), unit_of(one), paragraph(one.meaning) + _live(one, kind.family), default_of(one, catalog.REQUIRED))
+        for key, one in kind.fields.items()
+    ]
+    rows = _common(catalog, kind) + rows
+    shown = example(catalog, kind)
+    return "\n\n".join(
+        part
+        for part in (
+            f"### {kind.name}",
+            words,
+            table(("field", "unit", "meaning", "default"), rows) if rows else "",
+            fence(shown, "toml") if shown else "",
+            f"*Source:* {paragraph(_source(kind.leaf.__doc__ or ''))} *Code:* `{path.as_posix()}`, line {line}.",
+        )
+        if part
+    )
+
+
+def _common(catalog: Any, kind: Any) -> list[tuple[str, ...]]:
+    """Rows for what every entry of the family may say; play only where some contact model takes the joint."""
+    loose = {joint for one in catalog.kinds("contact").values() for joint in one.leaf.joints}
+    lines = (one.partition(": ") for one in module_with("common", "topics").common(kind.family, kind.name))
+    stiff = kind.family == "joint" and kind.name not in loose
+    return [
+        (code(key), "", paragraph(said), "")
+        for key, _, said in lines
+        if not (stiff and key in ("clearance", "contact"))
+    ]
+
+
+def _without_source(text: str) -> list[str]:
+    lines = inspect.cleandoc(text).splitlines()
+    first = next((n for n, line in enumerate(lines) if line.startswith("Source:")), len(lines))
+    return [line + "\n" if line.startswith("Range:") else line for line in lines[:first]]
+
+
+def _source(text: str) -> str:
+    return " ".join(inspect.cleandoc(text).partition("Source:")[2].split())
+
+
+def _derivation(module: str) -> str:
+    source = sources()[module]
+    return f":::{{dropdown}} Derivation: `{source.shown}`\n{fence(source.text)}\n:::"
+
+
+def unit_of(field: Any) -> str:
+    """Unit, or what else is written."""
+    if field.shape == "choice":
+        return " ".join(code(one) for one in field.choices)
+    if field.shape == "pair":
+        return f"[{field.unit}, {field.unit}]" if field.unit else "two numbers"
+    return field.unit or ("–" if field.shape == "number" else field.shape)
+
+
+def default_of(field: Any, required: Any) -> str:
+    """Default and limits."""
+    limit = f"; {field.least}" if field.least else ""
+    if field.default is required:
+        return f"needed{limit}"
+    if callable(field.default):
+        return f"follows from others{limit}"
+    shown = f"{field.default:g}" if isinstance(field.default, float) else str(field.default)
+    return f"{shown}{limit}"
+
+
+def _live(field: Any, family: str) -> str:
+    return "; may use `t`, state and signals" if field.live and family != "driver" else ""
+
+
+# ---------------------------------------------------------------- examples
+def example(catalog: Any, kind: Any) -> str:
+    """A few lines of a model file with this kind, read by the program; nothing where nobody writes the kind."""
+    made = {"joint": _joint, "driver": _driver, "load": _load, "clearance": _clearance}.get(kind.family)
+    lines = made(catalog, kind) if made else _contact(catalog, kind)
+    text = "\n".join(lines)
+    rt.loads(FRAME + text)  # raises where the example would not be understood
+    return text
+
+
+def _joint(catalog: Any, kind: Any, name: str = "hinge") -> list[str]:
+    return [f"[joints.{name}]", f'type = "{kind.name}"', 'connect = ["ground.O", "link.P"]', *_needed(catalog, kind)]
+
+
+def _driver(catalog: Any, kind: Any) -> list[str]:
+    if kind.leaf.drives in catalog.kinds("joint"):
+        joint = _joint(catalog, catalog.kinds("joint")[kind.leaf.drives])
+        return [*joint, "", "[drivers.motor]", 'joint = "hinge"', *_needed(catalog, kind, live=True)]
+    coordinate = kind.name.removeprefix("body-")
+    where = ["[drivers.motor]", 'body = "link"', f'coordinate = "{coordinate}"']
+    return [*where, *_needed(catalog, kind, live=True)]
+
+
+def _load(catalog: Any, kind: Any) -> list[str]:
+    return [f"[loads.{kind.name.replace('-', '_')}]", f'type = "{kind.name}"', *_needed(catalog, kind)]
+
+
+def _clearance(catalog: Any, kind: Any) -> list[str]:
+    joint = _joint(catalog, catalog.kinds("joint")[getattr(kind.leaf, "joint", "revolute")])
+    block = ['block = { length = "40 mm", height = "20 mm" }'] if getattr(kind.leaf, "corners", 1) > 1 else []
+    return [*joint, 'clearance = "0.2 mm"', *block, 'contact = { model = "impact", restitution = 0.5 }']
+
+
+def _contact(catalog: Any, kind: Any) -> list[str]:
+    needed = ", ".join(_needed(catalog, kind))
+    material = 'bush_radius = "10 mm", bush_material = "bronze", pin_material = "steel"'
+    if kind.family == "contact":
+        table = "".join(f", {key} = {value}" for key, value in WITH_CONTACT.items() if key in kind.fields)
+        said = f'{{ model = "{kind.name}"{table} }}' if table else f'"{kind.name}"'
+    elif kind.family == "normal":
+        stiff = "stiffness = 1e6, exponent = 1" if "hysteretic" not in kind.kernel.__name__ else "stiffness = 1e9"
+        said = f'{{ model = "{kind.name}"{", " if needed else ""}{needed}, {stiff} }}'
+    elif kind.family == "stiffness":
+        own = [one for one in _needed(catalog, kind) if not one.split(" = ")[0].endswith(("_material", "_radius"))]
+        geometry = [] if kind.name == "power" else [f'geometry = "{kind.name}"', material]
+        said = f'{{ model = "exact", restitution = 0.5, {", ".join([*geometry, *own])} }}'
+    else:
+        friction = f'{{ model = "{kind.name}"{", " if needed else ""}{needed} }}'
+        said = f'{{ model = "exact", restitution = 0.5, {material}, friction = {friction} }}'
+    joint = catalog.kinds("joint")["revolute"]
+    return [*_joint(catalog, joint), 'clearance = "0.2 mm"', f"contact = {said}"]
+
+
+def _needed(catalog: Any, kind: Any, live: bool = False) -> list[str]:
+    fields = ((key, one) for key, one in kind.fields.items() if one.default is catalog.REQUIRED)
+    return [f"{key} = {_value(key, one, live)}" for key, one in fields]
+
+
+def _value(key: str, field: Any, live: bool) -> str:
+    if live:
+        return '"5*t"' if field.unit == "rad" else '"0.1*sin(5*t)"'
+    ends: dict[str, str] = {
+        "point": '"link.Q"',
+        "body": '"link"',
+        "connect": '["ground.O", "link.Q"]',
+        "material": '"steel"',
+    }
+    if field.shape == "choice":
+        return f'"{field.choices[0]}"'
+    if field.shape in ends:
+        return ends[field.shape]
+    number = {"mu": 0.1, "stiffness": 1e9 if field.unit != "N/m" else "2 kN/m"}.get(key, VALUES.get(field.unit, 1.0))
+    if key == "connect":
+        return ends["connect"]
+    shown = f'"{number}"' if isinstance(number, str) else f"{number:g}"
+    return f"[{shown}, 0]" if field.shape == "pair" else shown
+
+
+# ---------------------------------------------------------------- tables, names, functions, units, materials
+def _tables() -> str:
+    parts: list[str] = []
+    topics: Iterable[Any] = module_with("common", "topics").topics().values()
+    for topic in topics:
+        rows = [(code(key.strip()), paragraph(said)) for key, _, said in (line.partition(": ") for line in topic.lines)]
+        parts += [f"## {topic.name}", paragraph(topic.summary[:1].upper() + topic.summary[1:]) + "."]
+        parts.append(table(("what", "meaning"), rows) if any(said for _, said in rows) else _list(rows))
+    return "\n\n".join(parts) + "\n"
+
+
+def _list(rows: Iterable[tuple[str, str]]) -> str:
+    return ", ".join(key for key, _ in rows) + "."

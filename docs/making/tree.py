@@ -1,0 +1,95 @@
+"""The package as its sources stand: which module defines a name, and what each module says of itself.
+
+Modules are found by what they define, so that no page has to be told where things live.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import NamedTuple
+
+import rattle
+
+PACKAGE = Path(rattle.__file__).parent
+ROOT = Path(__file__).parents[2]
+
+
+class Source(NamedTuple):
+    """One module: its dotted name, its file, the top-level names that it defines, its docstring."""
+
+    name: str
+    path: Path
+    tree: ast.Module
+    names: frozenset[str]
+    text: str
+
+    @property
+    def shown(self) -> str:
+        """The file as it is seen from the package's folder."""
+        return self.path.relative_to(PACKAGE).as_posix()
+
+    @property
+    def summary(self) -> str:
+        """First sentence of the docstring, on one line."""
+        first = self.text.strip().split("\n\n")[0]
+        return " ".join(first.split())
+
+
+@cache
+def sources() -> dict[str, Source]:
+    """All modules of the package by dotted name."""
+    found = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+        name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        found[name] = Source(name, path, tree, frozenset(_defined(tree)), ast.get_docstring(tree) or "")
+    return found
+
+
+def _defined(tree: ast.Module) -> set[str]:
+    names = set()
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Assign):
+            names |= {one.id for target in node.targets for one in ast.walk(target) if isinstance(one, ast.Name)}
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            names.add(node.target.id)
+    return names
+
+
+def source_of(*names: str) -> Source:
+    """The one module that defines all these names.  Raises LookupError where there is none, or more than one."""
+    found = [one for one in sources().values() if set(names) <= one.names]
+    if len(found) != 1:
+        raise LookupError(f"{' and '.join(names)}: defined together in {[one.name for one in found] or 'no module'}")
+    return found[0]
+
+
+def module_with(*names: str) -> ModuleType:
+    """The same, imported."""
+    return importlib.import_module(source_of(*names).name)
+
+
+def definition(source: Source, name: str) -> ast.AST:
+    """Where a module defines a name."""
+    for node in source.tree.body:
+        targets = getattr(node, "targets", [getattr(node, "target", node)])
+        if any(name in (getattr(one, "id", ""), getattr(one, "name", "")) for one in targets):
+            return node
+    raise LookupError(f"{source.name} does not define {name}")
+
+
+def trailing_comments(source: Source, first: int, last: int) -> dict[int, str]:
+    """Comments behind the lines of a module, by line number."""
+    lines = source.path.read_text(encoding="utf-8").splitlines()
+    return {
+        number: lines[number - 1].rpartition("  # ")[2].strip()
+        for number in range(first, last + 1)
+        if "  # " in lines[number - 1]
+    }
