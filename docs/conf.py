@@ -1,7 +1,10 @@
 """Settings of the documentation.  Built without network; whatever code can say is made anew at every build."""
 
+import re
 import sys
 from pathlib import Path
+
+from sphinx.errors import ExtensionError
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
@@ -29,10 +32,12 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
     "show_prev_next": True,
+    "show_toc_level": 2,
+    "navigation_with_keys": False,
     "pygments_light_style": "default",
     "pygments_dark_style": "monokai",
 }
-html_sidebars = {"index": []}
+html_sidebars = {"index": [], "first-ten-minutes": [], "gallery": []}
 
 myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 3
@@ -51,9 +56,20 @@ def write_pages(app):
     making.write_pages(HERE / "generated")
 
 
+def refuse_what_is_fetched(app, error):
+    """Raise where a page would fetch scripts, styles or pictures from elsewhere: pages are whole without network."""
+    if error is None:
+        for page in Path(app.outdir).rglob("*.html"):
+            text = page.read_text(encoding="utf-8")
+            found = re.findall(r'<(?:script|link|img|iframe)[^>]*(?:src|href)="((?:https?:)?//[^"]*)"', text)
+            if found:
+                raise ExtensionError(f"{page.name} would fetch {found[0]}")
+
+
 def setup(app):
     """Make the pages that code can make, and let docstrings be read as they are written."""
     app.connect("builder-inited", write_pages)
+    app.connect("build-finished", refuse_what_is_fetched)
     app.connect("autodoc-process-docstring", interface.read_docstring)
     app.connect("autodoc-process-signature", interface.shorten_signature)
     app.connect("autodoc-skip-member", interface.skip_member)

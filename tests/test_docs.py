@@ -28,17 +28,6 @@ def test_the_guide_names_every_function_and_state():
     assert all(f".{key}" in text for key in STATE_UNITS)
 
 
-def test_sections_of_the_theory_that_are_cited_exist():
-    sections = set(re.findall(r"^## (\d)\. ", DOCS["theory.md"], re.MULTILINE))
-    cited = set()
-    for path in (ROOT / "src").rglob("*.py"):
-        text = path.read_text(encoding="utf-8")
-        assert "THEORY" not in text, path
-        cited |= set(re.findall(r"docs/theory\.md, section (\d)", text))
-    assert cited
-    assert cited <= sections
-
-
 @pytest.mark.parametrize("name", sorted(DOCS))
 def test_links_of_the_guides_lead_somewhere(name):
     for target in re.findall(r"\]\(([^)#:]+)\)", DOCS[name]):

@@ -27,6 +27,7 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
 }
 CURVES = {"squeezer": "k1.angle", "balanced_arm": ""}  # where the header has no `rattle plot` with a name
 INSTANT = {"toggle_clamp": 0.3, "slider_crank": 0.09, "slider_crank_play": 0.09}  # share of the run that is drawn
+ORBITS = {"bouncing_pin": "O"}  # a pin alone in its bush: its path says more than its outline
 WIDE, HIGH, DOTS = 8.6, 2.9, 100  # inches, inches, dots per inch
 
 
@@ -42,8 +43,8 @@ def _example(folder: Path, name: str) -> list[str]:
     _draw(folder / "pictures" / f"{name}.png", name)
     shortened = f" The picture shows the first {SHORTER[name]}." if name in SHORTER else ""
     return [
-        f"## {name}",
-        f"**{paragraph(rt.example(name).name)}.** {paragraph(said.intro)}",
+        f"## {paragraph(rt.example(name).name)}",
+        f"`{name}`: {paragraph(said.intro)}",
         f"![{name}: the mechanism to scale and a curve](generated/pictures/{name}.png)",
         f"*{_number(name)}.*{shortened} Look at {paragraph(said.look)}",
         shell(said.commands),
@@ -75,6 +76,9 @@ def _draw(path: Path, name: str) -> None:
     from matplotlib.figure import Figure
 
     one, curve = run(name), curve_of(name)
+    if name in ORBITS:
+        one.result.plot_orbit(ORBITS[name]).savefig(path, dpi=0.8 * DOTS)
+        return
     figure = Figure(figsize=(WIDE, HIGH), layout="constrained")
     left, *right = figure.subplots(1, 1 if not curve and one.accuracy is None else 2, squeeze=False).flat
     _mechanism(left, one.result, INSTANT.get(name, 0.0))

@@ -67,8 +67,7 @@ def fence(text: str, language: str = "text") -> str:
 def shell(lines: Iterable[str]) -> str:
     """Commands with what is said behind them as comments, ready to be copied."""
     parts = [[*re.split(r"\s{2,}", line.strip(), maxsplit=1), ""][:2] for line in lines if line.strip()]
-    wide = max(len(command) for command, _ in parts)
-    return fence("\n".join(f"{one.ljust(wide)}  # {said}" if said else one for one, said in parts), "sh")
+    return fence("\n".join(f"{one}  # {said}" if said else one for one, said in parts), "sh")
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:

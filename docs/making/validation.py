@@ -7,6 +7,7 @@ import itertools
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import rattle as rt
 from making.runs import run
@@ -19,11 +20,16 @@ def pages(folder: Path) -> dict[str, str]:
     published = _published()
     parts: list[str] = []
     for group, cases in itertools.groupby(published.CASES, key=lambda one: one.group):
-        parts += [f"### {paragraph(group)}", table(HEAD, [_row(one) for one in cases])]
-    return {"validation": "\n\n".join(parts) + "\n", "balances": _balances() + "\n"}
+        rows = list(cases)
+        origins = [f"{one.kind}: {paragraph(one.source)}" for one in rows]
+        same = len(set(origins)) == 1
+        parts += [f"### {paragraph(group)}", f"{origins[0][:1].upper()}{origins[0][1:]}." if same else ""]
+        cells = [_row(one, "" if same else origin) for one, origin in zip(rows, origins, strict=True)]
+        parts.append(table(HEAD if same else (*HEAD, "from"), cells))
+    return {"validation": "\n\n".join(part for part in parts if part) + "\n", "balances": _balances() + "\n"}
 
 
-HEAD = ("what", "from", "value", "measured here", "error", "allowed")
+HEAD = ("what", "value", "measured here", "error", "allowed")
 
 
 def _published() -> ModuleType:
@@ -37,14 +43,25 @@ def _published() -> ModuleType:
     return module
 
 
-def _row(case: object) -> tuple[str, ...]:
+def _row(case: Any, origin: str) -> tuple[str, ...]:
     got = case.measure()
     error = abs(got - case.expected)
     if not error <= case.tolerance:
         raise ValueError(f"{case}: {got!r} where {case.expected!r} is expected")
-    what = f"{paragraph(case.what)} [{case.unit}]" if case.unit else paragraph(case.what)
-    said = f"{case.kind}: {paragraph(case.source)}"
-    return what, said, f"{case.expected:.10g}", f"{got:.10g}", f"{error:.1g}", f"{case.tolerance:.1g}"
+    what = f"{paragraph(case.what)} \\[{case.unit}\\]" if case.unit else paragraph(case.what)
+    numbers = f"{case.expected:.10g}", f"{got:.10g}", power(error), power(case.tolerance)
+    return (what, *numbers, origin) if origin else (what, *numbers)
+
+
+def power(value: float) -> str:
+    """A small number with one digit and a power of ten."""
+    if value == 0.0:
+        return "0"
+    digit, exponent = f"{value:.0e}".split("e")
+    return f"{digit}·10{str(int(exponent)).translate(RAISED)}"
+
+
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def _balances() -> str:
@@ -54,6 +71,6 @@ def _balances() -> str:
         one = run(name)
         if one.command == "run":
             trust = one.result.trust
-            share = "" if trust.energy_share is None else f"{trust.energy_share:.0e}"
-            rows.append((f"`{name}`", f"{trust.drift:.0e}", f"{trust.energy_balance:.0e}", share))
+            share = "" if trust.energy_share is None else power(trust.energy_share)
+            rows.append((f"`{name}`", power(trust.drift), power(trust.energy_balance), share))
     return table(("example", "drift [m]", "energy unaccounted for [J]", "as a share of the largest"), rows)
