@@ -20,6 +20,7 @@ version = release = rattle.__version__
 
 extensions = ["sphinx.ext.autodoc", "myst_parser", "sphinx_design"]
 exclude_patterns = ["generated", "making"]
+smartquotes = False  # they would turn --ideal into a dash
 html_theme = "pydata_sphinx_theme"
 html_title = "rattle"
 html_static_path = ["_static"]

@@ -14,7 +14,7 @@ from making.tree import module_with
 def pages(folder: Path) -> dict[str, str]:
     """The reference of all commands."""
     cli = module_with("main", "COMMANDS", "HELP")
-    context = click.Context(cli.main, info_name="rattle")
+    context = click.Context(cli.main, info_name="rattle", **cli.main.context_settings)
     parts = [words(cli.main.help or ""), "## Options of every command", options(cli.main, context)]
     for name in cli.main.list_commands(context):
         command = cli.main.get_command(context, name)

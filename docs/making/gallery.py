@@ -46,7 +46,7 @@ def _example(folder: Path, name: str) -> list[str]:
         f"## {paragraph(rt.example(name).name)}",
         f"`{name}`: {paragraph(said.intro)}",
         f"![{name}: the mechanism to scale and a curve](generated/pictures/{name}.png)",
-        f"*{_number(name)}.*{shortened} Look at {paragraph(said.look)}",
+        f"*{paragraph(_number(name))}.*{shortened} Look at {paragraph(said.look)}",
         shell(said.commands),
         f"Source: {paragraph(said.source)}",
     ]
