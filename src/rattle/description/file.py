@@ -19,7 +19,9 @@ MAY_BE_MISSING = ("simulate", "initial")  # tables that a change makes where the
 IN_ONE_LINE = ("points", "contact", "block")
 MOST_ENTRIES = 200_000  # a chain of 10,000 links has about 80,000
 DEEPEST_KEY = 12  # parts of a dotted key; no table of a model lies that deep
-_LONG_TEXT = re.compile(r'"""(?:[^"\\]|\\.|"(?!""))*+"""|\'\'\'(?:[^\']|\'(?!\'\'))*+\'\'\'', re.DOTALL)
+_LONG_TEXT = re.compile(  # groups that look ahead repeat without possession: Python 3.11.0 to 3.11.4 get that wrong
+    r'"""[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*"""' r"|'''[^']*+(?:'(?!'')[^']*+)*'''", re.DOTALL
+)
 _TEXT = re.compile(r'"(?:[^"\\]|\\.)*+"|\'[^\']*+\'')
 _DOT = re.compile(r"[\w-][ \t]*+\.(?=[ \t]*+[\w-])")
 _NO_KEY = re.compile(r"[^\w.\- \t]+")

@@ -17,9 +17,9 @@ WIDTH = 120  # longest piece of a source line that is shown
 _SPACE = re.compile(r"[ \t]*+")
 _GAP = re.compile(r"(?:[ \t\r\n]++|#[^\n]*+)*+")
 _KEY = re.compile(r""""[^"\\\n]*+(?:\\.[^"\\\n]*+)*+"|'[^'\n]*+'|[^\s.=\[\]{}"'#,]++""")
-_SCALAR = re.compile(
-    r'"""[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*+"{3,5}+'
-    r"|'''[^']*+(?:'(?!'')[^']*+)*+'{3,5}+"
+_SCALAR = re.compile(  # groups that look ahead repeat without possession: Python 3.11.0 to 3.11.4 get that wrong
+    r'"""[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*"{3,5}+'
+    r"|'''[^']*+(?:'(?!'')[^']*+)*'{3,5}+"
     r'|"[^"\\\n]*+(?:\\.[^"\\\n]*+)*+"'
     r"|'[^'\n]*+'"
     r"|[^,\]}#\r\n]++",

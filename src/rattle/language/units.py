@@ -140,8 +140,10 @@ _NAMES: dict[Dimension, tuple[str, str]] = {
 }
 
 _NUMBER = r"[+-]?+(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+"
-_UNIT = r"(?:[^\W\d_]|°|\(|1\s*+/)(?:\w|[°*·/()\s.]|\^\s*+\(?[+-]?|(?<=\*\*)\s*+\(?[+-])*+"
-_QUANTITY = re.compile(rf"\s*+({_NUMBER}|[+-]?+(?i:nan|inf|infinity)\b)\s*+({_UNIT})?+")
+# the groups of the unit repeat without possession, which Python 3.11.0 to 3.11.4 get wrong; each character has one
+# way to be matched all the same, so that no text makes this slow
+_UNIT = r"(?:[^\W\d_]|°|\(|1\s*+/)(?:\w|[°*·/()\s.]|\^\s*+\(?+[+-]?+|(?<=\*\*)\s*+\(?+[+-])*"
+_QUANTITY = re.compile(rf"\s*+({_NUMBER}|[+-]?+(?i:nan|inf|infinity)\b)\s*+({_UNIT})?")
 _TOKEN = re.compile(r"\s*+(\*\*|[*·/^()]|[+-]?[0-9]++(?:\.[0-9]++)?+|°|[^\W\d]\w*+|\S)")
 
 
