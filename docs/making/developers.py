@@ -38,8 +38,7 @@ from __future__ import annotations
 
 import math
 
-from {catalog} import Field, kernel, kind
-from {layout} import DISSIPATED, VX, VY, X, Y
+{imports}
 
 
 @kernel("load")
@@ -66,7 +65,12 @@ class Drag:
 
 def leaf() -> str:
     """A whole leaf file, with the imports that it needs where the package keeps them."""
-    return LEAF.format(catalog=source_of("Field", "kernel", "kind").name, layout=source_of("VX", "DISSIPATED").name)
+    homes: dict[str, list[str]] = {}
+    for name, beside in (("Field", "Kind"), ("kernel", "compiled"), ("kind", "Kind"), ("DISSIPATED", "POTENTIAL"),
+                         ("VX", "PHI"), ("VY", "PHI"), ("X", "PHI"), ("Y", "PHI")):  # fmt: skip
+        homes.setdefault(source_of(name, beside).name, []).append(name)  # two names tell modules apart that share one
+    lines = (f"from {home} import {', '.join(names)}" for home, names in sorted(homes.items()))
+    return LEAF.format(imports="\n".join(lines))
 
 
 def rooms() -> str:

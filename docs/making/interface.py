@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import ast
 import inspect
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import rattle as rt
-from making.text import restructured
+from making.text import field, markdown, restructured
 from making.tree import Source, definition, source_of, sources, trailing_comments
 
 HOLDERS = ("Mechanism", "Result")  # what they return is documented too
@@ -34,6 +35,7 @@ def pages(folder: Path) -> dict[str, str]:
         "## What analyses return",
         *(_class(f"{source.name}.{name}") for name, source in returned(public).items()),
     ]
+    parts += ["## Behind the methods", *behind()]
     parts += ["## Laws of your own", *(_function(name) for name in laws)]
     parts += ["## What can go wrong", *(_class(f"rattle.{name}") for name in errors)]
     return {"interface": "\n\n".join(parts) + "\n"}
@@ -63,6 +65,22 @@ def returned(public: dict[str, Any]) -> dict[str, Source]:
     return found
 
 
+def behind() -> list[str]:
+    """Functions and modules that docstrings of the holders send their readers to."""
+    found: dict[str, str] = {}
+    for holder in HOLDERS:
+        text = source_of(holder).path.read_text(encoding="utf-8")
+        for name in re.findall(r"see `(rattle\.[\w.]+)`", text):
+            home, _, function = name.rpartition(".")
+            if name in sources():
+                found[name] = f"**{name}**\n\n{markdown(sources()[name].text)}"
+            elif home in sources() and function in sources()[home].names:
+                found[name] = f"```{{eval-rst}}\n.. autofunction:: {name}\n```"
+            else:
+                raise LookupError(f"{holder} sends its readers to {name}, which is not there")
+    return list(found.values())
+
+
 def _imported(source: Source) -> dict[str, Source]:
     """Names that a module imports from others of the package."""
     lines = [node for node in ast.walk(source.tree) if isinstance(node, ast.ImportFrom) and node.module in sources()]
@@ -85,7 +103,7 @@ def read_docstring(app: Any, what: str, name: str, thing: Any, options: Any, lin
     parameters = _parameters(target)
     made = restructured("\n".join(lines), parameters)
     if what in ("class", "exception") and isinstance(thing, type):
-        made += ["", *(f":ivar {key}: {said}" for key, said in fields(thing).items()), ""]
+        made += ["", *field("Fields", (f"- **{key}**: {said}" for key, said in fields(thing).items()))]
     lines[:] = made
 
 
@@ -107,7 +125,8 @@ def fields(cls: type) -> dict[str, str]:
     for one in node.body:
         if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name) and not one.target.id.startswith("_"):
             comments = trailing_comments(source, one.lineno, one.end_lineno or one.lineno)
-            found[one.target.id] = " ".join(restructured(" ".join(comments.values()))).strip() or "as it is called"
+            meaning = " ".join(restructured(" ".join(comments.values()))).strip()
+            found[one.target.id] = f"``{ast.unparse(one.annotation)}`` {meaning}".strip()
     return found
 
 

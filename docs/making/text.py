@@ -78,7 +78,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
 
 
 def restructured(text: str, parameters: Iterable[str] = ()) -> list[str]:
-    """A docstring as reStructuredText; "name: meaning." of a parameter becomes an entry of its own."""
+    """A docstring as reStructuredText; "name: meaning." of a parameter becomes an entry of a list."""
     lines: list[str] = []
     entries: list[str] = []
     known = "|".join(map(re.escape, parameters)) or "(?!)"
@@ -91,9 +91,15 @@ def restructured(text: str, parameters: Iterable[str] = ()) -> list[str]:
         rest = ""
         if named:
             named[-1], rest = _without_closing_words(named[-1])
-        entries += [f":param {names}: {_inline(said)}" for names, said in zip(named[::2], named[1::2], strict=True)]
+        entries += [f"- **{names}**: {_inline(said)}" for names, said in zip(named[::2], named[1::2], strict=True)]
         lines += [part for one in (before, rest) if one for part in (_inline(one), "")]
-    return [*lines, *entries, ""] if entries else lines
+    return [*lines, *field("Parameters", entries)]
+
+
+def field(title: str, entries: Iterable[str]) -> list[str]:
+    """A titled list below a docstring; nothing where there are no entries."""
+    inside = [f"   {one}" for one in entries]
+    return [f":{title}:", *inside, ""] if inside else []
 
 
 def _without_closing_words(text: str) -> tuple[str, str]:
