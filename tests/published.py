@@ -14,7 +14,8 @@ from functools import cache
 import numpy as np
 
 import rattle as rt
-from rattle.result import Event, Result
+from rattle.results.event import Event
+from rattle.results.result import Result
 
 PUBLISHED, CLOSED, INDEPENDENT = "published", "closed form", "independent"
 

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from making.developers import leaf
-from rattle.cli import main
+from rattle.cli.main import main
 
 ROOT = Path(__file__).parent.parent
 DOCS = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "docs").glob("*.md")}

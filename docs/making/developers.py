@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import ast
 from itertools import groupby
 from pathlib import Path
 
 from making.text import code, fence, paragraph, table
-from making.tree import PACKAGE, Source, definition, module_with, source_of, sources, trailing_comments
+from making.tree import PACKAGE, definition, module_with, source_of, sources, trailing_comments
 
-ARRAYS = "FIELDS"  # the list of the arrays of a run
 STEPS = (  # one function of each stage of a run, in the order in which they are called
     ("The command line reads its words", ("run", "warmup")),
     ("Text becomes a document with the line of every entry", ("parse", "point_out")),
@@ -22,7 +20,7 @@ STEPS = (  # one function of each stage of a run, in the order in which they are
     ("Rows become multipliers: the sparse factor", ("factorise", "analyse")),
     ("What was recorded gets names and units", ("columns", "quantities")),
     ("How far to trust it: constraints, energy, a second run", ("agreement",)),
-    ("Numbers, names, units, trust", ("Result", "Trust")),
+    ("Numbers, names, units, trust", ("Result", "load_result")),
 )
 
 
@@ -44,11 +42,11 @@ import math
 @kernel("load")
 def drag(t, body, a, b, p, k, force, energy):
     c = p[k]
-    vx, vy = body[b, VX], body[b, VY]
+    vx, vy = body[b, at.VX], body[b, at.VY]
     speed = math.sqrt(vx * vx + vy * vy)
-    force[b, X] -= c * speed * vx
-    force[b, Y] -= c * speed * vy
-    energy[DISSIPATED] += c * speed * speed * speed
+    force[b, at.X] -= c * speed * vx
+    force[b, at.Y] -= c * speed * vy
+    energy[at.DISSIPATED] += c * speed * speed * speed
 
 
 @kind("load", "drag", drag)
@@ -66,9 +64,10 @@ class Drag:
 def leaf() -> str:
     """A whole leaf file, with the imports that it needs where the package keeps them."""
     homes: dict[str, list[str]] = {}
-    for name, beside in (("Field", "Kind"), ("kernel", "compiled"), ("kind", "Kind"), ("DISSIPATED", "POTENTIAL"),
-                         ("VX", "PHI"), ("VY", "PHI"), ("X", "PHI"), ("Y", "PHI")):  # fmt: skip
+    for name, beside in (("Field", "Kind"), ("kernel", "compiled"), ("kind", "Kind")):
         homes.setdefault(source_of(name, beside).name, []).append(name)  # two names tell modules apart that share one
+    columns = source_of("DISSIPATED", "POTENTIAL").name
+    homes[f"{columns.rpartition('.')[0]}"] = [f"{columns.rpartition('.')[2]} as at"]
     lines = (f"from {home} import {', '.join(names)}" for home, names in sorted(homes.items()))
     return LEAF.format(imports="\n".join(lines))
 
@@ -110,38 +109,9 @@ def families() -> str:
 
 
 def workspace() -> str:
-    """Arrays of a run by name, kind and meaning, in the parts that the list has."""
-    source, node = _list_of_arrays()
-    parts: list[str] = []
-    rows: list[tuple[str, str, str]] = []
-    for _, (name, kind, said) in _arrays(source, node):
-        if name:
-            rows.append((code(name), code(kind), paragraph(said)))
-            continue
-        parts += [table(("array", "kind", "what it holds"), rows)] if rows else []
-        parts += [f"**{paragraph(said[:1].upper() + said[1:])}**"]
-        rows = []
-    return "\n\n".join([*parts, table(("array", "kind", "what it holds"), rows)]) + "\n"
-
-
-def _list_of_arrays() -> tuple[Source, ast.Dict]:
-    """The table of all arrays: the longest table of that name."""
-    tables = [
-        (one, getattr(definition(one, ARRAYS), "value", None)) for one in sources().values() if ARRAYS in one.names
+    """Arrays of a run by name, kind, shape, unit and meaning."""
+    rows = [
+        (code(name), code(one.kind), one.shape, one.unit, paragraph(one.meaning))
+        for name, one in module_with("Workspace", "ARRAYS").ARRAYS.items()
     ]
-    return max(((one, node) for one, node in tables if isinstance(node, ast.Dict)), key=lambda pair: len(pair[1].keys))
-
-
-def _arrays(source: Source, node: ast.Dict) -> list[tuple[int, tuple[str, str, str]]]:
-    """(line, (name, kind, comment)) of every array; a comment on a line of its own has no name."""
-    comments = trailing_comments(source, node.lineno, node.end_lineno or node.lineno)
-    found = []
-    for key, value in zip(node.keys, node.values, strict=True):
-        name = ast.literal_eval(key) if key else ""
-        kind = value.value if isinstance(value, ast.Constant) else ast.unparse(value)
-        found.append((value.lineno, (str(name), str(kind), comments.get(value.end_lineno or 0, ""))))
-    lines = source.path.read_text(encoding="utf-8").splitlines()
-    for number in range(node.lineno, (node.end_lineno or node.lineno) + 1):
-        if lines[number - 1].strip().startswith("# "):
-            found.append((number, ("", "", lines[number - 1].strip()[2:])))
-    return sorted(found)
+    return table(("array", "kind", "shape", "unit", "what it holds"), rows) + "\n"
