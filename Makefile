@@ -20,9 +20,9 @@ check: ## the gate without the set-up
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
+	$(SPHINX)
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q
 	$(BIN)/python -m pytest -q
-	$(SPHINX)
 
 docs: $(VENV)/.ready-docs ## the documentation as web pages: build/docs/index.html
 	$(SPHINX)
