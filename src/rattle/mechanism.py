@@ -25,8 +25,10 @@ if TYPE_CHECKING:
     from rattle.analyses.statics.modes import Modes
     from rattle.equations.system import System
     from rattle.results.result import Result
-    from rattle.studies.chaos import Bifurcation, Lyapunov, Section
+    from rattle.studies.bifurcation import Bifurcation
     from rattle.studies.compare import Comparison
+    from rattle.studies.lyapunov import Lyapunov
+    from rattle.studies.poincare import Section
 
 
 class Mechanism(Building):
@@ -242,7 +244,7 @@ class Mechanism(Building):
         self, t_end: Seconds | None = None, *, stretch: Seconds | None = None, rtol: float = 1e-10
     ) -> Lyapunov:
         """Largest Lyapunov exponent [1/s] with its uncertainty: the reason behind the horizon."""
-        from rattle.studies.chaos import lyapunov
+        from rattle.studies.lyapunov import lyapunov
 
         return lyapunov(self, seconds_or_none(t_end, "t_end"), stretch=seconds_or_none(stretch, "stretch"), rtol=rtol)
 
@@ -251,12 +253,12 @@ class Mechanism(Building):
         skip: int = 50, points: int = 500, method: str | None = None, rtol: float | None = None,
         atol: float | None = None, step: Seconds | None = None,
     ) -> Section:  # fmt: skip
-        """Values once per turn of the driver, or when a curve rises past a level; see `rattle.studies.chaos.section`.
+        """Values once per turn of the driver, or as a curve rises past a level; see `rattle.studies.poincare.section`.
 
         period: time between two points [s].  crossing, level: the curve and the level [SI] that it rises through.
         skip: points left out at the start.  points: how many are kept.  method, rtol, atol, step: as in `simulate`.
         """
-        from rattle.studies.chaos import section
+        from rattle.studies.poincare import section
 
         return section(
             self, names, period=seconds_or_none(period, "period"), crossing=crossing, level=level, skip=skip,
@@ -268,12 +270,12 @@ class Mechanism(Building):
         skip: int = 100, points: int = 100, method: str | None = None, rtol: float | None = None,
         atol: float | None = None, step: Seconds | None = None, threads: int | None = None, progress: bool = False,
     ) -> Bifurcation:  # fmt: skip
-        """What an output does once per turn, over the values of a parameter; see `rattle.studies.chaos.bifurcation`.
+        """What an output does once per turn, over the values of a parameter; see `rattle.studies.bifurcation`.
 
         parameter, values: the parameter and its values [SI].  of: a name of the result.  period: time between two
         points [s] (default: a turn of the driver).  skip, points: points left out, points kept, per value.
         """
-        from rattle.studies.chaos import bifurcation
+        from rattle.studies.bifurcation import bifurcation
 
         return bifurcation(
             self, parameter, values, of, period=seconds_or_none(period, "period"), skip=skip, points=points,

@@ -9,7 +9,7 @@ from linkages import paper, slider_crank
 from rattle.analyses.dynamics import soundness
 from rattle.analyses.dynamics.horizon import tighter
 from rattle.analyses.dynamics.soundness import extent, jump
-from rattle.studies.chaos import Lyapunov
+from rattle.studies.lyapunov import Lyapunov
 
 TRIANGLE = """
 format = 1

@@ -8,7 +8,7 @@ import rattle as rt
 from rattle.analyses.dynamics.events import contact_notes, method_notes
 from rattle.cli.main import main
 from rattle.errors import ModelError
-from rattle.plots.curves import plot_orbit
+from rattle.plots.orbit import plot_orbit
 from rattle.results.event import Event
 
 

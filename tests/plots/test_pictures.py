@@ -13,10 +13,11 @@ from circling import circling
 from rattle.cli.main import main
 from rattle.plots.animation import animate, scene
 from rattle.plots.chaos import plot_section
-from rattle.plots.curves import handy_unit, plot, plot_path
+from rattle.plots.curves import handy_unit, plot
+from rattle.plots.orbit import plot_path
 from rattle.results.result import Result
-from rattle.studies.chaos import Section
 from rattle.studies.compare import newton
+from rattle.studies.poincare import Section
 
 nojit = pytest.mark.nojit
 

@@ -139,7 +139,7 @@ def test_a_result_is_a_table_in_a_notebook(run):
 def test_a_picture_drawn_into_given_axes_returns_them_and_no_second_figure(run, draw):
     from matplotlib.figure import Figure
 
-    from rattle.plots.curves import plot_path
+    from rattle.plots.orbit import plot_path
 
     ways = {
         "curves": lambda ax: run.plot("rocker.angle", ax=ax),
@@ -155,7 +155,8 @@ def test_a_picture_drawn_into_given_axes_returns_them_and_no_second_figure(run, 
 def test_sections_and_bifurcations_draw_into_given_axes(run):
     from matplotlib.figure import Figure
 
-    from rattle.studies.chaos import Bifurcation, Section
+    from rattle.studies.bifurcation import Bifurcation
+    from rattle.studies.poincare import Section
 
     section = Section(run.t, {n: run[n] for n in ("O3.ex", "O3.ey")}, {"O3.ex": "m", "O3.ey": "m"}, "a rule")
     points = np.arange(6.0).reshape(2, 3)

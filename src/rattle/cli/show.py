@@ -57,7 +57,8 @@ def plot(
     from pathlib import Path
 
     from rattle.plots.curves import plot as curves
-    from rattle.plots.curves import plot_orbit, plot_path, save_figure
+    from rattle.plots.curves import save_figure
+    from rattle.plots.orbit import plot_orbit, plot_path
     from rattle.results.result import load_result
 
     target = Path(output) if output else Path(result).with_suffix(".png")

@@ -12,22 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
-from rattle.plots.curves import (
-    AFTER,
-    BLACK,
-    BORE,
-    CURVES,
-    GREY,
-    RED,
-    SKY,
-    clearance_joints,
-    length_unit,
-    new_figure,
-    pin_path,
-    require_point,
-    tidy,
-)
+from rattle.plots.curves import AFTER, BLACK, BORE, CURVES, GREY, RED, SKY, new_figure, tidy
 from rattle.plots.movie_file import Update, require_film, write_gif, write_mp4
+from rattle.plots.orbit import clearance_joints, length_unit, pin_path, require_point
 from rattle.plots.sketch import Scene, draw_mechanism, draw_tag, extent
 
 if TYPE_CHECKING:

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rattle.studies.chaos import Bifurcation, Section
+    from rattle.studies.bifurcation import Bifurcation
+    from rattle.studies.poincare import Section
 
 
 @overload

@@ -19,14 +19,11 @@ from rattle.plots.curves import (
     RED,
     SHADE,
     axis_label,
-    length_unit,
-    mark_impacts,
-    mark_pulling,
     new_figure,
     note,
-    pin_path,
     tidy,
-)  # fmt: skip
+)
+from rattle.plots.orbit import length_unit, mark_impacts, mark_pulling, pin_path  # fmt: skip
 from rattle.results.contact_summary import pressing_spans
 from rattle.studies.compare import COMPLIANT, HEAD, IDEAL, IMPACT, LINK, Comparison, newton
 

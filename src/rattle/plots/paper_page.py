@@ -19,13 +19,13 @@ from rattle.plots.curves import (
     BLUE,
     RED,
     SHADE,
-    clearance_joints,
     figure_of,
     new_axes,
     robust_limits,
     save_figure,
     shade_after_horizon,
 )
+from rattle.plots.orbit import clearance_joints
 from rattle.results.contact_summary import joint_table
 
 if TYPE_CHECKING:

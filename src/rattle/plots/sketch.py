@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.plots.curves import BLACK, BLUE, GREEN, GREY, LINES, MORE, ORANGE, PINK, SKY, clearance_joints, tidy
+from rattle.plots.curves import BLACK, BLUE, GREEN, GREY, LINES, MORE, ORANGE, PINK, SKY, tidy
 from rattle.plots.movie_file import Update
+from rattle.plots.orbit import clearance_joints
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

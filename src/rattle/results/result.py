@@ -259,13 +259,13 @@ class Result:
     @overload
     def plot_orbit(self, joint: str, ax: Axes) -> Axes: ...
     def plot_orbit(self, joint: str, ax: Axes | None = None) -> Figure | Axes:
-        """Path of a pin in its clearance circle, coloured by the normal force; see `rattle.plots.curves.plot_orbit`.
+        """Path of a pin in its clearance circle, coloured by the normal force; see `rattle.plots.orbit.plot_orbit`.
 
         ax: draw there.  Returns a new figure, or `ax` where it is given.  Raises ValueError without clearance.
         """
-        from rattle.plots import curves as curves_
+        from rattle.plots import orbit
 
-        return curves_.plot_orbit(self, joint, ax=ax)
+        return orbit.plot_orbit(self, joint, ax=ax)
 
     def animate(
         self, path: str | os.PathLike[str], *, frames: int = 120, fps: int = 20, trace: Iterable[str] = (),

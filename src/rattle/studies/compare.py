@@ -124,7 +124,7 @@ def compare(
     steel pin in a steel bush of 10 clearances radius, a sphere in its socket, restitution 0.5.
     Raises ModelError when no joint has play.
     """
-    from rattle.studies.chaos import driver_period
+    from rattle.studies.poincare import driver_period
 
     loose = [name for name, one in m.model.joints.items() if one.clearance > 0.0]
     if not loose:

@@ -1,0 +1,208 @@
+"""Paths: the orbit of a pin in its bush, coloured by the force, and the way of points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+
+from rattle.plots.curves import (
+    BLACK,
+    BORE,
+    CURVES,
+    GREY,
+    RED,
+    Array,
+    axis_label,
+    drawn,
+    figure_of,
+    handy_unit,
+    new_axes,
+    note,
+    shade_after_horizon,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rattle.results.result import Result
+
+
+@overload
+def plot_path(result: Result, *points: str, ax: None = None) -> Figure: ...
+
+
+@overload
+def plot_path(result: Result, *points: str, ax: Axes) -> Axes: ...
+
+
+def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | Axes:
+    """Paths of points such as "coupler.P" (or of mass centres, "coupler") in the plane, a ring at their start.
+
+    ax: draw there.  Returns a new figure, or `ax` where it is given.
+    Raises UnknownName, or ValueError without a point.
+    """
+    if not points:
+        raise ValueError("name at least one point, such as 'coupler.P'")
+    for name in points:
+        require_point(result, name)
+    paths = [(name, result[f"{name}.x"], result[f"{name}.y"]) for name in dict.fromkeys(points)]
+    factor, unit = handy_unit("m", max(float(np.nanmax(np.abs(one[1:]), initial=0.0)) for one in paths))
+    given, ax = ax, ax if ax is not None else new_axes(6.8, 5.4)[0]
+    for k, (name, x, y) in enumerate(paths):
+        colour = CURVES[k % len(CURVES)]
+        ax.plot(factor * x, factor * y, color=colour, linewidth=1.1, label=f"path of {name}")
+        ax.plot(factor * x[:1], factor * y[:1], "o", markerfacecolor="white", markeredgecolor=colour, markersize=6)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.margins(0.08)
+    ax.set_xlabel(axis_label("x", unit))
+    ax.set_ylabel(axis_label("y", unit))
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False, fontsize=9)
+    if title := str(result.provenance.get("model", "")):
+        ax.set_title(title, loc="left", fontsize=10, pad=14, parse_math=False)
+    span = f"t = {result.t[0]:g} to {result.t[-1]:g} s" if len(result.t) else "no instant"
+    late = shade_after_horizon(ax, result, draw=False)
+    note(ax, f"{span}; after t = {result.trust.horizon:.3g} s statistics only" if late else span)
+    return drawn(ax, given)
+
+
+def require_point(result: Result, name: str) -> None:
+    """Raise UnknownName where the result has no path of this point or body."""
+    known = [one[:-2] for one in result.names if one.endswith(".x") and f"{one[:-1]}y" in result]
+    if name not in known:
+        from rattle.errors import suggest
+        from rattle.results.result import UnknownName
+
+        raise UnknownName(f"the result has no point or body {name!r}{suggest(name, known)}")
+
+
+@overload
+def plot_orbit(result: Result, joint: str, ax: None = None) -> Figure: ...
+
+
+@overload
+def plot_orbit(result: Result, joint: str, ax: Axes) -> Axes: ...
+
+
+def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | Axes:
+    """Path of the pin centre in the clearance circle of a joint, coloured by the normal force.
+
+    Larger forces lie on top of smaller ones.  Ticks outside the circle show where N < 0, that is,
+    where the bush would have to pull; dots on the circle are impacts, their area as the impulse, and rings
+    where lasting contacts start.
+    ax: draw there.  Returns a new figure, or `ax` where it is given.
+    Raises ValueError where the joint has no clearance.
+    """
+    from matplotlib.collections import LineCollection
+    from matplotlib.colors import Normalize
+    from matplotlib.patches import Circle
+
+    form = clearance_joints(result).get(joint)
+    if form is None:
+        known = ", ".join(clearance_joints(result)) or "none has"
+        raise ValueError(f"{joint!r} is not a pin with clearance; those with clearance: {known}")
+    scale, length = length_unit(form["clearance"])
+    c = form["clearance"] * scale
+    x, y, normal = pin_path(result, joint)
+    x, y = x * scale, y * scale
+    given, ax = ax, ax if ax is not None else new_axes(6.4, 5.4)[0]
+
+    ax.add_patch(Circle((0, 0), c, facecolor=BORE, edgecolor=GREY, linewidth=0.8, zorder=0))
+    ax.plot([0], [0], "+", color=GREY, markersize=8)
+    size = np.abs(normal)
+    top = float(np.percentile(size, 99.9)) or 1.0
+    segments = np.stack([np.column_stack([x[:-1], y[:-1]]), np.column_stack([x[1:], y[1:]])], axis=1)
+    strength = np.maximum(size[:-1], size[1:])
+    order = np.argsort(strength, kind="stable")
+    lines = LineCollection(list(segments[order]), cmap="cividis_r", norm=Normalize(0, top))
+    lines.set_linewidth(4.0 if form["contact"] == "massless-link" else 1.2)
+    lines.set_array(strength[order])
+    lines.set_capstyle("round")
+    ax.add_collection(lines)
+    bar = figure_of(ax).colorbar(lines, ax=ax, extend="max" if size.max() > top else "neither", shrink=0.85, pad=0.03)
+    bar.set_label("size of the normal force [N], largest on top")
+
+    ax.plot(x[:1], y[:1], "o", markerfacecolor="white", markeredgecolor=BLACK, markersize=7, label="start")
+    pulls = normal < 0
+    if pulls.any():
+        mark_pulling(ax, np.arctan2(y[pulls], x[pulls]), c)
+    mark_impacts(ax, result, joint, scale)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False, fontsize=9)
+    limit = 1.22 * max(c, float(np.hypot(x, y).max()))
+    ax.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
+    ax.set_xlabel(f"pin centre from bush centre, x [{length}]")
+    ax.set_ylabel(f"y [{length}]")
+    ax.set_title(f"{joint}: orbit of the pin, clearance {c:.4g} {length}", fontsize=11, loc="left", pad=18)
+    if shade_after_horizon(ax, result, draw=False):
+        note(ax, f"t = {result.t[0]:g} to {result.t[-1]:g} s; after t = {result.trust.horizon:.3g} s statistics only")
+    return drawn(ax, given)
+
+
+def mark_pulling(ax: Axes, direction: Array, c: float) -> None:
+    """A tick outside the circle for every instant; many ticks at one place make it dark."""
+    from matplotlib.collections import LineCollection
+
+    radii = np.array([1.06, 1.14]) * c
+    ticks = np.stack([np.outer(np.cos(direction), radii), np.outer(np.sin(direction), radii)], axis=2)
+    alpha = float(np.clip(100 / len(ticks), 0.06, 1))
+    ax.add_collection(LineCollection(list(ticks), colors=RED, linewidths=1.2, alpha=alpha))
+    ax.plot([], [], color=RED, linewidth=2, label="N < 0: the bush would have to pull")
+
+
+def mark_impacts(ax: Axes, result: Result, joint: str, scale: float, colour: str = RED, largest: float = 60.0) -> None:
+    """A dot on the circle for every impact, its area as the impulse; a ring where a lasting contact starts.
+
+    scale: of lengths, from metres.  largest: area of the largest dot [points^2].
+    """
+    if len(result.t) < 2:
+        return
+    mine = [event for event in result.events if event.joint == joint]
+    hits = [event for event in mine if event.kind == "impact" and event.impulse > 0.0]
+    lasting = [event for event in mine if event.kind == "contact"]
+    if lasting:
+        label = f"{len(lasting)} contact{'s' if len(lasting) > 1 else ''}"
+        style = {"facecolors": "none", "edgecolors": BLACK, "linewidths": 0.8, "alpha": 0.6, "zorder": 4}
+        x, y = _on_circle(result, joint, [event.t for event in lasting])
+        ax.scatter(scale * x, scale * y, s=0.35 * largest, label=label, **style)  # type: ignore[arg-type]  # matplotlib takes arrays
+    if hits:
+        strength = np.array([event.impulse for event in hits])
+        style = {"color": colour, "alpha": 0.45, "linewidths": 0, "zorder": 4}
+        label = f"{len(hits)} impact{'s' if len(hits) > 1 else ''}, up to {strength.max():.2g} N·s"
+        x, y = _on_circle(result, joint, [event.t for event in hits])
+        area = np.maximum(largest * strength / strength.max(), 1.0)
+        ax.scatter(scale * x, scale * y, s=area, label=label, **style)  # type: ignore[arg-type]  # matplotlib takes arrays
+
+
+def _on_circle(result: Result, joint: str, times: Sequence[float]) -> tuple[Array, Array]:
+    """Directions of a pin at some times, on its clearance circle [m]."""
+    x, y = (np.interp(np.array(times), result.t, result[f"{joint}.{what}"]) for what in ("ex", "ey"))
+    reach = np.hypot(x, y) / result.geometry["joints"][joint]["clearance"]
+    reach[reach == 0.0] = 1.0
+    return x / reach, y / reach
+
+
+def pin_path(result: Result, joint: str) -> tuple[Array, Array, Array]:
+    """Pin centre and normal force; on a massless link the arcs between instants are filled in."""
+    x, y, normal = (result[f"{joint}.{what}"] for what in ("ex", "ey", "normal"))
+    if result.geometry["joints"][joint]["contact"] != "massless-link" or len(x) < 2:
+        return x, y, normal
+    angle, radius = np.unwrap(np.arctan2(y, x)), np.hypot(x, y)
+    pieces = 8
+    coarse = np.arange(len(x))
+    fine = np.linspace(0, len(x) - 1, pieces * (len(x) - 1) + 1)
+    angle, radius, normal = (np.interp(fine, coarse, values) for values in (angle, radius, normal))
+    return radius * np.cos(angle), radius * np.sin(angle), normal
+
+
+def clearance_joints(result: Result) -> dict[str, Any]:
+    """The pins whose play the result shows: joint name -> its entry in the geometry."""
+    pins = {name: form for name, form in result.geometry["joints"].items() if form["type"] == "revolute"}
+    loose = {name: form for name, form in pins.items() if form["clearance"] > 0 and form["contact"] != "ideal"}
+    return {name: form for name, form in loose.items() if f"{name}.ex" in result}
+
+
+def length_unit(clearance: float) -> tuple[float, str]:
+    """Factor from metres and the unit in which a clearance is a handy number."""
+    return (1e3, "mm") if clearance >= 1e-4 else (1e6, "µm")

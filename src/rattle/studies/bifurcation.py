@@ -1,0 +1,119 @@
+"""Bifurcation diagram: what an output does once per turn, over the values of a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+
+from rattle.analyses import arguments
+from rattle.analyses.dynamics.run import stop
+from rattle.studies.poincare import period_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rattle.mechanism import Mechanism
+
+
+@dataclass(frozen=True, repr=False)
+class Bifurcation:
+    """Points of a Poincare section over a parameter."""
+
+    parameter: str
+    values: np.ndarray  # (k,) of the parameter [SI]
+    parameter_unit: str
+    of: str  # the name of the output
+    of_unit: str
+    points: np.ndarray  # (k, points) of the output [SI]; nan where a run ended early
+    rule: str
+    interrupted: bool = False  # the user stopped it; values that were not reached have nan
+
+    def __repr__(self) -> str:
+        first, last = self.values[[0, -1]] if len(self.values) else (0.0, 0.0)
+        shape = (
+            f"{len(self.values)} values of {self.parameter} from {first:g} to {last:g} {self.parameter_unit}".rstrip()
+        )
+        return f"<rattle.Bifurcation: {self.of} over {shape}, {self.points.shape[1]} points each>"
+
+    @overload
+    def plot(self, ax: None = None) -> Figure: ...
+    @overload
+    def plot(self, ax: Axes) -> Axes: ...
+    def plot(self, ax: Axes | None = None) -> Figure | Axes:
+        """Points over the parameter, on a new figure; with `ax` there, and `ax` is returned."""
+        from rattle.plots.chaos import plot_bifurcation
+
+        return plot_bifurcation(self, ax)
+
+
+def bifurcation(
+    m: Mechanism, parameter: str, values: Sequence[float] | np.ndarray, of: str, *, period: float | None = None,
+    skip: int = 100, points: int = 100, method: str | None = None, rtol: float | None = None,
+    atol: float | None = None, step: float | None = None, threads: int | None = None, progress: bool = False,
+) -> Bifurcation:  # fmt: skip
+    """What an output does once per period, over the values of a parameter: bands, branches, chaos.
+
+    Every run starts as the model says; `skip` periods go by before `points` points are taken.  period: [s] (default:
+    one turn of the driver, anew for every value).  threads: runs at the same time (default: as many as cores);
+    the result does not depend on it.  method, rtol, atol, step: as in `simulate`.
+    Raises ModelError, ValueError, UnknownName.
+    """
+    arguments.whole("skip", skip, 0)
+    arguments.whole("points", points, 1)
+    given = np.asarray(values, dtype=float)
+    if not given.size or given.ndim != 1:
+        raise ValueError("values of the parameter: at least one is needed, in one row")
+    changed = [m.set({parameter: float(value)}) for value in given]
+
+    def run(one: Mechanism) -> tuple[np.ndarray, str]:
+        times = period_of(one, period) * (skip + np.arange(points))
+        r = one.simulate(float(times[-1]), t_eval=times, method=method, rtol=rtol, atol=atol, step=step)
+        if r.interrupted:
+            raise KeyboardInterrupt
+        found = np.full(points, np.nan)
+        found[: len(r.t)] = r[of]
+        return found, r.unit(of)
+
+    bar = _bar(len(changed)) if progress else None
+    rows: list[np.ndarray] = []
+    unit = ""
+    interrupted = False
+    pool = ThreadPoolExecutor(threads)
+    try:
+        for k in range(len(changed)):
+            if k == 0:  # compiles what is not compiled yet, alone
+                row, unit = run(changed[0])
+                waiting = [pool.submit(run, one) for one in changed[1:]]
+            else:
+                row, _ = waiting[k - 1].result()
+            rows.append(row)
+            if bar is not None:
+                bar.update()
+    except KeyboardInterrupt:
+        if not rows:
+            raise
+        interrupted = True
+        stop.set()  # the runs in other threads end now too
+    finally:
+        pool.shutdown(cancel_futures=True)
+        if interrupted:
+            stop.clear()
+        if bar is not None:
+            bar.close()
+    what = m.model.parameters.get(parameter)
+    rule = f"once every {period:.4g} s" if period is not None else "once per turn of the driver"
+    if interrupted:
+        rule += f", stopped by the user after {len(rows)} of {len(given)} values"
+        rows += [np.full(points, np.nan)] * (len(given) - len(rows))
+    return Bifurcation(parameter, given, what.unit if what else "", of, unit, np.array(rows), rule, interrupted)
+
+
+def _bar(total: int) -> Any:
+    from tqdm import tqdm
+
+    return tqdm(total=total, desc="bifurcation", unit="run")

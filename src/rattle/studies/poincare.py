@@ -1,0 +1,139 @@
+"""Poincare section: a motion seen once per turn of its driver, or whenever a curve passes a level."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+
+from rattle.analyses import arguments
+from rattle.analyses.assembly.unclosed import driver_slot
+from rattle.equations.motion import drive
+from rattle.equations.system import System
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rattle.mechanism import Mechanism
+    from rattle.results.result import Result
+
+
+def driver_period(system: System) -> float | None:
+    """Time of one turn [s] of the first driver that turns a joint at constant rate; None where there is none."""
+    memory = system.memory()
+    for n, name in enumerate(system.joints):
+        if name not in system.model.drivers or system.rows[system.arrays["joint"][n, 4]].unit != "rad":
+            continue
+        slot = int(system.arrays["joint"][n, 3]) + driver_slot(system, n)
+        rates = []
+        for t in (0.0, 0.0137, 0.171, 1.93):
+            drive(memory, t)
+            rates.append(float(memory.values[slot + 1]))
+        if rates[0] and max(rates) - min(rates) <= 1e-9 * abs(rates[0]):
+            return 2.0 * math.pi / abs(rates[0])
+    return None
+
+
+def period_of(m: Mechanism, period: float | None) -> float:
+    found = period if period is not None else driver_period(m.system)
+    if found is None:
+        raise ValueError("no driver turns at constant rate; give the period in s, or a crossing")
+    if not 0.0 < found < math.inf:
+        raise ValueError(f"period must be positive and finite, got {found}")
+    return found
+
+
+@dataclass(frozen=True, repr=False)
+class Section:
+    """Points of a Poincare section."""
+
+    t: np.ndarray  # (n,) [s]
+    values: Mapping[str, np.ndarray]  # name -> (n,)
+    units: Mapping[str, str]
+    rule: str  # when the points were taken
+    interrupted: bool = False  # the user stopped the run
+    clearances: Mapping[str, float] = field(default_factory=dict)  # of the pins [m]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.values[name]
+
+    def __repr__(self) -> str:
+        return f"<rattle.Section: {len(self.t)} points of {', '.join(self.values)}, {self.rule}>"
+
+    @overload
+    def plot(self, x: str | None = None, y: str | None = None, ax: None = None) -> Figure: ...
+    @overload
+    def plot(self, x: str | None = None, y: str | None = None, *, ax: Axes) -> Axes: ...
+    def plot(self, x: str | None = None, y: str | None = None, ax: Axes | None = None) -> Figure | Axes:
+        """The points of two of the names (default: the first two), coloured by time.
+
+        ax: draw there.  Returns a new figure, or `ax` where it is given.
+        """
+        from rattle.plots.chaos import plot_section
+
+        names = list(self.values)
+        if x is None or y is None:
+            if len(names) < 2:
+                raise ValueError(f"a picture of a section wants two curves, this one has {', '.join(names)}")
+            x, y = names[:2]
+        return plot_section(self, x, y, ax)
+
+
+def section(
+    m: Mechanism, names: Sequence[str], *, period: float | None = None, crossing: str | None = None, level: float = 0.0,
+    skip: int = 50, points: int = 500, method: str | None = None, rtol: float | None = None, atol: float | None = None,
+    step: float | None = None,
+) -> Section:  # fmt: skip
+    """Values of some names of a result once per period, or whenever a curve rises through a level.
+
+    period: [s] (default: one turn of the driver).  crossing: a name; its rises through `level` [SI] are located on
+    a cubic spline of the output, of which there are then at least 200 per period or mean distance of crossings.
+    skip: points left out at the start.  points: how many are wanted (a crossing may come less often than that).
+    method, rtol, atol, step: as in `simulate`.  Raises ValueError, UnknownName.
+    """
+    arguments.whole("skip", skip, 0)
+    arguments.whole("points", points, 1)
+    settings: dict[str, Any] = {"method": method, "rtol": rtol, "atol": atol, "step": step}
+    if crossing is None:
+        T = period_of(m, period)
+        times = T * (skip + np.arange(points))
+        r = m.simulate(float(times[-1]), t_eval=times, **settings)
+        return Section(
+            r.t, {n: r[n] for n in names}, {n: r.unit(n) for n in names}, f"every {T:.4g} s{stopped(r)}",
+            r.interrupted, pins(m),
+        )  # fmt: skip
+    from scipy.interpolate import CubicSpline
+
+    span = (skip + points) * period if period is not None else m.model.settings.t_end
+    r = m.simulate(span, t_eval=np.linspace(0.0, span, 200 * (skip + points) + 1), **settings)
+    curve = r[crossing] - level
+    roots = CubicSpline(r.t, curve).solve(0.0, extrapolate=False)
+    rate = CubicSpline(r.t, curve).derivative()
+    rises = np.array([t for t in np.ravel(roots) if rate(t) > 0.0])
+    times = rises[skip:][:points]
+    if not len(times) and not r.interrupted:
+        low, high, unit = float(r[crossing].min()), float(r[crossing].max()), r.unit(crossing)
+        why = f"it rises through {level:g} {unit} {len(rises)} times in {span:g} s" if len(rises) else (
+            f"it never rises through {level:g} {unit}"
+        )  # fmt: skip
+        raise ValueError(
+            f"no point: {crossing} goes from {low:.4g} to {high:.4g} {unit}; {why}, and skip leaves out {skip};"
+            " give another crossing, level or period (its run is skip + points periods long)"
+        )
+    values = {n: CubicSpline(r.t, r[n])(times) if len(times) else np.zeros(0) for n in names}
+    rule = f"{crossing} rises through {level:g}{stopped(r)}"
+    return Section(times, values, {n: r.unit(n) for n in names}, rule, r.interrupted, pins(m))
+
+
+def pins(m: Mechanism) -> dict[str, float]:
+    """Clearances of the pins [m]."""
+    return {n: one.clearance for n, one in m.model.joints.items() if one.kind == "revolute" and one.clearance > 0.0}
+
+
+def stopped(r: Result) -> str:
+    """What to say of a run that the user ended."""
+    return f", stopped by the user at t = {r.trust.t_end:.4g} s" if r.interrupted else ""
