@@ -67,6 +67,14 @@ class Kind:
         return found[0] if found else ""
 
 
+def fields_of(leaf: type) -> dict[str, Field]:
+    """The fields of a leaf, those it inherits first; one declared anew keeps its place."""
+    declared: dict[str, Any] = {}
+    for one in reversed(leaf.__mro__):
+        declared.update(vars(one))
+    return {key: value for key, value in declared.items() if isinstance(value, Field)}
+
+
 def kind(family: str, name: str, kernel: KernelFunction | None = None) -> Callable[[type], type]:
     """Class decorator: enter the class in the registry as one kind of `family`."""
 
@@ -75,9 +83,8 @@ def kind(family: str, name: str, kernel: KernelFunction | None = None) -> Callab
         old = entries.get(name)
         if old is not None and old.leaf.__module__ != leaf.__module__:
             raise ValueError(f"{family} '{name}' is in the registry already ({old.leaf.__module__})")
-        fields = {key: value for key, value in vars(leaf).items() if isinstance(value, Field)}
         tag = old.tag if old is not None else len(entries)
-        entries[name] = Kind(family, name, tag, kernel, leaf, fields)
+        entries[name] = Kind(family, name, tag, kernel, leaf, fields_of(leaf))
         return leaf
 
     return enter

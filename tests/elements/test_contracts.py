@@ -264,3 +264,25 @@ def test_rows_have_units(family, name):
 def test_tags_are_places_in_the_table():
     for family in BUILT_IN:
         assert [one.tag for one in registry.kinds(family).values()] == list(range(len(registry.kinds(family))))
+
+
+def test_a_field_is_inherited_in_its_place_and_the_own_declaration_counts():
+    class Family:
+        mass = registry.Field("kg", "of all")
+        speed = registry.Field("m/s", "of all")
+
+    class Leaf(Family):
+        length = registry.Field("m", "of the leaf")
+        mass = registry.Field("kg", "of the leaf")
+
+    found = registry.fields_of(Leaf)
+    assert [(name, one.meaning) for name, one in found.items()] == [
+        ("mass", "of the leaf"), ("speed", "of all"), ("length", "of the leaf"),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("family", ["normal", "stiffness", "friction"])
+def test_a_field_of_one_name_has_one_unit_in_its_family(family):
+    for name in {key for one in registry.kinds(family).values() for key in one.fields}:
+        units = {one.fields[name].unit for one in registry.kinds(family).values() if name in one.fields}
+        assert len(units) == 1, (name, units)

@@ -23,7 +23,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from rattle.jit.functions import kernel
-from rattle.registry import Field, kind
+from rattle.registry import Field, fields_of, kind
 
 MU = Field("", "coefficient of friction", least="not negative")
 MU_STATIC = Field("", "at rest; default: mu", lambda read: read["mu"], least="not negative")
@@ -113,7 +113,7 @@ class Friction:
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
         """Numbers of the kernel, p[k:]: the fields in their order."""
-        return tuple(float(values[name]) for name, entry in vars(cls).items() if isinstance(entry, Field))
+        return tuple(float(values[name]) for name in fields_of(cls))
 
     @classmethod
     def notes(cls, values: Mapping[str, Any]) -> list[str]:

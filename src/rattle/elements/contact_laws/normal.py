@@ -26,9 +26,6 @@ from rattle.elements.contact_laws.restitution import LEAST_RESTITUTION, checked,
 from rattle.jit.functions import kernel
 from rattle.registry import Field, kind, kinds
 
-RESTITUTION = Field("", "restitution asked for, 0 to 1", least="not negative")
-LEAST_SPEED = Field("m/s", "slower approaches are damped like this one", default=1e-3, least="positive")
-
 
 @kernel("normal")
 def hysteretic(static, delta, ddelta, v0, p, k):
@@ -69,6 +66,8 @@ def _leaf(law: str) -> Any:
 class Damped(ABC):
     """A law with a restitution asked for: its damping factor, and what comes back of it."""
 
+    restitution = Field("", "restitution asked for, 0 to 1", least="not negative")
+
     @staticmethod
     @abstractmethod
     def factor(e: float) -> float:
@@ -80,11 +79,6 @@ class Damped(ABC):
         return restitution_returned(cls.factor(e))
 
     @classmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        """Numbers of the kernel, p[k:]; `values` by field name."""
-        return cls.factor(checked(values["restitution"])), float(values["least_speed"])
-
-    @classmethod
     def notes(cls, values: Mapping[str, Any]) -> list[str]:
         """What the user should know: where the law returns another restitution than the one asked for."""
         e = checked(values["restitution"])
@@ -94,21 +88,29 @@ class Damped(ABC):
         return [f"this law returns a restitution of {x:.3f} where {e:g} is asked for; 'exact' returns what is asked"]
 
 
+class Hysteretic(Damped):
+    """A law whose damping grows with the static force, F = F_static (1 + a ddelta/v0)."""
+
+    least_speed = Field("m/s", "slower approaches are damped like this one", default=1e-3, least="positive")
+
+    @classmethod
+    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+        """Numbers of the kernel, p[k:]; `values` by field name."""
+        return cls.factor(checked(values["restitution"])), float(values["least_speed"])
+
+
 def _at_least(e: float) -> float:
     """Laws with 1/e are infinite at e = 0: less than 0.001 counts as 0.001."""
     return max(e, LEAST_RESTITUTION)
 
 
 @kind("normal", "exact", hysteretic)
-class Exact(Damped):
+class Exact(Hysteretic):
     """Returns exactly the restitution asked for: a solves ln((1+a)/(1-ea)) = a(1+e).
 
     Range: every e; below 0.001 it is taken as 0.001, where a = 1000 (a is infinite at 0).
     Source: this package, from the energy balance of the impact; the same a as gonthier-exact.
     """
-
-    restitution = RESTITUTION
-    least_speed = LEAST_SPEED
 
     @staticmethod
     def factor(e: float) -> float:
@@ -116,7 +118,7 @@ class Exact(Damped):
 
 
 @kind("normal", "hertz", hysteretic)
-class Hertz(Damped):
+class Hertz(Hysteretic):
     """Elastic, nothing is lost: a = 0, F = F_static.
 
     Range: impacts without yielding or waves.
@@ -124,7 +126,6 @@ class Hertz(Damped):
     """
 
     restitution = Field("", "nothing is lost: 1", default=1.0, least="not negative")
-    least_speed = LEAST_SPEED
 
     @staticmethod
     def factor(e: float) -> float:
@@ -132,15 +133,12 @@ class Hertz(Damped):
 
 
 @kind("normal", "hunt-crossley", hysteretic)
-class HuntCrossley(Damped):
+class HuntCrossley(Hysteretic):
     """a = 3(1-e)/2.
 
     Range: derived to first order in 1-e, for e near 1.
     Source: Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445.
     """
-
-    restitution = RESTITUTION
-    least_speed = LEAST_SPEED
 
     @staticmethod
     def factor(e: float) -> float:
@@ -148,15 +146,12 @@ class HuntCrossley(Damped):
 
 
 @kind("normal", "herbert-mcwhannell", hysteretic)
-class HerbertMcWhannell(Damped):
+class HerbertMcWhannell(Hysteretic):
     """a = 6(1-e)/((2e-1)^2 + 3).
 
     Range: e near 1; returns 0.02 more than asked for at 0.7, 0.22 more at 0.3.
     Source: Herbert, McWhannell (1977), J. Eng. Ind. 99, 795-798.
     """
-
-    restitution = RESTITUTION
-    least_speed = LEAST_SPEED
 
     @staticmethod
     def factor(e: float) -> float:
@@ -164,15 +159,12 @@ class HerbertMcWhannell(Damped):
 
 
 @kind("normal", "lee-wang", hysteretic)
-class LeeWang(Damped):
+class LeeWang(Hysteretic):
     """a = 3(1-e)/4.
 
     Range: half the damping of hunt-crossley; even near e = 1 it loses half of what is asked for.
     Source: Lee, Wang (1983), J. Mech. Transm. Autom. Des. 105, 534-543.
     """
-
-    restitution = RESTITUTION
-    least_speed = LEAST_SPEED
 
     @staticmethod
     def factor(e: float) -> float:
@@ -180,15 +172,12 @@ class LeeWang(Damped):
 
 
 @kind("normal", "lankarani-nikravesh", hysteretic)
-class LankaraniNikravesh(Damped):
+class LankaraniNikravesh(Hysteretic):
     """a = 3(1-e^2)/4.
 
     Range: e near 1 (above about 0.8).
     Source: Lankarani, Nikravesh (1990), J. Mech. Des. 112, 369-376.
     """
-
-    restitution = RESTITUTION
-    least_speed = LEAST_SPEED
 
     @staticmethod
     def factor(e: float) -> float:
@@ -196,15 +185,12 @@ class LankaraniNikravesh(Damped):
 
 
 @kind("normal", "gonthier", hysteretic)
-class Gonthier(Damped):
+class Gonthier(Hysteretic):
     """a = d/e with the usual approximation d = 1-e^2.
 
     Range: every e, within 0.035 of it; e below 0.001 is taken as 0.001.
     Source: Gonthier, McPhee, Lange, Piedboeuf (2004), Multibody Syst. Dyn. 11, 209-233.
     """
-
-    restitution = RESTITUTION
-    least_speed = LEAST_SPEED
 
     @staticmethod
     def factor(e: float) -> float:
@@ -212,15 +198,12 @@ class Gonthier(Damped):
 
 
 @kind("normal", "gonthier-exact", hysteretic)
-class GonthierExact(Damped):
+class GonthierExact(Hysteretic):
     """a = d/e, d from (1+d/e)/(1-d) = exp(d(1+1/e)): the equation of `exact` with d = e a.
 
     Range: every e; below 0.001 it is taken as 0.001.
     Source: Gonthier, McPhee, Lange, Piedboeuf (2004), Multibody Syst. Dyn. 11, 209-233.
     """
-
-    restitution = RESTITUTION
-    least_speed = LEAST_SPEED
 
     @staticmethod
     def factor(e: float) -> float:
@@ -228,15 +211,12 @@ class GonthierExact(Damped):
 
 
 @kind("normal", "zhiying-qishao", hysteretic)
-class ZhiyingQishao(Damped):
+class ZhiyingQishao(Hysteretic):
     """a = 3/4 (1-e^2) exp(2(1-e)).
 
     Range: e above about 0.25; at e = 0 it still returns 0.179.
     Source: Zhiying, Qishao (2006), J. Dyn. Control 4, 294-298.
     """
-
-    restitution = RESTITUTION
-    least_speed = LEAST_SPEED
 
     @staticmethod
     def factor(e: float) -> float:
@@ -244,15 +224,12 @@ class ZhiyingQishao(Damped):
 
 
 @kind("normal", "flores", hysteretic)
-class Flores(Damped):
+class Flores(Hysteretic):
     """a = 8(1-e)/(5e).
 
     Range: every e, within 0.05 of it; e below 0.001 is taken as 0.001.
     Source: Flores, Machado, Silva, Martins (2011), Multibody Syst. Dyn. 25, 357-375.
     """
-
-    restitution = RESTITUTION
-    least_speed = LEAST_SPEED
 
     @staticmethod
     def factor(e: float) -> float:
@@ -260,15 +237,12 @@ class Flores(Damped):
 
 
 @kind("normal", "hu-guo", hysteretic)
-class HuGuo(Damped):
+class HuGuo(Hysteretic):
     """a = 3(1-e)/(2e).
 
     Range: every e, within 0.035 of it; e below 0.001 is taken as 0.001.
     Source: Hu, Guo (2015), Multibody Syst. Dyn. 35, 131-151.
     """
-
-    restitution = RESTITUTION
-    least_speed = LEAST_SPEED
 
     @staticmethod
     def factor(e: float) -> float:
@@ -289,7 +263,6 @@ class KelvinVoigt(Damped):
     Source: Anagnostopoulos (1988), Earthquake Eng. Struct. Dyn. 16, 443-456; Jankowski (2005), 34, 595-611.
     """
 
-    restitution = RESTITUTION
     effective_mass = Field("kg", "along the normal; 0: that of the two bodies", default=0.0, least="not negative")
 
     @staticmethod

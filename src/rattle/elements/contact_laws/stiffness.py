@@ -26,12 +26,6 @@ from rattle.jit.functions import KernelFunction, kernel
 from rattle.language.materials import Given, contact_modulus, material
 from rattle.registry import Field, kind
 
-BUSH_RADIUS = Field("m", "radius of the bush; the pin's is less by the clearance", least="positive")
-LENGTH = Field("m", "length of the contact along the pin", least="positive")
-BUSH_MATERIAL = Field("", "a name, or { E, nu }", shape="material")
-PIN_MATERIAL = Field(
-    "", "a name, or { E, nu }; default: the bush's", lambda read: read["bush_material"], shape="material"
-)
 TURN = 2.0 * math.exp(-2.0)  # delta/(c D) at w = 2
 FORCE_AT_TURN = math.exp(-2.0)  # F/D there
 
@@ -139,7 +133,23 @@ class Elastic(ABC):
         ]
 
 
-class LineContact(Elastic):
+class PinInBush(Elastic):
+    """A law made from radii and materials."""
+
+    bush_radius = Field("m", "radius of the bush; the pin's is less by the clearance", least="positive")
+    bush_material = Field("", "a name, or { E, nu }", shape="material")
+    pin_material = Field(
+        "", "a name, or { E, nu }; default: the bush's", lambda read: read["bush_material"], shape="material"
+    )
+
+
+class Cylinder(PinInBush):
+    """A law of a pin that touches along its length."""
+
+    length = Field("m", "length of the contact along the pin", least="positive")
+
+
+class LineContact(Cylinder):
     """Pin and bush as long cylinders, delta = c F ln(D/F)."""
 
     @staticmethod
@@ -176,16 +186,12 @@ class Power(Elastic):
 
 
 @kind("stiffness", "sphere", power)
-class Sphere(Elastic):
+class Sphere(PinInBush):
     """Sphere in a spherical socket, F = K delta^1.5, K = 4/3 E* sqrt(R_A R_B/dR).
 
     Range: contact radius (3 F R_A R_B/(4 E* dR))^(1/3) below half the pin's radius (ours; the theory wants it small).
     Source: Johnson, Contact Mechanics (1985), eq. 4.23; Lankarani, Nikravesh (1990), J. Mech. Des. 112, 369-376.
     """
-
-    bush_radius = BUSH_RADIUS
-    bush_material = BUSH_MATERIAL
-    pin_material = PIN_MATERIAL
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
@@ -207,11 +213,6 @@ class Johnson(LineContact):
     Source: Johnson, Contact Mechanics (1985), section 5.6; Pereira et al. (2011), Nonlinear Dyn. 63, 681-697.
     """
 
-    bush_radius = BUSH_RADIUS
-    length = LENGTH
-    bush_material = BUSH_MATERIAL
-    pin_material = PIN_MATERIAL
-
     @staticmethod
     def scale(modulus: float, length: float, bush: float, pin: float, play: float) -> float:
         return 4.0 * math.pi * modulus * length * play * math.exp(-1.0)
@@ -225,11 +226,6 @@ class Radzimovsky(LineContact):
     Source: Radzimovsky (1953), Univ. of Illinois Eng. Exp. Station Bull. 408; Pereira et al. (2011), Nonlinear Dyn. 63.
     """
 
-    bush_radius = BUSH_RADIUS
-    length = LENGTH
-    bush_material = BUSH_MATERIAL
-    pin_material = PIN_MATERIAL
-
     @staticmethod
     def scale(modulus: float, length: float, bush: float, pin: float, play: float) -> float:
         return 6.25 * modulus * length * play * math.exp(2.0 / 3.0)  # 16 R_A R_B/b^2 = 6.25 E* L dR/F
@@ -242,11 +238,6 @@ class Esdu78035(LineContact):
     Range: Hertz half-width below half the pin's radius (ours; the theory wants it small), L well above it.
     Source: ESDU 78035, Contact phenomena I (1978), as in Pereira et al. (2011), Nonlinear Dyn. 63, 681-697.
     """
-
-    bush_radius = BUSH_RADIUS
-    length = LENGTH
-    bush_material = BUSH_MATERIAL
-    pin_material = PIN_MATERIAL
 
     @staticmethod
     def scale(modulus: float, length: float, bush: float, pin: float, play: float) -> float:
@@ -262,28 +253,18 @@ class DubowskyFreudenstein(LineContact):
     Source: Dubowsky, Freudenstein (1971), J. Eng. Ind. 93, 305-316; Pereira et al. (2011), Nonlinear Dyn. 63.
     """
 
-    bush_radius = BUSH_RADIUS
-    length = LENGTH
-    bush_material = BUSH_MATERIAL
-    pin_material = PIN_MATERIAL
-
     @staticmethod
     def scale(modulus: float, length: float, bush: float, pin: float, play: float) -> float:
         return math.pi * modulus * length**3 * play * math.exp(1.0) / (bush * pin)
 
 
 @kind("stiffness", "liu", conforming)
-class Liu(Elastic):
+class Liu(Cylinder):
     """F = (pi/2) E* L delta sqrt(delta/(2 (dR + delta))).
 
     Range: contacts that conform, clearance small against the radii (ours: below a tenth of the pin's radius).
     Source: Liu, Zhang, Yang (2007), Mech. Mach. Theory 42, 183-197.
     """
-
-    bush_radius = BUSH_RADIUS
-    length = LENGTH
-    bush_material = BUSH_MATERIAL
-    pin_material = PIN_MATERIAL
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
@@ -299,7 +280,7 @@ class Liu(Elastic):
 
 
 @kind("stiffness", "pereira", power)
-class Pereira(Elastic):
+class Pereira(Cylinder):
     """F = (0.965 dR + 0.0965) L E*/dR delta^n, n = Y dR^(-0.005), in mm, N and MPa, fitted to johnson.
 
     Y = 1.51 [ln(1000 dR)]^(-0.151) for 0.005 <= dR < 0.34954 mm, 0.0151 dR + 1.151 for 0.34954 <= dR <= 10 mm.
@@ -308,11 +289,6 @@ class Pereira(Elastic):
     Range: 0.005 mm <= clearance <= 10 mm.
     Source: Pereira, Ramalho, Ambrosio (2011), Nonlinear Dyn. 63, 681-697.
     """
-
-    bush_radius = BUSH_RADIUS
-    length = LENGTH
-    bush_material = BUSH_MATERIAL
-    pin_material = PIN_MATERIAL
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
