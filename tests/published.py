@@ -196,7 +196,7 @@ def hanging_rod() -> np.ndarray:
 
 
 def at_rest() -> Iterator[Case]:
-    """Equilibrium, slow motion and small vibrations."""
+    """Equilibrium, quasi-static motion and small vibrations."""
     for degrees in (40, 1):
         angle = math.radians(degrees)
         yield Case(
@@ -207,7 +207,7 @@ def at_rest() -> Iterator[Case]:
     mass, stiffness = np.array([[c * c, c / 2], [c / 2, 1 / 3]]), g * np.diag([c, 0.5])
     for n, value in enumerate(np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real))):
         yield Case(
-            "Rod hanging in its play", f"circular frequency {n + 1}", CLOSED, "det(K - ω² M) = 0, two freedoms",
+            "Rod hanging in its play", f"circular frequency {n + 1}", CLOSED, "det(K - ω² M) = 0, mobility 2",
             "rad/s", float(value), 1e-9 * float(value), lambda n=n: float(hanging_rod()[n]),
         )  # fmt: skip
 

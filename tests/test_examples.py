@@ -58,7 +58,7 @@ def test_the_comment_on_top_gives_commands_and_names_that_exist(name):
         given = [words[n + 1].split("=", 1) for n, word in enumerate(words) if word == "--set"]
         mechanism.set(dict(given))  # raises where the name or value is wrong
     known = {*mechanism.simulate(1e-4).names}
-    if "--path" in head:  # a slow motion has names of its own
+    if "--path" in head:  # a quasi-static motion has names of its own
         known |= {*mechanism.equilibrium(np.linspace(0.0, 1e-3, 3)).names}
     for line in re.findall(r"rattle plot .*", head):
         for word in re.split(r"\s{2,}", line)[0].split()[3:]:

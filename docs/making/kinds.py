@@ -16,7 +16,7 @@ from making.tree import PACKAGE, module_with, sources
 
 FAMILIES = {
     "joint": ("Joints", "`[joints.NAME]` with `type`: what holds two bodies together."),
-    "driver": ("Drivers", "`[drivers.NAME]`: a freedom that follows a function of time."),
+    "driver": ("Drivers", "`[drivers.NAME]`: a degree of freedom that follows a function of time."),
     "clearance": ("Shapes of play", "What a joint becomes with `clearance`; the joint's type decides."),
     "contact": ("Contact models", "`contact = NAME` or `contact = { model = NAME, ... }` of a joint with clearance."),
     "normal": ("Normal force laws", "Also a `model` of `contact`: elastic pin and bush."),

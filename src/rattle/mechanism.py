@@ -288,7 +288,7 @@ class Mechanism(Building):
         Starts from the assembled position at t = 0 and keeps its branch.  A position that cannot be reached ends
         the result there, with success = False, a message and an event that say when, where and why (strict=True
         raises SolverError); points where another branch starts are events and notes of `trust`.
-        Raises ModelError when the drivers leave a freedom, saying which bodies can still move.
+        Raises ModelError when the drivers leave a degree of freedom, saying which bodies can still move.
 
         Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), sections 3.6 and 4.5.
         """
@@ -328,7 +328,7 @@ class Mechanism(Building):
     def equilibrium(
         self, t: Seconds | Sequence[float] | np.ndarray = 0.0, *, branches: str = "near", effort: float = 1.0
     ) -> Equilibria | Result:
-        """Positions of rest with the drivers held where they are at time t [s]; loads are taken at rest.
+        """Equilibria with the drivers held where they are at time t [s]; loads are taken at rest.
 
         Returns a list: admissible (no bush has to pull) and stable ones first, then by their distance from the
         initial guess.  A clearance pin is a massless link; its partners on the other side (n and -n at every pin)
@@ -338,7 +338,7 @@ class Mechanism(Building):
         within about a tenth of a second for ten bodies; `.extent` of the list says how far it went, `.note` that it
         was cut short.  effort: 10 lets it do ten times the work.
 
-        With an array of times: the slow motion over them as a Result, with the drivers' efforts, the mechanical
+        With an array of times: the quasi-static motion over them as a Result, with the drivers' efforts, the mechanical
         advantage `<load>.advantage` (force or moment held at the load per unit of effort), `equilibrium.stiffness`
         (smallest eigenvalue of the reduced Hessian [N/m]), `.stable` and `.admissible` (1 or 0); where N of a pin
         goes through zero it changes sides, which is an event "side".  Raises AssemblyError, ModelError.
@@ -358,19 +358,19 @@ class Mechanism(Building):
         return quasistatic(self.system, np.asarray(t, dtype=float), arguments.positive("effort", effort))
 
     def modes(self, t: Seconds = 0.0, equilibrium: Equilibrium | None = None, *, effort: float = 1.0) -> Modes:
-        """Natural frequencies, damping and shapes about a position of rest (default: the first of `equilibrium(t)`).
+        """Natural frequencies, damping and shapes about an equilibrium (default: the first of `equilibrium(t)`).
 
         effort: as of `equilibrium`.
-        Clearance pins are massless links that press.  Raises ValueError when there is no position of rest.
+        Clearance pins are massless links that press.  Raises ValueError when there is no equilibrium.
         """
-        from rattle.analyses.statics.equilibria import rest_of
+        from rattle.analyses.statics.equilibria import static_problem
         from rattle.analyses.statics.modes import modes
 
         searched = self.equilibrium(seconds(t, "t"), effort=effort) if equilibrium is None else None
         found = [equilibrium] if equilibrium is not None else searched
         if not found:
-            raise ValueError(f"no position of rest was found at t = {seconds(t, 't'):g} s")
-        return modes(rest_of(self.system, found[0]), found[0], searched.note if searched is not None else "")
+            raise ValueError(f"no equilibrium was found at t = {seconds(t, 't'):g} s")
+        return modes(static_problem(self.system, found[0]), found[0], searched.note if searched is not None else "")
 
     def accuracy(
         self, of: str, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *, extremes: bool = True, loaded: bool = True

@@ -149,5 +149,5 @@ def test_play_says_what_it_needs():
     with pytest.raises(KeyError, match=r"coupler\.O3\.x"):
         rt.loads(paper()).accuracy("coupler.O3.z", [0.0])
     free = paper().replace('[drivers.motor]\njoint = "O1"\nangle = "10*t"', "")
-    with pytest.raises(rt.ModelError, match="1 freedom is left"):
+    with pytest.raises(rt.ModelError, match="1 degree of freedom is left"):
         rt.loads(free).accuracy("rocker.angle", [0.0])

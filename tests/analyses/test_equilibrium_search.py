@@ -1,4 +1,4 @@
-"""The search for positions of rest: complete along one freedom, each position once, bounded in work, with a word."""
+"""The search for equilibria: complete along one degree of freedom, each position once, bounded in work, with a word."""
 
 import math
 import tomllib
@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 import rattle as rt
 from rattle.analyses.statics import equilibria
-from rattle.analyses.statics.balance import Rest
+from rattle.analyses.statics.balance import StaticProblem
 from rattle.jit import small_matrices
 
 nojit = pytest.mark.nojit
@@ -61,7 +61,7 @@ def chain(links: int, seed: int | None = None) -> str:
 @pytest.mark.parametrize(("seed", "bodies", "clearance"), [(1, 4, PINS), (2, 6, PINS), (3, 8, ""), (4, 10, PINS)])
 def test_the_work_of_the_search_is_limited_whatever_the_mechanism(seed, bodies, clearance, monkeypatch):
     used, spent = [], []
-    settle = Rest.settle
+    settle = StaticProblem.settle
     price = equilibria.price
 
     def counted(self, *arguments, **named):
@@ -74,7 +74,7 @@ def test_the_work_of_the_search_is_limited_whatever_the_mechanism(seed, bodies, 
         spent.append(price(*arguments))
         return spent[-1]
 
-    monkeypatch.setattr(Rest, "settle", counted)
+    monkeypatch.setattr(StaticProblem, "settle", counted)
     monkeypatch.setattr(equilibria, "price", priced)
     found = rt.loads(tree(seed, bodies, clearance)).equilibrium()
     assert found[0].stable
@@ -83,7 +83,7 @@ def test_the_work_of_the_search_is_limited_whatever_the_mechanism(seed, bodies, 
     assert sum(spent) <= equilibria.WORK + 2 * max(spent)  # of the ideal mechanism and with play: none begun beyond
     for one in found:
         scale = max(abs(one[name]) for name in one.names if name.endswith((".fx", ".fy")))
-        assert one.residual < 1e-7 * scale  # each is a position of rest
+        assert one.residual < 1e-7 * scale  # each is an equilibrium
 
 
 @nojit
@@ -95,7 +95,7 @@ def test_a_search_given_up_says_so(monkeypatch):
     monkeypatch.setattr(equilibria, "MOST_STARTS", 3)
     part = m.equilibrium()
     assert part.stopped
-    assert part.note.startswith("search stopped after 3 starts; there may be more positions of rest")
+    assert part.note.startswith("search stopped after 3 starts; there may be more equilibria")
     assert part.extent == part.note
     assert 0 < len(part) <= len(whole)
     assert part.note in str(m.modes())
@@ -130,7 +130,11 @@ def test_the_search_is_the_same_every_time():
 @nojit
 @pytest.mark.parametrize(
     ("model", "said"),
-    [("balanced_arm", "nothing new"), ("guide_play", "one freedom was walked along"), ("fourbar", "no freedom")],
+    [
+        ("balanced_arm", "nothing new"),
+        ("guide_play", "one degree of freedom was walked along"),
+        ("fourbar", "no degree of freedom"),
+    ],
 )
 def test_how_far_the_search_went_is_said(model, said):
     found = rt.example(model).equilibrium()

@@ -80,7 +80,7 @@ def test_a_motor_that_holds_a_rigid_triangle_still_is_no_contradiction():
 @pytest.mark.nojit
 @pytest.mark.parametrize("second", ["1 + 2*t", "1 + 2*sin(t)", "1 + sin(2*t) + max(0, t - 0.7)**3"])
 def test_two_motors_of_one_freedom_must_agree_at_every_later_instant(second):
-    with pytest.raises(rt.AssemblyError, match="drivers 'one' and 'two' drive the same freedom"):
+    with pytest.raises(rt.AssemblyError, match="drivers 'one' and 'two' drive the same degree of freedom"):
         parallel_cranks(second).check()
 
 
@@ -292,7 +292,7 @@ def test_no_random_mechanism_runs_to_success_with_open_joints_or_energy_from_now
         else:
             ended.append(run.message)
     assert ran > 80
-    assert all("is contradicted by joints" in one or "drive the same freedom" in one for one in refused)
+    assert all("is contradicted by joints" in one or "drive the same degree of freedom" in one for one in refused)
     assert len(refused) > 3
     assert all("ended at t" in one or "cannot go on at t" in one for one in ended)
 

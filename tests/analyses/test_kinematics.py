@@ -224,13 +224,15 @@ def test_drivers_that_jump_or_lose_their_value_are_named():
     assert "'motor' has no finite value" in ends.message
 
 
-# ---------------------------------------------------------------- freedoms and redundancy
+# ---------------------------------------------------------------- degrees of freedom and redundancy
 @nojit
 def test_a_mechanism_that_is_not_fully_driven_is_told_what_can_still_move():
     free = paper().replace('[drivers.motor]\njoint = "O1"\nangle = "10*t"', "")
-    with pytest.raises(rt.ModelError, match=r"2 freedoms are left \(can still move: coupler, rocker\).*O3, O4"):
+    with pytest.raises(
+        rt.ModelError, match=r"2 degrees of freedom are left \(can still move: coupler, rocker\).*O3, O4"
+    ):
         rt.loads(paper()).kinematics([0.0])
-    with pytest.raises(rt.ModelError, match=r"1 freedom is left .*crank, coupler, rocker.*Add a driver"):
+    with pytest.raises(rt.ModelError, match=r"1 degree of freedom is left .*crank, coupler, rocker.*Add a driver"):
         rt.loads(free).ideal().kinematics([0.0])
 
 

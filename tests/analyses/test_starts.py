@@ -121,7 +121,7 @@ def test_rates_that_do_not_go_together_change_least_by_mass_among_those_given():
     open_by(memory, 0.0, m.start.q, m.start.v)
     rows = dense_rows(m.system, memory)
     assert np.abs(rows @ m.start.v).max() < 1e-12
-    # one freedom w: inertia about the mass centre weighs what is asked of crank and rocker
+    # one degree of freedom w: inertia about the mass centre weighs what is asked of crank and rocker
     inertia = m.system.arrays["mass"][1:, 2]
     best = (10.0 * inertia[0] + 11.0 * inertia[2]) / (inertia[0] + inertia[2])
     assert m.start.v[2] == pytest.approx(best, rel=1e-9)

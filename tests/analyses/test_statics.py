@@ -1,4 +1,4 @@
-"""Positions of rest: reference values, virtual work, stability, partners of clearance pins, slow motions."""
+"""Equilibria: reference values, virtual work, stability, partners of clearance pins, quasi-static motions."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 
 import rattle as rt
 from linkages import fourbar_text, paper, parallelogram
-from rattle.analyses.statics.balance import Rest
+from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.starts import opened
 
 nojit = pytest.mark.nojit
@@ -107,8 +107,8 @@ def test_stability_of_a_pendulum():
     assert [(round(math.sin(one["rod.angle"])), one.stable) for one in found] == [(-1, True), (1, False)]
     assert found[0]["O.fy"] == pytest.approx(9.81, abs=1e-10)
     # a displacement dz turns by dphi, dz^2 = (0.5 dphi)^2 + (size dphi)^2: H = m g l/2 dphi^2/dz^2
-    rest = Rest(rt.loads(pendulum()).system, 0.0)
-    arm = 0.25 + rest.system.size**2
+    problem = StaticProblem(rt.loads(pendulum()).system, 0.0)
+    arm = 0.25 + problem.system.size**2
     assert found[0].eigenvalue == pytest.approx(9.81 * 0.5 / arm, rel=1e-9)
     assert found[1].eigenvalue == pytest.approx(-9.81 * 0.5 / arm, rel=1e-9)
 
@@ -118,9 +118,9 @@ def test_reduced_hessian_is_the_second_difference_of_the_energy():
     spring = '[loads.spring]\ntype = "spring"\nconnect = ["ground.S", "rod.B"]\nstiffness = 40\nfree_length = 0.3\n'
     m = rt.loads(pendulum(spring, angle=0.4))
     one = m.equilibrium()[0]
-    rest = Rest(m.system, 0.0)
-    _, null = rest.look(one.q)
-    h = rest.hessian(one.q, null)
+    problem = StaticProblem(m.system, 0.0)
+    _, null = problem.look(one.q)
+    h = problem.hessian(one.q, null)
 
     def energy(angle):
         end = np.array([math.cos(angle), math.sin(angle)])
@@ -141,14 +141,14 @@ def test_reduced_hessian_is_the_second_difference_of_the_energy():
 def test_reduced_hessian_with_clearance_pins_is_that_of_the_energy_over_their_directions():
     m = rt.loads(paper(40.0, 9.81))
     one = m.equilibrium()[0]
-    rest = Rest(m.system, 0.0)
-    g, null = rest.look(one.q)
-    h = rest.hessian(one.q, null)
+    problem = StaticProblem(m.system, 0.0)
+    g, null = problem.look(one.q)
+    h = problem.hessian(one.q, null)
 
     def energy(z):  # positions closed by least change, gravity and the constant torque
         q = one.q + null @ z
         for _ in range(3):
-            rest.close(q)
+            problem.close(q)
         bodies = dict(zip(m.system.bodies, q.reshape(-1, 3), strict=True))
         return (
             9.81 * (0.5 * bodies["crank"][1] + 2 * bodies["coupler"][1] + 2 * bodies["rocker"][1])
@@ -208,7 +208,7 @@ def test_redundant_reactions_are_flagged():
     one = rt.loads(text).equilibrium()[0]
     assert not one.reactions_unique
     assert {"O", "again"} <= set(one.nonunique)
-    assert one.freedoms == 0
+    assert one.dof == 0
     assert one.stable
     assert rt.loads(pendulum()).equilibrium()[0].reactions_unique
 
@@ -248,7 +248,7 @@ def test_drivers_are_held_where_they_are_at_the_time_asked():
         assert one["motor.power"] == 0.0
 
 
-# ---------------------------------------------------------------- slow motion
+# ---------------------------------------------------------------- quasi-static motion
 @nojit
 def test_a_toggle_clamp_amplifies_as_one_over_the_sine():
     r = rt.example("toggle_clamp").equilibrium(np.linspace(0, 1, 14))
@@ -328,10 +328,10 @@ def test_slow_motion_of_a_parallelogram_has_the_torque_of_its_weight():
 @nojit
 def test_pins_are_displaced_by_what_is_asked():
     m = rt.loads(paper())
-    ideal = Rest(m.ideal().system, 0.0)
+    ideal = StaticProblem(m.ideal().system, 0.0)
     start = m.ideal().start.q
     wanted = {"O3": np.array([1e-3, 2e-3]), "O4": np.array([-3e-3, 0.0])}
-    moved = Rest(m.system, 0.0).offsets(opened(ideal, start, wanted))
+    moved = StaticProblem(m.system, 0.0).offsets(opened(ideal, start, wanted))
     np.testing.assert_allclose(moved, [wanted["O3"], wanted["O4"]], atol=1e-14)
 
 
@@ -364,7 +364,7 @@ contact = "massless-link"
     assert low["pin.y"] == pytest.approx(-1e-3)
     assert low["O.normal"] == pytest.approx(9.81)
     assert (high.neutral, high.falling, high.admissible) == (1, 1, False)
-    assert "neutral (free to move in 1 freedom)" in str(low)
+    assert "neutral (free to move in 1 degree of freedom)" in str(low)
 
 
 @pytest.mark.parametrize("contact", ["impact", {"model": "exact", "restitution": 0.4, "stiffness": 1e9}])

@@ -37,7 +37,7 @@ def test_slow_motion_of_the_clamp_shows_its_advantage():
 def test_kinematics_with_play_is_bad_input_and_says_what_to_do(tmp_path):
     seen = run("kinematics", "fourbar")
     assert seen.exit_code == 2
-    assert "2 freedoms are left" in seen.stderr
+    assert "2 degrees of freedom are left" in seen.stderr
     assert "--ideal" in seen.stderr
     out = tmp_path / "out.csv"
     seen = run("kinematics", "fourbar", "--ideal", "--points", "5", "--t-end", "0.1", "--csv", str(out))

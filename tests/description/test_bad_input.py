@@ -229,7 +229,7 @@ def test_folder_that_cannot_be_written_is_named(tmp_path, place):
 # ---------------------------------------------------------------- drivers
 def test_two_drivers_on_one_joint():
     error = refusal(changed("[loads.M]", '[drivers.second]\njoint = "O1"\nangle = "t"\n\n[loads.M]'))
-    assert "drivers.second: joint 'O1' is driven by 'motor' already: two drivers on one freedom" in str(error)
+    assert "drivers.second: joint 'O1' is driven by 'motor' already: two drivers on one degree of freedom" in str(error)
 
 
 def crank_and_rocker(**second):
@@ -251,7 +251,7 @@ def crank_and_rocker(**second):
     ],
 )
 def test_two_drivers_on_the_one_freedom_of_a_linkage_are_named(second):
-    with pytest.raises(rt.AssemblyError, match="drivers 'motor' and 'brake' drive the same freedom"):
+    with pytest.raises(rt.AssemblyError, match="drivers 'motor' and 'brake' drive the same degree of freedom"):
         _ = crank_and_rocker(**second).start
 
 
@@ -261,7 +261,7 @@ def test_two_drivers_that_agree_still_drive_the_same_freedom():
     single._forget()
     q = single.start.q
     agreeing = crank_and_rocker(joint="B", angle=float(q[5] - q[2]))
-    with pytest.raises(rt.AssemblyError, match="drivers 'motor' and 'brake' drive the same freedom"):
+    with pytest.raises(rt.AssemblyError, match="drivers 'motor' and 'brake' drive the same degree of freedom"):
         _ = agreeing.start
 
 

@@ -191,7 +191,7 @@ def test_driver_of_a_body_takes_a_point_or_the_mass_centre():
     m = two({"type": "revolute"}, drivers=drivers)
     assert m.drivers["d"].point.at == (0.5, 0)
     assert m.drivers["e"].point.at == (0, 0)
-    with pytest.raises(rt.ModelError, match="two drivers on one freedom"):
+    with pytest.raises(rt.ModelError, match="two drivers on one degree of freedom"):
         two({"type": "revolute"}, drivers={"d": drivers["d"], "e": drivers["d"]})
 
 

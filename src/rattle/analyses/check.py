@@ -30,7 +30,7 @@ class Check:
     name: str
     bodies: int
     joints: int
-    mobility: int  # freedoms left with all joints and drivers in place
+    mobility: int  # degrees of freedom left with all joints and drivers in place
     redundant: int  # rows that repeat what others say
     redundant_joints: tuple[str, ...]  # joints whose reactions are not unique
     loops: tuple[str, ...]
@@ -49,14 +49,13 @@ class Check:
         return table(("what", "found"), [line.partition(": ")[::2] for line in rest if ": " in line], first)
 
     def __str__(self) -> str:
-        freedoms = (
+        dof = (
             "moves as driven"
             if self.mobility == 0
-            else f"{self.mobility} freedom{'s' if self.mobility > 1 else ''} left"
+            else f"{self.mobility} degree{'s' if self.mobility > 1 else ''} of freedom left"
         )
         lines = [
-            f"{self.name or 'mechanism'}: {self.bodies} bodies, {self.joints} joints,"
-            f" mobility {self.mobility} ({freedoms})",
+            f"{self.name or 'mechanism'}: {self.bodies} bodies, {self.joints} joints, mobility {self.mobility} ({dof})",
             f"put together to {self.residual:.1g} m",
         ]
         if self.redundant:

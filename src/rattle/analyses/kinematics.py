@@ -87,7 +87,7 @@ def begin(
     """A sweep that stands at an assembled start.
 
     motors: (row of a driver, joint whose motor does its work).  shift: other values of the joints' parameters.
-    Raises ModelError where freedoms are left.
+    Raises ModelError where degrees of freedom are left.
     """
     radius = np.array(
         [max([math.hypot(*at) for at in body.points.values()] + [0.0]) for body in system.model.bodies.values()]
@@ -119,7 +119,7 @@ def begin(
 
 
 def require_driven(system: System, start: Assembled, what: str) -> None:
-    """Raise ModelError that says which freedoms are left, unless the drivers fix every position."""
+    """Raise ModelError that says which degrees of freedom are left, unless the drivers fix every position."""
     memory = system.memory()
     open_by(memory, start.t, start.q, start.v)
     rows = scaled_rows(system, memory)
@@ -137,9 +137,9 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
     free = np.abs(right[independent:]).reshape(left, -1, 3).max(axis=(0, 2))
     movers = [name for name, share in zip(system.bodies, free, strict=True) if share > 1e-6]
     loose = _loose(system)
-    freedoms = f"{left} freedoms are left" if left > 1 else "1 freedom is left"
+    dof = f"{left} degrees of freedom are left" if left > 1 else "1 degree of freedom is left"
     names = ", ".join(movers[:8]) + (" ..." if len(movers) > 8 else "")
-    text = f"{what} wants a mechanism whose drivers fix every position; {freedoms} (can still move: {names})."
+    text = f"{what} wants a mechanism whose drivers fix every position; {dof} (can still move: {names})."
     if loose:
         text += f" There is play in {loose}: close it with ideal() or --ideal."
     else:
@@ -239,7 +239,8 @@ def _motors(system: System, effort_at: str | Mapping[str, str] | None) -> list[t
             raise ValueError(f"effort_at: no joint '{joint}'{suggest(joint, joints)}")
         if joints[joint].kind not in MOTORS:
             raise ValueError(
-                f"effort_at: a {joints[joint].kind} joint has no freedom for a motor; wanted revolute or prismatic"
+                f"effort_at: a {joints[joint].kind} joint has no degree of freedom for a motor;"
+                " expected revolute or prismatic"
             )
         found.append((int(system.arrays["joint"][system.joints.index(driver), 4]), joint))
     if len({joint for _, joint in found}) < len(found):

@@ -120,7 +120,7 @@ effort_option = click.option(
     type=click.FloatRange(0.0, min_open=True),
     default=1.0,
     show_default=True,
-    help="Work of the search for positions of rest; 10 lets it look ten times as long.",
+    help="Work of the search for equilibria; 10 lets it look ten times as long.",
 )
 
 
@@ -222,7 +222,7 @@ def equilibrium(
     path: bool, t_end: float | None, points: int, output: str | None, csv: str | None, fallback: str | None,
     as_json: bool,
 ) -> None:  # fmt: skip
-    """Positions of rest: admissible (no bush has to pull) and stable ones first.
+    """Equilibria: admissible (no bush has to pull) and stable ones first.
 
     FILE is a model file or the name of a shipped example.
 
@@ -231,7 +231,7 @@ def equilibrium(
               rattle equilibrium toggle_clamp --path -o clamp.nc
     """
     if not path and (output, csv) != (None, None):
-        raise click.UsageError("-o and --csv save a slow motion; they want --path")
+        raise click.UsageError("-o and --csv save a quasi-static motion; they want --path")
     m = read_model(file, settings, ideal)
     if path:
         check_results(file, output, csv, fallback)
@@ -263,7 +263,7 @@ def equilibrium(
         listed(m, found)
     if not found:
         click.echo(
-            f"no position of rest was found at t = {t:g} s; try other angles in [initial] or --branches all", err=True
+            f"no equilibrium was found at t = {t:g} s; try other angles in [initial] or --branches all", err=True
         )
         ctx.exit(1)
 
@@ -288,7 +288,7 @@ def modes(
     file: str, settings: tuple[str, ...], ideal: bool, t: float, effort: float, mode: int, output: str | None,
     as_json: bool,
 ) -> None:  # fmt: skip
-    """Natural frequencies about the first position of rest.
+    """Natural frequencies about the first equilibrium.
 
     FILE is a model file or the name of a shipped example.
 

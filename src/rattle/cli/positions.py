@@ -1,4 +1,4 @@
-"""Positions of rest and modes as lines and as records."""
+"""Equilibria and modes as lines and as records."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
 DEGREES = 180 / math.pi
-MOST_LINES = 20  # positions of rest that are listed one by one
+MOST_LINES = 20  # equilibria that are listed one by one
 MOST_BODIES = 5  # whose angles stand in such a line
 ZERO = 1e-12  # share of the largest of its kind below which a number is rounding
 
@@ -35,7 +35,7 @@ def listed(m: Mechanism, found: Equilibria) -> None:
 
 
 def _angles(one: Equilibrium) -> str:
-    """Angles of the first bodies: what tells positions of rest apart."""
+    """Angles of the first bodies: what tells equilibria apart."""
     bodies = list(one.table.geometry["bodies"])
     shown = ", ".join(f"{body} {zeroed(one[f'{body}.angle'], ZERO) * DEGREES:.4g}" for body in bodies[:MOST_BODIES])
     return f"at {shown}{', ...' if len(bodies) > MOST_BODIES else ''} deg"

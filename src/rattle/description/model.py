@@ -80,7 +80,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Driver:
-    """A joint's freedom, or a coordinate of a body, as a function of time."""
+    """A joint's degree of freedom, or a coordinate of a body, as a function of time."""
 
     name: str
     kind: str

@@ -161,7 +161,7 @@ class Parts(FieldReader):
 
     # ------------------------------------------------------------ drivers and loads
     def add_driver(self, name: str, given: Mapping[str, Any]) -> None:
-        """A joint's freedom or a coordinate of a body as a function of time."""
+        """A joint's degree of freedom or a coordinate of a body as a function of time."""
         values, path = self.values, ("drivers", name)
         functions = dict.fromkeys(key for kind in registry.kinds("driver").values() for key in kind.fields)
         values.keys(given, ["joint", "body", "coordinate", *functions], path)
@@ -173,7 +173,9 @@ class Parts(FieldReader):
             return
         kind, joint, point, what = target
         if what in self.driven:
-            values.wrong(path, f"{what} is driven by '{self.driven[what]}' already: two drivers on one freedom")
+            values.wrong(
+                path, f"{what} is driven by '{self.driven[what]}' already: two drivers on one degree of freedom"
+            )
             return
         self.driven[what] = name
         wrong = [other for other in functions if other in given and other not in kind.fields]

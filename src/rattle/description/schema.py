@@ -38,7 +38,7 @@ def schema() -> Schema:
                 "ground": _object({"points": _points("points of the ground")}),
                 "bodies": _named({"anyOf": [_bar(), _body()]}, "rigid bodies"),
                 "joints": _named({"anyOf": [_joint(kind) for kind in registry.kinds("joint").values()]}, "joints"),
-                "drivers": _named({"anyOf": _drivers()}, "freedoms that follow a function of time"),
+                "drivers": _named({"anyOf": _drivers()}, "degrees of freedom that follow a function of time"),
                 "loads": _named({"anyOf": [_load(kind) for kind in registry.kinds("load").values()]}, "loads"),
                 "initial": _named({"anyOf": [_start(), _offset()]}, "start of bodies and of clearance joints"),
                 "simulate": _settings(),

@@ -1,4 +1,4 @@
-"""Newton to a position of rest on the freedoms that the joints leave, as one compiled loop.
+"""Newton to an equilibrium on the degrees of freedom that the joints leave, as one compiled loop.
 
     Z = null space of Phi_q,   g = Z^T Q,   H = Z^T K Z,   K = -d(Q - Phi_q^T lambda)/dq,   q += Z H^-1 g
 
@@ -31,7 +31,7 @@ LOST, SETTLED, KNOWN, GOING = range(4)
 # rows of `line`
 OUT, G, DZ, MOVE, TRIAL, START, WORK = range(7)
 # entries of `state`; MOST_TURN of a body in one step [rad], shifts as a share of the mechanism's extent
-PHASE, ITERATION, SMALL, FORCE_SIZE, TRIALS, EXTENT, FREEDOMS, G_SIZE, G_LENGTH, MOST_TURN = range(10)
+PHASE, ITERATION, SMALL, FORCE_SIZE, TRIALS, EXTENT, DOF, G_SIZE, G_LENGTH, MOST_TURN = range(10)
 
 
 @compiled
@@ -61,7 +61,7 @@ def scaled_rows(m, scale, wide, norm):
 def look(m, t, q, scale, wide, norm, order, pivot, null, line):
     """Reduced force into line[G], scaled null space into the first lines of `null`; leaves the multipliers.
 
-    Returns the number of freedoms.
+    Returns the number of degrees of freedom.
     """
     n, multiplier = q.shape[0], m.multiplier
     for r in range(multiplier.shape[0]):
@@ -90,14 +90,14 @@ def look(m, t, q, scale, wide, norm, order, pivot, null, line):
 
 
 @compiled
-def reduced_stiffness(m, t, q, step, freedoms, points, null, line, small):
+def reduced_stiffness(m, t, q, step, dof, points, null, line, small):
     """H^T = (Z^T K Z)^T into `small` (a line for each column of H), by differences along Z.
 
     points: 2, exact enough to find the way; 4, of fourth order.
     """
     work, out, n = line[WORK], line[OUT], q.shape[0]
     trial = line[TRIAL]
-    for j in range(freedoms):
+    for j in range(dof):
         for k in range(n):
             work[k] = 0.0
         for s in range(points):
@@ -112,7 +112,7 @@ def reduced_stiffness(m, t, q, step, freedoms, points, null, line, small):
             force_at(m, t, trial, out)
             for k in range(n):
                 work[k] += factor * out[k]
-        for i in range(freedoms):
+        for i in range(dof):
             value = 0.0
             for k in range(n):
                 value += null[i, k] * work[k]
@@ -195,23 +195,23 @@ def is_known(q, known, count, near, scale):
 
 
 @compiled
-def newton_step(freedoms, downhill, order, pivot, line, small, null, state, size):
+def newton_step(dof, downhill, order, pivot, line, small, null, state, size):
     """The step dz and its move of all coordinates; returns how far it would go unlimited."""
     g, dz, move = line[G], line[DZ], line[MOVE]
     if downhill:
-        for i in range(freedoms):
+        for i in range(dof):
             for j in range(i):
                 value = 0.5 * (small[i, j] + small[j, i])
                 small[i, j] = value
                 small[j, i] = value
-        rotate_columns(small, freedoms)
-        solve_downhill(small, freedoms, g, 1e-9, dz)
+        rotate_columns(small, dof)
+        solve_downhill(small, dof, g, 1e-9, dz)
     else:
-        solve_square(small, freedoms, order, pivot, g, 1e-13, line[WORK], dz)
+        solve_square(small, dof, order, pivot, g, 1e-13, line[WORK], dz)
     turn, shift = 1e-300, 1e-300
     for k in range(move.shape[0]):
         value = 0.0
-        for j in range(freedoms):
+        for j in range(dof):
             value += null[j, k] * dz[j]
         move[k] = value
         if k % 3 == 2:
@@ -219,7 +219,7 @@ def newton_step(freedoms, downhill, order, pivot, line, small, null, state, size
         else:
             shift = max(shift, abs(value))
     share = min(1.0, min(state[MOST_TURN] / turn, state[MOST_TURN] * state[EXTENT] / shift))
-    for j in range(freedoms):
+    for j in range(dof):
         dz[j] *= share
     for k in range(move.shape[0]):
         move[k] *= share
@@ -230,9 +230,9 @@ def newton_step(freedoms, downhill, order, pivot, line, small, null, state, size
 def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot, null, line, state, most):
     """One step along line[MOVE], halved until it is safe and helps; q and the state go there. False when none does."""
     force, n = m.force, q.shape[0]
-    move, trial, freedoms = line[MOVE], line[TRIAL], int(state[FREEDOMS])
+    move, trial, dof = line[MOVE], line[TRIAL], int(state[DOF])
     ahead = 0.0  # force along the way, here
-    for j in range(freedoms):
+    for j in range(dof):
         ahead += line[G, j] * line[DZ, j]
     merit_at(m, q)
     offsets(m, links, 0, arm)
@@ -249,10 +249,10 @@ def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot
             offsets(m, links, links.shape[0], arm)
             fine = not changed_side(arm, links)
         if fine:
-            fine = look(m, t, trial, scale, wide, norm, order, pivot, null, line) == freedoms
+            fine = look(m, t, trial, scale, wide, norm, order, pivot, null, line) == dof
         if fine:
             length = 0.0
-            for j in range(freedoms):
+            for j in range(dof):
                 length += line[G, j] * line[G, j]
             length = math.sqrt(length)
             if downhill:  # not beyond the point where the force along the way turns round
@@ -266,7 +266,7 @@ def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot
                 for k in range(n):
                     q[k] = trial[k]
                 state[G_LENGTH] = length
-                state[G_SIZE] = largest_of(line[G], freedoms)
+                state[G_SIZE] = largest_of(line[G], dof)
                 return True
         share *= 0.5
     return False
@@ -278,15 +278,15 @@ def begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
     gap, _ = close_position(m, t, q, line[START], 1e-13 * size, 60)
     if not gap < 1e-9 * size:
         return False
-    freedoms = look(m, t, q, scale, wide, norm, order, pivot, null, line)
+    dof = look(m, t, q, scale, wide, norm, order, pivot, null, line)
     extent, square = size, 0.0
     for k in range(q.shape[0]):
         if k % 3 < 2:
             extent = max(extent, abs(q[k]))
-    for j in range(freedoms):
+    for j in range(dof):
         square += line[G, j] * line[G, j]
-    state[EXTENT], state[FORCE_SIZE], state[FREEDOMS] = extent, force_size(m, size), float(freedoms)
-    state[G_SIZE], state[G_LENGTH], state[PHASE] = largest_of(line[G], freedoms), math.sqrt(square), 1.0
+    state[EXTENT], state[FORCE_SIZE], state[DOF] = extent, force_size(m, size), float(dof)
+    state[G_SIZE], state[G_LENGTH], state[PHASE] = largest_of(line[G], dof), math.sqrt(square), 1.0
     return True
 
 
@@ -295,7 +295,7 @@ def settle(
     m, t, q, scale, size, step, downhill, rounds, known, count, near,
     links, arm, wide, norm, order, pivot, null, line, small, state, order_h, pivot_h, most,
 ):  # fmt: skip
-    """From a start q to a position of rest, in place; to a stable one if `downhill`.
+    """From a start q to an equilibrium, in place; to a stable one if `downhill`.
 
     rounds: after so many the call returns GOING, to be called again; known (k, 3 nb): positions that need not be
     reached once more, the first `count` of them, to within `near`; most: positions to try.  state[PHASE] is 0 at the
@@ -303,16 +303,16 @@ def settle(
     """
     if state[PHASE] == 0.0 and not begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
         return LOST
-    freedoms = int(state[FREEDOMS])
+    dof = int(state[DOF])
     for _ in range(rounds):
-        if freedoms == 0:
+        if dof == 0:
             return SETTLED
         if not state[G_SIZE] < math.inf:
             return LOST
         if is_known(q, known, count, near, scale):
             return KNOWN
-        reduced_stiffness(m, t, q, step, freedoms, 2, null, line, small)
-        far = newton_step(freedoms, downhill, order_h, pivot_h, line, small, null, state, size)
+        reduced_stiffness(m, t, q, step, dof, 2, null, line, small)
+        far = newton_step(dof, downhill, order_h, pivot_h, line, small, null, state, size)
         before = state[G_SIZE]
         if not far < math.inf:
             return LOST
@@ -335,16 +335,16 @@ def settle(
 
 @compiled
 def walk(m, t, q, scale, size, stride, direction, wide, norm, order, pivot, null, line):
-    """A stride along the freedoms in the direction of the last one; both in place.
+    """A stride along the degrees of freedom in the direction of the last one; both in place.
 
     Returns the gap that is left (inf where there is no way on), the force along the way and the largest reduced one.
     """
     n = q.shape[0]
-    freedoms = look(m, t, q, scale, wide, norm, order, pivot, null, line)
+    dof = look(m, t, q, scale, wide, norm, order, pivot, null, line)
     move, square = line[MOVE], 0.0
     for k in range(n):
         move[k] = 0.0
-    for j in range(freedoms):
+    for j in range(dof):
         part = 0.0
         for k in range(n):
             part += null[j, k] * direction[k] / (scale[k] * scale[k])
@@ -359,14 +359,14 @@ def walk(m, t, q, scale, size, stride, direction, wide, norm, order, pivot, null
     gap, _ = close_position(m, t, q, line[START], 1e-13 * size, 60)
     if not gap < 1e-9 * size:
         return math.inf, 0.0, 0.0
-    freedoms = look(m, t, q, scale, wide, norm, order, pivot, null, line)
+    dof = look(m, t, q, scale, wide, norm, order, pivot, null, line)
     along = 0.0
-    for j in range(freedoms):
+    for j in range(dof):
         part = 0.0
         for k in range(n):
             part += null[j, k] * direction[k] / (scale[k] * scale[k])
         along += part * line[G, j]
-    return gap, along, largest_of(line[G], freedoms)
+    return gap, along, largest_of(line[G], dof)
 
 
 @compiled

@@ -100,7 +100,7 @@ def lyapunov(
         raise ValueError(f"a stretch of {length:g} s is too long for {span:g} s; wanted at most a {2 * BLOCKS}th of it")
     if not 0.0 <= skip < 1.0:
         raise ValueError(f"skip is a share of the run, from 0 to below 1; got {skip}")
-    _require_freedom(m)
+    _require_mobility(m)
     for _ in range(6):
         growth = _growths(m, span, length, rtol)
         if growth is not None:
@@ -125,7 +125,7 @@ def _slope(growth: np.ndarray) -> float:
     return float(6.0 / (n * (n + 1) * (n + 2)) * np.sum(k * (n + 1 - k) * growth))
 
 
-def _require_freedom(m: Mechanism) -> None:
+def _require_mobility(m: Mechanism) -> None:
     """Refuse a mechanism in which nothing is free to grow apart."""
     system, memory = m.system, m.system.memory()
     if len(system.arrays["contact"]) or system.row_count > LARGE:
@@ -133,7 +133,7 @@ def _require_freedom(m: Mechanism) -> None:
     open_by(memory, m.start.t, m.start.q, m.start.v)
     if rank(system, memory) == 3 * system.body_count:
         raise ValueError(
-            "the drivers fix every position: there is no freedom in which errors could grow, so no exponent"
+            "the drivers fix every position: there is no degree of freedom in which errors could grow, so no exponent"
             " (a joint with play, or a driver less, gives one)"
         )
 

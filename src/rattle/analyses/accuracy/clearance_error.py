@@ -24,7 +24,7 @@ from rattle.analyses.accuracy.displaced_pins import Displaced, widest
 from rattle.analyses.accuracy.extremes import extreme, largest_turn
 from rattle.analyses.assembly.assembly import assemble, ideal_model
 from rattle.analyses.kinematics import Sweep, begin, instants, require_driven, why_stuck
-from rattle.analyses.statics.balance import Rest
+from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibria import rigid_model, without_guide_play
 from rattle.analyses.statics.starts import opened
 from rattle.description.model import Joint
@@ -223,11 +223,11 @@ def _loaded(
     pins = [one for one in shown.joints if one.kind == "revolute"]
     if rigid is None or not (model.loads or any(model.gravity)) or shown.output.rpartition(".")[2] in RATES:
         return found
-    rest, hard = Rest(ideal, times[0]), Rest(rigid, times[0])
+    problem, hard = StaticProblem(ideal, times[0]), StaticProblem(rigid, times[0])
     conjugate = _conjugate(shown)
     for i, t in enumerate(times):
-        rest.at(t)
-        one = rest.finish(nodes[i][swept.Q].copy(), 0)
+        problem.at(t)
+        one = problem.finish(nodes[i][swept.Q].copy(), 0)
         force = {pin.name: np.array([one[f"{pin.name}.fx"], one[f"{pin.name}.fy"]]) for pin in pins}
         size = {name: float(np.hypot(*f)) for name, f in force.items()}
         if min(size.values()) <= 1e-9 * max([*size.values(), 1e-9]):
@@ -237,12 +237,12 @@ def _loaded(
             _in_frame(shown, nodes[i], pin, e[pin.name]) @ slopes[i][shown.joints.index(pin)] for pin in pins
         )
         hard.at(t)
-        settled = hard.settle(opened(rest, nodes[i][swept.Q], e))
+        settled = hard.settle(opened(problem, nodes[i][swept.Q], e))
         at_rest = hard.finish(*settled) if settled is not None else None
         if at_rest is not None and shown.output in at_rest.names and at_rest.admissible:
             found[0][i] = at_rest[shown.output] - one[shown.output]
         if conjugate:
-            load = abs(_moment(rest, conjugate))
+            load = abs(_moment(problem, conjugate))
             found[2][i] = sum(pin.clearance * size[pin.name] for pin in pins) / load if load > 0 else math.nan
     return found
 
@@ -265,6 +265,6 @@ def _conjugate(shown: Displaced) -> str:
     return name if load.kind == "torque" and shown.output == f"{load.b.body}.angle" else ""
 
 
-def _moment(rest: Rest, name: str) -> float:
-    at = int(rest.system.arrays["load"][list(rest.system.model.loads).index(name), 3])
-    return float(rest.memory.values[at])
+def _moment(problem: StaticProblem, name: str) -> float:
+    at = int(problem.system.arrays["load"][list(problem.system.model.loads).index(name), 3])
+    return float(problem.memory.values[at])

@@ -205,7 +205,7 @@ def _positions(
 
 def _without_drivers(system: System, memory: Workspace, t: float) -> None:
     """Where the joints alone can be closed, see whether the drivers hinder each other, or have nothing to move."""
-    from rattle.analyses.assembly.rank import without_freedom
+    from rattle.analyses.assembly.rank import drivers_without_dof
 
     if not system.model.drivers or system.row_count > LARGE:
         return
@@ -217,23 +217,24 @@ def _without_drivers(system: System, memory: Workspace, t: float) -> None:
     drive(memory, t)
     constraints(memory)
     _refuse_two_drivers(system, memory)
-    for name, row in without_freedom(system, memory):
+    for name, row in drivers_without_dof(system, memory):
         off = abs(float(memory.rows[row, 0]))
         raise AssemblyError(
             f"driver '{name}' asks for a place {off:.4g} {system.rows[row].unit} away from the one that the joints"
-            " hold: they leave its freedom no motion (one driver too many); take it out, or free a joint"
+            " hold: they leave its degree of freedom no motion (one driver too many); take it out, or free a joint"
         )
 
 
 def _refuse_two_drivers(system: System, memory: Workspace) -> None:
-    """Raise AssemblyError when drivers move the same freedom at the state in the memory."""
-    from rattle.analyses.assembly.rank import on_one_freedom
+    """Raise AssemblyError when drivers move the same degree of freedom at the state in the memory."""
+    from rattle.analyses.assembly.rank import drivers_on_one_dof
 
-    names = on_one_freedom(system, memory)
+    names = drivers_on_one_dof(system, memory)
     if len(names) > 1:
         listed = ", ".join(f"'{one}'" for one in names[:-1]) + f" and '{names[-1]}'"
         raise AssemblyError(
-            f"drivers {listed} drive the same freedom; take {'one' if len(names) == 2 else 'some'} of them out"
+            f"drivers {listed} drive the same degree of freedom;"
+            f" take {'one' if len(names) == 2 else 'some'} of them out"
         )
 
 

@@ -16,7 +16,7 @@ from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
 NOISE = 1e-9  # share of the terms of N^T nu that is rounding
-SHAKE = 1e-3  # way along the freedoms of the joints: dependence that goes away is that of a singular position
+SHAKE = 1e-3  # way along the degrees of freedom of the joints: dependence that goes away is that of a singular position
 TAKES_PART = 1e-6  # entry of a null space above which its row takes part
 SHORT = 0.1  # longest step on the way to a later instant [rad, mechanism sizes]
 MOST_STEPS = 200
@@ -60,7 +60,7 @@ def _at_odds(system: System, memory: Workspace, null: np.ndarray) -> tuple[str, 
 
 
 def _structural(system: System, t: float, q: np.ndarray) -> bool:
-    """True when drivers stay among the dependent rows a little further along the freedoms that the joints leave."""
+    """True when drivers stay among the dependent rows a little further along what the joints leave free."""
     memory = system.memory()
     open_by(memory, t, q, np.zeros_like(q))
     driving = np.array([row.driver for row in system.rows])
@@ -131,8 +131,10 @@ def _said(system: System, owners: tuple[str, ...]) -> str:
         listed = f"{', '.join(drivers[:-1])} and {drivers[-1]}"
         many = f"take {'one' if len(drivers) == 2 else 'some'} of them out"
         between = f" (through joints {joints})" if joints else ""
-        return f"drivers {listed} drive the same freedom{between} with functions that do not go together; {many}"
+        return (
+            f"drivers {listed} drive the same degree of freedom{between} with functions that do not go together; {many}"
+        )
     return (
-        f"driver {drivers[0]} is contradicted by joints {joints}: they leave its freedom no motion (one driver"
-        " too many); take it out, or free a joint"
+        f"driver {drivers[0]} is contradicted by joints {joints}: they leave its degree of freedom no motion"
+        " (one driver too many); take it out, or free a joint"
     )

@@ -58,8 +58,8 @@ def nonunique_reactions(system: System, memory: Workspace) -> tuple[str, ...]:
     return tuple(dict.fromkeys(row.owner for row, takes in zip(system.rows, taking_part, strict=True) if takes))
 
 
-def on_one_freedom(system: System, memory: Workspace) -> tuple[str, ...]:
-    """Names of drivers that would move the same freedom of what the joints leave free, at the state in the memory."""
+def drivers_on_one_dof(system: System, memory: Workspace) -> tuple[str, ...]:
+    """Names of drivers that would move one degree of freedom that the joints leave, at the state in the memory."""
     if len(system.model.drivers) < 2 or system.row_count > LARGE:
         return ()
     names = [row.owner for row in system.rows if row.driver]
@@ -69,7 +69,7 @@ def on_one_freedom(system: System, memory: Workspace) -> tuple[str, ...]:
     return tuple(name for name, takes in zip(names, taking_part, strict=True) if takes)
 
 
-def without_freedom(system: System, memory: Workspace) -> list[tuple[str, int]]:
+def drivers_without_dof(system: System, memory: Workspace) -> list[tuple[str, int]]:
     """Drivers, with their rows, of a mechanism whose joints leave nothing free, at the state in the memory."""
     if _driven(system, memory).shape[
         1
@@ -79,7 +79,7 @@ def without_freedom(system: System, memory: Workspace) -> list[tuple[str, int]]:
 
 
 def _driven(system: System, memory: Workspace) -> np.ndarray:
-    """(drivers, freedoms) rows of the drivers along the directions that the joints leave free."""
+    """(drivers, dof) rows of the drivers along the directions that the joints leave free."""
     full = scaled_rows(system, memory)
     driving = np.array([row.driver for row in system.rows])
     free = np.eye(full.shape[1])  # one per row

@@ -1,6 +1,6 @@
 """One mechanism brought to rest: Q(q) - Phi_q^T lambda = 0, Phi(q, t) = 0.
 
-Newton on the freedoms that the joints leave, with positions kept closed:
+Newton on the degrees of freedom that the joints leave, with positions kept closed:
 
     Z = null space of Phi_q,   g = Z^T Q,   H = Z^T K Z,   K = -d(Q - Phi_q^T lambda)/dq,   q += Z H^-1 g
 
@@ -60,7 +60,7 @@ class Room(NamedTuple):
 
 
 class Found(NamedTuple):
-    """A position of rest as it was found."""
+    """An equilibrium as it was found."""
 
     q: np.ndarray  # (3 nb,)
     multiplier: np.ndarray  # (nr,)
@@ -69,7 +69,7 @@ class Found(NamedTuple):
     gap: float  # [m or rad]
     iterations: int
     nonunique: tuple[str, ...]
-    freedoms: int
+    dof: int
     neutral: int
     falling: int
     potential: float  # energy [J]
@@ -77,7 +77,7 @@ class Found(NamedTuple):
     raw: np.ndarray  # output row
 
 
-class Rest:
+class StaticProblem:
     """One mechanism to be brought to rest at one position of its drivers."""
 
     def __init__(self, system: System, t: float) -> None:
@@ -101,7 +101,7 @@ class Rest:
         self.pins = np.ascontiguousarray(entries[:, 1:4])
         self.room = Room.of(3 * system.body_count, system.row_count, len(self.links))
         self.trials = 0  # positions looked at
-        self.arrived = False  # whether the last start led to a position of rest, known or new
+        self.arrived = False  # whether the last start led to an equilibrium, known or new
         self.redundant = False  # whether the rows looked at last depend on each other
         self.table: Table | None = None
         self.at(t)
@@ -119,12 +119,12 @@ class Rest:
     def look(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Reduced force g [N] and the scaled null space Z at q; leaves the least-squares multipliers."""
         r, rows_all = self.room, self.system.row_count
-        freedoms = equilibrium_newton.look(
+        dof = equilibrium_newton.look(
             self.memory, self.t, q, self.scale, r.wide, r.norm, r.order, r.pivot, r.null, r.line
         )
-        self.redundant = freedoms > len(q) - rows_all
+        self.redundant = dof > len(q) - rows_all
         if not self.redundant:
-            return r.line[equilibrium_newton.G, :freedoms].copy(), r.null[:freedoms].T.copy()
+            return r.line[equilibrium_newton.G, :dof].copy(), r.null[:dof].T.copy()
         self.memory.multiplier[:] = 0.0  # of all that hold the balance, those of least size
         force_at(self.memory, self.t, q, self.out)
         applied = self.out * self.scale
@@ -138,13 +138,13 @@ class Rest:
 
     def hessian(self, q: np.ndarray, null: np.ndarray) -> np.ndarray:
         """Reduced Hessian H [N/m]; the multipliers of `look` are in the memory."""
-        room, freedoms = self.room, null.shape[1]
-        room.null[:freedoms] = null.T
+        room, dof = self.room, null.shape[1]
+        room.null[:dof] = null.T
         equilibrium_newton.reduced_stiffness(
-            self.memory, self.t, q, self.length, freedoms, 4, room.null, room.line, room.small
+            self.memory, self.t, q, self.length, dof, 4, room.null, room.line, room.small
         )
         force_at(self.memory, self.t, q, self.out)
-        return room.small[:freedoms, :freedoms].T.copy()
+        return room.small[:dof, :dof].T.copy()
 
     def offsets(self, q: np.ndarray) -> np.ndarray:
         """(k, 2) pin centre minus bush centre of every link, at q."""
@@ -171,9 +171,9 @@ class Rest:
         most: int = MOST_TRIALS,
         turn: float = MOST_TURN,
     ) -> tuple[np.ndarray, int] | None:
-        """A position of rest near a start, or None; downhill: a stable one.
+        """An equilibrium near a start, or None; downhill: a stable one.
 
-        known (k, 3 nb): positions of rest that need not be found once more; None too where the way leads to within
+        known (k, 3 nb): equilibria that need not be found once more; None too where the way leads to within
         `near` of one of them.  most: positions to try before the start is given up; `trials` counts them.
         turn: how far a body may turn in one step [rad]; a wide one is quick but may leap out of the nearest valley.
         """
@@ -193,7 +193,7 @@ class Rest:
         return (q, int(room.state[equilibrium_newton.ITERATION])) if status == equilibrium_newton.SETTLED else None
 
     def walk(self, q: np.ndarray, direction: np.ndarray, stride: float) -> tuple[bool, float, float]:
-        """A stride along the freedoms, in place; whether it could be taken, force along the way, largest force [N]."""
+        """A step along the free motion, in place: whether it could be taken, force along the way, largest force [N]."""
         r = self.room
         self.trials += 1
         gap, along, most = equilibrium_newton.walk(
@@ -212,7 +212,7 @@ class Rest:
         return float(equilibrium_newton.force_size(self.memory, self.system.size))
 
     def weigh(self, q: np.ndarray, iterations: int) -> Found:
-        """What is to be known about a position of rest; the memory holds it afterwards."""
+        """What is to be known about an equilibrium; the memory holds it afterwards."""
         memory, system = self.memory, self.system
         g, null = self.look(q)
         eigenvalue, neutral, falling = math.inf, 0, 0
@@ -221,7 +221,7 @@ class Rest:
             largest = float(np.abs(h).max())
             even = float(np.abs(h - h.T).max()) <= 1e-9 * largest  # loads that keep energy
             values = np.linalg.eigvalsh(0.5 * (h + h.T)) if even else np.linalg.eigvals(h).real
-            # a soft freedom beside a stiff contact is no free one: what counts as nothing is what rounding leaves
+            # a soft direction beside a stiff contact is no free one: what counts as nothing is what rounding leaves
             tiny = max(1e-8 * self.force_scale() / system.size, 1e-13 * float(np.abs(values).max()))
             neutral, falling = int((np.abs(values) < tiny).sum()), int((values <= -tiny).sum())
             eigenvalue = float(values.min()) if abs(values.min()) >= tiny else 0.0
@@ -239,7 +239,7 @@ class Rest:
         )  # fmt: skip
 
     def tell(self, found: Sequence[Found]) -> list[Equilibrium]:
-        """Positions of rest with all their quantities."""
+        """Equilibria with all their quantities."""
         if not found:
             return []
         data, names, units = columns(self.system, np.array([one.raw for one in found]))
@@ -250,7 +250,7 @@ class Rest:
         return [
             Equilibrium(
                 self.t, one.q, one.multiplier, one.eigenvalue, one.residual, one.gap, one.iterations, one.nonunique,
-                one.freedoms, one.neutral, one.falling, row, self.table,
+                one.dof, one.neutral, one.falling, row, self.table,
             )
             for one, row in zip(found, data, strict=True)
         ]  # fmt: skip
@@ -268,5 +268,5 @@ class Rest:
         )
 
     def finish(self, q: np.ndarray, iterations: int) -> Equilibrium:
-        """Everything about a position of rest."""
+        """Everything about an equilibrium."""
         return self.tell([self.weigh(q, iterations)])[0]

@@ -1,13 +1,13 @@
-"""Search for the positions of rest of a mechanism: what is tried, in which order, and when it is enough.
+"""Search for the equilibria of a mechanism: what is tried, in which order, and when it is enough.
 
-One freedom is walked all around.  With more freedoms ways downhill come first, from random positions and from the
-lowest one found, then Newton from starts of several kinds: bodies of positions found turned over, positions along the
-freedoms, random ones; the kind goes on whose positions of rest cost least.  The search ends when many starts in a row
-bring nothing new, or when its work is done: it is counted in positions looked at, so that the answer is always the
-same.
+A mechanism with one degree of freedom is walked along it, all around.  With more, ways downhill come first, from
+random positions and from the lowest one found, then Newton from starts of several kinds: bodies of positions found
+turned over, positions along the free motion, random ones; the kind goes on whose equilibria cost least.  The search
+ends when many starts in a row bring nothing new, or when its work is done: it is counted in positions looked at, so
+that the answer is always the same.
 
-Every clearance pin is a massless link; each position of rest has partners with the pin on the other side of its bush
-(n and -n).  They are started from the ideal mechanism's position of rest, pins displaced along its reactions.
+Every clearance pin is a massless link; each equilibrium has partners with the pin on the other side of its bush
+(n and -n).  They are started from the ideal mechanism's equilibrium, pins displaced along its reactions.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import numpy as np
 
 from rattle.analyses.assembly.assembly import assemble, ideal_model
 from rattle.analyses.assembly.rank import scaled_rows
-from rattle.analyses.statics.balance import MOST_TURN, Found, Rest
+from rattle.analyses.statics.balance import MOST_TURN, Found, StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
 from rattle.analyses.statics.starts import Turning, along, apart, around, opened, sides
 from rattle.description.model import Contact
@@ -31,29 +31,29 @@ from rattle.equations.system import System, compile_system, has_contacts, is_lin
 from rattle.errors import AssemblyError
 from rattle.jit import functions
 
-RANDOM_STARTS = 48  # of a mechanism without a freedom, for other ways to put it together
+RANDOM_STARTS = 48  # of a mechanism without a degree of freedom, for other ways to put it together
 FEW_STARTS = 12  # of a mechanism with one
 MOST_STARTS = 100_000  # however long the user lets it search
 WORK = 36_000.0  # of all starts together, in the units of `price`
 DOWNHILL = 0.5  # share of it that goes into ways downhill
 PRESSED = 0.3  # as much again, to let compliant pins sink in
-QUIET = 20  # starts in a row, and as many for every freedom, that bring nothing new: it is enough
+QUIET = 20  # starts in a row, and as many for every degree of freedom, that bring nothing new: it is enough
 QUIET_DOWNHILL = (4, 2)  # the same for ways downhill
 TRIALS_EACH = 250  # positions looked at from one start downhill
 TRIALS_NEWTON = 40  # and by Newton: where it arrives it does so in far fewer
 WIDE = 1.0  # turn of a body in one step downhill [rad]: any valley will do
 
 
-def price(rest: Rest, trials: int, found: bool) -> float:
+def price(problem: StaticProblem, trials: int, found: bool) -> float:
     """What a start has cost, very roughly in microseconds of one core: of the size of the mechanism."""
-    n = 3.0 * rest.system.body_count
+    n = 3.0 * problem.system.body_count
     look = 3.0 + 0.05 * n * n + 0.0003 * n * n * n
-    weighing = 150.0 + 2.0 * look + (1000.0 if rest.redundant else 0.0)
+    weighing = 150.0 + 2.0 * look + (1000.0 if problem.redundant else 0.0)
     return 60.0 + look * trials + (weighing if found else 0.0)
 
 
 def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: float = 1.0) -> Equilibria:
-    """All positions of rest found; see `Mechanism.equilibrium`."""
+    """All equilibria found; see `Mechanism.equilibrium`."""
     if branches not in ("near", "all"):
         raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
     functions.start()
@@ -61,18 +61,18 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
     rigid = rigid_model(system)
     ideal_system = compile_system(ideal_model(system.model)) if rigid is not None else system
     start = position_at(ideal_system, t)
-    rest = Rest(ideal_system, t)
-    search = Search(rest, effort if rigid is None else 0.5 * effort)
+    problem = StaticProblem(ideal_system, t)
+    search = Search(problem, effort if rigid is None else 0.5 * effort)
     search.explore(start, branches == "all")
-    found = rest.tell(search.found)
+    found = problem.tell(search.found)
     if rigid is None:
         return Equilibria(_sorted(found, start), search.starts, search.stopped, search.extent, effort)
-    play = Rest(rigid, t)
+    play = StaticProblem(rigid, t)
     partners = Search(play, 0.5 * effort)
-    partners.partners(sides(rest, play, sorted(found, key=_height)))
+    partners.partners(sides(problem, play, sorted(found, key=_height)))
     if not partners.found:
         partners.explore(position_at(rigid, t), True)
-    reference = start + _first_offset(rest, rigid, start)
+    reference = start + _first_offset(problem, rigid, start)
     pressing = play.tell(partners.found)
     if any(has_contacts(joint) and _compliant(joint.contact) for joint in system.model.joints.values()):
         pressing = partners.pressed(system, pressing)
@@ -136,24 +136,24 @@ def position_at(system: System, t: float) -> np.ndarray:
 
 
 class Search:
-    """The positions of rest of one mechanism found so far, and what has been spent on them."""
+    """The equilibria of one mechanism found so far, and what has been spent on them."""
 
-    def __init__(self, rest: Rest, effort: float) -> None:
-        self.rest, self.effort = rest, effort
+    def __init__(self, problem: StaticProblem, effort: float) -> None:
+        self.problem, self.effort = problem, effort
         self.found: list[Found] = []
         self.starts = 0
         self.stopped = False  # before it was enough
         self.extent = ""  # how far the search went, in words
-        self.arrived = False  # whether the last start led to a position of rest, known or new
+        self.arrived = False  # whether the last start led to an equilibrium, known or new
         self._work, self._left = 0.0, WORK * effort
-        self._known = np.zeros((16, 3 * rest.system.body_count))
+        self._known = np.zeros((16, 3 * problem.system.body_count))
         self._count = 0
-        self._near = 1e-3 * _tiny(rest.system)
-        self._trials = rest.trials
+        self._near = 1e-3 * _tiny(problem.system)
+        self._trials = problem.trials
         self._turning: Turning | None = None
-        self._start = np.zeros(3 * rest.system.body_count)
+        self._start = np.zeros(3 * problem.system.body_count)
         self._quiet = 0  # starts in vain since the last that was not
-        first = [int(rest.system.arrays["joint"][rest.system.joints.index(name), 4]) for name in rest.links]
+        first = [int(problem.system.arrays["joint"][problem.system.joints.index(name), 4]) for name in problem.links]
         self._links = np.array(first, np.int64)
 
     def spent(self) -> bool:
@@ -164,22 +164,22 @@ class Search:
         return self.starts > 0 and (self._work >= most or self.starts >= MOST_STARTS)
 
     def settled(self, start: np.ndarray, downhill: bool) -> bool:
-        """Try one start; True where it led to a position of rest that is new."""
-        rest = self.rest
+        """Try one start; True where it led to an equilibrium that is new."""
+        problem = self.problem
         self.starts += 1
         most, turn = (TRIALS_EACH, WIDE) if downhill else (TRIALS_NEWTON, MOST_TURN)
-        settled = rest.settle(start, downhill, self._known[: self._count], self._near, most, turn)
-        self.arrived = rest.arrived
-        weighed = settled is not None and not _same(rest.system, settled[0], self._known[: self._count])
+        settled = problem.settle(start, downhill, self._known[: self._count], self._near, most, turn)
+        self.arrived = problem.arrived
+        weighed = settled is not None and not _same(problem.system, settled[0], self._known[: self._count])
         new = False
         if settled is not None and weighed:
             self._remember(settled[0])
             one = self._weighed(*settled)
-            new = not any(_one_family(one, other, self._links, rest.system.size) for other in self.found)
+            new = not any(_one_family(one, other, self._links, problem.system.size) for other in self.found)
             if new:
                 self.found.append(one)
-        self._work += price(rest, rest.trials - self._trials, weighed)
-        self._trials = rest.trials
+        self._work += price(problem, problem.trials - self._trials, weighed)
+        self._trials = problem.trials
         return new
 
     def _weighed(self, q: np.ndarray, iterations: int) -> Found:
@@ -187,12 +187,12 @@ class Search:
         if self._turning is not None:
             same = self._turning.unwound(q, self._start)
             if (same != q).any():
-                one, other = self.rest.weigh(q, iterations), self.rest.weigh(same, iterations)
+                one, other = self.problem.weigh(q, iterations), self.problem.weigh(same, iterations)
                 slight = 1e-9 * one.force
-                alike = abs(one.potential - other.potential) <= slight * self.rest.system.size
-                closed = other.gap <= one.gap + 1e-12 * self.rest.system.size
+                alike = abs(one.potential - other.potential) <= slight * self.problem.system.size
+                closed = other.gap <= one.gap + 1e-12 * self.problem.system.size
                 return other if alike and closed and other.residual <= one.residual + slight else one
-        return self.rest.weigh(q, iterations)
+        return self.problem.weigh(q, iterations)
 
     def _remember(self, q: np.ndarray) -> None:
         if self._count == len(self._known):
@@ -203,43 +203,45 @@ class Search:
     # ------------------------------------------------------------ from nothing
     def explore(self, start: np.ndarray, everywhere: bool) -> None:
         """All kinds of starts; everywhere: other ways to put the mechanism together too."""
-        turning, random = Turning(self.rest.system), np.random.default_rng(0)
+        turning, random = Turning(self.problem.system), np.random.default_rng(0)
         self._turning, self._start = turning, start
-        _, null = self.rest.look(start)
-        freedoms = null.shape[1]
-        if freedoms > 1:
-            self._many(start, turning, random, freedoms)
+        _, null = self.problem.look(start)
+        dof = null.shape[1]
+        if dof > 1:
+            self._many(start, turning, random, dof)
             return
-        starts = [start, *(around(self.rest, start, null[:, 0]) if freedoms else ())]
+        starts = [start, *(around(self.problem, start, null[:, 0]) if dof else ())]
         anywhere = (turning.anywhere(start, random) for _ in itertools.count())
         count = 0
-        if everywhere or freedoms:
+        if everywhere or dof:
             count = int(min(MOST_STARTS, (RANDOM_STARTS if everywhere else FEW_STARTS) * max(1.0, self.effort)))
         for one in itertools.chain(starts, itertools.islice(anywhere, count)):
-            for downhill in (False, True)[: freedoms + 1]:
+            for downhill in (False, True)[: dof + 1]:
                 if self.spent():
                     self.stopped = True
                     return
                 self.settled(one, downhill)
-        if freedoms:  # other ways to put it together, as long as some are met
+        if dof:  # other ways to put it together, as long as some are met
             self._until_quiet({"random": anywhere}, 2 * QUIET, self._left)
         self.extent = (
-            "its one freedom was walked along, end to end" if freedoms else "joints and drivers leave no freedom"
+            "its one degree of freedom was walked along, end to end"
+            if dof
+            else "joints and drivers leave no degree of freedom"
         )
 
-    def _many(self, start: np.ndarray, turning: Turning, random: np.random.Generator, freedoms: int) -> None:
-        """Ways downhill, then Newton from the kind of starts whose positions of rest cost least."""
+    def _many(self, start: np.ndarray, turning: Turning, random: np.random.Generator, dof: int) -> None:
+        """Ways downhill, then Newton from the kind of starts whose equilibria cost least."""
         downhill = {"downhill": self._downhill(start, turning, random)}
         least, each = QUIET_DOWNHILL
-        surely = self._until_quiet(downhill, least + each * freedoms, DOWNHILL * self._left)
+        surely = self._until_quiet(downhill, least + each * dof, DOWNHILL * self._left)
         kinds = {
             "turned": self._turned(turning, random),
-            "along": along(self.rest, start),
+            "along": along(self.problem, start),
             "random": itertools.chain([start], (turning.anywhere(start, random) for _ in itertools.count())),
         }
-        enough = self._until_quiet(kinds, QUIET * (1 + freedoms), self._left)
+        enough = self._until_quiet(kinds, QUIET * (1 + dof), self._left)
         if enough and not surely:
-            enough = self._until_quiet(downhill, least + each * freedoms, self._left)
+            enough = self._until_quiet(downhill, least + each * dof, self._left)
         self.stopped = not enough
         self.extent = f"the last {self._quiet} of {self.starts} starts brought nothing new"
 
@@ -299,8 +301,8 @@ class Search:
 
     def pressed(self, system: System, rigid: list[Equilibrium]) -> list[Equilibrium]:
         """Compliant pins: from the rigid positions that press everywhere, let every pin sink in."""
-        play, rest = self.rest, Rest(system, self.rest.t)
-        ideal = Rest(compile_system(ideal_model(system.model)), rest.t)
+        play, problem = self.problem, StaticProblem(system, self.problem.t)
+        ideal = StaticProblem(compile_system(ideal_model(system.model)), problem.t)
         found: list[Equilibrium] = []
         for one in sorted((one for one in rigid if one.admissible), key=_height):
             if found and self._work >= self._left + PRESSED * WORK * self.effort:
@@ -308,19 +310,19 @@ class Search:
                 break
             offsets = dict(zip(play.links, play.offsets(one.q), strict=True))
             for depth in (1e-4, 1e-3, 1e-2, 1e-5, 1e-1):  # of the clearance
-                before = rest.trials
+                before = problem.trials
                 start = opened(ideal, one.q, {name: e * (1 + depth) for name, e in offsets.items()})
-                settled = rest.settle(start)
-                self._work += price(rest, rest.trials - before, settled is not None)
+                settled = problem.settle(start)
+                self._work += price(problem, problem.trials - before, settled is not None)
                 if settled is not None:
                     if not found or not _same(system, settled[0], np.array([other.q for other in found])):
-                        found.append(rest.finish(*settled))
+                        found.append(problem.finish(*settled))
                     break
         return found
 
 
 def _one_family(one: Found, other: Found, links: np.ndarray, size: float) -> bool:
-    """True where a free motion leads from one position of rest to the other: it costs no energy.
+    """True where a free motion leads from one equilibrium to the other: it costs no energy.
 
     links: (k,) rows of the massless links, whose multipliers say on which side their pins are.
     """
@@ -344,7 +346,7 @@ def _same(system: System, one: np.ndarray, others: np.ndarray) -> bool:
     return bool(apart(system, one, others).min() < 1e-5 * _tiny(system) + 1e-10 * system.size)
 
 
-def _first_offset(ideal: Rest, rigid: System, start: np.ndarray) -> np.ndarray:
+def _first_offset(ideal: StaticProblem, rigid: System, start: np.ndarray) -> np.ndarray:
     """What the pins' offsets at the start, as far as given, change in the ideal position."""
     given = rigid.model.initial.offsets
     wanted = {
@@ -367,10 +369,10 @@ def _sorted(found: list[Equilibrium], start: np.ndarray) -> list[Equilibrium]:
     return sorted(found, key=key)
 
 
-def rest_of(system: System, one: Equilibrium) -> Rest:
-    """The mechanism as it stands in one of its positions of rest: with rigid or with compliant pins."""
+def static_problem(system: System, one: Equilibrium) -> StaticProblem:
+    """The mechanism as it stands in one of its equilibria: with rigid or with compliant pins."""
     system = without_guide_play(system)
     rigid = rigid_model(system)
     if rigid is not None and rigid.row_count == len(one.multiplier):
-        return Rest(rigid, one.t)
-    return Rest(system, one.t)
+        return StaticProblem(rigid, one.t)
+    return StaticProblem(system, one.t)

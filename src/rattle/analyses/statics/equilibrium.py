@@ -1,4 +1,4 @@
-"""A position of rest and what is known about it; the list of those that were found.
+"""An equilibrium and what is known about it; the list of those that were found.
 
 All positions of one search are rows of one table: a `Result` of a single position is made only where it is asked for.
 """
@@ -21,7 +21,7 @@ LONG = 1000.0  # effort from which on no more is advised
 
 
 class Table(NamedTuple):
-    """What the positions of rest of one mechanism have in common."""
+    """What the equilibria of one mechanism have in common."""
 
     column: Mapping[str, int]  # of every name
     units: Mapping[str, str]
@@ -32,19 +32,19 @@ class Table(NamedTuple):
 
 @dataclass(repr=False)
 class Equilibrium:
-    """One position of rest. `E["coupler.angle"]` gives any result name [SI]."""
+    """One equilibrium. `E["coupler.angle"]` gives any result name [SI]."""
 
     t: float  # [s], of the drivers' functions
     q: np.ndarray = field(repr=False)  # (3 nb,)
     multiplier: np.ndarray = field(repr=False)  # (nr,)
-    eigenvalue: float  # smallest of the reduced Hessian [N/m]; inf where no freedom is left
+    eigenvalue: float  # smallest of the reduced Hessian [N/m]; inf where no degree of freedom is left
     residual: float  # largest force out of balance [N]
     gap: float  # largest constraint residual [m or rad]
     iterations: int
     nonunique: tuple[str, ...]  # joints whose reactions are not unique
-    freedoms: int  # that the joints and drivers leave
-    neutral: int  # freedoms along which it may be anywhere
-    falling: int  # freedoms along which it is not held
+    dof: int  # that the joints and drivers leave
+    neutral: int  # degrees of freedom along which it may be anywhere
+    falling: int  # degrees of freedom along which it is not held
     row: np.ndarray = field(repr=False)  # (columns of the table,)
     table: Table = field(repr=False)
 
@@ -126,13 +126,13 @@ class Equilibrium:
             f", {name} presses with {abs(n):.4g} N" for name, n in self.normals.items() if name not in self.pulled
         )
         if self.neutral:
-            kind += f" (free to move in {self.neutral} freedom{'s' if self.neutral > 1 else ''})"
+            kind += f" (free to move in {self.neutral} degree{'s' if self.neutral > 1 else ''} of freedom)"
         hold = f", stiffness {self.eigenvalue:.3g} N/m" if math.isfinite(self.eigenvalue) else ""
         return f"{kind}{hold}{sides}{pins}; balanced to {self.residual:.1g} N, closed to {self.gap:.1g} m"
 
 
 class Equilibria(list[Equilibrium]):
-    """The positions of rest that were found, in order, and how far the search went; shows itself as a table."""
+    """The equilibria that were found, in order, and how far the search went; shows itself as a table."""
 
     def __init__(
         self, found: Iterable[Equilibrium], starts: int, stopped: bool, extent: str = "", effort: float = 1.0
@@ -148,7 +148,7 @@ class Equilibria(list[Equilibrium]):
         if not self.stopped:
             return ""
         more = f" (effort {10 * self._effort:g} looks longer)" if self._effort < LONG else ""
-        return f"search stopped after {self.starts} starts; there may be more positions of rest{more}"
+        return f"search stopped after {self.starts} starts; there may be more equilibria{more}"
 
     @property
     def extent(self) -> str:
@@ -167,6 +167,6 @@ class Equilibria(list[Equilibrium]):
             )
             rows.append((str(n), "yes" if one.stable else "no", "yes" if one.admissible else "no", angles, str(one)))
         if not rows:
-            return "no position of rest was found"
+            return "no equilibrium was found"
         said = f"<p>{self.note}</p>" if self.note else ""
         return table(("", "stable", "admissible", "angles", ""), rows) + said

@@ -1,4 +1,4 @@
-"""Small free vibrations about a position of rest.
+"""Small free vibrations about an equilibrium.
 
 Z^T M Z ddz + Z^T C Z dz + Z^T K Z z = 0,     shapes Z z, normed so that the largest displacement is the
 mechanism's size;  K as in `statics`, C = -dQ/dv by differences
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rattle.analyses.statics.balance import Rest
+from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.equations.motion import loads, place
 from rattle.equations.rest_force import force_at
@@ -39,8 +39,8 @@ class Modes:
     growth: np.ndarray  # (f,) rate at which an unstable mode grows [1/s], 0 for those that swing
     damping: np.ndarray  # (f,) share of critical damping (of the mode alone)
     shapes: np.ndarray  # (f, 3 nb) x, y, angle of every body [m, m, rad] at the largest displacement
-    rest: Rest = field(repr=False)
-    note: str = ""  # how far the search for the position of rest went, where it was given up
+    problem: StaticProblem = field(repr=False)
+    note: str = ""  # how far the search for the equilibrium went, where it was given up
 
     @property
     def frequency(self) -> np.ndarray:
@@ -60,10 +60,10 @@ class Modes:
 
     def rows(self) -> list[tuple[str, str, str, str]]:
         """Number from 1, frequency or growth, damping, the bodies that move most; one row per mode."""
-        bodies = self.rest.system.bodies
+        bodies = self.problem.system.bodies
         found = []
         for k in range(len(self)):
-            share = np.abs(self.shapes[k] / self.rest.scale).reshape(-1, 3).max(axis=1)
+            share = np.abs(self.shapes[k] / self.problem.scale).reshape(-1, 3).max(axis=1)
             movers = ", ".join(bodies[int(n)] for n in np.argsort(-share)[:3] if share[n] > 0.1 * share.max())
             if math.isnan(self.omega[k]):
                 found.append((str(k + 1), f"unstable, grows at {self.growth[k]:.6g} 1/s", "", movers))
@@ -86,27 +86,27 @@ class Modes:
         """
         if not 0 <= mode < len(self):
             raise ValueError(f"mode {mode}: there are {len(self)} modes, here numbered from 0")
-        rest, q0 = self.rest, self.equilibrium.q
+        problem, q0 = self.problem, self.equilibrium.q
         omega = 2 * math.pi if math.isnan(self.omega[mode]) or self.omega[mode] == 0.0 else self.omega[mode]
         t = np.linspace(0.0, 2 * math.pi / omega, FRAMES)
         names = [name for name in self.equilibrium.result.stored if name.endswith((".x", ".y", ".angle", ".ex", ".ey"))]
         table = []
-        rest.at(self.equilibrium.t)
+        problem.at(self.equilibrium.t)
         steps = 8
         swing = {0: q0.copy()}
         for sign in (1, -1):  # outwards in small steps, so that clearance pins keep their side
             q = q0.copy()
             for n in range(1, steps + 1):
                 q = q + sign * amplitude / steps * self.shapes[mode]
-                rest.close(q)
+                problem.close(q)
                 swing[sign * n] = q.copy()
         keys = np.array(sorted(swing), dtype=float)
         known = np.array([swing[int(k)] for k in keys])
         for instant in t:
             level = steps * math.cos(omega * instant)
             q = np.array([np.interp(level, keys, known[:, k]) for k in range(len(q0))])
-            rest.close(q)
-            one = rest.finish(q, 0)
+            problem.close(q)
+            one = problem.finish(q, 0)
             table.append([one[name] for name in names])
         base = self.equilibrium.result
         return Result(
@@ -140,17 +140,17 @@ class Modes:
         )
 
 
-def modes(rest: Rest, one: Equilibrium, note: str = "") -> Modes:
-    """Natural modes about a position of rest found with `rest`; see `Mechanism.modes`."""
-    rest.at(one.t)
-    g, null = rest.look(one.q)
+def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
+    """Natural modes about an equilibrium found with `problem`; see `Mechanism.modes`."""
+    problem.at(one.t)
+    g, null = problem.look(one.q)
     if not len(g):
         empty = np.zeros(0)
-        return Modes(one, empty, empty, empty, np.zeros((0, len(one.q))), rest, note)
-    h = rest.hessian(one.q, null)
+        return Modes(one, empty, empty, empty, np.zeros((0, len(one.q))), problem, note)
+    h = problem.hessian(one.q, null)
     h = 0.5 * (h + h.T)
-    mass = null.T @ (rest.system.arrays["mass"][1:].ravel()[:, None] * null)
-    c = null.T @ _damping(rest, one.q) @ null
+    mass = null.T @ (problem.system.arrays["mass"][1:].ravel()[:, None] * null)
+    c = null.T @ _damping(problem, one.q) @ null
     lower = np.linalg.inv(np.linalg.cholesky(mass))
     squares, vectors = np.linalg.eigh(lower @ h @ lower.T)
     vectors = lower.T @ vectors
@@ -161,22 +161,22 @@ def modes(rest: Rest, one: Equilibrium, note: str = "") -> Modes:
     critical = np.where(omega > 0, 2 * omega, np.nan)
     damping = np.einsum("ik,ij,jk->k", vectors, c, vectors) / critical
     shapes = (null @ vectors).T
-    largest = np.abs(shapes / rest.scale).max(axis=1, keepdims=True)
-    return Modes(one, omega, growth, np.nan_to_num(damping), shapes / largest * rest.system.size, rest, note)
+    largest = np.abs(shapes / problem.scale).max(axis=1, keepdims=True)
+    return Modes(one, omega, growth, np.nan_to_num(damping), shapes / largest * problem.system.size, problem, note)
 
 
-def _damping(rest: Rest, q: np.ndarray) -> np.ndarray:
+def _damping(problem: StaticProblem, q: np.ndarray) -> np.ndarray:
     """C = -dQ/dv at rest (3 nb, 3 nb)."""
-    memory, n = rest.memory, len(q)
+    memory, n = problem.memory, len(q)
     result = np.zeros((n, n))
     for k in range(n):
         sides = []
         for sign in (1.0, -1.0):
             v = np.zeros(n)
-            v[k] = sign * 1e-4 * rest.scale[k] * rest.system.size
+            v[k] = sign * 1e-4 * problem.scale[k] * problem.system.size
             place(memory, q, v)
-            loads(memory, rest.t)
+            loads(memory, problem.t)
             sides.append(memory.force[1:].ravel().copy())
-        result[:, k] = -(sides[0] - sides[1]) / (2e-4 * rest.scale[k] * rest.system.size)
-    force_at(memory, rest.t, q, rest.out)
+        result[:, k] = -(sides[0] - sides[1]) / (2e-4 * problem.scale[k] * problem.system.size)
+    force_at(memory, problem.t, q, problem.out)
     return result

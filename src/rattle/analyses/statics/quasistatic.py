@@ -1,4 +1,4 @@
-"""A slow motion: one position of rest after the other while the drivers go on.
+"""A quasi-static motion: one equilibrium after the other while the drivers go on.
 
 At each instant equilibrium (see `equilibria`); from it the efforts of the drivers and how much force a unit of
 effort holds at each load (mechanical advantage), from the linearised balance
@@ -18,7 +18,7 @@ import numpy as np
 from rattle import registry
 from rattle.analyses.assembly.assembly import ideal_model
 from rattle.analyses.kinematics import instants
-from rattle.analyses.statics.balance import Rest
+from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibria import equilibria, rigid_model, without_guide_play
 from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.analyses.statics.starts import opened
@@ -41,31 +41,31 @@ MOST_TRIALS = 20_000  # positions looked at in one interval
 
 @dataclass
 class Path:
-    """A path in the making: the last position of rest and the one before it."""
+    """A path in the making: the last equilibrium and the one before it."""
 
-    rest: Rest
-    ideal: Rest | None  # of the mechanism without play
+    problem: StaticProblem
+    ideal: StaticProblem | None  # of the mechanism without play
     last: Equilibrium
     before: Equilibrium | None = None
 
     def step(self, t: float) -> Equilibrium | None:
-        """The position of rest at t that follows smoothly from the last, or None."""
+        """The equilibrium at t that follows smoothly from the last, or None."""
         last, before = self.last, self.before
         guesses = [last.q]
         if before is not None and last.t != before.t:
             guesses.insert(0, last.q + (last.q - before.q) * (t - last.t) / (last.t - before.t))
-        self.rest.at(t)
+        self.problem.at(t)
         for guess in guesses:
-            settled = self.rest.settle(guess)
+            settled = self.problem.settle(guess)
             if settled is not None and self._near(settled[0]):
-                return self.rest.finish(*settled)
+                return self.problem.finish(*settled)
         return None
 
     def _near(self, q: np.ndarray) -> bool:
         """Whether a position is so close to the last that it belongs to the same branch."""
-        if np.abs((q - self.last.q) / self.rest.scale).max() > 0.3 * self.rest.system.size:
+        if np.abs((q - self.last.q) / self.problem.scale).max() > 0.3 * self.problem.system.size:
             return False
-        one, other = self.rest.offsets(self.last.q), self.rest.offsets(q)
+        one, other = self.problem.offsets(self.last.q), self.problem.offsets(q)
         cosine = (one * other).sum(axis=1) / (np.linalg.norm(one, axis=1) * np.linalg.norm(other, axis=1) + 1e-300)
         return bool((cosine > 0.7).all())
 
@@ -75,17 +75,17 @@ class Path:
 
 
 def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Result:
-    """Positions of rest over the times; see `Mechanism.equilibrium`."""
+    """Equilibria over the times; see `Mechanism.equilibrium`."""
     began = time.perf_counter()
     times = instants(t_eval)
     functions.start()
     system = without_guide_play(system)
     first = equilibria(system, float(times[0]), effort=effort)
     if not first:
-        raise ValueError(f"no position of rest was found at t = {times[0]:g} s")
+        raise ValueError(f"no equilibrium was found at t = {times[0]:g} s")
     rigid = rigid_model(system)
-    ideal = Rest(compile_system(ideal_model(system.model)), float(times[0])) if rigid is not None else None
-    path = Path(Rest(rigid or system, float(times[0])), ideal, first[0])
+    ideal = StaticProblem(compile_system(ideal_model(system.model)), float(times[0])) if rigid is not None else None
+    path = Path(StaticProblem(rigid or system, float(times[0])), ideal, first[0])
     if rigid is not None and path.last.result.geometry["joints"] != {}:
         path.last = _on_links(path, first[0])
     kept = [path.last]
@@ -98,21 +98,21 @@ def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Resu
         kept.append(path.last)
     if message:
         log.warning(message)
-    return _result(path.rest, kept, events, message, first.note, time.perf_counter() - began)
+    return _result(path.problem, kept, events, message, first.note, time.perf_counter() - began)
 
 
 def _on_links(path: Path, start: Equilibrium) -> Equilibrium:
     """The start with its pins on rigid walls (compliant ones are followed as if they were hard)."""
-    settled = path.rest.settle(start.q)
-    return path.rest.finish(*settled) if settled is not None else start
+    settled = path.problem.settle(start.q)
+    return path.problem.finish(*settled) if settled is not None else start
 
 
 def _lead(path: Path, t: float, events: list[Event]) -> str:
     """Go to time t in as many steps as needed; returns why not, if not."""
-    snaps, steps, before = 0, 0, path.rest.trials
+    snaps, steps, before = 0, 0, path.problem.trials
     while path.last.t < t:
         steps += 1
-        if steps > MOST_STEPS or path.rest.trials - before > MOST_TRIALS:
+        if steps > MOST_STEPS or path.problem.trials - before > MOST_TRIALS:
             return (
                 f"search stopped at t = {path.last.t:.8g} s after {steps - 1} steps towards t = {t:.8g} s: the position"
                 " of rest changes too fast there; ask for more instants, or for the motion with simulate"
@@ -126,7 +126,7 @@ def _lead(path: Path, t: float, events: list[Event]) -> str:
             snaps += 1
             found = _snap(path, t) if snaps <= MOST_SNAPS else None
             if found is None:
-                return f"no position of rest beyond t = {path.last.t:.8g} s near the last one"
+                return f"no equilibrium beyond t = {path.last.t:.8g} s near the last one"
             events.append(Event(path.last.t, "", "snap"))
             path.last, path.before = found, None
             continue
@@ -139,11 +139,11 @@ def _lead(path: Path, t: float, events: list[Event]) -> str:
 
 
 def _snap(path: Path, t: float) -> Equilibrium | None:
-    """The stable position of rest downhill of the last one, when that has ceased to exist."""
+    """The stable equilibrium downhill of the last one, when that has ceased to exist."""
     ahead = min(t, path.last.t + 1e-3 * (t - path.last.t)) if t - path.last.t > 1e-9 else t
-    path.rest.at(ahead)
-    settled = path.rest.settle(path.last.q, downhill=True)
-    return path.rest.finish(*settled) if settled is not None else None
+    path.problem.at(ahead)
+    settled = path.problem.settle(path.last.q, downhill=True)
+    return path.problem.finish(*settled) if settled is not None else None
 
 
 def _change_sides(path: Path, found: Equilibrium, pulled: list[str], events: list[Event]) -> None:
@@ -165,38 +165,38 @@ def _change_sides(path: Path, found: Equilibrium, pulled: list[str], events: lis
     events.sort(key=lambda event: event.t)
     assert path.ideal is not None
     path.ideal.at(found.t)
-    offsets = dict(zip(path.rest.links, path.rest.offsets(found.q), strict=True))
+    offsets = dict(zip(path.problem.links, path.problem.offsets(found.q), strict=True))
     turned = {name: -e if name in found.pulled else e for name, e in offsets.items()}
-    path.rest.at(found.t)
-    settled = path.rest.settle(opened(path.ideal, found.q, turned))
-    other = path.rest.finish(*settled) if settled is not None else None
+    path.problem.at(found.t)
+    settled = path.problem.settle(opened(path.ideal, found.q, turned))
+    other = path.problem.finish(*settled) if settled is not None else None
     path.go(found)
     if other is not None and len(other.pulled) < len(found.pulled):
         path.last, path.before = other, None
 
 
 # ---------------------------------------------------------------- mechanical advantage
-def advantage(rest: Rest, one: Equilibrium) -> dict[tuple[str, str], float]:
+def advantage(problem: StaticProblem, one: Equilibrium) -> dict[tuple[str, str], float]:
     """(load, driver) -> force or moment held at the load per unit of the driver's effort, both with their signs.
 
     Loads with a constant direction only (force, torque); inf where no effort is needed (a toggle).
     """
-    system, memory = rest.system, rest.memory
+    system, memory = problem.system, problem.memory
     drivers = [name for name in system.joints if name in system.model.drivers]
     acting = [name for name, load in system.model.loads.items() if load.kind in ("force", "torque")]
     if not drivers or not acting:
         return {}
     n, nr = 3 * system.body_count, system.row_count
-    rest.look(one.q)
+    problem.look(one.q)
     tangent = np.zeros((n, n))
-    stiffness(memory, rest.t, one.q, rest.step, rest.out, tangent)
+    stiffness(memory, problem.t, one.q, problem.step, problem.out, tangent)
     rows = dense_rows(system, memory)
     whole = np.block([[tangent, rows.T], [rows, np.zeros((nr, nr))]])
-    scale = np.concatenate([rest.scale, np.ones(nr)])
+    scale = np.concatenate([problem.scale, np.ones(nr)])
     found = {}
     for name in acting:
         right = np.zeros(n + nr)
-        right[:n] = _direction(rest, one, name)
+        right[:n] = _direction(problem, one, name)
         answer = np.linalg.lstsq(whole * scale[:, None] * scale, right * scale, rcond=1e-13)[0] * scale
         for driver in drivers:
             row = int(system.arrays["joint"][system.joints.index(driver), 4])
@@ -205,9 +205,9 @@ def advantage(rest: Rest, one: Equilibrium) -> dict[tuple[str, str], float]:
     return found
 
 
-def _direction(rest: Rest, one: Equilibrium, name: str) -> np.ndarray:
+def _direction(problem: StaticProblem, one: Equilibrium, name: str) -> np.ndarray:
     """(3 nb,) generalised force of one unit of a load in its present direction."""
-    system, memory = rest.system, rest.memory
+    system, memory = problem.system, problem.memory
     load = system.model.loads[name]
     unit = np.zeros(3 * system.body_count)
     if load.b.body == "ground":
@@ -231,15 +231,17 @@ def _direction(rest: Rest, one: Equilibrium, name: str) -> np.ndarray:
 ADVANTAGE_UNITS = {("torque", "N*m"): "", ("force", "N"): "", ("force", "N*m"): "1/m", ("torque", "N"): "m"}
 
 
-def _result(rest: Rest, kept: list[Equilibrium], events: list[Event], message: str, note: str, wall: float) -> Result:
-    system, first = rest.system, kept[0].result
+def _result(
+    problem: StaticProblem, kept: list[Equilibrium], events: list[Event], message: str, note: str, wall: float
+) -> Result:
+    system, first = problem.system, kept[0].result
     names, units = list(first.stored), {name: first.unit(name) for name in first.stored}
     table = [[one[name] for name in names] for one in kept]
     extra = {"equilibrium.stiffness": "N/m", "equilibrium.stable": "", "equilibrium.admissible": ""}
     for line, one in zip(table, kept, strict=True):
         line += [one.eigenvalue, float(one.stable), float(one.admissible)]
-        rest.at(one.t)
-        for (load, driver), value in advantage(rest, one).items():
+        problem.at(one.t)
+        for (load, driver), value in advantage(problem, one).items():
             effort = registry.kinds("driver")[system.model.drivers[driver].kind].leaf.effort[1]
             name = f"{load}.advantage" if len(system.model.drivers) == 1 else f"{load}.advantage_{driver}"
             extra[name] = ADVANTAGE_UNITS[system.model.loads[load].kind, effort]

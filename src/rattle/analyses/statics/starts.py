@@ -1,4 +1,4 @@
-"""Where the search for positions of rest starts: around a freedom, along freedoms, bodies turned, pins on their sides.
+"""Where the search for equilibria starts: along the free motion, bodies turned, pins on their sides.
 
 Turned bodies take along what hangs on them, from joint to joint outwards, so that only loops are left to be closed.
 """
@@ -13,12 +13,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 import numpy as np
 
 from rattle.analyses.assembly.first_guess import outward
-from rattle.analyses.statics.balance import Rest
+from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.equations.system import System
 
-MOST_STRIDES = 160  # along a freedom that does not close
-STRIDES = 12  # along one of many freedoms, either way
+MOST_STRIDES = 160  # along a degree of freedom that does not close
+STRIDES = 12  # along one of many degrees of freedom, either way
 DIRECTIONS = 4  # of so many
 FAR = 0.3  # shift of what slides or is free, as a share of the mechanism's size
 
@@ -143,42 +143,42 @@ def _groups(system: System) -> list[list[int]]:
     return list(found.values())
 
 
-# ---------------------------------------------------------------- along freedoms
-def along(rest: Rest, start: np.ndarray) -> Iterator[np.ndarray]:
-    """Positions along some of the freedoms at the start, either way."""
-    _, null = rest.look(start)
+# ---------------------------------------------------------------- along degrees of freedom
+def along(problem: StaticProblem, start: np.ndarray) -> Iterator[np.ndarray]:
+    """Positions along some of the degrees of freedom at the start, either way."""
+    _, null = problem.look(start)
     for direction in [sign * null[:, k] for k in range(min(null.shape[1], DIRECTIONS)) for sign in (1.0, -1.0)]:
         q = start.copy()
         for _ in range(STRIDES):
-            if not rest.walk(q, direction, 0.25 * rest.system.size)[0]:
+            if not problem.walk(q, direction, 0.25 * problem.system.size)[0]:
                 break
             yield q.copy()
 
 
-def around(rest: Rest, start: np.ndarray, direction: np.ndarray) -> list[np.ndarray]:
-    """One freedom: walk along it, all around where it closes; the places where the force along it changes its sign."""
-    stride = rest.system.size / 8
-    path, force = [start], [float(rest.look(start)[0][0])]
+def around(problem: StaticProblem, start: np.ndarray, direction: np.ndarray) -> list[np.ndarray]:
+    """Walk along the one free motion, all around where it closes; where the force along it changes its sign."""
+    stride = problem.system.size / 8
+    path, force = [start], [float(problem.look(start)[0][0])]
     for sign in (1.0, -1.0):
         q, ahead, closed = start.copy(), sign * direction, False
         for n in range(MOST_STRIDES):
-            went, strength, _ = rest.walk(q, ahead, stride)
+            went, strength, _ = problem.walk(q, ahead, stride)
             if not went:
                 break
             path.insert(len(path) if sign > 0 else 0, q.copy())
             force.insert(len(force) if sign > 0 else 0, sign * strength)
-            closed = n > 2 and apart(rest.system, q, start[None])[0] < stride
+            closed = n > 2 and apart(problem.system, q, start[None])[0] < stride
             if closed:
                 break
         if closed:
             break
-    nothing = 1e-9 * max(rest.force_scale(), max(map(abs, force)))
+    nothing = 1e-9 * max(problem.force_scale(), max(map(abs, force)))
     size = [abs(one) if abs(one) > nothing else math.inf for one in force]  # where nothing acts it may be anywhere
     found = []
     for k in range(1, len(path)):
         if size[k - 1] < math.inf and size[k] < math.inf and force[k - 1] * force[k] < 0.0:
             found += [path[k - 1], path[k]]
-    for k in range(1, len(path) - 1):  # without a change of sign: two positions of rest may lie close together
+    for k in range(1, len(path) - 1):  # without a change of sign: two equilibria may lie close together
         if size[k] < min(size[k - 1], size[k + 1]) and force[k - 1] * force[k + 1] > 0.0:
             found.append(path[k])
     return found
@@ -193,7 +193,7 @@ def apart(system: System, one: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 # ---------------------------------------------------------------- pins
-def opened(ideal: Rest, q: np.ndarray, wanted: Mapping[str, np.ndarray]) -> np.ndarray:
+def opened(ideal: StaticProblem, q: np.ndarray, wanted: Mapping[str, np.ndarray]) -> np.ndarray:
     """The ideal mechanism's position with its pins displaced in their bushes, by least change."""
     system = ideal.system
     target = np.zeros(system.row_count)
@@ -205,7 +205,7 @@ def opened(ideal: Rest, q: np.ndarray, wanted: Mapping[str, np.ndarray]) -> np.n
     return q
 
 
-def sides(ideal: Rest, play: Rest, found: Sequence[Equilibrium]) -> Iterator[np.ndarray]:
+def sides(ideal: StaticProblem, play: StaticProblem, found: Sequence[Equilibrium]) -> Iterator[np.ndarray]:
     """Starts with every pin on either side of its bush along the ideal reaction: all that press first, then few not."""
     pressed = []
     for one in found:

@@ -1,4 +1,4 @@
-"""Drivers: a joint's freedom follows a given function of time f(t).
+"""Drivers: a joint's degree of freedom follows a given function of time f(t).
 
     angle:    Phi = phi_B - phi_A - f = 0                                                    [rad]
               nu  = f',  gamma = f''
