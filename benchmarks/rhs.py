@@ -34,9 +34,9 @@ def seconds_per_rhs(mechanism: rt.Mechanism, calls: int) -> float:
     """Time of one right-hand side at the start of the mechanism [s], called in a compiled loop."""
     functions.start()
     y = start_state(mechanism.system, mechanism.start)
-    memory, dy = mechanism.system.memory(), np.zeros_like(y)
-    many(memory, 0.0, y, dy, 1)
-    return timed(lambda: many(memory, 0.0, y, dy, calls))() / calls
+    workspace, dy = mechanism.system.workspace(), np.zeros_like(y)
+    many(workspace, 0.0, y, dy, 1)
+    return timed(lambda: many(workspace, 0.0, y, dy, calls))() / calls
 
 
 def handwritten(folder: Path) -> Path | None:

@@ -14,7 +14,7 @@ STEPS = (  # one function of each stage of a run, in the order in which they are
     ("The document is checked, all problems at once, and becomes a frozen model in SI units", ("read", "METHODS")),
     ("The model becomes flat arrays", ("compile_system",)),
     ("The mechanism is put together: positions, then rates", ("assemble",)),
-    ("The analysis makes the memory of a run and calls the steppers piece by piece", ("simulate", "output_times")),
+    ("The analysis makes the workspace of a run and calls the steppers piece by piece", ("simulate", "output_times")),
     ("Step after step, with contacts and switches located", ("advance", "march_arrays")),
     ("Everything at one instant: bodies, rows, loads, accelerations", ("solve_motion", "derivative")),
     ("Rows become multipliers: the sparse factor", ("factorise", "analyse")),

@@ -74,9 +74,9 @@ def test_angles_that_do_not_close_change_least_by_mass():
         m.initial(body, x=x, y=y, angle=phi)
     start = np.array([v for one in m.model.initial.bodies.values() for v in one.values()])
     change = (m.start.q - start) * m.system.arrays["mass"][1:].ravel()
-    memory = m.system.memory()
-    open_by(memory, 0.0, m.start.q, m.start.v)
-    rows = dense_rows(m.system, memory)
+    workspace = m.system.workspace()
+    open_by(workspace, 0.0, m.start.q, m.start.v)
+    rows = dense_rows(m.system, workspace)
     free = np.linalg.svd(rows)[2][np.linalg.matrix_rank(rows) :]
     assert np.abs(change).max() > 1e-4
     assert np.abs(free @ change).max() < 1e-3 * np.abs(change).max()  # second order in the change
@@ -182,9 +182,9 @@ def test_rates_not_given_are_those_of_the_ideal_mechanism():
 def test_one_rate_of_a_linkage_makes_the_others():
     m = four_bar().initial("crank", angle=1.0).initial("coupler", angle=0.5).initial("rocker", angle=-1, omega=2.0)
     assert rate(m, "rocker") == pytest.approx(2.0, rel=1e-5)
-    memory = m.system.memory()
-    open_by(memory, 0.0, m.start.q, m.start.v)
-    assert np.abs(dense_rows(m.system, memory) @ m.start.v).max() < 1e-12
+    workspace = m.system.workspace()
+    open_by(workspace, 0.0, m.start.q, m.start.v)
+    assert np.abs(dense_rows(m.system, workspace) @ m.start.v).max() < 1e-12
 
 
 def test_rates_of_an_open_chain_are_free():

@@ -117,9 +117,9 @@ def test_the_angle_given_stays_and_the_others_close_the_loop():
 
 def test_rates_that_do_not_go_together_change_least_by_mass_among_those_given():
     m = parallelogram(0.7, ("crank",)).initial("rocker", angle=0.7, omega=11.0)
-    memory = m.system.memory()
-    open_by(memory, 0.0, m.start.q, m.start.v)
-    rows = dense_rows(m.system, memory)
+    workspace = m.system.workspace()
+    open_by(workspace, 0.0, m.start.q, m.start.v)
+    rows = dense_rows(m.system, workspace)
     assert np.abs(rows @ m.start.v).max() < 1e-12
     # one degree of freedom w: inertia about the mass centre weighs what is asked of crank and rocker
     inertia = m.system.arrays["mass"][1:, 2]

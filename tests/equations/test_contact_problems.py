@@ -37,29 +37,31 @@ def chain(pins, friction=0.1, restitution=0.3, hanging=False, bend=0.4):
 
 
 def problem(pins, friction, rng, known_slip=False):
-    """A problem with all pins of a chain closed and any right side; its memory and G, made without the joints' code."""
+    """A problem with all pins of a chain closed and any right side; its workspace and G, without the joints' code."""
     functions.start()
     system = chain(pins, friction, hanging=True).system
-    memory = system.memory(**contact_arrays(system, False))
+    workspace = system.workspace(**contact_arrays(system, False))
     q = np.concatenate([[0.3 * k, -0.2 * k, rng.uniform(-3, 3)] for k in range(pins)])
-    motion.free_motion(memory, 0.0, q, rng.normal(size=3 * pins))
-    memory.chosen[:] = np.arange(pins)
-    memory.slide[:] = rng.choice([-1, 1], pins) if known_slip else 0
-    memory.trial[:] = np.where(memory.slide < 0, BACKWARD, FORWARD)
-    complementarity.rows_kernel(memory, pins)
-    memory.side[B] = rng.normal(size=2 * pins) * 10.0 ** rng.uniform(-4, 0, 2 * pins)
+    motion.free_motion(workspace, 0.0, q, rng.normal(size=3 * pins))
+    workspace.chosen[:] = np.arange(pins)
+    workspace.slide[:] = rng.choice([-1, 1], pins) if known_slip else 0
+    workspace.trial[:] = np.where(workspace.slide < 0, BACKWARD, FORWARD)
+    complementarity.rows_kernel(workspace, pins)
+    workspace.side[B] = rng.normal(size=2 * pins) * 10.0 ** rng.uniform(-4, 0, 2 * pins)
     lines = np.zeros((2 * pins, 3 * pins))
     for k, contact in enumerate(system.arrays["contact"]):
         for column, body in ((0, contact[at.A_BODY]), (3, contact[at.B_BODY])):
             if body:
-                lines[2 * k : 2 * k + 2, 3 * body - 3 : 3 * body] = memory.arm[2 * k : 2 * k + 2, column : column + 3]
-    return memory, lines @ np.diag(1.0 / np.tile([MASS, MASS, INERTIA], pins)) @ lines.T
+                lines[2 * k : 2 * k + 2, 3 * body - 3 : 3 * body] = workspace.arm[
+                    2 * k : 2 * k + 2, column : column + 3
+                ]
+    return workspace, lines @ np.diag(1.0 / np.tile([MASS, MASS, INERTIA], pins)) @ lines.T
 
 
-def breach(memory, matrix, friction):
+def breach(workspace, matrix, friction):
     """Largest violation of the conditions, as a share of the largest force and of the largest term of a."""
-    b, f = memory.side[B].copy(), memory.side[F]
-    a, slide, known = matrix @ f + b, memory.slide, slice(None, None, 1 if friction > 0.0 else 2)
+    b, f = workspace.side[B].copy(), workspace.side[F]
+    a, slide, known = matrix @ f + b, workspace.slide, slice(None, None, 1 if friction > 0.0 else 2)
     normal, held, opening, rate = f[0::2], f[1::2], a[0::2], a[1::2]
     unit = max(np.abs(b).max(), np.abs(matrix * f).max())
     force = np.abs(f).max() + 1e-300
@@ -70,7 +72,7 @@ def breach(memory, matrix, friction):
         (np.minimum(normal / force, opening / unit)).max(),
         (np.abs(held) - friction * normal).max() / force,
         np.abs(np.where(slipping != 0, held - friction * normal * slipping, 0.0)).max() / force,
-        np.abs(a - memory.side[A])[known].max() / unit,
+        np.abs(a - workspace.side[A])[known].max() / unit,
     )
 
 
@@ -80,36 +82,36 @@ def breach(memory, matrix, friction):
 def test_every_impact_with_friction_is_solved_whatever_its_size(pins, friction):
     rng = np.random.default_rng(5)
     for _ in range(20):
-        memory, matrix = problem(pins, friction, rng)
-        assert complementarity.search_kernel(memory, pins) == SOLVED
-        assert breach(memory, matrix, friction) < 1e-9  # rounding, times the condition of a long chain
+        workspace, matrix = problem(pins, friction, rng)
+        assert complementarity.search_kernel(workspace, pins) == SOLVED
+        assert breach(workspace, matrix, friction) < 1e-9  # rounding, times the condition of a long chain
 
 
 @pytest.mark.parametrize("pins", [3, 12, 40])
 def test_the_path_alone_ends_in_a_solution_of_every_impact(pins):
     rng = np.random.default_rng(6)
     for friction in (0.0, 0.1, 1.0, 3.0):
-        memory, matrix = problem(pins, friction, rng)
-        b = memory.side[B].copy()
-        assert lemke.follow_kernel(memory, pins) == SOLVED
-        assert (memory.side[B] == b).all()
-        complementarity.modes_kernel(memory, 4 * pins + 1)
-        assert breach(memory, matrix, friction) < 1e-9
+        workspace, matrix = problem(pins, friction, rng)
+        b = workspace.side[B].copy()
+        assert lemke.follow_kernel(workspace, pins) == SOLVED
+        assert (workspace.side[B] == b).all()
+        complementarity.modes_kernel(workspace, 4 * pins + 1)
+        assert breach(workspace, matrix, friction) < 1e-9
 
 
 def test_path_that_runs_off_is_seldom_wrong_and_all_modes_tell(monkeypatch):
     rng = np.random.default_rng(7)
     jammed = 0
     for _ in range(150):
-        memory, matrix = problem(3, 2.0, rng, known_slip=True)
-        along_path = lemke.follow_kernel(memory, 3)
-        outcome = complementarity.search_kernel(memory, 3)
-        assert outcome == (SOLVED if uniqueness.count_kernel(memory, 3) else IMPOSSIBLE)
+        workspace, matrix = problem(3, 2.0, rng, known_slip=True)
+        along_path = lemke.follow_kernel(workspace, 3)
+        outcome = complementarity.search_kernel(workspace, 3)
+        assert outcome == (SOLVED if uniqueness.count_kernel(workspace, 3) else IMPOSSIBLE)
         if outcome == IMPOSSIBLE:
             assert along_path == JAMMED
             jammed += 1
         else:
-            assert breach(memory, matrix, 2.0) < 1e-9
+            assert breach(workspace, matrix, 2.0) < 1e-9
     assert jammed > 20  # this friction does jam
 
 
@@ -117,9 +119,9 @@ def test_many_contacts_that_friction_jams_are_not_called_solved():
     rng = np.random.default_rng(8)
     outcomes = []
     for _ in range(40):
-        memory, matrix = problem(9, 2.0, rng, known_slip=True)
-        outcomes.append(complementarity.search_kernel(memory, 9))
-        assert outcomes[-1] == JAMMED or breach(memory, matrix, 2.0) < 1e-9
+        workspace, matrix = problem(9, 2.0, rng, known_slip=True)
+        outcomes.append(complementarity.search_kernel(workspace, 9))
+        assert outcomes[-1] == JAMMED or breach(workspace, matrix, 2.0) < 1e-9
     assert {SOLVED, JAMMED} == set(outcomes)
 
 
@@ -140,12 +142,12 @@ def test_many_contacts_are_said_to_have_no_solution_only_where_no_modes_of_their
     rng = np.random.default_rng(10)
     ends = []
     for _ in range(25):
-        memory, matrix = problem(8, 2.0, rng, known_slip=True)
-        b, slide = memory.side[B].copy(), memory.slide.copy()
-        found = complementarity.search_kernel(memory, 8) == SOLVED or bool(unilateral.solve_by_trying(memory, 8))
+        workspace, matrix = problem(8, 2.0, rng, known_slip=True)
+        b, slide = workspace.side[B].copy(), workspace.slide.copy()
+        found = complementarity.search_kernel(workspace, 8) == SOLVED or bool(unilateral.solve_by_trying(workspace, 8))
         assert found == solvable(matrix, b, slide, 2.0)
-        assert not found or breach(memory, matrix, 2.0) < 1e-9
-        ends.append(int(memory.held[complementarity.OUTCOME]))
+        assert not found or breach(workspace, matrix, 2.0) < 1e-9
+        ends.append(int(workspace.held[complementarity.OUTCOME]))
     assert set(ends) == {SOLVED, IMPOSSIBLE}
 
 
@@ -187,11 +189,11 @@ def test_uniqueness_is_given_by_weak_friction_and_counted_where_it_is_strong():
     found = {}
     for friction in (0.05, 2.0):
         for _ in range(40):
-            memory, _ = problem(3, friction, rng, known_slip=True)
-            memory.slide[::2] = 0
-            weak = uniqueness.surely_one(memory, 3)
-            complementarity.search_kernel(memory, 3)
-            solutions = uniqueness.try_kernel(memory, 2 * 3 + 1)
+            workspace, _ = problem(3, friction, rng, known_slip=True)
+            workspace.slide[::2] = 0
+            weak = uniqueness.surely_one(workspace, 3)
+            complementarity.search_kernel(workspace, 3)
+            solutions = uniqueness.try_kernel(workspace, 2 * 3 + 1)
             assert not weak or solutions == 1
             found.setdefault(friction, set()).add((weak, solutions))
     assert found[0.05] == {(True, 1)}
@@ -201,33 +203,33 @@ def test_uniqueness_is_given_by_weak_friction_and_counted_where_it_is_strong():
 def test_contacts_that_neither_press_nor_part_do_not_make_a_second_solution():
     rng = np.random.default_rng(11)
     for _ in range(30):
-        memory, _ = problem(11, 0.3, rng)
-        memory.side[B] *= 1e-17  # what rounding leaves of contacts at rest
-        memory.side[B, -2] = -2e-6  # one of them hits
-        memory.trial[:] = STICK
-        assert complementarity.search_kernel(memory, 11) == SOLVED
-        before = memory.trial.copy(), memory.side[F].copy()
-        assert uniqueness.count_kernel(memory, 11) == 1
-        assert (memory.trial == before[0]).all()
-        assert memory.side[F] == pytest.approx(before[1], abs=1e-12 * np.abs(before[1]).max())
+        workspace, _ = problem(11, 0.3, rng)
+        workspace.side[B] *= 1e-17  # what rounding leaves of contacts at rest
+        workspace.side[B, -2] = -2e-6  # one of them hits
+        workspace.trial[:] = STICK
+        assert complementarity.search_kernel(workspace, 11) == SOLVED
+        before = workspace.trial.copy(), workspace.side[F].copy()
+        assert uniqueness.count_kernel(workspace, 11) == 1
+        assert (workspace.trial == before[0]).all()
+        assert workspace.side[F] == pytest.approx(before[1], abs=1e-12 * np.abs(before[1]).max())
 
 
 @pytest.mark.parametrize("pins", [3, 9, 40])
 def test_sparse_solution_is_that_of_the_full_matrix(pins):
     rng = np.random.default_rng(10)
-    memory, matrix = problem(pins, 0.3, rng)
+    workspace, matrix = problem(pins, 0.3, rng)
     modes = rng.integers(0, 4, pins)
-    memory.trial[:] = modes
-    complementarity.modes_kernel(memory, 4 * pins + 1)
+    workspace.trial[:] = modes
+    complementarity.modes_kernel(workspace, 4 * pins + 1)
     lines = [r for k in range(pins) for r in (2 * k, 2 * k + 1) if modes[k] == 1 or (modes[k] > 1 and r % 2 == 0)]
     pull = np.eye(2 * pins)
     for k in range(pins):
         pull[2 * k + 1, 2 * k] = {2: 0.3, 3: -0.3}.get(int(modes[k]), 0.0)
     f = np.zeros(2 * pins)
-    f[lines] = np.linalg.solve((matrix @ pull)[np.ix_(lines, lines)], -memory.side[B][lines])
+    f[lines] = np.linalg.solve((matrix @ pull)[np.ix_(lines, lines)], -workspace.side[B][lines])
     f = pull @ f
-    assert memory.side[F] == pytest.approx(f, abs=1e-11 * np.abs(f).max())
-    assert (memory.held[complementarity.SPARSE] == 1.0) == (pins > complementarity.FEW)
+    assert workspace.side[F] == pytest.approx(f, abs=1e-11 * np.abs(f).max())
+    assert (workspace.held[complementarity.SPARSE] == 1.0) == (pins > complementarity.FEW)
 
 
 # ---------------------------------------------------------------- runs
@@ -247,10 +249,10 @@ def test_words_about_an_unsolved_problem_name_painleve_only_where_friction_is_sh
     run.method = "event"
     said = {}
     for outcome in (IMPOSSIBLE, JAMMED, complementarity.UNSETTLED):
-        memory, _ = problem(3, 0.1, np.random.default_rng(1))
-        memory.held[complementarity.OUTCOME] = outcome
-        run.system, run.memory, run.clock = chain(3).system, memory, np.zeros(9)
-        said[outcome] = ImpactRun.trouble(run, unilateral.ending(memory))
+        workspace, _ = problem(3, 0.1, np.random.default_rng(1))
+        workspace.held[complementarity.OUTCOME] = outcome
+        run.system, run.workspace, run.clock = chain(3).system, workspace, np.zeros(9)
+        said[outcome] = ImpactRun.trouble(run, unilateral.ending(workspace))
     assert "has no solution" in said[IMPOSSIBLE]
     assert "Painleve" in said[IMPOSSIBLE]
     assert "has no solution" not in said[JAMMED]

@@ -30,10 +30,10 @@ def test_an_array_that_is_not_declared_is_refused():
 def test_machine_code_reads_the_arrays_that_python_sees():
     functions.start()
     system = rt.example("fourbar").system
-    memory = system.memory()
-    memory.body[2, 2] = 0.25
-    assert turned(memory, 2) == 0.25 + system.arrays["joint"][0, 1]
-    assert memory.body.shape == (system.body_count + 1, 8)
+    workspace = system.workspace()
+    workspace.body[2, 2] = 0.25
+    assert turned(workspace, 2) == 0.25 + system.arrays["joint"][0, 1]
+    assert workspace.body.shape == (system.body_count + 1, 8)
     assert {"body", "rows", "joint"} <= set(ARRAYS)
 
 
@@ -41,4 +41,4 @@ def test_a_wrong_name_does_not_compile():
     if not functions.start():
         pytest.skip("runs without machine code")
     with pytest.raises(Exception, match="bodies"):
-        mistaken(rt.example("fourbar").system.memory())
+        mistaken(rt.example("fourbar").system.workspace())

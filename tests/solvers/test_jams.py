@@ -82,15 +82,15 @@ def test_contacts_that_lock_together_are_told_though_each_alone_would_not(monkey
     lines[0, 3] = lines[3, 0] = lines[1, 2] = lines[2, 1] = -1.0
     values = run.system.arrays["values"].copy()
     arrays = {"mode": np.array([FORWARD, FORWARD]), "chosen": np.arange(2), "delassus": lines, "values": values}
-    run.memory = SimpleNamespace(**arrays)
+    run.workspace = SimpleNamespace(**arrays)
     monkeypatch.setattr(jams, "lock_share", lambda handle, t: 1.0 + lines[0, 1])  # that of each alone: G_nt of its own
     for friction, together in ((0.5, False), (0.999, False), (1.0, True)):
         values[contact[:, at.NORMAL_P] + 2] = friction
         assert run._firmness() == pytest.approx(1.0 - friction, abs=1e-12)
         assert run._locks(0.0) == together
-    run.memory.mode[1] = BACKWARD  # (1, mu; -mu, 1): firm, whatever the friction
+    run.workspace.mode[1] = BACKWARD  # (1, mu; -mu, 1): firm, whatever the friction
     assert run._firmness() == pytest.approx(math.sqrt(2.0), rel=1e-12)
-    run.memory.mode[:] = STICK  # nothing slides, nothing locks
+    run.workspace.mode[:] = STICK  # nothing slides, nothing locks
     assert not run._locks(0.0)
 
 

@@ -118,7 +118,7 @@ def test_contacts_find_their_modes_anew_where_a_load_switches():
 
 @pytest.mark.parametrize("step", [1e-4, 1.1e-4, 3e-5])
 def test_moreau_goes_on_quietly_after_a_jolt_that_drives_a_pin_against_its_bush(step):
-    """A spoke that turns back at 0.1 s throws its pendulum; what the jolt left in memory moved the pin."""
+    """A spoke that turns back at 0.1 s throws its pendulum; what the jolt left in the contact memory moved the pin."""
     m = rt.Mechanism("spoke")
     m.ground(O=[0, 0])
     m.body("spoke", mass=1.0, inertia=0.02, points={"P": [0, 0], "Q": [0.1, 0]})

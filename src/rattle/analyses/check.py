@@ -76,13 +76,13 @@ def check(system: System, start: Assembled) -> Check:
     """Look a mechanism over at its assembled start."""
     model = system.model
     jumps = timetable(system, start.t, model.settings.t_end).jumps
-    memory = system.memory()
-    open_by(memory, start.t, start.q, start.v)
+    workspace = system.workspace()
+    open_by(workspace, start.t, start.q, start.v)
     if system.row_count > LARGE:
         from rattle.equations.schur import factorise
 
-        factorise(memory)
-    independent = rank(system, memory)
+        factorise(workspace)
+    independent = rank(system, workspace)
     redundant = system.row_count - independent
     return Check(
         name=model.name,
@@ -90,7 +90,7 @@ def check(system: System, start: Assembled) -> Check:
         joints=len(model.joints),
         mobility=3 * system.body_count - independent,
         redundant=redundant,
-        redundant_joints=nonunique_reactions(system, memory) if redundant else (),
+        redundant_joints=nonunique_reactions(system, workspace) if redundant else (),
         loops=tuple(describe_loop(model, joint, path) for joint, path in loops(model)),
         branches=tuple(_branches(system, start)),
         clearances=tuple(_clearances(model)),
@@ -178,7 +178,7 @@ def _hold_drivers(system: System, t: float) -> tuple[Workspace, dict[str, int], 
 
     from rattle.equations.motion import drive
 
-    running = system.memory()
+    running = system.workspace()
     drive(running, t)
     slots = {}
     for n, name in enumerate(system.joints):
@@ -187,32 +187,32 @@ def _hold_drivers(system: System, t: float) -> tuple[Workspace, dict[str, int], 
     none = np.zeros((0, 3), np.int64)
     frozen = replace(
         system, arrays={**system.arrays, "jet": none, "jet_signal": none, "values": running.values}
-    ).memory()
+    ).workspace()
     return frozen, slots, {name: float(running.values[slot]) for name, slot in slots.items()}
 
 
 def _far(
-    memory: Workspace, start: np.ndarray, scratch: np.ndarray, slot: int, value: float, step: float, tolerance: float
+    workspace: Workspace, start: np.ndarray, scratch: np.ndarray, slot: int, value: float, step: float, tolerance: float
 ) -> float | None:
     """Last value of a driver that can be reached in steps from `value`; None when nothing stops it."""
     q, good = start.copy(), start.copy()
     reached = value
     for _ in range(TURN):
-        memory.values[slot] = reached + step
-        gap, _ = close_position(memory, 0.0, q, scratch, 1e-3 * tolerance, 30)
+        workspace.values[slot] = reached + step
+        gap, _ = close_position(workspace, 0.0, q, scratch, 1e-3 * tolerance, 30)
         if not gap <= tolerance or np.abs(q - good)[2::3].max() > 1.5:
             break
         reached += step
         good[:] = q
     else:
-        memory.values[slot] = value
+        workspace.values[slot] = value
         return None
     low, high = 0.0, 1.0
     for _ in range(12):
         middle = 0.5 * (low + high)
         q[:] = good
-        memory.values[slot] = reached + middle * step
-        gap, _ = close_position(memory, 0.0, q, scratch, 1e-3 * tolerance, 30)
+        workspace.values[slot] = reached + middle * step
+        gap, _ = close_position(workspace, 0.0, q, scratch, 1e-3 * tolerance, 30)
         low, high = (middle, high) if gap <= tolerance and np.abs(q - good)[2::3].max() <= 1.5 else (low, middle)
-    memory.values[slot] = value
+    workspace.values[slot] = value
     return reached + low * step

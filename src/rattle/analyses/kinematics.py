@@ -41,7 +41,7 @@ class Sweep:
     """The state of one sweep: where it is, and what it has seen."""
 
     system: System
-    memory: Workspace
+    workspace: Workspace
     node: np.ndarray  # (9, 3 nb), see solvers.position_sweep
     clock: np.ndarray
     tally: np.ndarray
@@ -63,7 +63,7 @@ class Sweep:
             part = slice(done, done + size)
             self.tally[swept.COUNT] = 0
             swept.sweep(
-                self.memory, times[part], raw[part], self.node, self.clock, self.tally, self.spots,
+                self.workspace, times[part], raw[part], self.node, self.clock, self.tally, self.spots,
                 self.system.size, forces, self.probe, self.line, onward,
             )  # fmt: skip
             done += int(self.tally[swept.COUNT])
@@ -104,15 +104,15 @@ def begin(
         probe.append((tag, number[joint.a.body], number[joint.b.body], len(values), row))
         values += [*joint.a.at, *joint.b.at, *joint.fields.values(), 0.0, 0.0, 0.0]
     arrays = {**system.arrays, "weight": weight, "values": np.array(values, dtype=float)}
-    memory = replace(system, arrays=arrays).memory(also=[one[0] for one in probe])
+    workspace = replace(system, arrays=arrays).workspace(also=[one[0] for one in probe])
     node = np.zeros((9, 3 * system.body_count))
     made = Sweep(
-        system, memory, node, np.array([start.t, math.inf, 0.0, 1.0, 1.0, start.t]), np.zeros(4, np.int64),
+        system, workspace, node, np.array([start.t, math.inf, 0.0, 1.0, 1.0, start.t]), np.zeros(4, np.int64),
         np.zeros((SPOTS, 2)), np.array(probe, np.int64).reshape(-1, 5), np.zeros((1, 9)),
     )  # fmt: skip
     node[swept.Q_NEW], node[swept.V_NEW] = start.q, start.v
     for _ in range(2):  # the second round takes the rates as they are now
-        _, root, _, _ = swept.closed_at(memory, start.t, node, system.size)
+        _, root, _, _ = swept.closed_at(workspace, start.t, node, system.size)
     node[: swept.Q_NEW] = node[swept.Q_NEW : swept.Q_OLD]
     made.clock[swept.ROOT] = made.clock[swept.ROOT_BEFORE] = root
     return made
@@ -120,9 +120,9 @@ def begin(
 
 def require_driven(system: System, start: Assembled, what: str) -> None:
     """Raise ModelError that says which degrees of freedom are left, unless the drivers fix every position."""
-    memory = system.memory()
-    open_by(memory, start.t, start.q, start.v)
-    rows = scaled_rows(system, memory)
+    workspace = system.workspace()
+    open_by(workspace, start.t, start.q, start.v)
+    rows = scaled_rows(system, workspace)
     _, values, right = np.linalg.svd(rows)
     independent = int((values > 1e-9 * values[0]).sum()) if len(values) else 0
     left = 3 * system.body_count - independent
@@ -130,9 +130,9 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
         return
     if (
         system.row_count >= 3 * system.body_count
-        and left_null(system, memory).shape[1] <= 1 + system.row_count - 3 * system.body_count
+        and left_null(system, workspace).shape[1] <= 1 + system.row_count - 3 * system.body_count
     ):
-        where = describe_rank_loss(system, memory)
+        where = describe_rank_loss(system, workspace)
         raise ModelError([Problem(("initial",), f"{what} cannot start at t = {start.t:g} s: {where}")])
     free = np.abs(right[independent:]).reshape(left, -1, 3).max(axis=(0, 2))
     movers = [name for name, share in zip(system.bodies, free, strict=True) if share > 1e-6]
@@ -250,15 +250,15 @@ def _motors(system: System, effort_at: str | Mapping[str, str] | None) -> list[t
 
 # ---------------------------------------------------------------- what went on
 def why_stuck(sweep: Sweep) -> str:
-    system, memory = sweep.system, sweep.memory
+    system, workspace = sweep.system, sweep.workspace
     t = float(sweep.clock[swept.NOW])
     for ahead in (0.0, 1e-12, 1e-9, 1e-6):
-        drive(memory, t + ahead * max(1.0, abs(t)))
+        drive(workspace, t + ahead * max(1.0, abs(t)))
         for name, unit_row in zip(system.joints, system.arrays["joint"], strict=True):
-            if name in system.model.drivers and not np.isfinite(memory.values[unit_row[3] : unit_row[3] + 9]).all():
+            if name in system.model.drivers and not np.isfinite(workspace.values[unit_row[3] : unit_row[3] + 9]).all():
                 return f"the function of driver '{name}' has no finite value after t = {t:.10g} s; check its domain"
-    open_by(memory, t, sweep.node[swept.Q], sweep.node[swept.V])
-    where = describe_rank_loss(system, memory)
+    open_by(workspace, t, sweep.node[swept.Q], sweep.node[swept.V])
+    where = describe_rank_loss(system, workspace)
     if where:
         return f"no position beyond t = {t:.10g} s: {where}"
     return f"no way on at t = {t:.10g} s: a driver's function jumps there or is too fast to be followed; smooth it"
@@ -266,8 +266,8 @@ def why_stuck(sweep: Sweep) -> str:
 
 def _blocking(sweep: Sweep) -> str:
     """The joint or driver that takes the largest part in the loss of rank."""
-    open_by(sweep.memory, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
-    free = left_null(sweep.system, sweep.memory, 1e-3)
+    open_by(sweep.workspace, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
+    free = left_null(sweep.system, sweep.workspace, 1e-3)
     if free.shape[1] == 0:
         return ""
     return sweep.system.rows[int(np.abs(free).max(axis=1).argmax())].owner
@@ -290,8 +290,8 @@ def _branch_points(
         if found is None or any(abs(found - event.t) < 1e-9 * max(1.0, abs(found)) for event in events):
             continue
         near = _at(first, times, raw, found)
-        open_by(near.memory, found, near.node[swept.Q_NEW], near.node[swept.V_NEW])
-        free = left_null(system, near.memory, 1e-3)
+        open_by(near.workspace, found, near.node[swept.Q_NEW], near.node[swept.V_NEW])
+        free = left_null(system, near.workspace, 1e-3)
         share = np.abs(free).max(axis=1, initial=0.0)
         owners = list(dict.fromkeys(system.rows[int(r)].owner for r in np.argsort(-share) if share[r] > 0.05))
         events.append(Event(found, owners[0] if owners else "", "branch point"))
@@ -306,11 +306,11 @@ def _independent(first: Sweep) -> np.ndarray:
     """Numbers of rows that determine the position at the start (the others are redundant)."""
     from scipy.linalg import qr
 
-    open_by(first.memory, float(first.clock[swept.NOW]), first.node[swept.Q], first.node[swept.V])
+    open_by(first.workspace, float(first.clock[swept.NOW]), first.node[swept.Q], first.node[swept.V])
     count = 3 * first.system.body_count
     if first.system.row_count == count:
         return np.arange(count)
-    order = qr(scaled_rows(first.system, first.memory).T, mode="r", pivoting=True)[1]
+    order = qr(scaled_rows(first.system, first.workspace).T, mode="r", pivoting=True)[1]
     return np.sort(order[:count])
 
 
@@ -323,7 +323,7 @@ def _at(first: Sweep, times: np.ndarray, raw: np.ndarray, t: float) -> Sweep:
         state = raw[k, : 9 * nb].reshape(nb, 3, 3)
         for n in range(3):
             made.node[swept.Q_NEW + n] = state[:, n].ravel()
-        _, root, _, _ = swept.closed_at(made.memory, times[k], made.node, first.system.size)
+        _, root, _, _ = swept.closed_at(made.workspace, times[k], made.node, first.system.size)
         if root > 2 * swept.WEAK_ROOT:
             made.node[: swept.Q_NEW] = made.node[swept.Q_NEW : swept.Q_OLD]
             made.clock[:] = times[k], math.inf, 0.0, root, root, times[k]
@@ -340,8 +340,8 @@ def _locate(
 
     def determinant(t: float) -> float:
         made = _at(first, times, raw, t)
-        open_by(made.memory, t, made.node[swept.Q_NEW], made.node[swept.V_NEW])
-        return float(np.linalg.det(scaled_rows(first.system, made.memory)[rows]))
+        open_by(made.workspace, t, made.node[swept.Q_NEW], made.node[swept.V_NEW])
+        return float(np.linalg.det(scaled_rows(first.system, made.workspace)[rows]))
 
     f_low, f_high = determinant(low), determinant(high)
     if not f_low * f_high < 0.0:
@@ -384,8 +384,8 @@ def _result(
             units |= {f"{joint}.{effort}": unit, f"{joint}.power": "W"}
             data = np.column_stack([data, raw[:, width(system) + 2 * n : width(system) + 2 * n + 2]])
         if system.row_count > 3 * system.body_count:
-            open_by(sweep.memory, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
-            nonunique = nonunique_reactions(system, sweep.memory)
+            open_by(sweep.workspace, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
+            nonunique = nonunique_reactions(system, sweep.workspace)
         data = np.ascontiguousarray(data)
     else:
         names = [f"{body}.{key}" for body in system.bodies for key, _ in BODY] + list(model.signals)

@@ -84,7 +84,7 @@ def timetable(system: System, start: float, end: float) -> Timetable:
 
 def _jumps(system: System, table: Timetable, start: float) -> tuple[Jump, ...]:
     """Jumps in speed of all drivers. Raises ModelError where one jumps in position, the start included."""
-    memory = system.memory()
+    workspace = system.workspace()
     names = [name for name in system.joints if name in system.model.drivers]
     at = [system.joints.index(name) for name in names]
     slots = np.array([system.arrays["joint"][n, 3] + driver_slot(system, n) for n in at])
@@ -95,10 +95,10 @@ def _jumps(system: System, table: Timetable, start: float) -> tuple[Jump, ...]:
     for k, (t, piece) in enumerate(zip(times, [-1, *pieces], strict=True)):
         for side in range(2):
             if piece + side >= 0:  # at the start there is no piece before: what the definition says stands for it
-                table.take(memory.code, piece + side)
-            drive(memory, t)
+                table.take(workspace.code, piece + side)
+            drive(workspace, t)
             for rate in range(2):
-                found[k, side, rate] = memory.values[slots + rate]
+                found[k, side, rate] = workspace.values[slots + rate]
     problems, jumps = [], []
     for d, (name, unit) in enumerate(zip(names, units, strict=True)):
         leap = found[:, 1, 0, d] - found[:, 0, 0, d]

@@ -12,7 +12,7 @@ from rattle.jit.functions import native
 
 @native("f", "h", "f", "v", "v")
 def open_by(m, t, q, v):
-    """Largest position residual at a state [m or rad]; leaves its rows in the memory."""
+    """Largest position residual at a state [m or rad]; leaves its rows in the workspace."""
     place(m, q, v)
     drive(m, t)
     constraints(m)

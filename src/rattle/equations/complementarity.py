@@ -48,17 +48,17 @@ def friction_of(m, n):
 def rows_kernel(m, count):
     """Rows w of the chosen contacts, and of a few of them what a unit force changes, and G.
 
-    The geometry in `touch` and the factor of S are at hand.
+    The geometry in `contact_kinematics` and the factor of S are at hand.
     """
-    touch, chosen, arm, held = m.touch, m.chosen, m.arm, m.held
+    kinematics, chosen, arm, held = m.contact_kinematics, m.chosen, m.arm, m.held
     for k in range(count):
         n = chosen[k]
         for d in range(2):
             r = 2 * k + d
-            ux = touch[n, at.NX] if d == 0 else -touch[n, at.NY]
-            uy = touch[n, at.NY] if d == 0 else touch[n, at.NX]
-            arm[r, 0], arm[r, 1], arm[r, 2] = -ux, -uy, -(touch[n, at.PAX] * uy - touch[n, at.PAY] * ux)
-            arm[r, 3], arm[r, 4], arm[r, 5] = ux, uy, touch[n, at.PBX] * uy - touch[n, at.PBY] * ux
+            ux = kinematics[n, at.NX] if d == 0 else -kinematics[n, at.NY]
+            uy = kinematics[n, at.NY] if d == 0 else kinematics[n, at.NX]
+            arm[r, 0], arm[r, 1], arm[r, 2] = -ux, -uy, -(kinematics[n, at.PAX] * uy - kinematics[n, at.PAY] * ux)
+            arm[r, 3], arm[r, 4], arm[r, 5] = ux, uy, kinematics[n, at.PBX] * uy - kinematics[n, at.PBY] * ux
     held[SPARSE] = 1.0 if count > FEW and m.net_first.shape[0] > 0 else 0.0
     if held[SPARSE] == 0.0:
         fill_delassus(m, count)

@@ -12,13 +12,13 @@ from rattle.jit.functions import call_clearance, call_friction, call_normal, cal
 
 
 @native("void", "h")
-def touch_all(m):
+def locate_contacts(m):
     """Geometry of every contact at the state in `body`."""
-    contact, body, values, touch, table = (
+    contact, body, values, kinematics, table = (
         m.contact,
         m.body,
         m.values,
-        m.touch,
+        m.contact_kinematics,
         m.clearance_table,
     )
     for n in range(contact.shape[0]):
@@ -32,15 +32,15 @@ def touch_all(m):
                 contact[n, at.SHAPE_P],
                 contact[n, at.CORNER],
                 n,
-                touch,
+                kinematics,
             ),
         )
 
 
 @native("void", "h")
 def press(m):
-    """Forces of all compliant contacts on their bodies, added to Q; N, T and rates go to `touch`."""
-    contact, values, touch, grip, force = m.contact, m.values, m.touch, m.grip, m.force
+    """Forces of all compliant contacts on their bodies, added to Q; N, T and rates go to `contact_kinematics`."""
+    contact, values, kinematics, memory, force = m.contact, m.values, m.contact_kinematics, m.contact_memory, m.force
     static_table, normal_table, friction_table = (
         m.stiffness_table,
         m.normal_table,
@@ -50,38 +50,51 @@ def press(m):
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
             continue
-        touch[n, at.NORMAL], touch[n, at.TANGENT], touch[n, at.DBRISTLE], touch[n, at.LOSS], touch[n, at.STORE] = (
+        (
+            kinematics[n, at.NORMAL],
+            kinematics[n, at.TANGENT],
+            kinematics[n, at.DBRISTLE],
+            kinematics[n, at.LOSS],
+            kinematics[n, at.STORE],
+        ) = (
             0.0,
             0.0,
             0.0,
             0.0,
             0.0,
         )
-        delta, ddelta = -touch[n, at.GAP], -touch[n, at.DGAP]
-        if delta <= 0.0 or grip[n, at.CLOSED] == at.OPEN:
+        delta, ddelta = -kinematics[n, at.GAP], -kinematics[n, at.DGAP]
+        if delta <= 0.0 or memory[n, at.CLOSED] == at.OPEN:
             continue
         static = call_stiffness(static_table[contact[n, at.STATIC]], (delta, values, contact[n, at.STATIC_P]))
-        arguments = (static, delta, ddelta, grip[n, at.SPEED], values, contact[n, at.NORMAL_P])
+        arguments = (static, delta, ddelta, memory[n, at.SPEED], values, contact[n, at.NORMAL_P])
         normal = call_normal(normal_table[contact[n, at.NORMAL_LAW]], arguments)
         tangent = 0.0
         if contact[n, at.FRICTION] >= 0:
-            arguments_t = (touch[n, at.SLIP], normal, touch[n, at.BRISTLE], values, contact[n, at.FRICTION_P], rate)
+            arguments_t = (
+                kinematics[n, at.SLIP],
+                normal,
+                kinematics[n, at.BRISTLE],
+                values,
+                contact[n, at.FRICTION_P],
+                rate,
+            )
             tangent = call_friction(friction_table[contact[n, at.FRICTION]], arguments_t)
-            touch[n, at.DBRISTLE] = rate[0]
-        touch[n, at.NORMAL], touch[n, at.TANGENT] = normal, tangent
-        touch[n, at.STORE] = static * ddelta
-        touch[n, at.LOSS] = (normal - static) * ddelta + tangent * touch[n, at.SLIP]
-        push(force, touch, contact[n, at.A_BODY], contact[n, at.B_BODY], n, normal, tangent)
+            kinematics[n, at.DBRISTLE] = rate[0]
+        kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = normal, tangent
+        kinematics[n, at.STORE] = static * ddelta
+        kinematics[n, at.LOSS] = (normal - static) * ddelta + tangent * kinematics[n, at.SLIP]
+        push(force, kinematics, contact[n, at.A_BODY], contact[n, at.B_BODY], n, normal, tangent)
 
 
 @compiled
-def push(force, touch, a, b, n, normal, tangent):
+def push(force, kinematics, a, b, n, normal, tangent):
     """Add the force (normal, tangent) of contact n to both bodies."""
-    fx = normal * touch[n, at.NX] - tangent * touch[n, at.NY]
-    fy = normal * touch[n, at.NY] + tangent * touch[n, at.NX]
+    fx = normal * kinematics[n, at.NX] - tangent * kinematics[n, at.NY]
+    fy = normal * kinematics[n, at.NY] + tangent * kinematics[n, at.NX]
     force[a, at.X] += fx
     force[a, at.Y] += fy
-    force[a, at.PHI] += touch[n, at.PAX] * fy - touch[n, at.PAY] * fx
+    force[a, at.PHI] += kinematics[n, at.PAX] * fy - kinematics[n, at.PAY] * fx
     force[b, at.X] -= fx
     force[b, at.Y] -= fy
-    force[b, at.PHI] -= touch[n, at.PBX] * fy - touch[n, at.PBY] * fx
+    force[b, at.PHI] -= kinematics[n, at.PBX] * fy - kinematics[n, at.PBY] * fx

@@ -10,11 +10,11 @@ from rattle.jit.workspace import Workspace
 LARGE = 400  # rows above which dense linear algebra is avoided and machine code is worth its start
 
 
-def dense_rows(system: System, memory: Workspace) -> np.ndarray:
+def dense_rows(system: System, workspace: Workspace) -> np.ndarray:
     """The Jacobian Phi_q of the rows at hand as a dense array (nr, 3 nb)."""
     nr = system.row_count
     full = np.zeros((nr, 3 * (system.body_count + 1)))
     line = np.arange(nr)[:, None]
     for side, columns in ((0, slice(3, 6)), (1, slice(6, 9))):
-        np.add.at(full, (line, 3 * system.arrays["row_body"][:, side, None] + np.arange(3)), memory.rows[:, columns])
+        np.add.at(full, (line, 3 * system.arrays["row_body"][:, side, None] + np.arange(3)), workspace.rows[:, columns])
     return full[:, 3:]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.compliant import press, touch_all
+from rattle.equations.compliant import locate_contacts, press
 from rattle.equations.schur import WEAK, factorise, solve
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_hold, call_joint, call_load, compiled, native
@@ -96,7 +96,7 @@ def loads(m, t):
             rate += energy[at.ELASTIC]
     power[0], power[1], power[2] = potential, rate, lost
     if m.contact.shape[0] > 0:
-        touch_all(m)
+        locate_contacts(m)
         press(m)
 
 
@@ -227,7 +227,7 @@ def collect(m, v, dy):
     y = [q, v, work done on the mechanism, energy dissipated, then per contact z, impulse, loss, stored energy].
     """
     rows, multiplier, acceleration, power = m.rows, m.multiplier, m.acceleration, m.power
-    touch = m.touch
+    kinematics = m.contact_kinematics
     nq = v.shape[0]
     rate = power[1]
     for r in range(rows.shape[0]):
@@ -239,21 +239,21 @@ def collect(m, v, dy):
             dy[nq + 3 * i - 3 + k] = acceleration[i, k]
     dy[2 * nq] = rate
     dy[2 * nq + 1] = power[2]
-    for n in range(touch.shape[0]):
+    for n in range(kinematics.shape[0]):
         k = 2 * nq + 2 + 4 * n
-        dy[k] = touch[n, at.DBRISTLE]
-        dy[k + 1] = touch[n, at.NORMAL]
-        dy[k + 2] = touch[n, at.LOSS]
-        dy[k + 3] = touch[n, at.STORE]
+        dy[k] = kinematics[n, at.DBRISTLE]
+        dy[k + 1] = kinematics[n, at.NORMAL]
+        dy[k + 2] = kinematics[n, at.LOSS]
+        dy[k + 3] = kinematics[n, at.STORE]
 
 
 @compiled
 def set_bristles(m, y):
-    """Bristle states of the contacts, from y into `touch`."""
-    touch = m.touch
-    first = y.shape[0] - 4 * touch.shape[0]
-    for n in range(touch.shape[0]):
-        touch[n, at.BRISTLE] = y[first + 4 * n]
+    """Bristle states of the contacts, from y into `contact_kinematics`."""
+    kinematics = m.contact_kinematics
+    first = y.shape[0] - 4 * kinematics.shape[0]
+    for n in range(kinematics.shape[0]):
+        kinematics[n, at.BRISTLE] = y[first + 4 * n]
 
 
 @native("i", "h", "f", "v", "v")

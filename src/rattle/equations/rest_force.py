@@ -10,7 +10,7 @@ from rattle.jit.functions import native
 
 @native("void", "h", "f", "v", "v")
 def force_at(m, t, q, out):
-    """Q - Phi_q^T lambda at rest at q, into out (3 nb,); drivers as they stand, lambda as in the memory."""
+    """Q - Phi_q^T lambda at rest at q, into out (3 nb,); drivers as they stand, lambda as in the workspace."""
     body, rows, force = m.body, m.rows, m.force
     multiplier, row_body = m.multiplier, m.row_body
     for i in range(1, body.shape[0]):

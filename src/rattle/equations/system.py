@@ -1,4 +1,4 @@
-"""`Model` -> flat arrays that the kernels read, and the memory of a run."""
+"""`Model` -> flat arrays that the kernels read, and the workspace of a run."""
 
 from __future__ import annotations
 
@@ -63,13 +63,13 @@ class System:
         """Constraint rows, drivers included."""
         return len(self.rows)
 
-    def memory(self, also: Iterable[int] = (), **more: np.ndarray) -> Workspace:
-        """Fresh memory for one run; also: other joint kernels called; `more` are arrays of the march."""
+    def workspace(self, also: Iterable[int] = (), **more: np.ndarray) -> Workspace:
+        """Fresh workspace of one run; also: other joint kernels called; `more` are arrays of the march."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
         nc = self.arrays["contact"].shape[0]
         machine = functions.jit_runs()  # asked once: another thread may switch to machine code at any moment
-        grip = np.zeros((nc, 13))
-        grip[:, at.CLOSED] = at.AUTO
+        memory = np.zeros((nc, 13))
+        memory[:, at.CLOSED] = at.AUTO
         body = np.zeros((nb, 8))
         body[0, 6] = 1.0
         return Workspace(
@@ -103,8 +103,8 @@ class System:
                 "multiplier": np.zeros(nr),
                 "acceleration": np.zeros((nb, 3)),
                 "change": np.zeros(3 * nb - 3),
-                "touch": np.zeros((nc, 18)),
-                "grip": grip,
+                "contact_kinematics": np.zeros((nc, 18)),
+                "contact_memory": memory,
                 "bristle_rate": np.zeros(1),
                 **more,
             }

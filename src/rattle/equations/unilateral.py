@@ -68,11 +68,11 @@ def reach(m, r, n, values, column):
 @compiled
 def lasting_side(m, count):
     """b of lasting contacts: g'' and minus the rate of slip that the motion without contact forces would have."""
-    touch, chosen, side, acceleration = m.touch, m.chosen, m.side, m.acceleration
+    kinematics, chosen, side, acceleration = m.contact_kinematics, m.chosen, m.side, m.acceleration
     for k in range(count):
         n = chosen[k]
-        side[B, 2 * k] = touch[n, at.GAMMA_N] - along(m, 2 * k, n, acceleration, 0)
-        side[B, 2 * k + 1] = touch[n, at.GAMMA_T] - along(m, 2 * k + 1, n, acceleration, 0)
+        side[B, 2 * k] = kinematics[n, at.GAMMA_N] - along(m, 2 * k, n, acceleration, 0)
+        side[B, 2 * k + 1] = kinematics[n, at.GAMMA_T] - along(m, 2 * k + 1, n, acceleration, 0)
 
 
 @compiled
@@ -203,14 +203,14 @@ def hold_joints(m):
 
 @kernel("hold")
 def hold(m):
-    """Forces of lasting contacts in their present modes, on top of the motion without them; N, T go to `touch`."""
-    contact, touch, mode = m.contact, m.touch, m.mode
+    """Forces of lasting contacts in their present modes, on top of the motion without them; N, T go with them."""
+    contact, kinematics, mode = m.contact, m.contact_kinematics, m.mode
     chosen, trial, side, held = m.chosen, m.trial, m.side, m.held
     count = 0
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
             for column in (at.NORMAL, at.TANGENT, at.LOSS, at.STORE, at.DBRISTLE):
-                touch[n, column] = 0.0
+                kinematics[n, column] = 0.0
             if mode[n] != OFF:
                 chosen[count], trial[count] = n, mode[n]
                 count += 1
@@ -222,7 +222,7 @@ def hold(m):
     add_forces(m, count, m.acceleration, m.multiplier)
     for k in range(count):
         n = chosen[k]
-        touch[n, at.NORMAL], touch[n, at.TANGENT] = side[F, 2 * k], side[F, 2 * k + 1]
-        touch[n, at.LOSS] = 0.0 if mode[n] == STICK else side[F, 2 * k + 1] * touch[n, at.SLIP]
+        kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = side[F, 2 * k], side[F, 2 * k + 1]
+        kinematics[n, at.LOSS] = 0.0 if mode[n] == STICK else side[F, 2 * k + 1] * kinematics[n, at.SLIP]
         if side[F, 2 * k] == 0.0 and held[DETERMINANT] == 0.0:
             held[SHARED] = 1.0 + n

@@ -27,7 +27,7 @@ log = logging.getLogger("rattle")
 SIGNATURE = {
     "joint": ("void", "m", "i", "i", "v", "i", "i", "m"),  # body, a, b, p, k, row, rows
     "load": ("void", "f", "m", "i", "i", "v", "i", "m", "v"),  # t, body, a, b, p, k, force, energy
-    "clearance": ("void", "m", "i", "i", "v", "i", "i", "i", "m"),  # body, a, b, p, k, corner, row, touch
+    "clearance": ("void", "m", "i", "i", "v", "i", "i", "i", "m"),  # body, a, b, p, k, corner, row, kinematics
     "stiffness": ("f", "f", "v", "i"),  # delta, p, k -> F
     "normal": ("f", "f", "f", "f", "f", "v", "i"),  # F_static, delta, ddelta, v0, p, k -> F
     "friction": ("f", "f", "f", "f", "v", "i", "v"),  # u, N, z, p, k, dz -> T

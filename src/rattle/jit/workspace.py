@@ -86,8 +86,8 @@ ARRAYS = {
     "multiplier": Array("f1", "nr", "N or N*m", "lambda"),
     "acceleration": Array("f2", "nb + 1, 3", "m/s^2, rad/s^2", "of every body"),
     "change": Array("f1", "3 nb", "m, rad or m/s, rad/s", "a correction of positions or rates"),
-    "touch": Array("f2", "nc, 18", "m, m/s, N", "geometry and forces of every contact, see `layout`"),
-    "grip": Array("f2", "nc, 13", "", "memory of every contact, see `layout`"),
+    "contact_kinematics": Array("f2", "nc, 18", "m, m/s, N", "geometry and forces of every contact, see `layout`"),
+    "contact_memory": Array("f2", "nc, 13", "", "memory of every contact, see `layout`"),
     "bristle_rate": Array("f1", "1", "", "rate of a bristle"),
     # set-valued contacts; two lines (normal, tangential) for each contact that takes part
     "mode": Array("i1", "nc", "", "what each contact does: OFF, STICK, FORWARD, BACKWARD"),

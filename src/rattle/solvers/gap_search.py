@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 
 from rattle.equations.complementarity import OFF
-from rattle.equations.compliant import touch_all
+from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import place
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_clearance, compiled, native
@@ -116,15 +116,15 @@ def sweep(m, n, bend, dt, gap):
     distance = max(0.25 * c, c - gap)
     if m.lever[n, 2] > 0.0:
         return 0.0, distance
-    return (abs(m.touch[n, at.ACROSS]) + bend * dt) / distance, distance
+    return (abs(m.contact_kinematics[n, at.ACROSS]) + bend * dt) / distance, distance
 
 
 @native("i", "h", "f", "i", "f")
 def may_reach(m, h, n, side):
     """True unless the ends of the step prove that side * gap of contact n stays above zero in it."""
-    grip = m.grip[n]
-    gap, rate = side * grip[at.GAP_0], side * grip[at.DGAP_0]
-    end, end_rate = side * grip[at.GAP_1], side * grip[at.DGAP_1]
+    memory = m.contact_memory[n]
+    gap, rate = side * memory[at.GAP_0], side * memory[at.DGAP_0]
+    end, end_rate = side * memory[at.GAP_1], side * memory[at.DGAP_1]
     slight = rounding(m, n)
     least = min(gap, 0.0) - slight
     if end < least:
@@ -140,7 +140,7 @@ def may_reach(m, h, n, side):
 @compiled
 def gap_at(m, theta, n):
     """Gap of contact n and its rate at the share theta of the step (dense output ready)."""
-    contact, touch, body, y, dense = m.contact, m.touch, m.body, m.state, m.dense
+    contact, kinematics, body, y, dense = m.contact, m.contact_kinematics, m.body, m.state, m.dense
     nq, rest = m.change.shape[0], 1.0 - theta
     for end in range(2):
         i = contact[n, at.A_BODY + end]
@@ -163,10 +163,10 @@ def gap_at(m, theta, n):
             contact[n, at.SHAPE_P],
             contact[n, at.CORNER],
             n,
-            touch,
+            kinematics,
         ),
     )
-    return touch[n, at.GAP], touch[n, at.DGAP]
+    return kinematics[n, at.GAP], kinematics[n, at.DGAP]
 
 
 @compiled
@@ -227,12 +227,12 @@ def search(m, h, n, side, until):
     GAVE_UP after too many looks.
 
     side: 1 for a contact that may close, -1 for one that may open.  The dense output is ready, gaps and rates at the
-    start of the step are in `grip`.  A contact that starts below zero (by rounding) has to get deeper.
+    start of the step are in `contact_memory`.  A contact that starts below zero (by rounding) has to get deeper.
     """
-    grip, t = m.grip[n], m.clock[0]
+    memory, t = m.contact_memory[n], m.clock[0]
     bend, turning = bounds(m, h, n)
     slight = rounding(m, n)
-    left, gap, rate, right = 0.0, side * grip[at.GAP_0], side * grip[at.DGAP_0], until
+    left, gap, rate, right = 0.0, side * memory[at.GAP_0], side * memory[at.DGAP_0], until
     begin, at_begin, rate_begin = left, gap, rate  # the last look that was above zero, or rising
     end, end_rate = gap_at(m, right, n)
     end, end_rate = side * end, side * end_rate
@@ -280,17 +280,17 @@ def escaped(m, y):
     if m.contact.shape[0] == 0:
         return False
     place(m, y[:nq], y[nq : 2 * nq])
-    touch_all(m)
+    locate_contacts(m)
     return inside_wall(m)
 
 
 @compiled
 def inside_wall(m):
     """`escaped` at the state at hand."""
-    contact, touch, grip = m.contact, m.touch, m.grip
+    contact, kinematics, memory = m.contact, m.contact_kinematics, m.contact_memory
     for n in range(contact.shape[0]):
-        free = m.mode[n] == OFF if contact[n, at.IMPACT] == 1 else grip[n, at.CLOSED] == at.OPEN
-        if free and not touch[n, at.GAP] >= min(grip[n, at.GAP_0], 0.0) - DEEP * clearance_of(m, n):
+        free = m.mode[n] == OFF if contact[n, at.IMPACT] == 1 else memory[n, at.CLOSED] == at.OPEN
+        if free and not kinematics[n, at.GAP] >= min(memory[n, at.GAP_0], 0.0) - DEEP * clearance_of(m, n):
             return True
     return False
 
@@ -298,7 +298,7 @@ def inside_wall(m):
 @compiled
 def deepest(m):
     """Largest depth of a contact in its wall, in clearances, from the gaps at hand."""
-    touch, worst = m.touch, 0.0
-    for n in range(touch.shape[0]):
-        worst = max(worst, -touch[n, at.GAP] / clearance_of(m, n))
+    kinematics, worst = m.contact_kinematics, 0.0
+    for n in range(kinematics.shape[0]):
+        worst = max(worst, -kinematics[n, at.GAP] / clearance_of(m, n))
     return worst

@@ -49,7 +49,7 @@ def table(contacts: int) -> np.ndarray:
 @compiled
 def write_look(m, line):
     """All that must not become negative at the state at hand into a line of looks, and the largest force."""
-    contact, touch, mode = m.contact, m.touch, m.mode
+    contact, kinematics, mode = m.contact, m.contact_kinematics, m.mode
     largest = 0.0
     for n in range(contact.shape[0]):
         first = 1 + KINDS * n
@@ -57,14 +57,14 @@ def write_look(m, line):
             line[first + k] = 1.0
         if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
             continue
-        friction, normal = friction_of(m, n), touch[n, at.NORMAL]
+        friction, normal = friction_of(m, n), kinematics[n, at.NORMAL]
         line[first] = normal
         largest = max(largest, abs(normal))
         if friction > 0.0 and mode[n] == STICK:
-            line[first + 1] = friction * normal - touch[n, at.TANGENT]
-            line[first + 2] = friction * normal + touch[n, at.TANGENT]
+            line[first + 1] = friction * normal - kinematics[n, at.TANGENT]
+            line[first + 2] = friction * normal + kinematics[n, at.TANGENT]
         elif friction > 0.0:
-            line[first + 3] = touch[n, at.SLIP] if mode[n] == FORWARD else -touch[n, at.SLIP]
+            line[first + 3] = kinematics[n, at.SLIP] if mode[n] == FORWARD else -kinematics[n, at.SLIP]
     mass, acceleration = m.mass, m.acceleration
     for i in range(1, mass.shape[0]):
         largest = max(largest, mass[i, 0] * max(abs(acceleration[i, 0]), abs(acceleration[i, 1])))
@@ -174,11 +174,11 @@ def doubt(looks, c, first, last, lift):
 @compiled
 def keep_forces(m):
     """Remember the largest forces of the lasting contacts at the stages of a step."""
-    contact, mode, looks, grip = m.contact, m.mode, m.glances, m.grip
+    contact, mode, looks, memory = m.contact, m.mode, m.glances, m.contact_memory
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
             for i in range(1, END + 1):
-                grip[n, at.PEAK] = max(grip[n, at.PEAK], looks[i, 1 + KINDS * n]) if mode[n] != OFF else 0.0
+                memory[n, at.PEAK] = max(memory[n, at.PEAK], looks[i, 1 + KINDS * n]) if mode[n] != OFF else 0.0
 
 
 @compiled

@@ -22,7 +22,7 @@ def record(m, t, y, row):
 
 @native("void", "h", "f", "f", "v")
 def write(m, work_done, dissipated, row):
-    """Copy what the memory holds at this instant into one output row."""
+    """Copy what the workspace holds at this instant into one output row."""
     body, signal, signals = m.body, m.signal, m.signals
     mass, acceleration, power = m.mass, m.acceleration, m.power
     c = 0
@@ -84,18 +84,18 @@ def write_joints(m, row, first):
 @compiled
 def write_contacts(m, row, first):
     """Forces of all contacts on their joints' columns, which start at `first`."""
-    contact, touch, joint, body, values = m.contact, m.touch, m.joint, m.body, m.values
+    contact, kinematics, joint, body, values = m.contact, m.contact_kinematics, m.joint, m.body, m.values
     for n in range(contact.shape[0]):
         c = first + 8 * contact[n, at.OWNER]
         b, p = contact[n, at.B_BODY], joint[contact[n, at.OWNER], 3]
-        normal, tangent = touch[n, at.NORMAL], touch[n, at.TANGENT]
-        fx = -normal * touch[n, at.NX] + tangent * touch[n, at.NY]
-        fy = -normal * touch[n, at.NY] - tangent * touch[n, at.NX]
+        normal, tangent = kinematics[n, at.NORMAL], kinematics[n, at.TANGENT]
+        fx = -normal * kinematics[n, at.NX] + tangent * kinematics[n, at.NY]
+        fy = -normal * kinematics[n, at.NY] - tangent * kinematics[n, at.NX]
         sbx = body[b, at.COS] * values[p + 2] - body[b, at.SIN] * values[p + 3]
         sby = body[b, at.SIN] * values[p + 2] + body[b, at.COS] * values[p + 3]
         row[c] += fx
         row[c + 1] += fy
-        row[c + 2] += (touch[n, at.PBX] - sbx) * fy - (touch[n, at.PBY] - sby) * fx
+        row[c + 2] += (kinematics[n, at.PBX] - sbx) * fy - (kinematics[n, at.PBY] - sby) * fx
         row[c + 5] += normal
         row[c + 6] += tangent
-        row[c + 7] = -touch[n, at.GAP] if contact[n, at.CORNER] == 0 else max(row[c + 7], -touch[n, at.GAP])
+        row[c + 7] = -kinematics[n, at.GAP] if contact[n, at.CORNER] == 0 else max(row[c + 7], -kinematics[n, at.GAP])

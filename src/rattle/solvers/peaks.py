@@ -79,7 +79,7 @@ def value_of(row, kind, c):
 
 @native("void", "h", "i", "f")
 def gauge(m, sample, t):
-    """Put all quantities, as the memory holds them at t, into a sample; START and PROBE may be peaks."""
+    """Put all quantities, as the workspace holds them at t, into a sample; START and PROBE may be peaks."""
     quantity, peaks, row = m.quantity, m.peaks, m.peak_row
     if sample < m.glances.shape[0]:
         write_look(m, m.glances[sample])

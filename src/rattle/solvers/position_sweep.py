@@ -201,7 +201,7 @@ def exchange(m, probe, line, row):
 
 @compiled
 def put(m, t, q, v, a, forces, probe, line, row):
-    """Write one output row for the motion whose rows and factor are in the memory."""
+    """Write one output row for the motion whose rows and factor are in the workspace."""
     body = m.body
     if forces:
         loads(m, t)
@@ -350,7 +350,7 @@ def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line, o
             h = clock[NOW] - clock[T_BEFORE]
             between(node, (target - clock[T_BEFORE]) / h, h)
             stepped = False
-        if not stepped:  # else its rows and factor are in the memory
+        if not stepped:  # else its rows and factor are in the workspace
             drive(m, target)
             place(m, node[Q_NEW], node[V_NEW])
             constraints(m)

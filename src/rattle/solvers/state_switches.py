@@ -33,7 +33,7 @@ def argument(m, n, t):
 
 @compiled
 def see(m, t, y):
-    """State y with its signals into the memory."""
+    """State y with its signals into the workspace."""
     nq, signal, signals = m.change.shape[0], m.signal, m.signals
     place(m, y[:nq], y[nq : 2 * nq])
     for n in range(signal.shape[0]):

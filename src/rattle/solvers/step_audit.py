@@ -69,7 +69,7 @@ def stands(m, y):
     for i in range(1, body.shape[0]):
         for k in range(3):
             kinetic += 0.5 * mass[i, k] * body[i, at.VX + k] ** 2
-    for n in range(m.touch.shape[0]):
+    for n in range(m.contact_kinematics.shape[0]):
         lost += y[2 * nq + 4 + 4 * n]
         potential += y[2 * nq + 5 + 4 * n]
     total = kinetic + potential - y[2 * nq] + lost

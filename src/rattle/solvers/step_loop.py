@@ -271,10 +271,10 @@ def look_back(m, t, h, changed, method, t_out, out):
 @native("void", "h", "f", "v", "i")
 def turn_contact(m, t, y, who):
     """Contact `who` starts or ends at (t, y): change its memory, note the event, choose a step for what follows."""
-    clock, tally, grip = m.clock, m.tally, m.grip
-    was_shut = grip[who, at.CLOSED] == at.SHUT
+    clock, tally, memory = m.clock, m.tally, m.contact_memory
+    was_shut = memory[who, at.CLOSED] == at.SHUT
     if was_shut:
-        clock[FEWEST] = min(clock[FEWEST], grip[who, at.STEPS_IN])
+        clock[FEWEST] = min(clock[FEWEST], memory[who, at.STEPS_IN])
     else:
         tally[CONTACTS] += 1
         clock[H_FREE] = max(clock[H], 0.5 * clock[H_FREE])

@@ -127,11 +127,11 @@ def _slope(growth: np.ndarray) -> float:
 
 def _require_mobility(m: Mechanism) -> None:
     """Refuse a mechanism in which nothing is free to grow apart."""
-    system, memory = m.system, m.system.memory()
+    system, workspace = m.system, m.system.workspace()
     if len(system.arrays["contact"]) or system.row_count > LARGE:
         return
-    open_by(memory, m.start.t, m.start.q, m.start.v)
-    if rank(system, memory) == 3 * system.body_count:
+    open_by(workspace, m.start.t, m.start.q, m.start.v)
+    if rank(system, workspace) == 3 * system.body_count:
         raise ValueError(
             "the drivers fix every position: there is no degree of freedom in which errors could grow, so no exponent"
             " (a joint with play, or a driver less, gives one)"
@@ -151,7 +151,7 @@ def _growths(m: Mechanism, span: float, length: float, rtol: float) -> np.ndarra
     for run in (one, two):
         _must(run, run.begin(m.start.t))
     offset = np.random.default_rng(1).normal(size=2 * nq) / weight
-    two.memory.state[: 2 * nq] += APART / math.sqrt(2 * nq) * offset
+    two.workspace.state[: 2 * nq] += APART / math.sqrt(2 * nq) * offset
     _renew(one, two)
     apart = _distance(one, two, weight)
     count = max(BLOCKS * 2, round(span / length))
@@ -174,31 +174,31 @@ def _growths(m: Mechanism, span: float, length: float, rtol: float) -> np.ndarra
 
 def _distance(one: Any, two: Any, weight: np.ndarray) -> float:
     n = len(weight)
-    return float(np.linalg.norm(weight * (two.memory.state[:n] - one.memory.state[:n])))
+    return float(np.linalg.norm(weight * (two.workspace.state[:n] - one.workspace.state[:n])))
 
 
 def _renew(one: Any, two: Any, share: float = 1.0) -> None:
     """Bring the second run to a share of its distance, onto its constraints, with the contact memory of the first."""
     t = float(one.clock[step_loop.T])
-    y, other = one.memory.state, two.memory.state
-    motion = 2 * len(one.memory.change)
+    y, other = one.workspace.state, two.workspace.state
+    motion = 2 * len(one.workspace.change)
     scaled = [slice(0, motion), slice(motion + 2, None, 4)]  # positions, rates and bristles; accounts are those of one
     kept = [y[part] + share * (other[part] - y[part]) for part in scaled]
     other[:] = y
     for part, values in zip(scaled, kept, strict=True):
         other[part] = values
-    grip, old = one.memory.grip, two.memory.grip
-    both = (grip[:, at.CLOSED] == at.SHUT) & (old[:, at.CLOSED] == at.SHUT)
-    speed = np.where(both, grip[:, at.SPEED] + share * (old[:, at.SPEED] - grip[:, at.SPEED]), grip[:, at.SPEED])
-    old[:] = grip
+    memory, old = one.workspace.contact_memory, two.workspace.contact_memory
+    both = (memory[:, at.CLOSED] == at.SHUT) & (old[:, at.CLOSED] == at.SHUT)
+    speed = np.where(both, memory[:, at.SPEED] + share * (old[:, at.SPEED] - memory[:, at.SPEED]), memory[:, at.SPEED])
+    old[:] = memory
     old[:, at.SPEED] = speed
     if one.method == "event":
-        two.memory.mode[:] = one.memory.mode
+        two.workspace.mode[:] = one.workspace.mode
         _must(two, two.begin(t))
     else:
-        handle = two.memory
-        step_loop.finish_step(handle, t, other, two.memory.rate)
-        two.memory.audit[STARTED] = 0.0  # energies are counted anew
+        handle = two.workspace
+        step_loop.finish_step(handle, t, other, two.workspace.rate)
+        two.workspace.audit[STARTED] = 0.0  # energies are counted anew
         remember_end(handle)
         pass_on(handle)
     two.clock[:] = one.clock

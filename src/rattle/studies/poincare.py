@@ -24,15 +24,15 @@ if TYPE_CHECKING:
 
 def driver_period(system: System) -> float | None:
     """Time of one turn [s] of the first driver that turns a joint at constant rate; None where there is none."""
-    memory = system.memory()
+    workspace = system.workspace()
     for n, name in enumerate(system.joints):
         if name not in system.model.drivers or system.rows[system.arrays["joint"][n, 4]].unit != "rad":
             continue
         slot = int(system.arrays["joint"][n, 3]) + driver_slot(system, n)
         rates = []
         for t in (0.0, 0.0137, 0.171, 1.93):
-            drive(memory, t)
-            rates.append(float(memory.values[slot + 1]))
+            drive(workspace, t)
+            rates.append(float(workspace.values[slot + 1]))
         if rates[0] and max(rates) - min(rates) <= 1e-9 * abs(rates[0]):
             return 2.0 * math.pi / abs(rates[0])
     return None

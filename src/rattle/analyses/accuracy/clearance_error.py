@@ -267,4 +267,4 @@ def _conjugate(shown: Displaced) -> str:
 
 def _moment(problem: StaticProblem, name: str) -> float:
     at = int(problem.system.arrays["load"][list(problem.system.model.loads).index(name), 3])
-    return float(problem.memory.values[at])
+    return float(problem.workspace.values[at])

@@ -34,7 +34,7 @@ class Displaced:
         self.system, self.start, self.joints, self.output = system, start, joints, output
         self.sweep = begin(system, start)
         self.place = [int(system.arrays["joint"][system.joints.index(one.name), 3]) for one in joints]
-        self.values = self.sweep.memory.values
+        self.values = self.sweep.workspace.values
         self.base = self.values.copy()
         self.names: list[str] = []
 
@@ -55,7 +55,7 @@ class Displaced:
         sweep = self.sweep
         sweep.node[:] = node
         sweep.node[swept.Q_NEW : swept.Q_OLD] = node[: swept.Q_NEW]
-        moved, root, _, _ = swept.closed_at(sweep.memory, t, sweep.node, self.system.size)
+        moved, root, _, _ = swept.closed_at(sweep.workspace, t, sweep.node, self.system.size)
         raw = np.full(width(self.system), math.nan)
         if moved < math.inf:
             sweep.node[: swept.Q_NEW] = sweep.node[swept.Q_NEW : swept.Q_OLD]
@@ -95,21 +95,23 @@ class Displaced:
         q_slope = self._slope(t, node, e)
         if q_slope is None:
             return self._differences(t, node, e)
-        memory = self.sweep.memory
-        rows = dense_rows(self.system, memory)
+        workspace = self.sweep.workspace
+        rows = dense_rows(self.system, workspace)
         y = np.linalg.lstsq(rows.T, q_slope, rcond=1e-12)[0]
         found = np.zeros((len(self.joints), 2))
         for k, joint in enumerate(self.joints):
             first = int(self.system.arrays["joint"][self.system.joints.index(joint.name), 4])
             found[k] = y[first : first + 2]
             if joint.kind != "prismatic":  # rows are in the ground frame, e in that of A
-                angle = 0.0 if joint.a.body == "ground" else memory.body[1 + self.system.bodies.index(joint.a.body), 2]
+                angle = (
+                    0.0 if joint.a.body == "ground" else workspace.body[1 + self.system.bodies.index(joint.a.body), 2]
+                )
                 c, s = math.cos(angle), math.sin(angle)
                 found[k] = c * found[k, 0] + s * found[k, 1], -s * found[k, 0] + c * found[k, 1]
         return found
 
     def _slope(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray | None:
-        """(3 nb,) d output / dq, the rows of this place in the memory; None unless it depends on positions alone."""
+        """(3 nb,) d output / dq, the rows of this place in the workspace; None unless it depends on positions alone."""
         owner, _, last = self.output.rpartition(".")
         body, _, point = owner.partition(".")
         bodies = self.system.model.bodies
@@ -119,11 +121,11 @@ class Displaced:
         ):
             return None
         self.row(t, node, e)
-        memory = self.sweep.memory
+        workspace = self.sweep.workspace
         q = self.sweep.node[swept.Q].copy()
         v = self.sweep.node[swept.V].copy()
         self.shift(e)
-        open_by(memory, t, q, v)
+        open_by(workspace, t, q, v)
         slope = np.zeros(len(q))
         if not signal:
             k = 3 * self.system.bodies.index(body)
@@ -137,18 +139,18 @@ class Displaced:
             if slope_v:
                 self.shift(np.zeros_like(e))
                 return None
-        open_by(memory, t, q, v)
+        open_by(workspace, t, q, v)
         self.shift(np.zeros_like(e))
         return slope
 
     def _signal_slopes(self, t: float, q: np.ndarray, v: np.ndarray, slope: np.ndarray) -> bool:
         """Fill in d signal / dq by differences; True when the signal depends on rates as well."""
-        memory, k = self.sweep.memory, list(self.system.model.signals).index(self.output)
+        workspace, k = self.sweep.workspace, list(self.system.model.signals).index(self.output)
 
         def at(q: np.ndarray, v: np.ndarray) -> float:
-            open_by(memory, t, q, v)
-            loads(memory, t)
-            return float(memory.signals[k])
+            open_by(workspace, t, q, v)
+            loads(workspace, t)
+            return float(workspace.signals[k])
 
         base = at(q, v)
         for n in range(len(q)):

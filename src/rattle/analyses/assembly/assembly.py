@@ -19,7 +19,7 @@ from rattle.analyses.assembly.start_values import given_values, keep_places, kee
 from rattle.analyses.assembly.unclosed import why_open, without_value
 from rattle.description.model import Contact, Joint, Model
 from rattle.equations.closure import close_position, close_rate, open_by, place_only
-from rattle.equations.compliant import touch_all
+from rattle.equations.compliant import locate_contacts
 from rattle.equations.dense import LARGE, dense_rows
 from rattle.equations.motion import constraints, drive, solve_motion
 from rattle.equations.system import System, compile_system, has_contacts, is_link
@@ -74,25 +74,25 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
         if missing and ideal is not None:
             offsets.update(_along_reactions(ideal_system, ideal, missing))
             held = [*links, *held]  # closing would turn the pins away from where the reactions press them
-    memory = system.memory()
-    q, iterations = _closed(system, memory, t, offsets, held, missing, ideal)
+    workspace = system.workspace()
+    q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal)
     given = given_values(system, 1)
     if ideal is None:
-        v = _free_rates(system, memory, t, q, given)
+        v = _free_rates(system, workspace, t, q, given)
     else:
         v = np.where(np.isnan(given), ideal.v, given)
         place_rates(system, q, v, given, ideal.v)
-        v = _closed_rates(system, memory, t, q, v, given)
+        v = _closed_rates(system, workspace, t, q, v, given)
     _refuse_contradiction(system, t, q, v)
-    residual = float(open_by(memory, t, q, v))
-    outside = _outside(system, memory)
+    residual = float(open_by(workspace, t, q, v))
+    outside = _outside(system, workspace)
     if outside:
         raise AssemblyError(outside)
     return Assembled(t, q, v, residual, iterations, (*model.remarks, *start_notes(system, t, q, v)) if t == 0.0 else ())
 
 
 def _closed(
-    system: System, memory: Workspace, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
+    system: System, workspace: Workspace, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
     ideal: Assembled | None,
 ) -> tuple[np.ndarray, int]:  # fmt: skip
     """Positions that satisfy every joint, with the pins of the `held` joints at their offsets if that goes together."""
@@ -100,22 +100,22 @@ def _closed(
     if held and ideal is not None:
         try:
             q, iterations = _hold_offsets(system, t, {name: offsets[name] for name in held}, ideal)
-            gap = close_position(memory, t, q, np.empty_like(q), 1e-12 * system.size, 60)[0]
+            gap = close_position(workspace, t, q, np.empty_like(q), 1e-12 * system.size, 60)[0]
             if not gap <= 1e-9 * system.size or (missing and np.abs(q - ideal.q)[2::3].max() > FAR):
-                raise AssemblyError(_why_open(system, memory, t, q))
+                raise AssemblyError(_why_open(system, workspace, t, q))
         except AssemblyError:
             if not missing:
                 raise
             q, missing = None, []  # reactions that are not unique may press the pins to where they do not fit together
     if q is None:
-        q, iterations = _positions(system, memory, t, offsets, ideal)
+        q, iterations = _positions(system, workspace, t, offsets, ideal)
     if missing and system.row_count <= LARGE:
-        q = keep_places(system, memory, t, q, given_values(system, 0))
+        q = keep_places(system, workspace, t, q, given_values(system, 0))
     if system.row_count > LARGE or missing or any(name in system.model.initial.offsets for name in held):
         return q, iterations
-    kept = keep_positions(system, memory, t, q, given_values(system, 0))
-    open_by(memory, t, kept, np.zeros_like(kept))
-    return (q if _outside(system, memory) else kept), iterations
+    kept = keep_positions(system, workspace, t, q, given_values(system, 0))
+    open_by(workspace, t, kept, np.zeros_like(kept))
+    return (q if _outside(system, workspace) else kept), iterations
 
 
 def _placed(model: Model, joint: Joint) -> bool:
@@ -150,26 +150,26 @@ def _hold_offsets(system: System, t: float, offsets: dict[str, Any], ideal: Asse
             spot = (joint.a.at[0] + float(shift[0]), joint.a.at[1] + float(shift[1]))
             joints[name] = replace(joint, a=replace(joint.a, at=spot), contact=None)
         shifted = compile_system(replace(model, joints=joints))
-        memory = shifted.memory()
+        workspace = shifted.workspace()
         before = q.copy()
-        gap, more = close_position(memory, t, q, np.empty_like(q), 1e-13 * system.size, 60)
+        gap, more = close_position(workspace, t, q, np.empty_like(q), 1e-13 * system.size, 60)
         iterations += more
         if not gap <= 1e-9 * system.size:
-            raise AssemblyError(_why_open(shifted, memory, t, q))
+            raise AssemblyError(_why_open(shifted, workspace, t, q))
         if shifted.row_count <= LARGE:
-            q = keep_positions(shifted, memory, t, q, given_values(system, 0))
+            q = keep_positions(shifted, workspace, t, q, given_values(system, 0))
         if np.abs(q - before).max() < 1e-14 * system.size:
             break
     return q, iterations
 
 
-def _outside(system: System, memory: Workspace) -> str:
-    """Which pin is outside its bush, or block outside its guide, at the state in the memory; empty when none."""
+def _outside(system: System, workspace: Workspace) -> str:
+    """Which pin is outside its bush, or block outside its guide, at the state in the workspace; empty when none."""
     contact = system.arrays["contact"]
     if not len(contact):
         return ""
-    touch_all(memory)
-    for entry, gap in zip(contact, memory.touch[:, at.GAP], strict=True):
+    locate_contacts(workspace)
+    for entry, gap in zip(contact, workspace.contact_kinematics[:, at.GAP], strict=True):
         name = system.joints[entry[at.OWNER]]
         clearance = system.model.joints[name].clearance
         if gap < -1e-6 * clearance:
@@ -182,28 +182,28 @@ def _outside(system: System, memory: Workspace) -> str:
 
 # ---------------------------------------------------------------- positions
 def _positions(
-    system: System, memory: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None
+    system: System, workspace: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None
 ) -> tuple[np.ndarray, int]:
     """Close the positions; guesses for angles that were not given are varied until it works."""
     best = None
-    for q in _guesses(system, memory, t, offsets, ideal):
+    for q in _guesses(system, workspace, t, offsets, ideal):
         start = q.copy()
-        gap, iterations = close_position(memory, t, q, np.empty_like(q), 1e-12 * system.size, 60)
+        gap, iterations = close_position(workspace, t, q, np.empty_like(q), 1e-12 * system.size, 60)
         if not gap <= 1e-9 * system.size and system.row_count <= LARGE:
             q[:] = start
-            _least_open(system, memory, t, q)
-            gap, more = close_position(memory, t, q, np.empty_like(q), 1e-12 * system.size, 60)
+            _least_open(system, workspace, t, q)
+            gap, more = close_position(workspace, t, q, np.empty_like(q), 1e-12 * system.size, 60)
             iterations += more
         if gap <= 1e-9 * system.size:
             return q, iterations
         if best is None or gap < best[0]:
             best = (gap, q)
     assert best is not None
-    _without_drivers(system, memory, t)
-    raise AssemblyError(_why_open(system, memory, t, best[1]))
+    _without_drivers(system, workspace, t)
+    raise AssemblyError(_why_open(system, workspace, t, best[1]))
 
 
-def _without_drivers(system: System, memory: Workspace, t: float) -> None:
+def _without_drivers(system: System, workspace: Workspace, t: float) -> None:
     """Where the joints alone can be closed, see whether the drivers hinder each other, or have nothing to move."""
     from rattle.analyses.assembly.rank import drivers_without_dof
 
@@ -213,23 +213,23 @@ def _without_drivers(system: System, memory: Workspace, t: float) -> None:
         q = assemble(compile_system(replace(system.model, drivers={})), t).q
     except AssemblyError:
         return
-    place_only(memory, q)
-    drive(memory, t)
-    constraints(memory)
-    _refuse_two_drivers(system, memory)
-    for name, row in drivers_without_dof(system, memory):
-        off = abs(float(memory.rows[row, 0]))
+    place_only(workspace, q)
+    drive(workspace, t)
+    constraints(workspace)
+    _refuse_two_drivers(system, workspace)
+    for name, row in drivers_without_dof(system, workspace):
+        off = abs(float(workspace.rows[row, 0]))
         raise AssemblyError(
             f"driver '{name}' asks for a place {off:.4g} {system.rows[row].unit} away from the one that the joints"
             " hold: they leave its degree of freedom no motion (one driver too many); take it out, or free a joint"
         )
 
 
-def _refuse_two_drivers(system: System, memory: Workspace) -> None:
-    """Raise AssemblyError when drivers move the same degree of freedom at the state in the memory."""
+def _refuse_two_drivers(system: System, workspace: Workspace) -> None:
+    """Raise AssemblyError when drivers move the same degree of freedom at the state in the workspace."""
     from rattle.analyses.assembly.rank import drivers_on_one_dof
 
-    names = drivers_on_one_dof(system, memory)
+    names = drivers_on_one_dof(system, workspace)
     if len(names) > 1:
         listed = ", ".join(f"'{one}'" for one in names[:-1]) + f" and '{names[-1]}'"
         raise AssemblyError(
@@ -250,12 +250,12 @@ def _refuse_contradiction(system: System, t: float, q: np.ndarray, v: np.ndarray
 
 
 def _guesses(
-    system: System, memory: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None
+    system: System, workspace: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None
 ) -> Iterator[np.ndarray]:
     """Bodies placed by the joints, from the ground outwards, for one set of angles after the other."""
     model = system.model
-    drive(memory, t)
-    functions = {name: memory.values[system.arrays["joint"][n, 3] :] for n, name in enumerate(system.joints)}
+    drive(workspace, t)
+    functions = {name: workspace.values[system.arrays["joint"][n, 3] :] for n, name in enumerate(system.joints)}
     angles, free = passed_angles(model, functions)
     if ideal is not None:  # the ideal mechanism has found the angles that were not given
         angles.update({name: float(ideal.q[3 * system.bodies.index(name) + 2]) for name in free})
@@ -275,20 +275,20 @@ def _guesses(
         yield place_positions(system, {**angles, **dict(zip(free, turn, strict=True))}, offsets, functions)
 
 
-def _least_open(system: System, memory: Workspace, t: float, q: np.ndarray) -> None:
+def _least_open(system: System, workspace: Workspace, t: float, q: np.ndarray) -> None:
     """Levenberg-Marquardt on |Phi|^2 in mass-weighted coordinates: works where the rows lose rank."""
     scale = np.sqrt(system.arrays["weight"][1:].ravel() / system.arrays["weight"][1:].max())
     damping = 1e-2
 
     def rows_at(q: np.ndarray) -> np.ndarray:
-        place_only(memory, q)
-        constraints(memory)
-        return memory.rows[:, 0].copy()
+        place_only(workspace, q)
+        constraints(workspace)
+        return workspace.rows[:, 0].copy()
 
-    drive(memory, t)
+    drive(workspace, t)
     phi = rows_at(q)
     for _ in range(80):
-        jacobian = dense_rows(system, memory) * scale
+        jacobian = dense_rows(system, workspace) * scale
         normal = jacobian.T @ jacobian
         gradient = jacobian.T @ phi
         if not np.isfinite(gradient).all() or np.abs(gradient).max() < 1e-14:
@@ -309,24 +309,24 @@ def _least_open(system: System, memory: Workspace, t: float, q: np.ndarray) -> N
                 break
 
 
-def _why_open(system: System, memory: Workspace, t: float, q: np.ndarray) -> str:
+def _why_open(system: System, workspace: Workspace, t: float, q: np.ndarray) -> str:
     """Why the joints cannot be closed from q, which goes to where they are open least."""
-    drive(memory, t)
-    if system.row_count <= LARGE and not without_value(system, memory, t):
-        _least_open(system, memory, t, q)
-    place_only(memory, q)
-    constraints(memory)
-    return why_open(system, memory, t)
+    drive(workspace, t)
+    if system.row_count <= LARGE and not without_value(system, workspace, t):
+        _least_open(system, workspace, t, q)
+    place_only(workspace, q)
+    constraints(workspace)
+    return why_open(system, workspace, t)
 
 
 def _along_reactions(ideal_system: System, ideal: Assembled, missing: list[str]) -> dict[str, tuple[float, float]]:
     """Pin offsets that press on the bush as the ideal mechanism's reactions do."""
-    memory = ideal_system.memory()
-    solve_motion(memory, ideal.t, ideal.q, ideal.v)
+    workspace = ideal_system.workspace()
+    solve_motion(workspace, ideal.t, ideal.q, ideal.v)
     found = {}
     for name in missing:
         row = ideal_system.arrays["joint"][ideal_system.joints.index(name), 4]
-        force = -memory.multiplier[row : row + 2]  # on B
+        force = -workspace.multiplier[row : row + 2]  # on B
         size = float(np.hypot(*force))
         n = -force / size if size > 1e-12 * ideal_system.arrays["mass"].max() else np.array([1.0, 0.0])
         clearance = ideal_system.model.joints[name].clearance
@@ -335,26 +335,26 @@ def _along_reactions(ideal_system: System, ideal: Assembled, missing: list[str])
 
 
 # ---------------------------------------------------------------- rates
-def _free_rates(system: System, memory: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
+def _free_rates(system: System, workspace: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Rates of an ideal mechanism: those given are kept where the joints allow, the others follow."""
     v: np.ndarray = np.nan_to_num(given)
     place_rates(system, q, v, given, v.copy())
-    return _closed_rates(system, memory, t, q, v, given)
+    return _closed_rates(system, workspace, t, q, v, given)
 
 
 def _closed_rates(
-    system: System, memory: Workspace, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
+    system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
 ) -> np.ndarray:
     """Rates near v that satisfy the constraints, those given moved last."""
     if system.row_count <= LARGE:
-        return keep_rates(system, memory, t, q, v, given)
+        return keep_rates(system, workspace, t, q, v, given)
     known = ~np.isnan(given)
     if known.any():
         weight = system.arrays["weight"].copy()
         weight[1:].reshape(-1)[known] *= HOLD
-        held = replace(system, arrays={**system.arrays, "weight": weight}).memory()
+        held = replace(system, arrays={**system.arrays, "weight": weight}).workspace()
         for _ in range(4):
             v[known] = given[known]
             close_rate(held, t, q, v)
-    close_rate(memory, t, q, v)
+    close_rate(workspace, t, q, v)
     return v

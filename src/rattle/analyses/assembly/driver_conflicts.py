@@ -30,14 +30,14 @@ def contradicted(system: System, t: float, q: np.ndarray, v: np.ndarray, span: f
     """
     if not system.model.drivers:
         return ""
-    memory = system.memory()
-    open_by(memory, t, q, v)
-    null = _with_drivers(system, left_null(system, memory))
+    workspace = system.workspace()
+    open_by(workspace, t, q, v)
+    null = _with_drivers(system, left_null(system, workspace))
     if not null.shape[1]:
         return ""
-    found = _at_odds(system, memory, null)
+    found = _at_odds(system, workspace, null)
     if not found:
-        return _later(system, memory, t, q.copy(), v.copy(), span) if np.isfinite(span) and span > 0.0 else ""
+        return _later(system, workspace, t, q.copy(), v.copy(), span) if np.isfinite(span) and span > 0.0 else ""
     return _said(system, found) if _structural(system, t, q) else ""
 
 
@@ -47,9 +47,9 @@ def _with_drivers(system: System, null: np.ndarray) -> np.ndarray:
     return null[:, np.abs(null[driving]).max(axis=0, initial=0.0) > TAKES_PART]
 
 
-def _at_odds(system: System, memory: Workspace, null: np.ndarray) -> tuple[str, ...]:
-    """Owners of the dependent rows whose right sides do not go together, at the state in the memory."""
-    rows, length = memory.rows, row_lengths(system, memory)
+def _at_odds(system: System, workspace: Workspace, null: np.ndarray) -> tuple[str, ...]:
+    """Owners of the dependent rows whose right sides do not go together, at the state in the workspace."""
+    rows, length = workspace.rows, row_lengths(system, workspace)
     for column in (at.NU, at.GAMMA):
         side = rows[:, column] / length
         for k in range(null.shape[1]):
@@ -61,23 +61,23 @@ def _at_odds(system: System, memory: Workspace, null: np.ndarray) -> tuple[str, 
 
 def _structural(system: System, t: float, q: np.ndarray) -> bool:
     """True when drivers stay among the dependent rows a little further along what the joints leave free."""
-    memory = system.memory()
-    open_by(memory, t, q, np.zeros_like(q))
+    workspace = system.workspace()
+    open_by(workspace, t, q, np.zeros_like(q))
     driving = np.array([row.driver for row in system.rows])
     near = q.copy()
     if not driving.all():
-        joints = compile_system(replace(system.model, drivers={})).memory()
+        joints = compile_system(replace(system.model, drivers={})).workspace()
         scale = np.tile([system.size, system.size, 1.0], system.body_count)
-        _, values, right = np.linalg.svd(scaled_rows(system, memory)[~driving])
+        _, values, right = np.linalg.svd(scaled_rows(system, workspace)[~driving])
         free = right[int((values > RANK * values[0]).sum()) :]
         near += SHAKE * scale * (free.T @ np.random.default_rng(0).uniform(0.5, 1.0, len(free)))
         if not close_position(joints, t, near, np.empty_like(q), 1e-12 * system.size, 30)[0] <= 1e-9 * system.size:
             return False
-    open_by(memory, t, near, np.zeros_like(q))
-    return bool(_with_drivers(system, left_null(system, memory)).shape[1])
+    open_by(workspace, t, near, np.zeros_like(q))
+    return bool(_with_drivers(system, left_null(system, workspace)).shape[1])
 
 
-def _later(system: System, memory: Workspace, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
+def _later(system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
     """The same at some later instants, as far as positions can be followed."""
     scratch = np.empty_like(q)
     scale = np.tile([1.0 / system.size, 1.0 / system.size, 1.0], system.body_count)
@@ -88,15 +88,15 @@ def _later(system: System, memory: Workspace, t: float, q: np.ndarray, v: np.nda
             if steps == MOST_STEPS:
                 return ""
             ahead = min(mark, now + SHORT / max(float(np.abs(scale * v).max()), 1e-300))
-            owners = _taking_part(system, _with_drivers(system, left_null(system, memory)))
+            owners = _taking_part(system, _with_drivers(system, left_null(system, workspace)))
             q += (ahead - now) * v
-            if not close_position(memory, ahead, q, scratch, 1e-12 * system.size, 30)[0] <= 1e-9 * system.size:
+            if not close_position(workspace, ahead, q, scratch, 1e-12 * system.size, 30)[0] <= 1e-9 * system.size:
                 return (
                     f"{_said(system, owners)} (at t = {ahead:.4g} s)"
                     if _closes_without(system, owners, ahead, q)
                     else ""
                 )
-            close_rate(memory, ahead, q, v)
+            close_rate(workspace, ahead, q, v)
             now, steps = ahead, steps + 1
         found = contradicted(system, now, q, v, 0.0)
         if found:
@@ -109,8 +109,8 @@ def _closes_without(system: System, owners: tuple[str, ...], t: float, q: np.nda
     for name in system.model.drivers:
         if name in owners:
             drivers = {other: one for other, one in system.model.drivers.items() if other != name}
-            memory, near = compile_system(replace(system.model, drivers=drivers)).memory(), q.copy()
-            gap = close_position(memory, t, near, np.empty_like(q), 1e-12 * system.size, 60)[0]
+            workspace, near = compile_system(replace(system.model, drivers=drivers)).workspace(), q.copy()
+            gap = close_position(workspace, t, near, np.empty_like(q), 1e-12 * system.size, 60)[0]
             if gap <= 1e-9 * system.size:
                 return True
     return False

@@ -12,75 +12,75 @@ RANK = 1e-9  # a singular value below this share of the largest counts as zero
 UNLIKE = 1e9  # ratio of masses that leaves too few digits for the lighter body
 
 
-def scaled_rows(system: System, memory: Workspace) -> np.ndarray:
+def scaled_rows(system: System, workspace: Workspace) -> np.ndarray:
     """Phi_q with angles measured as lengths at the size of the mechanism, every row of length one."""
-    full = dense_rows(system, memory)
+    full = dense_rows(system, workspace)
     full[:, 2::3] /= system.size
-    scaled: np.ndarray = full / row_lengths(system, memory)[:, None]
+    scaled: np.ndarray = full / row_lengths(system, workspace)[:, None]
     return scaled
 
 
-def row_lengths(system: System, memory: Workspace) -> np.ndarray:
+def row_lengths(system: System, workspace: Workspace) -> np.ndarray:
     """(nr,) what `scaled_rows` divides every row by."""
-    full = dense_rows(system, memory)
+    full = dense_rows(system, workspace)
     full[:, 2::3] /= system.size
     length = np.linalg.norm(full, axis=1)
     made: np.ndarray = np.where(length > 0, length, 1.0)
     return made
 
 
-def rank(system: System, memory: Workspace) -> int:
-    """Number of independent rows at the state in the memory."""
+def rank(system: System, workspace: Workspace) -> int:
+    """Number of independent rows at the state in the workspace."""
     if system.row_count == 0:
         return 0
     if system.row_count > LARGE:
-        return system.row_count - int(memory.redundant.sum())
-    values = np.linalg.svd(scaled_rows(system, memory), compute_uv=False)
+        return system.row_count - int(workspace.redundant.sum())
+    values = np.linalg.svd(scaled_rows(system, workspace), compute_uv=False)
     return int((values > RANK * values[0]).sum())
 
 
-def left_null(system: System, memory: Workspace, tolerance: float = RANK) -> np.ndarray:
+def left_null(system: System, workspace: Workspace, tolerance: float = RANK) -> np.ndarray:
     """(nr, k) combinations of rows that vanish: forces that the joints can exert on each other for nothing."""
     if system.row_count == 0 or system.row_count > LARGE:
         return np.zeros((system.row_count, 0))
-    u, values, _ = np.linalg.svd(scaled_rows(system, memory))
+    u, values, _ = np.linalg.svd(scaled_rows(system, workspace))
     values = np.concatenate([values, np.zeros(system.row_count - len(values))])
     return u[:, values <= tolerance * values[0]]
 
 
-def nonunique_reactions(system: System, memory: Workspace) -> tuple[str, ...]:
-    """Names of joints and drivers whose reactions are not unique at the state in the memory."""
+def nonunique_reactions(system: System, workspace: Workspace) -> tuple[str, ...]:
+    """Names of joints and drivers whose reactions are not unique at the state in the workspace."""
     if system.row_count > LARGE:
-        lost = np.flatnonzero(memory.redundant[system.arrays["place"]])
+        lost = np.flatnonzero(workspace.redundant[system.arrays["place"]])
         return tuple(dict.fromkeys(system.rows[r].owner for r in lost))
-    free = left_null(system, memory)
+    free = left_null(system, workspace)
     taking_part = np.abs(free).max(axis=1, initial=0.0) > 1e-6
     return tuple(dict.fromkeys(row.owner for row, takes in zip(system.rows, taking_part, strict=True) if takes))
 
 
-def drivers_on_one_dof(system: System, memory: Workspace) -> tuple[str, ...]:
-    """Names of drivers that would move one degree of freedom that the joints leave, at the state in the memory."""
+def drivers_on_one_dof(system: System, workspace: Workspace) -> tuple[str, ...]:
+    """Names of drivers that would move one degree of freedom that the joints leave, at the state in the workspace."""
     if len(system.model.drivers) < 2 or system.row_count > LARGE:
         return ()
     names = [row.owner for row in system.rows if row.driver]
-    u, values, _ = np.linalg.svd(_driven(system, memory))
+    u, values, _ = np.linalg.svd(_driven(system, workspace))
     values = np.concatenate([values, np.zeros(max(0, len(names) - len(values)))])
     taking_part = np.abs(u[:, values <= 1e-7]).max(axis=1, initial=0.0) > 1e-6
     return tuple(name for name, takes in zip(names, taking_part, strict=True) if takes)
 
 
-def drivers_without_dof(system: System, memory: Workspace) -> list[tuple[str, int]]:
-    """Drivers, with their rows, of a mechanism whose joints leave nothing free, at the state in the memory."""
-    if _driven(system, memory).shape[
+def drivers_without_dof(system: System, workspace: Workspace) -> list[tuple[str, int]]:
+    """Drivers, with their rows, of a mechanism whose joints leave nothing free, at the state in the workspace."""
+    if _driven(system, workspace).shape[
         1
     ]:  # at a dead centre a driver moves nothing either, but another position would do
         return []
     return [(row.owner, r) for r, row in enumerate(system.rows) if row.driver]
 
 
-def _driven(system: System, memory: Workspace) -> np.ndarray:
+def _driven(system: System, workspace: Workspace) -> np.ndarray:
     """(drivers, dof) rows of the drivers along the directions that the joints leave free."""
-    full = scaled_rows(system, memory)
+    full = scaled_rows(system, workspace)
     driving = np.array([row.driver for row in system.rows])
     free = np.eye(full.shape[1])  # one per row
     if not driving.all():
@@ -100,9 +100,9 @@ def unlike_masses(system: System) -> str:
     return f"'{heavy}' has {ratio:.2g} times the mass of '{light}', too few digits are left; take less of a ratio"
 
 
-def describe_rank_loss(system: System, memory: Workspace, tolerance: float = 1e-3) -> str:
-    """In words, which joints block the motion at the state in the memory; empty when all rows are independent."""
-    free = left_null(system, memory, tolerance)
+def describe_rank_loss(system: System, workspace: Workspace, tolerance: float = 1e-3) -> str:
+    """In words, which joints block the motion at the state in the workspace; empty when all rows are independent."""
+    free = left_null(system, workspace, tolerance)
     if free.shape[1] == 0:
         return ""
     share = np.abs(free).max(axis=1)

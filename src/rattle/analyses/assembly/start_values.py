@@ -76,7 +76,7 @@ def _shortest(matrix: np.ndarray, side: np.ndarray, root: np.ndarray) -> np.ndar
     return found
 
 
-def keep_positions(system: System, memory: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
+def keep_positions(system: System, workspace: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Positions near the closed q that hold the values given as far as joints allow; q where none are found."""
     known = ~np.isnan(given)
     if not known.any() or np.abs(q - given)[known].max() <= 1e-14 * max(1.0, system.size):
@@ -84,10 +84,10 @@ def keep_positions(system: System, memory: Workspace, t: float, q: np.ndarray, g
     made, still = q.copy(), np.zeros_like(q)
     size = np.tile([system.size, system.size, 1.0], system.body_count)
     for _ in range(ROUNDS):
-        open_by(memory, t, made, still)
-        jacobian = dense_rows(system, memory)
+        open_by(workspace, t, made, still)
+        jacobian = dense_rows(system, workspace)
         there = np.where(known, given - made, 0.0)
-        wanted = -memory.rows[:, 0] - jacobian @ there
+        wanted = -workspace.rows[:, 0] - jacobian @ there
         noise = NOISE * (np.abs(jacobian) @ np.abs(made) + system.size)
         step = there + least_change(system, jacobian, wanted, known, noise)
         step *= min(1.0, 0.5 / max(float(np.abs(step / size).max()), 1e-300))
@@ -95,16 +95,16 @@ def keep_positions(system: System, memory: Workspace, t: float, q: np.ndarray, g
         if np.abs(step / size).max() < 1e-14:
             break
     exact = made.copy()
-    gap = close_position(memory, t, made, np.empty_like(made), 1e-12 * system.size, 30)[0]
+    gap = close_position(workspace, t, made, np.empty_like(made), 1e-12 * system.size, 30)[0]
     if not gap <= 1e-9 * system.size:
         return q
-    if float(open_by(memory, t, exact, still)) <= 1e-14 * max(1.0, system.size):
+    if float(open_by(workspace, t, exact, still)) <= 1e-14 * max(1.0, system.size):
         made = exact
     nearer = _distance(system, made - given, known) < _distance(system, q - given, known)
     return made if nearer else q
 
 
-def keep_places(system: System, memory: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
+def keep_places(system: System, workspace: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Closed positions with all values given, where places x, y are among those that q has not; else q.
 
     A massless link may stand on either side of its bush: the side where the body was put goes before the one to which
@@ -115,9 +115,9 @@ def keep_places(system: System, memory: Workspace, t: float, q: np.ndarray, give
     if not (np.abs(q - given)[places] > near).any():
         return q
     made = np.where(known, given, q)
-    if not close_position(memory, t, made, np.empty_like(made), 1e-12 * system.size, 60)[0] <= near:
+    if not close_position(workspace, t, made, np.empty_like(made), 1e-12 * system.size, 60)[0] <= near:
         return q
-    made = keep_positions(system, memory, t, made, given)
+    made = keep_positions(system, workspace, t, made, given)
     return made if (np.abs(made - given)[known] <= near).all() else q
 
 
@@ -126,16 +126,16 @@ def _distance(system: System, change: np.ndarray, known: np.ndarray) -> float:
 
 
 def keep_rates(
-    system: System, memory: Workspace, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
+    system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
 ) -> np.ndarray:
     """Rates near v that satisfy the constraints and hold the values given as far as these allow."""
     known = ~np.isnan(given)
     made = np.where(known, given, v)
     for _ in range(2):
-        open_by(memory, t, q, made)
-        jacobian = dense_rows(system, memory)
-        wanted = memory.rows[:, at.NU] - jacobian @ made
-        noise = 8.0 * NOISE * (np.abs(jacobian) @ np.abs(made) + np.abs(memory.rows[:, at.NU]))
+        open_by(workspace, t, q, made)
+        jacobian = dense_rows(system, workspace)
+        wanted = workspace.rows[:, at.NU] - jacobian @ made
+        noise = 8.0 * NOISE * (np.abs(jacobian) @ np.abs(made) + np.abs(workspace.rows[:, at.NU]))
         if (np.abs(wanted) <= noise).all():
             break
         made = made + least_change(system, jacobian, wanted, known, noise)
@@ -168,9 +168,9 @@ def start_notes(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple
 
 def _freedom(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Which coordinates (3 nb,) can change under all rows, and which under those of joints alone; the rows."""
-    memory = system.memory()
-    open_by(memory, t, q, v)
-    full = dense_rows(system, memory)
+    workspace = system.workspace()
+    open_by(workspace, t, q, v)
+    full = dense_rows(system, workspace)
     driving = np.array([row.driver for row in system.rows], dtype=bool)
     every = _free(full)
     return every, (_free(full[~driving]) if driving.any() else every), full

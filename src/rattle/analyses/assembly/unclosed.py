@@ -14,14 +14,14 @@ TAKES_PART = 0.05  # share of the widest gap from which on a joint is named
 MOST_NAMED = 6
 
 
-def why_open(system: System, memory: Workspace, t: float) -> str:
-    """What stays open at the state in the memory, where all that is open is as small as it can be together."""
+def why_open(system: System, workspace: Workspace, t: float) -> str:
+    """What stays open at the state in the workspace, where all that is open is as small as it can be together."""
     model = system.model
-    nothing = without_value(system, memory, t)
+    nothing = without_value(system, workspace, t)
     if nothing:
         return nothing
     gaps = dict.fromkeys(model.joints, 0.0)
-    for row, value in zip(system.rows, memory.rows[:, 0], strict=True):
+    for row, value in zip(system.rows, workspace.rows[:, 0], strict=True):
         name = (model.drivers[row.owner].joint or row.owner) if row.driver else row.owner
         gaps[name] = math.hypot(gaps.get(name, 0.0), float(value))
     worst = max(gaps, key=lambda name: gaps[name])
@@ -36,7 +36,7 @@ def why_open(system: System, memory: Workspace, t: float) -> str:
     else:
         gap, taking = gaps[worst] + sum(gaps[name] for name in path), [worst, *path]
         what = f"the loop {describe_loop(model, joint, path)}"
-    said = f"the mechanism cannot be put together: {what} stays open by {gap:.3g} {unit}{_at(system, memory, t)}"
+    said = f"the mechanism cannot be put together: {what} stays open by {gap:.3g} {unit}{_at(system, workspace, t)}"
     unlike = unlike_masses(system)
     if unlike:
         return f"{said}: {unlike}"
@@ -72,22 +72,22 @@ def _closed_play(system: System, taking: list[str], gap: float, unit: str) -> st
     )
 
 
-def _at(system: System, memory: Workspace, t: float) -> str:
+def _at(system: System, workspace: Workspace, t: float) -> str:
     """Instant, and where the drivers are then."""
     functions = []
     for n, name in enumerate(system.joints):
         if name in system.model.drivers:
-            value = memory.values[system.arrays["joint"][n, 3] + driver_slot(system, n)]
+            value = workspace.values[system.arrays["joint"][n, 3] + driver_slot(system, n)]
             unit = system.rows[system.arrays["joint"][n, 4]].unit
             functions.append(f"{name} = {math.degrees(value):.4g} deg" if unit == "rad" else f"{name} = {value:.4g} m")
     return f" at t = {t:.6g} s" + (f" ({', '.join(functions)})" if functions else "")
 
 
-def without_value(system: System, memory: Workspace, t: float) -> str:
-    """Which driver has no finite value at the instant in the memory, in words; empty when all have."""
+def without_value(system: System, workspace: Workspace, t: float) -> str:
+    """Which driver has no finite value at the instant in the workspace, in words; empty when all have."""
     for n, name in enumerate(system.joints):
         if name in system.model.drivers:
-            value = memory.values[system.arrays["joint"][n, 3] + driver_slot(system, n)]
+            value = workspace.values[system.arrays["joint"][n, 3] + driver_slot(system, n)]
             if not math.isfinite(value):
                 domain = "check its domain (square root, logarithm, division by zero)"
                 return f"the function of driver '{name}' has no finite value at t = {t:.6g} s ({value:g}); {domain}"

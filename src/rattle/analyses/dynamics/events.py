@@ -23,7 +23,7 @@ STEPS_WANTED = 10  # in the shortest contact
 KINDS = ("contact", "release", "impact", "stick", "slip")  # in the order of their numbers in `plane`
 
 
-def contact_events(system: System, rows: Sequence[np.ndarray], memory: Workspace, t: float) -> tuple[Event, ...]:
+def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Workspace, t: float) -> tuple[Event, ...]:
     """Events in order of time; contacts still going on at the end (time t) come with what they have so far."""
     owner = system.arrays["contact"][:, at.OWNER]
     found = []
@@ -32,11 +32,11 @@ def contact_events(system: System, rows: Sequence[np.ndarray], memory: Workspace
         kind = KINDS[int(row[2])]
         values = row[3:8] if kind in ("contact", "impact") else row[3:4]
         found.append(Event(float(row[0]), joint, kind, *(float(x) for x in values)))
-    grip, y = memory.grip, memory.state
-    for n in np.flatnonzero(grip[:, at.CLOSED] == at.SHUT):
-        k = len(y) - 4 * len(grip) + 4 * n
-        since, speed, peak = (float(grip[n, c]) for c in (at.SINCE, at.SPEED, at.PEAK))
-        impulse, lost = float(y[k + 1] - grip[n, at.IMPULSE_0]), float(y[k + 2] - grip[n, at.LOSS_0])
+    memory, y = workspace.contact_memory, workspace.state
+    for n in np.flatnonzero(memory[:, at.CLOSED] == at.SHUT):
+        k = len(y) - 4 * len(memory) + 4 * n
+        since, speed, peak = (float(memory[n, c]) for c in (at.SINCE, at.SPEED, at.PEAK))
+        impulse, lost = float(y[k + 1] - memory[n, at.IMPULSE_0]), float(y[k + 2] - memory[n, at.LOSS_0])
         found.append(Event(since, system.joints[owner[n]], "contact", speed, t - since, peak, impulse, lost))
     return tuple(sorted(found, key=lambda event: event.t))
 

@@ -25,22 +25,26 @@ GROWN = 20.0  # growth of a value, by which a pole is told, where the time to it
 TINY = 1e-12  # a contact that wants shorter steps is too stiff [s]
 
 
-def explain(system: System, memory: Workspace, t_end: float, status: int, method: str = "", rtol: float = 0.0) -> str:
-    """One or two sentences on why a run with this method and tolerance stopped at memory.clock[T]."""
-    clock, nq = memory.clock, 3 * system.body_count
+def explain(
+    system: System, workspace: Workspace, t_end: float, status: int, method: str = "", rtol: float = 0.0
+) -> str:
+    """One or two sentences on why a run with this method and tolerance stopped at workspace.clock[T]."""
+    clock, nq = workspace.clock, 3 * system.body_count
     t, h = float(clock[step_loop.T]), float(clock[step_loop.H])
     if status == ESCAPED:
-        return _escaped(system, memory)
-    what = load_law.complaint(t) or not_finite(system, memory, t_end)
+        return _escaped(system, workspace)
+    what = load_law.complaint(t) or not_finite(system, workspace, t_end)
     if what:
         return what
     if status == SLIDES:
-        return _sliding(system, memory)
-    record(memory, t, memory.state, np.zeros(width(system)))
-    rank = describe_rank_loss(system, memory)
+        return _sliding(system, workspace)
+    record(workspace, t, workspace.state, np.zeros(width(system)))
+    rank = describe_rank_loss(system, workspace)
     if rank:
         return f"cannot go on at t = {t:.6g} s: {rank}"
-    shut = np.flatnonzero((memory.grip[:, at.CLOSED] == at.SHUT) & (system.arrays["contact"][:, at.IMPACT] == 0))
+    shut = np.flatnonzero(
+        (workspace.contact_memory[:, at.CLOSED] == at.SHUT) & (system.arrays["contact"][:, at.IMPACT] == 0)
+    )
     if len(shut) and h < TINY:
         joint = system.joints[system.arrays["contact"][shut[0], at.OWNER]]
         return (
@@ -50,47 +54,47 @@ def explain(system: System, memory: Workspace, t_end: float, status: int, method
     if status == NOT_FINITE and method in ("rk4", "moreau"):
         return f"the motion ran away at t = {t:.6g} s with the step of {h:.3g} s; try a smaller step or method dop853"
     if status == NOT_FINITE:
-        size = np.abs(memory.acceleration[1:]).max(axis=1)
+        size = np.abs(workspace.acceleration[1:]).max(axis=1)
         body = system.bodies[int(np.argmax(np.where(np.isfinite(size), size, np.inf)))]
         return (
             f"cannot go on at t = {t:.6g} s: forces, rates or accelerations are too large for numbers (worst at body"
             f" '{body}', {size.max():.3g} in SI units); look for a load, mass or rate that is far too large or small"
         )
-    pole = _pole(system, memory, t_end)
+    pole = _pole(system, workspace, t_end)
     if pole:
         return pole
-    fastest = system.bodies[int(np.argmax(np.abs(memory.rate[nq : 2 * nq]))) // 3]
+    fastest = system.bodies[int(np.argmax(np.abs(workspace.rate[nq : 2 * nq]))) // 3]
     return (
         f"cannot go on at t = {t:.6g} s: the step fell below {h:.1g} s (worst at body '{fastest}');"
         f" {'look' if rtol >= 1e-6 else 'try a larger rtol, and look'} for a position that cannot be passed"
     )
 
 
-def _escaped(system: System, memory: Workspace) -> str:
+def _escaped(system: System, workspace: Workspace) -> str:
     """Which joint's contact is inside its wall, from the gaps at hand, and by how much."""
     contact = system.arrays["contact"]
-    clearance = memory.values[contact[:, at.SHAPE_P] + 4]
+    clearance = workspace.values[contact[:, at.SHAPE_P] + 4]
     rigid = contact[:, at.IMPACT] == 1
-    off = np.resize(memory.mode == OFF, len(contact)) if rigid.any() else rigid
-    shares = -memory.touch[:, at.GAP] / clearance
-    depth = np.where(np.where(rigid, off, memory.grip[:, at.CLOSED] == at.OPEN), shares, -np.inf)
+    off = np.resize(workspace.mode == OFF, len(contact)) if rigid.any() else rigid
+    shares = -workspace.contact_kinematics[:, at.GAP] / clearance
+    depth = np.where(np.where(rigid, off, workspace.contact_memory[:, at.CLOSED] == at.OPEN), shares, -np.inf)
     if not (depth > 0.1 * DEEP).any():  # Moreau-Jean, whose contacts know no modes between steps
         depth = shares
     n = int(np.argmax(depth))
     joint = system.joints[contact[n, at.OWNER]]
     return (
-        f"a contact was missed: at t = {memory.clock[step_loop.TROUBLE]:.9g} s joint '{joint}' is"
+        f"a contact was missed: at t = {workspace.clock[step_loop.TROUBLE]:.9g} s joint '{joint}' is"
         f" {depth[n] * clearance[n]:.3g} m inside its wall (play {clearance[n]:g} m), though not in contact;"
         " try a smaller rtol, or a shorter step"
     )
 
 
-def _sliding(system: System, memory: Workspace) -> str:
+def _sliding(system: System, workspace: Workspace) -> str:
     """Which switch changes its side without end."""
-    t = float(memory.landing[LAST])
-    see(memory, t, memory.state)
-    sizes = [abs(float(argument(memory, n, t))) for n in range(len(memory.switch))]
-    row = int(memory.switch[int(np.argmin(sizes)), 2])
+    t = float(workspace.landing[LAST])
+    see(workspace, t, workspace.state)
+    sizes = [abs(float(argument(workspace, n, t))) for n in range(len(workspace.switch))]
+    row = int(workspace.switch[int(np.argmin(sizes)), 2])
     name = next(one.name for one in system.switches if one.row == row)
     return (
         f"cannot go on at t = {t:.6g} s: {name} switches to and fro without end, each of its branches drives the motion"
@@ -99,9 +103,9 @@ def _sliding(system: System, memory: Workspace) -> str:
     )
 
 
-def not_finite(system: System, memory: Workspace, t_end: float) -> str:
+def not_finite(system: System, workspace: Workspace, t_end: float) -> str:
     """Which expression has no finite value near the last state, and when; empty if none."""
-    clock, y, f = memory.clock, memory.state, memory.rate
+    clock, y, f = workspace.clock, workspace.state, workspace.rate
     start = float(clock[step_loop.T])
     reach = max(float(clock[step_loop.TROUBLE]) - start, 1e-12)
     for share in (0.0, 0.25, 0.5, 1.0, 2.0, 10.0, 1e3, 1e6):
@@ -109,8 +113,8 @@ def not_finite(system: System, memory: Workspace, t_end: float) -> str:
         if t > t_end * (1 + 1e-12) and share:
             break
         state = y + (t - start) * np.where(np.isfinite(f), f, 0.0)
-        record(memory, t, state, np.zeros(width(system)))
-        for first, values in _evaluated(system, memory):
+        record(workspace, t, state, np.zeros(width(system)))
+        for first, values in _evaluated(system, workspace):
             if not np.isfinite(values).all():
                 name = system.live_names[system.program_starts.index(first)]
                 seen = values[~np.isfinite(values)][0]
@@ -119,30 +123,32 @@ def not_finite(system: System, memory: Workspace, t_end: float) -> str:
                     " (square root, logarithm, division by zero)"
                 )
         for (name, load), row in zip(system.model.loads.items(), system.arrays["load"], strict=True):
-            why = load_law.failure(load.kind, t, memory.body[row[2]], memory.values[row[3] :])
+            why = load_law.failure(load.kind, t, workspace.body[row[2]], workspace.values[row[3] :])
             if why:
                 return f"loads.{name}: {why}"
         for n, row in enumerate(system.arrays["contact"]):
-            why = contact_law.failure(row, memory.touch[n], memory.grip[n], memory.values)
+            why = contact_law.failure(
+                row, workspace.contact_kinematics[n], workspace.contact_memory[n], workspace.values
+            )
             if why and share <= NEAR:
                 return f"joint '{system.joints[row[at.OWNER]]}': {why} at t = {t:.6g} s"
     return ""
 
 
-def _pole(system: System, memory: Workspace, t_end: float) -> str:
+def _pole(system: System, workspace: Workspace, t_end: float) -> str:
     """Which expression has grown beyond all bounds towards the last state; empty if none.
 
     Steps that shrink towards a pole never reach it, and behind it values are finite again: what tells it is that the
     value grows by a factor wherever the time to go shrinks by one.
     """
-    t, nq = float(memory.clock[step_loop.T]), 3 * system.body_count
-    back = np.zeros_like(memory.state)
-    back[:nq] = memory.state[nq : 2 * nq]
+    t, nq = float(workspace.clock[step_loop.T]), 3 * system.body_count
+    back = np.zeros_like(workspace.state)
+    back[:nq] = workspace.state[nq : 2 * nq]
     sizes: list[dict[int, float]] = []
     for share in (GLANCE, GLANCE * SHARE, 0.0):
         now = t - share * t_end
-        record(memory, now, memory.state - (t - now) * back, np.zeros(width(system)))
-        sizes.append({first: float(np.abs(values).max()) for first, values in _evaluated(system, memory)})
+        record(workspace, now, workspace.state - (t - now) * back, np.zeros(width(system)))
+        sizes.append({first: float(np.abs(values).max()) for first, values in _evaluated(system, workspace)})
     for first, least in sizes[0].items():
         middle, last = sizes[1][first], sizes[2][first]
         if 0.0 < GROWN * least < middle and GROWN * middle < last:
@@ -154,11 +160,11 @@ def _pole(system: System, memory: Workspace, t_end: float) -> str:
     return ""
 
 
-def _evaluated(system: System, memory: Workspace) -> Iterator[tuple[int, np.ndarray]]:
+def _evaluated(system: System, workspace: Workspace) -> Iterator[tuple[int, np.ndarray]]:
     """First code row and present values of every expression."""
     where = {"jet_signal": ("jets", 0), "jet": ("values", 3), "signal": ("signals", 1), "live": ("values", 1)}
     for table, (array, count) in where.items():
         for first, _, place in system.arrays[table]:
-            values = getattr(memory, array)
+            values = getattr(workspace, array)
             found = values[place] if count == 0 else values[place : place + count]
             yield int(first), np.atleast_1d(found)

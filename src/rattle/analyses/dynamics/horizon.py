@@ -73,17 +73,17 @@ def agreement(run: Run, second: Run) -> Reach:
 def _rounding(run: Run, n: int) -> np.ndarray:
     """(columns,) how far every curve moves when positions and rates are shaken by some tolerances."""
     nq = 3 * run.system.body_count
-    y = np.zeros_like(run.memory.state)
+    y = np.zeros_like(run.workspace.state)
     random = np.random.default_rng(0)
     rows = np.zeros((2, run.raw.shape[1]))
     most = np.zeros(len(columns(run.system, rows[:1])[1]))
     for k in np.unique(np.linspace(0, n - 1, SHAKEN).astype(int)):
         state = run.raw[k, : 9 * run.system.body_count].reshape(-1, 3, 3)
         y[:nq], y[nq : 2 * nq] = state[:, 0].ravel(), state[:, 1].ravel()
-        record(run.memory, run.t_eval[k], y, rows[0])
+        record(run.workspace, run.t_eval[k], y, rows[0])
         near = y.copy()
         near[: 2 * nq] += NOISE * (run.atol + run.rtol * np.abs(y[: 2 * nq])) * random.uniform(-1.0, 1.0, 2 * nq)
-        record(run.memory, run.t_eval[k], near, rows[1])
+        record(run.workspace, run.t_eval[k], near, rows[1])
         found = columns(run.system, rows)[0]
         change = np.abs(found[1] - found[0])
         most = np.maximum(most, np.where(np.isfinite(change), change, 0.0))

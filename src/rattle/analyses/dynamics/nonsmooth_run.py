@@ -135,21 +135,21 @@ class ImpactRun(Run):
         arrays = step_loop.march_arrays(start_state(self.system, self.start), len(self.system.watched))
         arrays |= audit_arrays(self.system, self.method)
         contacts = contact_arrays(self.system, self.method == "event")
-        return self.system.memory(**arrays, **contacts, **peak_arrays(self.system))
+        return self.system.workspace(**arrays, **contacts, **peak_arrays(self.system))
 
     def begin(self, t: float) -> int:
         """Closed contacts find their modes and those that hit take their impact; see `Run.begin`."""
         self.take_sides(t)
         if self.method == "moreau":
             self.leg = Leg(t, t, 0.0, 0)
-            moreau_jean.start(self.memory, t)
-            set_floor(self.system, self.memory, self.rtol, self.atol)
+            moreau_jean.start(self.workspace, t)
+            set_floor(self.system, self.workspace, self.rtol, self.atol)
             return PAUSED
-        values, contact = self.memory.values, self.system.arrays["contact"]
+        values, contact = self.workspace.values, self.system.arrays["contact"]
         self.may_pass = bool((values[contact[:, at.NORMAL_P] + 4] > 0.0).any())
         self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])
         self.clock[step_loop.T] = t
-        status = int(event_driven.start(self.memory, t))
+        status = int(event_driven.start(self.workspace, t))
         if status == unilateral.NO_SOLUTION and self.may_pass:
             status = OK if self.pass_jam(status, late=False) == PAUSED else status
         return super().begin(t) if status == OK else int(status)
@@ -160,11 +160,11 @@ class ImpactRun(Run):
             super().take_sides(t)
             return
         self.piece = self.table.piece_at(t)
-        self.table.take(self.memory.code, self.piece)
+        self.table.take(self.workspace.code, self.piece)
 
     def march(self, t: float, chunk: int, outputs: int) -> int:
         """Some steps towards the time t [s]; see `Run.march`."""
-        handle = self.memory
+        handle = self.workspace
         if self.method == "moreau":
             if t != self.leg.end:
                 now, done = self.leg.end, int(self.tally[step_loop.STEPS])
@@ -184,7 +184,7 @@ class ImpactRun(Run):
 
         late: the state is that of an event whose new modes were not found.
         """
-        t, handle = float(self.clock[step_loop.T]), self.memory
+        t, handle = float(self.clock[step_loop.T]), self.workspace
         if self.jams and t - self.jams[-1][0] <= 1e-9 * self.t_end:  # once more at the same place: it does not help
             return status
         names = ", ".join(self._closed())
@@ -197,7 +197,7 @@ class ImpactRun(Run):
     def remarks(self) -> tuple[str, ...]:
         """What happened on the way that a result has to say."""
         said: tuple[str, ...] = ()
-        if shared := int(self.memory.held[complementarity.SHARED]):
+        if shared := int(self.workspace.held[complementarity.SHARED]):
             joint = self.system.joints[self.system.arrays["contact"][shared - 1, at.OWNER]]
             said = (
                 f"how contacts that depend on each other share a force at joint '{joint}' is not unique: what is"
@@ -213,7 +213,7 @@ class ImpactRun(Run):
         """Closed contacts find their modes anew; see `Run.go_on`."""
         if self.method == "moreau":
             return PAUSED
-        status = int(event_driven.go_on(self.memory, t, 1 if jolted else 0))
+        status = int(event_driven.go_on(self.workspace, t, 1 if jolted else 0))
         return super().go_on(t, jolted) if status == OK else status
 
     def record_now(self, t: float) -> None:
@@ -228,7 +228,7 @@ class ImpactRun(Run):
         t = float(self.clock[step_loop.T])
         names = ", ".join(self._closed()) or "the contacts"
         passed = "" if self.may_pass or self.method == "moreau" else ', and so does jam = "impact" in the contact'
-        if status == unilateral.NO_SOLUTION and self.memory.held[complementarity.OUTCOME] == complementarity.JAMMED:
+        if status == unilateral.NO_SOLUTION and self.workspace.held[complementarity.OUTCOME] == complementarity.JAMMED:
             return (
                 f"no solution of the contact problem at {names} was found at t = {t:.9g} s: on every path that was"
                 " followed the force that presses contacts together makes them approach, as where friction jams a"
@@ -273,19 +273,19 @@ class ImpactRun(Run):
             return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; method moreau goes on"
         if status == NOT_FINITE and self.method == "moreau":
             return f"the motion ran away at t = {t:.6g} s with the step of {self.step:.3g} s; try a smaller step"
-        what = explain(self.system, self.memory, self.t_end, status, self.method, self.rtol)
+        what = explain(self.system, self.workspace, self.t_end, status, self.method, self.rtol)
         if status == ESCAPED and self.method == "moreau":
             what += "; or the drivers push against a dead end, a position that rigid bodies cannot pass"
         return what
 
     def _locks(self, t: float) -> bool:
         """True when sliding contacts are about to lock by friction, alone or together: the proof of Painleve's name."""
-        mode, contact = self.memory.mode, self.system.arrays["contact"]
-        rough = self.memory.values[contact[:, at.NORMAL_P] + 2] > 0.0
+        mode, contact = self.workspace.mode, self.system.arrays["contact"]
+        rough = self.workspace.values[contact[:, at.NORMAL_P] + 2] > 0.0
         slides = (((mode == FORWARD) | (mode == BACKWARD)) & rough).any()
         if not slides:
             return False
-        return float(jams.lock_share(self.memory, t)) < NEARLY_LOCKED or self._firmness() < TOGETHER
+        return float(jams.lock_share(self.workspace, t)) < NEARLY_LOCKED or self._firmness() < TOGETHER
 
     def _firmness(self) -> float:
         """Smallest singular value of a_n (a_t where they stick) of the closed contacts by their forces, as a share of
@@ -295,12 +295,12 @@ class ImpactRun(Run):
 
     def _driven(self, rough: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """G with friction of sliding, or without, on the lines of closed contacts; these contacts, and the lines."""
-        mode, contact, g = self.memory.mode, self.system.arrays["contact"], self.memory.delassus
-        closed = self.memory.chosen[: int(((mode != complementarity.OFF) & (contact[:, at.IMPACT] == 1)).sum())]
+        mode, contact, g = self.workspace.mode, self.system.arrays["contact"], self.workspace.delassus
+        closed = self.workspace.chosen[: int(((mode != complementarity.OFF) & (contact[:, at.IMPACT] == 1)).sum())]
         normal = 2 * np.arange(len(closed))
         lines = np.sort(np.concatenate([normal, normal[mode[closed] == complementarity.STICK] + 1]))
         drag = (mode[closed] == FORWARD) * 1.0 - (mode[closed] == BACKWARD)
-        drag *= self.memory.values[contact[closed, at.NORMAL_P] + 2] * (1.0 if rough else 0.0)
+        drag *= self.workspace.values[contact[closed, at.NORMAL_P] + 2] * (1.0 if rough else 0.0)
         matrix = g[:, : 2 * len(closed)].copy()
         matrix[:, normal] += drag * matrix[:, normal + 1]
         return matrix[np.ix_(lines, lines)], closed, lines
@@ -308,16 +308,16 @@ class ImpactRun(Run):
     def _wedged(self, t: float) -> list[str]:
         """Joints whose contacts friction holds where bodies are pushed on: forces in a ratio that changes no motion,
         which press and stay within friction, and along which b calls for ever more.  None where that is not so."""
-        jams.lock_share(self.memory, t)
+        jams.lock_share(self.workspace, t)
         matrix, closed, lines = self._driven(True)
-        if not (self.memory.mode[closed] == complementarity.STICK).any() or not np.isfinite(matrix).all():
+        if not (self.workspace.mode[closed] == complementarity.STICK).any() or not np.isfinite(matrix).all():
             return []
-        b, force = self.memory.side[complementarity.B, lines], np.zeros(2 * len(closed))
+        b, force = self.workspace.side[complementarity.B, lines], np.zeros(2 * len(closed))
         rates, sizes, forces = np.linalg.svd(matrix)
         called = -float(rates[:, -1] @ b)
         force[lines] = math.copysign(1.0, called) * forces[-1]
         pressed, held = force[0::2], np.abs(force[1::2])
-        friction = self.memory.values[self.system.arrays["contact"][closed, at.NORMAL_P] + 2]
+        friction = self.workspace.values[self.system.arrays["contact"][closed, at.NORMAL_P] + 2]
         if sizes[-1] > DEAD * sizes[0] or abs(called) < DEAD * np.abs(b).max():
             return []
         if (pressed < -1e-3 * pressed.max()).any() or (held > friction * pressed + 1e-3 * pressed.max()).any():
@@ -326,6 +326,6 @@ class ImpactRun(Run):
         return [f"'{name}'" for name in dict.fromkeys(self.system.joints[n] for n in owner)]
 
     def _closed(self) -> list[str]:
-        owner, mode = self.system.arrays["contact"][:, at.OWNER], self.memory.mode
-        touching = (mode != complementarity.OFF) | (self.memory.touch[:, 0] < 1e-6 * self.system.size)
+        owner, mode = self.system.arrays["contact"][:, at.OWNER], self.workspace.mode
+        touching = (mode != complementarity.OFF) | (self.workspace.contact_kinematics[:, 0] < 1e-6 * self.system.size)
         return [f"'{name}'" for name in dict.fromkeys(self.system.joints[n] for n in owner[touching])]

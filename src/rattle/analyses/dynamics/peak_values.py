@@ -33,10 +33,10 @@ def peak_arrays(system: System) -> dict[str, np.ndarray]:
     }
 
 
-def peak_values(system: System, memory: Workspace, span: float) -> dict[str, Peak]:
+def peak_values(system: System, workspace: Workspace, span: float) -> dict[str, Peak]:
     """Largest size, its time and RMS of every watched quantity over a run of length `span` [s]."""
     found = {}
-    for (name, *_), row in zip(quantities(system), memory.peaks, strict=True):
+    for (name, *_), row in zip(quantities(system), workspace.peaks, strict=True):
         best, when, squares = (float(row[k]) for k in (peaks.BEST, peaks.WHEN, peaks.SQUARES))
         rms = math.sqrt(max(squares, 0.0) / span) if span > 0.0 else abs(best)
         found[name] = Peak(best, when, rms)

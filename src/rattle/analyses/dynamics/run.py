@@ -57,8 +57,8 @@ class Run:
         self.table = timetable(system, start.t, t_end)
         self.piece = 0  # smooth pieces of the run that are over
         self.jolts: list[Jolt] = []
-        self.memory = self.prepare()
-        self.clock, self.tally = self.memory.clock, self.memory.tally
+        self.workspace = self.prepare()
+        self.clock, self.tally = self.workspace.clock, self.workspace.tally
         self.raw = np.zeros((len(t_eval), width(system)))
         self.crossings: list[np.ndarray] = []
         self.contacts: list[np.ndarray] = []
@@ -72,22 +72,22 @@ class Run:
     def prepare(self) -> Workspace:
         """Workspace of the run."""
         arrays = step_loop.march_arrays(start_state(self.system, self.start), len(self.system.watched))
-        return self.system.memory(**arrays, **audit_arrays(self.system, self.method), **peak_arrays(self.system))
+        return self.system.workspace(**arrays, **audit_arrays(self.system, self.method), **peak_arrays(self.system))
 
     def begin(self, t: float) -> int:
         """Get ready to march from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
         self.take_sides(t)
-        status = step_loop.begin(self.memory, t, self.t_end, self.rtol, self.atol, self.step or math.inf)
-        set_floor(self.system, self.memory, self.rtol, self.atol)
+        status = step_loop.begin(self.workspace, t, self.t_end, self.rtol, self.atol, self.step or math.inf)
+        set_floor(self.system, self.workspace, self.rtol, self.atol)
         self.pace(t)
         return PAUSED if status == OK else int(status)
 
     def take_sides(self, t: float) -> None:
         """Every switch takes the side that it has from the time t [s] on."""
         self.piece = self.table.piece_at(t)
-        self.table.take(self.memory.code, self.piece)
-        if len(self.memory.switch):
-            choose_sides(self.memory, t, GLANCE * (self.t_end - t))
+        self.table.take(self.workspace.code, self.piece)
+        if len(self.workspace.switch):
+            choose_sides(self.workspace, t, GLANCE * (self.t_end - t))
 
     def pace(self, t: float) -> None:
         """rk4: equal steps from the time t [s] to the next instant known beforehand."""
@@ -122,20 +122,20 @@ class Run:
         """Some steps towards the time t [s] on the sides at hand, with the first outputs; returns as `advance`."""
         return int(
             step_loop.advance(
-                self.memory, t, self.rtol, self.atol, self.step or math.inf, step_loop.METHODS[self.method],
+                self.workspace, t, self.rtol, self.atol, self.step or math.inf, step_loop.METHODS[self.method],
                 self.t_eval[:outputs], self.raw, chunk,
             )
         )  # fmt: skip
 
     def switch(self, t: float) -> int:
         """Expressions switch at t [s]: sides of the next piece, a jolt where a driver jumps; PAUSED or a trouble."""
-        handle, nr = self.memory, self.system.row_count
+        handle, nr = self.workspace, self.system.row_count
         before, after, percussion = np.zeros((3, nr))
         jumps = [jump for jump in self.table.jumps if jump.t == t]
         if jumps:
             speeds(handle, t, before)
         self.piece += 1
-        self.table.take(self.memory.code, self.piece)
+        self.table.take(self.workspace.code, self.piece)
         if jumps:
             speeds(handle, t, after)
             status = int(jolt(handle, t, before, percussion))
@@ -153,14 +153,14 @@ class Run:
 
     def go_on(self, t: float, jolted: bool) -> int:
         """Get ready to march on from t [s] after expressions have switched there; PAUSED or a trouble."""
-        step_loop.resume(self.memory, t)
+        step_loop.resume(self.workspace, t)
         return PAUSED
 
     def record_now(self, t: float) -> None:
         """Write the outputs at the instant t [s], those of its right side."""
         k = int(self.tally[step_loop.OUTPUTS])
         while k < len(self.t_eval) and self.t_eval[k] <= t + SAME * self.t_end:
-            record(self.memory, t, self.memory.state, self.raw[k])
+            record(self.workspace, t, self.workspace.state, self.raw[k])
             k += 1
         self.tally[step_loop.OUTPUTS] = k
 
@@ -172,11 +172,11 @@ class Run:
         """Why the run cannot go on."""
         if status == UNSOUND:
             return why_unsound(self)
-        return explain(self.system, self.memory, self.t_end, status, self.method, self.rtol)
+        return explain(self.system, self.workspace, self.t_end, status, self.method, self.rtol)
 
     def go(self, progress: bool = False, what: str = "simulate") -> None:
         """March to the end, or to where it cannot go on (then `message` says why)."""
-        m, tally = self.memory, self.tally
+        m, tally = self.workspace, self.tally
         began = time.perf_counter()
         load_law.forget()
         bar = progress_bar(self.t_end, what) if progress else None

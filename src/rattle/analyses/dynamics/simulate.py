@@ -143,7 +143,7 @@ def _first_given(*values: float | None) -> float:
 
 
 def _result(run: Run, reach: Reach | None) -> Result:
-    system, clock, tally, seen = run.system, run.clock, run.tally, run.memory.audit
+    system, clock, tally, seen = run.system, run.clock, run.tally, run.workspace.audit
     n = int(tally[step_loop.OUTPUTS])
     data, names, units = columns(system, run.raw[:n])
     t = run.t_eval[:n]
@@ -153,11 +153,11 @@ def _result(run: Run, reach: Reach | None) -> Result:
     nonunique: tuple[str, ...] = ()
     notes = run.start.notes
     if tally[step_loop.LOST]:
-        record(run.memory, run.start.t, start_state(system, run.start), np.zeros(width(system)))
-        nonunique = nonunique_reactions(system, run.memory)
+        record(run.workspace, run.start.t, start_state(system, run.start), np.zeros(width(system)))
+        nonunique = nonunique_reactions(system, run.workspace)
         if not nonunique:
             notes += ("the run passed through a position where the joints lose independence (a singular position)",)
-    events = contact_events(system, run.contacts, run.memory, reached)
+    events = contact_events(system, run.contacts, run.workspace, reached)
     notes += (
         *run.notes,
         *contact_notes(system, events, float(data[:, names.index("energy.kinetic")].max(initial=0.0))),
@@ -169,7 +169,7 @@ def _result(run: Run, reach: Reach | None) -> Result:
         impacts = any(event.kind == "impact" for event in events)
         notes += (f"Moreau-Jean: peaks are the largest of its steps{impact if impacts else ''}",)
     if not run.message:
-        notes += remarks(system, run.memory, run.method)
+        notes += remarks(system, run.workspace, run.method)
     notes += loose(run.method, run.rtol) + fast_links(system, data, names)
     if series := int(tally[step_loop.SERIES]):
         one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
@@ -201,7 +201,7 @@ def _result(run: Run, reach: Reach | None) -> Result:
         "smallest_step": float(clock[step_loop.H_MIN]) if tally[step_loop.STEPS] else 0.0,
         "wall_time": run.wall,
         "contacts": int(tally[step_loop.CONTACTS]),
-        "switchings": run.piece + int(run.memory.landing[TURNS]),
+        "switchings": run.piece + int(run.workspace.landing[TURNS]),
         "singular_positions_leapt": int(tally[step_loop.LEAPS]),
     }
     provenance = {
@@ -226,5 +226,5 @@ def _result(run: Run, reach: Reach | None) -> Result:
         success=not run.message,
         message=run.message,
         events=events,
-        peaks=peak_values(system, run.memory, reached - run.start.t),
+        peaks=peak_values(system, run.workspace, reached - run.start.t),
     )

@@ -42,7 +42,7 @@ class Running(Protocol):
     """What of a run is looked at here."""
 
     system: System
-    memory: Workspace
+    workspace: Workspace
     start: Assembled
     clock: np.ndarray
     tally: np.ndarray
@@ -72,23 +72,23 @@ def audit_arrays(system: System, method: str) -> dict[str, np.ndarray]:
     return {"measure": np.array([-1.0 if row.unit == "rad" else 1.0 / size for row in system.rows]), "audit": seen}
 
 
-def set_floor(system: System, memory: Workspace, rtol: float, atol: float) -> None:
+def set_floor(system: System, workspace: Workspace, rtol: float, atol: float) -> None:
     """Energies below which nothing is asked: what the tolerances leave to a mechanism at rest under its loads.
 
     Positions are known to rtol of the size, rates to atol; steps add up, so a hundred (a hundred thousand) times that.
     The applied forces are those of the start.
     """
-    forces = np.abs(memory.force[1:])
+    forces = np.abs(workspace.force[1:])
     moment = float(forces[:, 2].sum() + extent(system) * forces[:, :2].sum())
     slow = 1e5 * atol * np.array([1.0, 1.0, 1.0 / extent(system)])
     resting = 0.5 * float((system.arrays["mass"][1:] * slow**2).sum())
-    memory.audit[step_audit.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
+    workspace.audit[step_audit.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
 
 
 # ---------------------------------------------------------------- what is said
-def remarks(system: System, memory: Workspace, method: str) -> tuple[str, ...]:
+def remarks(system: System, workspace: Workspace, method: str) -> tuple[str, ...]:
     """What to say of a run whose drift or energy is off by more than rounding."""
-    seen = memory.audit
+    seen = workspace.audit
     found = []
     opened = max(float(seen[step_audit.LENGTH]) / extent(system), float(seen[step_audit.ANGLE]))
     shorter = "a shorter step" if method in ("moreau", "rk4") else "a smaller rtol"
@@ -142,12 +142,12 @@ def fast_links(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[
 
 def _driver_rates(system: System) -> list[float]:
     """Rates of all drivers at the start [rad/s], those along a line at the mechanism's size."""
-    memory = system.memory()
-    drive(memory, 0.0)
+    workspace = system.workspace()
+    drive(workspace, 0.0)
     found = []
     for n, name in enumerate(system.joints):
         if name in system.model.drivers:
-            rate = abs(float(memory.values[system.arrays["joint"][n, 3] + driver_slot(system, n) + 1]))
+            rate = abs(float(workspace.values[system.arrays["joint"][n, 3] + driver_slot(system, n) + 1]))
             turns = system.rows[system.arrays["joint"][n, 4]].unit == "rad"
             found.append(rate if turns else rate / extent(system))
     return found
@@ -183,7 +183,7 @@ def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, flo
 
 def why_unsound(run: Running) -> str:
     """Why a run ended at the last instant that can be believed, in words."""
-    system, seen = run.system, run.memory.audit
+    system, seen = run.system, run.workspace.audit
     t, ahead = float(run.clock[step_loop.T]), float(run.clock[step_loop.TROUBLE])
     what = []
     opened = max(float(seen[step_audit.OPEN]), float(seen[step_audit.CORRECTION]))
@@ -198,10 +198,10 @@ def why_unsound(run: Running) -> str:
 
 
 def _cause(run: Running, t: float, ahead: float) -> str:
-    system, memory = run.system, run.memory
+    system, workspace = run.system, run.workspace
     nq = 3 * system.body_count
-    q, v = memory.state[:nq].copy(), memory.state[nq : 2 * nq].copy()
-    found = load_law.complaint(t) or not_finite(system, memory, run.t_end)
+    q, v = workspace.state[:nq].copy(), workspace.state[nq : 2 * nq].copy()
+    found = load_law.complaint(t) or not_finite(system, workspace, run.t_end)
     found = found or jump(system, t, ahead) or contradicted(system, t, q, v, run.t_end - t)
     if found:
         return found
@@ -216,8 +216,8 @@ def _cause(run: Running, t: float, ahead: float) -> str:
         )
     if run.method in ("rk4", "moreau"):
         return f"the step of {ahead - t:.3g} s is far too long for this motion; take a shorter step"
-    record(memory, t, memory.state, np.zeros(width(system)))
-    lost = describe_rank_loss(system, memory, NEARLY)
+    record(workspace, t, workspace.state, np.zeros(width(system)))
+    lost = describe_rank_loss(system, workspace, NEARLY)
     if lost:
         return lost
     return f"the steps are too long for this motion at rtol = {run.rtol:g}; take a smaller rtol or a largest step"
@@ -225,11 +225,11 @@ def _cause(run: Running, t: float, ahead: float) -> str:
 
 def jump(system: System, start: float, end: float) -> str:
     """Which driver jumps between two instants [s], in position or in speed, and where; empty when none does."""
-    memory = system.memory()
+    workspace = system.workspace()
 
     def value(t: float, slot: int) -> float:
-        drive(memory, t)
-        return float(memory.values[slot])
+        drive(workspace, t)
+        return float(workspace.values[slot])
 
     reach = max(end - start, 1e-9 * max(abs(start), abs(end)))
     for n, name in enumerate(system.joints):

@@ -81,10 +81,10 @@ class StaticProblem:
     """One mechanism to be brought to rest at one position of its drivers."""
 
     def __init__(self, system: System, t: float) -> None:
-        self.system, self.memory = system, system.memory()
-        if len(self.memory.grip):
-            self.memory.grip[:, at.CLOSED] = at.AUTO
-            self.memory.grip[:, at.SPEED] = 1.0
+        self.system, self.workspace = system, system.workspace()
+        if len(self.workspace.contact_memory):
+            self.workspace.contact_memory[:, at.CLOSED] = at.AUTO
+            self.workspace.contact_memory[:, at.SPEED] = 1.0
         self.scale = np.ones(3 * system.body_count)
         self.scale[2::3] = 1.0 / system.size
         joints = system.model.joints.values()
@@ -92,7 +92,7 @@ class StaticProblem:
             one.fields["length"] for one in joints if "length" in one.fields
         ]
         length = min([1e-4 * system.size] + [3e-3 * one for one in arms])
-        if len(self.memory.grip):  # penetrations are small
+        if len(self.workspace.contact_memory):  # penetrations are small
             length = min([length] + [1e-5 * one.clearance for one in joints if has_contacts(one)])
         self.length, self.step = length, length * self.scale
         self.out = np.zeros(3 * system.body_count)
@@ -109,41 +109,41 @@ class StaticProblem:
     def at(self, t: float) -> None:
         """Set the drivers to time t."""
         self.t = t
-        drive(self.memory, t)
+        drive(self.workspace, t)
 
     def close(self, q: np.ndarray) -> float:
         """Put the joints together in place; returns the largest residual."""
-        gap, _ = close_position(self.memory, self.t, q, np.empty_like(q), 1e-13 * self.system.size, 60)
+        gap, _ = close_position(self.workspace, self.t, q, np.empty_like(q), 1e-13 * self.system.size, 60)
         return float(gap)
 
     def look(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Reduced force g [N] and the scaled null space Z at q; leaves the least-squares multipliers."""
         r, rows_all = self.room, self.system.row_count
         dof = equilibrium_newton.look(
-            self.memory, self.t, q, self.scale, r.wide, r.norm, r.order, r.pivot, r.null, r.line
+            self.workspace, self.t, q, self.scale, r.wide, r.norm, r.order, r.pivot, r.null, r.line
         )
         self.redundant = dof > len(q) - rows_all
         if not self.redundant:
             return r.line[equilibrium_newton.G, :dof].copy(), r.null[:dof].T.copy()
-        self.memory.multiplier[:] = 0.0  # of all that hold the balance, those of least size
-        force_at(self.memory, self.t, q, self.out)
+        self.workspace.multiplier[:] = 0.0  # of all that hold the balance, those of least size
+        force_at(self.workspace, self.t, q, self.out)
         applied = self.out * self.scale
-        rows = dense_rows(self.system, self.memory) * self.scale
+        rows = dense_rows(self.system, self.workspace) * self.scale
         norm = np.linalg.norm(rows, axis=1)
         _, values, right = np.linalg.svd(rows / norm[:, None])
         count = int((values > RANK * values[0]).sum())
-        self.memory.multiplier[:] = np.linalg.lstsq((rows / norm[:, None]).T, applied, rcond=RANK)[0] / norm
+        self.workspace.multiplier[:] = np.linalg.lstsq((rows / norm[:, None]).T, applied, rcond=RANK)[0] / norm
         null = right[count:].T
         return null.T @ applied, self.scale[:, None] * null
 
     def hessian(self, q: np.ndarray, null: np.ndarray) -> np.ndarray:
-        """Reduced Hessian H [N/m]; the multipliers of `look` are in the memory."""
+        """Reduced Hessian H [N/m]; the multipliers of `look` are in the workspace."""
         room, dof = self.room, null.shape[1]
         room.null[:dof] = null.T
         equilibrium_newton.reduced_stiffness(
-            self.memory, self.t, q, self.length, dof, 4, room.null, room.line, room.small
+            self.workspace, self.t, q, self.length, dof, 4, room.null, room.line, room.small
         )
-        force_at(self.memory, self.t, q, self.out)
+        force_at(self.workspace, self.t, q, self.out)
         return room.small[:dof, :dof].T.copy()
 
     def offsets(self, q: np.ndarray) -> np.ndarray:
@@ -185,7 +185,7 @@ class StaticProblem:
         status = equilibrium_newton.GOING
         while status == equilibrium_newton.GOING:  # in pieces, so that the user can stop it
             status = equilibrium_newton.settle(
-                self.memory, self.t, q, self.scale, self.system.size, self.length, downhill, rounds, known,
+                self.workspace, self.t, q, self.scale, self.system.size, self.length, downhill, rounds, known,
                 len(known), near, self.pins, *room, float(most),
             )  # fmt: skip
         self.trials += int(room.state[equilibrium_newton.TRIALS]) + 1
@@ -197,7 +197,7 @@ class StaticProblem:
         r = self.room
         self.trials += 1
         gap, along, most = equilibrium_newton.walk(
-            self.memory, self.t, q, self.scale, self.system.size, stride, direction, r.wide, r.norm, r.order,
+            self.workspace, self.t, q, self.scale, self.system.size, stride, direction, r.wide, r.norm, r.order,
             r.pivot, r.null, r.line,
         )  # fmt: skip
         return gap < math.inf, float(along), float(most)
@@ -205,15 +205,15 @@ class StaticProblem:
     def displace(self, q: np.ndarray, target: np.ndarray) -> None:
         """Bring the residuals of all rows to `target` (nr,) by the least change of q, in place."""
         r = self.room
-        equilibrium_newton.displace(self.memory, q, target, self.scale, 6, r.wide, r.norm, r.order, r.pivot, r.line)
+        equilibrium_newton.displace(self.workspace, q, target, self.scale, 6, r.wide, r.norm, r.order, r.pivot, r.line)
 
     def force_scale(self) -> float:
         """A force typical of what acts [N]."""
-        return float(equilibrium_newton.force_size(self.memory, self.system.size))
+        return float(equilibrium_newton.force_size(self.workspace, self.system.size))
 
     def weigh(self, q: np.ndarray, iterations: int) -> Found:
-        """What is to be known about an equilibrium; the memory holds it afterwards."""
-        memory, system = self.memory, self.system
+        """What is to be known about an equilibrium; the workspace holds it afterwards."""
+        workspace, system = self.workspace, self.system
         g, null = self.look(q)
         eigenvalue, neutral, falling = math.inf, 0, 0
         if len(g):
@@ -225,17 +225,17 @@ class StaticProblem:
             tiny = max(1e-8 * self.force_scale() / system.size, 1e-13 * float(np.abs(values).max()))
             neutral, falling = int((np.abs(values) < tiny).sum()), int((values <= -tiny).sum())
             eigenvalue = float(values.min()) if abs(values.min()) >= tiny else 0.0
-        force_at(memory, self.t, q, self.out)
-        gap = float(np.abs(memory.rows[:, 0]).max(initial=0.0))
+        force_at(workspace, self.t, q, self.out)
+        gap = float(np.abs(workspace.rows[:, 0]).max(initial=0.0))
         residual = float(np.abs(self.out * self.scale).max(initial=0.0))
-        memory.acceleration[:] = 0.0
-        memory.rows[:, 1] = 0.0  # at rest
+        workspace.acceleration[:] = 0.0
+        workspace.rows[:, 1] = 0.0  # at rest
         raw = np.zeros(width(system))
-        write(memory, 0.0, 0.0, raw)
+        write(workspace, 0.0, 0.0, raw)
         return Found(
-            q.copy(), memory.multiplier.copy(), eigenvalue, residual, gap, iterations,
-            nonunique_reactions(system, memory) if self.redundant else (),
-            len(g), neutral, falling, float(memory.power[0]), self.force_scale(), raw,
+            q.copy(), workspace.multiplier.copy(), eigenvalue, residual, gap, iterations,
+            nonunique_reactions(system, workspace) if self.redundant else (),
+            len(g), neutral, falling, float(workspace.power[0]), self.force_scale(), raw,
         )  # fmt: skip
 
     def tell(self, found: Sequence[Found]) -> list[Equilibrium]:

@@ -123,10 +123,12 @@ def position_at(system: System, t: float) -> np.ndarray:
         return assemble(system, t).q
     if t == 0.0:
         return start.q
-    memory = system.memory()
-    drive(memory, 0.0)
-    merit_at(memory, start.q)
-    driven = system.row_count and np.linalg.matrix_rank(scaled_rows(system, memory), tol=1e-9) == 3 * system.body_count
+    workspace = system.workspace()
+    drive(workspace, 0.0)
+    merit_at(workspace, start.q)
+    driven = (
+        system.row_count and np.linalg.matrix_rank(scaled_rows(system, workspace), tol=1e-9) == 3 * system.body_count
+    )
     if not driven:
         return assemble(system, t).q
     led = kinematics.begin(system, start)

@@ -167,16 +167,16 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
 
 def _damping(problem: StaticProblem, q: np.ndarray) -> np.ndarray:
     """C = -dQ/dv at rest (3 nb, 3 nb)."""
-    memory, n = problem.memory, len(q)
+    workspace, n = problem.workspace, len(q)
     result = np.zeros((n, n))
     for k in range(n):
         sides = []
         for sign in (1.0, -1.0):
             v = np.zeros(n)
             v[k] = sign * 1e-4 * problem.scale[k] * problem.system.size
-            place(memory, q, v)
-            loads(memory, problem.t)
-            sides.append(memory.force[1:].ravel().copy())
+            place(workspace, q, v)
+            loads(workspace, problem.t)
+            sides.append(workspace.force[1:].ravel().copy())
         result[:, k] = -(sides[0] - sides[1]) / (2e-4 * problem.scale[k] * problem.system.size)
-    force_at(memory, problem.t, q, problem.out)
+    force_at(workspace, problem.t, q, problem.out)
     return result

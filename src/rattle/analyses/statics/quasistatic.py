@@ -181,7 +181,7 @@ def advantage(problem: StaticProblem, one: Equilibrium) -> dict[tuple[str, str],
 
     Loads with a constant direction only (force, torque); inf where no effort is needed (a toggle).
     """
-    system, memory = problem.system, problem.memory
+    system, workspace = problem.system, problem.workspace
     drivers = [name for name in system.joints if name in system.model.drivers]
     acting = [name for name, load in system.model.loads.items() if load.kind in ("force", "torque")]
     if not drivers or not acting:
@@ -189,8 +189,8 @@ def advantage(problem: StaticProblem, one: Equilibrium) -> dict[tuple[str, str],
     n, nr = 3 * system.body_count, system.row_count
     problem.look(one.q)
     tangent = np.zeros((n, n))
-    stiffness(memory, problem.t, one.q, problem.step, problem.out, tangent)
-    rows = dense_rows(system, memory)
+    stiffness(workspace, problem.t, one.q, problem.step, problem.out, tangent)
+    rows = dense_rows(system, workspace)
     whole = np.block([[tangent, rows.T], [rows, np.zeros((nr, nr))]])
     scale = np.concatenate([problem.scale, np.ones(nr)])
     found = {}
@@ -207,7 +207,7 @@ def advantage(problem: StaticProblem, one: Equilibrium) -> dict[tuple[str, str],
 
 def _direction(problem: StaticProblem, one: Equilibrium, name: str) -> np.ndarray:
     """(3 nb,) generalised force of one unit of a load in its present direction."""
-    system, memory = problem.system, problem.memory
+    system, workspace = problem.system, problem.workspace
     load = system.model.loads[name]
     unit = np.zeros(3 * system.body_count)
     if load.b.body == "ground":
@@ -217,7 +217,7 @@ def _direction(problem: StaticProblem, one: Equilibrium, name: str) -> np.ndarra
         unit[k + 2] = 1.0
         return unit
     at = int(system.arrays["load"][list(system.model.loads).index(name), 3])
-    px, py, fx, fy, turning = memory.values[at : at + 5]
+    px, py, fx, fy, turning = workspace.values[at : at + 5]
     c, s = math.cos(one.q[k + 2]), math.sin(one.q[k + 2])
     if turning == 1.0:
         fx, fy = c * fx - s * fy, s * fx + c * fy

@@ -25,7 +25,7 @@ from rattle.registry import kind
 
 
 @kernel("clearance")
-def guide(body, a, b, p, k, corner, row, touch):
+def guide(body, a, b, p, k, corner, row, kinematics):
     c, axis, angle = p[k + 4], p[k + 6], p[k + 7]
     half_length, half_height = 0.5 * p[k + 8], 0.5 * p[k + 9]
     sax = turn_x(body, a, p[k], p[k + 1])
@@ -54,14 +54,14 @@ def guide(body, a, b, p, k, corner, row, touch):
     gx = pbx * wb * wb - pax * wa * wa - 2.0 * wa * ry
     gy = pby * wb * wb - pay * wa * wa + 2.0 * wa * rx
 
-    touch[row, at.GAP] = half_height + c - nx * (pax - sax) - ny * (pay - say)
-    touch[row, at.DGAP] = -along
-    touch[row, at.NX], touch[row, at.NY] = nx, ny
-    touch[row, at.PAX], touch[row, at.PAY] = pax, pay
-    touch[row, at.PBX], touch[row, at.PBY] = pbx, pby
-    touch[row, at.SLIP] = across
-    touch[row, at.GAMMA_N] = nx * gx + ny * gy
-    touch[row, at.GAMMA_T] = nx * gy - ny * gx
+    kinematics[row, at.GAP] = half_height + c - nx * (pax - sax) - ny * (pay - say)
+    kinematics[row, at.DGAP] = -along
+    kinematics[row, at.NX], kinematics[row, at.NY] = nx, ny
+    kinematics[row, at.PAX], kinematics[row, at.PAY] = pax, pay
+    kinematics[row, at.PBX], kinematics[row, at.PBY] = pbx, pby
+    kinematics[row, at.SLIP] = across
+    kinematics[row, at.GAMMA_N] = nx * gx + ny * gy
+    kinematics[row, at.GAMMA_T] = nx * gy - ny * gx
 
 
 @kind("clearance", "guide", guide)

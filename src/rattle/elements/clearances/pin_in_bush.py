@@ -23,7 +23,7 @@ from rattle.registry import kind
 
 
 @kernel("clearance")
-def pin(body, a, b, p, k, corner, row, touch):
+def pin(body, a, b, p, k, corner, row, kinematics):
     sax = turn_x(body, a, p[k], p[k + 1])
     say = turn_y(body, a, p[k], p[k + 1])
     sbx = turn_x(body, b, p[k + 2], p[k + 3])
@@ -46,16 +46,16 @@ def pin(body, a, b, p, k, corner, row, touch):
     rx = sbx * wb * wb - sax * wa * wa
     ry = sby * wb * wb - say * wa * wa
 
-    touch[row, at.GAP] = c - e
-    touch[row, at.DGAP] = -along
-    touch[row, at.NX], touch[row, at.NY] = nx, ny
-    touch[row, at.PAX], touch[row, at.PAY] = sax + on_a * nx, say + on_a * ny
-    touch[row, at.PBX], touch[row, at.PBY] = sbx + on_b * nx, sby + on_b * ny
+    kinematics[row, at.GAP] = c - e
+    kinematics[row, at.DGAP] = -along
+    kinematics[row, at.NX], kinematics[row, at.NY] = nx, ny
+    kinematics[row, at.PAX], kinematics[row, at.PAY] = sax + on_a * nx, say + on_a * ny
+    kinematics[row, at.PBX], kinematics[row, at.PBY] = sbx + on_b * nx, sby + on_b * ny
     # its rate is t . e'' - turning (n . e') + alpha_B (h - |e|) - alpha_A h - (w_A + w_B) (n . e')/2
-    touch[row, at.SLIP] = across + wb * on_b - wa * on_a
-    touch[row, at.ACROSS] = across
-    touch[row, at.GAMMA_N] = nx * rx + ny * ry - across * turning
-    touch[row, at.GAMMA_T] = -ny * rx + nx * ry + turning * along + 0.5 * (wa + wb) * along
+    kinematics[row, at.SLIP] = across + wb * on_b - wa * on_a
+    kinematics[row, at.ACROSS] = across
+    kinematics[row, at.GAMMA_N] = nx * rx + ny * ry - across * turning
+    kinematics[row, at.GAMMA_T] = -ny * rx + nx * ry + turning * along + 0.5 * (wa + wb) * along
 
 
 @kind("clearance", "pin", pin)

@@ -161,27 +161,29 @@ def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any]) -> Callabl
 
 
 # ---------------------------------------------------------------- why a law has no value
-def failure(contact: np.ndarray, touch: np.ndarray, grip: np.ndarray, values: np.ndarray) -> str:
+def failure(contact: np.ndarray, kinematics: np.ndarray, memory: np.ndarray, values: np.ndarray) -> str:
     """Why a law of the user's has no finite value in one contact, by running it as plain Python; "" where it has one.
 
-    contact, touch, grip: the contact's rows.  values: (n,) of all fields of the model [SI].
+    contact, kinematics, memory: the contact's rows.  values: (n,) of all fields of the model [SI].
     """
-    delta, ddelta = -float(touch[at.GAP]), -float(touch[at.DGAP])
+    delta, ddelta = -float(kinematics[at.GAP]), -float(kinematics[at.DGAP])
     if delta <= 0.0 or contact[at.IMPACT] == 1:
         return ""
     where = f"at a penetration of {delta:.4g} m"
     static = _kernel("stiffness", contact[at.STATIC]).python(delta, values, int(contact[at.STATIC_P]))
     law = _kernel("normal", contact[at.NORMAL_LAW])
-    force = float(touch[at.NORMAL])
+    force = float(kinematics[at.NORMAL])
     if isinstance(law, ContactLaw):
-        force, why = _tried(law, where, (static, delta, ddelta, float(grip[at.SPEED])), values[contact[at.NORMAL_P] :])
+        force, why = _tried(
+            law, where, (static, delta, ddelta, float(memory[at.SPEED])), values[contact[at.NORMAL_P] :]
+        )
         if why:
             return why
     rubs = _kernel("friction", contact[at.FRICTION]) if contact[at.FRICTION] >= 0 else None
     if isinstance(rubs, ContactLaw) and force > 0.0:
-        memory = (float(touch[at.BRISTLE]),) if rubs.memory else ()
-        where = f"at a slip of {float(touch[at.SLIP]):.4g} m/s under {force:.4g} N"
-        _, why = _tried(rubs, where, (float(touch[at.SLIP]), force, *memory), values[contact[at.FRICTION_P] :])
+        state = (float(kinematics[at.BRISTLE]),) if rubs.memory else ()
+        where = f"at a slip of {float(kinematics[at.SLIP]):.4g} m/s under {force:.4g} N"
+        _, why = _tried(rubs, where, (float(kinematics[at.SLIP]), force, *state), values[contact[at.FRICTION_P] :])
         return why
     return ""
 

@@ -48,7 +48,9 @@ SLOWLY = 1e-4  # share of the largest acceleration with which it then parts, at 
 @compiled
 def goes_along(m, n, apart):
     """True when lasting contact n presses next to nothing, against its force before, while another one lets go."""
-    return n != apart and m.mode[n] != OFF and m.touch[n, at.NORMAL] <= SLIGHT * m.grip[n, at.PEAK]
+    return (
+        n != apart and m.mode[n] != OFF and m.contact_kinematics[n, at.NORMAL] <= SLIGHT * m.contact_memory[n, at.PEAK]
+    )
 
 
 @compiled
@@ -63,7 +65,7 @@ def choose_closed(m, apart, kind, attempt, pulling):
 
     The motion without their forces is at hand; pulling: force along the wall at contact `apart`.  Returns how many.
     """
-    contact, mode, body, grip = m.contact, m.mode, m.body, m.grip
+    contact, mode, body, memory = m.contact, m.mode, m.body, m.contact_memory
     chosen, trial, slide = m.chosen, m.trial, m.slide
     count = 0
     for n in range(contact.shape[0]):
@@ -76,12 +78,12 @@ def choose_closed(m, apart, kind, attempt, pulling):
     for k in range(count):
         n = chosen[k]
         kept = mode[n] != OFF and kind != HIT
-        if kept or at_rest(m, 2 * k, n, along(m, 2 * k, n, body, at.VX), grip[n, at.N_1]):
+        if kept or at_rest(m, 2 * k, n, along(m, 2 * k, n, body, at.VX), memory[n, at.N_1]):
             chosen[closed] = n
             u = along(m, 2 * k + 1, n, body, at.VX)
             slide[closed] = 0
             still = (kept and mode[n] == STICK) or (n == apart and kind == TURN)
-            if not still and not at_rest(m, 2 * k + 1, n, u, grip[n, at.N_1]):
+            if not still and not at_rest(m, 2 * k + 1, n, u, memory[n, at.N_1]):
                 slide[closed] = 1 if u > 0.0 else -1
             if n == apart and kind == BREAK_AWAY:
                 slide[closed] = 1 if pulling > 0.0 else -1
@@ -103,12 +105,12 @@ def part(m, count, apart, attempt):
     Those that go along have to open slowly, too: a contact that flies off is not one that was about to let go.
     The motion at hand becomes that with these forces.
     """
-    touch, acceleration = m.touch, m.acceleration
+    kinematics, acceleration = m.contact_kinematics, m.acceleration
     add_forces(m, count, acceleration, m.multiplier)
-    for n in range(touch.shape[0]):
+    for n in range(kinematics.shape[0]):
         if leaves(m, n, apart, attempt):
             contact_rows_of_one(m, count, n)
-            opening = touch[n, at.GAMMA_N] - along(m, 2 * count, n, acceleration, 0)
+            opening = kinematics[n, at.GAMMA_N] - along(m, 2 * count, n, acceleration, 0)
             size = turning(m, n) + largest_acceleration(m)
             if opening < -1e-9 * size or (n != apart and opening > SLOWLY * size):
                 return False
@@ -123,11 +125,11 @@ def regroup(m, t, y, apart, kind):
     are about to let go do so with it if all of them part then, so that a block parallel to its wall leaves it parallel.
     Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE; or CREEPS, when some stick now and it is to be tried anew.
     """
-    touch, attempt = m.touch, KEPT
-    pulling = touch[apart, at.TANGENT] if apart >= 0 else 0.0
+    kinematics, attempt = m.contact_kinematics, KEPT
+    pulling = kinematics[apart, at.TANGENT] if apart >= 0 else 0.0
     if kind == LET_GO:
         attempt = ALONE
-        for n in range(touch.shape[0]):
+        for n in range(kinematics.shape[0]):
             attempt = TOGETHER if goes_along(m, n, apart) else attempt
     while True:
         motion_without(m, t, y)
@@ -165,7 +167,7 @@ def go_beyond(m, count, apart, pulling):
     as_full_matrix(m, count)
     largest, k = 0.0, 0
     for j in range(count):
-        largest = max(largest, m.touch[m.chosen[j], at.NORMAL])
+        largest = max(largest, m.contact_kinematics[m.chosen[j], at.NORMAL])
         k = j if m.chosen[j] == apart else k
     more = max(AHEAD * abs(pulling), 1e-2 * AHEAD * largest)
     for r in range(2 * count):
@@ -186,13 +188,13 @@ def end_creep(m, count):
     resolve.  Where friction in that sense leaves the problem without solution they are none: friction ends them at
     once, with no more than CREEP^2 of the energy.
     """
-    touch, mode, chosen, slide = m.touch, m.mode, m.chosen, m.slide
+    kinematics, mode, chosen, slide = m.contact_kinematics, m.mode, m.chosen, m.slide
     largest, found = 0.0, False
     for k in range(count):
-        largest = max(largest, abs(touch[chosen[k], at.SLIP]))
+        largest = max(largest, abs(kinematics[chosen[k], at.SLIP]))
     for k in range(count):
         n = chosen[k]
-        if mode[n] != OFF and slide[k] != 0 and abs(touch[n, at.SLIP]) <= CREEP * largest:
+        if mode[n] != OFF and slide[k] != 0 and abs(kinematics[n, at.SLIP]) <= CREEP * largest:
             mode[n] = STICK
             found = True
     return found
@@ -201,8 +203,8 @@ def end_creep(m, count):
 @compiled
 def turning(m, n):
     """Size of what makes up gamma of contact n, which may cancel: what its rounding is measured by [m/s^2]."""
-    contact, touch, lever, body = m.contact, m.touch, m.lever, m.body
-    size = abs(touch[n, at.GAMMA_N]) + touch[n, at.ACROSS] * touch[n, at.ACROSS] / clearance_of(m, n)
+    contact, kinematics, lever, body = m.contact, m.contact_kinematics, m.lever, m.body
+    size = abs(kinematics[n, at.GAMMA_N]) + kinematics[n, at.ACROSS] * kinematics[n, at.ACROSS] / clearance_of(m, n)
     for end in range(2):
         rate = body[contact[n, at.A_BODY + end], at.W]
         size += lever[n, end] * rate * rate
@@ -219,7 +221,7 @@ def contact_rows_of_one(m, k, n):
 @compiled
 def change_modes(m, t, y, count):
     """Take over the modes in `trial` of the chosen contacts (all others are off) and note what has changed."""
-    contact, mode, grip = m.contact, m.mode, m.grip
+    contact, mode, memory = m.contact, m.mode, m.contact_memory
     chosen, trial, side = m.chosen, m.trial, m.side
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 0:
@@ -229,18 +231,22 @@ def change_modes(m, t, y, count):
             if chosen[k] == n:
                 new, pressed = trial[k], side[F, 2 * k]
         old = mode[n]
-        k = y.shape[0] - 4 * grip.shape[0] + 4 * n
+        k = y.shape[0] - 4 * memory.shape[0] + 4 * n
         if old == OFF and new != OFF:
-            grip[n, at.CLOSED], grip[n, at.SINCE], grip[n, at.PEAK] = at.SHUT, max(t, grip[n, at.STEPS_IN]), pressed
-            grip[n, at.IMPULSE_0], grip[n, at.LOSS_0] = y[k + 1], y[k + 2]
+            memory[n, at.CLOSED], memory[n, at.SINCE], memory[n, at.PEAK] = (
+                at.SHUT,
+                max(t, memory[n, at.STEPS_IN]),
+                pressed,
+            )
+            memory[n, at.IMPULSE_0], memory[n, at.LOSS_0] = y[k + 1], y[k + 2]
         if old != OFF and new == OFF:
             note(m, at.CONTACT_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
             note(m, at.RELEASE_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
-            grip[n, at.CLOSED], grip[n, at.SPEED] = at.OPEN, 0.0
+            memory[n, at.CLOSED], memory[n, at.SPEED] = at.OPEN, 0.0
         if friction_of(m, n) > 0.0 and new != OFF and new != old:
             if new == STICK:
                 note(m, at.STICK_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
             elif old != OFF:
                 note(m, at.SLIP_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
         mode[n] = new
-        grip[n, at.STEPS_IN] = 0.0
+        memory[n, at.STEPS_IN] = 0.0

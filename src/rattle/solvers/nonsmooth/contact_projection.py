@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rattle.equations.complementarity import FORWARD, OFF, STICK, B
-from rattle.equations.compliant import touch_all
+from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import constraints, free_motion, place
 from rattle.equations.unilateral import SIZE, contact_rows, push_all, reach, shift, solve_modes, swing
 from rattle.jit import layout as at
@@ -25,8 +25,8 @@ def noise(m, n):
 
 @compiled
 def at_wall(m, n):
-    """True when free contact n is at its wall, with the geometry in `touch`; near ones that hit have been put there."""
-    return m.touch[n, at.GAP] <= 100.0 * noise(m, n)
+    """True when free contact n is at its wall, its gap being at hand; near ones that hit have been put there."""
+    return m.contact_kinematics[n, at.GAP] <= 100.0 * noise(m, n)
 
 
 @compiled
@@ -44,12 +44,12 @@ def held_contacts(m):
 @compiled
 def add_hitting(m, count, who):
     """Choose contact `who` and all free ones as near, after the `count` lasting ones; returns how many there are."""
-    contact, mode, touch, chosen = m.contact, m.mode, m.touch, m.chosen
+    contact, mode, kinematics, chosen = m.contact, m.mode, m.contact_kinematics, m.chosen
     closed = count
     for n in range(contact.shape[0]):
         if who < 0 or contact[n, at.IMPACT] == 0 or mode[n] != OFF:
             continue
-        if n == who or abs(touch[n, at.GAP]) <= NEAR * clearance_of(m, n):
+        if n == who or abs(kinematics[n, at.GAP]) <= NEAR * clearance_of(m, n):
             chosen[closed] = n
             closed += 1
     return closed
@@ -74,12 +74,12 @@ def settle(m, t, y, who):
     take the bodies far for that, as the other corner of a short block that is tilted, stay where they are.
     """
     project(m, t, y)
-    touch_all(m)
+    locate_contacts(m)
     count = held_contacts(m)
     closed = add_hitting(m, count, who)
     if closed == 0:
         return
-    chosen, trial, side, touch, audit = m.chosen, m.trial, m.side, m.touch, m.audit
+    chosen, trial, side, kinematics, audit = m.chosen, m.trial, m.side, m.contact_kinematics, m.audit
     nq = m.change.shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
     exact, bend = 1e-16 * m.held[SIZE], 1.0
@@ -87,14 +87,14 @@ def settle(m, t, y, who):
         worst, left = 0.0, bend
         bend = 0.0
         for k in range(closed):
-            gap = abs(touch[chosen[k], at.GAP])
+            gap = abs(kinematics[chosen[k], at.GAP])
             worst, bend = max(worst, gap), max(bend, gap * gap / clearance_of(m, chosen[k]))
         if worst < exact or left < exact or attempt == 3:  # a correction leaves what walls bend: gap^2 / clearance
             audit[LENGTH] = max(audit[LENGTH], worst)
             break
         contact_rows(m, closed)
         for k in range(closed):
-            side[B, 2 * k] = -touch[chosen[k], at.GAP]
+            side[B, 2 * k] = -kinematics[chosen[k], at.GAP]
             trial[k] = FORWARD
         solve_modes(m, closed, 0)
         if closed > count + 1 and goes_far(m, closed, worst):
@@ -102,17 +102,17 @@ def settle(m, t, y, who):
             continue
         shift(m, closed, q, 1.0)
         project(m, t, y)
-        touch_all(m)
+        locate_contacts(m)
     contact_rows(m, count)
     for k in range(count):
         n = chosen[k]
-        side[B, 2 * k], side[B, 2 * k + 1] = touch[n, at.DGAP], -touch[n, at.SLIP]
+        side[B, 2 * k], side[B, 2 * k + 1] = kinematics[n, at.DGAP], -kinematics[n, at.SLIP]
         trial[k] = STICK if m.mode[n] == STICK else FORWARD
     solve_modes(m, count, 0)
     shift(m, count, v, -1.0)
     place(m, q, v)
     constraints(m)
-    touch_all(m)
+    locate_contacts(m)
 
 
 @compiled
@@ -127,14 +127,14 @@ def note(m, kind, n, t, y, speed, peak, impulse, lost):
     event[0], event[1], event[2], event[3] = t, n, kind, speed
     event[5], event[6], event[7] = peak, impulse, lost
     if kind == at.CONTACT_EVENT:
-        grip, k = m.grip[n], y.shape[0] - 4 * m.grip.shape[0] + 4 * n
+        memory, k = m.contact_memory[n], y.shape[0] - 4 * m.contact_memory.shape[0] + 4 * n
         event[0], event[3], event[4], event[5] = (
-            grip[at.SINCE],
-            grip[at.SPEED],
-            max(t - grip[at.SINCE], 0.0),
-            grip[at.PEAK],
+            memory[at.SINCE],
+            memory[at.SPEED],
+            max(t - memory[at.SINCE], 0.0),
+            memory[at.PEAK],
         )
-        event[6], event[7] = y[k + 1] - grip[at.IMPULSE_0], y[k + 2] - grip[at.LOSS_0]
+        event[6], event[7] = y[k + 1] - memory[at.IMPULSE_0], y[k + 2] - memory[at.LOSS_0]
     tally[EVENT_COUNT] += 1
 
 

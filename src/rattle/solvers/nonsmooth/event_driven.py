@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 
 from rattle.equations.complementarity import OFF, STICK
-from rattle.equations.compliant import touch_all
+from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
 from rattle.equations.unilateral import CHATTER, DETERMINANT, LOCKED, NOT_FOUND
 from rattle.jit import layout as at
@@ -65,17 +65,17 @@ CROWDED = 1e-6
 @compiled
 def remember(m):
     """Keep gaps and their rates: the start of the next step."""
-    touch, grip = m.touch, m.grip
-    for n in range(touch.shape[0]):
-        grip[n, at.GAP_0], grip[n, at.DGAP_0] = touch[n, at.GAP], touch[n, at.DGAP]
+    kinematics, memory = m.contact_kinematics, m.contact_memory
+    for n in range(kinematics.shape[0]):
+        memory[n, at.GAP_0], memory[n, at.DGAP_0] = kinematics[n, at.GAP], kinematics[n, at.DGAP]
 
 
 @compiled
 def count_shift(m):
     """By how much a located event was beside the joints and walls, from gaps before and after settling: drift."""
-    grip, touch, audit = m.grip, m.touch, m.audit
-    for n in range(grip.shape[0]):
-        audit[LENGTH] = max(audit[LENGTH], abs(touch[n, at.GAP] - grip[n, at.GAP_1]))
+    memory, kinematics, audit = m.contact_memory, m.contact_kinematics, m.audit
+    for n in range(memory.shape[0]):
+        audit[LENGTH] = max(audit[LENGTH], abs(kinematics[n, at.GAP] - memory[n, at.GAP_1]))
 
 
 @compiled
@@ -96,12 +96,12 @@ def new_modes(m, t, y, who, what):
 def happen(m, t, y, who, what):
     """Event at (t, y): impact if contacts hit, then new modes; leaves y on its constraints. Returns a status.
 
-    `touch` holds the gaps at (t, y).
+    `contact_kinematics` holds the gaps at (t, y).
     what: HIT, LET_GO, BREAK_AWAY or TURN of contact `who`; or NOTHING: a run starts, `who` hits (-1: none does).
     """
-    grip, touch = m.grip, m.touch
-    for n in range(grip.shape[0]):
-        grip[n, at.GAP_1] = touch[n, at.GAP]
+    memory, kinematics = m.contact_memory, m.contact_kinematics
+    for n in range(memory.shape[0]):
+        memory[n, at.GAP_1] = kinematics[n, at.GAP]
     if what == HIT or (what == NOTHING and who >= 0):
         settle(m, t, y, who)
         count_shift(m)
@@ -124,17 +124,17 @@ def happen(m, t, y, who, what):
 @native("i", "h", "f")
 def start(m, t):
     """Modes at the start of a run: contacts that are closed and hit take their impact at once. Returns a status."""
-    contact, touch, mode, y = m.contact, m.touch, m.mode, m.state
+    contact, kinematics, mode, y = m.contact, m.contact_kinematics, m.mode, m.state
     project(m, t, y)
-    touch_all(m)
+    locate_contacts(m)
     who, nearest = -1, -1
     for n in range(contact.shape[0]):
         near = max(NEAR * clearance_of(m, n), 4.0 * noise(m, n))
-        if contact[n, at.IMPACT] == 0 or mode[n] != OFF or touch[n, at.GAP] > near:
+        if contact[n, at.IMPACT] == 0 or mode[n] != OFF or kinematics[n, at.GAP] > near:
             continue
-        if nearest < 0 or touch[n, at.GAP] < touch[nearest, at.GAP]:
+        if nearest < 0 or kinematics[n, at.GAP] < kinematics[nearest, at.GAP]:
             nearest = n
-        if touch[n, at.DGAP] < 0.0:
+        if kinematics[n, at.DGAP] < 0.0:
             who = n
             break
     if who < 0:
@@ -205,7 +205,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
     UNSOUND, or SLIDES.
     """
     y, f, y_new, f_new = m.state, m.rate, m.state_new, m.rate_new
-    clock, tally, touch, grip = m.clock, m.tally, m.touch, m.grip
+    clock, tally, kinematics, memory = m.clock, m.tally, m.contact_kinematics, m.contact_memory
     begun, most_found = tally[STEPS], m.events.shape[0] // 2
     landing, switches = m.landing, m.switch.shape[0] > 0
     while tally[STEPS] < begun + most_steps and max(tally[EVENT_COUNT], tally[FOUND]) < most_found:
@@ -244,8 +244,8 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             return UNSOUND
         gauge(m, END, t_new)
         changed |= watched_change(m)
-        for n in range(touch.shape[0]):
-            grip[n, at.GAP_1], grip[n, at.DGAP_1] = touch[n, at.GAP], touch[n, at.DGAP]
+        for n in range(kinematics.shape[0]):
+            memory[n, at.GAP_1], memory[n, at.DGAP_1] = kinematics[n, at.GAP], kinematics[n, at.DGAP]
         low, high = doubts(m, error)
         calm = low == LAST and not changed and not switches and none_may_hit(m, t_new - t)
         counted = calm and end_step(m, t, t_new - t, 1.0, DOP853, -1) >= 0  # no force has a peak in it

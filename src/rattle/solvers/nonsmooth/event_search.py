@@ -44,13 +44,13 @@ def at_share(m, t, h, theta):
 
 @compiled
 def indicator(m, n, what):
-    """What must not become negative for contact n: N, mu N - |T|, or slip in its sense; touch is at hand."""
-    touch = m.touch
+    """What must not become negative for contact n: N, mu N - |T|, or slip in its sense; kinematics is at hand."""
+    kinematics = m.contact_kinematics
     if what == LET_GO:
-        return touch[n, at.NORMAL]
+        return kinematics[n, at.NORMAL]
     if what == BREAK_AWAY:
-        return friction_of(m, n) * touch[n, at.NORMAL] - abs(touch[n, at.TANGENT])
-    return touch[n, at.SLIP] if m.mode[n] == FORWARD else -touch[n, at.SLIP]
+        return friction_of(m, n) * kinematics[n, at.NORMAL] - abs(kinematics[n, at.TANGENT])
+    return kinematics[n, at.SLIP] if m.mode[n] == FORWARD else -kinematics[n, at.SLIP]
 
 
 @compiled
@@ -243,7 +243,7 @@ def first_change(m, t, h, low, high, places, best, who, what):
 
     places: at how many it is looked first, 4 or all of PLACES; these are the samples of LOOKS in a whole step.
     """
-    contact, mode, grip, looks = m.contact, m.mode, m.grip, m.looks
+    contact, mode, memory, looks = m.contact, m.mode, m.contact_memory, m.looks
     count, placed, i, seen, wide = 0, 0, 0, 0, high - low
     whole, narrow = places == PLACES.shape[0] and high == 1.0, places < PLACES.shape[0]
     while True:
@@ -270,7 +270,7 @@ def first_change(m, t, h, low, high, places, best, who, what):
             continue
         for n in range(contact.shape[0]):
             if contact[n, at.IMPACT] == 1:
-                grip[n, at.PEAK] = max(grip[n, at.PEAK], looks[i + 1, 1 + KINDS * n]) if mode[n] != OFF else 0.0
+                memory[n, at.PEAK] = max(memory[n, at.PEAK], looks[i + 1, 1 + KINDS * n]) if mode[n] != OFF else 0.0
         best, who, what = first_between(m, t, h, i, best, who, what, 1 if narrow else 0)
         if what > HIT:
             break
@@ -321,7 +321,7 @@ def first_by_stages(m, t, h, low, high):
     """First event of lasting contacts between two stages, at the later of which one is broken; (NONE, -1, NOTHING)
     where the stages and the look at the event do not show that it is the first.
     """
-    contact, mode, grip = m.contact, m.mode, m.grip
+    contact, mode, memory = m.contact, m.mode, m.contact_memory
     looks, stages = m.looks, m.glances
     for c in range(looks.shape[1]):
         looks[low, c], looks[low + 1, c] = stages[low, c], stages[high, c]
@@ -334,7 +334,7 @@ def first_by_stages(m, t, h, low, high):
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
             for i in range(1, line + 1):
-                grip[n, at.PEAK] = max(grip[n, at.PEAK], looks[i, 1 + KINDS * n]) if mode[n] != OFF else 0.0
+                memory[n, at.PEAK] = max(memory[n, at.PEAK], looks[i, 1 + KINDS * n]) if mode[n] != OFF else 0.0
     return share, who, what
 
 
@@ -343,8 +343,8 @@ def first_event(m, t, h, low, high):
     """First event of the step: share (NONE if there is none, GAVE_UP if that is not known), contact and what it is.
 
     low, high: between which of its stages lasting contacts do something first, if they do.
-    The dense output is ready, gaps and rates at both ends are in `grip`.  The last one returned is True where the
-    stages have told all that lasting contacts do; else the samples of the step may be those of the search.
+    The dense output is ready, gaps and rates at both ends are in `contact_memory`.  The last one returned is True
+    where the stages have told all that lasting contacts do; else the samples of the step may be those of the search.
     """
     best, who = first_hit(m, h)
     what = HIT if who >= 0 else NOTHING

@@ -204,12 +204,12 @@ def follow_phase(m, count, expands, zero):
 
 @compiled
 def gives_energy(m, count):
-    """True when the percussions of an impact, f in `side`, would give energy; the rates before are in `touch`."""
-    side, g, touch, chosen = m.side, m.delassus, m.touch, m.chosen
+    """True when the percussions of an impact, f in `side`, would give energy; the rates before are at hand."""
+    side, g, kinematics, chosen = m.side, m.delassus, m.contact_kinematics, m.chosen
     given, size = 0.0, 0.0
     for r in range(2 * count):
         n = chosen[r // 2]
-        before = touch[n, at.DGAP] if r % 2 == 0 else -touch[n, at.SLIP]
+        before = kinematics[n, at.DGAP] if r % 2 == 0 else -kinematics[n, at.SLIP]
         after = before
         for s in range(2 * count):
             after += g[r, s] * side[F, s]

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 
 from rattle.equations.complementarity import BACKWARD, FORWARD, OFF, OTHER, STICK, A, B, F, friction_of
-from rattle.equations.compliant import touch_all
+from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import OK, constraints, place
 from rattle.equations.unilateral import (
     EXPAND,
@@ -55,14 +55,14 @@ def collide(m, t, y, who):
     Bounces that are too low to follow are closed (restitution 0).  Returns OK, NO_SOLUTION, NOT_FOUND or
     NOT_UNIQUE.
     """
-    contact, mode, grip = m.contact, m.mode, m.grip
+    contact, mode, memory = m.contact, m.mode, m.contact_memory
     chosen, nq = m.chosen, m.change.shape[0]
     v, before = y[nq : 2 * nq], m.rate_new
     count = 0
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and (n == who or mode[n] != OFF or at_wall(m, n)):
             chosen[count] = n
-            grip[n, at.STEPS_IN], grip[n, at.N_1] = 0.0, 0.0
+            memory[n, at.STEPS_IN], memory[n, at.N_1] = 0.0, 0.0
             count += 1
     for c in range(nq):
         before[c] = v[c]
@@ -78,24 +78,24 @@ def collide(m, t, y, who):
         for c in range(nq):
             v[c] = before[c]
         motion_without(m, t, y)
-    # rows and touch belong to the rates before the impact again, to tell what it did
+    # rows and kinematics belong to the rates before the impact again, to tell what it did
     settle_accounts(m, t, y, count, before)
     return OK
 
 
 @compiled
 def rates_before(m, count, law):
-    """b of an impact from the rates in `touch`: those before, times 1 + e under Newton's law."""
-    contact, touch, grip, values = m.contact, m.touch, m.grip, m.values
+    """b of an impact from the rates in `contact_kinematics`: those before, times 1 + e under Newton's law."""
+    contact, kinematics, memory, values = m.contact, m.contact_kinematics, m.contact_memory, m.values
     chosen, trial, slide, side, bounce = m.chosen, m.trial, m.slide, m.side, m.bounce
     for k in range(count):
         n, p = chosen[k], contact[chosen[k], at.NORMAL_P]
-        grip[n, at.N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
-        hits = touch[n, at.DGAP] < -STILL * grip[n, at.N_1]
-        bounce[E, 2 * n] = values[p] if grip[n, at.STEPS_IN] == 0.0 else 0.0
-        bounce[BEFORE, 2 * n] = touch[n, at.DGAP] if hits else 0.0
+        memory[n, at.N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
+        hits = kinematics[n, at.DGAP] < -STILL * memory[n, at.N_1]
+        bounce[E, 2 * n] = values[p] if memory[n, at.STEPS_IN] == 0.0 else 0.0
+        bounce[BEFORE, 2 * n] = kinematics[n, at.DGAP] if hits else 0.0
         e, e_t = (bounce[E, 2 * n], values[p + 1]) if law == NEWTON and hits else (0.0, 0.0)
-        side[B, 2 * k], side[B, 2 * k + 1] = (1.0 + e) * touch[n, at.DGAP], -(1.0 + e_t) * touch[n, at.SLIP]
+        side[B, 2 * k], side[B, 2 * k + 1] = (1.0 + e) * kinematics[n, at.DGAP], -(1.0 + e_t) * kinematics[n, at.SLIP]
         slide[k] = 0
         trial[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
 
@@ -124,17 +124,17 @@ def hold_down(m, count):
 
     Contacts that stay keep their rest meanwhile: the change takes energy, being one onto rates that are zero after it.
     """
-    grip, chosen, trial, side, bounce = m.grip, m.chosen, m.trial, m.side, m.bounce
+    memory, chosen, trial, side, bounce = m.contact_memory, m.chosen, m.trial, m.side, m.bounce
     lifts = False
     for k in range(count):
         n = chosen[k]
-        closed, parts = grip[n, at.STEPS_IN] != 0.0, side[A, 2 * k]
+        closed, parts = memory[n, at.STEPS_IN] != 0.0, side[A, 2 * k]
         if law_of(m, n) == NEWTON:
             parts -= bounce[E, 2 * n] * bounce[BEFORE, 2 * n]
         lifts = lifts or (closed and parts > 0.0)
         for r in range(2 * k, 2 * k + 2):
             side[OTHER, r] = side[F, r]
-        stays = side[F, 2 * k] > 0.0 and parts <= STILL * grip[n, at.N_1]
+        stays = side[F, 2 * k] > 0.0 and parts <= STILL * memory[n, at.N_1]
         side[B, 2 * k], side[B, 2 * k + 1] = parts if closed else 0.0, 0.0
         if closed or stays:
             trial[k] = STICK if trial[k] == STICK and stays else FORWARD
@@ -150,15 +150,15 @@ def hold_down(m, count):
 @compiled
 def stay_together(m, count):
     """Forces of the chosen contacts that neither rise nor would have to pull, after an impact; see `solve_modes`."""
-    touch, grip, chosen = m.touch, m.grip, m.chosen
+    kinematics, memory, chosen = m.contact_kinematics, m.contact_memory, m.chosen
     trial, side = m.trial, m.side
     for k in range(count):
         n = chosen[k]
         trial[k] = OFF
-        if at_rest(m, 2 * k, n, touch[n, at.DGAP], grip[n, at.N_1]):
+        if at_rest(m, 2 * k, n, kinematics[n, at.DGAP], memory[n, at.N_1]):
             trial[k] = STICK
-            if friction_of(m, n) == 0.0 or not at_rest(m, 2 * k + 1, n, touch[n, at.SLIP], grip[n, at.N_1]):
-                trial[k] = FORWARD if touch[n, at.SLIP] >= 0.0 else BACKWARD
+            if friction_of(m, n) == 0.0 or not at_rest(m, 2 * k + 1, n, kinematics[n, at.SLIP], memory[n, at.N_1]):
+                trial[k] = FORWARD if kinematics[n, at.SLIP] >= 0.0 else BACKWARD
     lasting_side(m, count)
     for _ in range(count):
         solve_modes(m, count, 1)
@@ -174,7 +174,7 @@ def stay_together(m, count):
 @native("i", "h", "f", "v", "i")
 def low_bounce(m, t, y, count):
     """Mark contacts that rise after the impact, but too low to follow; True when there is a new one."""
-    touch, grip, chosen, side = m.touch, m.grip, m.chosen, m.side
+    kinematics, memory, chosen, side = m.contact_kinematics, m.contact_memory, m.chosen, m.side
     values, contact, recent, bounce = m.values, m.contact, m.recent, m.bounce
     found, lifted, end = False, False, t
     motion_without(m, t, y)
@@ -187,22 +187,22 @@ def low_bounce(m, t, y, count):
     least = 4e-15 * m.held[SIZE]
     for k in range(count):
         n = chosen[k]
-        speed, came = touch[n, at.DGAP], -bounce[BEFORE, 2 * n]
-        if grip[n, at.STEPS_IN] != 0.0 or speed <= STILL * swing(m, 2 * k, n):
+        speed, came = kinematics[n, at.DGAP], -bounce[BEFORE, 2 * n]
+        if memory[n, at.STEPS_IN] != 0.0 or speed <= STILL * swing(m, 2 * k, n):
             continue
-        pull = touch[n, at.GAMMA_N] - along(m, 2 * k, n, m.acceleration, 0)
+        pull = kinematics[n, at.GAMMA_N] - along(m, 2 * k, n, m.acceleration, 0)
         if pull < 0.0 and speed * speed < -2.0 * pull * max(LOW * clearance_of(m, n), least):
             found = True
             if side[F, 2 * k] > 0.0 and came > 0.0:
                 e = values[contact[n, at.NORMAL_P]]
                 if law_of(m, n) != NEWTON:
                     e = min(speed / came, 1.0)
-                grip[n, at.STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
+                memory[n, at.STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
                 m.tally[SERIES] += 1 if 0.0 < e < 1.0 else 0
             else:
                 lifted = True
                 end = max(end, t - 2.0 * speed / pull)
-                grip[n, at.STEPS_IN] = end
+                memory[n, at.STEPS_IN] = end
     if not lifted:
         return found
     m.tally[SERIES] += 1
@@ -213,8 +213,10 @@ def low_bounce(m, t, y, count):
             end = max(end, t + last * last / (before - last))
     for k in range(count):
         n = chosen[k]
-        if grip[n, at.STEPS_IN] != 0.0 or (side[F, 2 * k] > 0.0 and touch[n, at.DGAP] <= STILL * swing(m, 2 * k, n)):
-            grip[n, at.STEPS_IN] = end
+        if memory[n, at.STEPS_IN] != 0.0 or (
+            side[F, 2 * k] > 0.0 and kinematics[n, at.DGAP] <= STILL * swing(m, 2 * k, n)
+        ):
+            memory[n, at.STEPS_IN] = end
     return found
 
 
@@ -235,23 +237,23 @@ def settle_accounts(m, t, y, count, before):
 @compiled
 def rates_of_contacts(m, y, count, before):
     """Keep what the rates `before` (3 nb,) make of gaps and slips, for `book_impulses`; rows belong to them then."""
-    touch, grip, chosen, nq = m.touch, m.grip, m.chosen, m.change.shape[0]
+    kinematics, memory, chosen, nq = m.contact_kinematics, m.contact_memory, m.chosen, m.change.shape[0]
     place(m, y[:nq], before[:nq])
     constraints(m)
-    touch_all(m)
+    locate_contacts(m)
     for k in range(count):
         n = chosen[k]
-        grip[n, at.GAP_1], grip[n, at.DGAP_1] = touch[n, at.DGAP], touch[n, at.SLIP]
+        memory[n, at.GAP_1], memory[n, at.DGAP_1] = kinematics[n, at.DGAP], kinematics[n, at.SLIP]
 
 
 @compiled
 def book_impulses(m, t, y, count):
     """Impulses and losses of the chosen contacts into y, and their events; v in y is after, see `rates_of_contacts`."""
-    touch, grip, chosen, side, recent = m.touch, m.grip, m.chosen, m.side, m.recent
+    kinematics, memory, chosen, side, recent = m.contact_kinematics, m.contact_memory, m.chosen, m.side, m.recent
     nq, largest = m.change.shape[0], 0.0
     place(m, y[:nq], y[nq : 2 * nq])
     constraints(m)
-    touch_all(m)
+    locate_contacts(m)
     for k in range(count):
         largest = max(largest, side[F, 2 * k])
     for k in range(count):
@@ -260,14 +262,15 @@ def book_impulses(m, t, y, count):
         if pressed == 0.0 and held == 0.0:
             continue
         lost = 0.5 * (
-            held * (grip[n, at.DGAP_1] + touch[n, at.SLIP]) - pressed * (grip[n, at.GAP_1] + touch[n, at.DGAP])
+            held * (memory[n, at.DGAP_1] + kinematics[n, at.SLIP])
+            - pressed * (memory[n, at.GAP_1] + kinematics[n, at.DGAP])
         )
-        j = y.shape[0] - 4 * grip.shape[0] + 4 * n
+        j = y.shape[0] - 4 * memory.shape[0] + 4 * n
         y[j + 1] += pressed
         y[j + 2] += lost
         if pressed <= NOTICED * largest:  # held down, or rounding
             continue
         recent[n, 1] = recent[n, 0]
         recent[n, 0] = t
-        grip[n, at.SPEED] = max(-grip[n, at.GAP_1], 0.0)
-        note(m, at.IMPACT_EVENT, n, t, y, grip[n, at.SPEED], 0.0, pressed, lost)
+        memory[n, at.SPEED] = max(-memory[n, at.GAP_1], 0.0)
+        note(m, at.IMPACT_EVENT, n, t, y, memory[n, at.SPEED], 0.0, pressed, lost)

@@ -70,10 +70,10 @@ def ends_slip(m, count):
 
     Contacts that are closed have another solution, no percussion at all, or next to none: that passes nothing.
     """
-    touch, trial, chosen, grip = m.touch, m.trial, m.chosen, m.grip
+    kinematics, trial, chosen, memory = m.contact_kinematics, m.trial, m.chosen, m.contact_memory
     for k in range(count):
         n = chosen[k]
-        slides = not at_rest(m, 2 * k + 1, n, touch[n, at.SLIP], grip[n, at.N_1])
+        slides = not at_rest(m, 2 * k + 1, n, kinematics[n, at.SLIP], memory[n, at.N_1])
         if slides and trial[k] == STICK and passes_jams(m, n):
             return True
     return False
@@ -86,7 +86,7 @@ def pass_jam(m, t, late):
     late: 1 when the state is that of an event whose new modes were not found.  Returns OK, or LOCKED when sticking at
     once needs more than friction can give: then nothing is changed.
     """
-    contact, touch, mode, grip = m.contact, m.touch, m.mode, m.grip
+    contact, kinematics, mode, memory = m.contact, m.contact_kinematics, m.mode, m.contact_memory
     chosen, trial, slide, side = m.chosen, m.trial, m.slide, m.side
     y, y_new, before, nq = m.state, m.state_new, m.rate_new, m.change.shape[0]
     if late == 1:
@@ -98,13 +98,13 @@ def pass_jam(m, t, late):
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
             chosen[count] = n
-            grip[n, at.STEPS_IN] = 0.0
+            memory[n, at.STEPS_IN] = 0.0
             count += 1
     contact_rows(m, count)
     for attempt in range(2):
         for k in range(count):
             n = chosen[k]
-            side[B, 2 * k], side[B, 2 * k + 1], slide[k] = touch[n, at.DGAP], -touch[n, at.SLIP], 0
+            side[B, 2 * k], side[B, 2 * k + 1], slide[k] = kinematics[n, at.DGAP], -kinematics[n, at.SLIP], 0
             trial[k] = STICK if passes_jams(m, n) and friction_of(m, n) > 0.0 else mode[n]
         if attempt == 0:
             found = solve_contacts(m, count) and holds(m, count) and ends_slip(m, count)

@@ -13,7 +13,7 @@ Kinematics and Dynamics of Mechanical Systems (1989), section 6.6 (impulsive mot
 from __future__ import annotations
 
 from rattle.equations.complementarity import FORWARD, OFF, STICK, B, friction_of
-from rattle.equations.compliant import touch_all
+from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import OK, constraints, correct, drive, place, rate_residual
 from rattle.equations.schur import factorise
 from rattle.equations.unilateral import (
@@ -85,11 +85,11 @@ def jolt(m, t, before, percussion):
 @compiled
 def with_contacts(m, t, y, old, percussion):
     """Closed contacts do not let the jolt drive them together: their percussions, in one problem."""
-    contact, touch, mode, grip = m.contact, m.touch, m.mode, m.grip
+    contact, kinematics, mode, memory = m.contact, m.contact_kinematics, m.mode, m.contact_memory
     chosen, trial, slide, side = m.chosen, m.trial, m.slide, m.side
     multiplier, nq = m.multiplier, m.change.shape[0]
     v = y[nq : 2 * nq]
-    touch_all(m)
+    locate_contacts(m)
     count = 0
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
@@ -100,9 +100,9 @@ def with_contacts(m, t, y, old, percussion):
     contact_rows(m, count)
     for k in range(count):
         n = chosen[k]
-        grip[n, at.STEPS_IN] = 0.0
-        grip[n, at.N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
-        side[B, 2 * k], side[B, 2 * k + 1] = touch[n, at.DGAP], -touch[n, at.SLIP]
+        memory[n, at.STEPS_IN] = 0.0
+        memory[n, at.N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
+        side[B, 2 * k], side[B, 2 * k + 1] = kinematics[n, at.DGAP], -kinematics[n, at.SLIP]
         slide[k] = 0
         trial[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
     if not solve_contacts(m, count):

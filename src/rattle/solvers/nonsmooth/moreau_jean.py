@@ -26,7 +26,7 @@ from __future__ import annotations
 import math
 
 from rattle.equations.complementarity import FORWARD, OFF, STICK, A, B, F, friction_of
-from rattle.equations.compliant import touch_all
+from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import (
     DONE,
     NOT_FINITE,
@@ -65,8 +65,8 @@ from rattle.solvers.step_loop import (
 )  # fmt: skip
 
 ACTIVE = 1e-8  # share of the clearance within which a contact takes part
-# columns of `grip` as they are used here: 1 for an impact, its tangential restitution, the rate of the gap that it is
-# to leave with, by how much its gap comes out too small
+# columns of `contact_memory` as they are used here: 1 for an impact, its tangential restitution, the rate of the gap
+# that it is to leave with, by how much its gap comes out too small
 HITS, E_T, AFTER, SHIFT = at.N_0, at.N_1, at.DGAP_1, at.GAP_1
 KEPT = 1e-4  # the same for one that pressed in the step before: curved paths part by O(h^2) without letting go
 LASTING = 3  # steps in a row after which a contact counts as lasting, or as released
@@ -77,11 +77,11 @@ def start(m, t):
     """Bring the start onto its constraints."""
     y, sign = m.state, m.sign
     project(m, t, y)
-    touch_all(m)
+    locate_contacts(m)
     for n in range(sign.shape[0]):  # what the first step finds
         sign[n] = 1.0
-    for n in range(m.grip.shape[0]):
-        m.grip[n, at.CLOSED] = at.OPEN
+    for n in range(m.contact_memory.shape[0]):
+        m.contact_memory[n, at.CLOSED] = at.OPEN
     loads(m, t)
     m.audit[STARTED] = 0.0
     stands(m, y)
@@ -91,12 +91,12 @@ def start(m, t):
 @compiled
 def choose_active(m):
     """Choose the contacts that are closed, starting from the modes of the step before; the others are off."""
-    contact, touch, mode, values = m.contact, m.touch, m.mode, m.values
+    contact, kinematics, mode, values = m.contact, m.contact_kinematics, m.mode, m.values
     chosen, trial, slide = m.chosen, m.trial, m.slide
     count = 0
     for n in range(contact.shape[0]):
-        touch[n, at.NORMAL], touch[n, at.TANGENT] = 0.0, 0.0
-        if touch[n, at.GAP] <= (ACTIVE if mode[n] == OFF else KEPT) * values[contact[n, at.SHAPE_P] + 4]:
+        kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = 0.0, 0.0
+        if kinematics[n, at.GAP] <= (ACTIVE if mode[n] == OFF else KEPT) * values[contact[n, at.SHAPE_P] + 4]:
             chosen[count], trial[count], slide[count] = n, mode[n], 0
             count += 1
     return count
@@ -114,23 +114,28 @@ def impact_side(m, count, h):
 
     Rates are those of the end of the step at the place of its middle.
     """
-    contact, touch, chosen, side = m.contact, m.touch, m.chosen, m.side
-    acceleration, values, grip, body = m.acceleration, m.values, m.grip, m.body
+    contact, kinematics, chosen, side = m.contact, m.contact_kinematics, m.chosen, m.side
+    acceleration, values, memory, body = m.acceleration, m.values, m.contact_memory, m.body
     for k in range(count):
         n, p = chosen[k], contact[chosen[k], at.NORMAL_P]
-        touch[n, at.DGAP], touch[n, at.SLIP] = -along(m, 2 * k, n, body, at.VX), along(m, 2 * k + 1, n, body, at.VX)
-        pull, bend = along(m, 2 * k, n, acceleration, 0), touch[n, at.GAMMA_N]
+        kinematics[n, at.DGAP], kinematics[n, at.SLIP] = (
+            -along(m, 2 * k, n, body, at.VX),
+            along(m, 2 * k + 1, n, body, at.VX),
+        )
+        pull, bend = along(m, 2 * k, n, acceleration, 0), kinematics[n, at.GAMMA_N]
         least = 2.0 * h * abs(bend - pull)
-        hits = touch[n, at.DGAP] < -least
-        grip[n, HITS], grip[n, E_T] = 1.0 if hits else 0.0, values[p + 1] if hits else 0.0
-        grip[n, AFTER] = grip[n, SHIFT] = 0.0  # what a jolt left there is of another kind
+        hits = kinematics[n, at.DGAP] < -least
+        memory[n, HITS], memory[n, E_T] = 1.0 if hits else 0.0, values[p + 1] if hits else 0.0
+        memory[n, AFTER] = memory[n, SHIFT] = 0.0  # what a jolt left there is of another kind
         if hits:
-            when = 0.5 * h - late(h, touch[n, at.GAP], -touch[n, at.DGAP])  # after the start of the step
-            speed = touch[n, at.DGAP] - pull * when + bend * (when - 0.5 * h)
+            when = 0.5 * h - late(h, kinematics[n, at.GAP], -kinematics[n, at.DGAP])  # after the start of the step
+            speed = kinematics[n, at.DGAP] - pull * when + bend * (when - 0.5 * h)
             if -values[p] * speed > least:  # it bounces: free before and after
-                grip[n, AFTER] = -values[p] * speed - bend * (when - 0.5 * h) - pull * (h - when)
-        side[B, 2 * k] = touch[n, at.DGAP] - h * pull - grip[n, AFTER]
-        side[B, 2 * k + 1] = -(1.0 + grip[n, E_T]) * touch[n, at.SLIP] - h * along(m, 2 * k + 1, n, acceleration, 0)
+                memory[n, AFTER] = -values[p] * speed - bend * (when - 0.5 * h) - pull * (h - when)
+        side[B, 2 * k] = kinematics[n, at.DGAP] - h * pull - memory[n, AFTER]
+        side[B, 2 * k + 1] = -(1.0 + memory[n, E_T]) * kinematics[n, at.SLIP] - h * along(
+            m, 2 * k + 1, n, acceleration, 0
+        )
 
 
 @compiled
@@ -139,9 +144,9 @@ def take_percussions(m, t, count, h, y):
 
     Returns True when there was an impact.
     """
-    contact, touch, chosen, trial = m.contact, m.touch, m.chosen, m.trial
+    contact, kinematics, chosen, trial = m.contact, m.contact_kinematics, m.chosen, m.trial
     side, pushed, called, multiplier = m.side, m.pushed, m.called, m.multiplier
-    grip, mode, nq = m.grip, m.mode, m.change.shape[0]
+    memory, mode, nq = m.contact_memory, m.mode, m.change.shape[0]
     rows, power = m.rows, m.power
     push_all(m, count)
     for c in range(nq):
@@ -160,30 +165,30 @@ def take_percussions(m, t, count, h, y):
             pressed, held = side[F, 2 * k], side[F, 2 * k + 1]
             if pressed > 0.0:
                 mode[n] = trial[k]
-                gap_rate = side[A, 2 * k] + grip[n, AFTER]
-                slip = -side[A, 2 * k + 1] - grip[n, E_T] * touch[n, at.SLIP]
+                gap_rate = side[A, 2 * k] + memory[n, AFTER]
+                slip = -side[A, 2 * k + 1] - memory[n, E_T] * kinematics[n, at.SLIP]
                 if friction_of(m, n) == 0.0:
-                    slip = touch[n, at.SLIP]
-                lost = 0.5 * (held * (touch[n, at.SLIP] + slip) - pressed * (touch[n, at.DGAP] + gap_rate))
+                    slip = kinematics[n, at.SLIP]
+                lost = 0.5 * (held * (kinematics[n, at.SLIP] + slip) - pressed * (kinematics[n, at.DGAP] + gap_rate))
                 j = y.shape[0] - 4 * nc + 4 * n
                 y[j + 1] += pressed
                 y[j + 2] += lost
-                touch[n, at.NORMAL], touch[n, at.TANGENT] = pressed / h, held / h
-                if old == OFF and grip[n, HITS] == 1.0:
-                    speed = -touch[n, at.DGAP]
+                kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = pressed / h, held / h
+                if old == OFF and memory[n, HITS] == 1.0:
+                    speed = -kinematics[n, at.DGAP]
                     note(
                         m,
                         at.IMPACT_EVENT,
                         n,
-                        t + 0.5 * h - late(h, touch[n, at.GAP], speed),
+                        t + 0.5 * h - late(h, kinematics[n, at.GAP], speed),
                         y,
                         speed,
                         0.0,
                         pressed,
                         lost,
                     )
-                    grip[n, at.SPEED] = speed
-                    grip[n, SHIFT] = gap_rate * late(h, touch[n, at.GAP], speed) - touch[n, at.GAP]
+                    memory[n, at.SPEED] = speed
+                    memory[n, SHIFT] = gap_rate * late(h, kinematics[n, at.GAP], speed) - kinematics[n, at.GAP]
                     impact = True
             k += 1
         watch_contact(m, n, old, t, h, y)
@@ -193,45 +198,45 @@ def take_percussions(m, t, count, h, y):
 @compiled
 def watch_contact(m, n, old, t, h, y):
     """Count pressed and free steps of contact n; note where it starts or ends to last, sticks or slips."""
-    mode, grip, touch = m.mode, m.grip, m.touch
-    steps = grip[n, at.STEPS_IN]
-    j = y.shape[0] - 4 * grip.shape[0] + 4 * n
+    mode, memory, kinematics = m.mode, m.contact_memory, m.contact_kinematics
+    steps = memory[n, at.STEPS_IN]
+    j = y.shape[0] - 4 * memory.shape[0] + 4 * n
     if mode[n] != OFF:
         steps = max(steps, 0.0) + 1.0
-        if grip[n, at.CLOSED] == at.OPEN and steps >= LASTING:
-            grip[n, at.CLOSED], grip[n, at.SINCE], grip[n, at.PEAK] = at.SHUT, t + h - steps * h, 0.0
-            grip[n, at.IMPULSE_0], grip[n, at.LOSS_0] = y[j + 1], y[j + 2]
+        if memory[n, at.CLOSED] == at.OPEN and steps >= LASTING:
+            memory[n, at.CLOSED], memory[n, at.SINCE], memory[n, at.PEAK] = at.SHUT, t + h - steps * h, 0.0
+            memory[n, at.IMPULSE_0], memory[n, at.LOSS_0] = y[j + 1], y[j + 2]
             if mode[n] == STICK and friction_of(m, n) > 0.0:
                 note(m, at.STICK_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
-        elif grip[n, at.CLOSED] == at.SHUT and (old == STICK) != (mode[n] == STICK) and friction_of(m, n) > 0.0:
+        elif memory[n, at.CLOSED] == at.SHUT and (old == STICK) != (mode[n] == STICK) and friction_of(m, n) > 0.0:
             note(m, at.STICK_EVENT if mode[n] == STICK else at.SLIP_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
-        grip[n, at.PEAK] = max(grip[n, at.PEAK], touch[n, at.NORMAL])
+        memory[n, at.PEAK] = max(memory[n, at.PEAK], kinematics[n, at.NORMAL])
     else:
         steps = min(steps, 0.0) - 1.0
-        if grip[n, at.CLOSED] == at.SHUT and steps <= -LASTING:
+        if memory[n, at.CLOSED] == at.SHUT and steps <= -LASTING:
             note(m, at.CONTACT_EVENT, n, t + (steps + 1.0) * h, y, 0.0, 0.0, 0.0, 0.0)
             note(m, at.RELEASE_EVENT, n, t + (steps + 1.0) * h, y, 0.0, 0.0, 0.0, 0.0)
-            grip[n, at.CLOSED], grip[n, at.SPEED] = at.OPEN, 0.0
-    grip[n, at.STEPS_IN] = steps
+            memory[n, at.CLOSED], memory[n, at.SPEED] = at.OPEN, 0.0
+    memory[n, at.STEPS_IN] = steps
 
 
 @compiled
 def lift(m, count, y):
     """Move contacts along the joints: bounces to where they belong had they hit in time, lasting ones onto the wall."""
-    touch, chosen, trial, side = m.touch, m.chosen, m.trial, m.side
-    grip, nq = m.grip, m.change.shape[0]
+    kinematics, chosen, trial, side = m.contact_kinematics, m.chosen, m.trial, m.side
+    memory, nq = m.contact_memory, m.change.shape[0]
     deep = False
     for k in range(count):
         n = chosen[k]
         trial[k] = OFF
         side[B, 2 * k], side[B, 2 * k + 1] = 0.0, 0.0
-        if touch[n, at.NORMAL] > 0.0 and (
-            touch[n, at.GAP] < 0.0 or grip[n, at.CLOSED] == at.SHUT or grip[n, SHIFT] > 0.0
+        if kinematics[n, at.NORMAL] > 0.0 and (
+            kinematics[n, at.GAP] < 0.0 or memory[n, at.CLOSED] == at.SHUT or memory[n, SHIFT] > 0.0
         ):
             trial[k] = FORWARD
-            side[B, 2 * k] = grip[n, SHIFT] if grip[n, SHIFT] > 0.0 else -touch[n, at.GAP]
+            side[B, 2 * k] = memory[n, SHIFT] if memory[n, SHIFT] > 0.0 else -kinematics[n, at.GAP]
             deep = True
-        grip[n, SHIFT] = 0.0
+        memory[n, SHIFT] = 0.0
     if not deep:
         return
     solve_modes(m, count, 0)
@@ -266,7 +271,7 @@ def close_joints(m, t, y):
 def write_until(m, t, h, t_out, out):
     """Outputs up to t + h: positions between those of both ends, rates of the end, forces of this step."""
     tally, y, y_new, stage = m.tally, m.state, m.state_new, m.stage
-    acceleration, nq, nc = m.acceleration, m.change.shape[0], m.touch.shape[0]
+    acceleration, nq, nc = m.acceleration, m.change.shape[0], m.contact_kinematics.shape[0]
     while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t + 1.0000001 * h:
         k = tally[OUTPUTS]
         share = min(max((t_out[k] - t) / h, 0.0), 1.0)
@@ -329,7 +334,7 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
             y_new[c] += 0.5 * h * y_new[nq + c]
         place(m, y_new[:nq], y_new[nq : 2 * nq])
         if active > 0:
-            touch_all(m)
+            locate_contacts(m)
             lift(m, active, y_new)
             place(m, y_new[:nq], y_new[nq : 2 * nq])
         close_joints(m, t + h, y_new)
@@ -343,7 +348,7 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
         if not stands(m, y_new):
             clock[TROUBLE] = t + h
             return UNSOUND
-        touch_all(m)
+        locate_contacts(m)
         audit[SUNK] = max(audit[SUNK], deepest(m))
         if audit[SUNK] > 1.0:
             clock[TROUBLE] = t + h
