@@ -64,7 +64,7 @@ class System:
         return len(self.rows)
 
     def workspace(self, also: Iterable[int] = (), **more: np.ndarray) -> Workspace:
-        """Fresh workspace of one run; also: other joint kernels called; `more` are arrays of the march."""
+        """Fresh workspace of one run; also: other joint kernels called; `more` are arrays of the time integration."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
         nc = self.arrays["contact"].shape[0]
         machine = functions.jit_runs()  # asked once: another thread may switch to machine code at any moment

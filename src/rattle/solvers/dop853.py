@@ -11,7 +11,7 @@ from rattle.equations.motion import derivative
 from rattle.jit.functions import native
 from rattle.solvers.dop853_tableau import E3, E5, A, B, C, D
 from rattle.solvers.peaks import NODE_OF_STAGE, gauge
-from rattle.solvers.projection import settle
+from rattle.solvers.projection import project_on_constraints
 from rattle.solvers.sign_watch import watched_change
 
 ORDER = 8
@@ -41,7 +41,7 @@ def step(m, t, h, rtol, atol, tame):
         for n in range(ny):
             stage[n] = y[n] + h * stage[n]
         if tame == 1:
-            settle(m, t + C[s] * h, stage, stage)
+            project_on_constraints(m, t + C[s] * h, stage, stage)
         derivative(m, t + C[s] * h, stage, k[s])
         if NODE_OF_STAGE[s] >= 0:
             gauge(m, NODE_OF_STAGE[s], t + C[s] * h)

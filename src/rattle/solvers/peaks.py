@@ -25,7 +25,7 @@ from rattle.solvers.contact_events import interpolate
 from rattle.solvers.dop853_tableau import B, C
 from rattle.solvers.glances import write_look
 from rattle.solvers.output_row import write_joints
-from rattle.solvers.projection import settle
+from rattle.solvers.projection import project_on_constraints
 
 # columns of `peaks`: largest value so far, its time, integral of the square; size up to which the quantity is rounding
 # or drift, and an arm that says so for moments [m]; then the samples of the present step
@@ -211,7 +211,7 @@ def probe(m, t, h, theta, n):
     stage, nq = m.stage, m.change.shape[0]
     interpolate(m, theta, stage)
     if len(m.hold_table) == 0:  # forces of lasting contacts are those of the search for events
-        settle(m, t + theta * h, stage, stage)
+        project_on_constraints(m, t + theta * h, stage, stage)
     set_bristles(m, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
     gauge(m, PROBE, t + theta * h)

@@ -324,7 +324,7 @@ def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line, o
 
     node (9, 3 nb): the position reached with its rates and accelerations, and scratch; clock (6,); tally (4,);
     spots (n, 2): intervals in which the root of the smallest pivot share has a minimum; size [m];
-    forces: with all reactions (rows as `march.write` lays them out, then effort and power for each line of
+    forces: with all reactions (rows as `output_row.write` lays them out, then effort and power for each line of
     `probe` (k, 5), see `exchange`), else bodies and signals alone; onward: 1 or -1 where these times go on in a
     sweep that came this way (it may have leapt beyond the first of them), 0 at its start.
 

@@ -12,7 +12,7 @@ QUADRATIC = 1e-9  # a correction from below this residual needs no second one
 
 
 @native("i", "h", "f", "v", "v")
-def settle(m, t, y, unused):
+def project_on_constraints(m, t, y, unused):
     """Bring y onto Phi = 0 and Phi_q v = nu with the least mass-weighted change; leaves its rows and factor.
 
     Returns the number of redundant rows.

@@ -1,4 +1,4 @@
-"""March in time: steps, projection onto the constraints, outputs and located changes of sign.
+"""Time integration loop: steps, projection onto the constraints, outputs and located changes of sign.
 
 One compiled call takes many steps; it returns when done, when it cannot go on, or after a number of
 steps so that the caller can show progress and be interrupted.
@@ -43,7 +43,7 @@ from rattle.solvers.dop853 import step as step_dop853
 from rattle.solvers.gap_search import ESCAPED, NONE, escaped
 from rattle.solvers.output_row import record
 from rattle.solvers.peaks import END, START, end_step, gauge, may_rise
-from rattle.solvers.projection import settle
+from rattle.solvers.projection import project_on_constraints
 from rattle.solvers.rk4 import prepare_dense as prepare_rk4
 from rattle.solvers.rk4 import step as step_rk4
 from rattle.solvers.sign_watch import watched_change
@@ -69,7 +69,7 @@ SHORT = 1e-9  # share of the time ahead down to which a step that does not stand
 FIRST_STEP = 0.01  # first step in a contact as a share of how long it will last: its force starts like a broken power
 
 
-def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
+def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     """What a run that starts at y needs besides the arrays of one instant."""
     ny = y.shape[0]
     clock = np.zeros(8)
@@ -91,9 +91,9 @@ def march_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
 
 @native("void", "h", "f", "v")
 def project(m, t, y):
-    """Bring y onto the constraints, see `settle`; the largest drift left and lost rows are remembered."""
+    """Bring y onto the constraints; the largest drift left and the number of lost rows are remembered."""
     tally = m.tally
-    lost = settle(m, t, y, y)
+    lost = project_on_constraints(m, t, y, y)
     row = note_drift(m)
     if row >= 0:
         tally[DRIFT_ROW] = row
@@ -231,7 +231,7 @@ def finish_step(m, t, y_new, f_new):
 
 
 @native("i", "h", "f", "f", "i", "i", "v", "m")
-def look_back(m, t, h, changed, method, t_out, out):
+def search_step_for_events(m, t, h, changed, method, t_out, out):
     """Contacts, changes of sign and outputs inside the step from (t, y) to (t + h, y_new).
 
     Returns the contact that starts or ends first (-1 if none does); its share of the step goes to clock[SHARE].
@@ -384,7 +384,7 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
             if verdict == REPEAT:
                 clock[H] = shorter
                 continue
-        who = look_back(m, t, t_new - t, changed, method, t_out, out)
+        who = search_step_for_events(m, t, t_new - t, changed, method, t_out, out)
         if who >= 0:
             interpolate(m, clock[SHARE], y_new)
             t_new = t + clock[SHARE] * (t_new - t)

@@ -132,7 +132,7 @@ class ImpactRun(Run):
     def prepare(self) -> Workspace:
         """Workspace of the run."""
         self.jams: list[tuple[float, str]] = []  # times [s] at which friction locked and what was closed there
-        arrays = step_loop.march_arrays(start_state(self.system, self.start), len(self.system.watched))
+        arrays = step_loop.step_loop_arrays(start_state(self.system, self.start), len(self.system.watched))
         arrays |= audit_arrays(self.system, self.method)
         contacts = contact_arrays(self.system, self.method == "event")
         return self.system.workspace(**arrays, **contacts, **peak_arrays(self.system))
@@ -162,8 +162,8 @@ class ImpactRun(Run):
         self.piece = self.table.piece_at(t)
         self.table.take(self.workspace.code, self.piece)
 
-    def march(self, t: float, chunk: int, outputs: int) -> int:
-        """Some steps towards the time t [s]; see `Run.march`."""
+    def take_steps(self, t: float, chunk: int, outputs: int) -> int:
+        """Some steps towards the time t [s]; see `Run.take_steps`."""
         handle = self.workspace
         if self.method == "moreau":
             if t != self.leg.end:

@@ -39,7 +39,7 @@ CHUNK = 2000  # steps between two looks at the clock and the keyboard
 
 
 class Run:
-    """One march from start to end with fixed settings."""
+    """One run from start to end with fixed settings."""
 
     def __init__(
         self,
@@ -71,11 +71,11 @@ class Run:
 
     def prepare(self) -> Workspace:
         """Workspace of the run."""
-        arrays = step_loop.march_arrays(start_state(self.system, self.start), len(self.system.watched))
+        arrays = step_loop.step_loop_arrays(start_state(self.system, self.start), len(self.system.watched))
         return self.system.workspace(**arrays, **audit_arrays(self.system, self.method), **peak_arrays(self.system))
 
     def begin(self, t: float) -> int:
-        """Get ready to march from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
+        """Get ready for steps from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
         self.take_sides(t)
         status = step_loop.begin(self.workspace, t, self.t_end, self.rtol, self.atol, self.step or math.inf)
         set_floor(self.system, self.workspace, self.rtol, self.atol)
@@ -108,8 +108,8 @@ class Run:
         """
         instant = self.ahead()
         if instant > t:
-            return self.march(t, chunk, len(self.t_eval))
-        status = self.march(instant, chunk, self.outputs_before(instant))
+            return self.take_steps(t, chunk, len(self.t_eval))
+        status = self.take_steps(instant, chunk, self.outputs_before(instant))
         if status == DONE:
             status = self.switch(instant)
         return DONE if status == PAUSED and self.clock[step_loop.T] >= t and self.ahead() > t else status
@@ -118,7 +118,7 @@ class Run:
         """Number of outputs before the time t [s]; what is recorded at an instant is that of the right side."""
         return int(np.searchsorted(self.t_eval, t - SAME * self.t_end))
 
-    def march(self, t: float, chunk: int, outputs: int) -> int:
+    def take_steps(self, t: float, chunk: int, outputs: int) -> int:
         """Some steps towards the time t [s] on the sides at hand, with the first outputs; returns as `advance`."""
         return int(
             step_loop.advance(
@@ -152,7 +152,7 @@ class Run:
         return status
 
     def go_on(self, t: float, jolted: bool) -> int:
-        """Get ready to march on from t [s] after expressions have switched there; PAUSED or a trouble."""
+        """Get ready to go on from t [s] after expressions have switched there; PAUSED or a trouble."""
         step_loop.resume(self.workspace, t)
         return PAUSED
 
@@ -175,7 +175,7 @@ class Run:
         return explain(self.system, self.workspace, self.t_end, status, self.method, self.rtol)
 
     def go(self, progress: bool = False, what: str = "simulate") -> None:
-        """March to the end, or to where it cannot go on (then `message` says why)."""
+        """Take steps to the end, or to where the run cannot go on (then `message` says why)."""
         m, tally = self.workspace, self.tally
         began = time.perf_counter()
         load_law.forget()

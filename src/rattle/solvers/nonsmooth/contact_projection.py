@@ -67,7 +67,7 @@ def goes_far(m, count, gap):
 
 
 @native("void", "h", "f", "v", "i")
-def settle(m, t, y, who):
+def project_on_contacts(m, t, y, who):
     """Bring y onto the constraints and onto its lasting contacts, positions and rates; leaves rows and factor.
 
     who: a contact that hits now (or -1); it and all that are as near come onto their walls too.  Near ones that would

@@ -8,8 +8,8 @@ forces `equations.unilateral.hold` adds.  Each step is searched on its dense out
     |T| = mu N               stick -> slip
     slip = 0                 slip -> stick, or on in the other sense, as the problem for the accelerations says
 
-How impacts are solved and infinite sequences of bounces closed stands in `hitting`, the choice of modes in `closed`,
-the search in `locating`.
+How impacts are solved and infinite sequences of bounces closed stands in `impacts`, the choice of modes in
+`contact_modes`, the search in `event_search`.
 
 Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapters 5 to 9.
 """
@@ -30,7 +30,7 @@ from rattle.solvers.gap_search import ESCAPED, NONE, clearance_of, escaped, insi
 from rattle.solvers.glances import END as LAST
 from rattle.solvers.glances import doubts, keep_forces, pass_look_on
 from rattle.solvers.nonsmooth.contact_modes import CREEPS, HIT, NOTHING, TURN, regroup
-from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, settle
+from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, project_on_contacts
 from rattle.solvers.nonsmooth.event_search import any_held, first_event
 from rattle.solvers.nonsmooth.impacts import collide
 from rattle.solvers.output_row import record
@@ -72,7 +72,7 @@ def remember(m):
 
 @compiled
 def count_shift(m):
-    """By how much a located event was beside the joints and walls, from gaps before and after settling: drift."""
+    """By how much a located event was beside the joints and walls, from gaps before and after the projection: drift."""
     memory, kinematics, audit = m.contact_memory, m.contact_kinematics, m.audit
     for n in range(memory.shape[0]):
         audit[LENGTH] = max(audit[LENGTH], abs(kinematics[n, at.GAP] - memory[n, at.GAP_1]))
@@ -84,16 +84,16 @@ def new_modes(m, t, y, who, what):
     nq = m.change.shape[0]
     status = regroup(m, t, y, who, what)
     if status == CREEPS:
-        settle(m, t, y, -1)
+        project_on_contacts(m, t, y, -1)
         solve_motion(m, t, y[:nq], y[nq : 2 * nq])
         status = regroup(m, t, y, who, what)
     if status == OK:
-        settle(m, t, y, -1)
+        project_on_contacts(m, t, y, -1)
     return NOT_FOUND if status == CREEPS else status
 
 
 @native("i", "h", "f", "v", "i", "i")
-def happen(m, t, y, who, what):
+def handle_event(m, t, y, who, what):
     """Event at (t, y): impact if contacts hit, then new modes; leaves y on its constraints. Returns a status.
 
     `contact_kinematics` holds the gaps at (t, y).
@@ -103,7 +103,7 @@ def happen(m, t, y, who, what):
     for n in range(memory.shape[0]):
         memory[n, at.GAP_1] = kinematics[n, at.GAP]
     if what == HIT or (what == NOTHING and who >= 0):
-        settle(m, t, y, who)
+        project_on_contacts(m, t, y, who)
         count_shift(m)
         status = collide(m, t, y, who)
         who = -1
@@ -114,7 +114,7 @@ def happen(m, t, y, who, what):
         old = mode[who] if what == TURN else OFF
         if what == TURN:  # at the reversal there is no slip; which sign it takes, the accelerations say
             mode[who] = STICK
-        settle(m, t, y, -1)
+        project_on_contacts(m, t, y, -1)
         if what == TURN:
             mode[who] = old
         solve_motion(m, t, y[:nq], y[nq : 2 * nq])
@@ -138,8 +138,8 @@ def start(m, t):
             who = n
             break
     if who < 0:
-        settle(m, t, y, nearest)
-    status = happen(m, t, y, who, NOTHING)
+        project_on_contacts(m, t, y, nearest)
+    status = handle_event(m, t, y, who, NOTHING)
     remember(m)
     return status
 
@@ -149,7 +149,7 @@ def go_on(m, t, jolted):
     """Modes after expressions have switched at t; jolted: rates have jumped, contacts may part. Returns a status."""
     y = m.state
     if jolted == 0:
-        status = happen(m, t, y, -1, NOTHING)
+        status = handle_event(m, t, y, -1, NOTHING)
     else:
         status = new_modes(m, t, y, -1, HIT)
     remember(m)
@@ -166,7 +166,7 @@ def write_until(m, t, h, t_until, t_out, out):
         if escaped(m, stage):
             m.clock[TROUBLE] = t_out[k]
             return False
-        settle(m, t_out[k], stage, -1)
+        project_on_contacts(m, t_out[k], stage, -1)
         record(m, t_out[k], stage, out[k])
         tally[OUTPUTS] = k + 1
     return True
@@ -232,7 +232,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         ahead = h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-0.125)))
         clock[H] = min(h_max, max(ahead, clock[H] if last else 0.0))
         t_new = t_end if last else t + h
-        settle(m, t_new, y_new, -1)
+        project_on_contacts(m, t_new, y_new, -1)
         derivative(m, t_new, y_new, f_new)
         if not stands(m, y_new):
             clock[TROUBLE] = t_new
@@ -289,7 +289,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             stuck[2] = who
             status = CHATTER
             if stuck[1] <= MOST_AT_ONCE and stuck[3] <= MOST_IN_A_ROW:
-                status = happen(m, t_until, y_new, who, what)
+                status = handle_event(m, t_until, y_new, who, what)
             if status != OK:
                 clock[T] = t_until
                 return status
@@ -298,7 +298,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             clock[H] = landing[GO_ON] if landing[LANDS] > 0.0 and who < 0 else clock[H]
             landing[LANDS] = landing[LANDS] if who < 0 else 0.0
             if arrive(m, t_until, y_new, f_new, landing[GO_ON]):
-                status = happen(m, t_until, y_new, -1, NOTHING)
+                status = handle_event(m, t_until, y_new, -1, NOTHING)
                 if status != OK:
                     clock[T] = t_until
                     return status

@@ -17,7 +17,13 @@ from rattle.equations.motion import OK
 from rattle.equations.unilateral import LOCKED, contact_rows, lasting_side, shift, solve_contacts, solve_modes
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, held_contacts, motion_without, settle
+from rattle.solvers.nonsmooth.contact_projection import (
+    at_rest,
+    at_wall,
+    held_contacts,
+    motion_without,
+    project_on_contacts,
+)
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 from rattle.solvers.nonsmooth.impacts import settle_accounts
 
@@ -37,7 +43,7 @@ def lock_share(m, t):
     Leaves G and b of the closed contacts.
     """
     y, mode, chosen, delassus = m.state, m.mode, m.chosen, m.delassus
-    settle(m, t, y, -1)
+    project_on_contacts(m, t, y, -1)
     motion_without(m, t, y)
     count = held_contacts(m)
     contact_rows(m, count)
@@ -92,7 +98,7 @@ def pass_jam(m, t, late):
     if late == 1:
         for c in range(y.shape[0]):
             y[c] = y_new[c]
-    settle(m, t, y, -1)
+    project_on_contacts(m, t, y, -1)
     motion_without(m, t, y)
     count = 0
     for n in range(contact.shape[0]):
