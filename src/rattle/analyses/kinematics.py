@@ -26,7 +26,7 @@ from rattle.results.columns import BODY, columns, geometry, width
 from rattle.results.event import Event
 from rattle.results.result import Result
 from rattle.results.trust import Trust
-from rattle.solvers import position_sweep as swept
+from rattle.solvers.positions import position_sweep as swept
 from rattle.version import __version__
 
 log = logging.getLogger("rattle")

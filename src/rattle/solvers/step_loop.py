@@ -25,7 +25,7 @@ from rattle.equations.motion import (
 from rattle.equations.schur import WEAK
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers import dop853, rk4, step_audit
+from rattle.solvers import step_audit
 from rattle.solvers.contact_events import (
     change_contacts,
     contact_time,
@@ -38,17 +38,18 @@ from rattle.solvers.contact_events import (
     remember_end,
     start_contacts,
 )
-from rattle.solvers.dop853 import prepare_dense as prepare_dop853
-from rattle.solvers.dop853 import step as step_dop853
 from rattle.solvers.gap_search import ESCAPED, NONE, escaped
 from rattle.solvers.output_row import record
-from rattle.solvers.peaks import END, START, end_step, gauge, may_rise
+from rattle.solvers.peaks.samples import END, START, end_step, gauge, may_rise
 from rattle.solvers.projection import project_on_constraints
-from rattle.solvers.rk4 import prepare_dense as prepare_rk4
-from rattle.solvers.rk4 import step as step_rk4
 from rattle.solvers.sign_watch import watched_change
 from rattle.solvers.state_switches import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
 from rattle.solvers.step_audit import UNSOUND, note_drift, stands
+from rattle.solvers.steppers import dop853, rk4
+from rattle.solvers.steppers.dop853 import prepare_dense as prepare_dop853
+from rattle.solvers.steppers.dop853 import step as step_dop853
+from rattle.solvers.steppers.rk4 import prepare_dense as prepare_rk4
+from rattle.solvers.steppers.rk4 import step as step_rk4
 
 METHODS = {"dop853": 0, "rk4": 1}
 ORDERS = {"dop853": dop853.ORDER, "rk4": rk4.ORDER}

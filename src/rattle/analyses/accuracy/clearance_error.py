@@ -32,7 +32,7 @@ from rattle.equations.system import System, compile_system
 from rattle.errors import ModelError, Problem
 from rattle.jit import functions
 from rattle.results.display import quantity, table
-from rattle.solvers import position_sweep as swept
+from rattle.solvers.positions import position_sweep as swept
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

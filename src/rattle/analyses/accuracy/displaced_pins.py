@@ -22,7 +22,7 @@ from rattle.equations.system import System
 from rattle.results.columns import columns, geometry, width
 from rattle.results.result import Result
 from rattle.results.trust import Trust
-from rattle.solvers import position_sweep as swept
+from rattle.solvers.positions import position_sweep as swept
 
 SMALL = 1e-4  # of a clearance: displacement for differences
 

@@ -20,7 +20,7 @@ from rattle.errors import ModelError, Problem
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
-from rattle.solvers import glances, step_loop
+from rattle.solvers import step_loop
 from rattle.solvers.gap_search import ESCAPED
 from rattle.solvers.nonsmooth import (
     event_driven,
@@ -31,6 +31,7 @@ from rattle.solvers.nonsmooth import (
     moreau_jean,
     uniqueness,
 )
+from rattle.solvers.peaks import glances
 from rattle.solvers.step_audit import UNSOUND
 
 NEARLY_LOCKED = 1e-2  # share of G_nn that friction leaves of it where a run that cannot go on is called locked

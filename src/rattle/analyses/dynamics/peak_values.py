@@ -10,22 +10,22 @@ from rattle.equations.system import System
 from rattle.jit.workspace import Workspace
 from rattle.results.columns import JOINT, quantities
 from rattle.results.event import Peak
-from rattle.solvers import peaks
 from rattle.solvers.gap_search import DEEP
+from rattle.solvers.peaks import samples
 
 
 def peak_arrays(system: System) -> dict[str, np.ndarray]:
     """What a run needs to watch its forces for peaks, see `solvers.peaks`."""
     watched = [(what, column) for _, what, column in quantities(system)]
-    table = np.zeros((len(watched), peaks.WIDTH))
-    table[:, peaks.BEST] = -math.inf
+    table = np.zeros((len(watched), samples.WIDTH))
+    table[:, samples.BEST] = -math.inf
     for row, (name, *_) in zip(table, quantities(system), strict=True):
         joint, _, of = name.rpartition(".")
         contact = system.model.joints[joint].contact if joint in system.model.joints else None
         if of == "moment":
-            row[peaks.ARM] = system.size
+            row[samples.ARM] = system.size
         elif of == "penetration" and contact is not None and contact.model == "impact":
-            row[peaks.NOTHING] = DEEP * system.model.joints[joint].clearance  # a rigid wall gives way by drift alone
+            row[samples.NOTHING] = DEEP * system.model.joints[joint].clearance  # a rigid wall gives way by drift alone
     return {
         "quantity": np.array(watched, np.int64).reshape(-1, 2),
         "peaks": table,
@@ -37,7 +37,7 @@ def peak_values(system: System, workspace: Workspace, span: float) -> dict[str, 
     """Largest size, its time and RMS of every watched quantity over a run of length `span` [s]."""
     found = {}
     for (name, *_), row in zip(quantities(system), workspace.peaks, strict=True):
-        best, when, squares = (float(row[k]) for k in (peaks.BEST, peaks.WHEN, peaks.SQUARES))
+        best, when, squares = (float(row[k]) for k in (samples.BEST, samples.WHEN, samples.SQUARES))
         rms = math.sqrt(max(squares, 0.0) / span) if span > 0.0 else abs(best)
         found[name] = Peak(best, when, rms)
     for name, joint in system.model.joints.items():

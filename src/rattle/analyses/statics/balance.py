@@ -25,8 +25,8 @@ from rattle.equations.rest_force import force_at
 from rattle.equations.system import System, has_contacts, is_link
 from rattle.jit import layout as at
 from rattle.results.columns import columns, geometry, width
-from rattle.solvers import equilibrium_newton
 from rattle.solvers.output_row import write
+from rattle.solvers.positions import equilibrium_newton
 from rattle.version import __version__
 
 MOST_TURN = 0.4  # of a body in one step [rad]

@@ -113,7 +113,7 @@ def rigid_model(system: System) -> System | None:
 def position_at(system: System, t: float) -> np.ndarray:
     """The assembled position at time t; a driven mechanism is led there from t = 0 on its branch."""
     from rattle.analyses import kinematics
-    from rattle.solvers import position_sweep
+    from rattle.solvers.positions import position_sweep
 
     try:
         start = assemble(system)

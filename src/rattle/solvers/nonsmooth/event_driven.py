@@ -25,18 +25,17 @@ from rattle.equations.unilateral import CHATTER, DETERMINANT, LOCKED, NOT_FOUND
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contact_events import interpolate
-from rattle.solvers.dop853 import step as step_dop853
 from rattle.solvers.gap_search import ESCAPED, NONE, clearance_of, escaped, inside_wall, may_reach
-from rattle.solvers.glances import END as LAST
-from rattle.solvers.glances import doubts, keep_forces, pass_look_on
 from rattle.solvers.nonsmooth.contact_modes import CREEPS, HIT, NOTHING, TURN, regroup
 from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, project_on_contacts
 from rattle.solvers.nonsmooth.event_search import any_held, first_event
 from rattle.solvers.nonsmooth.impacts import collide
 from rattle.solvers.output_row import record
-from rattle.solvers.peaks import DOP853, END, LOOKS, START, end_step, gauge
+from rattle.solvers.peaks.glances import END as LAST
+from rattle.solvers.peaks.glances import doubts, keep_forces, pass_look_on
+from rattle.solvers.peaks.samples import DOP853, END, LOOKS, START, end_step, gauge
+from rattle.solvers.peaks.stage_peaks import end_by_stages
 from rattle.solvers.sign_watch import watched_change
-from rattle.solvers.stage_peaks import end_by_stages
 from rattle.solvers.state_switches import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
 from rattle.solvers.step_audit import LENGTH, UNSOUND, stands
 from rattle.solvers.step_loop import (
@@ -56,6 +55,7 @@ from rattle.solvers.step_loop import (
     prepare_dense,
     project,
 )  # fmt: skip
+from rattle.solvers.steppers.dop853 import step as step_dop853
 
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
 MOST_IN_A_ROW = 200_000  # events, each after less than CROWDED of the run, after which it stops too

@@ -17,12 +17,12 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 from rattle.solvers.contact_events import interpolate
 from rattle.solvers.gap_search import NONE, may_reach, search
-from rattle.solvers.glances import END as LAST
-from rattle.solvers.glances import KINDS, margin_of, matters, may_dip, slack_of, unseen, write_look
-from rattle.solvers.glances import PLACES as PLACES_OF_STAGES
 from rattle.solvers.nonsmooth.contact_modes import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
-from rattle.solvers.peaks import LOOK, gauge
-from rattle.solvers.stage_polynomial import told, zero_told
+from rattle.solvers.peaks.glances import END as LAST
+from rattle.solvers.peaks.glances import KINDS, margin_of, matters, may_dip, slack_of, unseen, write_look
+from rattle.solvers.peaks.glances import PLACES as PLACES_OF_STAGES
+from rattle.solvers.peaks.samples import LOOK, gauge
+from rattle.solvers.peaks.stage_polynomial import told, zero_told
 from rattle.solvers.step_loop import EVALUATIONS
 
 # places of a step at which it is looked first: even ones, of which peaks make use too, and an odd one

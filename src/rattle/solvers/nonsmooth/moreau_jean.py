@@ -47,7 +47,7 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.gap_search import ESCAPED, deepest
 from rattle.solvers.nonsmooth.contact_projection import note
 from rattle.solvers.output_row import write
-from rattle.solvers.peaks import START, add_step, gauge
+from rattle.solvers.peaks.samples import START, add_step, gauge
 from rattle.solvers.step_audit import STARTED, SUNK, UNSOUND, note_drift, stands
 from rattle.solvers.step_loop import (
     DRIFT_ROW,

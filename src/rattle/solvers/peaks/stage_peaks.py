@@ -11,7 +11,7 @@ import numpy as np
 
 from rattle.equations.schur import WEAK
 from rattle.jit.functions import compiled, native
-from rattle.solvers.peaks import (
+from rattle.solvers.peaks.samples import (
     BEST,
     COUNT,
     DOP853,
@@ -34,7 +34,7 @@ from rattle.solvers.peaks import (
     summit,
     unresolved,
 )
-from rattle.solvers.stage_polynomial import FORMS, NODES, PLACES, through_stages
+from rattle.solvers.peaks.stage_polynomial import FORMS, NODES, PLACES, through_stages
 
 BESIDE = 10.0  # times what the last stage is beside the end of the step: by how much a crest may be higher
 LEFT_OUT = np.array([2, 4])  # stages that show by how much the polynomial is beside them
@@ -140,7 +140,7 @@ def new_peaks(m, until):
 def end_by_stages(m, t, h, until):
     """Peaks and sums of the step from t of length h up to the share `until`, where an event cuts it if that is < 1.
 
-    As `peaks.end_step` where stages tell all forces; the dense output is there.  Returns the states solved for.
+    As `samples.end_step` where stages tell all forces; the dense output is there.  Returns the states solved for.
     """
     peaks, solved = m.peaks, 0
     if peaks.shape[0] == 0:

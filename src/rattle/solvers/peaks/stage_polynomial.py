@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.jit.functions import compiled
-from rattle.solvers.peaks import DOP853, SHARES
+from rattle.solvers.peaks.samples import DOP853, SHARES
 
 NODES = np.array([0, 1, 3, 5, 6, 7])  # samples of dop853; the others lie next to these
 PLACES = SHARES[DOP853, NODES]

@@ -23,8 +23,8 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contact_events import interpolate
 from rattle.solvers.dop853_tableau import B, C
-from rattle.solvers.glances import write_look
 from rattle.solvers.output_row import write_joints
+from rattle.solvers.peaks.glances import write_look
 from rattle.solvers.projection import project_on_constraints
 
 # columns of `peaks`: largest value so far, its time, integral of the square; size up to which the quantity is rounding

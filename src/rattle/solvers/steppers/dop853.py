@@ -10,7 +10,7 @@ import math
 from rattle.equations.motion import derivative
 from rattle.jit.functions import native
 from rattle.solvers.dop853_tableau import E3, E5, A, B, C, D
-from rattle.solvers.peaks import NODE_OF_STAGE, gauge
+from rattle.solvers.peaks.samples import NODE_OF_STAGE, gauge
 from rattle.solvers.projection import project_on_constraints
 from rattle.solvers.sign_watch import watched_change
 

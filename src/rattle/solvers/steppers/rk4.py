@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from rattle.equations.motion import derivative
 from rattle.jit.functions import native
-from rattle.solvers.peaks import LAST_STAGE, gauge
+from rattle.solvers.peaks.samples import LAST_STAGE, gauge
 from rattle.solvers.sign_watch import watched_change
 
 ORDER = 4
