@@ -136,3 +136,9 @@ def test_json_and_table_show_the_same_peak_whatever_the_output_interval():
     record = json.loads(CliRunner().invoke(main, [*words, "--json"]).stdout)
     assert record["peaks"]["O4.force"]["peak"] == pytest.approx(6076.54, rel=1e-5)  # 2 us outputs: 6076.5425
     assert record["peaks"]["O4.force"]["t"] == pytest.approx(0.014514, abs=1e-6)
+
+
+def test_of_equal_peaks_the_first_instant_is_told():
+    """The crank turns once: the start comes again at the end, and rounding must not choose between them."""
+    run = rt.example("slider_crank").simulate()
+    assert [run.peaks[name].t for name in ("O.force", "A.force", "B.force")] == [0.0, 0.0, 0.0]

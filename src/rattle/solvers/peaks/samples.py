@@ -62,7 +62,7 @@ APART = 1e-2  # share of the mean of f^2 by which two rules may differ
 MATTERS = 1e-4  # share of the integral so far below which they may differ more
 ROUNDING = 1e-9  # share of the largest force below which a force is rounding
 CANCELLED = 1e-13  # share of the largest force times an arm below which a moment is rounding
-SAME = 1e-9  # share of a peak that is not worth a look
+SAME = 1e-9  # share of a peak that is not worth a look; a later one within it is the same again: the first is told
 FINE = 1e-8  # share of a peak by which the last try of a climb may exceed the one before
 TRIES = 8
 
@@ -77,6 +77,12 @@ def value_of(row, kind, c):
     return row[c] if kind == at.OF_VALUE else -row[c]
 
 
+@compiled
+def higher(value, best):
+    """True where a value is above the largest so far by more than SAME (`best` starts from minus infinity)."""
+    return value - best > SAME * abs(value)
+
+
 @native("void", "h", "i", "f")
 def gauge(m, sample, t):
     """Put all quantities, as the workspace holds them at t, into a sample; START and PROBE may be peaks."""
@@ -89,7 +95,7 @@ def gauge(m, sample, t):
     for n in range(quantity.shape[0]):
         value = value_of(row, quantity[n, 0], quantity[n, 1])
         peaks[n, SAMPLE + sample] = value
-        if value > peaks[n, BEST] and sample in (START, PROBE):
+        if higher(value, peaks[n, BEST]) and sample in (START, PROBE):
             peaks[n, BEST], peaks[n, WHEN] = value, t
 
 
@@ -165,7 +171,7 @@ def crest_all(m, t, h):
             if rises(peaks[n], LOOKS, i):
                 low, high = SHARES[LOOKS, max(i - 1, 0)], SHARES[LOOKS, min(i + 1, COUNT[LOOKS] - 1)]
                 top, best = crest(peaks[n], low, SHARES[LOOKS, i], high)
-                if best > peaks[n, BEST]:
+                if higher(best, peaks[n, BEST]):
                     peaks[n, BEST], peaks[n, WHEN] = best, t + top * h
 
 
@@ -294,7 +300,7 @@ def add(m, t, h, layout, sound):
             for k in range(9):
                 mean += WEIGHTS[layout, k] * peaks[n, SAMPLE + k] ** 2
         peaks[n, SQUARES] += h * mean
-        if peaks[n, SAMPLE + END] > peaks[n, BEST]:
+        if higher(peaks[n, SAMPLE + END], peaks[n, BEST]):
             peaks[n, BEST], peaks[n, WHEN] = peaks[n, SAMPLE + END], t
 
 
