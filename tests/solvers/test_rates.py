@@ -7,9 +7,11 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate._ivp import dop853_coefficients
 from scipy.special import ellipj, ellipk
 
 import rattle as rt
+from rattle.solvers import dop853_tableau
 
 LENGTH, AMPLITUDE, T_END = 0.5, 2.0, 3.0
 W = math.sqrt(1.5 * 9.81 / LENGTH)  # of small swings
@@ -37,6 +39,12 @@ def error(times: np.ndarray, **how) -> float:
 
 def slope(steps: np.ndarray, errors: list[float]) -> float:
     return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize("name", ["A", "B", "C", "D", "E3", "E5"])
+def test_coefficients_of_dop853_are_those_that_scipy_has(name):
+    assert (getattr(dop853_tableau, name) == getattr(dop853_coefficients, name)).all()
 
 
 @pytest.mark.nojit
