@@ -22,7 +22,7 @@ from rattle.equations.system import System
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, suggest
 from rattle.jit import functions
 from rattle.jit.workspace import Workspace
-from rattle.results.columns import BODY, columns, geometry, width
+from rattle.results.columns import columns, geometry, motion, motion_columns, motion_width, width
 from rattle.results.event import Event
 from rattle.results.result import Result
 from rattle.results.trust import Trust
@@ -51,12 +51,8 @@ class Sweep:
 
     def go(self, times: np.ndarray, forces: bool) -> np.ndarray:
         """Rows (k, width) at the times that can be reached, in their order."""
-        columns_ = (
-            (width(self.system) + 2 * len(self.probe))
-            if forces
-            else 9 * self.system.body_count + len(self.system.model.signals)
-        )
-        raw = np.zeros((len(times), columns_))
+        count = (width(self.system) + 2 * len(self.probe)) if forces else motion_width(self.system)
+        raw = np.zeros((len(times), count))
         done, onward = 0, 0.0
         size = max(2, PIECE // max(1, self.system.row_count))
         while done < len(times):  # in pieces, so that the user can stop it
@@ -318,11 +314,8 @@ def _at(first: Sweep, times: np.ndarray, raw: np.ndarray, t: float) -> Sweep:
     """The sweep at time t (in its new rows), restarted from the last output before t."""
     made = first.fork()
     k = int(np.searchsorted(times[: len(raw)], t, side="right")) - 1
-    nb = first.system.body_count
     while k > 0 and times[k] > made.clock[swept.NOW]:
-        state = raw[k, : 9 * nb].reshape(nb, 3, 3)
-        for n in range(3):
-            made.node[swept.Q_NEW + n] = state[:, n].ravel()
+        made.node[swept.Q_NEW : swept.Q_OLD] = motion(first.system, raw[k])
         _, root, _, _ = swept.closed_at(made.workspace, times[k], made.node, first.system.size)
         if root > 2 * swept.WEAK_ROOT:
             made.node[: swept.Q_NEW] = made.node[swept.Q_NEW : swept.Q_OLD]
@@ -388,9 +381,7 @@ def _result(
             nonunique = nonunique_reactions(system, sweep.workspace)
         data = np.ascontiguousarray(data)
     else:
-        names = [f"{body}.{key}" for body in system.bodies for key, _ in BODY] + list(model.signals)
-        units = {f"{body}.{key}": unit for body in system.bodies for key, unit in BODY}
-        units |= {name: model.signal_units.get(name, "") for name in model.signals}
+        names, units = motion_columns(system)
         data = raw
     trust = Trust(
         drift=float(sweep.clock[swept.GAP]), energy_balance=math.nan, t_end=float(t[-1]) if len(t) else 0.0,

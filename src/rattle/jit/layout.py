@@ -32,4 +32,21 @@ CONTACT_EVENT, RELEASE_EVENT, IMPACT_EVENT, STICK_EVENT, SLIP_EVENT = 0.0, 1.0, 
 # what a watched quantity makes of its columns of an output row: length of a vector, size of a number, the number, or
 # its negative
 OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE = range(4)
+# one output row: the columns of every body, then of every joint and driver, the signals, the energies; names as in a
+# result, with their units
+OUTPUT_BODY = {
+    "x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s",
+    "ax": "m/s^2", "ay": "m/s^2", "alpha": "rad/s^2",
+}  # fmt: skip
+# force on B, its moment about the joint's point on B, offset of that point from the one on A; the multiplier of the
+# first row with its sign turned, work rate of the rows; N, T and depth of the contacts
+OUTPUT_JOINT = {
+    "fx": "N", "fy": "N", "moment": "N*m", "ex": "m", "ey": "m", "effort": "N or N*m", "power": "W",
+    "normal": "N", "tangential": "N", "penetration": "m",
+}  # fmt: skip
+OUTPUT_ENERGY = {"kinetic": "J", "potential": "J", "work": "J", "dissipated": "J"}
+PER_BODY, PER_JOINT, ENERGIES = len(OUTPUT_BODY), len(OUTPUT_JOINT), len(OUTPUT_ENERGY)
+PLACE, RATE, RATE_RATE = 0, 3, 6  # of a body: first of x, y, angle, of their rates and of their accelerations
+FX, FY, MOMENT, EX, EY, EFFORT, POWER, JOINT_NORMAL, JOINT_TANGENT, PENETRATION = range(PER_JOINT)
+KINETIC, STORED, WORK, LOST = range(ENERGIES)
 OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)

@@ -1,4 +1,4 @@
-"""What is recorded: the columns that `solvers.writing` fills, their names and units, and what is derived from them.
+"""What is recorded: the columns that `solvers.output_row` fills, their names and units, and what is derived from them.
 
 `<joint>.ex .ey` of a joint with clearance are its play in every model: the offset of the pin from the bush, and of a
 block the part across its guide.  The way along a guide is motion, `<body>.x .y` show it.
@@ -15,17 +15,28 @@ from rattle.description.model import Joint, Model
 from rattle.equations.system import System, joint_rows
 from rattle.jit import layout as at
 
-BODY = (
-    ("x", "m"), ("y", "m"), ("angle", "rad"), ("vx", "m/s"), ("vy", "m/s"), ("omega", "rad/s"),
-    ("ax", "m/s^2"), ("ay", "m/s^2"), ("alpha", "rad/s^2"),
-)  # fmt: skip
-JOINT = 8  # force x, y, moment on B about its point, e_x, e_y; effort, power, 0 or N, T, penetration
-ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
-
 
 def width(system: System) -> int:
-    """Columns of one raw output row."""
-    return 9 * system.body_count + JOINT * len(system.joints) + len(system.model.signals) + 4
+    """Columns of one raw output row, declared in `jit.layout`."""
+    return motion_width(system) + at.PER_JOINT * len(system.joints) + at.ENERGIES
+
+
+def motion_width(system: System) -> int:
+    """Columns of a raw row without forces: bodies and signals."""
+    return at.PER_BODY * system.body_count + len(system.model.signals)
+
+
+def motion_columns(system: System) -> tuple[list[str], dict[str, str]]:
+    """Names and units of such a row."""
+    units = {f"{body}.{key}": unit for body in system.bodies for key, unit in at.OUTPUT_BODY.items()}
+    units |= {name: system.model.signal_units.get(name, "") for name in system.model.signals}
+    return list(units), units
+
+
+def motion(system: System, row: np.ndarray) -> np.ndarray:
+    """(3, 3 nb) positions, rates and accelerations [SI] of a raw output row."""
+    bodies = row[: at.PER_BODY * system.body_count].reshape(system.body_count, 3, 3)
+    return np.ascontiguousarray(bodies.transpose(1, 0, 2)).reshape(3, -1)
 
 
 def quantities(system: System) -> list[tuple[str, int, int]]:
@@ -37,23 +48,24 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
     """
     found: list[tuple[str, int, int]] = []
     for n, name in enumerate(system.joints):
-        c = JOINT * n
+        c = at.PER_JOINT * n
         if name in system.model.drivers:
             effort = registry.kinds("driver")[system.model.drivers[name].kind].leaf.effort[0]
-            found += [(f"{name}.{effort}", at.OF_SIZE, c + 5), (f"{name}.power", at.OF_SIZE, c + 6)]
+            found += [(f"{name}.{effort}", at.OF_SIZE, c + at.EFFORT), (f"{name}.power", at.OF_SIZE, c + at.POWER)]
             continue
         joint = system.model.joints[name]
         kind = joint_rows(joint)[0]
-        found.append((f"{name}.force", at.OF_VECTOR, c))
+        found.append((f"{name}.force", at.OF_VECTOR, c + at.FX))
         if kind is None or kind.leaf.moment:
-            found.append((f"{name}.moment", at.OF_SIZE, c + 2))
+            found.append((f"{name}.moment", at.OF_SIZE, c + at.MOMENT))
         if joint.contact is None:
             continue
         if kind is None:
-            found += [(f"{name}.normal", at.OF_VALUE, c + 5), (f"{name}.tangential", at.OF_SIZE, c + 6)]
-            found.append((f"{name}.penetration", at.OF_VALUE, c + 7))
+            found.append((f"{name}.normal", at.OF_VALUE, c + at.JOINT_NORMAL))
+            found.append((f"{name}.tangential", at.OF_SIZE, c + at.JOINT_TANGENT))
+            found.append((f"{name}.penetration", at.OF_VALUE, c + at.PENETRATION))
         elif kind.name != joint.kind:
-            found.append((f"{name}.pressing", at.OF_NEGATIVE, c + 5))
+            found.append((f"{name}.pressing", at.OF_NEGATIVE, c + at.EFFORT))
     return found
 
 
@@ -71,12 +83,12 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
 
     c = 0
     for body in system.bodies:
-        for k, (key, unit) in enumerate(BODY):
+        for k, (key, unit) in enumerate(at.OUTPUT_BODY.items()):
             add(f"{body}.{key}", unit, raw[:, c + k])
-        c += 9
+        c += at.PER_BODY
     for name in system.joints:
-        fx, fy, moment, ex, ey, effort, power, deep = raw[:, c : c + JOINT].T
-        c += JOINT
+        fx, fy, moment, ex, ey, effort, power, normal, tangential, penetration = raw[:, c : c + at.PER_JOINT].T
+        c += at.PER_JOINT
         if name in model.drivers:
             effort_name, unit = registry.kinds("driver")[model.drivers[name].kind].leaf.effort
             add(f"{name}.{effort_name}", unit, effort)
@@ -89,9 +101,7 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
         if kind is None or kind.leaf.moment:
             add(f"{name}.moment", "N*m", moment)
         if joint.contact is not None:
-            if kind is None:  # contacts alone act on it
-                normal, tangential, penetration = effort, power, deep
-            else:
+            if kind is not None:  # else contacts alone act on it
                 distance = np.hypot(ex, ey)
                 tangential = np.zeros_like(fx)
                 with np.errstate(invalid="ignore", divide="ignore"):
@@ -109,10 +119,11 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
     for name in model.signals:
         add(name, model.signal_units.get(name, ""), raw[:, c])
         c += 1
-    kinetic, potential, work, dissipated = raw[:, c : c + 4].T
+    kinetic, potential, work, dissipated = raw[:, c : c + at.ENERGIES].T
     total = kinetic + potential - work + dissipated
-    for key, values in zip(ENERGY, (kinetic, potential, work, dissipated, total - total[:1]), strict=True):
-        add(f"energy.{key}", "J", values)
+    for key, values in zip(at.OUTPUT_ENERGY, (kinetic, potential, work, dissipated), strict=True):
+        add(f"energy.{key}", at.OUTPUT_ENERGY[key], values)
+    add("energy.balance", "J", total - total[:1])
     return np.ascontiguousarray(np.array(parts).T), names, units
 
 
@@ -120,7 +131,7 @@ def _across(
     system: System, joint: Joint, raw: np.ndarray, ex: np.ndarray, ey: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The part of a guide's offset that is across its line: the way along it is motion, not play."""
-    turned = 0.0 if joint.a.body == "ground" else raw[:, 9 * system.bodies.index(joint.a.body) + 2]
+    turned = 0.0 if joint.a.body == "ground" else raw[:, at.PER_BODY * system.bodies.index(joint.a.body) + at.PLACE + 2]
     axis = turned + joint.fields["axis"]
     along = ex * np.cos(axis) + ey * np.sin(axis)
     return ex - along * np.cos(axis), ey - along * np.sin(axis)

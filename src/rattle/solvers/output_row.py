@@ -1,4 +1,4 @@
-"""Writing one output row; the columns are named in `recording`."""
+"""Writing one output row; its columns are declared in `jit.layout`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rattle.jit.functions import compiled, native
 
 @native("void", "h", "f", "v", "v")
 def record(m, t, y, row):
-    """Write one output row for the state y; the columns are laid out in `recording`."""
+    """Write one output row for the state y; its columns are declared in `jit.layout`."""
     nq = m.change.shape[0]
     set_bristles(m, y)
     solve_motion(m, t, y[:nq], y[nq : 2 * nq])
@@ -29,19 +29,19 @@ def write(m, work_done, dissipated, row):
     kinetic = 0.0
     for i in range(1, body.shape[0]):
         for k in range(3):
-            row[c + k] = body[i, at.X + k]
-            row[c + 3 + k] = body[i, at.VX + k]
-            row[c + 6 + k] = acceleration[i, k]
+            row[c + at.PLACE + k] = body[i, at.X + k]
+            row[c + at.RATE + k] = body[i, at.VX + k]
+            row[c + at.RATE_RATE + k] = acceleration[i, k]
             kinetic += 0.5 * mass[i, k] * body[i, at.VX + k] ** 2
-        c += 9
+        c += at.PER_BODY
     c = write_joints(m, row, c)
     for n in range(signal.shape[0]):
         row[c] = signals[signal[n, 2]]
         c += 1
-    row[c] = kinetic
-    row[c + 1] = power[0]
-    row[c + 2] = work_done
-    row[c + 3] = dissipated
+    row[c + at.KINETIC] = kinetic
+    row[c + at.STORED] = power[0]
+    row[c + at.WORK] = work_done
+    row[c + at.LOST] = dissipated
 
 
 @native("i", "h", "v", "i")
@@ -68,15 +68,15 @@ def write_joints(m, row, first):
         say = body[a, at.SIN] * values[p] + body[a, at.COS] * values[p + 1]
         sbx = body[b, at.COS] * values[p + 2] - body[b, at.SIN] * values[p + 3]
         sby = body[b, at.SIN] * values[p + 2] + body[b, at.COS] * values[p + 3]
-        row[c] = fx
-        row[c + 1] = fy
-        row[c + 2] = moment - sbx * fy + sby * fx
-        row[c + 3] = body[b, at.X] + sbx - body[a, at.X] - sax
-        row[c + 4] = body[b, at.Y] + sby - body[a, at.Y] - say
-        row[c + 5] = -multiplier[r] if end > r else 0.0
-        row[c + 6] = effort_power
-        row[c + 7] = 0.0
-        c += 8
+        row[c + at.FX] = fx
+        row[c + at.FY] = fy
+        row[c + at.MOMENT] = moment - sbx * fy + sby * fx
+        row[c + at.EX] = body[b, at.X] + sbx - body[a, at.X] - sax
+        row[c + at.EY] = body[b, at.Y] + sby - body[a, at.Y] - say
+        row[c + at.EFFORT] = -multiplier[r] if end > r else 0.0
+        row[c + at.POWER] = effort_power
+        row[c + at.JOINT_NORMAL], row[c + at.JOINT_TANGENT], row[c + at.PENETRATION] = 0.0, 0.0, 0.0
+        c += at.PER_JOINT
     write_contacts(m, row, first)
     return c
 
@@ -86,16 +86,17 @@ def write_contacts(m, row, first):
     """Forces of all contacts on their joints' columns, which start at `first`."""
     contact, kinematics, joint, body, values = m.contact, m.contact_kinematics, m.joint, m.body, m.values
     for n in range(contact.shape[0]):
-        c = first + 8 * contact[n, at.OWNER]
+        c = first + at.PER_JOINT * contact[n, at.OWNER]
         b, p = contact[n, at.B_BODY], joint[contact[n, at.OWNER], 3]
         normal, tangent = kinematics[n, at.NORMAL], kinematics[n, at.TANGENT]
         fx = -normal * kinematics[n, at.NX] + tangent * kinematics[n, at.NY]
         fy = -normal * kinematics[n, at.NY] - tangent * kinematics[n, at.NX]
         sbx = body[b, at.COS] * values[p + 2] - body[b, at.SIN] * values[p + 3]
         sby = body[b, at.SIN] * values[p + 2] + body[b, at.COS] * values[p + 3]
-        row[c] += fx
-        row[c + 1] += fy
-        row[c + 2] += (kinematics[n, at.PBX] - sbx) * fy - (kinematics[n, at.PBY] - sby) * fx
-        row[c + 5] += normal
-        row[c + 6] += tangent
-        row[c + 7] = -kinematics[n, at.GAP] if contact[n, at.CORNER] == 0 else max(row[c + 7], -kinematics[n, at.GAP])
+        row[c + at.FX] += fx
+        row[c + at.FY] += fy
+        row[c + at.MOMENT] += (kinematics[n, at.PBX] - sbx) * fy - (kinematics[n, at.PBY] - sby) * fx
+        row[c + at.JOINT_NORMAL] += normal
+        row[c + at.JOINT_TANGENT] += tangent
+        depth = -kinematics[n, at.GAP]
+        row[c + at.PENETRATION] = depth if contact[n, at.CORNER] == 0 else max(row[c + at.PENETRATION], depth)

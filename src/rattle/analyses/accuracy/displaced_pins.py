@@ -19,7 +19,7 @@ from rattle.equations.closure import open_by
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import loads
 from rattle.equations.system import System
-from rattle.results.columns import columns, geometry, width
+from rattle.results.columns import columns, geometry, motion, width
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.solvers.positions import position_sweep as swept
@@ -73,12 +73,13 @@ class Displaced:
         body, _, point = owner.partition(".")
         if not self.names or body not in self.system.bodies or last not in ("x", "y", "angle"):
             return float(self.read(raw[None])[0])
-        k = 9 * self.system.bodies.index(body)  # a place, the usual case, without the table of all results
+        k = 3 * self.system.bodies.index(body)  # a place, the usual case, without the table of all results
+        place = motion(self.system, raw)[0, k : k + 3]
         if not point:
-            return float(raw[k + ("x", "y", "angle").index(last)])
+            return float(place[("x", "y", "angle").index(last)])
         x, y = self.system.model.bodies[body].points[point]
-        c, s = math.cos(raw[k + 2]), math.sin(raw[k + 2])
-        return float(raw[k] + c * x - s * y if last == "x" else raw[k + 1] + s * x + c * y)
+        c, s = math.cos(place[2]), math.sin(place[2])
+        return float(place[0] + c * x - s * y if last == "x" else place[1] + s * x + c * y)
 
     def read(self, raw: np.ndarray) -> np.ndarray:
         """The output of raw rows. Raises UnknownName."""

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.dynamics.run import Run
-from rattle.results.columns import columns
+from rattle.results.columns import columns, motion
 from rattle.solvers import step_loop
 from rattle.solvers.output_row import record
 
@@ -78,8 +78,7 @@ def _rounding(run: Run, n: int) -> np.ndarray:
     rows = np.zeros((2, run.raw.shape[1]))
     most = np.zeros(len(columns(run.system, rows[:1])[1]))
     for k in np.unique(np.linspace(0, n - 1, SHAKEN).astype(int)):
-        state = run.raw[k, : 9 * run.system.body_count].reshape(-1, 3, 3)
-        y[:nq], y[nq : 2 * nq] = state[:, 0].ravel(), state[:, 1].ravel()
+        y[:nq], y[nq : 2 * nq], _ = motion(run.system, run.raw[k])
         record(run.workspace, run.t_eval[k], y, rows[0])
         near = y.copy()
         near[: 2 * nq] += NOISE * (run.atol + run.rtol * np.abs(y[: 2 * nq])) * random.uniform(-1.0, 1.0, 2 * nq)

@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from rattle.equations.system import System
+from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
-from rattle.results.columns import JOINT, quantities
+from rattle.results.columns import quantities
 from rattle.results.event import Peak
 from rattle.solvers.gap_search import DEEP
 from rattle.solvers.peaks import samples
@@ -29,7 +30,7 @@ def peak_arrays(system: System) -> dict[str, np.ndarray]:
     return {
         "quantity": np.array(watched, np.int64).reshape(-1, 2),
         "peaks": table,
-        "peak_row": np.zeros(JOINT * len(system.joints)),
+        "peak_row": np.zeros(at.PER_JOINT * len(system.joints)),
     }
 
 

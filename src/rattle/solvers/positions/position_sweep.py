@@ -212,12 +212,12 @@ def put(m, t, q, v, a, forces, probe, line, row):
         write(m, 0.0, 0.0, row[:last])
         return
     for i in range(1, body.shape[0]):
-        c, n = 9 * i - 9, 3 * i - 3
+        c, n = at.PER_BODY * (i - 1), 3 * i - 3
         for k in range(3):
-            row[c + k] = q[n + k]
-            row[c + 3 + k] = v[n + k]
-            row[c + 6 + k] = a[n + k]
-    c = 9 * body.shape[0] - 9
+            row[c + at.PLACE + k] = q[n + k]
+            row[c + at.RATE + k] = v[n + k]
+            row[c + at.RATE_RATE + k] = a[n + k]
+    c = at.PER_BODY * (body.shape[0] - 1)
     if row.shape[0] > c:
         loads(m, t)  # evaluates the signals
         write_signals(m, row[c:])
