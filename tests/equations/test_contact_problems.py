@@ -43,16 +43,16 @@ def problem(pins, friction, rng, known_slip=False):
     workspace = system.workspace(**contact_arrays(system, False))
     q = np.concatenate([[0.3 * k, -0.2 * k, rng.uniform(-3, 3)] for k in range(pins)])
     motion.free_motion(workspace, 0.0, q, rng.normal(size=3 * pins))
-    workspace.chosen[:] = np.arange(pins)
+    workspace.active[:] = np.arange(pins)
     workspace.slide[:] = rng.choice([-1, 1], pins) if known_slip else 0
-    workspace.trial[:] = np.where(workspace.slide < 0, BACKWARD, FORWARD)
+    workspace.candidate[:] = np.where(workspace.slide < 0, BACKWARD, FORWARD)
     complementarity.rows_kernel(workspace, pins)
     workspace.side[B] = rng.normal(size=2 * pins) * 10.0 ** rng.uniform(-4, 0, 2 * pins)
     lines = np.zeros((2 * pins, 3 * pins))
     for k, contact in enumerate(system.arrays["contact"]):
         for column, body in ((0, contact[at.A_BODY]), (3, contact[at.B_BODY])):
             if body:
-                lines[2 * k : 2 * k + 2, 3 * body - 3 : 3 * body] = workspace.arm[
+                lines[2 * k : 2 * k + 2, 3 * body - 3 : 3 * body] = workspace.contact_jacobian[
                     2 * k : 2 * k + 2, column : column + 3
                 ]
     return workspace, lines @ np.diag(1.0 / np.tile([MASS, MASS, INERTIA], pins)) @ lines.T
@@ -206,11 +206,11 @@ def test_contacts_that_neither_press_nor_part_do_not_make_a_second_solution():
         workspace, _ = problem(11, 0.3, rng)
         workspace.side[B] *= 1e-17  # what rounding leaves of contacts at rest
         workspace.side[B, -2] = -2e-6  # one of them hits
-        workspace.trial[:] = STICK
+        workspace.candidate[:] = STICK
         assert complementarity.search_kernel(workspace, 11) == SOLVED
-        before = workspace.trial.copy(), workspace.side[F].copy()
+        before = workspace.candidate.copy(), workspace.side[F].copy()
         assert uniqueness.count_kernel(workspace, 11) == 1
-        assert (workspace.trial == before[0]).all()
+        assert (workspace.candidate == before[0]).all()
         assert workspace.side[F] == pytest.approx(before[1], abs=1e-12 * np.abs(before[1]).max())
 
 
@@ -219,7 +219,7 @@ def test_sparse_solution_is_that_of_the_full_matrix(pins):
     rng = np.random.default_rng(10)
     workspace, matrix = problem(pins, 0.3, rng)
     modes = rng.integers(0, 4, pins)
-    workspace.trial[:] = modes
+    workspace.candidate[:] = modes
     complementarity.modes_kernel(workspace, 4 * pins + 1)
     lines = [r for k in range(pins) for r in (2 * k, 2 * k + 1) if modes[k] == 1 or (modes[k] > 1 and r % 2 == 0)]
     pull = np.eye(2 * pins)

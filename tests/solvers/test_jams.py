@@ -81,7 +81,7 @@ def test_contacts_that_lock_together_are_told_though_each_alone_would_not(monkey
     contact, lines = run.system.arrays["contact"], np.eye(4)
     lines[0, 3] = lines[3, 0] = lines[1, 2] = lines[2, 1] = -1.0
     values = run.system.arrays["values"].copy()
-    arrays = {"mode": np.array([FORWARD, FORWARD]), "chosen": np.arange(2), "delassus": lines, "values": values}
+    arrays = {"mode": np.array([FORWARD, FORWARD]), "active": np.arange(2), "delassus": lines, "values": values}
     run.workspace = SimpleNamespace(**arrays)
     monkeypatch.setattr(jams, "lock_share", lambda handle, t: 1.0 + lines[0, 1])  # that of each alone: G_nt of its own
     for friction, together in ((0.5, False), (0.999, False), (1.0, True)):

@@ -46,19 +46,19 @@ def friction_of(m, n):
 
 @kernel("problem")
 def rows_kernel(m, count):
-    """Rows w of the chosen contacts, and of a few of them what a unit force changes, and G.
+    """Rows w of the active contacts, and of a few of them what a unit force changes, and G.
 
     The geometry in `contact_kinematics` and the factor of S are at hand.
     """
-    kinematics, chosen, arm, held = m.contact_kinematics, m.chosen, m.arm, m.held
+    kinematics, active, w, held = m.contact_kinematics, m.active, m.contact_jacobian, m.held
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         for d in range(2):
             r = 2 * k + d
             ux = kinematics[n, at.NX] if d == 0 else -kinematics[n, at.NY]
             uy = kinematics[n, at.NY] if d == 0 else kinematics[n, at.NX]
-            arm[r, 0], arm[r, 1], arm[r, 2] = -ux, -uy, -(kinematics[n, at.PAX] * uy - kinematics[n, at.PAY] * ux)
-            arm[r, 3], arm[r, 4], arm[r, 5] = ux, uy, kinematics[n, at.PBX] * uy - kinematics[n, at.PBY] * ux
+            w[r, 0], w[r, 1], w[r, 2] = -ux, -uy, -(kinematics[n, at.PAX] * uy - kinematics[n, at.PAY] * ux)
+            w[r, 3], w[r, 4], w[r, 5] = ux, uy, kinematics[n, at.PBX] * uy - kinematics[n, at.PBY] * ux
     held[SPARSE] = 1.0 if count > FEW and m.net_first.shape[0] > 0 else 0.0
     if held[SPARSE] == 0.0:
         fill_delassus(m, count)
@@ -67,18 +67,23 @@ def rows_kernel(m, count):
 
 @compiled
 def fill_delassus(m, count):
-    """What a unit force on each line of the chosen contacts changes, and G; rows w and the factor of S are at hand."""
-    contact, chosen, row_body = m.contact, m.chosen, m.row_body
-    arm, direction, reply, delassus = m.arm, m.direction, m.reply, m.delassus
+    """What a unit force on each line of the active contacts changes, and G; rows w and the factor of S are at hand."""
+    contact, active, row_body = m.contact, m.active, m.row_body
+    w, response, multiplier_response, delassus = (
+        m.contact_jacobian,
+        m.velocity_response,
+        m.multiplier_response,
+        m.delassus,
+    )
     rows, weight, x, place_of = m.rows, m.weight, m.solution, m.place
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
         rough = friction_of(m, n) > 0.0
         for d in range(2):
             r = 2 * k + d
-            for c in range(direction.shape[1]):
-                direction[r, c] = 0.0
+            for c in range(response.shape[1]):
+                response[r, c] = 0.0
             if d == 0 or rough:
                 for row in range(rows.shape[0]):
                     value = 0.0
@@ -86,50 +91,50 @@ def fill_delassus(m, count):
                         i, c = row_body[row, side], at.AX + 3 * side
                         if i == a:
                             for q in range(3):
-                                value += rows[row, c + q] * weight[i, q] * arm[r, q]
+                                value += rows[row, c + q] * weight[i, q] * w[r, q]
                         if i == b:
                             for q in range(3):
-                                value += rows[row, c + q] * weight[i, q] * arm[r, 3 + q]
+                                value += rows[row, c + q] * weight[i, q] * w[r, 3 + q]
                     x[place_of[row]] = value
                 solve(m)
                 for q in range(3):
                     if a > 0:
-                        direction[r, 3 * a - 3 + q] += weight[a, q] * arm[r, q]
+                        response[r, 3 * a - 3 + q] += weight[a, q] * w[r, q]
                     if b > 0:
-                        direction[r, 3 * b - 3 + q] += weight[b, q] * arm[r, 3 + q]
+                        response[r, 3 * b - 3 + q] += weight[b, q] * w[r, 3 + q]
                 for row in range(rows.shape[0]):
                     z = x[place_of[row]]
-                    reply[r, row] = z
+                    multiplier_response[r, row] = z
                     i, j = row_body[row, 0], row_body[row, 1]
                     for q in range(3):
                         if i > 0:
-                            direction[r, 3 * i - 3 + q] -= weight[i, q] * rows[row, at.AX + q] * z
+                            response[r, 3 * i - 3 + q] -= weight[i, q] * rows[row, at.AX + q] * z
                         if j > 0:
-                            direction[r, 3 * j - 3 + q] -= weight[j, q] * rows[row, at.BX + q] * z
+                            response[r, 3 * j - 3 + q] -= weight[j, q] * rows[row, at.BX + q] * z
             else:
                 for row in range(rows.shape[0]):
-                    reply[r, row] = 0.0
+                    multiplier_response[r, row] = 0.0
             for s in range(r + 1):
                 value = 0.0
                 if d == 0 or rough:
                     for q in range(3):
                         if a > 0:
-                            value += arm[r, q] * direction[s, 3 * a - 3 + q]
+                            value += w[r, q] * response[s, 3 * a - 3 + q]
                         if b > 0:
-                            value += arm[r, 3 + q] * direction[s, 3 * b - 3 + q]
+                            value += w[r, 3 + q] * response[s, 3 * b - 3 + q]
                 delassus[r, s] = value
                 delassus[s, r] = value
 
 
 @compiled
 def linear(m, count):
-    """Forces f and a = G f + b for the modes in `trial`."""
+    """Forces f and a = G f + b for the modes in `candidate`."""
     return call_problem(m.problem_table[MODES], (m, 4 * count + 1))
 
 
 @kernel("problem")
 def modes_kernel(m, number):
-    """Forces f and a = G f + b for the modes in `trial`; number is 4 * contacts + 2 * only + rough.
+    """Forces f and a = G f + b for the modes in `candidate`; number is 4 * contacts + 2 * only + rough.
 
     only = 1: f is enough.  rough = 0 leaves friction of sliding out.
     Returns the sign of the determinant: +1 as without friction, -1 when friction locks, 0 for dependent contacts.
@@ -148,29 +153,29 @@ def modes_kernel(m, number):
 def eliminate(m, count, rough):
     """`modes_kernel` with G as a full matrix."""
     ridge = 1.0 + m.held[RIDGE]
-    delassus, side, system, trial = m.delassus, m.side, m.system, m.trial
-    chosen, pivot = m.chosen, m.pivots
+    delassus, side, system, candidate = m.delassus, m.side, m.system, m.candidate
+    active, pivot = m.active, m.pivots
     size = 0
     for k in range(count):
-        size += 0 if trial[k] == OFF else (2 if trial[k] == STICK else 1)
+        size += 0 if candidate[k] == OFF else (2 if candidate[k] == STICK else 1)
     row = 0
     scale = 0.0
     for k in range(count):
         for d in range(2):
-            if trial[k] == OFF or (d == 1 and trial[k] != STICK):
+            if candidate[k] == OFF or (d == 1 and candidate[k] != STICK):
                 continue
             column = 0
             for j in range(count):
-                if trial[j] == OFF:
+                if candidate[j] == OFF:
                     continue
                 value = delassus[2 * k + d, 2 * j] * (ridge if j == k and d == 0 else 1.0)
-                if trial[j] == STICK:
+                if candidate[j] == STICK:
                     system[row, column + 1] = delassus[2 * k + d, 2 * j + 1] * (ridge if j == k and d == 1 else 1.0)
                 elif rough == 1:
-                    mu = friction_of(m, chosen[j])
-                    value += (mu if trial[j] == FORWARD else -mu) * delassus[2 * k + d, 2 * j + 1]
+                    mu = friction_of(m, active[j])
+                    value += (mu if candidate[j] == FORWARD else -mu) * delassus[2 * k + d, 2 * j + 1]
                 system[row, column] = value
-                column += 2 if trial[j] == STICK else 1
+                column += 2 if candidate[j] == STICK else 1
             system[row, size] = -side[B, 2 * k + d]
             scale = max(scale, delassus[2 * k + d, 2 * k + d])
             row += 1
@@ -201,17 +206,17 @@ def eliminate(m, count, rough):
     column = 0
     for k in range(count):
         side[F, 2 * k], side[F, 2 * k + 1] = 0.0, 0.0
-        if trial[k] == OFF:
+        if candidate[k] == OFF:
             continue
-        for d in range(2 if trial[k] == STICK else 1):
+        for d in range(2 if candidate[k] == STICK else 1):
             r = pivot[column]
             side[F, 2 * k + d] = system[r, size] / system[r, column] if r >= 0 else 0.0
             column += 1
-        if trial[k] == STICK:
+        if candidate[k] == STICK:
             continue
         if rough == 1:
-            mu = friction_of(m, chosen[k])
-            side[F, 2 * k + 1] = (mu if trial[k] == FORWARD else -mu) * side[F, 2 * k]
+            mu = friction_of(m, active[k])
+            side[F, 2 * k + 1] = (mu if candidate[k] == FORWARD else -mu) * side[F, 2 * k]
     for r in range(2 * count):
         value = side[B, r]
         for s in range(2 * count):
@@ -239,9 +244,9 @@ def resolution(m, count):
 @compiled
 def better_mode(m, k, force, rate):
     """The mode that contact k should have, seen from the solution at hand; its present one if that is right."""
-    side, trial, slide = m.side, m.trial, m.slide
-    mu = friction_of(m, m.chosen[k])
-    mode, pressed, held = trial[k], side[F, 2 * k], side[F, 2 * k + 1]
+    side, candidate, slide = m.side, m.candidate, m.slide
+    mu = friction_of(m, m.active[k])
+    mode, pressed, held = candidate[k], side[F, 2 * k], side[F, 2 * k + 1]
     if mode == OFF:
         if side[A, 2 * k] >= -rate:
             return OFF
@@ -263,21 +268,21 @@ def better_mode(m, k, force, rate):
 
 @compiled
 def settled(m, count, slack):
-    """True when the solution at hand meets all conditions of the modes in `trial`; slack: in units of what is zero."""
-    side, trial = m.side, m.trial
+    """Whether the solution meets all conditions of the modes in `candidate`; slack: in units of what is zero."""
+    side, candidate = m.side, m.candidate
     force, rate = resolution(m, count)
     for k in range(count):
-        if better_mode(m, k, slack * force, slack * rate) != trial[k]:
+        if better_mode(m, k, slack * force, slack * rate) != candidate[k]:
             return False
-        if trial[k] != OFF and not abs(side[A, 2 * k]) <= LOOSE * rate:
+        if candidate[k] != OFF and not abs(side[A, 2 * k]) <= LOOSE * rate:
             return False
     return True
 
 
 @compiled
 def change_where_broken(m, count):
-    """Change modes where a condition is broken until none is, from those in `trial` on; True when that settles."""
-    trial = m.trial
+    """Change modes where a condition is broken until none is, from those in `candidate` on; True when that settles."""
+    candidate = m.candidate
     together = 6 + 2 * min(count, FEW)  # later one at a time, lest it goes round
     for sweep in range(12 + 6 * min(count, FEW)):
         linear(m, count)
@@ -285,8 +290,8 @@ def change_where_broken(m, count):
         changed = False
         for k in range(count):
             mode = better_mode(m, k, force, rate)
-            if mode != trial[k] and not (changed and sweep > together):
-                trial[k] = mode
+            if mode != candidate[k] and not (changed and sweep > together):
+                candidate[k] = mode
                 changed = True
         if not changed:
             return settled(m, count, 1.0)
@@ -295,7 +300,7 @@ def change_where_broken(m, count):
 
 @kernel("problem")
 def search_kernel(m, count):
-    """Find modes, f and a of the chosen contacts, starting from those in `trial`.
+    """Find modes, f and a of the active contacts, starting from those in `candidate`.
 
     Returns SOLVED, IMPOSSIBLE, JAMMED or UNSETTLED.
     """

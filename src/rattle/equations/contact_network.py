@@ -64,10 +64,10 @@ def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
 
 @compiled
 def choose_rows(m, count, rough):
-    """R and M^-1 C^T of the rows that take part with the modes in `trial`; True when they are the same but for M."""
+    """R and M^-1 C^T of the rows that take part with the modes in `candidate`; True when equal but for M."""
     on, line, column, size = m.net_on, m.net_line, m.net_column, m.net_size
-    rows, row_body, weight, arm = m.rows, m.row_body, m.weight, m.arm
-    contact, chosen, trial = m.contact, m.chosen, m.trial
+    rows, row_body, weight, w = m.rows, m.row_body, m.weight, m.contact_jacobian
+    contact, active, candidate = m.contact, m.active, m.candidate
     nr, even = rows.shape[0], True
     for i in range(on.shape[0]):
         on[i] = 1 if i < nr else 0
@@ -80,24 +80,24 @@ def choose_rows(m, count, rough):
                 column[i, q] = weight[body, q - 3 * side] * line[i, q]
                 size[i] += line[i, q] * column[i, q]
     for k in range(count):
-        if trial[k] == OFF:
+        if candidate[k] == OFF:
             continue
-        n = chosen[k]
+        n = active[k]
         mu = friction_of(m, n)
         drag = 0.0
-        if trial[k] != STICK and rough == 1:
-            drag = mu if trial[k] == FORWARD else -mu
+        if candidate[k] != STICK and rough == 1:
+            drag = mu if candidate[k] == FORWARD else -mu
             even = even and mu == 0.0
-        for d in range(2 if trial[k] == STICK and mu > 0.0 else 1):
+        for d in range(2 if candidate[k] == STICK and mu > 0.0 else 1):
             i, r = nr + 2 * n + d, 2 * k + d
             on[i] = 1
             size[i] = 0.0
             for side in range(2):
                 body = contact[n, at.A_BODY + side]
                 for q in range(3 * side, 3 * side + 3):
-                    line[i, q] = arm[r, q]
-                    size[i] += weight[body, q - 3 * side] * arm[r, q] ** 2
-                    column[i, q] = weight[body, q - 3 * side] * (arm[r, q] + drag * arm[2 * k + 1, q])
+                    line[i, q] = w[r, q]
+                    size[i] += weight[body, q - 3 * side] * w[r, q] ** 2
+                    column[i, q] = weight[body, q - 3 * side] * (w[r, q] + drag * w[2 * k + 1, q])
     return even
 
 
@@ -186,19 +186,19 @@ def substitute(m, n):
 
 @compiled
 def effect_of_rows(m):
-    """`pushed` from the solution: M^-1 C^T x."""
-    on, place, column, x, pushed = (
+    """`velocity_change` from the solution: M^-1 C^T x."""
+    on, place, column, x, dv = (
         m.net_on,
         m.net_place,
         m.net_column,
         m.net_x,
-        m.pushed,
+        m.velocity_change,
     )
     contact, row_body = m.contact, m.row_body
     nr = row_body.shape[0]
-    for i in range(pushed.shape[0]):
+    for i in range(dv.shape[0]):
         for q in range(3):
-            pushed[i, q] = 0.0
+            dv[i, q] = 0.0
     for i in range(on.shape[0]):
         if on[i] == 0:
             continue
@@ -206,23 +206,23 @@ def effect_of_rows(m):
         a = row_body[i, 0] if i < nr else contact[(i - nr) // 2, at.A_BODY]
         b = row_body[i, 1] if i < nr else contact[(i - nr) // 2, at.B_BODY]
         for q in range(3):
-            pushed[a, q] += column[i, q] * force
-            pushed[b, q] += column[i, 3 + q] * force
+            dv[a, q] += column[i, q] * force
+            dv[b, q] += column[i, 3 + q] * force
 
 
 @compiled
 def remainder(m, count):
     """Residual of all rows into line 1 of `net_x`; returns the largest and the size of the terms."""
-    on, place, line, x, pushed = m.net_on, m.net_place, m.net_line, m.net_x, m.pushed
+    on, place, line, x, dv = m.net_on, m.net_place, m.net_line, m.net_x, m.velocity_change
     contact, row_body, size = m.contact, m.row_body, m.net_size
-    chosen, side = m.chosen, m.side
+    active, side = m.active, m.side
     nr = row_body.shape[0]
     worst, scale = 0.0, 0.0
     for i in range(on.shape[0]):
         x[1, place[i]] = 0.0
     for k in range(count):
         for d in range(2):
-            i = nr + 2 * chosen[k] + d
+            i = nr + 2 * active[k] + d
             if on[i] == 1:
                 x[1, place[i]] = -side[B, 2 * k + d]
             scale = max(scale, abs(side[B, 2 * k + d]))
@@ -233,7 +233,7 @@ def remainder(m, count):
         b = row_body[i, 1] if i < nr else contact[(i - nr) // 2, at.B_BODY]
         value = x[1, place[i]]
         for q in range(3):
-            value -= line[i, q] * pushed[a, q] + line[i, 3 + q] * pushed[b, q]
+            value -= line[i, q] * dv[a, q] + line[i, 3 + q] * dv[b, q]
         x[1, place[i]] = value
         worst = max(worst, abs(value))
         scale = max(scale, abs(size[i] * x[0, place[i]]))
@@ -244,15 +244,15 @@ def remainder(m, count):
 def solve_rows(m, count, ridge, only):
     """Solution of the factored rows into line 0 of `net_x`, refined; True when it is good.
 
-    Fills `pushed`; only = 1: just the solution, where no pivot is so small that it asks for a second look.
+    Fills `velocity_change`; only = 1: just the solution, where no pivot is so small that it asks for a second look.
     """
-    on, place, x, chosen, side = m.net_on, m.net_place, m.net_x, m.chosen, m.side
+    on, place, x, active, side = m.net_on, m.net_place, m.net_x, m.active, m.side
     nr = m.row_body.shape[0]
     for i in range(on.shape[0]):
         x[0, i] = 0.0
     for k in range(count):
         for d in range(2):
-            i = nr + 2 * chosen[k] + d
+            i = nr + 2 * active[k] + d
             if on[i] == 1:
                 x[0, place[i]] = -side[B, 2 * k + d]
     substitute(m, 0)
@@ -277,30 +277,30 @@ def network_kernel(m, number):
     Returns the sign of the determinant, or DENSE_WAY when the rows depend on each other.
     """
     count, only, rough = number // 4, number // 2 % 2, number % 2
-    arm, side, pushed, x = m.arm, m.side, m.pushed, m.net_x
-    contact, chosen, trial, place = m.contact, m.chosen, m.trial, m.net_place
+    w, side, dv, x = m.contact_jacobian, m.side, m.velocity_change, m.net_x
+    contact, active, candidate, place = m.contact, m.active, m.candidate, m.net_place
     nr, ridge = m.row_body.shape[0], m.held[RIDGE]
     even = choose_rows(m, count, rough)
     sign = eliminate(m, ridge, even)
     if sign == 0 or not solve_rows(m, count, ridge, only):
         return DENSE_WAY
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         mu = friction_of(m, n)
         side[F, 2 * k], side[F, 2 * k + 1] = 0.0, 0.0
-        if trial[k] != OFF:
+        if candidate[k] != OFF:
             side[F, 2 * k] = x[0, place[nr + 2 * n]]
-            if trial[k] == STICK:
+            if candidate[k] == STICK:
                 side[F, 2 * k + 1] = x[0, place[nr + 2 * n + 1]] if mu > 0.0 else 0.0
             elif rough == 1:
-                side[F, 2 * k + 1] = (mu if trial[k] == FORWARD else -mu) * side[F, 2 * k]
+                side[F, 2 * k + 1] = (mu if candidate[k] == FORWARD else -mu) * side[F, 2 * k]
         if only == 1:
             continue
         a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
         for r in range(2 * k, 2 * k + (2 if mu > 0.0 else 1)):
             value = side[B, r]
             for q in range(3):
-                value += arm[r, q] * pushed[a, q] + arm[r, 3 + q] * pushed[b, q]
+                value += w[r, q] * dv[a, q] + w[r, 3 + q] * dv[b, q]
             side[A, r] = value
         if not mu > 0.0:
             side[A, 2 * k + 1] = side[B, 2 * k + 1]

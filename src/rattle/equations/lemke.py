@@ -60,18 +60,18 @@ def margin(m, k, what, theta, slope):
     if what == PRESSING:
         return pressed
     held = path[F_RATE, t] if slope == 1 else side[F, t] + theta * path[F_RATE, t]
-    return friction_of(m, m.chosen[k]) * pressed - (held if what == SHORT_OF_FORWARD else -held)
+    return friction_of(m, m.active[k]) * pressed - (held if what == SHORT_OF_FORWARD else -held)
 
 
 @compiled
 def margins(m, k):
     """The two margins of contact k in its mode; the second is the first again where there is only one."""
-    mode = m.trial[k]
+    mode = m.candidate[k]
     if mode == OFF:
         return PARTING, PARTING
     if mode == STICK:
         return SHORT_OF_FORWARD, SHORT_OF_BACKWARD
-    if m.slide[k] != 0 or friction_of(m, m.chosen[k]) == 0.0:
+    if m.slide[k] != 0 or friction_of(m, m.active[k]) == 0.0:
         return PRESSING, PRESSING
     return PRESSING, FORWARDS if mode == FORWARD else BACKWARDS
 
@@ -81,7 +81,7 @@ def cross(m, k, what, theta):
     """Mode that contact k takes where a margin ends, and the margin that it then starts to have."""
     slide = m.slide[k]
     if what == PARTING:
-        if slide != 0 or friction_of(m, m.chosen[k]) == 0.0:
+        if slide != 0 or friction_of(m, m.active[k]) == 0.0:
             return BACKWARD if slide < 0 else FORWARD, PRESSING
         return FORWARD if margin(m, k, BACKWARDS, theta, 0) < 0.0 else BACKWARD, PRESSING
     if what == PRESSING:
@@ -96,19 +96,19 @@ def cross(m, k, what, theta):
 @compiled
 def begin(m, count, attempt):
     """Keep b, choose d, another one for each attempt, let all contacts part; returns a theta at which they do."""
-    side, path, trial = m.side, m.path, m.trial
+    side, path, candidate = m.side, m.path, m.candidate
     size = 0.0
     for r in range(2 * count):
         path[KEPT_B, r] = side[B, r]
         size = max(size, abs(side[B, r]))
     size = size if size > 0.0 else 1.0
     for k in range(count):
-        trial[k] = OFF
+        candidate[k] = OFF
         spread = GOLDEN * (2 * count * attempt + 2 * k + 1)
         path[UNEVEN, 2 * k] = size * (0.75 + 0.5 * (spread - math.floor(spread)))
         spread += GOLDEN
         spread -= math.floor(spread) + 0.5
-        path[UNEVEN, 2 * k + 1] = 0.2 * size * spread / (1.0 + friction_of(m, m.chosen[k]))
+        path[UNEVEN, 2 * k + 1] = 0.2 * size * spread / (1.0 + friction_of(m, m.active[k]))
     return 2.0
 
 
@@ -127,8 +127,8 @@ def both_parts(m, count):
 
 @compiled
 def follow(m, count, attempt):
-    """Follow the path of one d; leaves the modes at its end in `trial`."""
-    trial, path = m.trial, m.path
+    """Follow the path of one d; leaves the modes at its end in `candidate`."""
+    candidate, path = m.candidate, m.path
     theta, sense, who, entered = begin(m, count, attempt), -1.0, -1, -1
     for _ in range(60 + 30 * count):
         both_parts(m, count)
@@ -155,13 +155,13 @@ def follow(m, count, attempt):
             return UNSETTLED
         theta += sense * nearest
         who = next_who
-        trial[who], entered = cross(m, who, ends, theta)
+        candidate[who], entered = cross(m, who, ends, theta)
     return UNSETTLED
 
 
 @kernel("problem")
 def follow_kernel(m, count):
-    """Modes of a solution into `trial`: SOLVED, JAMMED (the path ends in a ray) or UNSETTLED."""
+    """Modes of a solution into `candidate`: SOLVED, JAMMED (the path ends in a ray) or UNSETTLED."""
     held, side, path = m.held, m.side, m.path
     found = UNSETTLED
     held[RIDGE] = RAISED

@@ -40,16 +40,16 @@ NO_SOLUTION, NOT_UNIQUE, LOCKED, CHATTER, NOT_FOUND = range(10, 15)
 @compiled
 def along(m, r, n, values, column):
     """w . values for line r of contact n; values (nb + 1, ...) has x, y, phi from `column` on."""
-    contact, arm = m.contact, m.arm
+    contact, w = m.contact, m.contact_jacobian
     a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
     total = 0.0
     for q in range(3):
-        total += arm[r, q] * values[a, column + q] + arm[r, 3 + q] * values[b, column + q]
+        total += w[r, q] * values[a, column + q] + w[r, 3 + q] * values[b, column + q]
     return total
 
 
 @compiled
-def swing(m, r, n):
+def velocity_scale(m, r, n):
     """Size of the terms that make up w . v: what rounding of a contact velocity is measured by [m/s]."""
     return reach(m, r, n, m.body, at.VX)
 
@@ -57,33 +57,33 @@ def swing(m, r, n):
 @compiled
 def reach(m, r, n, values, column):
     """Size of the terms that make up `along`."""
-    contact, arm = m.contact, m.arm
+    contact, w = m.contact, m.contact_jacobian
     a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
     total = 0.0
     for q in range(3):
-        total += abs(arm[r, q] * values[a, column + q]) + abs(arm[r, 3 + q] * values[b, column + q])
+        total += abs(w[r, q] * values[a, column + q]) + abs(w[r, 3 + q] * values[b, column + q])
     return total
 
 
 @compiled
 def lasting_side(m, count):
     """b of lasting contacts: g'' and minus the rate of slip that the motion without contact forces would have."""
-    kinematics, chosen, side, acceleration = m.contact_kinematics, m.chosen, m.side, m.acceleration
+    kinematics, active, side, acceleration = m.contact_kinematics, m.active, m.side, m.acceleration
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         side[B, 2 * k] = kinematics[n, at.GAMMA_N] - along(m, 2 * k, n, acceleration, 0)
         side[B, 2 * k + 1] = kinematics[n, at.GAMMA_T] - along(m, 2 * k + 1, n, acceleration, 0)
 
 
 @compiled
 def contact_rows(m, count):
-    """Rows w of the chosen contacts, what a unit force on each of them changes, and G."""
+    """Rows w of the active contacts, what a unit force on each of them changes, and G."""
     call_problem(m.problem_table[ROWS_OF], (m, count))
 
 
 @compiled
 def solve_contacts(m, count):
-    """Find modes, f and a of the chosen contacts, from those in `trial` on; False when none was found: see `ending`."""
+    """Find modes, f and a of the active contacts, starting from `candidate`; False: none was found, see `ending`."""
     return call_problem(m.problem_table[SEARCH], (m, count)) == SOLVED
 
 
@@ -113,7 +113,7 @@ def count_solutions(m, count):
 
 @compiled
 def solve_modes(m, count, rough):
-    """Forces f (not always a) for the modes in `trial`, rough = 0: without friction of sliding. Returns a sign.
+    """Forces f (not always a) for the modes in `candidate`, rough = 0: without friction of sliding. Returns a sign.
 
     See `complementarity.modes_kernel`.
     """
@@ -122,10 +122,10 @@ def solve_modes(m, count, rough):
 
 @compiled
 def is_rough(m, count):
-    """True when a chosen contact has friction."""
-    chosen = m.chosen
+    """True when a active contact has friction."""
+    active = m.active
     for k in range(count):
-        if friction_of(m, chosen[k]) > 0.0:
+        if friction_of(m, active[k]) > 0.0:
             return True
     return False
 
@@ -133,86 +133,86 @@ def is_rough(m, count):
 @compiled
 def add_forces(m, count, acceleration, multiplier):
     """Add what f changes: acceleration (nb + 1, 3) and multipliers (or rates and percussions of the joints)."""
-    pushed, called = m.pushed, m.called
+    dv, dlambda = m.velocity_change, m.multiplier_change
     push_all(m, count)
     for i in range(1, acceleration.shape[0]):
         for q in range(3):
-            acceleration[i, q] -= pushed[i, q]
+            acceleration[i, q] -= dv[i, q]
     for row in range(multiplier.shape[0]):
-        multiplier[row] -= called[row]
+        multiplier[row] -= dlambda[row]
 
 
 @compiled
 def shift(m, count, values, share):
     """Add to values (3 nb,) a share of what f changes."""
-    pushed = m.pushed
+    dv = m.velocity_change
     push_all(m, count)
     for c in range(values.shape[0]):
-        values[c] += share * pushed[1 + c // 3, c % 3]
+        values[c] += share * dv[1 + c // 3, c % 3]
 
 
 @compiled
 def push_all(m, count):
-    """What all f change together, M^-1 (W^T f - Phi_q^T z), into `pushed`, and z into `called`."""
-    side, pushed, called = m.side, m.pushed, m.called
-    direction, reply, arm, weight = m.direction, m.reply, m.arm, m.weight
-    contact, chosen, sparse = m.contact, m.chosen, m.held[SPARSE] == 1.0
-    for i in range(pushed.shape[0]):
+    """What all f change together, M^-1 (W^T f - Phi_q^T z), into `velocity_change`, and z into `multiplier_change`."""
+    side, dv, dlambda = m.side, m.velocity_change, m.multiplier_change
+    response, multiplier_response, w, weight = m.velocity_response, m.multiplier_response, m.contact_jacobian, m.weight
+    contact, active, sparse = m.contact, m.active, m.held[SPARSE] == 1.0
+    for i in range(dv.shape[0]):
         for q in range(3):
-            pushed[i, q] = 0.0
-    for row in range(called.shape[0]):
-        called[row] = 0.0
+            dv[i, q] = 0.0
+    for row in range(dlambda.shape[0]):
+        dlambda[row] = 0.0
     for r in range(2 * count):
         f = side[F, r]
         if f == 0.0:
             continue
         if sparse:
-            a, b = contact[chosen[r // 2], at.A_BODY], contact[chosen[r // 2], at.B_BODY]
+            a, b = contact[active[r // 2], at.A_BODY], contact[active[r // 2], at.B_BODY]
             for q in range(3):
-                pushed[a, q] += weight[a, q] * arm[r, q] * f
-                pushed[b, q] += weight[b, q] * arm[r, 3 + q] * f
+                dv[a, q] += weight[a, q] * w[r, q] * f
+                dv[b, q] += weight[b, q] * w[r, 3 + q] * f
             continue
-        for i in range(1, pushed.shape[0]):
+        for i in range(1, dv.shape[0]):
             for q in range(3):
-                pushed[i, q] += direction[r, 3 * i - 3 + q] * f
-        for row in range(called.shape[0]):
-            called[row] += reply[r, row] * f
-    if sparse and called.shape[0] > 0:
+                dv[i, q] += response[r, 3 * i - 3 + q] * f
+        for row in range(dlambda.shape[0]):
+            dlambda[row] += multiplier_response[r, row] * f
+    if sparse and dlambda.shape[0] > 0:
         hold_joints(m)
 
 
 @compiled
 def hold_joints(m):
-    """Take off `pushed` what the joints do not allow; their multipliers go to `called`."""
-    pushed, called, rows, weight = m.pushed, m.called, m.rows, m.weight
+    """Take off `velocity_change` what the joints do not allow; their multipliers go to `multiplier_change`."""
+    dv, dlambda, rows, weight = m.velocity_change, m.multiplier_change, m.rows, m.weight
     row_body, place, x = m.row_body, m.place, m.solution
-    for row in range(called.shape[0]):
+    for row in range(dlambda.shape[0]):
         a, b = row_body[row, 0], row_body[row, 1]
         value = 0.0
         for q in range(3):
-            value += rows[row, at.AX + q] * pushed[a, q] + rows[row, at.BX + q] * pushed[b, q]
+            value += rows[row, at.AX + q] * dv[a, q] + rows[row, at.BX + q] * dv[b, q]
         x[place[row]] = value
     solve(m)
-    for row in range(called.shape[0]):
+    for row in range(dlambda.shape[0]):
         a, b = row_body[row, 0], row_body[row, 1]
-        called[row] = x[place[row]]
+        dlambda[row] = x[place[row]]
         for q in range(3):
-            pushed[a, q] -= weight[a, q] * rows[row, at.AX + q] * called[row]
-            pushed[b, q] -= weight[b, q] * rows[row, at.BX + q] * called[row]
+            dv[a, q] -= weight[a, q] * rows[row, at.AX + q] * dlambda[row]
+            dv[b, q] -= weight[b, q] * rows[row, at.BX + q] * dlambda[row]
 
 
 @kernel("hold")
 def hold(m):
     """Forces of lasting contacts in their present modes, on top of the motion without them; N, T go with them."""
     contact, kinematics, mode = m.contact, m.contact_kinematics, m.mode
-    chosen, trial, side, held = m.chosen, m.trial, m.side, m.held
+    active, candidate, side, held = m.active, m.candidate, m.side, m.held
     count = 0
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
             for column in (at.NORMAL, at.TANGENT, at.LOSS, at.STORE, at.DBRISTLE):
                 kinematics[n, column] = 0.0
             if mode[n] != OFF:
-                chosen[count], trial[count] = n, mode[n]
+                active[count], candidate[count] = n, mode[n]
                 count += 1
     if count == 0:
         return
@@ -221,7 +221,7 @@ def hold(m):
     held[DETERMINANT] = solve_modes(m, count, 1)
     add_forces(m, count, m.acceleration, m.multiplier)
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = side[F, 2 * k], side[F, 2 * k + 1]
         kinematics[n, at.LOSS] = 0.0 if mode[n] == STICK else side[F, 2 * k + 1] * kinematics[n, at.SLIP]
         if side[F, 2 * k] == 0.0 and held[DETERMINANT] == 0.0:

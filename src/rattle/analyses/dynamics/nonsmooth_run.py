@@ -96,17 +96,17 @@ def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
     laws = (impact_phases.expand_kernel, impact_path.path_kernel, uniqueness.KERNELS[1])
     return {
         **(contact_network.arrays(system.arrays["row_body"], contact) if nc > complementarity.FEW else {}),
-        **{name: np.zeros(nc, np.int64) for name in ("mode", "chosen", "trial", "slide")},
+        **{name: np.zeros(nc, np.int64) for name in ("mode", "active", "candidate", "slide")},
         "pivots": np.zeros(2 * nc, np.int64),
-        "arm": np.zeros((2 * nc, 6)),
-        "direction": np.zeros((2 * nc, 3 * nb)),
-        "reply": np.zeros((2 * nc, nr)),
+        "contact_jacobian": np.zeros((2 * nc, 6)),
+        "velocity_response": np.zeros((2 * nc, 3 * nb)),
+        "multiplier_response": np.zeros((2 * nc, nr)),
         "delassus": np.zeros((2 * nc, 2 * nc)),
         "side": np.zeros((4, 2 * nc)),
         "system": np.zeros((2 * nc, 2 * nc + 1)),
         "recent": np.full((nc, 2), -math.inf),
-        "pushed": np.zeros((nb + 1, 3)),
-        "called": np.zeros(nr),
+        "velocity_change": np.zeros((nb + 1, 3)),
+        "multiplier_change": np.zeros(nr),
         "path": np.zeros((6, 2 * nc)),
         "bounce": np.zeros((7, 2 * nc)),
         "looks": np.zeros((event_search.LOOKS_KEPT, glances.KINDS * nc + 2)),
@@ -297,7 +297,7 @@ class ImpactRun(Run):
     def _driven(self, rough: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """G with friction of sliding, or without, on the lines of closed contacts; these contacts, and the lines."""
         mode, contact, g = self.workspace.mode, self.system.arrays["contact"], self.workspace.delassus
-        closed = self.workspace.chosen[: int(((mode != complementarity.OFF) & (contact[:, at.IMPACT] == 1)).sum())]
+        closed = self.workspace.active[: int(((mode != complementarity.OFF) & (contact[:, at.IMPACT] == 1)).sum())]
         normal = 2 * np.arange(len(closed))
         lines = np.sort(np.concatenate([normal, normal[mode[closed] == complementarity.STICK] + 1]))
         drag = (mode[closed] == FORWARD) * 1.0 - (mode[closed] == BACKWARD)

@@ -66,20 +66,20 @@ def choose_closed(m, apart, kind, attempt, pulling):
     The motion without their forces is at hand; pulling: force along the wall at contact `apart`.  Returns how many.
     """
     contact, mode, body, memory = m.contact, m.mode, m.body, m.contact_memory
-    chosen, trial, slide = m.chosen, m.trial, m.slide
+    active, candidate, slide = m.active, m.candidate, m.slide
     count = 0
     for n in range(contact.shape[0]):
         left_out = contact[n, at.IMPACT] == 0 or leaves(m, n, apart, attempt)
         if not left_out and (mode[n] != OFF or n == apart or at_wall(m, n)):
-            chosen[count] = n
+            active[count] = n
             count += 1
     contact_rows(m, count)
     closed = 0
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         kept = mode[n] != OFF and kind != HIT
         if kept or at_rest(m, 2 * k, n, along(m, 2 * k, n, body, at.VX), memory[n, at.N_1]):
-            chosen[closed] = n
+            active[closed] = n
             u = along(m, 2 * k + 1, n, body, at.VX)
             slide[closed] = 0
             still = (kept and mode[n] == STICK) or (n == apart and kind == TURN)
@@ -89,9 +89,9 @@ def choose_closed(m, apart, kind, attempt, pulling):
                 slide[closed] = 1 if pulling > 0.0 else -1
             elif kind == BREAK_AWAY and kept and mode[n] != STICK:  # it had reached its limit before: goes along
                 slide[closed] = 1 if mode[n] == FORWARD else -1
-            trial[closed] = mode[n]
+            candidate[closed] = mode[n]
             if mode[n] == OFF or slide[closed] != 0:
-                trial[closed] = FORWARD if slide[closed] >= 0 else BACKWARD
+                candidate[closed] = FORWARD if slide[closed] >= 0 else BACKWARD
             closed += 1
     if closed < count:
         contact_rows(m, closed)
@@ -118,7 +118,7 @@ def part(m, count, apart, attempt):
 
 
 @native("i", "h", "f", "v", "i", "i")
-def regroup(m, t, y, apart, kind):
+def update_modes(m, t, y, apart, kind):
     """Modes of all closed contacts from the problem for the accelerations; `apart` is the contact of the event, or -1.
 
     A contact that has just let go or broken away keeps to that unless the others then press it back; contacts that
@@ -158,7 +158,7 @@ def regroup(m, t, y, apart, kind):
 
 @compiled
 def go_beyond(m, count, apart, pulling):
-    """Modes a little after contact `apart`, one of the chosen ones, has been pulled away from rest. Returns a status.
+    """Modes a little after contact `apart`, one of the active ones, has been pulled away from rest. Returns a status.
 
     Where the force that presses it makes it approach when it slides (Painleve), sticking and sliding are solutions up
     to that instant and neither is one after it: sliding would turn at once.  So b goes on by what calls for a little
@@ -167,8 +167,8 @@ def go_beyond(m, count, apart, pulling):
     as_full_matrix(m, count)
     largest, k = 0.0, 0
     for j in range(count):
-        largest = max(largest, m.contact_kinematics[m.chosen[j], at.NORMAL])
-        k = j if m.chosen[j] == apart else k
+        largest = max(largest, m.contact_kinematics[m.active[j], at.NORMAL])
+        k = j if m.active[j] == apart else k
     more = max(AHEAD * abs(pulling), 1e-2 * AHEAD * largest)
     for r in range(2 * count):
         m.side[B, r] -= (more if pulling > 0.0 else -more) * m.delassus[r, 2 * k + 1]
@@ -182,18 +182,18 @@ def go_beyond(m, count, apart, pulling):
 
 @compiled
 def end_creep(m, count):
-    """Lasting contacts among the chosen ones that creep stick from now on; True when there are any.
+    """Lasting contacts among the active ones that creep stick from now on; True when there are any.
 
     What an impact sends along a chain of contacts falls off by orders, and leaves slips whose sense a run does not
     resolve.  Where friction in that sense leaves the problem without solution they are none: friction ends them at
     once, with no more than CREEP^2 of the energy.
     """
-    kinematics, mode, chosen, slide = m.contact_kinematics, m.mode, m.chosen, m.slide
+    kinematics, mode, active, slide = m.contact_kinematics, m.mode, m.active, m.slide
     largest, found = 0.0, False
     for k in range(count):
-        largest = max(largest, abs(kinematics[chosen[k], at.SLIP]))
+        largest = max(largest, abs(kinematics[active[k], at.SLIP]))
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         if mode[n] != OFF and slide[k] != 0 and abs(kinematics[n, at.SLIP]) <= CREEP * largest:
             mode[n] = STICK
             found = True
@@ -213,23 +213,23 @@ def turning(m, n):
 
 @compiled
 def contact_rows_of_one(m, k, n):
-    """Put contact n after k chosen ones, with its rows."""
-    m.chosen[k] = n
+    """Put contact n after k active ones, with its rows."""
+    m.active[k] = n
     contact_rows(m, k + 1)
 
 
 @compiled
 def change_modes(m, t, y, count):
-    """Take over the modes in `trial` of the chosen contacts (all others are off) and note what has changed."""
+    """Take over the modes in `candidate` of the active contacts (all others are off) and note what has changed."""
     contact, mode, memory = m.contact, m.mode, m.contact_memory
-    chosen, trial, side = m.chosen, m.trial, m.side
+    active, candidate, side = m.active, m.candidate, m.side
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 0:
             continue
         new, pressed = OFF, 0.0
         for k in range(count):
-            if chosen[k] == n:
-                new, pressed = trial[k], side[F, 2 * k]
+            if active[k] == n:
+                new, pressed = candidate[k], side[F, 2 * k]
         old = mode[n]
         k = y.shape[0] - 4 * memory.shape[0] + 4 * n
         if old == OFF and new != OFF:

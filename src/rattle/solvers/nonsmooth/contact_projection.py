@@ -5,7 +5,7 @@ from __future__ import annotations
 from rattle.equations.complementarity import FORWARD, OFF, STICK, B
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import constraints, free_motion, place
-from rattle.equations.unilateral import SIZE, contact_rows, push_all, reach, shift, solve_modes, swing
+from rattle.equations.unilateral import SIZE, contact_rows, push_all, reach, shift, solve_modes, velocity_scale
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.gap_search import clearance_of
@@ -30,13 +30,13 @@ def at_wall(m, n):
 
 
 @compiled
-def held_contacts(m):
+def closed_contacts(m):
     """Choose all contacts that last, with their modes; returns how many there are."""
-    contact, mode, chosen, trial = m.contact, m.mode, m.chosen, m.trial
+    contact, mode, active, candidate = m.contact, m.mode, m.active, m.candidate
     count = 0
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and mode[n] != OFF:
-            chosen[count], trial[count] = n, mode[n]
+            active[count], candidate[count] = n, mode[n]
             count += 1
     return count
 
@@ -44,13 +44,13 @@ def held_contacts(m):
 @compiled
 def add_hitting(m, count, who):
     """Choose contact `who` and all free ones as near, after the `count` lasting ones; returns how many there are."""
-    contact, mode, kinematics, chosen = m.contact, m.mode, m.contact_kinematics, m.chosen
+    contact, mode, kinematics, active = m.contact, m.mode, m.contact_kinematics, m.active
     closed = count
     for n in range(contact.shape[0]):
         if who < 0 or contact[n, at.IMPACT] == 0 or mode[n] != OFF:
             continue
         if n == who or abs(kinematics[n, at.GAP]) <= NEAR * clearance_of(m, n):
-            chosen[closed] = n
+            active[closed] = n
             closed += 1
     return closed
 
@@ -58,10 +58,10 @@ def add_hitting(m, count, who):
 @compiled
 def goes_far(m, count, gap):
     """True when the forces at hand, as a shift, move points of contact by more than FAR times a gap."""
-    pushed, chosen = m.pushed, m.chosen
+    dv, active = m.velocity_change, m.active
     push_all(m, count)
     for k in range(count):
-        if reach(m, 2 * k, chosen[k], pushed, 0) > FAR * gap or reach(m, 2 * k + 1, chosen[k], pushed, 0) > FAR * gap:
+        if reach(m, 2 * k, active[k], dv, 0) > FAR * gap or reach(m, 2 * k + 1, active[k], dv, 0) > FAR * gap:
             return True
     return False
 
@@ -75,11 +75,11 @@ def project_on_contacts(m, t, y, who):
     """
     project(m, t, y)
     locate_contacts(m)
-    count = held_contacts(m)
+    count = closed_contacts(m)
     closed = add_hitting(m, count, who)
     if closed == 0:
         return
-    chosen, trial, side, kinematics, audit = m.chosen, m.trial, m.side, m.contact_kinematics, m.audit
+    active, candidate, side, kinematics, audit = m.active, m.candidate, m.side, m.contact_kinematics, m.audit
     nq = m.change.shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
     exact, bend = 1e-16 * m.held[SIZE], 1.0
@@ -87,27 +87,27 @@ def project_on_contacts(m, t, y, who):
         worst, left = 0.0, bend
         bend = 0.0
         for k in range(closed):
-            gap = abs(kinematics[chosen[k], at.GAP])
-            worst, bend = max(worst, gap), max(bend, gap * gap / clearance_of(m, chosen[k]))
+            gap = abs(kinematics[active[k], at.GAP])
+            worst, bend = max(worst, gap), max(bend, gap * gap / clearance_of(m, active[k]))
         if worst < exact or left < exact or attempt == 3:  # a correction leaves what walls bend: gap^2 / clearance
             audit[LENGTH] = max(audit[LENGTH], worst)
             break
         contact_rows(m, closed)
         for k in range(closed):
-            side[B, 2 * k] = -kinematics[chosen[k], at.GAP]
-            trial[k] = FORWARD
+            side[B, 2 * k] = -kinematics[active[k], at.GAP]
+            candidate[k] = FORWARD
         solve_modes(m, closed, 0)
         if closed > count + 1 and goes_far(m, closed, worst):
-            closed, bend, chosen[count] = count + 1, 1.0, who
+            closed, bend, active[count] = count + 1, 1.0, who
             continue
         shift(m, closed, q, 1.0)
         project(m, t, y)
         locate_contacts(m)
     contact_rows(m, count)
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         side[B, 2 * k], side[B, 2 * k + 1] = kinematics[n, at.DGAP], -kinematics[n, at.SLIP]
-        trial[k] = STICK if m.mode[n] == STICK else FORWARD
+        candidate[k] = STICK if m.mode[n] == STICK else FORWARD
     solve_modes(m, count, 0)
     shift(m, count, v, -1.0)
     place(m, q, v)
@@ -158,4 +158,4 @@ def largest_acceleration(m):
 @compiled
 def at_rest(m, r, n, u, before):
     """True when the velocity u of line r of contact n is rounding; before: size of its terms before an impact [m/s]."""
-    return abs(u) <= STILL * max(swing(m, r, n), before) + 1e-14 * m.held[SIZE]
+    return abs(u) <= STILL * max(velocity_scale(m, r, n), before) + 1e-14 * m.held[SIZE]

@@ -26,9 +26,9 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contact_events import interpolate
 from rattle.solvers.gap_search import ESCAPED, NONE, clearance_of, escaped, inside_wall, may_reach
-from rattle.solvers.nonsmooth.contact_modes import CREEPS, HIT, NOTHING, TURN, regroup
+from rattle.solvers.nonsmooth.contact_modes import CREEPS, HIT, NOTHING, TURN, update_modes
 from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, project_on_contacts
-from rattle.solvers.nonsmooth.event_search import any_held, first_event
+from rattle.solvers.nonsmooth.event_search import any_closed, first_event
 from rattle.solvers.nonsmooth.impacts import collide
 from rattle.solvers.output_row import record
 from rattle.solvers.peaks.glances import END as LAST
@@ -80,13 +80,13 @@ def count_shift(m):
 
 @compiled
 def new_modes(m, t, y, who, what):
-    """New modes at (t, y) after an event, see `regroup`; leaves y on its constraints. Returns a status."""
+    """New modes at (t, y) after an event, see `update_modes`; leaves y on its constraints. Returns a status."""
     nq = m.change.shape[0]
-    status = regroup(m, t, y, who, what)
+    status = update_modes(m, t, y, who, what)
     if status == CREEPS:
         project_on_contacts(m, t, y, -1)
         solve_motion(m, t, y[:nq], y[nq : 2 * nq])
-        status = regroup(m, t, y, who, what)
+        status = update_modes(m, t, y, who, what)
     if status == OK:
         project_on_contacts(m, t, y, -1)
     return NOT_FOUND if status == CREEPS else status
@@ -191,7 +191,7 @@ def finish_step(m, t, h, until, met, by_stages):
     if by_stages:
         solved = end_by_stages(m, t, h, until)
     else:
-        solved = end_step(m, t, h, until, LOOKS if not met and any_held(m) else DOP853, 1)
+        solved = end_step(m, t, h, until, LOOKS if not met and any_closed(m) else DOP853, 1)
     m.tally[EVALUATIONS] += 3 + solved
 
 

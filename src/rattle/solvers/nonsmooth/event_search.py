@@ -133,7 +133,7 @@ def first_hit(m, h):
 
 
 @compiled
-def any_held(m):
+def any_closed(m):
     """True when a set-valued contact is closed."""
     contact, mode = m.contact, m.mode
     for n in range(contact.shape[0]):
@@ -348,7 +348,7 @@ def first_event(m, t, h, low, high):
     """
     best, who = first_hit(m, h)
     what = HIT if who >= 0 else NOTHING
-    if not any_held(m) or not 0.0 < best <= NONE:
+    if not any_closed(m) or not 0.0 < best <= NONE:
         return best, who, what, False
     if best == NONE and high < LAST:
         best, who, what = first_by_stages(m, t, h, low, high)

@@ -46,9 +46,9 @@ ZERO = 1e-13  # share of the largest rate below which a rate is zero
 
 @compiled
 def follow_path(m):
-    """Percussions f of the one chosen contact, from the rates b before; e is in `bounce`."""
-    side, g, e = m.side, m.delassus, m.bounce[E, 2 * m.chosen[0]]
-    mu = friction_of(m, m.chosen[0])
+    """Percussions f of the one active contact, from the rates b before; e is in `bounce`."""
+    side, g, e = m.side, m.delassus, m.bounce[E, 2 * m.active[0]]
+    mu = friction_of(m, m.active[0])
     rate, w = side[B, 0], side[B, 1]  # g' and -slip
     pressed, held, work, target, expands = 0.0, 0.0, 0.0, 0.0, False
     for _ in range(8):  # slide, stick or turn, before and after the end of compression: four pieces at most
@@ -87,7 +87,7 @@ def follow_path(m):
 
 @compiled
 def as_full_matrix(m, count):
-    """Make G of the chosen contacts a full matrix where it is not."""
+    """Make G of the active contacts a full matrix where it is not."""
     if m.held[SPARSE] == 1.0:
         m.held[SPARSE] = 0.0
         fill_delassus(m, count)
@@ -96,29 +96,29 @@ def as_full_matrix(m, count):
 @compiled
 def sort_contacts(m, count, expands):
     """Chosen contacts that press or may, first; then those that part. Makes their rows; returns how many press."""
-    chosen, bounce = m.chosen, m.bounce
-    active = 0
+    active, bounce = m.active, m.bounce
+    moving = 0
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         if bounce[NOW, 2 * n] <= 0.0 or (expands and bounce[WORK, 2 * n + 1] > 0.0):
-            chosen[k], chosen[active] = chosen[active], n
-            active += 1
+            active[k], active[moving] = active[moving], n
+            moving += 1
     call_problem(m.problem_table[ROWS_OF], (m, count))
     as_full_matrix(m, count)
-    return active
+    return moving
 
 
 @compiled
-def growth(m, active, expands, left):
+def growth(m, moving, expands, left):
     """Solve for the rates at which percussions grow; 1 when they do, 0 at the end of a phase, -1 without a solution.
 
     left: what is left of compression.
     """
-    chosen, bounce, side = m.chosen, m.bounce, m.side
-    slide, trial = m.slide, m.trial
+    active, bounce, side = m.active, m.bounce, m.side
+    slide, candidate = m.slide, m.candidate
     drives = False
-    for k in range(active):
-        n = chosen[k]
+    for k in range(moving):
+        n = active[k]
         lead = bounce[NOW, 2 * n] / left
         if expands:
             lead = bounce[E, 2 * n] * bounce[BEFORE, 2 * n] if bounce[WORK, 2 * n + 1] > 0.0 else 0.0
@@ -126,35 +126,35 @@ def growth(m, active, expands, left):
         drives = drives or lead < 0.0
         w = bounce[NOW, 2 * n + 1]
         slide[k] = 0 if w == 0.0 else (-1 if w > 0.0 else 1)
-        trial[k] = STICK if slide[k] == 0 and friction_of(m, n) > 0.0 else (BACKWARD if slide[k] < 0 else FORWARD)
+        candidate[k] = STICK if slide[k] == 0 and friction_of(m, n) > 0.0 else (BACKWARD if slide[k] < 0 else FORWARD)
     if not drives:
         return 0
-    if call_problem(m.problem_table[SEARCH], (m, active)) <= 0:
+    if call_problem(m.problem_table[SEARCH], (m, moving)) <= 0:
         return -1
-    for k in range(active):
-        if not expands or (bounce[WORK, 2 * chosen[k] + 1] > 0.0 and side[F, 2 * k] > 0.0):
+    for k in range(moving):
+        if not expands or (bounce[WORK, 2 * active[k] + 1] > 0.0 and side[F, 2 * k] > 0.0):
             return 1
     return 0
 
 
 @compiled
-def piece_of(m, count, active, expands, left):
+def piece_of(m, count, moving, expands, left):
     """How far percussions grow at these rates until a contact changes; rates of change of all contacts go to a."""
-    chosen, bounce, side, g = m.chosen, m.bounce, m.side, m.delassus
+    active, bounce, side, g = m.active, m.bounce, m.side, m.delassus
     piece = math.inf if expands else left
     for k in range(count):
-        n, rough = chosen[k], friction_of(m, chosen[k]) > 0.0
+        n, rough = active[k], friction_of(m, active[k]) > 0.0
         for r in range(2 * k, 2 * k + 2):
             side[A, r] = 0.0
-            for s in range(2 * active):
+            for s in range(2 * moving):
                 side[A, r] += g[r, s] * side[F, s]
-        now, w, grows = bounce[NOW, 2 * n], bounce[NOW, 2 * n + 1], side[F, 2 * k] if k < active else 0.0
-        if k < active and rough and w * side[A, 2 * k + 1] < 0.0:
+        now, w, grows = bounce[NOW, 2 * n], bounce[NOW, 2 * n + 1], side[F, 2 * k] if k < moving else 0.0
+        if k < moving and rough and w * side[A, 2 * k + 1] < 0.0:
             piece = min(piece, -w / side[A, 2 * k + 1])
-        if now * side[A, 2 * k] < 0.0 and (k >= active or not (expands or grows > 0.0)):
+        if now * side[A, 2 * k] < 0.0 and (k >= moving or not (expands or grows > 0.0)):
             piece = min(piece, -now / side[A, 2 * k])
         rest = bounce[WORK, 2 * n + 1] - bounce[WORK, 2 * n]
-        if expands and k < active and bounce[WORK, 2 * n + 1] > 0.0 and grows > 0.0:
+        if expands and k < moving and bounce[WORK, 2 * n + 1] > 0.0 and grows > 0.0:
             rise = side[A, 2 * k]
             whole = rest / (grows * now) if now > 0.0 else math.inf
             if rise > 0.0:
@@ -164,20 +164,20 @@ def piece_of(m, count, active, expands, left):
 
 
 @compiled
-def grow(m, count, active, expands, piece, zero):
+def grow(m, count, moving, expands, piece, zero):
     """Let percussions grow by a piece; contacts that have done their work are spent.
 
     zero: rates up to that are none.
     """
-    chosen, bounce, side = m.chosen, m.bounce, m.side
+    active, bounce, side = m.active, m.bounce, m.side
     for k in range(count):
-        n = chosen[k]
-        grows = side[F, 2 * k] if k < active else 0.0
+        n = active[k]
+        grows = side[F, 2 * k] if k < moving else 0.0
         bounce[WORK, 2 * n] += piece * grows * (bounce[NOW, 2 * n] + 0.5 * side[A, 2 * k] * piece)
         for d in range(2):
             new = bounce[NOW, 2 * n + d] + side[A, 2 * k + d] * piece
             bounce[NOW, 2 * n + d] = new if abs(new) > zero else 0.0
-            if k < active:
+            if k < moving:
                 bounce[SO_FAR, 2 * n + d] += piece * side[F, 2 * k + d]
         if expands and bounce[WORK, 2 * n] >= bounce[WORK, 2 * n + 1] * (1.0 - ZERO):
             bounce[WORK, 2 * n + 1] = 0.0
@@ -188,14 +188,14 @@ def follow_phase(m, count, expands, zero):
     """Compression or expansion of several contacts; False when a problem on the way has no solution."""
     left = 1.0
     for _ in range(20 + 10 * count):
-        active = sort_contacts(m, count, expands)
-        status = growth(m, active, expands, left)
+        moving = sort_contacts(m, count, expands)
+        status = growth(m, moving, expands, left)
         if status <= 0:
             return status == 0
-        piece = piece_of(m, count, active, expands, left)
+        piece = piece_of(m, count, moving, expands, left)
         if not piece < math.inf:
             return False
-        grow(m, count, active, expands, piece, zero)
+        grow(m, count, moving, expands, piece, zero)
         left -= piece
         if not expands and left <= ZERO:
             return True
@@ -205,10 +205,10 @@ def follow_phase(m, count, expands, zero):
 @compiled
 def gives_energy(m, count):
     """True when the percussions of an impact, f in `side`, would give energy; the rates before are at hand."""
-    side, g, kinematics, chosen = m.side, m.delassus, m.contact_kinematics, m.chosen
+    side, g, kinematics, active = m.side, m.delassus, m.contact_kinematics, m.active
     given, size = 0.0, 0.0
     for r in range(2 * count):
-        n = chosen[r // 2]
+        n = active[r // 2]
         before = kinematics[n, at.DGAP] if r % 2 == 0 else -kinematics[n, at.SLIP]
         after = before
         for s in range(2 * count):
@@ -221,39 +221,39 @@ def gives_energy(m, count):
 @kernel("problem")
 def path_kernel(m, count):
     """Percussions f of an impact under the energetic law, and rates a after it, from the rates in b; 0: none found."""
-    side, bounce, chosen, trial = m.side, m.bounce, m.chosen, m.trial
+    side, bounce, active, candidate = m.side, m.bounce, m.active, m.candidate
     if count == 1:
         follow_path(m)
     else:
         largest = 0.0
         for k in range(count):
-            n = chosen[k]
+            n = active[k]
             for d in range(2):
                 bounce[NOW, 2 * n + d], bounce[SO_FAR, 2 * n + d] = side[B, 2 * k + d], 0.0
                 bounce[WORK, 2 * n + d] = 0.0
                 largest = max(largest, abs(side[B, 2 * k + d]))
         for k in range(count):
-            for r in range(2 * chosen[k], 2 * chosen[k] + 2):
+            for r in range(2 * active[k], 2 * active[k] + 2):
                 if abs(bounce[NOW, r]) <= ZERO * largest:
                     bounce[NOW, r] = 0.0
         if not follow_phase(m, count, False, ZERO * largest):
             return 0
         for k in range(count):
-            n = chosen[k]
+            n = active[k]
             e = bounce[E, 2 * n]
             bounce[WORK, 2 * n + 1] = -e * e * min(bounce[WORK, 2 * n], 0.0)
             bounce[WORK, 2 * n] = 0.0
         follow_phase(m, count, True, ZERO * largest)  # wherever it ends, no contact approaches and no energy was made
         for k in range(count):
             for d in range(2):
-                side[F, 2 * k + d] = bounce[SO_FAR, 2 * chosen[k] + d]
-                side[A, 2 * k + d] = bounce[NOW, 2 * chosen[k] + d]
+                side[F, 2 * k + d] = bounce[SO_FAR, 2 * active[k] + d]
+                side[A, 2 * k + d] = bounce[NOW, 2 * active[k] + d]
         if gives_energy(m, count):
             return 0
     for k in range(count):
-        trial[k] = OFF
+        candidate[k] = OFF
         if side[F, 2 * k] > 0.0:
-            trial[k] = FORWARD if side[A, 2 * k + 1] < 0.0 or friction_of(m, chosen[k]) == 0.0 else BACKWARD
-            if side[A, 2 * k + 1] == 0.0 and friction_of(m, chosen[k]) > 0.0:
-                trial[k] = STICK
+            candidate[k] = FORWARD if side[A, 2 * k + 1] < 0.0 or friction_of(m, active[k]) == 0.0 else BACKWARD
+            if side[A, 2 * k + 1] == 0.0 and friction_of(m, active[k]) > 0.0:
+                candidate[k] = STICK
     return 1

@@ -30,7 +30,7 @@ from rattle.solvers.nonsmooth.impact_path import E, as_full_matrix
 
 NEWTON, POISSON, ENERGETIC = range(3)  # in the order of the choices of the contact table
 # rows of `bounce` after those of `paths` that stay: percussions and rates after compression, least percussion in
-# expansion and its share of that in compression, a copy of percussions; two columns for every chosen contact
+# expansion and its share of that in compression, a copy of percussions; two columns for every active contact
 PRESSED, RATES, FLOOR, SHARE, KEPT = range(2, 7)
 LARGEST_SHARE = 4.0
 SWEEPS = 400  # of relaxation, before modes are read from it
@@ -55,14 +55,14 @@ def rates_of(m, count):
 @compiled
 def relax(m, count, sweeps):
     """Projected Gauss-Seidel on the expansion; returns the last change of a percussion, as a share of the largest."""
-    side, g, bounce, chosen = m.side, m.delassus, m.bounce, m.chosen
+    side, g, bounce, active = m.side, m.delassus, m.bounce, m.active
     change, scale = 0.0, 0.0
     for r in range(2 * count):
         scale = max(scale, g[r, r])
     for _ in range(sweeps):
         change, largest = 0.0, 0.0
         for k in range(count):
-            mu = friction_of(m, chosen[k])
+            mu = friction_of(m, active[k])
             for r in range(2 * k, 2 * k + (2 if mu > 0.0 else 1)):
                 new = side[F, r]
                 if g[r, r] > EXACT * scale:
@@ -105,12 +105,12 @@ def eliminate(m, size):
 
 @compiled
 def polish(m, count):
-    """Solve the equations of the modes that relaxation has come to, in `trial`; False when they do not fit.
+    """Solve the equations of the modes that relaxation has come to, in `candidate`; False when they do not fit.
 
     OFF: N at its least, and sliding or sticking as T says.
     """
     side, g, bounce, system = m.side, m.delassus, m.bounce, m.system
-    chosen = m.chosen
+    active = m.active
     for r in range(2 * count):
         bounce[KEPT, r] = side[F, r]
     size = 0
@@ -120,7 +120,7 @@ def polish(m, count):
         column = 0
         right = -bounce[RATES, r]
         for k in range(count):
-            mu, n, t = friction_of(m, chosen[k]), 2 * k, 2 * k + 1
+            mu, n, t = friction_of(m, active[k]), 2 * k, 2 * k + 1
             sense = 0.0 if mu == 0.0 or is_free(m, t) else (1.0 if bounce[KEPT, t] > 0.0 else -1.0)
             value = g[r, n] + sense * mu * g[r, t]
             if is_free(m, n):
@@ -137,7 +137,7 @@ def polish(m, count):
         return False
     column = 0
     for k in range(count):
-        mu, n, t = friction_of(m, chosen[k]), 2 * k, 2 * k + 1
+        mu, n, t = friction_of(m, active[k]), 2 * k, 2 * k + 1
         sticks, sense = is_free(m, t), 1.0 if bounce[KEPT, t] > 0.0 else -1.0
         if is_free(m, n):
             side[F, n] = system[column, size] / system[column, column]
@@ -157,14 +157,14 @@ def is_free(m, r):
     n = r - r % 2
     if r == n:
         return bounce[KEPT, n] > bounce[FLOOR, n]
-    mu = friction_of(m, m.chosen[n // 2])
+    mu = friction_of(m, m.active[n // 2])
     return mu > 0.0 and abs(bounce[KEPT, r]) < mu * bounce[KEPT, n]
 
 
 @compiled
 def fits(m, count, slack):
     """True when the percussions and rates at hand meet all conditions of expansion but for a share `slack`."""
-    side, g, bounce, chosen = m.side, m.delassus, m.bounce, m.chosen
+    side, g, bounce, active = m.side, m.delassus, m.bounce, m.active
     force, rate = 0.0, 0.0
     for r in range(2 * count):
         force = max(force, abs(side[F, r]), abs(bounce[PRESSED, r]))
@@ -173,7 +173,7 @@ def fits(m, count, slack):
             rate = max(rate, abs(g[r, s] * side[F, s]))
     force, rate = slack * force, slack * rate
     for k in range(count):
-        mu, n, t = friction_of(m, chosen[k]), 2 * k, 2 * k + 1
+        mu, n, t = friction_of(m, active[k]), 2 * k, 2 * k + 1
         if side[F, n] < bounce[FLOOR, n] - force or side[A, n] < -rate:
             return False
         if side[F, n] > bounce[FLOOR, n] + force and side[A, n] > rate:
@@ -217,7 +217,7 @@ def work_in_expansion(m, k):
 def most_work(m, k):
     """Work that N of contact k may do in expansion: e^2 times what it took in compression."""
     side, bounce = m.side, m.bounce
-    e = bounce[E, 2 * m.chosen[k]]
+    e = bounce[E, 2 * m.active[k]]
     taken = -0.5 * bounce[PRESSED, 2 * k] * (side[B, 2 * k] + bounce[RATES, 2 * k])
     return e * e * max(taken, 0.0)
 
@@ -242,9 +242,9 @@ def takes_energy(m, count):
 @compiled
 def find_shares(m, count):
     """Shares with which every contact does the work it may in expansion, or less; False when that does not settle."""
-    bounce, chosen = m.bounce, m.chosen
+    bounce, active = m.bounce, m.active
     for k in range(count):
-        bounce[SHARE, 2 * k] = bounce[E, 2 * chosen[k]] if most_work(m, k) > 0.0 else 0.0
+        bounce[SHARE, 2 * k] = bounce[E, 2 * active[k]] if most_work(m, k) > 0.0 else 0.0
     for _ in range(60):
         if not expansion(m, count, 1.0):
             return False
@@ -265,10 +265,10 @@ def find_shares(m, count):
 def expand_kernel(m, count):
     """Percussions of both phases, from f and a of compression in `side` and the rates before it in its b.
 
-    Leaves f and a of the impact as a whole and modes in `trial`; returns 0 when no expansion was found.
+    Leaves f and a of the impact as a whole and modes in `candidate`; returns 0 when no expansion was found.
     """
-    side, bounce, chosen, trial = m.side, m.bounce, m.chosen, m.trial
-    energetic = law_of(m, chosen[0]) == ENERGETIC
+    side, bounce, active, candidate = m.side, m.bounce, m.active, m.candidate
+    energetic = law_of(m, active[0]) == ENERGETIC
     as_full_matrix(m, count)
     for r in range(2 * count):
         bounce[PRESSED, r], bounce[RATES, r] = side[F, r], side[A, r]
@@ -289,15 +289,15 @@ def expand_kernel(m, count):
                     side[F, r], side[A, r] = 0.0, bounce[RATES, r]
     else:
         for k in range(count):
-            bounce[SHARE, 2 * k] = bounce[E, 2 * chosen[k]]
+            bounce[SHARE, 2 * k] = bounce[E, 2 * active[k]]
         found = expansion(m, count, 1.0)
     for k in range(count):
         n, t = 2 * k, 2 * k + 1
         side[F, n] += bounce[PRESSED, n]
         side[F, t] += bounce[PRESSED, t]
-        trial[k] = OFF if side[F, n] <= 0.0 else FORWARD
-        if trial[k] != OFF and friction_of(m, chosen[k]) > 0.0 and abs(side[A, t]) <= EXACT * abs(side[B, t]):
-            trial[k] = STICK
-        elif trial[k] != OFF and side[A, t] > 0.0:
-            trial[k] = BACKWARD
+        candidate[k] = OFF if side[F, n] <= 0.0 else FORWARD
+        if candidate[k] != OFF and friction_of(m, active[k]) > 0.0 and abs(side[A, t]) <= EXACT * abs(side[B, t]):
+            candidate[k] = STICK
+        elif candidate[k] != OFF and side[A, t] > 0.0:
+            candidate[k] = BACKWARD
     return 1 if found else 0

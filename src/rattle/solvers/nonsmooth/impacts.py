@@ -34,7 +34,7 @@ from rattle.equations.unilateral import (
     shift,
     solve_contacts,
     solve_modes,
-    swing,
+    velocity_scale,
 )  # fmt: skip
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_problem, compiled, native
@@ -56,12 +56,12 @@ def collide(m, t, y, who):
     NOT_UNIQUE.
     """
     contact, mode, memory = m.contact, m.mode, m.contact_memory
-    chosen, nq = m.chosen, m.change.shape[0]
+    active, nq = m.active, m.change.shape[0]
     v, before = y[nq : 2 * nq], m.rate_new
     count = 0
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and (n == who or mode[n] != OFF or at_wall(m, n)):
-            chosen[count] = n
+            active[count] = n
             memory[n, at.STEPS_IN], memory[n, at.N_1] = 0.0, 0.0
             count += 1
     for c in range(nq):
@@ -71,7 +71,7 @@ def collide(m, t, y, who):
         status = percussions(m, count)
         if status != OK:
             return status
-        hold_down(m, count)
+        press_down(m, count)
         shift(m, count, v, -1.0)
         if not low_bounce(m, t, y, count):
             break
@@ -87,23 +87,23 @@ def collide(m, t, y, who):
 def rates_before(m, count, law):
     """b of an impact from the rates in `contact_kinematics`: those before, times 1 + e under Newton's law."""
     contact, kinematics, memory, values = m.contact, m.contact_kinematics, m.contact_memory, m.values
-    chosen, trial, slide, side, bounce = m.chosen, m.trial, m.slide, m.side, m.bounce
+    active, candidate, slide, side, bounce = m.active, m.candidate, m.slide, m.side, m.bounce
     for k in range(count):
-        n, p = chosen[k], contact[chosen[k], at.NORMAL_P]
-        memory[n, at.N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
+        n, p = active[k], contact[active[k], at.NORMAL_P]
+        memory[n, at.N_1] = max(velocity_scale(m, 2 * k, n), velocity_scale(m, 2 * k + 1, n))
         hits = kinematics[n, at.DGAP] < -STILL * memory[n, at.N_1]
         bounce[E, 2 * n] = values[p] if memory[n, at.STEPS_IN] == 0.0 else 0.0
         bounce[BEFORE, 2 * n] = kinematics[n, at.DGAP] if hits else 0.0
         e, e_t = (bounce[E, 2 * n], values[p + 1]) if law == NEWTON and hits else (0.0, 0.0)
         side[B, 2 * k], side[B, 2 * k + 1] = (1.0 + e) * kinematics[n, at.DGAP], -(1.0 + e_t) * kinematics[n, at.SLIP]
         slide[k] = 0
-        trial[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
+        candidate[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
 
 
 @compiled
 def percussions(m, count):
-    """Percussions of the chosen contacts after their law of restitution; returns a status as `collide` does."""
-    law = law_of(m, m.chosen[0])
+    """Percussions of the active contacts after their law of restitution; returns a status as `collide` does."""
+    law = law_of(m, m.active[0])
     rates_before(m, count, law)
     if law == ENERGETIC:
         if call_problem(m.problem_table[TRACE], (m, count)) > 0:
@@ -119,15 +119,15 @@ def percussions(m, count):
 
 
 @compiled
-def hold_down(m, count):
+def press_down(m, count):
     """Add the percussions that take from contacts marked as closed the rates with which they would lift.
 
     Contacts that stay keep their rest meanwhile: the change takes energy, being one onto rates that are zero after it.
     """
-    memory, chosen, trial, side, bounce = m.contact_memory, m.chosen, m.trial, m.side, m.bounce
+    memory, active, candidate, side, bounce = m.contact_memory, m.active, m.candidate, m.side, m.bounce
     lifts = False
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         closed, parts = memory[n, at.STEPS_IN] != 0.0, side[A, 2 * k]
         if law_of(m, n) == NEWTON:
             parts -= bounce[E, 2 * n] * bounce[BEFORE, 2 * n]
@@ -137,9 +137,9 @@ def hold_down(m, count):
         stays = side[F, 2 * k] > 0.0 and parts <= STILL * memory[n, at.N_1]
         side[B, 2 * k], side[B, 2 * k + 1] = parts if closed else 0.0, 0.0
         if closed or stays:
-            trial[k] = STICK if trial[k] == STICK and stays else FORWARD
+            candidate[k] = STICK if candidate[k] == STICK and stays else FORWARD
         else:
-            trial[k] = OFF
+            candidate[k] = OFF
     if not lifts:
         return
     solve_modes(m, count, 0)
@@ -149,23 +149,23 @@ def hold_down(m, count):
 
 @compiled
 def stay_together(m, count):
-    """Forces of the chosen contacts that neither rise nor would have to pull, after an impact; see `solve_modes`."""
-    kinematics, memory, chosen = m.contact_kinematics, m.contact_memory, m.chosen
-    trial, side = m.trial, m.side
+    """Forces of the active contacts that neither rise nor would have to pull, after an impact; see `solve_modes`."""
+    kinematics, memory, active = m.contact_kinematics, m.contact_memory, m.active
+    candidate, side = m.candidate, m.side
     for k in range(count):
-        n = chosen[k]
-        trial[k] = OFF
+        n = active[k]
+        candidate[k] = OFF
         if at_rest(m, 2 * k, n, kinematics[n, at.DGAP], memory[n, at.N_1]):
-            trial[k] = STICK
+            candidate[k] = STICK
             if friction_of(m, n) == 0.0 or not at_rest(m, 2 * k + 1, n, kinematics[n, at.SLIP], memory[n, at.N_1]):
-                trial[k] = FORWARD if kinematics[n, at.SLIP] >= 0.0 else BACKWARD
+                candidate[k] = FORWARD if kinematics[n, at.SLIP] >= 0.0 else BACKWARD
     lasting_side(m, count)
     for _ in range(count):
         solve_modes(m, count, 1)
         pulls = False
         for k in range(count):
             if side[F, 2 * k] < 0.0:
-                trial[k] = OFF
+                candidate[k] = OFF
                 pulls = True
         if not pulls:
             break
@@ -174,7 +174,7 @@ def stay_together(m, count):
 @native("i", "h", "f", "v", "i")
 def low_bounce(m, t, y, count):
     """Mark contacts that rise after the impact, but too low to follow; True when there is a new one."""
-    kinematics, memory, chosen, side = m.contact_kinematics, m.contact_memory, m.chosen, m.side
+    kinematics, memory, active, side = m.contact_kinematics, m.contact_memory, m.active, m.side
     values, contact, recent, bounce = m.values, m.contact, m.recent, m.bounce
     found, lifted, end = False, False, t
     motion_without(m, t, y)
@@ -186,9 +186,9 @@ def low_bounce(m, t, y, count):
         side[F, r] = side[OTHER, r]
     least = 4e-15 * m.held[SIZE]
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         speed, came = kinematics[n, at.DGAP], -bounce[BEFORE, 2 * n]
-        if memory[n, at.STEPS_IN] != 0.0 or speed <= STILL * swing(m, 2 * k, n):
+        if memory[n, at.STEPS_IN] != 0.0 or speed <= STILL * velocity_scale(m, 2 * k, n):
             continue
         pull = kinematics[n, at.GAMMA_N] - along(m, 2 * k, n, m.acceleration, 0)
         if pull < 0.0 and speed * speed < -2.0 * pull * max(LOW * clearance_of(m, n), least):
@@ -207,14 +207,14 @@ def low_bounce(m, t, y, count):
         return found
     m.tally[SERIES] += 1
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         last, before = t - recent[n, 0], recent[n, 0] - recent[n, 1]
         if side[F, 2 * k] > 0.0 and last < before < math.inf:
             end = max(end, t + last * last / (before - last))
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         if memory[n, at.STEPS_IN] != 0.0 or (
-            side[F, 2 * k] > 0.0 and kinematics[n, at.DGAP] <= STILL * swing(m, 2 * k, n)
+            side[F, 2 * k] > 0.0 and kinematics[n, at.DGAP] <= STILL * velocity_scale(m, 2 * k, n)
         ):
             memory[n, at.STEPS_IN] = end
     return found
@@ -237,19 +237,19 @@ def settle_accounts(m, t, y, count, before):
 @compiled
 def rates_of_contacts(m, y, count, before):
     """Keep what the rates `before` (3 nb,) make of gaps and slips, for `book_impulses`; rows belong to them then."""
-    kinematics, memory, chosen, nq = m.contact_kinematics, m.contact_memory, m.chosen, m.change.shape[0]
+    kinematics, memory, active, nq = m.contact_kinematics, m.contact_memory, m.active, m.change.shape[0]
     place(m, y[:nq], before[:nq])
     constraints(m)
     locate_contacts(m)
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         memory[n, at.GAP_1], memory[n, at.DGAP_1] = kinematics[n, at.DGAP], kinematics[n, at.SLIP]
 
 
 @compiled
 def book_impulses(m, t, y, count):
-    """Impulses and losses of the chosen contacts into y, and their events; v in y is after, see `rates_of_contacts`."""
-    kinematics, memory, chosen, side, recent = m.contact_kinematics, m.contact_memory, m.chosen, m.side, m.recent
+    """Impulses and losses of the active contacts into y, and their events; v in y is after, see `rates_of_contacts`."""
+    kinematics, memory, active, side, recent = m.contact_kinematics, m.contact_memory, m.active, m.side, m.recent
     nq, largest = m.change.shape[0], 0.0
     place(m, y[:nq], y[nq : 2 * nq])
     constraints(m)
@@ -257,7 +257,7 @@ def book_impulses(m, t, y, count):
     for k in range(count):
         largest = max(largest, side[F, 2 * k])
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         pressed, held = side[F, 2 * k], side[F, 2 * k + 1]
         if pressed == 0.0 and held == 0.0:
             continue

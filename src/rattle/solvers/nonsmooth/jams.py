@@ -20,7 +20,7 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.nonsmooth.contact_projection import (
     at_rest,
     at_wall,
-    held_contacts,
+    closed_contacts,
     motion_without,
     project_on_contacts,
 )
@@ -42,16 +42,16 @@ def lock_share(m, t):
 
     Leaves G and b of the closed contacts.
     """
-    y, mode, chosen, delassus = m.state, m.mode, m.chosen, m.delassus
+    y, mode, active, delassus = m.state, m.mode, m.active, m.delassus
     project_on_contacts(m, t, y, -1)
     motion_without(m, t, y)
-    count = held_contacts(m)
+    count = closed_contacts(m)
     contact_rows(m, count)
     as_full_matrix(m, count)
     lasting_side(m, count)
     share = 1.0
     for k in range(count):
-        n, r = chosen[k], 2 * k
+        n, r = active[k], 2 * k
         if mode[n] != STICK and friction_of(m, n) > 0.0 and delassus[r, r] > 0.0:
             sense = 1.0 if mode[n] == FORWARD else -1.0
             share = min(share, 1.0 + sense * friction_of(m, n) * delassus[r, r + 1] / delassus[r, r])
@@ -61,10 +61,10 @@ def lock_share(m, t):
 @compiled
 def holds(m, count):
     """True when percussions press and those along the walls stay within friction, or nearly so."""
-    side, chosen, pressed = m.side, m.chosen, False
+    side, active, pressed = m.side, m.active, False
     for k in range(count):
         pressed = pressed or side[F, 2 * k] > 0.0
-        limit = friction_of(m, chosen[k]) * side[F, 2 * k] * (1.0 + NEARLY)
+        limit = friction_of(m, active[k]) * side[F, 2 * k] * (1.0 + NEARLY)
         if side[F, 2 * k] < 0.0 or abs(side[F, 2 * k + 1]) > limit:
             return False
     return pressed
@@ -76,11 +76,11 @@ def ends_slip(m, count):
 
     Contacts that are closed have another solution, no percussion at all, or next to none: that passes nothing.
     """
-    kinematics, trial, chosen, memory = m.contact_kinematics, m.trial, m.chosen, m.contact_memory
+    kinematics, candidate, active, memory = m.contact_kinematics, m.candidate, m.active, m.contact_memory
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         slides = not at_rest(m, 2 * k + 1, n, kinematics[n, at.SLIP], memory[n, at.N_1])
-        if slides and trial[k] == STICK and passes_jams(m, n):
+        if slides and candidate[k] == STICK and passes_jams(m, n):
             return True
     return False
 
@@ -93,7 +93,7 @@ def pass_jam(m, t, late):
     once needs more than friction can give: then nothing is changed.
     """
     contact, kinematics, mode, memory = m.contact, m.contact_kinematics, m.mode, m.contact_memory
-    chosen, trial, slide, side = m.chosen, m.trial, m.slide, m.side
+    active, candidate, slide, side = m.active, m.candidate, m.slide, m.side
     y, y_new, before, nq = m.state, m.state_new, m.rate_new, m.change.shape[0]
     if late == 1:
         for c in range(y.shape[0]):
@@ -103,15 +103,15 @@ def pass_jam(m, t, late):
     count = 0
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
-            chosen[count] = n
+            active[count] = n
             memory[n, at.STEPS_IN] = 0.0
             count += 1
     contact_rows(m, count)
     for attempt in range(2):
         for k in range(count):
-            n = chosen[k]
+            n = active[k]
             side[B, 2 * k], side[B, 2 * k + 1], slide[k] = kinematics[n, at.DGAP], -kinematics[n, at.SLIP], 0
-            trial[k] = STICK if passes_jams(m, n) and friction_of(m, n) > 0.0 else mode[n]
+            candidate[k] = STICK if passes_jams(m, n) and friction_of(m, n) > 0.0 else mode[n]
         if attempt == 0:
             found = solve_contacts(m, count) and holds(m, count) and ends_slip(m, count)
         else:

@@ -25,7 +25,7 @@ from rattle.equations.unilateral import (
     is_rough,
     shift,
     solve_contacts,
-    swing,
+    velocity_scale,
 )  # fmt: skip
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
@@ -86,25 +86,25 @@ def jolt(m, t, before, percussion):
 def with_contacts(m, t, y, old, percussion):
     """Closed contacts do not let the jolt drive them together: their percussions, in one problem."""
     contact, kinematics, mode, memory = m.contact, m.contact_kinematics, m.mode, m.contact_memory
-    chosen, trial, slide, side = m.chosen, m.trial, m.slide, m.side
+    active, candidate, slide, side = m.active, m.candidate, m.slide, m.side
     multiplier, nq = m.multiplier, m.change.shape[0]
     v = y[nq : 2 * nq]
     locate_contacts(m)
     count = 0
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
-            chosen[count] = n
+            active[count] = n
             count += 1
     if count == 0:
         return OK
     contact_rows(m, count)
     for k in range(count):
-        n = chosen[k]
+        n = active[k]
         memory[n, at.STEPS_IN] = 0.0
-        memory[n, at.N_1] = max(swing(m, 2 * k, n), swing(m, 2 * k + 1, n))
+        memory[n, at.N_1] = max(velocity_scale(m, 2 * k, n), velocity_scale(m, 2 * k + 1, n))
         side[B, 2 * k], side[B, 2 * k + 1] = kinematics[n, at.DGAP], -kinematics[n, at.SLIP]
         slide[k] = 0
-        trial[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
+        candidate[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
     if not solve_contacts(m, count):
         return ending(m)
     if is_rough(m, count) and count_solutions(m, count) > 1:

@@ -92,12 +92,12 @@ def start(m, t):
 def choose_active(m):
     """Choose the contacts that are closed, starting from the modes of the step before; the others are off."""
     contact, kinematics, mode, values = m.contact, m.contact_kinematics, m.mode, m.values
-    chosen, trial, slide = m.chosen, m.trial, m.slide
+    active, candidate, slide = m.active, m.candidate, m.slide
     count = 0
     for n in range(contact.shape[0]):
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = 0.0, 0.0
         if kinematics[n, at.GAP] <= (ACTIVE if mode[n] == OFF else KEPT) * values[contact[n, at.SHAPE_P] + 4]:
-            chosen[count], trial[count], slide[count] = n, mode[n], 0
+            active[count], candidate[count], slide[count] = n, mode[n], 0
             count += 1
     return count
 
@@ -114,10 +114,10 @@ def impact_side(m, count, h):
 
     Rates are those of the end of the step at the place of its middle.
     """
-    contact, kinematics, chosen, side = m.contact, m.contact_kinematics, m.chosen, m.side
+    contact, kinematics, active, side = m.contact, m.contact_kinematics, m.active, m.side
     acceleration, values, memory, body = m.acceleration, m.values, m.contact_memory, m.body
     for k in range(count):
-        n, p = chosen[k], contact[chosen[k], at.NORMAL_P]
+        n, p = active[k], contact[active[k], at.NORMAL_P]
         kinematics[n, at.DGAP], kinematics[n, at.SLIP] = (
             -along(m, 2 * k, n, body, at.VX),
             along(m, 2 * k + 1, n, body, at.VX),
@@ -144,15 +144,15 @@ def take_percussions(m, t, count, h, y):
 
     Returns True when there was an impact.
     """
-    contact, kinematics, chosen, trial = m.contact, m.contact_kinematics, m.chosen, m.trial
-    side, pushed, called, multiplier = m.side, m.pushed, m.called, m.multiplier
+    contact, kinematics, active, candidate = m.contact, m.contact_kinematics, m.active, m.candidate
+    side, dv, dlambda, multiplier = m.side, m.velocity_change, m.multiplier_change, m.multiplier
     memory, mode, nq = m.contact_memory, m.mode, m.change.shape[0]
     rows, power = m.rows, m.power
     push_all(m, count)
     for c in range(nq):
-        y[nq + c] -= pushed[1 + c // 3, c % 3]
+        y[nq + c] -= dv[1 + c // 3, c % 3]
     for row in range(multiplier.shape[0]):
-        multiplier[row] -= called[row] / h
+        multiplier[row] -= dlambda[row] / h
     y[2 * nq] += h * power[1]
     y[2 * nq + 1] += h * power[2]
     for row in range(multiplier.shape[0]):
@@ -161,10 +161,10 @@ def take_percussions(m, t, count, h, y):
     for n in range(nc):
         old = mode[n]
         mode[n] = OFF
-        if k < count and chosen[k] == n:
+        if k < count and active[k] == n:
             pressed, held = side[F, 2 * k], side[F, 2 * k + 1]
             if pressed > 0.0:
-                mode[n] = trial[k]
+                mode[n] = candidate[k]
                 gap_rate = side[A, 2 * k] + memory[n, AFTER]
                 slip = -side[A, 2 * k + 1] - memory[n, E_T] * kinematics[n, at.SLIP]
                 if friction_of(m, n) == 0.0:
@@ -223,17 +223,17 @@ def watch_contact(m, n, old, t, h, y):
 @compiled
 def lift(m, count, y):
     """Move contacts along the joints: bounces to where they belong had they hit in time, lasting ones onto the wall."""
-    kinematics, chosen, trial, side = m.contact_kinematics, m.chosen, m.trial, m.side
+    kinematics, active, candidate, side = m.contact_kinematics, m.active, m.candidate, m.side
     memory, nq = m.contact_memory, m.change.shape[0]
     deep = False
     for k in range(count):
-        n = chosen[k]
-        trial[k] = OFF
+        n = active[k]
+        candidate[k] = OFF
         side[B, 2 * k], side[B, 2 * k + 1] = 0.0, 0.0
         if kinematics[n, at.NORMAL] > 0.0 and (
             kinematics[n, at.GAP] < 0.0 or memory[n, at.CLOSED] == at.SHUT or memory[n, SHIFT] > 0.0
         ):
-            trial[k] = FORWARD
+            candidate[k] = FORWARD
             side[B, 2 * k] = memory[n, SHIFT] if memory[n, SHIFT] > 0.0 else -kinematics[n, at.GAP]
             deep = True
         memory[n, SHIFT] = 0.0

@@ -35,14 +35,14 @@ def surely_one(m, count):
     what friction can take from it, is positive definite.  Where the sense of slip is known it takes what it takes;
     elsewhere at most mu (g dN^2 + (G_t e)^2 / g) / 2 at each contact, with any g > 0.
     """
-    system, delassus, chosen, slide = m.system, m.delassus, m.chosen, m.slide
+    system, delassus, active, slide = m.system, m.delassus, m.active, m.slide
     size = 2 * count
     for r in range(size):
         for s in range(size):
             system[r, s] = delassus[r, s]
     for k in range(count):
         n, t = 2 * k, 2 * k + 1
-        mu = friction_of(m, chosen[k])
+        mu = friction_of(m, active[k])
         if mu > 0.0 and slide[k] == 0:
             weight = (delassus[n, n] * delassus[t, t]) ** 0.5
             if not weight > 0.0:
@@ -56,7 +56,7 @@ def surely_one(m, count):
                 system[r, n] += 0.5 * mu * slide[k] * delassus[t, r]
                 system[n, r] += 0.5 * mu * slide[k] * delassus[t, r]
     for k in range(count):  # where the sense of slip is known, or nothing rubs, dT - mu sigma dN = 0
-        if slide[k] != 0 or friction_of(m, chosen[k]) == 0.0:
+        if slide[k] != 0 or friction_of(m, active[k]) == 0.0:
             for r in range(size):
                 system[r, 2 * k + 1], system[2 * k + 1, r] = 0.0, 0.0
             system[2 * k + 1, 2 * k + 1] = 1.0
@@ -73,9 +73,9 @@ def surely_one(m, count):
 @compiled
 def is_another(m, count):
     """True when the path leads to another a than that of the solution at hand, which stays at hand."""
-    side, path, trial = m.side, m.path, m.trial
+    side, path, candidate = m.side, m.path, m.candidate
     for k in range(count):
-        path[KEPT_MODES, k] = trial[k]
+        path[KEPT_MODES, k] = candidate[k]
     for r in range(2 * count):
         path[KEPT_A, r] = side[A, r]
     apart, largest = 0.0, 0.0
@@ -86,7 +86,7 @@ def is_another(m, count):
                 largest = max(largest, abs(side[B, r]))
                 apart = max(apart, abs(side[A, r] - path[KEPT_A, r]))
     for k in range(count):
-        trial[k] = int(path[KEPT_MODES, k])
+        candidate[k] = int(path[KEPT_MODES, k])
     linear(m, count)
     return apart > 1e-6 * largest
 
@@ -94,7 +94,7 @@ def is_another(m, count):
 @compiled
 def modes_of(m, k):
     """Number of modes that contact k may have: off or sliding, and sticking and the other sense where it may stick."""
-    return 2 if m.slide[k] != 0 or friction_of(m, m.chosen[k]) == 0.0 else 4
+    return 2 if m.slide[k] != 0 or friction_of(m, m.active[k]) == 0.0 else 4
 
 
 @compiled
@@ -108,20 +108,20 @@ def combinations(m, count):
 
 @compiled
 def take_modes(m, count, code):
-    """Combination number `code` of modes into `trial`."""
-    trial, slide = m.trial, m.slide
+    """Combination number `code` of modes into `candidate`."""
+    candidate, slide = m.candidate, m.slide
     for k in range(count):
         most = modes_of(m, k)
-        trial[k] = code % most
-        if most == 2 and trial[k] != OFF:
-            trial[k] = BACKWARD if slide[k] < 0 else FORWARD
+        candidate[k] = code % most
+        if most == 2 and candidate[k] != OFF:
+            candidate[k] = BACKWARD if slide[k] < 0 else FORWARD
         code //= most
 
 
 @compiled
 def try_combinations(m, count, most, slack):
     """`try_kernel` with solutions that are settled up to `slack`."""
-    side, chosen = m.side, m.chosen
+    side, active = m.side, m.active
     kept, found, first = m.path[KEPT_A], 0, 0
     for code in range(combinations(m, count)):
         take_modes(m, count, code)
@@ -143,7 +143,7 @@ def try_combinations(m, count, most, slack):
         elif found == 1:
             for k in range(count):
                 if abs(side[F, 2 * k] - kept[2 * k]) > 1e-6 * abs(kept[2 * k] + side[F, 2 * k]):
-                    m.held[SHARED] = 1.0 + chosen[k]
+                    m.held[SHARED] = 1.0 + active[k]
         if found >= most:
             break
     if found > 0:
