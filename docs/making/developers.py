@@ -15,7 +15,7 @@ STEPS = (  # one function of each stage of a run, in the order in which they are
     ("The model becomes flat arrays", ("compile_system",)),
     ("The mechanism is put together: positions, then rates", ("assemble",)),
     ("The analysis makes the workspace of a run and calls the steppers piece by piece", ("simulate", "output_times")),
-    ("Step after step, with contacts and switches located", ("advance", "step_loop_arrays")),
+    ("Step after step, with contacts and switches located", ("advance", "search_step_for_events")),
     ("Everything at one instant: bodies, rows, loads, accelerations", ("solve_motion", "derivative")),
     ("Rows become multipliers: the sparse factor", ("factorise", "analyse")),
     ("What was recorded gets names and units", ("columns", "quantities")),

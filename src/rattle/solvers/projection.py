@@ -5,7 +5,8 @@ from __future__ import annotations
 from rattle.equations.motion import constraints, correct, drive, place, rate_residual, residual
 from rattle.equations.schur import factorise
 from rattle.jit.functions import native
-from rattle.solvers.step_audit import CORRECTION, openness
+from rattle.solvers.step_audit import CORRECTION, note_drift, openness
+from rattle.solvers.step_state import DRIFT_ROW, LOST
 
 CLOSE_ENOUGH = 1e-15  # residual below which positions are left alone [m or rad]
 QUADRATIC = 1e-9  # a correction from below this residual needs no second one
@@ -45,3 +46,15 @@ def project_on_constraints(m, t, y, unused):
     place(m, q, v)
     constraints(m)  # gamma at the corrected rates
     return lost
+
+
+@native("void", "h", "f", "v")
+def project(m, t, y):
+    """Bring y onto the constraints; the largest drift left and the number of lost rows are remembered."""
+    tally = m.tally
+    lost = project_on_constraints(m, t, y, y)
+    row = note_drift(m)
+    if row >= 0:
+        tally[DRIFT_ROW] = row
+    if lost > tally[LOST]:
+        tally[LOST] = lost

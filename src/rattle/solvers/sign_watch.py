@@ -1,8 +1,13 @@
-"""Forces that must not become negative: noticing their changes of sign."""
+"""Forces that must not become negative: their changes of sign noticed and located."""
 
 from __future__ import annotations
 
-from rattle.jit.functions import compiled
+from rattle.equations.motion import solve_motion
+from rattle.jit.functions import compiled, native
+from rattle.solvers.contact_events import interpolate
+from rattle.solvers.step_state import FOUND
+
+SCAN = 8  # parts of a step searched for changes of sign
 
 
 @compiled
@@ -13,3 +18,55 @@ def watched_change(m):
         if multiplier[watch[n]] * sign[n] < 0.0:
             return True
     return False
+
+
+@compiled
+def force_at(m, t, h, theta, n):
+    """Watched force n at the share theta of the step."""
+    stage, multiplier, watch = m.stage, m.multiplier, m.watch
+    nq = m.change.shape[0]
+    interpolate(m, theta, stage)
+    solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
+    return multiplier[watch[n]]
+
+
+@native("void", "h", "f", "f", "f")
+def find_crossings(m, t, h, until):
+    """Locate every change of sign of the watched forces up to the share `until` of the step (dense output ready)."""
+    sign = m.sign
+    for n in range(sign.shape[0]):
+        left = 0.0
+        for part in range(1, SCAN + 1):
+            right = until * part / SCAN
+            if force_at(m, t, h, right, n) * sign[n] < 0.0:
+                low, high = left, right
+                for _ in range(60):
+                    if (high - low) * h <= 1e-13 * abs(t) + 1e-16 * h:
+                        break
+                    middle = 0.5 * (low + high)
+                    if force_at(m, t, h, middle, n) * sign[n] < 0.0:
+                        high = middle
+                    else:
+                        low = middle
+                cross(m, t + high * h, n)
+            left = right
+
+
+@compiled
+def cross(m, t, n):
+    """Watched force n changes its sign at t."""
+    sign, crossings, tally = m.sign, m.crossings, m.tally
+    sign[n] = -sign[n]
+    k = tally[FOUND]
+    if k < crossings.shape[0]:
+        crossings[k, 0], crossings[k, 1], crossings[k, 2] = t, n, sign[n]
+        tally[FOUND] = k + 1
+
+
+@compiled
+def cross_at_once(m, t):
+    """Signs of the watched forces at hand are those from t on: after an event they may jump."""
+    watch, sign, multiplier = m.watch, m.sign, m.multiplier
+    for n in range(watch.shape[0]):
+        if multiplier[watch[n]] * sign[n] < 0.0:
+            cross(m, t, n)

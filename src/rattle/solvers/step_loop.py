@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from rattle.equations.motion import (
     DONE,
     NOT_FINITE,
@@ -20,7 +18,6 @@ from rattle.equations.motion import (
     collect,
     derivative,
     loads,
-    solve_motion,
 )
 from rattle.equations.schur import WEAK
 from rattle.jit import layout as at
@@ -41,10 +38,31 @@ from rattle.solvers.contact_events import (
 from rattle.solvers.gap_search import ESCAPED, NONE, escaped
 from rattle.solvers.output_row import record
 from rattle.solvers.peaks.samples import END, START, end_step, gauge, may_rise
-from rattle.solvers.projection import project_on_constraints
-from rattle.solvers.sign_watch import watched_change
+from rattle.solvers.projection import project
+from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
 from rattle.solvers.state_switches import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
-from rattle.solvers.step_audit import UNSOUND, note_drift, stands
+from rattle.solvers.step_audit import UNSOUND, stands
+from rattle.solvers.step_state import (
+    CONTACTS,
+    EVALUATIONS,
+    EVENT_COUNT,
+    FEWEST,
+    FOUND,
+    H_FREE,
+    H_MIN,
+    H_SOUND,
+    LEAPS,
+    LOST,
+    OUTPUTS,
+    REJECTED,
+    SHARE,
+    STEPS,
+    STREAK,
+    TAME,
+    TROUBLE,
+    H,
+    T,
+)
 from rattle.solvers.steppers import dop853, rk4
 from rattle.solvers.steppers.dop853 import prepare_dense as prepare_dop853
 from rattle.solvers.steppers.dop853 import step as step_dop853
@@ -53,53 +71,11 @@ from rattle.solvers.steppers.rk4 import step as step_rk4
 
 METHODS = {"dop853": 0, "rk4": 1}
 ORDERS = {"dop853": dop853.ORDER, "rk4": rk4.ORDER}
-# clock: time, next step, smallest step, time of a failed step, last step with sound pivots, step of
-# free flight, fewest steps in a contact, share of the step at which a contact changes
-T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, SHARE = range(8)
-# tally; FOUND: crossings, LOST: redundant rows, LEAPS: steps across singular positions, STREAK: tries at
-# one, EVENT_COUNT: contact events waiting, CONTACTS: contacts that started, TAME: stages are projected,
-# SERIES: infinite series of bounces closed
-(
-    STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK, EVENT_COUNT, CONTACTS, TAME, SERIES,
-) = range(13)  # fmt: skip
-SCAN = 8  # parts of a step searched for changes of sign
 LEAP = 0.1  # share of the last sound step below which a step is not cut further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is let pass [units of the state]; it doubles with every try
 MOST_TRIES = 20
 SHORT = 1e-9  # share of the time ahead down to which a step that does not stand is tried again, shorter
 FIRST_STEP = 0.01  # first step in a contact as a share of how long it will last: its force starts like a broken power
-
-
-def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
-    """What a run that starts at y needs besides the arrays of one instant."""
-    ny = y.shape[0]
-    clock = np.zeros(8)
-    clock[H_MIN] = math.inf
-    clock[FEWEST] = math.inf
-    return {
-        "state": y.copy(),
-        **{name: np.zeros(ny) for name in ("rate", "state_new", "rate_new", "stage")},
-        "slopes": np.zeros((16, ny)),
-        "dense": np.zeros((7, ny)),
-        "clock": clock,
-        "tally": np.zeros(13, np.int64),
-        "sign": np.zeros(watched),
-        "crossings": np.zeros((4096, 3)),
-        "events": np.zeros((4096, 8)),
-        "landing": np.zeros(5),
-    }
-
-
-@native("void", "h", "f", "v")
-def project(m, t, y):
-    """Bring y onto the constraints; the largest drift left and the number of lost rows are remembered."""
-    tally = m.tally
-    lost = project_on_constraints(m, t, y, y)
-    row = note_drift(m)
-    if row >= 0:
-        tally[DRIFT_ROW] = row
-    if lost > tally[LOST]:
-        tally[LOST] = lost
 
 
 @compiled
@@ -115,58 +91,6 @@ def prepare_dense(m, t, h, method):
         prepare_dop853(m, t, h)
     else:
         prepare_rk4(m)
-
-
-@compiled
-def force_at(m, t, h, theta, n):
-    """Watched force n at the share theta of the step."""
-    stage, multiplier, watch = m.stage, m.multiplier, m.watch
-    nq = m.change.shape[0]
-    interpolate(m, theta, stage)
-    solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
-    return multiplier[watch[n]]
-
-
-@native("void", "h", "f", "f", "f")
-def find_crossings(m, t, h, until):
-    """Locate every change of sign of the watched forces up to the share `until` of the step (dense output ready)."""
-    sign = m.sign
-    for n in range(sign.shape[0]):
-        left = 0.0
-        for part in range(1, SCAN + 1):
-            right = until * part / SCAN
-            if force_at(m, t, h, right, n) * sign[n] < 0.0:
-                low, high = left, right
-                for _ in range(60):
-                    if (high - low) * h <= 1e-13 * abs(t) + 1e-16 * h:
-                        break
-                    middle = 0.5 * (low + high)
-                    if force_at(m, t, h, middle, n) * sign[n] < 0.0:
-                        high = middle
-                    else:
-                        low = middle
-                cross(m, t + high * h, n)
-            left = right
-
-
-@compiled
-def cross(m, t, n):
-    """Watched force n changes its sign at t."""
-    sign, crossings, tally = m.sign, m.crossings, m.tally
-    sign[n] = -sign[n]
-    k = tally[FOUND]
-    if k < crossings.shape[0]:
-        crossings[k, 0], crossings[k, 1], crossings[k, 2] = t, n, sign[n]
-        tally[FOUND] = k + 1
-
-
-@compiled
-def cross_at_once(m, t):
-    """Signs of the watched forces at hand are those from t on: after an event they may jump."""
-    watch, sign, multiplier = m.watch, m.sign, m.multiplier
-    for n in range(watch.shape[0]):
-        if multiplier[watch[n]] * sign[n] < 0.0:
-            cross(m, t, n)
 
 
 @native("void", "h", "f")

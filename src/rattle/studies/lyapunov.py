@@ -19,7 +19,7 @@ from rattle.equations.motion import DONE, PAUSED
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.results.display import lines
-from rattle.solvers import step_loop
+from rattle.solvers import step_loop, step_state
 from rattle.solvers.contact_events import pass_on, remember_end
 from rattle.solvers.step_audit import STARTED
 
@@ -179,7 +179,7 @@ def _distance(one: Any, two: Any, weight: np.ndarray) -> float:
 
 def _renew(one: Any, two: Any, share: float = 1.0) -> None:
     """Bring the second run to a share of its distance, onto its constraints, with the contact memory of the first."""
-    t = float(one.clock[step_loop.T])
+    t = float(one.clock[step_state.T])
     y, other = one.workspace.state, two.workspace.state
     motion = 2 * len(one.workspace.change)
     scaled = [slice(0, motion), slice(motion + 2, None, 4)]  # positions, rates and bristles; accounts are those of one
@@ -208,7 +208,7 @@ def _go(run: Any, t: float) -> None:
     status = PAUSED
     while status == PAUSED:
         status = run.advance(t, 2000)
-        run.tally[step_loop.FOUND] = run.tally[step_loop.EVENT_COUNT] = 0
+        run.tally[step_state.FOUND] = run.tally[step_state.EVENT_COUNT] = 0
     _must(run, status)
 
 

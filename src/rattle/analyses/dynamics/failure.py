@@ -14,7 +14,7 @@ from rattle.equations.system import System
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.results.columns import width
-from rattle.solvers import step_loop
+from rattle.solvers import step_state
 from rattle.solvers.gap_search import DEEP, ESCAPED
 from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import LAST, SLIDES, argument, see
@@ -30,7 +30,7 @@ def explain(
 ) -> str:
     """One or two sentences on why a run with this method and tolerance stopped at workspace.clock[T]."""
     clock, nq = workspace.clock, 3 * system.body_count
-    t, h = float(clock[step_loop.T]), float(clock[step_loop.H])
+    t, h = float(clock[step_state.T]), float(clock[step_state.H])
     if status == ESCAPED:
         return _escaped(system, workspace)
     what = load_law.complaint(t) or not_finite(system, workspace, t_end)
@@ -83,7 +83,7 @@ def _escaped(system: System, workspace: Workspace) -> str:
     n = int(np.argmax(depth))
     joint = system.joints[contact[n, at.OWNER]]
     return (
-        f"a contact was missed: at t = {workspace.clock[step_loop.TROUBLE]:.9g} s joint '{joint}' is"
+        f"a contact was missed: at t = {workspace.clock[step_state.TROUBLE]:.9g} s joint '{joint}' is"
         f" {depth[n] * clearance[n]:.3g} m inside its wall (play {clearance[n]:g} m), though not in contact;"
         " try a smaller rtol, or a shorter step"
     )
@@ -106,8 +106,8 @@ def _sliding(system: System, workspace: Workspace) -> str:
 def not_finite(system: System, workspace: Workspace, t_end: float) -> str:
     """Which expression has no finite value near the last state, and when; empty if none."""
     clock, y, f = workspace.clock, workspace.state, workspace.rate
-    start = float(clock[step_loop.T])
-    reach = max(float(clock[step_loop.TROUBLE]) - start, 1e-12)
+    start = float(clock[step_state.T])
+    reach = max(float(clock[step_state.TROUBLE]) - start, 1e-12)
     for share in (0.0, 0.25, 0.5, 1.0, 2.0, 10.0, 1e3, 1e6):
         t = start + share * reach
         if t > t_end * (1 + 1e-12) and share:
@@ -141,7 +141,7 @@ def _pole(system: System, workspace: Workspace, t_end: float) -> str:
     Steps that shrink towards a pole never reach it, and behind it values are finite again: what tells it is that the
     value grows by a factor wherever the time to go shrinks by one.
     """
-    t, nq = float(workspace.clock[step_loop.T]), 3 * system.body_count
+    t, nq = float(workspace.clock[step_state.T]), 3 * system.body_count
     back = np.zeros_like(workspace.state)
     back[:nq] = workspace.state[nq : 2 * nq]
     sizes: list[dict[int, float]] = []

@@ -11,7 +11,7 @@ import numpy as np
 
 from rattle.analyses.dynamics.run import Run
 from rattle.results.columns import columns, motion
-from rattle.solvers import step_loop
+from rattle.solvers import step_state
 from rattle.solvers.output_row import record
 
 AGREE = 0.01  # share of its range within which a curve agrees
@@ -41,7 +41,7 @@ def tighter(rtol: float, usual: float) -> float:
 
 def agreement(run: Run, second: Run) -> Reach:
     """Time up to which every curve of two runs agrees within 1 % of its range."""
-    n = int(min(run.tally[step_loop.OUTPUTS], second.tally[step_loop.OUTPUTS]))
+    n = int(min(run.tally[step_state.OUTPUTS], second.tally[step_state.OUTPUTS]))
     one, names, units = columns(run.system, run.raw[:n])
     other, _, _ = columns(second.system, second.raw[:n])
     keep = [k for k, name in enumerate(names) if not name.startswith("energy.")]

@@ -20,7 +20,7 @@ from rattle.errors import ModelError, Problem
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
-from rattle.solvers import step_loop
+from rattle.solvers import step_state
 from rattle.solvers.gap_search import ESCAPED
 from rattle.solvers.nonsmooth import (
     event_driven,
@@ -133,7 +133,7 @@ class ImpactRun(Run):
     def prepare(self) -> Workspace:
         """Workspace of the run."""
         self.jams: list[tuple[float, str]] = []  # times [s] at which friction locked and what was closed there
-        arrays = step_loop.step_loop_arrays(start_state(self.system, self.start), len(self.system.watched))
+        arrays = step_state.step_loop_arrays(start_state(self.system, self.start), len(self.system.watched))
         arrays |= audit_arrays(self.system, self.method)
         contacts = contact_arrays(self.system, self.method == "event")
         return self.system.workspace(**arrays, **contacts, **peak_arrays(self.system))
@@ -149,7 +149,7 @@ class ImpactRun(Run):
         values, contact = self.workspace.values, self.system.arrays["contact"]
         self.may_pass = bool((values[contact[:, at.NORMAL_P] + 4] > 0.0).any())
         self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])
-        self.clock[step_loop.T] = t
+        self.clock[step_state.T] = t
         status = int(event_driven.start(self.workspace, t))
         if status == unilateral.NO_SOLUTION and self.may_pass:
             status = OK if self.pass_jam(status, late=False) == PAUSED else status
@@ -168,7 +168,7 @@ class ImpactRun(Run):
         handle = self.workspace
         if self.method == "moreau":
             if t != self.leg.end:
-                now, done = self.leg.end, int(self.tally[step_loop.STEPS])
+                now, done = self.leg.end, int(self.tally[step_state.STEPS])
                 count = max(1, math.ceil((t - now) / (self.step or self.t_end) * (1 - 1e-12)))
                 h = (t - now) / count
                 self.leg = Leg(now - done * h, t, h, done + count)
@@ -185,14 +185,14 @@ class ImpactRun(Run):
 
         late: the state is that of an event whose new modes were not found.
         """
-        t, handle = float(self.clock[step_loop.T]), self.workspace
+        t, handle = float(self.clock[step_state.T]), self.workspace
         if self.jams and t - self.jams[-1][0] <= 1e-9 * self.t_end:  # once more at the same place: it does not help
             return status
         names = ", ".join(self._closed())
         if jams.pass_jam(handle, t, int(late)) != OK:
             return status
         self.jams.append((t, names))
-        self.clock[step_loop.H] = max(float(self.clock[step_loop.H]), 1e-6 * (self.t_end - t))
+        self.clock[step_state.H] = max(float(self.clock[step_state.H]), 1e-6 * (self.t_end - t))
         return self.go_on(t, True)
 
     def remarks(self) -> tuple[str, ...]:
@@ -226,7 +226,7 @@ class ImpactRun(Run):
         """Why the run cannot go on; contact problems are named."""
         if status == UNSOUND:
             return why_unsound(self)
-        t = float(self.clock[step_loop.T])
+        t = float(self.clock[step_state.T])
         names = ", ".join(self._closed()) or "the contacts"
         passed = "" if self.may_pass or self.method == "moreau" else ', and so does jam = "impact" in the contact'
         if status == unilateral.NO_SOLUTION and self.workspace.held[complementarity.OUTCOME] == complementarity.JAMMED:

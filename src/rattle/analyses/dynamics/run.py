@@ -26,7 +26,7 @@ from rattle.jit import functions
 from rattle.jit.workspace import Workspace
 from rattle.language.switching import SAME
 from rattle.results.columns import width
-from rattle.solvers import step_loop
+from rattle.solvers import step_loop, step_state
 from rattle.solvers.gap_search import ESCAPED
 from rattle.solvers.nonsmooth.jolts import jolt, speeds
 from rattle.solvers.output_row import record
@@ -71,7 +71,7 @@ class Run:
 
     def prepare(self) -> Workspace:
         """Workspace of the run."""
-        arrays = step_loop.step_loop_arrays(start_state(self.system, self.start), len(self.system.watched))
+        arrays = step_state.step_loop_arrays(start_state(self.system, self.start), len(self.system.watched))
         return self.system.workspace(**arrays, **audit_arrays(self.system, self.method), **peak_arrays(self.system))
 
     def begin(self, t: float) -> int:
@@ -94,7 +94,7 @@ class Run:
         if self.method == "rk4":
             ahead = min(self.ahead(), self.t_end) - t
             if ahead > 0.0:
-                self.clock[step_loop.H] = ahead / max(1, math.ceil(ahead / (self.step or math.inf) - 1e-9))
+                self.clock[step_state.H] = ahead / max(1, math.ceil(ahead / (self.step or math.inf) - 1e-9))
 
     def ahead(self) -> float:
         """The next instant at which an expression of time switches [s]; inf if there is none."""
@@ -112,7 +112,7 @@ class Run:
         status = self.take_steps(instant, chunk, self.outputs_before(instant))
         if status == DONE:
             status = self.switch(instant)
-        return DONE if status == PAUSED and self.clock[step_loop.T] >= t and self.ahead() > t else status
+        return DONE if status == PAUSED and self.clock[step_state.T] >= t and self.ahead() > t else status
 
     def outputs_before(self, t: float) -> int:
         """Number of outputs before the time t [s]; what is recorded at an instant is that of the right side."""
@@ -158,11 +158,11 @@ class Run:
 
     def record_now(self, t: float) -> None:
         """Write the outputs at the instant t [s], those of its right side."""
-        k = int(self.tally[step_loop.OUTPUTS])
+        k = int(self.tally[step_state.OUTPUTS])
         while k < len(self.t_eval) and self.t_eval[k] <= t + SAME * self.t_end:
             record(self.workspace, t, self.workspace.state, self.raw[k])
             k += 1
-        self.tally[step_loop.OUTPUTS] = k
+        self.tally[step_state.OUTPUTS] = k
 
     def remarks(self) -> tuple[str, ...]:
         """What happened on the way that a result has to say."""
@@ -186,16 +186,16 @@ class Run:
             self.first_sign[:] = m.sign
             if status == PAUSED and self.method != "moreau" and len(self.t_eval) and self.t_eval[0] <= self.start.t:
                 record(m, self.start.t, m.state, self.raw[0])
-                tally[step_loop.OUTPUTS] = 1
+                tally[step_state.OUTPUTS] = 1
             while status == PAUSED:
                 if stop.is_set():
                     raise KeyboardInterrupt
                 status = self.advance(self.t_end, CHUNK if functions.jit_runs() else 20)
-                self.crossings.append(m.crossings[: tally[step_loop.FOUND]].copy())
-                self.contacts.append(m.events[: tally[step_loop.EVENT_COUNT]].copy())
-                tally[step_loop.FOUND] = tally[step_loop.EVENT_COUNT] = 0
+                self.crossings.append(m.crossings[: tally[step_state.FOUND]].copy())
+                self.contacts.append(m.events[: tally[step_state.EVENT_COUNT]].copy())
+                tally[step_state.FOUND] = tally[step_state.EVENT_COUNT] = 0
                 if bar is not None:
-                    bar.update(self.clock[step_loop.T] - bar.n)
+                    bar.update(self.clock[step_state.T] - bar.n)
                 if status == PAUSED:
                     self.message, mark = too_slow(self, mark)
                     if self.message:
@@ -204,13 +204,13 @@ class Run:
                 lost = (
                     self.trouble(status) if status == ESCAPED else ""
                 )  # told by the gaps at hand, which go with outputs
-                if not tally[step_loop.OUTPUTS] and len(self.t_eval) and self.t_eval[0] <= self.start.t:
+                if not tally[step_state.OUTPUTS] and len(self.t_eval) and self.t_eval[0] <= self.start.t:
                     record(m, self.start.t, start_state(self.system, self.start), self.raw[0])
-                    tally[step_loop.OUTPUTS] = 1
+                    tally[step_state.OUTPUTS] = 1
                 self.message = lost or self.trouble(status)
         except KeyboardInterrupt:
             self.interrupted = True
-            reached = self.clock[step_loop.T]
+            reached = self.clock[step_state.T]
             self.message = f"stopped by the user at t = {reached:.6g} s; the result holds what was computed before"
         finally:
             if bar is not None:

@@ -36,7 +36,7 @@ from rattle.jit import functions
 from rattle.results.columns import columns, geometry, width
 from rattle.results.result import Result
 from rattle.results.trust import Trust
-from rattle.solvers import step_audit, step_loop
+from rattle.solvers import step_audit, step_loop, step_state
 from rattle.solvers.nonsmooth.impacts import LOW
 from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import TURNS
@@ -84,7 +84,7 @@ def simulate(
     run.notes = method_notes(wanted, method)
     run.go(progress)
     reach, second = None, None
-    if horizon and run.tally[step_loop.OUTPUTS] > 1 and not run.interrupted:
+    if horizon and run.tally[step_state.OUTPUTS] > 1 and not run.interrupted:
         finer = None if step is None else step / 10 ** (1 / step_loop.ORDERS.get(method, 1))
         fine = tighter(rtol, RTOL)
         second = one_run(system, start, times, end, method, fine, atol * fine / rtol, finer)
@@ -144,15 +144,15 @@ def _first_given(*values: float | None) -> float:
 
 def _result(run: Run, reach: Reach | None) -> Result:
     system, clock, tally, seen = run.system, run.clock, run.tally, run.workspace.audit
-    n = int(tally[step_loop.OUTPUTS])
+    n = int(tally[step_state.OUTPUTS])
     data, names, units = columns(system, run.raw[:n])
     t = run.t_eval[:n]
-    reached = float(clock[step_loop.T])
+    reached = float(clock[step_state.T])
     pulled, first, intervals = pulls(run, reached)
     balance = data[:, names.index("energy.balance")]
     nonunique: tuple[str, ...] = ()
     notes = run.start.notes
-    if tally[step_loop.LOST]:
+    if tally[step_state.LOST]:
         record(run.workspace, run.start.t, start_state(system, run.start), np.zeros(width(system)))
         nonunique = nonunique_reactions(system, run.workspace)
         if not nonunique:
@@ -171,11 +171,11 @@ def _result(run: Run, reach: Reach | None) -> Result:
     if not run.message:
         notes += remarks(system, run.workspace, run.method)
     notes += loose(run.method, run.rtol) + fast_links(system, data, names)
-    if series := int(tally[step_loop.SERIES]):
+    if series := int(tally[step_state.SERIES]):
         one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
         notes += (f"{one} closed: bounces that rise less than {LOW:g} clearances are counted as contact",)
     notes += run.remarks()
-    owner = system.rows[tally[step_loop.DRIFT_ROW]].owner if system.rows else ""
+    owner = system.rows[tally[step_state.DRIFT_ROW]].owner if system.rows else ""
     trust = Trust(
         drift=float(seen[step_audit.LENGTH]),
         drift_angle=float(seen[step_audit.ANGLE]),
@@ -192,17 +192,17 @@ def _result(run: Run, reach: Reach | None) -> Result:
         intervals=intervals,
         nonunique=nonunique,
         notes=notes,
-        **contact_counts(system, events, float(clock[step_loop.FEWEST])),
+        **contact_counts(system, events, float(clock[step_state.FEWEST])),
     )
     stats = {
-        "steps": int(tally[step_loop.STEPS]),
-        "rejected": int(tally[step_loop.REJECTED]),
-        "evaluations": int(tally[step_loop.EVALUATIONS]),
-        "smallest_step": float(clock[step_loop.H_MIN]) if tally[step_loop.STEPS] else 0.0,
+        "steps": int(tally[step_state.STEPS]),
+        "rejected": int(tally[step_state.REJECTED]),
+        "evaluations": int(tally[step_state.EVALUATIONS]),
+        "smallest_step": float(clock[step_state.H_MIN]) if tally[step_state.STEPS] else 0.0,
         "wall_time": run.wall,
-        "contacts": int(tally[step_loop.CONTACTS]),
+        "contacts": int(tally[step_state.CONTACTS]),
         "switchings": run.piece + int(run.workspace.landing[TURNS]),
-        "singular_positions_leapt": int(tally[step_loop.LEAPS]),
+        "singular_positions_leapt": int(tally[step_state.LEAPS]),
     }
     provenance = {
         "model": system.model.name,

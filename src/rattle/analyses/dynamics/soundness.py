@@ -23,7 +23,7 @@ from rattle.equations.motion import drive
 from rattle.equations.system import System
 from rattle.jit.workspace import Workspace
 from rattle.results.columns import width
-from rattle.solvers import step_audit, step_loop
+from rattle.solvers import step_audit, step_state
 from rattle.solvers.output_row import record
 
 LIMIT = 1e-3  # share of its measure that drift or energy may be off by
@@ -165,7 +165,7 @@ def _point_rate(curve: Mapping[str, np.ndarray], point: Point) -> tuple[np.ndarr
 
 def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, float]]:
     """Why a run that gets nowhere is ended ("" while it gets on), and the steps and time [s] to measure from next."""
-    steps, t = int(run.tally[step_loop.STEPS]), float(run.clock[step_loop.T])
+    steps, t = int(run.tally[step_state.STEPS]), float(run.clock[step_state.T])
     if run.most_steps is not None:
         done = f"ended at t = {t:.6g} s after {steps} steps, as most_steps asked"
         return (done if steps >= run.most_steps else ""), mark
@@ -184,7 +184,7 @@ def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, flo
 def why_unsound(run: Running) -> str:
     """Why a run ended at the last instant that can be believed, in words."""
     system, seen = run.system, run.workspace.audit
-    t, ahead = float(run.clock[step_loop.T]), float(run.clock[step_loop.TROUBLE])
+    t, ahead = float(run.clock[step_state.T]), float(run.clock[step_state.TROUBLE])
     what = []
     opened = max(float(seen[step_audit.OPEN]), float(seen[step_audit.CORRECTION]))
     limit = LIMIT if seen[step_audit.OPEN] > LIMIT else step_audit.TOO_FAR

@@ -9,8 +9,9 @@ from rattle.equations.unilateral import SIZE, contact_rows, push_all, reach, shi
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.gap_search import clearance_of
+from rattle.solvers.projection import project
 from rattle.solvers.step_audit import LENGTH
-from rattle.solvers.step_loop import EVENT_COUNT, project
+from rattle.solvers.step_state import EVENT_COUNT
 
 NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above what integration leaves
 FAR = 100.0  # times its gap that a contact may move along its wall, and its bodies turn, for it to be put there

@@ -35,26 +35,12 @@ from rattle.solvers.peaks.glances import END as LAST
 from rattle.solvers.peaks.glances import doubts, keep_forces, pass_look_on
 from rattle.solvers.peaks.samples import DOP853, END, LOOKS, START, end_step, gauge
 from rattle.solvers.peaks.stage_peaks import end_by_stages
-from rattle.solvers.sign_watch import watched_change
+from rattle.solvers.projection import project
+from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
 from rattle.solvers.state_switches import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
 from rattle.solvers.step_audit import LENGTH, UNSOUND, stands
-from rattle.solvers.step_loop import (
-    EVALUATIONS,
-    EVENT_COUNT,
-    FOUND,
-    H_MIN,
-    OUTPUTS,
-    REJECTED,
-    SHORT,
-    STEPS,
-    TROUBLE,
-    H,
-    T,
-    cross_at_once,
-    find_crossings,
-    prepare_dense,
-    project,
-)  # fmt: skip
+from rattle.solvers.step_loop import SHORT, prepare_dense
+from rattle.solvers.step_state import EVALUATIONS, EVENT_COUNT, FOUND, H_MIN, OUTPUTS, REJECTED, STEPS, TROUBLE, H, T
 from rattle.solvers.steppers.dop853 import step as step_dop853
 
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops

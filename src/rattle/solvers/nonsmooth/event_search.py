@@ -23,7 +23,7 @@ from rattle.solvers.peaks.glances import KINDS, margin_of, matters, may_dip, sla
 from rattle.solvers.peaks.glances import PLACES as PLACES_OF_STAGES
 from rattle.solvers.peaks.samples import LOOK, gauge
 from rattle.solvers.peaks.stage_polynomial import told, zero_told
-from rattle.solvers.step_loop import EVALUATIONS
+from rattle.solvers.step_state import EVALUATIONS
 
 # places of a step at which it is looked first: even ones, of which peaks make use too, and an odd one
 PLACES = np.array([0.0, 0.057, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0])

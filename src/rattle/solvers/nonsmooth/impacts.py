@@ -42,7 +42,7 @@ from rattle.solvers.gap_search import clearance_of
 from rattle.solvers.nonsmooth.contact_projection import STILL, at_rest, at_wall, motion_without, note
 from rattle.solvers.nonsmooth.impact_path import BEFORE, E
 from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, law_of
-from rattle.solvers.step_loop import SERIES
+from rattle.solvers.step_state import SERIES
 
 NOTICED = 1e-11  # share of the largest percussion of an impact below which one is rounding and no event
 LOW = 1e-11  # bounces that rise less than this share of the clearance are closed

@@ -48,21 +48,10 @@ from rattle.solvers.gap_search import ESCAPED, deepest
 from rattle.solvers.nonsmooth.contact_projection import note
 from rattle.solvers.output_row import write
 from rattle.solvers.peaks.samples import START, add_step, gauge
+from rattle.solvers.projection import project
+from rattle.solvers.sign_watch import cross_at_once
 from rattle.solvers.step_audit import STARTED, SUNK, UNSOUND, note_drift, stands
-from rattle.solvers.step_loop import (
-    DRIFT_ROW,
-    EVALUATIONS,
-    EVENT_COUNT,
-    FOUND,
-    H_MIN,
-    OUTPUTS,
-    STEPS,
-    TROUBLE,
-    H,
-    T,
-    cross_at_once,
-    project,
-)  # fmt: skip
+from rattle.solvers.step_state import DRIFT_ROW, EVALUATIONS, EVENT_COUNT, FOUND, H_MIN, OUTPUTS, STEPS, TROUBLE, H, T
 
 ACTIVE = 1e-8  # share of the clearance within which a contact takes part
 # columns of `contact_memory` as they are used here: 1 for an impact, its tangential restitution, the rate of the gap

@@ -1,0 +1,37 @@
+"""What a run carries from step to step: its clock, its tally, and the arrays of the time integration."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+# clock: time, next step, smallest step, time of a failed step, last step with sound pivots, step of
+# free flight, fewest steps in a contact, share of the step at which a contact changes
+T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, SHARE = range(8)
+# tally; FOUND: crossings, LOST: redundant rows, LEAPS: steps across singular positions, STREAK: tries at
+# one, EVENT_COUNT: contact events waiting, CONTACTS: contacts that started, TAME: stages are projected,
+# SERIES: infinite series of bounces closed
+(
+    STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK, EVENT_COUNT, CONTACTS, TAME, SERIES,
+) = range(13)  # fmt: skip
+
+
+def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
+    """What a run that starts at y needs besides the arrays of one instant."""
+    ny = y.shape[0]
+    clock = np.zeros(8)
+    clock[H_MIN] = math.inf
+    clock[FEWEST] = math.inf
+    return {
+        "state": y.copy(),
+        **{name: np.zeros(ny) for name in ("rate", "state_new", "rate_new", "stage")},
+        "slopes": np.zeros((16, ny)),
+        "dense": np.zeros((7, ny)),
+        "clock": clock,
+        "tally": np.zeros(13, np.int64),
+        "sign": np.zeros(watched),
+        "crossings": np.zeros((4096, 3)),
+        "events": np.zeros((4096, 8)),
+        "landing": np.zeros(5),
+    }
