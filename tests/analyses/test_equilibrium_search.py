@@ -61,12 +61,12 @@ def chain(links: int, seed: int | None = None) -> str:
 @pytest.mark.parametrize(("seed", "bodies", "clearance"), [(1, 4, PINS), (2, 6, PINS), (3, 8, ""), (4, 10, PINS)])
 def test_the_work_of_the_search_is_limited_whatever_the_mechanism(seed, bodies, clearance, monkeypatch):
     used, spent = [], []
-    settle = StaticProblem.settle
+    find = StaticProblem.find
     price = equilibria.price
 
     def counted(self, *arguments, **named):
         before = self.trials
-        found = settle(self, *arguments, **named)
+        found = find(self, *arguments, **named)
         used.append(self.trials - before)
         return found
 
@@ -74,7 +74,7 @@ def test_the_work_of_the_search_is_limited_whatever_the_mechanism(seed, bodies, 
         spent.append(price(*arguments))
         return spent[-1]
 
-    monkeypatch.setattr(StaticProblem, "settle", counted)
+    monkeypatch.setattr(StaticProblem, "find", counted)
     monkeypatch.setattr(equilibria, "price", priced)
     found = rt.loads(tree(seed, bodies, clearance)).equilibrium()
     assert found[0].stable

@@ -119,7 +119,7 @@ def test_reduced_hessian_is_the_second_difference_of_the_energy():
     m = rt.loads(pendulum(spring, angle=0.4))
     one = m.equilibrium()[0]
     problem = StaticProblem(m.system, 0.0)
-    _, null = problem.look(one.q)
+    _, null = problem.reduce(one.q)
     h = problem.hessian(one.q, null)
 
     def energy(angle):
@@ -142,7 +142,7 @@ def test_reduced_hessian_with_clearance_pins_is_that_of_the_energy_over_their_di
     m = rt.loads(paper(40.0, 9.81))
     one = m.equilibrium()[0]
     problem = StaticProblem(m.system, 0.0)
-    g, null = problem.look(one.q)
+    g, null = problem.reduce(one.q)
     h = problem.hessian(one.q, null)
 
     def energy(z):  # positions closed by least change, gravity and the constant torque

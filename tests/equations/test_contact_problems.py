@@ -248,7 +248,7 @@ def test_words_about_an_unsolved_problem_name_painleve_only_where_friction_is_sh
     run = ImpactRun.__new__(ImpactRun)
     run.method = "event"
     said = {}
-    for outcome in (IMPOSSIBLE, JAMMED, complementarity.UNSETTLED):
+    for outcome in (IMPOSSIBLE, JAMMED, complementarity.UNDECIDED):
         workspace, _ = problem(3, 0.1, np.random.default_rng(1))
         workspace.held[complementarity.OUTCOME] = outcome
         run.system, run.workspace, run.clock = chain(3).system, workspace, np.zeros(9)
@@ -258,5 +258,5 @@ def test_words_about_an_unsolved_problem_name_painleve_only_where_friction_is_sh
     assert "has no solution" not in said[JAMMED]
     assert "Painleve" not in said[JAMMED]
     assert "too many to try all" in said[JAMMED]
-    assert "does not mean" in said[complementarity.UNSETTLED]
-    assert "Painleve" not in said[complementarity.UNSETTLED]
+    assert "does not mean" in said[complementarity.UNDECIDED]
+    assert "Painleve" not in said[complementarity.UNDECIDED]

@@ -32,7 +32,7 @@ FEW = 6  # contacts up to which G is made and solved as a full matrix
 # that may press otherwise without any other motion
 SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, SHARED = range(2, 8)
 # IMPOSSIBLE: all modes tried; JAMMED: the force that presses contacts together makes them approach
-SOLVED, IMPOSSIBLE, JAMMED, UNSETTLED = 1, 0, -1, -2
+SOLVED, IMPOSSIBLE, JAMMED, UNDECIDED = 1, 0, -1, -2
 DENSE_WAY = 2  # what the sparse way answers when it cannot do it
 ROWS_OF, SEARCH, MODES, NETWORK, FOLLOW, COUNT = range(6)  # places in `problem_table`
 TRY_ALL = 8
@@ -267,7 +267,7 @@ def better_mode(m, k, force, rate):
 
 
 @compiled
-def settled(m, count, slack):
+def is_solution(m, count, slack):
     """Whether the solution meets all conditions of the modes in `candidate`; slack: in units of what is zero."""
     side, candidate = m.side, m.candidate
     force, rate = resolution(m, count)
@@ -294,7 +294,7 @@ def change_where_broken(m, count):
                 candidate[k] = mode
                 changed = True
         if not changed:
-            return settled(m, count, 1.0)
+            return is_solution(m, count, 1.0)
     return False
 
 
@@ -302,7 +302,7 @@ def change_where_broken(m, count):
 def search_kernel(m, count):
     """Find modes, f and a of the active contacts, starting from those in `candidate`.
 
-    Returns SOLVED, IMPOSSIBLE, JAMMED or UNSETTLED.
+    Returns SOLVED, IMPOSSIBLE, JAMMED or UNDECIDED.
     """
     held = m.held
     held[OUTCOME] = SOLVED
@@ -313,7 +313,7 @@ def search_kernel(m, count):
         # rows that depend on each other, or forces at the limit of rounding: as the path has left it
         call_problem(m.problem_table[FOLLOW], (m, count))
         linear(m, count)
-        outcome = SOLVED if settled(m, count, LOOSE) else UNSETTLED
+        outcome = SOLVED if is_solution(m, count, LOOSE) else UNDECIDED
     if outcome != SOLVED and count <= MOST_TRIED:
         outcome = SOLVED if call_problem(m.problem_table[TRY_ALL], (m, 2 * count)) > 0 else IMPOSSIBLE
     held[OUTCOME] = outcome

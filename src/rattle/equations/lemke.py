@@ -30,7 +30,7 @@ from rattle.equations.complementarity import (
     RIDGE,
     SOLVED,
     STICK,
-    UNSETTLED,
+    UNDECIDED,
     A,
     B,
     F,
@@ -135,7 +135,7 @@ def follow(m, count, attempt):
         if who >= 0:
             growth = margin(m, who, entered, theta, 1)
             if not abs(growth) > 0.0:
-                return UNSETTLED
+                return UNDECIDED
             sense = 1.0 if growth > 0.0 else -1.0
         nearest, ends, next_who = math.inf, -1, -1
         for k in range(count):
@@ -152,18 +152,18 @@ def follow(m, count, attempt):
             for k in range(count):
                 if path[F_RATE, 2 * k] > 0.0:
                     return JAMMED
-            return UNSETTLED
+            return UNDECIDED
         theta += sense * nearest
         who = next_who
         candidate[who], entered = cross(m, who, ends, theta)
-    return UNSETTLED
+    return UNDECIDED
 
 
 @kernel("problem")
 def follow_kernel(m, count):
-    """Modes of a solution into `candidate`: SOLVED, JAMMED (the path ends in a ray) or UNSETTLED."""
+    """Modes of a solution into `candidate`: SOLVED, JAMMED (the path ends in a ray) or UNDECIDED."""
     held, side, path = m.held, m.side, m.path
-    found = UNSETTLED
+    found = UNDECIDED
     held[RIDGE] = RAISED
     for attempt in range(ATTEMPTS):
         outcome = follow(m, count, attempt)

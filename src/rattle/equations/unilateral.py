@@ -19,7 +19,7 @@ from rattle.equations.complementarity import (
     SPARSE,
     STICK,
     TRY_ALL,
-    UNSETTLED,
+    UNDECIDED,
     B,
     F,
     friction_of,
@@ -102,7 +102,7 @@ def solve_by_trying(m, count):
 @compiled
 def ending(m):
     """How a run ends whose contact problem was not solved: NOT_FOUND where nothing tells that friction jams."""
-    return NOT_FOUND if m.held[OUTCOME] == UNSETTLED else NO_SOLUTION
+    return NOT_FOUND if m.held[OUTCOME] == UNDECIDED else NO_SOLUTION
 
 
 @compiled

@@ -237,8 +237,8 @@ def _loaded(
             _in_frame(shown, nodes[i], pin, e[pin.name]) @ slopes[i][shown.joints.index(pin)] for pin in pins
         )
         hard.at(t)
-        settled = hard.settle(opened(problem, nodes[i][swept.Q], e))
-        at_rest = hard.finish(*settled) if settled is not None else None
+        solution = hard.find(opened(problem, nodes[i][swept.Q], e))
+        at_rest = hard.finish(*solution) if solution is not None else None
         if at_rest is not None and shown.output in at_rest.names and at_rest.admissible:
             found[0][i] = at_rest[shown.output] - one[shown.output]
         if conjugate:

@@ -116,10 +116,10 @@ class StaticProblem:
         gap, _ = close_position(self.workspace, self.t, q, np.empty_like(q), 1e-13 * self.system.size, 60)
         return float(gap)
 
-    def look(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def reduce(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Reduced force g [N] and the scaled null space Z at q; leaves the least-squares multipliers."""
         r, rows_all = self.room, self.system.row_count
-        dof = equilibrium_newton.look(
+        dof = equilibrium_newton.reduce(
             self.workspace, self.t, q, self.scale, r.wide, r.norm, r.order, r.pivot, r.null, r.line
         )
         self.redundant = dof > len(q) - rows_all
@@ -137,7 +137,7 @@ class StaticProblem:
         return null.T @ applied, self.scale[:, None] * null
 
     def hessian(self, q: np.ndarray, null: np.ndarray) -> np.ndarray:
-        """Reduced Hessian H [N/m]; the multipliers of `look` are in the workspace."""
+        """Reduced Hessian H [N/m]; the multipliers of `reduce` are in the workspace."""
         room, dof = self.room, null.shape[1]
         room.null[:dof] = null.T
         equilibrium_newton.reduced_stiffness(
@@ -162,7 +162,7 @@ class StaticProblem:
             found.append(ends[1] - ends[0])
         return np.array(found).reshape(-1, 2)
 
-    def settle(
+    def find(
         self,
         start: np.ndarray,
         downhill: bool = False,
@@ -184,13 +184,13 @@ class StaticProblem:
         rounds = max(1, min(equilibrium_newton.ROUNDS, CHUNK // (len(q) ** 3 + 1)))
         status = equilibrium_newton.GOING
         while status == equilibrium_newton.GOING:  # in pieces, so that the user can stop it
-            status = equilibrium_newton.settle(
+            status = equilibrium_newton.find(
                 self.workspace, self.t, q, self.scale, self.system.size, self.length, downhill, rounds, known,
                 len(known), near, self.pins, *room, float(most),
             )  # fmt: skip
         self.trials += int(room.state[equilibrium_newton.TRIALS]) + 1
-        self.arrived = status in (equilibrium_newton.SETTLED, equilibrium_newton.KNOWN)
-        return (q, int(room.state[equilibrium_newton.ITERATION])) if status == equilibrium_newton.SETTLED else None
+        self.arrived = status in (equilibrium_newton.FOUND, equilibrium_newton.KNOWN)
+        return (q, int(room.state[equilibrium_newton.ITERATION])) if status == equilibrium_newton.FOUND else None
 
     def walk(self, q: np.ndarray, direction: np.ndarray, stride: float) -> tuple[bool, float, float]:
         """A step along the free motion, in place: whether it could be taken, force along the way, largest force [N]."""
@@ -211,10 +211,10 @@ class StaticProblem:
         """A force typical of what acts [N]."""
         return float(equilibrium_newton.force_size(self.workspace, self.system.size))
 
-    def weigh(self, q: np.ndarray, iterations: int) -> Found:
+    def assess(self, q: np.ndarray, iterations: int) -> Found:
         """What is to be known about an equilibrium; the workspace holds it afterwards."""
         workspace, system = self.workspace, self.system
-        g, null = self.look(q)
+        g, null = self.reduce(q)
         eigenvalue, neutral, falling = math.inf, 0, 0
         if len(g):
             h = self.hessian(q, null)
@@ -238,7 +238,7 @@ class StaticProblem:
             len(g), neutral, falling, float(workspace.power[0]), self.force_scale(), raw,
         )  # fmt: skip
 
-    def tell(self, found: Sequence[Found]) -> list[Equilibrium]:
+    def describe(self, found: Sequence[Found]) -> list[Equilibrium]:
         """Equilibria with all their quantities."""
         if not found:
             return []
@@ -269,4 +269,4 @@ class StaticProblem:
 
     def finish(self, q: np.ndarray, iterations: int) -> Equilibrium:
         """Everything about an equilibrium."""
-        return self.tell([self.weigh(q, iterations)])[0]
+        return self.describe([self.assess(q, iterations)])[0]

@@ -64,7 +64,7 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
     problem = StaticProblem(ideal_system, t)
     search = Search(problem, effort if rigid is None else 0.5 * effort)
     search.explore(start, branches == "all")
-    found = problem.tell(search.found)
+    found = problem.describe(search.found)
     if rigid is None:
         return Equilibria(_sorted(found, start), search.starts, search.stopped, search.extent, effort)
     play = StaticProblem(rigid, t)
@@ -73,7 +73,7 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
     if not partners.found:
         partners.explore(position_at(rigid, t), True)
     reference = start + _first_offset(problem, rigid, start)
-    pressing = play.tell(partners.found)
+    pressing = play.describe(partners.found)
     if any(has_contacts(joint) and _compliant(joint.contact) for joint in system.model.joints.values()):
         pressing = partners.pressed(system, pressing)
     stopped = search.stopped or partners.stopped
@@ -165,36 +165,36 @@ class Search:
     def _beyond(self, most: float) -> bool:
         return self.starts > 0 and (self._work >= most or self.starts >= MOST_STARTS)
 
-    def settled(self, start: np.ndarray, downhill: bool) -> bool:
+    def try_start(self, start: np.ndarray, downhill: bool) -> bool:
         """Try one start; True where it led to an equilibrium that is new."""
         problem = self.problem
         self.starts += 1
         most, turn = (TRIALS_EACH, WIDE) if downhill else (TRIALS_NEWTON, MOST_TURN)
-        settled = problem.settle(start, downhill, self._known[: self._count], self._near, most, turn)
+        solution = problem.find(start, downhill, self._known[: self._count], self._near, most, turn)
         self.arrived = problem.arrived
-        weighed = settled is not None and not _same(problem.system, settled[0], self._known[: self._count])
+        assessed = solution is not None and not _same(problem.system, solution[0], self._known[: self._count])
         new = False
-        if settled is not None and weighed:
-            self._remember(settled[0])
-            one = self._weighed(*settled)
+        if solution is not None and assessed:
+            self._remember(solution[0])
+            one = self._assessed(*solution)
             new = not any(_one_family(one, other, self._links, problem.system.size) for other in self.found)
             if new:
                 self.found.append(one)
-        self._work += price(problem, problem.trials - self._trials, weighed)
+        self._work += price(problem, problem.trials - self._trials, assessed)
         self._trials = problem.trials
         return new
 
-    def _weighed(self, q: np.ndarray, iterations: int) -> Found:
+    def _assessed(self, q: np.ndarray, iterations: int) -> Found:
         """What is to be known about a position, without whole turns where they make no difference."""
         if self._turning is not None:
             same = self._turning.unwound(q, self._start)
             if (same != q).any():
-                one, other = self.problem.weigh(q, iterations), self.problem.weigh(same, iterations)
+                one, other = self.problem.assess(q, iterations), self.problem.assess(same, iterations)
                 slight = 1e-9 * one.force
                 alike = abs(one.potential - other.potential) <= slight * self.problem.system.size
                 closed = other.gap <= one.gap + 1e-12 * self.problem.system.size
                 return other if alike and closed and other.residual <= one.residual + slight else one
-        return self.problem.weigh(q, iterations)
+        return self.problem.assess(q, iterations)
 
     def _remember(self, q: np.ndarray) -> None:
         if self._count == len(self._known):
@@ -207,7 +207,7 @@ class Search:
         """All kinds of starts; everywhere: other ways to put the mechanism together too."""
         turning, random = Turning(self.problem.system), np.random.default_rng(0)
         self._turning, self._start = turning, start
-        _, null = self.problem.look(start)
+        _, null = self.problem.reduce(start)
         dof = null.shape[1]
         if dof > 1:
             self._many(start, turning, random, dof)
@@ -222,7 +222,7 @@ class Search:
                 if self.spent():
                     self.stopped = True
                     return
-                self.settled(one, downhill)
+                self.try_start(one, downhill)
         if dof:  # other ways to put it together, as long as some are met
             self._until_quiet({"random": anywhere}, 2 * QUIET, self._left)
         self.extent = (
@@ -260,7 +260,7 @@ class Search:
                 del going[kind]
                 continue
             before = self._work
-            new = self.settled(start, kind == "downhill")
+            new = self.try_start(start, kind == "downhill")
             spent[kind] += self._work - before
             brought[kind] += new
             self._quiet = 0 if new else self._quiet + 1
@@ -297,9 +297,9 @@ class Search:
             if self.spent():
                 self.stopped = True
                 return
-            self.settled(start, False)
+            self.try_start(start, False)
             if not self.arrived and not self.spent():
-                self.settled(start, True)
+                self.try_start(start, True)
 
     def pressed(self, system: System, rigid: list[Equilibrium]) -> list[Equilibrium]:
         """Compliant pins: from the rigid positions that press everywhere, let every pin sink in."""
@@ -314,11 +314,11 @@ class Search:
             for depth in (1e-4, 1e-3, 1e-2, 1e-5, 1e-1):  # of the clearance
                 before = problem.trials
                 start = opened(ideal, one.q, {name: e * (1 + depth) for name, e in offsets.items()})
-                settled = problem.settle(start)
-                self._work += price(problem, problem.trials - before, settled is not None)
-                if settled is not None:
-                    if not found or not _same(system, settled[0], np.array([other.q for other in found])):
-                        found.append(problem.finish(*settled))
+                solution = problem.find(start)
+                self._work += price(problem, problem.trials - before, solution is not None)
+                if solution is not None:
+                    if not found or not _same(system, solution[0], np.array([other.q for other in found])):
+                        found.append(problem.finish(*solution))
                     break
         return found
 

@@ -143,7 +143,7 @@ class Modes:
 def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
     """Natural modes about an equilibrium found with `problem`; see `Mechanism.modes`."""
     problem.at(one.t)
-    g, null = problem.look(one.q)
+    g, null = problem.reduce(one.q)
     if not len(g):
         empty = np.zeros(0)
         return Modes(one, empty, empty, empty, np.zeros((0, len(one.q))), problem, note)

@@ -56,9 +56,9 @@ class Path:
             guesses.insert(0, last.q + (last.q - before.q) * (t - last.t) / (last.t - before.t))
         self.problem.at(t)
         for guess in guesses:
-            settled = self.problem.settle(guess)
-            if settled is not None and self._near(settled[0]):
-                return self.problem.finish(*settled)
+            solution = self.problem.find(guess)
+            if solution is not None and self._near(solution[0]):
+                return self.problem.finish(*solution)
         return None
 
     def _near(self, q: np.ndarray) -> bool:
@@ -103,8 +103,8 @@ def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Resu
 
 def _on_links(path: Path, start: Equilibrium) -> Equilibrium:
     """The start with its pins on rigid walls (compliant ones are followed as if they were hard)."""
-    settled = path.problem.settle(start.q)
-    return path.problem.finish(*settled) if settled is not None else start
+    solution = path.problem.find(start.q)
+    return path.problem.finish(*solution) if solution is not None else start
 
 
 def _lead(path: Path, t: float, events: list[Event]) -> str:
@@ -142,8 +142,8 @@ def _snap(path: Path, t: float) -> Equilibrium | None:
     """The stable equilibrium downhill of the last one, when that has ceased to exist."""
     ahead = min(t, path.last.t + 1e-3 * (t - path.last.t)) if t - path.last.t > 1e-9 else t
     path.problem.at(ahead)
-    settled = path.problem.settle(path.last.q, downhill=True)
-    return path.problem.finish(*settled) if settled is not None else None
+    solution = path.problem.find(path.last.q, downhill=True)
+    return path.problem.finish(*solution) if solution is not None else None
 
 
 def _change_sides(path: Path, found: Equilibrium, pulled: list[str], events: list[Event]) -> None:
@@ -168,8 +168,8 @@ def _change_sides(path: Path, found: Equilibrium, pulled: list[str], events: lis
     offsets = dict(zip(path.problem.links, path.problem.offsets(found.q), strict=True))
     turned = {name: -e if name in found.pulled else e for name, e in offsets.items()}
     path.problem.at(found.t)
-    settled = path.problem.settle(opened(path.ideal, found.q, turned))
-    other = path.problem.finish(*settled) if settled is not None else None
+    solution = path.problem.find(opened(path.ideal, found.q, turned))
+    other = path.problem.finish(*solution) if solution is not None else None
     path.go(found)
     if other is not None and len(other.pulled) < len(found.pulled):
         path.last, path.before = other, None
@@ -187,7 +187,7 @@ def advantage(problem: StaticProblem, one: Equilibrium) -> dict[tuple[str, str],
     if not drivers or not acting:
         return {}
     n, nr = 3 * system.body_count, system.row_count
-    problem.look(one.q)
+    problem.reduce(one.q)
     tangent = np.zeros((n, n))
     stiffness(workspace, problem.t, one.q, problem.step, problem.out, tangent)
     rows = dense_rows(system, workspace)

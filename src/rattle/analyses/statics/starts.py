@@ -146,7 +146,7 @@ def _groups(system: System) -> list[list[int]]:
 # ---------------------------------------------------------------- along degrees of freedom
 def along(problem: StaticProblem, start: np.ndarray) -> Iterator[np.ndarray]:
     """Positions along some of the degrees of freedom at the start, either way."""
-    _, null = problem.look(start)
+    _, null = problem.reduce(start)
     for direction in [sign * null[:, k] for k in range(min(null.shape[1], DIRECTIONS)) for sign in (1.0, -1.0)]:
         q = start.copy()
         for _ in range(STRIDES):
@@ -158,7 +158,7 @@ def along(problem: StaticProblem, start: np.ndarray) -> Iterator[np.ndarray]:
 def around(problem: StaticProblem, start: np.ndarray, direction: np.ndarray) -> list[np.ndarray]:
     """Walk along the one free motion, all around where it closes; where the force along it changes its sign."""
     stride = problem.system.size / 8
-    path, force = [start], [float(problem.look(start)[0][0])]
+    path, force = [start], [float(problem.reduce(start)[0][0])]
     for sign in (1.0, -1.0):
         q, ahead, closed = start.copy(), sign * direction, False
         for n in range(MOST_STRIDES):

@@ -248,15 +248,15 @@ def find_shares(m, count):
     for _ in range(60):
         if not expansion(m, count, 1.0):
             return False
-        settled = True
+        converged = True
         for k in range(count):
             may, does = most_work(m, k), work_in_expansion(m, k)
             if may == 0.0 or does <= 0.0 or abs(does - may) <= 1e-13 * may:
                 continue
             better = min(bounce[SHARE, 2 * k] * math.sqrt(may / does), LARGEST_SHARE)
-            settled = settled and abs(better - bounce[SHARE, 2 * k]) <= 1e-13 * better
+            converged = converged and abs(better - bounce[SHARE, 2 * k]) <= 1e-13 * better
             bounce[SHARE, 2 * k] = better
-        if settled:
+        if converged:
             return takes_energy(m, count)
     return takes_energy(m, count)
 

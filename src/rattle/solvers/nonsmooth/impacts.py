@@ -79,7 +79,7 @@ def collide(m, t, y, who):
             v[c] = before[c]
         motion_without(m, t, y)
     # rows and kinematics belong to the rates before the impact again, to tell what it did
-    settle_accounts(m, t, y, count, before)
+    count_impulses(m, t, y, count, before)
     return OK
 
 
@@ -221,7 +221,7 @@ def low_bounce(m, t, y, count):
 
 
 @compiled
-def settle_accounts(m, t, y, count, before):
+def count_impulses(m, t, y, count, before):
     """Impulses, losses and work of an impact into y, and its events; v in y is after, `before` (3 nb,) is before."""
     multiplier, work, nq, rows = m.multiplier, 0.0, m.change.shape[0], m.rows
     rates_of_contacts(m, y, count, before)

@@ -25,7 +25,7 @@ from rattle.solvers.nonsmooth.contact_projection import (
     project_on_contacts,
 )
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
-from rattle.solvers.nonsmooth.impacts import settle_accounts
+from rattle.solvers.nonsmooth.impacts import count_impulses
 
 NEARLY = 1e-3  # share by which T may exceed mu N in a lock that is just about to come
 
@@ -125,5 +125,5 @@ def pass_jam(m, t, late):
     for c in range(nq):
         before[c] = v[c]
     shift(m, count, v, -1.0)
-    settle_accounts(m, t, y, count, before)
+    count_impulses(m, t, y, count, before)
     return OK

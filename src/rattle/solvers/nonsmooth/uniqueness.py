@@ -17,8 +17,8 @@ from rattle.equations.complementarity import (
     B,
     F,
     friction_of,
+    is_solution,
     linear,
-    settled,
 )  # fmt: skip
 from rattle.jit.functions import call_problem, compiled, kernel
 
@@ -81,7 +81,7 @@ def is_another(m, count):
     apart, largest = 0.0, 0.0
     if call_problem(m.problem_table[FOLLOW], (m, count)) == SOLVED:
         linear(m, count)
-        if settled(m, count, LOOSE):
+        if is_solution(m, count, LOOSE):
             for r in range(2 * count):
                 largest = max(largest, abs(side[B, r]))
                 apart = max(apart, abs(side[A, r] - path[KEPT_A, r]))
@@ -120,13 +120,13 @@ def take_modes(m, count, code):
 
 @compiled
 def try_combinations(m, count, most, slack):
-    """`try_kernel` with solutions that are settled up to `slack`."""
+    """`try_kernel` with solutions that are solutions up to `slack`."""
     side, active = m.side, m.active
     kept, found, first = m.path[KEPT_A], 0, 0
     for code in range(combinations(m, count)):
         take_modes(m, count, code)
         linear(m, count)
-        if not settled(m, count, slack):
+        if not is_solution(m, count, slack):
             continue
         new = found == 0
         largest, apart = 0.0, 0.0

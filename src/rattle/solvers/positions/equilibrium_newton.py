@@ -27,7 +27,7 @@ from rattle.jit.small_matrices import (
 RANK = 1e-9  # what is left of a row, as a share of the longest, that counts as dependent
 ROUNDS = 150  # Newton steps before a start is given up
 HALVINGS = 30
-LOST, SETTLED, KNOWN, GOING = range(4)
+LOST, FOUND, KNOWN, GOING = range(4)
 # rows of `line`
 OUT, G, DZ, MOVE, TRIAL, START, WORK = range(7)
 # entries of `state`; MOST_TURN of a body in one step [rad], shifts as a share of the mechanism's extent
@@ -58,7 +58,7 @@ def scaled_rows(m, scale, wide, norm):
 
 
 @compiled
-def look(m, t, q, scale, wide, norm, order, pivot, null, line):
+def reduce(m, t, q, scale, wide, norm, order, pivot, null, line):
     """Reduced force into line[G], scaled null space into the first lines of `null`; leaves the multipliers.
 
     Returns the number of degrees of freedom.
@@ -249,7 +249,7 @@ def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot
             offsets(m, links, links.shape[0], arm)
             fine = not changed_side(arm, links)
         if fine:
-            fine = look(m, t, trial, scale, wide, norm, order, pivot, null, line) == dof
+            fine = reduce(m, t, trial, scale, wide, norm, order, pivot, null, line) == dof
         if fine:
             length = 0.0
             for j in range(dof):
@@ -278,7 +278,7 @@ def begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
     gap, _ = close_position(m, t, q, line[START], 1e-13 * size, 60)
     if not gap < 1e-9 * size:
         return False
-    dof = look(m, t, q, scale, wide, norm, order, pivot, null, line)
+    dof = reduce(m, t, q, scale, wide, norm, order, pivot, null, line)
     extent, square = size, 0.0
     for k in range(q.shape[0]):
         if k % 3 < 2:
@@ -291,7 +291,7 @@ def begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
 
 
 @compiled
-def settle(
+def find(
     m, t, q, scale, size, step, downhill, rounds, known, count, near,
     links, arm, wide, norm, order, pivot, null, line, small, state, order_h, pivot_h, most,
 ):  # fmt: skip
@@ -306,7 +306,7 @@ def settle(
     dof = int(state[DOF])
     for _ in range(rounds):
         if dof == 0:
-            return SETTLED
+            return FOUND
         if not state[G_SIZE] < math.inf:
             return LOST
         if is_known(q, known, count, near, scale):
@@ -318,18 +318,18 @@ def settle(
             return LOST
         rest = before <= 1e-8 * state[FORCE_SIZE]
         if far < 1e-13 * size:  # where H vanishes there is no step either
-            return SETTLED if rest else LOST
+            return FOUND if rest else LOST
         if before <= 1e-12 * state[FORCE_SIZE] and far < 1e-10 * size:
-            return SETTLED
+            return FOUND
         if not advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot, null, line, state, most):
-            return SETTLED if rest else LOST
+            return FOUND if rest else LOST
         state[ITERATION] += 1.0
         slow = state[G_SIZE] <= 1e-11 * state[FORCE_SIZE] and state[G_SIZE] > 0.1 * before
         state[SMALL] = state[SMALL] + 1.0 if slow else 0.0
         if state[SMALL] == 2.0:
-            return SETTLED
+            return FOUND
         if state[ITERATION] >= ROUNDS:
-            return SETTLED if state[G_SIZE] <= 1e-8 * state[FORCE_SIZE] else LOST
+            return FOUND if state[G_SIZE] <= 1e-8 * state[FORCE_SIZE] else LOST
     return GOING
 
 
@@ -340,7 +340,7 @@ def walk(m, t, q, scale, size, stride, direction, wide, norm, order, pivot, null
     Returns the gap that is left (inf where there is no way on), the force along the way and the largest reduced one.
     """
     n = q.shape[0]
-    dof = look(m, t, q, scale, wide, norm, order, pivot, null, line)
+    dof = reduce(m, t, q, scale, wide, norm, order, pivot, null, line)
     move, square = line[MOVE], 0.0
     for k in range(n):
         move[k] = 0.0
@@ -359,7 +359,7 @@ def walk(m, t, q, scale, size, stride, direction, wide, norm, order, pivot, null
     gap, _ = close_position(m, t, q, line[START], 1e-13 * size, 60)
     if not gap < 1e-9 * size:
         return math.inf, 0.0, 0.0
-    dof = look(m, t, q, scale, wide, norm, order, pivot, null, line)
+    dof = reduce(m, t, q, scale, wide, norm, order, pivot, null, line)
     along = 0.0
     for j in range(dof):
         part = 0.0
