@@ -87,7 +87,7 @@ def test_permissions_and_links_are_kept(tmp_path):
 def test_links_in_a_circle_are_named(tmp_path):
     (tmp_path / "a").symlink_to(tmp_path / "b")
     (tmp_path / "b").symlink_to(tmp_path / "a")
-    with pytest.raises(OSError, match="its links lead round in a circle"):
+    with pytest.raises(OSError, match="its symbolic links form a circle"):
         writable(tmp_path / "a")
 
 
@@ -102,7 +102,7 @@ def test_the_file_that_is_read_is_not_written(tmp_path):
     file, link = tmp_path / "a", tmp_path / "b"
     file.write_text("")
     link.symlink_to(file)
-    with pytest.raises(FileExistsError, match="it is the file that is read; give another name"):
+    with pytest.raises(FileExistsError, match="it is the input file; give another name"):
         refuse_input(link, file)
     refuse_input(tmp_path / "c", file, tmp_path / "d")
 

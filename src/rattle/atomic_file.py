@@ -1,4 +1,4 @@
-"""Writing files so that a reader never meets half of one, and nothing else is harmed."""
+"""Writing files completely or not at all, without damage to any other file."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ TERMINATED = 128 + 15  # exit status of a program that SIGTERM ended
 
 
 def writable(path: str | os.PathLike[str]) -> Path:
-    """The file that `path` means. Raises an OSError that says why it cannot be written and what to do."""
+    """The file that `path` refers to.  Raises an OSError that says why it cannot be written and what to do."""
     target = Path(path).expanduser()
     if is_special(target):
         return _special(target)
     target = Path(os.path.realpath(target)) if target.is_symlink() else target
     if target.is_symlink():
-        raise OSError(errno.ELOOP, f"cannot write {target}: its links lead round in a circle")
+        raise OSError(errno.ELOOP, f"cannot write {target}: its symbolic links form a circle")
     folder = target.parent
     if target.is_dir():
         raise IsADirectoryError(f"cannot write {target}: it is a folder; give a file name")
@@ -42,7 +42,7 @@ def writable(path: str | os.PathLike[str]) -> Path:
 
 
 def is_special(path: str | os.PathLike[str]) -> bool:
-    """True for what is there but no plain file or folder: a device, a pipe, the program's own output."""
+    """True if `path` exists but is not a plain file or folder: a device, a pipe, the program's own output."""
     try:
         seen = os.stat(path)
     except (OSError, ValueError):
@@ -51,7 +51,7 @@ def is_special(path: str | os.PathLike[str]) -> bool:
 
 
 def _stream(seen: os.stat_result) -> Any:
-    """The program's own output stream that is this file, if one is."""
+    """The output stream of this program (stdout, stderr) that is the file `seen`, or None."""
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError, AttributeError):  # closed, or not a file at all
             if os.path.samestat(os.fstat(stream.fileno()), seen):
@@ -69,25 +69,25 @@ def _special(target: Path) -> Path:
 
 
 def refuse_input(path: str | os.PathLike[str], *inputs: str | os.PathLike[str]) -> None:
-    """Raise an OSError where a file to be written is one of those that are read."""
+    """Raise an OSError if the file to be written is one of the input files."""
     for one in inputs:
         with suppress(FileNotFoundError):
             if os.path.samefile(path, one):
-                raise FileExistsError(f"cannot write {path}: it is the file that is read; give another name")
+                raise FileExistsError(f"cannot write {path}: it is the input file; give another name")
 
 
 @contextmanager
 def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a temporary name beside `path`; what is written there takes the place of `path` at the end.
+    """Yield a temporary file name in the folder of `path`; on success that file replaces `path`.
 
-    The temporary name keeps the suffix, from which writers choose their format.  If anything goes
-    wrong nothing is left behind and an older file stays as it was; its permissions are kept.
-    Devices and pipes are written to, never replaced; of a file with several names (hard links) the content is.
+    The temporary name keeps the suffix, from which writers choose their format.  After a failure nothing is left
+    behind and an existing file is unchanged.  A file that is replaced keeps its permissions.
+    Devices and pipes are written to, not replaced; so is a file with several names (hard links).
 
         with atomic("out.csv") as file:
             file.write_text(text)
 
-    Raises an OSError (of the kind the system gave) that names `path` and what to do.
+    Raises an OSError (of the same class as the system's) that names `path` and says what is wrong.
     """
     target = writable(path)
     folder = Path(tempfile.gettempdir()) if is_special(target) else target.parent
@@ -106,7 +106,7 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def _put(temporary: Path, target: Path) -> None:
-    """The finished temporary file becomes the target."""
+    """Move or copy the finished temporary file to the target."""
     with temporary.open("r+b") as file:
         os.fsync(file.fileno())
     if not target.exists():
@@ -130,7 +130,7 @@ def _put(temporary: Path, target: Path) -> None:
 
 
 def _opened(target: Path, seen: os.stat_result) -> Any:
-    """A device or pipe for writing; the program's own output goes on where it is."""
+    """A device or pipe opened for writing; the program's own output is continued at its position."""
     stream = _stream(seen)
     if stream is None:
         return target.open("wb")
@@ -140,7 +140,7 @@ def _opened(target: Path, seen: os.stat_result) -> Any:
 
 @contextmanager
 def _orderly_end() -> Iterator[None]:
-    """Inside, SIGTERM ends the program as an exception does: what was begun is cleared away."""
+    """While active, SIGTERM ends the program through an exception, so that temporary files are removed."""
     ours = threading.current_thread() is threading.main_thread()
     if not ours or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
         yield

@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions that say what, where and what to do."""
+"""Exceptions that say what is wrong, where, and what to do about it."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ CANDIDATES = 1000  # names that a misspelt one is compared with
 
 
 def shown(text: str) -> str:
-    """A text for a terminal: what would steer it (escape sequences, directions of writing) is written out."""
+    """The text made safe for a terminal: control characters (escape sequences, text direction) are spelled out."""
     return "".join(c if c.isprintable() or c in "\n\t" else c.encode("unicode_escape").decode() for c in text)
 
 
 def suggest(word: str, known: Iterable[str]) -> str:
-    """ "; did you mean 'x'?" when something known is close to `word`, else what there is (if little)."""
+    """ "; did you mean 'x'?" when a known name is close to `word`, otherwise all known names if at most 12."""
     import difflib
 
     options = list(islice(known, CANDIDATES))
@@ -32,9 +32,9 @@ def _short(name: str) -> str:
 
 
 class Problem:
-    """One thing wrong in a model: where (path, line) and what.
+    """One fault in a model: where it is (path, line) and what is wrong.
 
-    at_key: it is the key that is wrong, not its value.  column: the spot in a text value, from 0.
+    at_key: the key is wrong, not its value.  column: the character of a text value at fault, counted from 0.
     """
 
     __slots__ = ("at_key", "caret", "column", "line", "message", "path")
@@ -51,7 +51,7 @@ class Problem:
 
     @property
     def key(self) -> str:
-        """The path as the user would write it, "joints.O3.clearance"."""
+        """The path in dotted form, as in "joints.O3.clearance"."""
         text = ""
         for part in self.path:
             text += f"[{part}]" if isinstance(part, int) else ("." if text else "") + _short(str(part))
@@ -62,7 +62,7 @@ class Problem:
 
 
 class ModelError(ValueError):
-    """The model cannot be used; `.problems` holds every reason found (the first 50 of very many)."""
+    """The model cannot be used; `.problems` lists every fault found (at most the first 50)."""
 
     def __init__(self, problems: list[Problem], file: str = "") -> None:
         self.problems = problems
@@ -75,24 +75,24 @@ class ModelError(ValueError):
             lines.append(f"these are the first {MOST} problems; there may be more")
         super().__init__("\n".join(lines))
 
-    def __reduce__(self) -> tuple[Any, ...]:  # the arguments are not the text, which is what copies are made of
+    def __reduce__(self) -> tuple[Any, ...]:  # pickle would pass the message text, which is not what __init__ takes
         return type(self), (self.problems, self.file)
 
 
 class MissingPackage(ImportError):
-    """Something that was asked for needs a package that is not installed; the message says which."""
+    """A requested feature needs a Python package that is not installed; the message names it."""
 
 
 class MissingProgram(RuntimeError):
-    """Something that was asked for needs a program that is not installed; the message says which."""
+    """A requested feature needs a program that is not installed; the message names it."""
 
 
 class AssemblyError(RuntimeError):
-    """The mechanism cannot be put together, or cannot take the position asked for."""
+    """The mechanism cannot be assembled, or cannot take the position asked for."""
 
 
 class SolverError(RuntimeError):
-    """A run could not go on (only with `strict=True`); `.result` holds what was computed before."""
+    """A run stopped early (raised only with `strict=True`); `.result` holds what was computed until then."""
 
     def __init__(self, message: str, result: Any) -> None:
         super().__init__(message)

@@ -1,4 +1,4 @@
-"""What a kind is: families, kinds and their fields, found by looking into the folders of `rattle.elements`.
+"""Registry of families, kinds and their fields; kinds are found by importing the folders of `rattle.elements`.
 
 A *family* (joint, load ...) has one kernel signature.  A *kind* (revolute, spring ...) is one class in one file: its
 fields say what the user writes, its kernel says what it does.  Kernels are reached through a table of native
@@ -26,12 +26,14 @@ _discovered = _discovering = False
 
 @dataclass(frozen=True)
 class Field:
-    """One thing the user writes for a kind.
+    """One key that the user writes for a kind.
 
-    shape: number | pair | point ("body.point") | body | joint | choice | size (a table of numbers)
-    live: the value may use t, state and signals, and is then evaluated anew at every instant.
-    least: "positive" or "not negative" where the number is limited.
-    default: a number, or a function of the fields read so far.
+    unit: SI unit of the number, "" for a plain number or angle.  meaning: a few words for help and documentation.
+    shape: number | pair | point ("body.point") | body | joint | choice | size (a table of numbers).
+    live: the value may be an expression in t, state and signals, evaluated at every instant.
+    least: "positive" or "not negative" if the number is limited.
+    default: a number in SI units, or a function of the fields read so far; REQUIRED if the key must be given.
+    choices: the words allowed for shape "choice".
     """
 
     unit: str
@@ -45,7 +47,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Kind:
-    """An entry of the registry: the class a leaf file defines, its kernel and its place in the table."""
+    """An entry of the registry: the class that a leaf file defines, its kernel, its index (`tag`) in the table."""
 
     family: str
     name: str
@@ -61,14 +63,14 @@ class Kind:
 
     @property
     def source(self) -> str:
-        """Where the formula comes from, as the docstring says."""
+        """Source of the formula: the line "Source: ..." of the leaf's docstring, "" if there is none."""
         lines = (self.leaf.__doc__ or "").splitlines()
         found = [line.strip()[7:].strip() for line in lines if line.strip().startswith("Source:")]
         return found[0] if found else ""
 
 
 def fields_of(leaf: type) -> dict[str, Field]:
-    """The fields of a leaf, those it inherits first; one declared anew keeps its place."""
+    """The fields of a leaf, inherited ones first; a field declared again keeps its position."""
     declared: dict[str, Any] = {}
     for one in reversed(leaf.__mro__):
         declared.update(vars(one))
@@ -76,13 +78,16 @@ def fields_of(leaf: type) -> dict[str, Field]:
 
 
 def kind(family: str, name: str, kernel: KernelFunction | None = None) -> Callable[[type], type]:
-    """Class decorator: enter the class in the registry as one kind of `family`."""
+    """Class decorator: register the class as a kind of `family`.
+
+    Raises ValueError if another module has registered a kind of that name.
+    """
 
     def enter(leaf: type) -> type:
         entries = _families.setdefault(family, {})
         old = entries.get(name)
         if old is not None and old.leaf.__module__ != leaf.__module__:
-            raise ValueError(f"{family} '{name}' is in the registry already ({old.leaf.__module__})")
+            raise ValueError(f"{family} '{name}' is already registered ({old.leaf.__module__})")
         tag = old.tag if old is not None else len(entries)
         entries[name] = Kind(family, name, tag, kernel, leaf, fields_of(leaf))
         return leaf
@@ -103,12 +108,12 @@ def families() -> Iterator[str]:
 
 
 def discover() -> None:
-    """Search the leaf packages once; other threads wait until the registry is whole."""
+    """Import the leaf packages once; other threads wait until the registry is complete."""
     global _discovered, _discovering
     if _discovered:
         return
     with _lock:
-        if _discovered or _discovering:  # the second: a leaf asks for the registry while it is being made
+        if _discovered or _discovering:  # _discovering: a leaf uses the registry while it is being filled
             return
         _discovering = True
         try:
@@ -124,8 +129,8 @@ def discover() -> None:
 def table(*names: str, machine: bool | None = None, used: Any = None) -> Any:
     """Kernels of the given families in tag order, one family after the other.
 
-    An int64 array of addresses when machine code runs (or is asked for), a tuple of Python functions otherwise.
-    used: places in the table that may be called; others are 0.  None means all.
+    machine: an int64 array of native addresses if True, a tuple of Python functions if False; None: as the JIT is on.
+    used: indices in the table that may be called; the other addresses are 0.  None means all.
     """
     found = [entry.kernel for family in names for entry in kinds(family).values() if entry.kernel]
     if jit_runs() if machine is None else machine:

@@ -1,21 +1,21 @@
 """Expressions at run time: small stack programs and the two loops that execute them.
 
-A program is rows (op, argument, side, crossed) of an integer array.  An op takes its operands from the top of the
-stack and leaves its result there; a choice takes four (the two compared, then, otherwise), so that
-there are no jumps.  Outside its domain a function gives nan or inf and never raises: the guards below
-do nothing in machine code that C would not do, but keep plain Python from raising.
+A program is an integer array with rows (op, argument, side, crossed).  An op takes its operands from the top of the
+stack and leaves its result there.  A choice takes four operands (the two compared, then, otherwise), so that
+there are no jumps.  Outside its domain a function gives nan or inf and never raises: the guards below give what
+C would give, and keep plain Python from raising.  All values are in SI units.
 
-`evaluate_jet` runs the same program on 2-jets (value, first and second time derivative), z = f(x):
+`evaluate_jet` runs the same program on 2-jets (value, first and second time derivative), for z = f(x):
 
     dz  = f' dx
     ddz = f'' dx**2 + f' ddx
 
 Switches (abs, sign, step, min, max, if) have a switching function s: their operand, or the difference of the two
-that are compared.  A side of +1 or -1 in the program fixes the branch of s > 0 or s < 0 whatever s is, so that a run
-has one smooth right-hand side between two switching instants; `crossed` then notes that s was seen on the other side.
-With side 0 the value of s decides: at s = 0 values are those of the definition (sign(0) = 0, step(0) = 1), the
-derivatives of a jet are those of the side to which s is going, the right-hand ones.  A branch that has no finite
-value at s = 0 itself is not taken there: "sin(t)/t if t > 0 else 1" may be written.
+operands that are compared.  A side of +1 or -1 in the program selects the branch for s > 0 or s < 0 whatever the value
+of s, so that the right-hand side is smooth between two switching instants; `crossed` is set to 1 when s has the other
+sign.  With side 0 the value of s decides: at s = 0 values are those of the definition (sign(0) = 0, step(0) = 1), and
+the derivatives of a jet are one-sided, those of the side that s enters next.  A branch without a finite value at s = 0
+is not taken there, so that "sin(t)/t if t > 0 else 1" is allowed.
 
 Source: Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), ch. 13 (Taylor arithmetic).
 """
@@ -26,7 +26,7 @@ import math
 
 from rattle.jit.functions import compiled, native
 
-# leaves, then functions of one operand, of two, and choices: the loops rely on this order
+# operands, then functions of one operand, of two, and choices: the loops rely on this order
 CONST, TIME, STATE, SIGNAL = range(4)
 NEG, SQUARE, ABS, SIGN, STEP, SQRT, EXP, LOG, SIN, COS, TAN, ASIN, ACOS, ATAN, TANH = range(4, 19)
 ADD, SUB, MUL, DIV, POW, ATAN2, HYPOT, MIN, MAX = range(19, 28)
@@ -41,7 +41,7 @@ LARGEST = 709.78  # exp of more than this is inf
 
 @compiled
 def quotient(x, y):
-    """x / y, with inf and nan where y = 0."""
+    """x / y; inf or nan for y = 0."""
     if y != 0.0:
         return x / y
     if x == 0.0 or x != x:
@@ -51,7 +51,7 @@ def quotient(x, y):
 
 @compiled
 def power(x, y):
-    """x ** y; nan for a negative x with a broken exponent."""
+    """x ** y; nan for a negative x with an exponent that is not an integer."""
     if y == 0.0 or x == 1.0:
         return 1.0
     if x != x or y != y:
@@ -79,7 +79,7 @@ def power(x, y):
 
 @compiled
 def unary(op, x):
-    """One function of one operand."""
+    """Value of the function `op` of one operand [SI]."""
     if op == NEG:
         return -x
     if op == SQUARE:
@@ -115,7 +115,7 @@ def unary(op, x):
 
 @compiled
 def binary(op, x, y):
-    """One function of two operands."""
+    """Value of the function `op` of two operands [SI]."""
     if op == ADD:
         return x + y
     if op == SUB:
@@ -137,7 +137,7 @@ def binary(op, x, y):
 
 @compiled
 def holds(op, x, y):
-    """Whether the comparison of a choice is true."""
+    """True if the comparison of the choice `op` between x and y holds."""
     if op == LESS:
         return x < y
     if op == AT_MOST:
@@ -149,7 +149,7 @@ def holds(op, x, y):
 
 @compiled
 def branch(op, side, x, y):
-    """A switch of one or two operands on a given side of its switching function; y is not read by one of one."""
+    """Value [SI] of a switch on a given side of its switching function; abs, sign and step do not use y."""
     if op == ABS:
         return x if side > 0 else -x
     if op == MIN:
@@ -165,7 +165,10 @@ def branch(op, side, x, y):
 
 @compiled
 def heading(s, ds, dds):
-    """Side of a switching function: its sign, at zero the one it is going to; 0 where it stays at zero."""
+    """Side of a switching function s with time derivatives ds, dds: the sign of the first of them that is not zero.
+
+    At s = 0 this is the side that s enters next; 0 if it stays at zero or is nan.
+    """
     for n in range(3):
         value = s if n == 0 else (ds if n == 1 else dds)
         if value > 0.0:
@@ -179,10 +182,10 @@ def heading(s, ds, dds):
 
 @native("f", "n", "v", "i", "i", "f", "m", "v", "v")
 def evaluate(code, const, first, last, t, body, signals, stack):
-    """Value of the program in rows first..last-1 of `code` (n, 4); notes in it which switches were crossed.
+    """Value [SI] of the program in rows first..last-1 of `code` (n, 4); marks the switches that were crossed in `code`.
 
-    const: (nc,) constants of all programs; body: (nb+1, 8), argument k of STATE is body[k >> 3, k & 7];
-    signals: (ns,); stack: scratch, at least as long as the program is deep.
+    const: (nc,) constants of all programs [SI]; t: time [s]; body: (nb+1, 8) state [SI], the argument k of STATE means
+    body[k >> 3, k & 7]; signals: (ns,) values [SI]; stack: scratch, at least as long as the program's depth.
     """
     top = -1
     for row in range(first, last):
@@ -237,7 +240,7 @@ def evaluate(code, const, first, last, t, body, signals, stack):
 
 @compiled
 def slopes(op, x, f):
-    """First and second derivative of a function of one operand, f its value at x."""
+    """First and second derivative of the function `op` at x [SI], where its value is f."""
     if op == NEG:
         return -1.0, 0.0
     if op == SQUARE:
@@ -275,7 +278,7 @@ def slopes(op, x, f):
 
 @compiled
 def power_jet(x, dx, ddx, y, dy, ddy, z):
-    """First and second time derivative of z = x ** y."""
+    """First and second time derivative [1/s, 1/s^2] of z = x ** y."""
     if dy == 0.0 and ddy == 0.0:
         if x != 0.0:
             z1 = quotient(y * z, x)
@@ -294,7 +297,7 @@ def power_jet(x, dx, ddx, y, dy, ddy, z):
 
 @compiled
 def binary_jet(op, side, x, dx, ddx, y, dy, ddy):
-    """A function of two operands in jet arithmetic: value, first and second time derivative."""
+    """A function of two operands in jet arithmetic: value, first and second time derivative [SI, 1/s, 1/s^2]."""
     if op >= MIN:
         if side == 0:
             side = heading(x - y, dx - dy, ddx - ddy)
@@ -319,7 +322,7 @@ def binary_jet(op, side, x, dx, ddx, y, dy, ddy):
         ddz = quotient(ddx - 2.0 * dz * dy - z * ddy, y)
     elif op == POW:
         dz, ddz = power_jet(x, dx, ddx, y, dy, ddy, z)
-    elif op == ATAN2:  # the angle of (y, x): first operand over second
+    elif op == ATAN2:  # angle of the vector (y, x): the first operand is the ordinate
         size = x * x + y * y
         dz = quotient(y * dx - x * dy, size)
         ddz = quotient(y * ddx - x * ddy - 2.0 * dz * (x * dx + y * dy), size)
@@ -337,9 +340,10 @@ def binary_jet(op, side, x, dx, ddx, y, dy, ddy):
 
 @compiled
 def evaluate_jet(code, const, first, last, t, jets, stack, out):
-    """Value, first and second time derivative of the program in rows first..last-1, into out (3,).
+    """Value, first and second time derivative [SI] of the program in rows first..last-1 at time t [s], into out (3,).
 
-    jets: (ns, 3) signals with their time derivatives; stack: (depth, 3) scratch.  State gives nan.
+    jets: (ns, 3) signals with their time derivatives [SI]; stack: (depth, 3) scratch.  A program that uses the state
+    gives nan.
     """
     top = -1
     for row in range(first, last):

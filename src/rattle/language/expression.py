@@ -1,8 +1,8 @@
-"""Expressions in a model file: checked for dimensions, turned into small stack programs.
+"""Expressions in a model file: checked for dimensions and translated into small stack programs.
 
-An expression holds numbers, names (`l1`, `rocker.omega`), `+ - * / **`, parentheses, the functions of
-`FUNCTIONS`, `pi`, the time `t`, and `a if x < y else b`.  Nothing else is read, so that a file can never
-run code.
+An expression consists of numbers, names (`l1`, `rocker.omega`), `+ - * / **`, parentheses, the functions of
+`FUNCTIONS`, `pi`, the time `t`, and `a if x < y else b`.  Everything else is refused, so a model file can
+never run code.
 """
 
 from __future__ import annotations
@@ -65,10 +65,10 @@ _OPS = {
 
 # ---------------------------------------------------------------- dimensions
 def dimension(node: Node, lookup: Callable[[str], Dimension | None], time: Dimension | None = TIME) -> Dimension | None:
-    """Dimension of an expression, None where it cannot be known.
+    """Dimension of an expression, None if it cannot be determined.
 
-    lookup: dimension of a name, None if unknown.  time: that of `t`.  Numbers written in the expression may have
-    any unit, so that "9.81*m" raises no false alarm.  Raises ExpressionError for "m + kg", "sin(m)" and the like.
+    lookup: dimension of a name, None if unknown.  time: dimension of `t`.  A number in the expression is assumed to
+    have any dimension that fits, as in "9.81*m".  Raises ExpressionError for "m + kg", "sin(m)" and the like.
     """
     stack: list[Dimension | None] = []
     for part in walk(node):
@@ -134,25 +134,28 @@ def _word(known: Dimension | None) -> str:
 # ---------------------------------------------------------------- programs
 @dataclass(frozen=True, slots=True, eq=False)
 class Program:
-    """An expression as `language.bytecode.evaluate` runs it."""
+    """An expression as a stack program for `language.bytecode.evaluate`; all numbers in SI units."""
 
     code: np.ndarray  # (n, 4) int64: op, argument, side, crossed; see `language.bytecode`
-    const: np.ndarray  # (nc,)
-    depth: int  # length of the stack it needs
+    const: np.ndarray  # (nc,) constants [SI]
+    depth: int  # size of the stack it needs
     uses_state: bool
     uses_time: bool
     signals: frozenset[int]  # indices of the signals it reads
 
 
 def value(node: Node, constants: Mapping[str, float]) -> float:
-    """Value of an expression over constants.  Raises ExpressionError for other names and if it is not finite."""
+    """Value of a constant expression [SI]; `constants` holds the values of names [SI].
+
+    Raises ExpressionError for other names and if the value is not finite.
+    """
     assembler = _Assembler(constants, {}, {}, time=False)
     assembler.read(node)
     return assembler.const[0]
 
 
 def require_finite(node: Node, constants: Mapping[str, float]) -> None:
-    """Raise ExpressionError where a part without `t`, state and signals has no finite value."""
+    """Raise ExpressionError if a part without `t`, state and signals has no finite value; `constants` in SI units."""
     live = {name: 0 for name in names(node) if name not in constants}
     _Assembler(constants, live, {}, time=True).read(node)
 
@@ -160,18 +163,18 @@ def require_finite(node: Node, constants: Mapping[str, float]) -> None:
 def compile_program(
     node: Node, constants: Mapping[str, float], state: Mapping[str, int], signals: Mapping[str, int]
 ) -> Program:
-    """Turn an expression into a program.  Every part without `t`, state and signals becomes one constant.
+    """Translate an expression into a program.  Every part without `t`, state and signals becomes one constant.
 
-    constants: values of names [SI]; state: place of a state name in `body`, 8 * row + column;
+    constants: values of names [SI].  state: index of a state name in `body`, 8 * row + column.
     signals: index of a signal.  Raises ExpressionError for unknown names and for constants that are not finite.
     """
     return _Assembler(constants, state, signals, time=True).assemble(node)
 
 
 def concatenate(parts: Sequence[Program]) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-    """Several programs in one: code (n, 4), const (nc,), first (np+1,) and the greatest depth.
+    """Several programs joined into one: code (n, 4), const (nc,) [SI], first (np+1,) and the greatest stack depth.
 
-    Program i is rows first[i] to first[i + 1] - 1 of `code`; its constants are counted from the start of `const`.
+    Program i is rows first[i] to first[i + 1] - 1 of `code`; its constants are indexed from the start of `const`.
     """
     first = np.zeros(len(parts) + 1, dtype=np.int64)
     first[1:] = np.cumsum([len(part.code) for part in parts])
@@ -188,7 +191,7 @@ def concatenate(parts: Sequence[Program]) -> tuple[np.ndarray, np.ndarray, np.nd
 
 
 class _Assembler:
-    """Emits rows in the order of evaluation and folds constants on the way."""
+    """Writes the rows of a program in the order of evaluation and folds constants."""
 
     def __init__(
         self, constants: Mapping[str, float], state: Mapping[str, int], signals: Mapping[str, int], time: bool
@@ -196,12 +199,12 @@ class _Assembler:
         self.constants, self.state, self.signals, self.time = constants, state, signals, time
         self.code: list[tuple[int, int]] = []
         self.const: list[float] = []
-        self.columns: list[int] = []  # of the constants, or of what made them not finite
-        self.folded: list[bool] = []  # operands waiting on the stack: is it one constant?
+        self.columns: list[int] = []  # of the constants in the text, or of the operand that made them not finite
+        self.folded: list[bool] = []  # for each operand on the stack: is it a constant?
         self.depth = 0
 
     def read(self, node: Node) -> None:
-        """Rows and constants of an expression.  Raises ExpressionError."""
+        """Write rows and constants of an expression.  Raises ExpressionError for unknown names and for inf or nan."""
         for part in walk(node):
             if isinstance(part, Number):
                 self.constant(part.value, part.column)
@@ -267,7 +270,7 @@ class _Assembler:
 
 
 def _fold(op: int, given: list[float]) -> float:
-    """Value of one operation on constants, by the same functions that run in the kernels."""
+    """Value of one operation on constants, computed by the functions that the kernels use."""
     if len(given) == 1:
         return float(bytecode.unary.python(op, *given))
     if len(given) == 2:

@@ -1,7 +1,7 @@
 """Interval arithmetic for expressions of time: bounds of a program and of its rate over many spans of time at once.
 
-A `Span` holds bounds of a value and of its time derivative, one per box [low, high] of time.  Bounds are those of exact
-arithmetic: rounding is left to those who use them.  nan stands for a value that is not defined in the box.
+A `Span` holds bounds of a value and of its time derivative, one per interval [low, high] of time.  The bounds hold for
+exact arithmetic; the caller allows for rounding.  nan means that the value is not defined in the interval.
 
 Source: Moore, Kearfott, Cloud, Introduction to Interval Analysis (2009), chapters 2, 5 and 6.
 """
@@ -21,21 +21,21 @@ TURN = 2.0 * math.pi
 
 
 class Span(NamedTuple):
-    """Bounds of a value and of its time derivative."""
+    """Bounds of a value [SI] and of its time derivative [SI], each (n,) for n intervals of time."""
 
     low: Array
     high: Array
-    slow: Array  # least rate
-    fast: Array  # greatest rate
+    slow: Array  # lower bound of the rate
+    fast: Array  # upper bound of the rate
 
 
 def enclose(
     code: Array, const: Array, first: int, last: int, low: Array, high: Array, signals: Mapping[int, Span],
     side_of: Callable[[int], Array | None],
 ) -> list[Span]:  # fmt: skip
-    """What the program in rows first..last-1 leaves on its stack, over the boxes low..high (n,) of time [s].
+    """Bounds of what the program in rows first..last-1 leaves on its stack, over the intervals low..high (n,) [s].
 
-    signals: spans of those it reads.  side_of: side of the switch in a row, per box; None where it is not known.
+    signals: spans of the signals it uses.  side_of: side of the switch in a row, per interval; None if not known.
     """
     none = np.zeros_like(low)
     stack: list[Span] = []
@@ -79,7 +79,7 @@ def _undefined(like: Array) -> Span:
 
 
 def _product(a: Array, b: Array, c: Array, d: Array) -> tuple[Array, Array]:
-    """[a, b] * [c, d]; zero times infinity is zero, as a bound that is not reached."""
+    """[a, b] * [c, d]; zero times infinity is zero, because an infinite bound is never reached."""
     with np.errstate(invalid="ignore", over="ignore"):
         every = np.array([a * c, a * d, b * c, b * d])
     unknown = np.isnan(a + 0.0) | np.isnan(b) | np.isnan(c) | np.isnan(d)
@@ -95,7 +95,7 @@ def _times(x: Span, y: Span) -> Span:
 
 
 def _chain(low: Array, high: Array, least: Array, most: Array, x: Span) -> Span:
-    """A function with values low..high and derivative least..most, of x."""
+    """Chain rule: a function of x with values low..high and derivative least..most."""
     return Span(low, high, *_product(least, most, x.slow, x.fast))
 
 
@@ -115,7 +115,7 @@ def _sine(low: Array, high: Array, shift: float = 0.0) -> tuple[Array, Array]:
 
 
 def _reciprocal(low: Array, high: Array) -> tuple[Array, Array]:
-    """1 / [low, high]; everything where zero lies inside."""
+    """1 / [low, high]; -inf..inf if zero lies inside."""
     inside = (low <= 0.0) & (high >= 0.0)
     return np.where(inside, -math.inf, 1.0 / high), np.where(inside, math.inf, 1.0 / low)
 
@@ -149,7 +149,7 @@ def _unary(op: int, x: Span) -> Span:
 
 
 def _bounded(op: int, x: Span) -> Span:
-    """A function that is not defined everywhere: sqrt, log, asin, acos."""
+    """A function with a limited domain: sqrt, log, asin, acos."""
     least, most = (0.0, math.inf) if op in (p.SQRT, p.LOG) else (-1.0, 1.0)
     outside = (x.high < least) | (x.low > most)
     low, high = np.clip(x.low, least, most), np.clip(x.high, least, most)
@@ -234,7 +234,7 @@ def argument(op: int, operands: list[Span]) -> Span:
 
 
 def _switch(op: int, operands: list[Span], side: Array | None) -> Span:
-    """A switch on a known side, or both of its branches together where the side is not known."""
+    """A switch on a known side, or the union of both branches if the side is not known."""
     s = argument(op, operands)
     way = np.where(s.low > 0.0, 1.0, 0.0) - np.where(s.high < 0.0, 1.0, 0.0)
     if side is not None:
@@ -256,7 +256,7 @@ def _switch(op: int, operands: list[Span], side: Array | None) -> Span:
 
 
 def _branches(op: int, operands: list[Span]) -> tuple[Span, Span, bool]:
-    """What a switch gives for s > 0 and for s < 0, and whether its value leaps from one to the other."""
+    """Spans of a switch for s > 0 and for s < 0, and whether its value jumps between them."""
     x = operands[0]
     zero = np.zeros_like(x.low)
     if op == p.ABS:
@@ -271,7 +271,7 @@ def _branches(op: int, operands: list[Span]) -> tuple[Span, Span, bool]:
 
 
 def _at_zero(op: int, operands: list[Span], above: Span, below: Span) -> Span:
-    """What a switch gives while s = 0."""
+    """Span of a switch while s = 0."""
     if op == p.SIGN:
         zero = np.zeros_like(above.low)
         return Span(zero, zero, zero, zero)

@@ -20,7 +20,7 @@ class Material(NamedTuple):
     source: str = "given"
 
 
-Given = str | Mapping[str, Any] | Material  # how a material is written: its name, { E, nu }
+Given = str | Mapping[str, Any] | Material  # a material as written: its name or { E, nu }
 
 MATERIALS: Mapping[str, Material] = {
     "steel": Material(207e9, 0.30, "common value for carbon and low-alloy steel; Shigley: 207 GPa, 0.292"),
@@ -53,7 +53,7 @@ ALIASES = {
 
 
 def material(given: Given) -> Material:
-    """Material of a name in `MATERIALS` (in any case, - or space), or of {E [Pa], nu}.
+    """Material given by a name in `MATERIALS` (upper or lower case, hyphen or space), or by {E [Pa], nu [-]}.
 
     Raises ValueError for an unknown name (with a suggestion), for a missing or unknown key, and unless
     E > 0 and -1 < nu <= 0.5.

@@ -1,8 +1,8 @@
-"""Switches of expressions (abs, sign, step, min, max, if) and the instants at which those of time alone switch.
+"""Switches of expressions (abs, sign, step, min, max, if), and the instants of those that depend on time only.
 
-A switching function of time is bounded, with its rate, over spans of time that are halved until it has no zero in
-a span, or is monotone there: then its sign at both ends tells, and false position gives the first instant on the
-far side.  Switches inside come first, so that it is smooth between their instants.
+A switching function of time is bounded, with its rate, over spans of time.  A span is halved until the function has no
+zero in it or is monotone there; then the signs at both ends decide, and false position finds the first instant after
+the change of sign.  Nested switches are treated first: between their instants the function is smooth.
 
 Source: Moore, Kearfott, Cloud, Introduction to Interval Analysis (2009), section 8.1 (interval Newton, exclusion).
 """
@@ -17,32 +17,35 @@ import numpy as np
 from rattle.language import bytecode, intervals
 from rattle.language.intervals import SWITCHES, Span
 
-MOST = 200_000  # spans of one switching function that are looked at together
-WORK = 4e7  # rows of programs times spans that are worked through for all switching functions of a run
-CALL = 2000  # spans that take as long as a call with none
+MOST = 200_000  # spans of one switching function that are examined together, at most
+WORK = 4e7  # rows of programs times spans that are evaluated for all switching functions of a run, at most
+CALL = 2000  # spans that take as long as the fixed cost of a call
 NARROW = 2.0**-44  # share of the whole time below which a span is not halved
-SAME = 1e-13  # share of the whole time within which instants are one
+SAME = 1e-13  # share of the whole time within which two instants count as one
 
 
 @dataclass
 class Switch:
-    """One switch in a program, with its switching function: the operand, or the difference of the two, of `row`."""
+    """One switch in a program, in `row`; its switching function is the operand or the difference of two operands."""
 
     row: int
     first: int  # rows of the operands: first..last-1
     last: int
     count: int  # operands compared, 1 or 2
-    name: str  # path of the expression
-    timed: bool  # True: a function of time alone
+    name: str  # path of the expression in the model
+    timed: bool  # True: depends on time only
     driving: bool = False  # a driver depends on it
-    instants: np.ndarray = field(default_factory=lambda: np.zeros(0))  # in order [s]
+    instants: np.ndarray = field(default_factory=lambda: np.zeros(0))  # increasing [s]
     sides: np.ndarray = field(default_factory=lambda: np.zeros(1))  # before, between and after them
     resolved: bool = True
 
 
 @dataclass(frozen=True)
 class Signals:
-    """Programs of all signals in order of evaluation: first and last row, number."""
+    """Programs of all signals in order of evaluation; `rows` gives first row, last row + 1 and index of each.
+
+    code: (n, 4), const: (nc,) [SI], as in `language.expression.Program`.
+    """
 
     code: np.ndarray
     const: np.ndarray
@@ -50,7 +53,7 @@ class Signals:
     names: Sequence[str] = ()
 
     def used(self, spans: Iterable[tuple[int, int]]) -> set[int]:
-        """Numbers of the signals that rows first..last-1 of any of the spans use, directly or through others."""
+        """Indices of the signals used by rows first..last-1 of any of the spans, directly or through other signals."""
         where = {k: (a, b) for a, b, k in self.rows}
         found: set[int] = set()
         ahead = list(spans)
@@ -64,7 +67,7 @@ class Signals:
         return found
 
     def of_state(self) -> set[int]:
-        """Numbers of the signals that depend on the state."""
+        """Indices of the signals that depend on the state."""
         found: set[int] = set()
         for a, b, k in self.rows:  # in order: what a signal uses comes before it
             part = self.code[a:b]
@@ -74,9 +77,9 @@ class Signals:
 
 
 def find_switches(signals: Signals, used: Sequence[tuple[int, int, str, bool]]) -> list[Switch]:
-    """Switches of the programs `used` (first, last row, path, for a driver), those inside before what uses them.
+    """Switches of the programs `used` (first row, last row + 1, path, used by a driver), nested switches first.
 
-    Signals that are only recorded are not among them: nothing in the motion depends on these.
+    Signals that are only recorded are left out: the motion does not depend on them.
     """
     wanted = signals.used((a, b) for a, b, _, _ in used)
     driving = signals.used((a, b) for a, b, _, drives in used if drives)
@@ -89,7 +92,7 @@ def _switches_of(
     code: np.ndarray, of_state: set[int], first: int, last: int, name: str, driving: bool
 ) -> Iterator[Switch]:
     """Switches of one program in order of evaluation."""
-    stack: list[tuple[int, bool]] = []  # operands that wait: first row, and whether they depend on the state
+    stack: list[tuple[int, bool]] = []  # operands on the stack: first row, depends on the state
     for row in range(first, last):
         op, k = int(code[row, 0]), int(code[row, 1])
         if op <= bytecode.SIGNAL:
@@ -106,9 +109,9 @@ def _switches_of(
 
 
 def locate_all(signals: Signals, switches: Sequence[Switch], start: float, end: float) -> None:
-    """Give every switch of time alone its instants and sides between two times [s].
+    """Find the instants and sides of every switch that depends on time only, between two times [s].
 
-    Those whose instants are too many, or come when the work for all of them is spent, are not `resolved`.
+    A switch with too many instants, or reached after the work allowed for all of them is used up, is not `resolved`.
     """
     known = {switch.row: switch for switch in switches if switch.timed}
     spent = 0.0
@@ -119,12 +122,12 @@ def locate_all(signals: Signals, switches: Sequence[Switch], start: float, end: 
 
 
 def side_at(switch: Switch, t: np.ndarray) -> np.ndarray:
-    """Sides of a switch of time alone at the times t (n,)."""
+    """Sides (n,), -1, 0 or 1, of a switch that depends on time only, at the times t (n,) [s]."""
     return switch.sides[np.searchsorted(switch.instants, t, side="right")]
 
 
 class _Function:
-    """Switching function of one switch, with the sides of those inside it taken from the middle of each span."""
+    """Switching function of one switch; nested switches are on the side they have in the middle of each span."""
 
     def __init__(self, signals: Signals, switch: Switch, known: dict[int, Switch]) -> None:
         self.signals, self.switch = signals, switch
@@ -151,7 +154,7 @@ class _Function:
             return stack[0] if self.switch.count == 1 else intervals.minus(stack[0], stack[1])
 
     def value(self, t: np.ndarray, at: np.ndarray) -> np.ndarray:
-        """The function at times t (n,), on the sides of the times `at`."""
+        """The function at times t (n,) [s], with the nested switches on their sides at the times `at`."""
         return self(t, t, at).low
 
 
@@ -175,7 +178,7 @@ def _locate(function: _Function, start: float, end: float, work: float) -> None:
 def _roots(
     function: _Function, low: np.ndarray, high: np.ndarray, tiny: tuple[float, float], work: float
 ) -> tuple[np.ndarray, bool]:
-    """First instants on the far side of all changes of sign in the spans low..high; False when there are too many."""
+    """First instants [s] after each change of sign in the spans low..high; False if there are too many."""
     found = [np.zeros(0)]
     with np.errstate(all="ignore"):
         while len(low):
@@ -200,16 +203,17 @@ def _roots(
 
 
 def _far_side(function: _Function, low: np.ndarray, high: np.ndarray, at: np.ndarray, tiny: float) -> np.ndarray:
-    """First instants with another sign than at `low`, in every span whose ends differ in sign.
+    """First instants [s] with another sign than at `low`, in every span whose ends differ in sign.
 
-    False position (Illinois), every third time bisection, until neighbouring numbers or `tiny` [s] are left.
+    False position (Illinois) with bisection in every third iteration, until the span is two neighbouring floats or
+    shorter than `tiny` [s].
     """
     f_low, f_high = function.value(low, at), function.value(high, at)
     differ = np.sign(f_low) != np.sign(f_high)
     low, high, at, f_low, f_high = (one[differ] for one in (low, high, at, f_low, f_high))
     before = np.sign(f_low)
     found = np.where(before == 0.0, low, high)
-    high = found.copy()  # nothing is left to search where the span begins with zero
+    high = found.copy()  # a span that begins with zero needs no search
     ahead = np.arange(len(high))
     for turn in range(400):
         wide = high - low > np.maximum(tiny, np.spacing(np.abs(high)))
@@ -233,7 +237,7 @@ def _far_side(function: _Function, low: np.ndarray, high: np.ndarray, at: np.nda
 
 
 def merged(switches: Sequence[Switch], span: float) -> np.ndarray:
-    """Instants of all switches of time alone in order; those closer than rounding are one."""
+    """Instants [s] of all switches that depend on time only, increasing; equal within rounding of span [s] are one."""
     every = np.unique(np.concatenate([np.zeros(0), *(switch.instants for switch in switches if switch.timed)]))
     if not len(every):
         return every

@@ -1,7 +1,7 @@
-"""How an expression is written: tokens, precedence, and the tree that comes out.
+"""Syntax of expressions: tokens, precedence, and the tree that `parse` returns.
 
 Precedence is that of Python; `parse` refuses everything but numbers, names, operators, the functions of
-`FUNCTIONS` and `a if x < y else b`.  Nesting is limited, and every walk over the tree is a loop, so that no
+`FUNCTIONS` and `a if x < y else b`.  Nesting is limited, and the tree is walked in loops, so that no
 text leads to deep recursion.
 """
 
@@ -27,7 +27,7 @@ FUNCTIONS: Mapping[str, int] = {
     **dict.fromkeys(("atan2", "hypot"), 2),
     **dict.fromkeys(("min", "max"), -2),
 }
-RESERVED = frozenset(kwlist) | FUNCTIONS.keys() | {"pi", "t"}  # no parameter, signal or body may be called so
+RESERVED = frozenset(kwlist) | FUNCTIONS.keys() | {"pi", "t"}  # not allowed as name of a parameter, signal or body
 
 _BINDING = {"if": 1, "<": 2, "<=": 2, ">": 2, ">=": 2, "+": 3, "-": 3, "*": 4, "/": 4, "**": 6}
 _SIGN = 5  # -x**2 is -(x**2), -x*y is (-x)*y
@@ -39,14 +39,14 @@ _TOKEN = re.compile(
 )
 _REFUSED = {
     "^": "'^' is not an operator; use ** for powers",
-    "=": "'=' has no place in an expression; compare with < <= > >=",
-    '"': "an expression holds no text",
-    "'": "an expression holds no text",
-    "[": "an expression has no indices",
+    "=": "'=' is not allowed in an expression; compare with < <= > >=",
+    '"': "an expression cannot contain text",
+    "'": "an expression cannot contain text",
+    "[": "an expression cannot contain indices",
 }
 
 
-OTHERWISE = {  # functions that others know by another name, or not at all
+OTHERWISE = {  # functions of other languages that have another name here, or none
     "ln": "log is the natural logarithm",
     "log10": "write log(x)/log(10)",
     "log2": "write log(x)/log(2)",
@@ -58,11 +58,11 @@ OTHERWISE = {  # functions that others know by another name, or not at all
     "sgn": "write sign",
     "heaviside": "write step",
 }
-KNOWN = "an expression knows <body>.x .y .angle .vx .vy .omega of mass centres, t, parameters and signals"
+KNOWN = "an expression may use <body>.x .y .angle .vx .vy .omega of mass centres, t, parameters and signals"
 
 
 class ExpressionError(ValueError):
-    """What is wrong in an expression, and where: `column` counts characters from 0."""
+    """A fault in an expression; `column` is where it stands, in characters counted from 0."""
 
     def __init__(self, message: str, column: int = 0) -> None:
         super().__init__(message)
@@ -72,7 +72,7 @@ class ExpressionError(ValueError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Number:
-    """A number as written, or pi."""
+    """A number as written, without a unit (SI), or pi."""
 
     value: float
     column: int
@@ -88,7 +88,7 @@ class Name:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Apply:
-    """An operator, function or choice: "+", "neg", "sin", "if<" (compared, compared, then, otherwise)."""
+    """An operator, function or choice: "+", "neg", "sin", "if<" (left, right, then, otherwise)."""
 
     name: str
     operands: tuple[Node, ...]
@@ -99,19 +99,19 @@ Node = Number | Name | Apply
 
 
 def parse(text: str) -> Node:
-    """Read an expression.  Raises ExpressionError for everything that is not one, or is too large."""
+    """Read an expression.  Raises ExpressionError if the text is not an expression or is too long."""
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"the expression has {len(text)} characters; at most {MAX_LENGTH} are read", 0)
     return _Parser(text).read()
 
 
 def names(node: Node) -> set[str]:
-    """All names the expression uses (`t` among them, `pi` and functions not)."""
+    """All names that the expression uses, including `t`, without `pi` and functions."""
     return {part.name for part in walk(node) if isinstance(part, Name)}
 
 
 def walk(node: Node) -> list[Node]:
-    """All nodes, operands before what uses them, from left to right."""
+    """All nodes from left to right, operands before the operation that uses them."""
     found, waiting = [], [node]
     while waiting:
         part = waiting.pop()
@@ -123,7 +123,7 @@ def walk(node: Node) -> list[Node]:
 
 
 class _Parser:
-    """Operator precedence parser; `expression(least)` reads operators that bind at least so strongly."""
+    """Operator-precedence parser; `expression(least)` reads operators of precedence `least` or higher."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -150,10 +150,10 @@ class _Parser:
 
     @staticmethod
     def unit_or_product(number: str, word: str) -> str:
-        """What to do about a name right behind a number."""
+        """Advice for a name that follows a number directly."""
         if word in UNITS:
             return (
-                f"; units stand only in a plain quantity: enter x = '{number} {word}' under [parameters]"
+                f"; units are allowed only in a plain quantity: enter x = '{number} {word}' under [parameters]"
                 " and write x here"
             )
         return f"; write {number}*{word} for a product"
@@ -210,7 +210,7 @@ class _Parser:
             self.at -= 1
             self.refuse_joining()
         if word in kwlist:
-            raise ExpressionError(f"'{word}' has no place here", column)
+            raise ExpressionError(f"'{word}' is not allowed here", column)
         if word in FUNCTIONS:
             raise ExpressionError(f"'{word}' is a function; write {word}(...)", column)
         self.count(column)
@@ -249,11 +249,11 @@ class _Parser:
         return self.apply(f"if{test.name}", (*test.operands, then, otherwise), column)
 
     def refuse_joining(self) -> None:
-        """Conditions stand alone: say how two of them are written."""
+        """Refuse "and", "or", "not", and say how two conditions are written."""
         _, word, column = self.tokens[self.at]
         if word in ("and", "or", "not"):
             raise ExpressionError(
-                f"'{word}' is not known; for two conditions put one choice into the other:"
+                f"'{word}' is not known; for two conditions put one choice inside the other:"
                 " 'a if x < y else b' with a or b in parentheses",
                 column,
             )
@@ -277,7 +277,7 @@ class _Parser:
     @staticmethod
     def refuse_comparison(node: Node) -> None:
         if isinstance(node, Apply) and node.name in COMPARISONS:
-            raise ExpressionError(f"'{node.name}' stands only between 'if' and 'else'", node.column)
+            raise ExpressionError(f"'{node.name}' is allowed only between 'if' and 'else'", node.column)
 
 
 def _tokens(text: str) -> list[tuple[str, str, int]]:
@@ -289,7 +289,7 @@ def _tokens(text: str) -> list[tuple[str, str, int]]:
         if match is None:
             shown = text[at] if text[at].isprintable() else repr(text[at])[1:-1]
             if text[at] == "." and found and found[-1][0] == "name":
-                raise ExpressionError(f"'{found[-1][1]}.' goes too deep; {KNOWN}", at)
+                raise ExpressionError(f"'{found[-1][1]}.' has too many parts; {KNOWN}", at)
             raise ExpressionError(_REFUSED.get(text[at], f"unexpected character '{shown}'"), at)
         if match.lastgroup != "space":
             found.append((match.lastgroup or "", match[0], at))

@@ -1,4 +1,4 @@
-"""Units: "5 mm" is 0.005 and a length.
+"""Units: "5 mm" is the number 0.005 with the dimension of a length.
 
 A quantity is `<number> <unit>`.  A unit is a product of the names below with `*`, `·` or a space, `/`,
 powers with `^` or `**`, and parentheses: "N*m", "kg*m^2", "1/s", "N/(m/s)".  It is read from left to
@@ -17,16 +17,16 @@ from typing import Any, NamedTuple
 
 from rattle.errors import suggest
 
-MAX_LENGTH = 100  # of a quantity; longer texts are no quantities
+MAX_LENGTH = 100  # characters of a quantity; a longer text is not read as one
 MAX_POWER = 12.0
 
 
 class QuantityError(ValueError):
-    """A text that looks like a quantity, but whose unit or number is none."""
+    """A text that looks like a quantity, but whose unit is unknown or whose number is not finite."""
 
 
 class Dimension(NamedTuple):
-    """Exponents of metre, kilogram and second.  Angles are plain numbers."""
+    """Exponents [-] of metre, kilogram and second.  Angles are plain numbers: all three are 0."""
 
     m: float = 0.0
     kg: float = 0.0
@@ -41,12 +41,12 @@ class Dimension(NamedTuple):
         return Dimension(*(_simple(x - y) for x, y in zip(self, other, strict=True)))
 
     def power(self, exponent: float) -> Dimension:
-        """Dimension of a power (a square root has the exponent 1/2)."""
+        """Dimension of a power; the exponent is a plain number, 1/2 for a square root."""
         return Dimension(*(_simple(x * exponent) for x in self))
 
 
 def _simple(exponent: float) -> float:
-    """The fraction that rounding has blurred, so that a cube root cubed is what it was."""
+    """The exponent rounded to the nearby fraction n/5040, so that the cube of a cube root is exact."""
     if abs(exponent) > 1e6:
         return exponent
     parts = round(exponent * 5040)  # 5040 is a multiple of 1 to 10
@@ -114,7 +114,7 @@ UNITS: dict[str, tuple[float, Dimension]] = {
     "kHz": (1e3, RATE),
 }
 
-# what the dimensions of mechanics are called: unit, words
+# dimensions of mechanics: SI unit, words for messages
 _NAMES: dict[Dimension, tuple[str, str]] = {
     DIMENSIONLESS: ("", "a plain number or angle"),
     LENGTH: ("m", "a length"),
@@ -140,17 +140,17 @@ _NAMES: dict[Dimension, tuple[str, str]] = {
 }
 
 _NUMBER = r"[+-]?+(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+"
-# the groups of the unit repeat without possession, which Python 3.11.0 to 3.11.4 get wrong; each character has one
-# way to be matched all the same, so that no text makes this slow
+# no possessive repeats of groups in the unit: Python 3.11.0 to 3.11.4 match them wrongly; each character can be matched
+# in one way only, so there is no slow backtracking
 _UNIT = r"(?:[^\W\d_]|°|\(|1\s*+/)(?:\w|[°*·/()\s.]|\^\s*+\(?+[+-]?+|(?<=\*\*)\s*+\(?+[+-])*"
 _QUANTITY = re.compile(rf"\s*+({_NUMBER}|[+-]?+(?i:nan|inf|infinity)\b)\s*+({_UNIT})?")
 _TOKEN = re.compile(r"\s*+(\*\*|[*·/^()]|[+-]?[0-9]++(?:\.[0-9]++)?+|°|[^\W\d]\w*+|\S)")
 
 
 def parse_quantity(text: str) -> tuple[float, Dimension | None] | None:
-    """Value in SI units and dimension of a text such as "5 mm"; None if it is no quantity but an expression.
+    """Value in SI units and dimension of a text such as "5 mm"; None if it is not a quantity but an expression.
 
-    A number without a unit ("5") has the dimension None: it is in SI units, like a number that is no text.
+    A number without a unit ("5") has the dimension None and is taken in SI units, like a number written without quotes.
     Raises QuantityError for an unknown unit and for a number that is not finite.
     """
     found = _QUANTITY.fullmatch(text) if len(text) <= MAX_LENGTH else None
@@ -168,7 +168,7 @@ def parse_quantity(text: str) -> tuple[float, Dimension | None] | None:
             product = f"if {word[0]} is a parameter write {found[1]}*{word[0]}" if word else ""
             hint = f"; `rattle kinds units` lists them; {product}" if plain and word else ""
             raise QuantityError(f"{error}{hint}") from None
-        parts = round(1.0 / scale) if 1e-15 < scale < 1.0 else 0  # 5 um is 5 / 1000000: nearer than 5 * 1e-6
+        parts = round(1.0 / scale) if 1e-15 < scale < 1.0 else 0  # 5 um as 5 / 1000000: less rounding than 5 * 1e-6
         value = number / parts if abs(parts * scale - 1.0) < 1e-14 else number * scale
     if not math.isfinite(value):
         raise QuantityError(f"'{text.strip()}' is not a finite number")
@@ -181,7 +181,8 @@ Seconds = float | str  # a time: a number in s, or a text such as "20 ms"
 def seconds(value: Seconds, what: str) -> float:
     """A time in s, given as a number or as a text such as "20 ms".
 
-    what: the name of the argument, for the message.  Raises ValueError where it is no time, TypeError for other types.
+    what: the name of the argument, for messages.  Raises ValueError if the text or number is not a time, TypeError for
+    other types.
     """
     if isinstance(value, str):
         try:
@@ -202,12 +203,15 @@ def seconds(value: Seconds, what: str) -> float:
 
 
 def seconds_or_none(value: Seconds | None, what: str) -> float | None:
-    """`seconds`, where nothing may be given."""
+    """A time in s as `seconds` reads it, or None if None is given.  Raises as `seconds` does."""
     return None if value is None else seconds(value, what)
 
 
 def times(value: Any, what: str) -> Any:
-    """One time or several, texts among them turned into s; anything else is passed on as it is."""
+    """One time or a list of times in s, with texts converted as by `seconds`; other values are returned unchanged.
+
+    Raises as `seconds` does.
+    """
     if isinstance(value, str):
         return seconds(value, what)
     if isinstance(value, list | tuple) and any(isinstance(one, str) for one in value):
@@ -221,7 +225,7 @@ def dimension_of(unit: str) -> Dimension:
 
 
 def unit_name(dimension: Dimension) -> str:
-    """The SI unit of a dimension as one writes it: "kg", "N*m", "m/s^2"; "" for plain numbers and angles."""
+    """The SI unit of a dimension as it is written: "kg", "N*m", "m/s^2"; "" for plain numbers and angles."""
     if dimension in _NAMES:
         return _NAMES[dimension][0]
     parts = list(zip(("kg", "m", "s"), (dimension.kg, dimension.m, dimension.s), strict=True))
@@ -253,7 +257,7 @@ def _read_unit(text: str) -> tuple[float, Dimension]:
 
 
 class _UnitReader:
-    """Recursive descent over the tokens of one unit; `token` is the next one, "" at the end."""
+    """Recursive-descent parser of one unit; `token` is the next token, "" at the end."""
 
     def __init__(self, text: str) -> None:
         self.text = text
