@@ -336,7 +336,7 @@ class Mechanism(Building):
         out.  branches: "near" keeps the way in which the mechanism is put together, "all" looks for others too.
         The search is limited: it goes downhill first, so that the stable ones come before all others, and ends
         within about a tenth of a second for ten bodies; `.extent` of the list says how far it went, `.note` that it
-        was cut short.  effort: 10 lets it do ten times the work.
+        was cut short.  effort: 10 lets it do ten times the work; at most 10 000.
 
         With an array of times: the quasi-static motion over them as a Result, with the drivers' efforts, the mechanical
         advantage `<load>.advantage` (force or moment held at the load per unit of effort), `equilibrium.stiffness`
@@ -352,10 +352,10 @@ class Mechanism(Building):
         if np.ndim(t) == 0:
             from rattle.analyses.statics.equilibria import equilibria
 
-            return equilibria(self.system, arguments.number("t", t), branches, arguments.positive("effort", effort))
+            return equilibria(self.system, arguments.number("t", t), branches, arguments.effort(effort))
         from rattle.analyses.statics.quasistatic import quasistatic
 
-        return quasistatic(self.system, np.asarray(t, dtype=float), arguments.positive("effort", effort))
+        return quasistatic(self.system, np.asarray(t, dtype=float), arguments.effort(effort))
 
     def modes(self, t: Seconds = 0.0, equilibrium: Equilibrium | None = None, *, effort: float = 1.0) -> Modes:
         """Natural frequencies, damping and shapes about an equilibrium (default: the first of `equilibrium(t)`).
@@ -366,11 +366,12 @@ class Mechanism(Building):
         from rattle.analyses.statics.equilibria import static_problem
         from rattle.analyses.statics.modes import modes
 
-        searched = self.equilibrium(seconds(t, "t"), effort=effort) if equilibrium is None else None
-        found = [equilibrium] if equilibrium is not None else searched
-        if not found:
-            raise ValueError(f"no equilibrium was found at t = {seconds(t, 't'):g} s")
-        return modes(static_problem(self.system, found[0]), found[0], searched.note if searched is not None else "")
+        effort = arguments.effort(effort)
+        if equilibrium is not None:
+            return modes(static_problem(self.system, equilibrium), equilibrium)
+        found = self.equilibrium(seconds(t, "t"), effort=effort)
+        first = found.first_at(seconds(t, "t"))
+        return modes(static_problem(self.system, first), first, found.note)
 
     def accuracy(
         self, of: str, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *, extremes: bool = True, loaded: bool = True

@@ -10,6 +10,7 @@ import numpy as np
 TIGHTEST = 1e-14  # relative tolerance below which numbers have no digits
 MOST_POINTS = 10_000_000
 MOST_BYTES = 2e9  # of the outputs of one run
+MOST_EFFORT = 10_000.0  # of a search for equilibria: some minutes
 
 
 def number(name: str, value: Any) -> float:
@@ -43,6 +44,14 @@ def relative_tolerance(value: Any) -> float:
         raise ValueError(f"rtol = {found:g} is below the digits that numbers have; wanted {TIGHTEST:g} or more")
     if found >= 1.0:
         raise ValueError(f"rtol = {found:g} asks for no digit at all; 1e-3 is coarse, 1e-8 the default")
+    return found
+
+
+def effort(value: Any) -> float:
+    """Work of a search, 1 the usual.  Raises as `number` does, and ValueError beyond what ends in reasonable time."""
+    found = positive("effort", value)
+    if found > MOST_EFFORT:
+        raise ValueError(f"effort must be at most {MOST_EFFORT:g} (1 is the usual work of a search), got {found:g}")
     return found
 
 

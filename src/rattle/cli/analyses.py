@@ -120,7 +120,7 @@ effort_option = click.option(
     type=click.FloatRange(0.0, min_open=True),
     default=1.0,
     show_default=True,
-    help="Work of the search for equilibria; 10 lets it look ten times as long.",
+    help="Work of the search for equilibria; 10 lets it look ten times as long, at most 10000.",
 )
 
 
@@ -262,9 +262,8 @@ def equilibrium(
     else:
         listed(m, found)
     if not found:
-        click.echo(
-            f"no equilibrium was found at t = {t:g} s; try other angles in [initial] or --branches all", err=True
-        )
+        remedy = "" if found.undefined else "; try other angles in [initial] or --branches all"
+        click.echo(f"no equilibrium was found at t = {t:g} s{remedy}", err=True)
         ctx.exit(1)
 
 

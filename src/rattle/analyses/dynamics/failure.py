@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from rattle.analyses.assembly.rank import describe_rank_loss
-from rattle.elements.custom import contact_law, load_law
+from rattle.analyses.undefined import evaluated, undefined
+from rattle.elements.custom import load_law
 from rattle.equations.complementarity import OFF
 from rattle.equations.motion import NOT_FINITE
 from rattle.equations.system import System
@@ -114,24 +113,9 @@ def not_finite(system: System, workspace: Workspace, t_end: float) -> str:
             break
         state = y + (t - start) * np.where(np.isfinite(f), f, 0.0)
         record(workspace, t, state, np.zeros(width(system)))
-        for first, values in _evaluated(system, workspace):
-            if not np.isfinite(values).all():
-                name = system.live_names[system.program_starts.index(first)]
-                seen = values[~np.isfinite(values)][0]
-                return (
-                    f"{name} has no finite value at t = {t:.6g} s ({seen:g}); check its domain"
-                    " (square root, logarithm, division by zero)"
-                )
-        for (name, load), row in zip(system.model.loads.items(), system.arrays["load"], strict=True):
-            why = load_law.failure(load.kind, t, workspace.body[row[2]], workspace.values[row[3] :])
-            if why:
-                return f"loads.{name}: {why}"
-        for n, row in enumerate(system.arrays["contact"]):
-            why = contact_law.failure(
-                row, workspace.contact_kinematics[n], workspace.contact_memory[n], workspace.values
-            )
-            if why and share <= NEAR:
-                return f"joint '{system.joints[row[at.OWNER]]}': {why} at t = {t:.6g} s"
+        why = undefined(system, workspace, t, contacts=share <= NEAR)
+        if why:
+            return why
     return ""
 
 
@@ -148,7 +132,7 @@ def _pole(system: System, workspace: Workspace, t_end: float) -> str:
     for share in (GLANCE, GLANCE * SHARE, 0.0):
         now = t - share * t_end
         record(workspace, now, workspace.state - (t - now) * back, np.zeros(width(system)))
-        sizes.append({first: float(np.abs(values).max()) for first, values in _evaluated(system, workspace)})
+        sizes.append({first: float(np.abs(values).max()) for first, values in evaluated(system, workspace)})
     for first, least in sizes[0].items():
         middle, last = sizes[1][first], sizes[2][first]
         if 0.0 < GROWN * least < middle and GROWN * middle < last:
@@ -158,13 +142,3 @@ def _pole(system: System, workspace: Workspace, t_end: float) -> str:
                 f" (to {last:.3g} so far); check its domain (division by zero, logarithm)"
             )
     return ""
-
-
-def _evaluated(system: System, workspace: Workspace) -> Iterator[tuple[int, np.ndarray]]:
-    """First code row and present values of every expression."""
-    where = {"jet_signal": ("jets", 0), "jet": ("values", 3), "signal": ("signals", 1), "live": ("values", 1)}
-    for table, (array, count) in where.items():
-        for first, _, place in system.arrays[table]:
-            values = getattr(workspace, array)
-            found = values[place] if count == 0 else values[place : place + count]
-            yield int(first), np.atleast_1d(found)

@@ -18,6 +18,8 @@ import numpy as np
 
 from rattle.analyses.assembly.rank import RANK, nonunique_reactions
 from rattle.analyses.statics.equilibrium import Equilibrium, Table
+from rattle.analyses.undefined import undefined
+from rattle.elements.custom import load_law
 from rattle.equations.closure import close_position
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import drive
@@ -103,6 +105,7 @@ class StaticProblem:
         self.trials = 0  # positions looked at
         self.arrived = False  # whether the last start led to an equilibrium, known or new
         self.redundant = False  # whether the rows looked at last depend on each other
+        self.undefined = ""  # what had no finite value where a start was given up, or at a position found
         self.table: Table | None = None
         self.at(t)
 
@@ -190,7 +193,14 @@ class StaticProblem:
             )  # fmt: skip
         self.trials += int(room.state[equilibrium_newton.TRIALS]) + 1
         self.arrived = status in (equilibrium_newton.FOUND, equilibrium_newton.KNOWN)
+        if room.state[equilibrium_newton.PHASE] and not room.state[equilibrium_newton.G_SIZE] < math.inf:
+            self._say_undefined()
         return (q, int(room.state[equilibrium_newton.ITERATION])) if status == equilibrium_newton.FOUND else None
+
+    def _say_undefined(self) -> None:
+        """Keep what has no finite value at the position at hand; Ctrl-C in a law is raised again."""
+        load_law.complaint(-math.inf)
+        self.undefined = self.undefined or undefined(self.system, self.workspace, self.t)
 
     def walk(self, q: np.ndarray, direction: np.ndarray, stride: float) -> tuple[bool, float, float]:
         """A step along the free motion, in place: whether it could be taken, force along the way, largest force [N]."""
@@ -228,6 +238,8 @@ class StaticProblem:
         force_at(workspace, self.t, q, self.out)
         gap = float(np.abs(workspace.rows[:, 0]).max(initial=0.0))
         residual = float(np.abs(self.out * self.scale).max(initial=0.0))
+        if not residual < math.inf:
+            self._say_undefined()
         workspace.acceleration[:] = 0.0
         workspace.rows[:, 1] = 0.0  # at rest
         raw = np.zeros(width(system))

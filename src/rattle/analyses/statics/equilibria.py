@@ -25,6 +25,7 @@ from rattle.analyses.statics.balance import MOST_TURN, Found, StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
 from rattle.analyses.statics.starts import Turning, along, apart, around, opened, sides
 from rattle.description.model import Contact
+from rattle.elements.custom import load_law
 from rattle.equations.closure import merit_at
 from rattle.equations.motion import drive
 from rattle.equations.system import System, compile_system, has_contacts, is_link
@@ -33,7 +34,6 @@ from rattle.jit import functions
 
 RANDOM_STARTS = 48  # of a mechanism without a degree of freedom, for other ways to put it together
 FEW_STARTS = 12  # of a mechanism with one
-MOST_STARTS = 100_000  # however long the user lets it search
 WORK = 36_000.0  # of all starts together, in the units of `price`
 DOWNHILL = 0.5  # share of it that goes into ways downhill
 PRESSED = 0.3  # as much again, to let compliant pins sink in
@@ -57,6 +57,7 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
     if branches not in ("near", "all"):
         raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
     functions.start()
+    load_law.forget()
     system = without_guide_play(system)
     rigid = rigid_model(system)
     ideal_system = compile_system(ideal_model(system.model)) if rigid is not None else system
@@ -66,7 +67,9 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
     search.explore(start, branches == "all")
     found = problem.describe(search.found)
     if rigid is None:
-        return Equilibria(_sorted(found, start), search.starts, search.stopped, search.extent, effort)
+        return Equilibria(
+            _sorted(found, start), search.starts, search.stopped, search.extent, effort, problem.undefined
+        )
     play = StaticProblem(rigid, t)
     partners = Search(play, 0.5 * effort)
     partners.partners(sides(problem, play, sorted(found, key=_height)))
@@ -78,7 +81,8 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
         pressing = partners.pressed(system, pressing)
     stopped = search.stopped or partners.stopped
     extent = f"without play {search.extent}; every pin was put on either side of its bush" if search.extent else ""
-    return Equilibria(_sorted(pressing, reference), search.starts + partners.starts, stopped, extent, effort)
+    starts, undefined = search.starts + partners.starts, problem.undefined or play.undefined
+    return Equilibria(_sorted(pressing, reference), starts, stopped, extent, effort, undefined)
 
 
 def _height(one: Equilibrium) -> tuple[bool, float]:
@@ -163,7 +167,7 @@ class Search:
         return self._beyond(self._left)
 
     def _beyond(self, most: float) -> bool:
-        return self.starts > 0 and (self._work >= most or self.starts >= MOST_STARTS)
+        return self.starts > 0 and self._work >= most
 
     def try_start(self, start: np.ndarray, downhill: bool) -> bool:
         """Try one start; True where it led to an equilibrium that is new."""
@@ -216,7 +220,7 @@ class Search:
         anywhere = (turning.anywhere(start, random) for _ in itertools.count())
         count = 0
         if everywhere or dof:
-            count = int(min(MOST_STARTS, (RANDOM_STARTS if everywhere else FEW_STARTS) * max(1.0, self.effort)))
+            count = int((RANDOM_STARTS if everywhere else FEW_STARTS) * max(1.0, self.effort))
         for one in itertools.chain(starts, itertools.islice(anywhere, count)):
             for downhill in (False, True)[: dof + 1]:
                 if self.spent():

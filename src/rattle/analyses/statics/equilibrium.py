@@ -13,11 +13,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rattle.analyses.arguments import MOST_EFFORT
 from rattle.results.display import quantity, table
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 
-LONG = 1000.0  # effort from which on no more is advised
+MORE = 10.0  # times the effort, at least the usual one, that is advised where a search was cut short
 
 
 class Table(NamedTuple):
@@ -135,25 +136,40 @@ class Equilibria(list[Equilibrium]):
     """The equilibria that were found, in order, and how far the search went; shows itself as a table."""
 
     def __init__(
-        self, found: Iterable[Equilibrium], starts: int, stopped: bool, extent: str = "", effort: float = 1.0
-    ) -> None:
+        self, found: Iterable[Equilibrium], starts: int, stopped: bool, extent: str = "", effort: float = 1.0,
+        undefined: str = "",
+    ) -> None:  # fmt: skip
         super().__init__(found)
         self.starts = starts  # from which the search went, each to its end
         self.stopped = stopped  # True where the work was done before the search was enough
+        self.undefined = undefined  # what had no finite value where the search came by, and why; empty if all had
         self._extent, self._effort = extent, effort
 
     @property
     def note(self) -> str:
-        """What to know about the completeness of the list; empty where the search was not cut short."""
+        """What to know about the completeness of the list; empty where the search was not cut short.
+
+        Where nothing can be found, or no forces, because a load or an expression has no finite value: which and why.
+        """
+        lacking = self.undefined if not self or any(math.isnan(one.residual) for one in self) else ""
         if not self.stopped:
-            return ""
-        more = f" (effort {10 * self._effort:g} looks longer)" if self._effort < LONG else ""
-        return f"search stopped after {self.starts} starts; there may be more equilibria{more}"
+            return lacking
+        larger = min(max(1.0, MORE * self._effort), MOST_EFFORT)
+        more = f" (effort {larger:g} looks longer)" if larger > self._effort else ""
+        cut = f"search stopped after {self.starts} starts; there may be more equilibria{more}"
+        return f"{lacking}; {cut}" if lacking else cut
 
     @property
     def extent(self) -> str:
         """How far the search went."""
-        return self.note or self._extent
+        said = self.note or self._extent
+        return f"{said}; elsewhere {self.undefined}" if self.undefined and self.undefined not in said else said
+
+    def first_at(self, t: float) -> Equilibrium:
+        """The first of them.  Raises ValueError, with the reason where it is known, if there is none at t [s]."""
+        if self:
+            return self[0]
+        raise ValueError(f"no equilibrium was found at t = {t:g} s{f': {self.note}' if self.note else ''}")
 
     def __repr__(self) -> str:
         listed = "[" + ",\n ".join(repr(one) for one in self) + "]"

@@ -81,11 +81,9 @@ def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Resu
     functions.start()
     system = without_guide_play(system)
     first = equilibria(system, float(times[0]), effort=effort)
-    if not first:
-        raise ValueError(f"no equilibrium was found at t = {times[0]:g} s")
     rigid = rigid_model(system)
     ideal = StaticProblem(compile_system(ideal_model(system.model)), float(times[0])) if rigid is not None else None
-    path = Path(StaticProblem(rigid or system, float(times[0])), ideal, first[0])
+    path = Path(StaticProblem(rigid or system, float(times[0])), ideal, first.first_at(float(times[0])))
     if rigid is not None and path.last.result.geometry["joints"] != {}:
         path.last = _on_links(path, first[0])
     kept = [path.last]
@@ -126,7 +124,8 @@ def _lead(path: Path, t: float, events: list[Event]) -> str:
             snaps += 1
             found = _snap(path, t) if snaps <= MOST_SNAPS else None
             if found is None:
-                return f"no equilibrium beyond t = {path.last.t:.8g} s near the last one"
+                why = f": {path.problem.undefined}" if path.problem.undefined else ""
+                return f"no equilibrium beyond t = {path.last.t:.8g} s near the last one{why}"
             events.append(Event(path.last.t, "", "snap"))
             path.last, path.before = found, None
             continue

@@ -1,0 +1,47 @@
+"""Which expression or law has no finite value at the instant that a workspace holds, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rattle.elements.custom import contact_law, load_law
+from rattle.equations.system import System
+from rattle.jit import layout as at
+from rattle.jit.workspace import Workspace
+
+
+def undefined(system: System, workspace: Workspace, t: float, contacts: bool = True) -> str:
+    """What has no finite value at time t [s], at which the workspace was evaluated; empty where everything has.
+
+    Laws written in Python are run again as plain Python, so that what they raise is known.  contacts: contact laws
+    too.
+    """
+    for first, values in evaluated(system, workspace):
+        if not np.isfinite(values).all():
+            name = system.live_names[system.program_starts.index(first)]
+            seen = values[~np.isfinite(values)][0]
+            return (
+                f"{name} has no finite value at t = {t:.6g} s ({seen:g}); check its domain"
+                " (square root, logarithm, division by zero)"
+            )
+    for (name, load), row in zip(system.model.loads.items(), system.arrays["load"], strict=True):
+        why = load_law.failure(load.kind, t, workspace.body[row[2]], workspace.values[row[3] :])
+        if why:
+            return f"loads.{name}: {why}"
+    for n, row in enumerate(system.arrays["contact"] if contacts else ()):
+        why = contact_law.failure(row, workspace.contact_kinematics[n], workspace.contact_memory[n], workspace.values)
+        if why:
+            return f"joint '{system.joints[row[at.OWNER]]}': {why} at t = {t:.6g} s"
+    return ""
+
+
+def evaluated(system: System, workspace: Workspace) -> Iterator[tuple[int, np.ndarray]]:
+    """First code row and present values of every expression."""
+    where = {"jet_signal": ("jets", 0), "jet": ("values", 3), "signal": ("signals", 1), "live": ("values", 1)}
+    for table, (array, count) in where.items():
+        for first, _, place in system.arrays[table]:
+            values = getattr(workspace, array)
+            found = values[place] if count == 0 else values[place : place + count]
+            yield int(first), np.atleast_1d(found)
