@@ -10,6 +10,7 @@ from scipy.optimize import minimize
 import rattle as rt
 from rattle.analyses.statics import equilibria
 from rattle.analyses.statics.balance import StaticProblem
+from rattle.analyses.statics.equilibrium import Equilibria
 from rattle.jit import small_matrices
 
 nojit = pytest.mark.nojit
@@ -92,7 +93,7 @@ def test_a_search_given_up_says_so(monkeypatch):
     whole = m.equilibrium()
     assert (whole.stopped, whole.note) == (False, "")
     assert "brought nothing new" in whole.extent
-    monkeypatch.setattr(equilibria, "MOST_STARTS", 3)
+    monkeypatch.setattr(equilibria, "WORK", 500.0)
     part = m.equilibrium()
     assert part.stopped
     assert part.note.startswith("search stopped after 3 starts; there may be more equilibria")
@@ -113,11 +114,93 @@ def test_more_effort_finds_more_and_says_when_it_is_enough():
     assert not long.stopped
     for found in (short, usual, long):
         assert [one.stable for one in found[:2]] == [True, False]
-    for wrong in (0.0, -1.0, math.nan, math.inf):
-        with pytest.raises(ValueError, match="effort"):
-            m.equilibrium(effort=wrong)
-    with pytest.raises(ValueError, match="effort"):
-        m.modes(effort=0.0)
+
+
+@nojit
+@pytest.mark.parametrize("wrong", [0.0, -3.0, math.nan, math.inf, 1.0001e4, 1e308])
+def test_effort_out_of_its_range_is_refused_everywhere(wrong):
+    m = rt.example("balanced_arm")
+    with pytest.raises(ValueError, match="effort must be"):
+        m.equilibrium(effort=wrong)
+    with pytest.raises(ValueError, match="effort must be"):
+        m.equilibrium([0.0, 0.1], effort=wrong)
+    with pytest.raises(ValueError, match="effort must be"):
+        m.modes(effort=wrong)
+    with pytest.raises(ValueError, match="effort must be"):
+        m.modes(equilibrium=m.equilibrium()[0], effort=wrong)
+
+
+def test_a_large_effort_finds_no_less_and_is_as_sure_as_the_usual_one():
+    # what ends a search is its work: it takes more than 100 000 starts here
+    found = rt.example("double_pendulum").equilibrium(effort=1600)
+    assert found.starts > 100_000
+    assert len(found) == 4
+    assert not found.stopped
+    assert "brought nothing new" in found.extent
+
+
+@nojit
+def test_the_advice_of_a_search_cut_short_is_an_effort_that_helps():
+    m = rt.loads(chain(7))
+    for tiny in (1e-300, 1e-3):
+        assert "effort 1 looks longer" in m.equilibrium(effort=tiny).note
+    cut = Equilibria([], 1, True, effort=5000.0)
+    assert "effort 10000 looks longer" in cut.note
+    assert "effort" not in Equilibria([], 1, True, effort=1e4).note
+
+
+@rt.load_law("raises near the ground", c="N*m")
+def raises(t, state, p):
+    if state[2] > -10.0:
+        raise ValueError("too deep")
+    return 0.0, 0.0, p.c
+
+
+@rt.load_law("raises in Python", compiled=False, c="N*m")
+def raises_in_python(t, state, p):
+    raise ValueError("too deep")
+
+
+@rt.load_law("raises when lifted", c="N*m")
+def raises_when_lifted(t, state, p):
+    if math.sin(state[2]) > 0.0:
+        raise ValueError("no such height")
+    return 0.0, 0.0, p.c
+
+
+def rod_with(law):
+    m = rt.Mechanism("rod", gravity=[0, -9.81]).ground(O=[0, 0])
+    m.body("rod", mass=1, inertia=0.1, points={"A": [0, 0]}, center=[0.5, 0]).revolute("O", "ground.O", "rod.A")
+    return m.load("L", law, body="rod", c=0)
+
+
+@nojit
+@pytest.mark.parametrize("law", ["raises near the ground", "raises in Python"])
+def test_what_a_law_raised_is_the_reason_why_no_equilibrium_was_found(law):
+    m, why = rod_with(law), f"loads.L: load law '{law}' raised ValueError: too deep at t = 0 s"
+    found = m.equilibrium()
+    assert len(found) == 0
+    assert found.note == why
+    for call in (m.modes, lambda: m.equilibrium([0.0, 0.1])):
+        with pytest.raises(ValueError, match="no equilibrium was found") as error:
+            call()
+        assert why in str(error.value)
+    # driven: the position is known, the forces are not
+    driven = rod_with(law).driver("motor", "O", angle="t")
+    found = driven.equilibrium()
+    assert [one.dof for one in found] == [0]
+    assert found.note == why
+    # one run later, with another load, nothing is left of it
+    assert rod_with("raises when lifted").set({"loads.L": None}).equilibrium().note == ""
+
+
+@nojit
+def test_positions_at_which_a_law_raises_are_named_beside_those_found():
+    found = rod_with("raises when lifted").equilibrium()
+    assert found[0].stable
+    assert found[0]["rod.angle"] == pytest.approx(-math.pi / 2, abs=1e-9)
+    assert found.note == ""
+    assert "no such height" in found.extent
 
 
 def test_the_search_is_the_same_every_time():

@@ -92,6 +92,30 @@ free_angle = "-pi/2"
 
 
 @nojit
+def test_an_overdamped_mode_creeps_back_with_its_two_time_constants():
+    spring = """
+[loads.twist]
+type = "torsion-spring"
+connect = ["ground", "rod"]
+stiffness = 12
+damping = 9
+free_angle = "-pi/2"
+"""
+    found = rt.loads(rods(spring, second=False)).modes()
+    # J s^2 + c s + k = 0 about the pivot: J = 1/3 kg m^2, k = 12 + 9.81/2
+    fast, slow = np.sort(np.roots([1 / 3, 9.0, 12 + 9.81 / 2]))
+    assert found.damping[0] > 1.0
+    np.testing.assert_allclose(found.time_constants[0], [-1 / slow, -1 / fast], rtol=1e-8)
+    assert f"overdamped, time constants {-1 / slow:.6g} s and {-1 / fast:.6g} s" in str(found)
+    assert "Hz" not in str(found)
+    assert "overdamped" in repr(found)
+    assert "overdamped" in found.plot(0).axes[0].get_title(loc="left")
+    swinging = rt.loads(rods(spring.replace("= 9", "= 0.3"), second=False)).modes()
+    assert np.isnan(swinging.time_constants).all()
+    assert "overdamped" not in str(swinging)
+
+
+@nojit
 def test_no_freedom_no_mode():
     found = rt.loads(paper()).ideal().modes()
     assert len(found) == 0

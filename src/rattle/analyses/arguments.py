@@ -10,7 +10,7 @@ import numpy as np
 TIGHTEST = 1e-14  # relative tolerance below which numbers have no digits
 MOST_POINTS = 10_000_000
 MOST_BYTES = 2e9  # of the outputs of one run
-MOST_EFFORT = 10_000.0  # of a search for equilibria: some minutes
+MOST_EFFORT = 10_000.0  # of a search for equilibria: minutes
 
 
 def number(name: str, value: Any) -> float:

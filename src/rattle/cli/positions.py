@@ -78,6 +78,7 @@ def modes_record(found: Modes) -> dict[str, Any]:
             "omega": found.omega[k],
             "growth": found.growth[k],
             "damping": found.damping[k],
+            "time_constants": found.time_constants[k].tolist(),
             "shape": dict(zip(bodies, found.shapes[k].reshape(-1, 3).tolist(), strict=True)),
         }
         for k in range(len(found))

@@ -114,9 +114,7 @@ def plot_mode(modes: Modes, mode: int, amplitude: float = 0.1) -> Figure:
     ax.set_aspect("equal", adjustable="datalim")
     ax.set_xlabel("x [m]")
     ax.set_ylabel("y [m]")
-    omega = modes.omega[mode]
-    said = f"grows at {modes.growth[mode]:.4g} 1/s" if math.isnan(omega) else f"{modes.frequency[mode]:.4g} Hz"
-    ax.set_title(f"mode {mode + 1}: {said}", loc="left", fontsize=11)
+    ax.set_title(f"mode {mode + 1}: {modes.behaviour(mode, 4)}", loc="left", fontsize=11)
     ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize=9)
     return figure
 

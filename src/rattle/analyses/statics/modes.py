@@ -47,28 +47,45 @@ class Modes:
         """(f,) natural frequencies [Hz]."""
         return np.asarray(self.omega / (2 * math.pi))
 
+    @property
+    def time_constants(self) -> np.ndarray:
+        """(f, 2) slow and fast time constant [s] of modes damped beyond the critical; nan for those that swing.
+
+        Roots of s^2 + 2 zeta omega s + omega^2: -omega (zeta -+ sqrt(zeta^2 - 1)) = -1/T.
+        """
+        zeta = np.where(self.damping >= 1.0, self.damping, np.nan)
+        slow = zeta + np.sqrt(zeta * zeta - 1.0)
+        return np.stack([slow / self.omega, 1.0 / (slow * self.omega)], axis=1)
+
     def __len__(self) -> int:
         return len(self.omega)
 
     def __repr__(self) -> str:
-        found = ", ".join("unstable" if math.isnan(f) else f"{f:.4g} Hz" for f in self.frequency[:6])
+        found = ", ".join(self.behaviour(k, 4).partition(",")[0] for k in range(min(6, len(self))))
         more = ", ..." if len(self) > 6 else ""
         return f"<rattle.Modes: {len(self)} mode{'s' if len(self) != 1 else ''}{': ' if found else ''}{found}{more}>"
+
+    def behaviour(self, mode: int, digits: int = 6) -> str:
+        """How a mode (0 = lowest) goes on, in words: frequency [Hz], time constants [s] or growth [1/s]."""
+        if math.isnan(self.omega[mode]):
+            return f"unstable, grows at {self.growth[mode]:.{digits}g} 1/s"
+        if self.damping[mode] >= 1.0:
+            slow, fast = self.time_constants[mode]
+            return f"overdamped, time constants {slow:.{digits}g} s and {fast:.{digits}g} s"
+        return f"{self.frequency[mode]:.{digits}g} Hz"
 
     def _repr_html_(self) -> str:
         return table(("mode", "frequency", "damping", "who moves"), self.rows(), f"about: {self.equilibrium}")
 
     def rows(self) -> list[tuple[str, str, str, str]]:
-        """Number from 1, frequency or growth, damping, the bodies that move most; one row per mode."""
+        """Number from 1, frequency, time constants or growth, damping, bodies that move most; one row per mode."""
         bodies = self.problem.system.bodies
         found = []
         for k in range(len(self)):
             share = np.abs(self.shapes[k] / self.problem.scale).reshape(-1, 3).max(axis=1)
             movers = ", ".join(bodies[int(n)] for n in np.argsort(-share)[:3] if share[n] > 0.1 * share.max())
-            if math.isnan(self.omega[k]):
-                found.append((str(k + 1), f"unstable, grows at {self.growth[k]:.6g} 1/s", "", movers))
-            else:
-                found.append((str(k + 1), f"{self.frequency[k]:.6g} Hz", f"{100 * self.damping[k]:.3g} %", movers))
+            damping = "" if math.isnan(self.omega[k]) else f"{100 * self.damping[k]:.3g} %"
+            found.append((str(k + 1), self.behaviour(k), damping, movers))
         return found
 
     def __str__(self) -> str:
