@@ -91,7 +91,7 @@ def test_modes_name_frequencies_and_draw_a_shape(tmp_path):
 def test_options_that_would_do_nothing_are_refused(tmp_path):
     seen = run("modes", "balanced_arm", "--mode", "7", "-o", str(tmp_path / "x.svg"))
     assert seen.exit_code == 2
-    assert "there are 2 modes, counted from 1" in seen.stderr
+    assert "the modes are numbered from 1 to 2" in seen.stderr
 
 
 def test_a_search_that_was_given_up_is_said_beside_the_results():

@@ -117,7 +117,7 @@ def test_film_says_its_speed_and_draws_traces_and_names():
     update(count - 1)
     (ax,) = [one for one in figure.axes if one.get_title(loc="left")]
     pace = (r.t[-1] - r.t[0]) * 10 / (count - 1)
-    assert f"film {pace:.2g} times as fast" in ax.get_title(loc="left")
+    assert f"shown {pace:.2g} times as fast" in ax.get_title(loc="left")
     assert any(len(line.get_xdata()) == len(r.t) for line in ax.lines)
     assert "arm" in [text.get_text() for text in ax.texts]
 

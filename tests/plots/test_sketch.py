@@ -75,7 +75,7 @@ def test_a_mode_is_drawn_with_its_springs_and_joints():
     assert len(zigzag) == sum(form["type"] == "spring" for form in rest.geometry["loads"].values()) == 1
     assert any(isinstance(patch, Polygon) for patch in ax.patches)  # the pivot on the ground
     names = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert names == ["at rest", "one end of the swing", "the other"]
+    assert names == ["equilibrium", "one end of the swing", "the other"]
 
 
 @pytest.mark.parametrize(

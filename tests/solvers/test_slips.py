@@ -23,7 +23,7 @@ def saved(tmp_path):
 def test_a_picture_without_a_name_is_not_passed_over(saved, slip):
     code, text = said("plot", saved, *slip)
     assert code == 2
-    assert "lists what there is" in text
+    assert "lists all names" in text
 
 
 @pytest.mark.nojit
@@ -55,7 +55,7 @@ def test_limits_of_a_parameter_have_units():
     assert code == 2
     assert "'1 kg' is a mass" in text
     assert "a length" in text
-    assert "no value" in said(*words, "--from", "c/2")[1]
+    assert "not a value" in said(*words, "--from", "c/2")[1]
 
 
 def test_values_of_a_parameter_in_units_are_those_in_si(tmp_path, monkeypatch):

@@ -1,4 +1,4 @@
-"""Commands that need no steps in time: kinematics, inverse-dynamics, equilibrium, modes, accuracy."""
+"""Commands that need no time integration: kinematics, inverse-dynamics, equilibrium, modes, accuracy."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from rattle.results.result import Result
 
 DEGREES = 180 / math.pi
-ZERO = 1e-12  # share of the largest of its kind below which a number is rounding
+ZERO = 1e-12  # share of the largest value of the same unit below which a number is rounding
 
 
 def span_options(points: int) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """--t-end and --points."""
+    """Add the options --t-end and --points (default `points`) to a command."""
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
         function = click.option(
@@ -32,10 +32,10 @@ def span_options(points: int) -> Callable[[Callable[..., Any]], Callable[..., An
             type=click.IntRange(2, 10_000_000),
             default=points,
             show_default=True,
-            help="How many positions, evenly spaced in time.",
+            help="Number of positions, evenly spaced in time.",
         )(function)
         return click.option(
-            "--t-end", type=time, help="From t = 0 to this time, in s or as '20 ms'; default: what the model says."
+            "--t-end", type=time, help="From t = 0 to this time, in s or as '20 ms'; default: as in the model."
         )(function)
 
     return add
@@ -51,13 +51,13 @@ def _times(m: Mechanism, t_end: float | None, points: int) -> np.ndarray:
 
 
 def _shown(value: float, unit: str) -> tuple[float, str]:
-    """Angles in degrees, everything else as it is."""
+    """A value and its unit for display: angles in degrees, everything else in SI."""
     changed = {"rad": "deg", "rad/s": "deg/s"}
     return (value * DEGREES, changed[unit]) if unit in changed else (value, unit)
 
 
 def _ranges(result: Result, names: list[str]) -> str:
-    """Least and greatest value of curves and when, between the positions where a curve is smooth.
+    """Table of the least and greatest value of curves and their times, interpolated where a curve is smooth.
 
     Instants without a value are left out.
     """
@@ -84,10 +84,11 @@ def _ranges(result: Result, names: list[str]) -> str:
 
 
 def _notes(result: Result) -> str:
-    lines = [f"joints closed to {result.trust.drift:.1g} m at {len(result.t)} positions"]
+    lines = [f"largest constraint error {result.trust.drift:.1g} m at {len(result.t)} positions"]
     if result.trust.nonunique:
         lines.append(
-            f"reactions not unique (redundant constraints) at {', '.join(result.trust.nonunique)}; the motion is right"
+            f"reactions not unique (redundant constraints) at {', '.join(result.trust.nonunique)}; "
+            "the motion is correct"
         )
     return "\n".join([*lines, *result.trust.notes])
 
@@ -120,7 +121,7 @@ effort_option = click.option(
     type=click.FloatRange(0.0, min_open=True),
     default=1.0,
     show_default=True,
-    help="Work of the search for equilibria; 10 lets it look ten times as long, at most 10000.",
+    help="Work allowed for the search for equilibria; 10 allows ten times as much, at most 10000.",
 )
 
 
@@ -137,7 +138,7 @@ def kinematics(
 ) -> None:  # fmt: skip
     """Driven motion: position, velocity and acceleration, dead centres and branch points.
 
-    FILE is a model file or the name of a shipped example. Clearances must be closed (--ideal).
+    FILE is a model file or the name of a shipped example. Joints must have no clearance (--ideal closes them).
 
     \b
     Example:  rattle kinematics path_generator --ideal --points 361
@@ -160,7 +161,7 @@ def kinematics(
 @click.option(
     "--effort-at",
     metavar="JOINT",
-    help="Say what a motor on this joint would need in place of the driver [N m or N, W].",
+    help="Effort and power that a motor on this joint would need in place of the driver [N m or N, W].",
 )
 @save_options()
 @click.option("--json", "as_json", is_flag=True, help="Ranges, events and trust as JSON.")
@@ -172,7 +173,7 @@ def inverse_dynamics(
 ) -> None:  # fmt: skip
     """Driven motion with all reactions, and torque and power of the drivers.
 
-    FILE is a model file or the name of a shipped example. Clearances must be closed (--ideal).
+    FILE is a model file or the name of a shipped example. Joints must have no clearance (--ideal closes them).
 
     \b
     Example:  rattle inverse-dynamics slider_crank
@@ -207,12 +208,10 @@ def inverse_dynamics(
     type=click.Choice(["near", "all"]),
     default="near",
     show_default=True,
-    help="all: look also for other ways to put the mechanism together.",
+    help="all: also search the other ways in which the mechanism can be assembled.",
 )
 @effort_option
-@click.option(
-    "--path", "path", is_flag=True, help="Follow the rest while the drivers move slowly from t = 0 to --t-end."
-)
+@click.option("--path", "path", is_flag=True, help="Quasi-static motion: follow the equilibrium from t = 0 to --t-end.")
 @span_options(181)
 @save_options("With --path: ")
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
@@ -231,7 +230,7 @@ def equilibrium(
               rattle equilibrium toggle_clamp --path -o clamp.nc
     """
     if not path and (output, csv) != (None, None):
-        raise click.UsageError("-o and --csv save a quasi-static motion; they want --path")
+        raise click.UsageError("-o and --csv save a quasi-static motion; they need --path")
     m = read_model(file, settings, ideal)
     if path:
         check_results(file, output, csv, fallback)
@@ -249,7 +248,7 @@ def equilibrium(
             for event in result.events:
                 click.echo(
                     f"t = {event.t:.8g} s: "
-                    + (f"{event.joint} changes sides (N through zero)" if event.kind == "side" else "snaps over")
+                    + (f"{event.joint} changes sides (N through zero)" if event.kind == "side" else "snap-through")
                 )
             click.echo(_notes(result))
         finish(ctx, result, keep(result, output, csv, fallback))
@@ -279,9 +278,12 @@ def equilibrium(
 )
 @effort_option
 @click.option(
-    "--mode", type=click.IntRange(1), default=1, show_default=True, help="Which mode -o draws; 1 is the slowest."
+    "--mode", type=click.IntRange(1), default=1, show_default=True,
+    help="Which mode -o draws; 1 has the lowest frequency.",
+)  # fmt: skip
+@click.option(
+    "-o", "--output", metavar="FILE", help="Draw the mode: .svg, .png or .pdf; .gif or .mp4 for an animation."
 )
-@click.option("-o", "--output", metavar="FILE", help="Draw the mode: .svg, .png or .pdf; .gif or .mp4 moves.")
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
 def modes(
     file: str, settings: tuple[str, ...], ideal: bool, t: float, effort: float, mode: int, output: str | None,
@@ -299,7 +301,7 @@ def modes(
     check_pictures(file, output, moving=True)
     found = read_model(file, settings, ideal).modes(t, effort=effort)
     if len(found) < mode and (output is not None or mode > 1):
-        raise click.UsageError(f"--mode {mode}: there are {len(found)} modes, counted from 1")
+        raise click.UsageError(f"--mode {mode}: the modes are numbered from 1 to {len(found)}")
     if as_json:
         click.echo(to_json(modes_record(found)))
     else:
@@ -321,11 +323,11 @@ def modes(
     "of",
     required=True,
     metavar="NAME",
-    help="What may stray, e.g. rocker.angle, coupler.P.x or a signal.",
+    help="The output that may deviate, e.g. rocker.angle, coupler.P.x or a signal.",
 )
 @span_options(73)
-@click.option("--extremes/--no-extremes", default=True, show_default=True, help="Also the exact extremes.")
-@click.option("-o", "--output", metavar="FILE", help="Draw band and contributions: .svg, .png or .pdf.")
+@click.option("--extremes/--no-extremes", default=True, show_default=True, help="Also compute the exact extremes.")
+@click.option("-o", "--output", metavar="FILE", help="Draw the error band and contributions: .svg, .png or .pdf.")
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
 def accuracy(
     file: str, settings: tuple[str, ...], ideal: bool, of: str, t_end: float | None, points: int, extremes: bool,
@@ -342,7 +344,7 @@ def accuracy(
 
     check_pictures(file, output)
     if ideal:
-        raise click.UsageError("accuracy is about play, and --ideal closes all of it; leave --ideal out")
+        raise click.UsageError("accuracy is about play, and --ideal removes all of it; leave --ideal out")
     m = read_model(file, settings, False)
     found = m.accuracy(of, _times(m, t_end, points), extremes=extremes)
     if as_json:

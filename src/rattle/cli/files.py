@@ -1,4 +1,4 @@
-"""Commands about files and what may stand in them: example, check, export, kinds, schema."""
+"""Commands about model files and saved results: example, check, export, kinds, schema."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def example(name: str | None) -> None:
 @model_options
 @click.option("--json", "as_json", is_flag=True, help="The report as JSON.")
 def check(file: str, settings: tuple[str, ...], ideal: bool, as_json: bool) -> None:
-    """Bodies, joints, mobility, redundant joints, loops, branches, reach of the driver.
+    """Bodies, joints, mobility, redundant joints, loops, branches, range of the driver.
 
     FILE is a model file or the name of a shipped example.
 
@@ -83,6 +83,8 @@ def export(result: str, output: str) -> None:
 @click.argument("name", required=False)
 def kinds(name: str | None) -> None:
     """Every joint, driver, contact and load with its fields, units and source; tables, units, functions, materials.
+
+    Without NAME lists all; NAME is one of those listed: a kind, a family of kinds or a topic.
 
     \b
     Examples: rattle kinds spring

@@ -1,4 +1,4 @@
-"""The command `rattle`. Commands live in `rattle.cli.main.main` and are imported when they are called."""
+"""The command `rattle`: a group of commands, each imported from its module in `rattle.cli` when it is called."""
 
 from __future__ import annotations
 
@@ -38,25 +38,25 @@ COMMANDS = {
 HELP = {
     "demo": "Run the paper's four-bar with and without play; write figures, orbits, CSV and GIF.",
     "example": "List the shipped examples, or print one as a model file.",
-    "check": "Bodies, joints, mobility, redundant joints, loops, reach of the driver.",
+    "check": "Is the model as meant? Bodies, joints, mobility, redundant joints, loops, range of the driver.",
     "run": "Motion in time: joint forces, energy, and how far the result can be trusted.",
-    "compare": "One page: ideal, massless link, one-sided impact and compliant play side by side.",
-    "poincare": "Poincare section, bifurcation over a parameter, Lyapunov exponent.",
+    "compare": "One page: ideal joint, massless link, one-sided impact and compliant contact side by side.",
+    "poincare": "Poincare section, bifurcation diagram over a parameter, largest Lyapunov exponent.",
     "kinematics": "Driven motion: position, velocity, acceleration, dead centres.",
     "inverse-dynamics": "Driven motion with all reactions, torque and power of the drivers.",
     "equilibrium": "Equilibria, or a quasi-static motion through them.",
     "modes": "Natural frequencies about an equilibrium.",
-    "accuracy": "How far the play of the joints lets an output stray, and which joint to tighten first.",
-    "plot": "Plot curves or pin orbits of a saved result.",
-    "animate": "Make a moving picture of a saved result.",
-    "export": "Write a saved result as CSV.",
-    "kinds": "Every joint, driver, contact and load with its fields; tables, units, functions, materials.",
+    "accuracy": "How far the play of the joints lets an output deviate, and which joint to tighten first.",
+    "plot": "Plot curves, paths of points or pin orbits of a saved result.",
+    "animate": "Animate a saved result (GIF or MP4).",
+    "export": "Write a saved result as CSV, or in the other result format.",
+    "kinds": "Reference: every joint, driver, contact and load with its fields; units, functions, materials.",
     "schema": "JSON Schema of model files, for editors.",
     "warmup": "Compile all kernels now, so that the first run is quick.",
 }
 
 
-QUIET = "No progress and no log, only results."
+QUIET = "No progress bar and no log messages, only results."
 
 
 class Lazy(click.Group):
@@ -102,7 +102,7 @@ class Lazy(click.Group):
             ctx.exit(2)
 
     def main(self, *args: Any, **options: Any) -> Any:
-        """As click has it, with the exit status of shells after Ctrl-C, and streams that may be closed."""
+        """As in click, but Ctrl-C gives the exit status that shells use, and standard streams may be closed."""
         _open_streams()
         try:
             return super().main(*args, **options)
@@ -118,7 +118,7 @@ class Lazy(click.Group):
 
 
 def _open_streams() -> None:
-    """Give a stream that is closed (`2>&-`) a place to go, before a file that is opened takes its number."""
+    """Open a closed stream (`2>&-`) on the null device, before a file that is opened takes its number."""
     for number in range(3):
         try:
             os.fstat(number)
@@ -130,7 +130,7 @@ def _open_streams() -> None:
 
 
 def _is_answer(error: Exception) -> bool:
-    """True for an error that answers the user; one from a slip of our own keeps its traceback."""
+    """True for an error that tells the user what is wrong; an error in rattle itself keeps its traceback."""
     from rattle.errors import AssemblyError, MissingPackage, MissingProgram, ModelError
 
     if isinstance(error, ModelError | AssemblyError | MissingPackage | MissingProgram | OSError):
@@ -139,7 +139,7 @@ def _is_answer(error: Exception) -> bool:
 
 
 def _said_by_us(error: Exception) -> bool:
-    """True where a `raise` of this package made the error: not a call that failed by itself, here or elsewhere."""
+    """True if a `raise` statement of this package made the error, not a call that failed here or elsewhere."""
     place = error.__traceback__
     while place is not None and place.tb_next is not None:
         place = place.tb_next
@@ -149,7 +149,7 @@ def _said_by_us(error: Exception) -> bool:
 
 
 def _quieten(ctx: click.Context, param: click.Parameter, quiet: bool) -> None:
-    """-q may stand before or after the command."""
+    """Switch off log messages; -q may stand before or after the command."""
     if quiet:
         ctx.ensure_object(dict)["quiet"] = True
         for handler in logging.getLogger("rattle").handlers:
@@ -172,11 +172,12 @@ def main(ctx: click.Context, quiet: bool) -> None:
     \b
     rattle demo                      the paper's four-bar, figures into ./rattle-demo
     rattle example fourbar > f.toml  start from a shipped model file
-    rattle check f.toml              is it put together as meant?
-    rattle run f.toml -o out.nc      motion, forces, trust
-    rattle plot out.nc O3.normal     look at a curve
+    rattle check f.toml              is it assembled as meant?
+    rattle run f.toml -o out.nc      motion, forces, how far to trust them
+    rattle plot out.nc O3.normal     draw a curve
 
-    Results go to stdout, log and progress to stderr. Exit status: 0 ok, 1 the run failed, 2 bad input.
+    Results go to stdout, log and progress to stderr.
+    Exit status: 0 ok, 1 the analysis failed, 2 bad input, 130 interrupted by Ctrl-C.
     """
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(_Colours("%(message)s") if sys.stderr.isatty() else logging.Formatter("%(message)s"))

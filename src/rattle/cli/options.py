@@ -12,7 +12,10 @@ if TYPE_CHECKING:
 
 
 def time(value: str | float) -> float:
-    """A time on the command line: a number in s, or a quantity such as 20ms or "20 ms"."""
+    """A time on the command line [s]: a number in s, or a quantity such as 20ms or "20 ms".
+
+    Raises click.BadParameter.
+    """
     from rattle.language.units import seconds
 
     try:
@@ -26,28 +29,29 @@ def _leave_out(ctx: click.Context, param: click.Parameter, paths: tuple[str, ...
 
 
 def model_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """FILE, --set, --without and --ideal."""
+    """Add the argument FILE and the options --set, --without and --ideal to a command."""
     function = click.option(
         "--without", multiple=True, metavar="PATH", expose_value=False, callback=_leave_out,
-        help="Leave one thing of the model out, e.g. loads.M or drivers.motor; may be given again.",
+        help="Leave out one entry of the model, e.g. loads.M or drivers.motor; may be given more than once.",
     )(function)  # fmt: skip
-    function = click.option("--ideal", is_flag=True, help="Without play: every clearance is closed.")(function)
+    function = click.option("--ideal", is_flag=True, help="No play: every clearance is set to zero.")(function)
     function = click.option(
         "--set", "settings", multiple=True, metavar="NAME=VALUE",
-        help='Change a parameter (--set r3="2 mm") or any entry (--set joints.O3.contact=ideal); may be given again.',
+        help='Change a parameter (--set r3="2 mm") or any entry (--set joints.O3.contact=ideal); '
+        "may be given more than once.",
     )(function)  # fmt: skip
     return click.argument("file", metavar="FILE")(function)
 
 
 def _value(text: str, one: str) -> Any:
-    """A value as it would stand in a model file: a number, a table or list, else a text."""
+    """A value as in a model file: a number, a table or list, otherwise a text."""
     import tomllib
 
     if text.startswith(("{", "[")):
         try:
             return tomllib.loads(f"value = {text}")["value"]
         except tomllib.TOMLDecodeError as error:
-            raise click.UsageError(f"--set {one}: {error}; wanted a table or list as in a model file") from None
+            raise click.UsageError(f"--set {one}: {error}; expected a table or list as in a model file") from None
     try:
         return float(text)
     except ValueError:
@@ -55,7 +59,10 @@ def _value(text: str, one: str) -> Any:
 
 
 def read_model(file: str, settings: tuple[str, ...], ideal: bool) -> Mechanism:
-    """The model of a file, or of a shipped example when there is no such file, with the changes asked for."""
+    """The model in a file, or the shipped example of that name if there is no such file, with the changes asked for.
+
+    Raises click.UsageError, ModelError.
+    """
     from pathlib import Path
 
     from rattle.mechanism import example, examples, load
@@ -70,7 +77,7 @@ def read_model(file: str, settings: tuple[str, ...], ideal: bool) -> Mechanism:
     for one in settings:
         name, equals, value = one.partition("=")
         if not equals:
-            raise click.UsageError(f"--set wants NAME=VALUE, got '{one}'")
+            raise click.UsageError(f"--set needs NAME=VALUE, got '{one}'")
         changes[name.strip()] = _value(value.strip(), one)
     changes |= dict.fromkeys(click.get_current_context().meta.get("rattle.without", ()))
     if changes:

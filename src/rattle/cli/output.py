@@ -1,4 +1,4 @@
-"""What commands write: files that are checked before the work, results that are not lost, JSON that is JSON."""
+"""What commands write: file names checked before the analysis, results that are not lost, valid JSON."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ STOPPED = 130  # exit status after Ctrl-C, as shells have it
 
 # ---------------------------------------------------------------- JSON
 def as_json(record: Any) -> str:
-    """JSON text; what is not finite is null, which is all that JSON has for it."""
+    """JSON text; numbers that are not finite become null, because JSON has none."""
     return json.dumps(_finite(record), indent=2, allow_nan=False)
 
 
@@ -33,13 +33,13 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-# ---------------------------------------------------------------- what can be refused is refused before the work
+# ---------------------------------------------------------------- before the analysis: what can be refused is refused
 def save_options(note: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """-o, --csv and --fallback."""
+    """Add the options -o, --csv and --fallback to a command; note: how their help texts begin."""
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
         function = click.option(
-            "--fallback", metavar="FOLDER", help="Where to put these files if the disk they should go to is full."
+            "--fallback", metavar="FOLDER", help="Where to write these files if their own disk is full."
         )(function)
         function = click.option("--csv", metavar="FILE", help=f"{note}Also write all curves as CSV.")(function)
         return click.option(
@@ -50,7 +50,7 @@ def save_options(note: str = "") -> Callable[[Callable[..., Any]], Callable[...,
 
 
 def check_results(read: str, output: str | None, csv: str | None, fallback: str | None) -> None:
-    """Refuse names under which a result cannot be saved."""
+    """Refuse file names under which a result cannot be saved. Raises ValueError, OSError, click.UsageError."""
     from rattle.results import archive
     from rattle.results.result import require_table
 
@@ -60,11 +60,14 @@ def check_results(read: str, output: str | None, csv: str | None, fallback: str 
         require_table(csv)
     check_files(read, output, csv)
     if fallback is not None and not Path(fallback).expanduser().is_dir():
-        raise click.UsageError(f"--fallback wants a folder, and {fallback} is none")
+        raise click.UsageError(f"--fallback needs a folder; {fallback} is not one")
 
 
 def check_pictures(read: str, *paths: str | Path | None, moving: bool = False) -> None:
-    """Refuse names under which a picture cannot be written; moving: films are pictures too."""
+    """Refuse file names under which a picture cannot be written; moving: animations are allowed too.
+
+    Raises ValueError, OSError, MissingProgram.
+    """
     from rattle.plots.curves import SUFFIXES
     from rattle.plots.movie_file import require_film
 
@@ -78,7 +81,7 @@ def check_pictures(read: str, *paths: str | Path | None, moving: bool = False) -
 
 
 def check_files(read: str, *paths: str | Path | None) -> None:
-    """Refuse places that cannot be written, the file that is read, and two files of one name."""
+    """Refuse places that cannot be written, the file that is read, and the same name twice."""
     from rattle.atomic_file import is_special, refuse_input, writable
 
     targets = [writable(path) for path in paths if path is not None]
@@ -89,9 +92,9 @@ def check_files(read: str, *paths: str | Path | None) -> None:
         raise click.UsageError(f"two files are to be written under the name {plain[0]}")
 
 
-# ---------------------------------------------------------------- after the work
+# ---------------------------------------------------------------- after the analysis
 def keep(result: Result, output: str | None, csv: str | None, fallback: str | None) -> bool:
-    """Save a result; an interrupted one beside what is there.  False where it could not be saved."""
+    """Save a result; an interrupted one does not replace a file that is there.  False if it could not be saved."""
     kept = True
     for path, save in ((output, result.save), (csv, result.to_csv)):
         if path is None:
@@ -110,15 +113,15 @@ def keep(result: Result, output: str | None, csv: str | None, fallback: str | No
 
 
 def beside(path: str) -> str:
-    """The name for an unfinished result: the one asked for, or another where a file is there already."""
+    """The name for an unfinished result: the one asked for, or NAME.partial.nc if that file exists already."""
     file = Path(path)
     return str(file.with_name(f"{file.stem}.partial{file.suffix}")) if file.is_file() else path
 
 
 def _another_place(save: Callable[[str], Any]) -> bool:
-    """Ask where to save instead, as long as somebody is there to answer; the result waits in memory."""
+    """Ask for another name if a user sits at a terminal; the result stays in memory meanwhile."""
     while sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty():
-        path = click.prompt("save it as (empty: give it up)", default="", show_default=False, err=True)
+        path = click.prompt("save it as (empty: do not save)", default="", show_default=False, err=True)
         if not path:
             return False
         try:
@@ -126,12 +129,12 @@ def _another_place(save: Callable[[str], Any]) -> bool:
             return True
         except (OSError, ValueError) as error:
             click.echo(f"error: {error}", err=True)
-    click.echo("the result was computed but not saved; --fallback FOLDER names another place to try", err=True)
+    click.echo("the result was computed but not saved; --fallback FOLDER names another place to write to", err=True)
     return False
 
 
 def finish(ctx: click.Context, result: Result, kept: bool = True) -> None:
-    """End a command with the status that its result asks for; the reason of a failure stands on stderr."""
+    """End a command with the exit status of its result; the reason of a failure goes to stderr."""
     if not result.success and ctx.obj["quiet"]:
         click.echo(f"stopped: {result.message}", err=True)
     if result.interrupted or result.stats.get("horizon_interrupted"):
@@ -143,12 +146,12 @@ def finish(ctx: click.Context, result: Result, kept: bool = True) -> None:
 
 
 def say_written(path: str | Path) -> None:
-    """The name of a file that was written; not into it, where it is the output itself."""
+    """Print the name of a file that was written; on stderr if that file is stdout itself."""
     from rattle.atomic_file import is_special
 
     click.echo(str(path), err=is_special(path))
 
 
 def zeroed(value: float, floor: float) -> float:
-    """0 for what is rounding: below a floor."""
+    """The value, or 0 if its magnitude is below `floor` (same unit) and so only rounding."""
     return 0.0 if abs(value) <= floor else value

@@ -1,4 +1,4 @@
-"""Equilibria and modes as lines and as records."""
+"""Equilibria and modes as lines of text and as records for JSON."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 DEGREES = 180 / math.pi
 MOST_LINES = 20  # equilibria that are listed one by one
 MOST_BODIES = 5  # whose angles stand in such a line
-ZERO = 1e-12  # share of the largest of its kind below which a number is rounding
+ZERO = 1e-12  # share of the size (1 rad for angles) below which a number is rounding
 
 
 def listed(m: Mechanism, found: Equilibria) -> None:
-    """The first positions, how far the search went, and where the bodies are in the first."""
+    """Print the first equilibria, how far the search went, and where the bodies are in the first."""
     for n, one in enumerate(found[:MOST_LINES]):
         click.echo(f"{n + 1}. {one}; {_angles(one)}")
     if len(found) > MOST_LINES:
@@ -29,21 +29,21 @@ def listed(m: Mechanism, found: Equilibria) -> None:
         kind = f"{stable} of them" if stable else "none of them"
         click.echo(f"and {len(found) - MOST_LINES} more, {kind} stable and admissible; --json lists all")
     if found and found.extent and not found.note:
-        click.echo(f"{len(found)} position{'s' if len(found) > 1 else ''} of rest: {found.extent}")
+        click.echo(f"{len(found)} equilibri{'a' if len(found) > 1 else 'um'}: {found.extent}")
     if found:
         click.echo(_position(m, found[0]))
 
 
 def _angles(one: Equilibrium) -> str:
-    """Angles of the first bodies: what tells equilibria apart."""
+    """Angles of the first bodies [deg], by which equilibria can be told apart."""
     bodies = list(one.table.geometry["bodies"])
     shown = ", ".join(f"{body} {zeroed(one[f'{body}.angle'], ZERO) * DEGREES:.4g}" for body in bodies[:MOST_BODIES])
     return f"at {shown}{', ...' if len(bodies) > MOST_BODIES else ''} deg"
 
 
 def _position(m: Mechanism, one: Equilibrium) -> str:
-    """Where the bodies are in the first position, and what holds it."""
-    lines = ["position 1:"]
+    """Where the bodies are in the first equilibrium, and the efforts of the drivers that hold it."""
+    lines = ["equilibrium 1:"]
     floor = ZERO * m.system.size
     for body in m.model.bodies:
         x, y = (zeroed(one[f"{body}.{key}"], floor) for key in "xy")
@@ -58,6 +58,7 @@ def _position(m: Mechanism, one: Equilibrium) -> str:
 
 
 def entry(one: Equilibrium) -> dict[str, Any]:
+    """One equilibrium as a record: every value with its unit (SI), residual [N], gap [m]."""
     values = {name: {"value": one[name], "unit": one.unit(name)} for name in one.names}
     facts = {
         "admissible": one.admissible,
@@ -70,7 +71,8 @@ def entry(one: Equilibrium) -> dict[str, Any]:
 
 
 def modes_record(found: Modes) -> dict[str, Any]:
-    """Every mode with its shape (x, y, angle of every body), and the position it is about."""
+    """Every mode with its frequency [Hz], omega [rad/s], growth [1/s], damping ratio and shape (x, y [m], angle [rad]
+    of every body, scaled), and the equilibrium it is about."""
     bodies = list(found.equilibrium.result.geometry["bodies"])
     listed = [
         {

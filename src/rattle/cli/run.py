@@ -18,29 +18,31 @@ if TYPE_CHECKING:
 @model_options
 @save_options()
 @click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance, e.g. impact or exact.")
-@click.option("--t-end", type=time, help="Duration, in s or as '20 ms'; default: what the model says.")
+@click.option("--t-end", type=time, help="End of the run, in s or as '20 ms'; default: as in the model.")
 @click.option(
     "--method",
     metavar="NAME",
-    help="dop853 (adaptive) or rk4 (fixed --step); with impact contacts event or moreau (fixed --step).",
+    help="Integrator: dop853 (adaptive) or rk4 (fixed --step); with impact contacts event (adaptive) or "
+    "moreau (fixed --step).",
 )
 @click.option(
     "--rtol",
     type=float,
-    help="Relative error allowed per step of dop853 and event; default: what the model says, else 1e-8.",
+    help="Relative tolerance per step of dop853 and event; default: as in the model, otherwise 1e-8.",
 )
 @click.option(
     "--atol",
     type=float,
-    help="Error per step that is always allowed [m, rad, m/s, rad/s]; default: a hundredth of --rtol.",
+    help="Absolute tolerance per step [m, rad, m/s, rad/s]; default: a hundredth of --rtol.",
 )
 @click.option("--step", type=time, help="Step of rk4 and moreau, largest step of the others, in s or as '10 us'.")
-@click.option("--most-steps", type=int, help="Give up after that many steps; default: when a run gets nowhere.")
+@click.option("--most-steps", type=int, help="End the run after this many steps; default: when it makes no progress.")
 @click.option(
     "--horizon/--no-horizon",
     default=True,
     show_default=True,
-    help="Run a second time, more exactly, to find out how long the curves can be trusted; doubles the time.",
+    help="Run a second time with a tighter tolerance, to find out how long the curves can be trusted; "
+    "doubles the time.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print table and trust as JSON.")
 @click.pass_context
@@ -83,7 +85,7 @@ def run(
 
 
 def _peaks(result: Result) -> dict[str, dict[str, float | str]]:
-    """Largest size, its time and RMS of all forces, moments, efforts and powers, from within the steps."""
+    """Largest magnitude, its time [s] and RMS of all forces, moments, efforts and powers, found within the steps."""
     return {
         name: {"peak": one.value, "t": one.t, "rms": one.rms, "unit": result.unit(name)}
         for name, one in result.peaks.items()
@@ -121,7 +123,7 @@ SHORT_WORK = ("impacts", "statics", "motion")
 
 
 def _native_modules() -> list[str]:
-    """Modules of functions with fixed types; those with the most functions first."""
+    """Modules with functions of fixed types; those with the most functions first."""
     from collections import Counter
 
     from rattle.jit import functions
@@ -131,7 +133,7 @@ def _native_modules() -> list[str]:
 
 
 def _warm(what: str) -> None:
-    """Compile the functions of one module that have fixed types, or by short work those that take what they get."""
+    """Compile the functions of one module that have fixed types, or, by a short analysis, those of open types."""
     import numpy as np
 
     from rattle.jit import functions

@@ -12,7 +12,7 @@ from rattle.cli.output import check_files, check_pictures, say_written
     "-o", "--output", metavar="FOLDER", default="rattle-demo", show_default=True, help="Folder for the files."
 )
 def demo(output: str) -> None:
-    """The paper's four-bar with and without play: a short table, its Figures 3-12 on one page, orbits, CSV, GIF.
+    """The paper's four-bar with and without play: a short table, the paper's Figures 3-12, orbits, CSV, GIF.
 
     \b
     Example:  rattle demo -o pictures
@@ -32,7 +32,7 @@ def demo(output: str) -> None:
     "--orbit", multiple=True, metavar="JOINT", help="Draw the path of the pin of this joint in its clearance circle."
 )
 @click.option(
-    "--xy", multiple=True, metavar="POINT", help="Draw the path of a point or body in the plane, e.g. coupler.P."
+    "--xy", multiple=True, metavar="POINT", help="Draw the path of a point, or of a body's mass centre, e.g. coupler.P."
 )
 @click.option("--over", metavar="NAME", help="Put this curve on the horizontal axis, e.g. crank.angle; default: time.")
 @click.option(
@@ -40,13 +40,14 @@ def demo(output: str) -> None:
     "--output",
     metavar="FILE",
     default=None,
-    help="Picture to write (.png, .svg, .pdf); default: RESULT with .png, for orbits and paths with their name.",
+    help="Picture to write (.png, .svg, .pdf); default: RESULT.png, and RESULT-JOINT.png or RESULT-path.png for "
+    "orbits and paths.",
 )
 def plot(
     result: str, names: tuple[str, ...], orbit: tuple[str, ...], xy: tuple[str, ...], over: str | None,
     output: str | None,
 ) -> None:  # fmt: skip
-    """Plot curves, paths of points or pin orbits of a saved result; without NAMES lists what there is.
+    """Plot curves, paths of points or pin orbits of a saved result; without NAMES lists all names.
 
     \b
     Example:  rattle plot out.nc O3.normal O4.normal -o forces.svg
@@ -64,11 +65,11 @@ def plot(
     target = Path(output) if output else Path(result).with_suffix(".png")
     for option, given in (("--orbit", orbit), ("--xy", xy), ("--over", (over or "",))):
         if any(one.startswith("-") for one in given):
-            raise click.UsageError(f"{option} wants a name; `rattle plot {result}` lists what there is")
+            raise click.UsageError(f"{option} needs a name; `rattle plot {result}` lists all names")
     if output and not (names or orbit or xy):
-        raise click.UsageError(f"name what to draw; `rattle plot {result}` lists what there is")
+        raise click.UsageError(f"name what to draw; `rattle plot {result}` lists all names")
     if over is not None and not names:
-        raise click.UsageError("--over wants curves to draw: rattle plot RESULT NAME... --over NAME")
+        raise click.UsageError("--over needs curves to draw: rattle plot RESULT NAME... --over NAME")
     if names or orbit or xy:
         check_pictures(result, target)
     loaded = load_result(result)
@@ -90,25 +91,27 @@ def plot(
 @click.command()
 @click.argument("result")
 @click.option(
-    "-o", "--output", metavar="FILE", required=True, help="Picture to write (.gif; .mp4 where ffmpeg is installed)."
+    "-o", "--output", metavar="FILE", required=True, help="Animation to write (.gif; .mp4 if ffmpeg is installed)."
 )
 @click.option(
-    "--frames", default=120, show_default=True, help="Most frames, evenly spaced in time, 20 per second of film."
-)
+    "--frames", default=120, show_default=True,
+    help="Largest number of frames, evenly spaced in time and shown at 20 per second.",
+)  # fmt: skip
 @click.option(
     "--speed",
     type=float,
-    help="Film against motion: 0.1 is ten times slower. Decides how many frames, in place of --frames.",
+    help="Speed of the animation relative to the motion: 0.1 is ten times slower. Sets the number of frames in "
+    "place of --frames.",
 )
 @click.option(
     "--trace",
     multiple=True,
     metavar="POINT",
-    help="Point that leaves its path behind, e.g. coupler.P; may be given again.",
+    help="Point whose path is drawn, e.g. coupler.P; may be given more than once.",
 )
-@click.option("--names", is_flag=True, help="Write the names of the bodies into the picture.")
+@click.option("--names", is_flag=True, help="Label the bodies with their names.")
 def animate(result: str, output: str, frames: int, speed: float | None, trace: tuple[str, ...], names: bool) -> None:
-    """Make a moving picture of a saved result, the play magnified beside it.
+    """Animate a saved result, with the pin in its bush magnified beside it.
 
     \b
     Example:  rattle animate out.nc -o out.gif

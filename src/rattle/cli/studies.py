@@ -1,4 +1,4 @@
-"""Commands that look at play as such: compare, poincare."""
+"""Commands that study the effect of play: compare, poincare."""
 
 from __future__ import annotations
 
@@ -15,16 +15,19 @@ if TYPE_CHECKING:
 
 @click.command()
 @model_options
-@click.option("--joint", metavar="JOINT", help="The joint to show; default: the first with clearance.")
 @click.option(
-    "--curve", metavar="NAME", help="The motion to show, such as rocker.angle; default: that of the last body."
+    "--joint", metavar="JOINT", help="Joint whose force and orbit are shown; default: the first with clearance."
+)
+@click.option(
+    "--curve", metavar="NAME", help="Curve of the motion to show, such as rocker.angle; default: one of the last body."
 )
 @click.option(
     "--law",
     metavar="NAME",
-    help="Force law of the compliant run (`rattle kinds normal` lists them); default: the joint's own, else exact.",
+    help="Normal force law of the compliant run (`rattle kinds normal` lists them); default: the joint's own, "
+    "otherwise exact.",
 )
-@click.option("--t-end", type=time, help="Duration, in s or as '20 ms'; default: one turn of the driver.")
+@click.option("--t-end", type=time, help="End of the runs, in s or as '20 ms'; default: one turn of the driver.")
 @click.option(
     "-o", "--output", metavar="FILE", default="compare.png", show_default=True, help="Picture (.png, .svg, .pdf)."
 )
@@ -33,10 +36,10 @@ def compare(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, joint: str | None, curve: str | None,
     law: str | None, t_end: float | None, output: str,
 ) -> None:  # fmt: skip
-    """Ideal, massless link, one-sided impact and compliant play on one page: motion, force, orbit, events, energy.
+    """Ideal joint, massless link, one-sided impact and compliant contact on one page: motion, force, orbit, energy.
 
-    FILE is a model file or the name of a shipped example.  What a compliant contact needs and the file does not say
-    is taken for granted and stated on the page.
+    FILE is a model file or the name of a shipped example.  Values that a compliant contact needs and the file does not
+    give are assumed; the page states them.
 
     \b
     Example:  rattle compare fourbar -o play.png
@@ -64,12 +67,17 @@ def compare(
     "names",
     multiple=True,
     metavar="NAME",
-    help="Curve to look at, such as B.ex. Give it twice for a section, once with --parameter.",
+    help="Curve to sample, such as B.ex. Give the option twice for a section, once with --parameter.",
 )
-@click.option("--parameter", metavar="NAME", help="Parameter or path to vary, such as c: draws a bifurcation diagram.")
+@click.option(
+    "--parameter", metavar="NAME",
+    help="Draw a bifurcation diagram over this parameter, such as c, or over a path such as joints.B.clearance.",
+)  # fmt: skip
 @click.option("--from", "first", metavar="VALUE", help='First value of the parameter, in SI or as "0.2 mm".')
 @click.option("--to", "last", metavar="VALUE", help='Last value of the parameter, in SI or as "0.6 mm".')
-@click.option("--values", "count", default=100, show_default=True, help="How many values, evenly from --from to --to.")
+@click.option(
+    "--values", "count", default=100, show_default=True, help="Number of values, evenly spaced from --from to --to."
+)
 @click.option(
     "--period", type=time, help="Time between two points, in s or as '20 ms'; default: one turn of the driver."
 )
@@ -77,9 +85,11 @@ def compare(
     "--crossing", metavar="NAME", help="Take a point whenever this curve rises through zero, not once per --period."
 )
 @click.option(
-    "--skip", default=50, show_default=True, help="Points left out at the start, until the motion has settled."
+    "--skip", default=50, show_default=True, help="Number of points left out at the start, while transients decay."
 )
-@click.option("--points", default=200, show_default=True, help="Points taken, for a bifurcation at every value.")
+@click.option(
+    "--points", default=200, show_default=True, help="Number of points kept; with --parameter, at every value."
+)
 @click.option("--lyapunov", is_flag=True, help="Also print the largest Lyapunov exponent [1/s], with its uncertainty.")
 @click.option(
     "-o",
@@ -96,10 +106,10 @@ def poincare(
     parameter: str | None, first: str | None, last: str | None, count: int, period: float | None,
     crossing: str | None, skip: int, points: int, lyapunov: bool, picture: str,
 ) -> None:  # fmt: skip
-    """Poincare section of two curves, or bifurcation diagram of one over a parameter.
+    """Poincare section of two curves, or bifurcation diagram of one curve over a parameter.
 
-    FILE is a model file or the name of a shipped example.  Without --of it is the pin of the first joint with
-    clearance, ex against ey.
+    FILE is a model file or the name of a shipped example.  Default of --of: ex and ey of the first joint with
+    clearance, the position of its pin in its bush.
 
     \b
     Examples: rattle poincare slider_crank_play --skip 20 --points 60 --lyapunov
@@ -116,11 +126,11 @@ def poincare(
     loose = [name for name, one in m.model.joints.items() if one.clearance > 0.0]
     curves = names or tuple(f"{loose[0]}.{what}" for what in ("ex", "ey")) if loose or names else ()
     if not curves:
-        raise click.UsageError("name the curves to look at: --of NAME --of NAME")
+        raise click.UsageError("name the curves to sample: --of NAME --of NAME")
     interrupted = False
     if parameter is not None:
         if first is None or last is None:
-            raise click.UsageError("--parameter wants --from and --to")
+            raise click.UsageError("--parameter needs --from and --to")
         low, high = (_amount(m, parameter, text, at) for text, at in ((first, "--from"), (last, "--to")))
         found = m.bifurcation(
             parameter, np.linspace(low, high, count), curves[0], period=period, skip=skip, points=points,
@@ -130,7 +140,7 @@ def poincare(
         click.echo(found.rule)
     else:
         if len(curves) < 2:
-            raise click.UsageError("a section wants two curves: --of NAME --of NAME, or --parameter")
+            raise click.UsageError("a section needs two curves, --of NAME --of NAME; a bifurcation needs --parameter")
         section = m.poincare(*curves[:2], period=period, crossing=crossing, skip=skip, points=points)
         figure = section.plot(curves[0], curves[1])
         interrupted = section.interrupted
@@ -146,7 +156,7 @@ def poincare(
 
 
 def _amount(m: Mechanism, parameter: str, text: str, option: str) -> float:
-    """A value of a parameter in SI units, from a number or a quantity of the parameter's kind."""
+    """A value of a parameter in SI units, from a number or a quantity of the parameter's dimension."""
     from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
 
     try:
@@ -154,7 +164,9 @@ def _amount(m: Mechanism, parameter: str, text: str, option: str) -> float:
     except QuantityError as error:
         raise click.UsageError(f"{option}: {error}") from None
     if found is None:
-        raise click.UsageError(f'{option}: {text!r} is no value; wanted a number in SI or a quantity such as "0.2 mm"')
+        raise click.UsageError(
+            f'{option}: {text!r} is not a value; expected a number in SI or a quantity such as "0.2 mm"'
+        )
     known = m.model.parameters.get(parameter)
     if known is not None and found[1] is not None and found[1] != dimension_of(known.unit):
         wanted = describe(dimension_of(known.unit))

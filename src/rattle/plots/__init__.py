@@ -1,1 +1,1 @@
-"""Pictures, pages and films."""
+"""Pictures, pages and animations."""

@@ -1,4 +1,4 @@
-"""The mechanism moving: bodies, joints and springs, with the play of its pins magnified beside it."""
+"""Animation of a mechanism: bodies, joints and springs, with its pins in their bushes magnified beside it."""
 
 from __future__ import annotations
 
@@ -40,14 +40,15 @@ def animate(
     speed: float | None = None,
     names: bool = False,
 ) -> None:
-    """Write the motion as .gif, or as .mp4 where ffmpeg is installed.
+    """Write the motion as .gif, or as .mp4 if ffmpeg is installed.
 
-    At most `frames` pictures, evenly spaced in time, shown at `fps` per second.
-    trace: names of points ("coupler.P") that leave their path behind.  names: write the names of bodies on them.
-    speed: of the film against the motion, 0.1 for ten times slower; then there are as many frames as that takes.
+    At most `frames` pictures, evenly spaced in time, shown at `fps` [1/s].
+    trace: names of points ("coupler.P") whose paths are drawn.  names: label the bodies with their names.
+    speed: of the animation relative to the motion, 0.1 for ten times slower; it sets the number of frames.
+    dpi: resolution [1/inch].
 
     Raises ValueError for another suffix or an empty result, UnknownName for an unknown point and
-    MissingProgram (a RuntimeError) where ffmpeg is missing.
+    MissingProgram (a RuntimeError) if ffmpeg is missing.
     """
     require_film(path)
     if not fps > 0:
@@ -58,8 +59,8 @@ def animate(
         frames = math.ceil(float(result.t[-1] - result.t[0]) / speed * fps) + 1 if len(result.t) else 0
         if frames > min(MOST_FRAMES, max(len(result.t), 1)):
             raise ValueError(
-                f"speed {speed:g} takes {frames} frames at {fps} per second; there are {len(result.t)} outputs,"
-                f" and {MOST_FRAMES} frames at most: choose a larger speed or a smaller output interval"
+                f"speed {speed:g} needs {frames} frames at {fps} per second, but the result has {len(result.t)} outputs"
+                f" and {MOST_FRAMES} frames are allowed: choose a larger speed or a smaller output interval"
             )
     write = {".gif": write_gif, ".mp4": write_mp4}[Path(path).suffix.lower()]
     figure, update, count = scene(result, frames, trace, fps=fps, names=names)
@@ -71,7 +72,7 @@ def animate(
 def scene(
     result: Result, frames: int = 120, trace: Iterable[str] = (), *, fps: int = 20, names: bool = False
 ) -> tuple[Figure, Update, int]:
-    """The figure, the function that moves it to frame k, and the number of frames."""
+    """The figure, the function that moves it to frame k, and the number of frames; arguments as of `animate`."""
     if not len(result.t):
         raise ValueError("the result has no instant to show")
     if frames < 1:
@@ -79,7 +80,7 @@ def scene(
     instants = np.linspace(result.t[0], result.t[-1], min(frames, len(result.t)))
     pick = np.unique(np.searchsorted(result.t, instants - 1e-12 * (1 + abs(result.t[-1]))).clip(0, len(result.t) - 1))
     stage = Scene(result, pick, 1.0)
-    low, high = extent(stage._replace(pick=np.arange(len(result.t))))  # paths go on between the frames
+    low, high = extent(stage._replace(pick=np.arange(len(result.t))))  # of all instants: paths go on between frames
     stage = stage._replace(size=float(max(high - low)) or 1.0)
     low, high = low - 0.08 * stage.size, high + 0.08 * stage.size
 
@@ -108,7 +109,7 @@ def scene(
 
 
 def _stage(extent: Array, pins: int) -> tuple[Figure, Axes, list[Axes]]:
-    """One large axis for the mechanism; beside it a square one per pin, two in a column."""
+    """A large axis for the mechanism; beside it a square one for each pin, two in a column."""
     rows, columns = min(2, pins), (pins + 1) // 2
     height = float(np.clip(6.2 * extent[1] / extent[0] + 1.0, 3.2 if rows < 2 else 4.6, 6.4))
     side = 0.42 * height if rows == 2 else 2.2
@@ -120,10 +121,10 @@ def _stage(extent: Array, pins: int) -> tuple[Figure, Axes, list[Axes]]:
 
 # ---------------------------------------------------------------- what moves
 def _clock(ax: Axes, stage: Scene, pace: float) -> Update:
-    """Time, and how fast the film is against the motion."""
+    """The time as title, and how fast the animation is relative to the motion."""
     t, horizon = stage.result.t[stage.pick], stage.result.trust.horizon
     title = ax.set_title("", loc="left", fontsize=11)
-    against = f",  film {pace:.2g} times as fast" if pace > 0.0 and abs(pace - 1.0) > 0.01 else ""
+    against = f",  shown {pace:.2g} times as fast" if pace > 0.0 and abs(pace - 1.0) > 0.01 else ""
     digits = max(2, 3 - math.floor(math.log10(float(t[-1] - t[0]) or 1.0)))
 
     def update(k: int) -> None:

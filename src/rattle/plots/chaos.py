@@ -21,7 +21,10 @@ def plot_section(section: Section, x: str, y: str, ax: None = None) -> Figure: .
 @overload
 def plot_section(section: Section, x: str, y: str, ax: Axes) -> Axes: ...
 def plot_section(section: Section, x: str, y: str, ax: Axes | None = None) -> Figure | Axes:
-    """The points of a section, coloured by time, on a new figure; with `ax` there, and `ax` is returned."""
+    """The points of a section, coloured by time, on a new figure, or on `ax`, which is then returned.
+
+    x, y: names of the two curves; axes in handy units (mm, deg), time in s.
+    """
     from matplotlib.patches import Circle
 
     given, ax = ax, ax if ax is not None else new_axes(6.4, 5.4)[0]
@@ -50,13 +53,16 @@ def plot_bifurcation(found: Bifurcation, ax: None = None) -> Figure: ...
 @overload
 def plot_bifurcation(found: Bifurcation, ax: Axes) -> Axes: ...
 def plot_bifurcation(found: Bifurcation, ax: Axes | None = None) -> Figure | Axes:
-    """All points of the output over the parameter, on a new figure; with `ax` there, and `ax` is returned."""
+    """All points of the output over the parameter, in handy units (mm, deg); on a new figure, or on `ax`, which is
+    then returned."""
     given, ax = ax, ax if ax is not None else new_axes(8.0, 5.0)[0]
     count = found.points.shape[1]
     x = np.repeat(found.values, count)
     wide = handy_unit(found.parameter_unit, float(np.abs(found.values).max(initial=0.0)))
     high = handy_unit(found.of_unit, float(np.nanmax(np.abs(found.points), initial=0.0)))
-    dot = float(np.clip(60.0 / np.sqrt(max(x.size, 1)), 2.5, 6.0))  # [points] few are seen, many do not run together
+    dot = float(
+        np.clip(60.0 / np.sqrt(max(x.size, 1)), 2.5, 6.0)
+    )  # [points] few dots are large enough to be seen, many do not merge
     ax.plot(wide[0] * x, high[0] * found.points.ravel(), ".", color=BLUE, markersize=dot, alpha=0.7, markeredgewidth=0)
     ax.set_xlabel(axis_label(found.parameter, wide[1]))
     ax.set_ylabel(axis_label(found.of, high[1]))

@@ -48,7 +48,10 @@ WIDTH = 13.0  # of the page [inches]
 
 
 def page(found: Comparison) -> Figure:
-    """Motion, its deviation from the ideal one, joint force and orbit per model, energy lost, and a table."""
+    """Motion, its deviation from the ideal one, joint force and orbit per model, energy lost, and a table.
+
+    Units stand on the axes: N, J, mm or deg as the size asks, time in s or ms.
+    """
     loose = [model for model in (LINK, IMPACT, COMPLIANT) if model in found.results and _has_orbit(found, model)]
     said = _said(found)
     panels = [1.9, 1.5, *[2.15] * len(loose), 1.5]
@@ -125,7 +128,7 @@ def _mark_horizon(ax: Axes, r: Result, colour: str, scale: float) -> None:
 
 
 def _force_floor(found: Comparison) -> float:
-    """Where the scale of forces turns from linear to logarithmic [N]: the size of the ideal reaction, rounded."""
+    """Force [N] at which the scale turns from linear to logarithmic: the size of the ideal reaction, rounded."""
     typical = float(np.median(found.results[found.reference][f"{found.joint}.force"])) or 1.0
     return float(10.0 ** math.floor(math.log10(typical)))
 
@@ -142,7 +145,7 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
     interval = float(r.t[1] - r.t[0])
     lasting = [event for event in r.events if event.joint == joint and event.kind == "contact"]
     short = [event for event in lasting if event.duration < 2.0 * interval]
-    if short:  # which no two outputs show; where they do the curve itself stands
+    if short:  # contacts too short to be seen between two outputs; longer ones are seen in the curve itself
         at = [scale * (event.t + 0.5 * event.duration) for event in short]
         ax.vlines(at, 0.0, [event.peak_force for event in short], color=COLOURS[model], linewidth=0.7)
     largest, when = r.peaks.get(f"{joint}.pressing", r.peaks.get(f"{joint}.normal", (0.0, 0.0)))[:2]
@@ -183,7 +186,7 @@ def _force_label(force: float) -> str:
 
 
 def _events(ax: Axes, r: Result, joint: str, scale: float) -> None:
-    """Along the foot of the panel: bars while the pin presses, ticks at impacts."""
+    """Along the bottom of the panel: bars while the pin presses, ticks at impacts."""
     mine = [event for event in r.events if event.joint == joint]
     place: dict[str, Any] = {"transform": ax.get_xaxis_transform(), "clip_on": True}
     for a, b in pressing_spans(mine):
@@ -225,7 +228,7 @@ def _orbit(ax: Axes, found: Comparison, model: str) -> None:
     reach = float(np.hypot(x, y).max()) * scale
     limit = 1.18 * max(c, reach)
     ax.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal", yticks=[-c, 0, c])
-    if c > 0.25 * limit:  # else the labels of the circle would lie on each other
+    if c > 0.25 * limit:  # otherwise the labels of the circle would overlap
         ax.set_xticks([-c, 0, c], [f"\N{MINUS SIGN}{c:.3g}", "0", f"{c:.3g} {unit}"], fontsize=8)
     else:
         ax.set_xticks([-reach, 0, reach], [f"\N{MINUS SIGN}{reach:.3g}", "0", f"{reach:.3g} {unit}"], fontsize=8)
@@ -261,11 +264,11 @@ def _energy(ax: Axes, found: Comparison, scale: float) -> None:
     ax.set_ylabel(axis_label("energy lost", "J"))
     _title(ax, "Energy lost in all joints and dampers (impacts, contact damping, friction)")
     audit = max(r.trust.energy_balance for r in found.results.values())
-    note(ax, f"energy audit of all runs closes to {audit:.1g} J")
+    note(ax, f"largest energy error of all runs {audit:.1g} J")
 
 
 def _legend(ax: Axes, found: Comparison) -> None:
-    """What the colours mean, and what was taken for granted."""
+    """What the colours mean, and what was assumed."""
     from textwrap import fill
 
     ax.axis("off")
@@ -307,7 +310,7 @@ def _sketch(ax: Axes, found: Comparison) -> None:
 
 
 def _table(ax: Axes, found: Comparison) -> None:
-    """The figures of the joint, model by model."""
+    """The numbers of the joint, one row for each model."""
     ax.axis("off")
     rows = found.rows()
     at = [0.0, 0.16, 0.28, 0.40, 0.50, 0.59, 0.75, 0.88]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rattle.results.result import Result
 
 Array = NDArray[np.float64]
-# Okabe and Ito (2008), the colours that all kinds of eyes tell apart
+# Okabe and Ito (2008): colours that can be told apart with every kind of colour vision
 BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#333333"
 CURVES = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
 # Paul Tol, muted: for more than seven of a kind
@@ -67,15 +67,15 @@ def plot(
     robust: bool = False,
     over: str | None = None,
 ) -> Figure | Axes:
-    """Curves over time: one panel per unit, one time axis; what lies after the horizon is shaded.
+    """Curves over time [s]: one panel per unit, one time axis; the time after the horizon is shaded.
 
-    Angles are drawn in degrees, lengths in m, mm or µm as they are large; with `ax` all stays in SI.
-    over: another curve, such as "crank.angle", in the place of time.
+    Angles are drawn in degrees, lengths in m, mm or µm according to their size; with `ax` everything stays in SI.
+    over: a curve for the horizontal axis instead of time, such as "crank.angle".
     compare: further results as (label, result); their curves of the same names are dashed.
     robust: leave rare spikes out of the range of the axis (a note says how far they reach).
-    ax: draw there; then all names must have one unit.  Returns a new figure, or `ax` where it is given.
+    ax: draw there; then all names must have one unit.  Returns a new figure, or `ax` if it is given.
 
-    Raises UnknownName, or ValueError where there is nothing to draw or one axis for two units.
+    Raises UnknownName, or ValueError if there is nothing to draw or one axis for two units.
     """
     if not names:
         raise ValueError(f"name at least one curve, such as {', '.join(repr(n) for n in result.names[:3])}")
@@ -112,7 +112,7 @@ Across = Callable[["Result"], Array]
 
 
 def _across(result: Result, over: str | None) -> tuple[Across, str]:
-    """What curves are drawn over, for any result, and how its axis is labelled."""
+    """The values on the horizontal axis, for any result, and the label of that axis."""
     if over is None:
         return (lambda r: r.t), "time [s]"
     factor, unit = handy_unit(result.unit(over), float(np.nanmax(np.abs(result[over]), initial=0.0)))
@@ -134,14 +134,14 @@ def _panel(
                 style |= {"color": tuple(0.45 * part for part in to_rgb(colour)), "label": f"{name}, {label}"}
                 lines += ax.plot(across(other), factor * other[name], **style)
     place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0), "borderaxespad": 0.0}
-    # matplotlib leaves out names that begin with an underscore: they are written once the legend stands
+    # matplotlib leaves out names that begin with an underscore: they are written after the legend is made
     legend = ax.legend(lines, [str(k) for k in range(len(lines))], frameon=False, fontsize=9, **place)
     for text, line in zip(legend.get_texts(), lines, strict=True):
         text.set(text=str(line.get_label()), parse_math=False)
 
 
 def handy_unit(unit: str, size: float) -> tuple[float, str]:
-    """A factor from SI and the unit in which a quantity of this size is easy to read."""
+    """A factor from the SI unit, and the unit in which a quantity of this size [SI] is easy to read."""
     if unit == "rad":
         return 180 / np.pi, "deg"
     if unit == "m" and 0.0 < size < 0.1:
@@ -151,20 +151,20 @@ def handy_unit(unit: str, size: float) -> tuple[float, str]:
 
 # ---------------------------------------------------------------- common to all pictures
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure [inches] of its own, without the global state of pyplot; it shows itself in a notebook."""
+    """An empty figure (width, height [inches]), independent of pyplot; it shows itself in a notebook."""
     from rattle.plots.figure import Page
 
     return Page(width, height)
 
 
 def new_axes(width: float, height: float, rows: int = 1, columns: int = 1) -> list[Axes]:
-    """Axes of a new figure [inches], row by row, with one time axis."""
+    """Axes of a new figure (width, height [inches]), row by row, with one time axis."""
     figure = new_figure(width, height)
     return [tidy(ax) for ax in figure.subplots(rows, columns, sharex=True, squeeze=False).flat]
 
 
 def tidy(ax: Axes) -> Axes:
-    """The look that all pictures share."""
+    """Give an axis the look that all pictures share; returns it."""
     ax.spines[["top", "right"]].set_visible(False)
     ax.grid(True, color=LINES, linewidth=0.5)
     ax.set_axisbelow(True)
@@ -172,7 +172,7 @@ def tidy(ax: Axes) -> Axes:
 
 
 def figure_of(ax: Axes) -> Figure:
-    """The figure an axis belongs to."""
+    """The figure that an axis belongs to. Raises ValueError if there is none."""
     figure = ax.get_figure(root=True)
     if figure is None:
         raise ValueError("this axis belongs to no figure")
@@ -180,12 +180,12 @@ def figure_of(ax: Axes) -> Figure:
 
 
 def drawn(ax: Axes, given: Axes | None) -> Figure | Axes:
-    """What a picture returns: its own figure, or the axes it was told to draw into (a notebook shows those once)."""
+    """What a drawing function returns: its new figure, or the given axes (which a notebook shows only once)."""
     return figure_of(ax) if given is None else given
 
 
 def axis_label(quantity: str, unit: str) -> str:
-    """`quantity [unit]` with the unit as one prints it."""
+    """`quantity [unit]`, the unit as it is printed (N·m, m/s²)."""
     printed = unit.replace("*", "·").replace("^2", "²").replace("^3", "³")
     return f"{quantity} [{printed}]" if printed else quantity
 
@@ -197,7 +197,7 @@ def note(ax: Axes, text: str, side: Literal["left", "right"] = "right") -> None:
 
 
 def shade_after_horizon(ax: Axes, result: Result, draw: bool = True) -> bool:
-    """Shade what lies after the horizon; True if anything does."""
+    """Shade the time after the horizon; True if there is any."""
     horizon, end = result.trust.horizon, result.trust.t_end
     if horizon is None or horizon >= end:
         return False
@@ -208,9 +208,9 @@ def shade_after_horizon(ax: Axes, result: Result, draw: bool = True) -> bool:
 
 
 def robust_limits(ax: Axes, curves: Sequence[Array], side: Literal["left", "right"] = "left") -> bool:
-    """Keep rare spikes from flattening the curve; True if something is cut off, and then a note says so.
+    """Keep rare spikes from flattening the curve; True if something is cut off, which a note then says.
 
-    A limit moves in only where the extreme lies far outside the middle 99 % of the values.
+    A limit moves in only if the extreme lies far outside the middle 99 % of the values.
     """
     values = np.concatenate([c[np.isfinite(c)] for c in curves])
     if not len(values):
@@ -229,7 +229,7 @@ def robust_limits(ax: Axes, curves: Sequence[Array], side: Literal["left", "righ
 
 
 def save_figure(figure: Figure, path: str | os.PathLike[str], dpi: float = 150) -> None:
-    """Write a figure as .svg, .png or .pdf; raises ValueError for another suffix."""
+    """Write a figure as .svg, .png or .pdf; dpi: resolution [1/inch]. Raises ValueError for another suffix, OSError."""
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
         raise ValueError(f"{os.fspath(path)}: a picture needs a name ending in {', '.join(SUFFIXES)}")

@@ -1,4 +1,4 @@
-"""The figure that all pictures are drawn on: it shows itself in a notebook, whatever backend is chosen there."""
+"""The figure class of all pictures: it shows itself in a notebook, whatever backend is chosen there."""
 
 from __future__ import annotations
 

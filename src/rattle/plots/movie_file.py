@@ -1,4 +1,4 @@
-"""Writing a figure that moves to a file, frame by frame."""
+"""Writing an animated figure to a file, frame by frame."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from rattle.plots.curves import BORE, CURVES, GREY, LINES, MORE
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Update = Callable[[int], None]  # moves what was drawn to the instant of one frame
+Update = Callable[[int], None]  # changes the drawing to the instant of one frame
 
 
 def require_film(path: str | os.PathLike[str]) -> None:
-    """Raise ValueError for a name that is no film's, MissingProgram where ffmpeg is wanted and missing."""
+    """Refuse a file name for an animation. Raises ValueError for another suffix, MissingProgram without ffmpeg."""
     from matplotlib.animation import FFMpegWriter
 
     suffix = Path(path).suffix.lower()
@@ -28,11 +28,11 @@ def require_film(path: str | os.PathLike[str]) -> None:
     if suffix not in (".gif", ".mp4"):
         raise ValueError(f"{os.fspath(path)}: an animation needs a name ending in .gif or .mp4")
     if suffix == ".mp4" and not FFMpegWriter.isAvailable():
-        raise MissingProgram("an .mp4 needs the program ffmpeg, which is not found here; install it or use .gif")
+        raise MissingProgram("an .mp4 needs the program ffmpeg, which was not found; install it or use .gif")
 
 
 def write_mp4(figure: Figure, update: Update, count: int, file: Path, fps: int) -> None:
-    """A film."""
+    """Write an .mp4 of `count` frames at `fps` [1/s]."""
     from matplotlib.animation import FFMpegWriter
 
     writer = FFMpegWriter(fps=fps)
@@ -43,7 +43,7 @@ def write_mp4(figure: Figure, update: Update, count: int, file: Path, fps: int) 
 
 
 def write_gif(figure: Figure, update: Update, count: int, file: Path, fps: int) -> None:
-    """A GIF with one palette for all frames: a third of the time of matplotlib's PillowWriter."""
+    """Write a .gif of `count` frames at `fps` [1/s], with one palette for all: a third of PillowWriter's time."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL import Image
 
@@ -62,7 +62,7 @@ def write_gif(figure: Figure, update: Update, count: int, file: Path, fps: int) 
 def _palette() -> list[int]:
     """Every colour of the pictures in steps towards white, and the light greys of the background.
 
-    Coarse enough near white for Pillow, whose nearest colour is good to 4 levels, to keep white white.
+    The steps near white are coarse: Pillow finds the nearest colour to 4 levels only, and white must stay white.
     """
     from matplotlib.colors import to_rgb
 

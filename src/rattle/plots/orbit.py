@@ -1,4 +1,4 @@
-"""Paths: the orbit of a pin in its bush, coloured by the force, and the way of points."""
+"""Paths: the orbit of a pin in its bush, coloured by the normal force, and the paths of points."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ def plot_path(result: Result, *points: str, ax: Axes) -> Axes: ...
 
 
 def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | Axes:
-    """Paths of points such as "coupler.P" (or of mass centres, "coupler") in the plane, a ring at their start.
+    """Paths of points such as "coupler.P" (or of mass centres, "coupler") in the plane [m or mm], a ring at the start.
 
-    ax: draw there.  Returns a new figure, or `ax` where it is given.
+    ax: draw there.  Returns a new figure, or `ax` if it is given.
     Raises UnknownName, or ValueError without a point.
     """
     if not points:
@@ -69,7 +69,7 @@ def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | 
 
 
 def require_point(result: Result, name: str) -> None:
-    """Raise UnknownName where the result has no path of this point or body."""
+    """Raise UnknownName if the result has no path of this point or body."""
     known = [one[:-2] for one in result.names if one.endswith(".x") and f"{one[:-1]}y" in result]
     if name not in known:
         from rattle.errors import suggest
@@ -87,13 +87,13 @@ def plot_orbit(result: Result, joint: str, ax: Axes) -> Axes: ...
 
 
 def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | Axes:
-    """Path of the pin centre in the clearance circle of a joint, coloured by the normal force.
+    """Path of the pin centre in the clearance circle of a joint [mm or µm], coloured by the normal force [N].
 
     Larger forces lie on top of smaller ones.  Ticks outside the circle show where N < 0, that is,
-    where the bush would have to pull; dots on the circle are impacts, their area as the impulse, and rings
-    where lasting contacts start.
-    ax: draw there.  Returns a new figure, or `ax` where it is given.
-    Raises ValueError where the joint has no clearance.
+    where the bush would have to pull; dots on the circle are impacts, with an area proportional to the impulse;
+    rings show where a contact that lasts begins.
+    ax: draw there.  Returns a new figure, or `ax` if it is given.
+    Raises ValueError if the joint has no clearance.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import Normalize
@@ -122,7 +122,7 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
     lines.set_capstyle("round")
     ax.add_collection(lines)
     bar = figure_of(ax).colorbar(lines, ax=ax, extend="max" if size.max() > top else "neither", shrink=0.85, pad=0.03)
-    bar.set_label("size of the normal force [N], largest on top")
+    bar.set_label("magnitude of the normal force [N], largest on top")
 
     ax.plot(x[:1], y[:1], "o", markerfacecolor="white", markeredgecolor=BLACK, markersize=7, label="start")
     pulls = normal < 0
@@ -141,7 +141,10 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
 
 
 def mark_pulling(ax: Axes, direction: Array, c: float) -> None:
-    """A tick outside the circle for every instant; many ticks at one place make it dark."""
+    """A tick outside the circle for each direction; many ticks at one place make it dark.
+
+    direction: (n,) angles of the pin [rad].  c: radius of the circle in the unit of the axis.
+    """
     from matplotlib.collections import LineCollection
 
     radii = np.array([1.06, 1.14]) * c
@@ -152,9 +155,10 @@ def mark_pulling(ax: Axes, direction: Array, c: float) -> None:
 
 
 def mark_impacts(ax: Axes, result: Result, joint: str, scale: float, colour: str = RED, largest: float = 60.0) -> None:
-    """A dot on the circle for every impact, its area as the impulse; a ring where a lasting contact starts.
+    """A dot on the circle for every impact, its area proportional to the impulse; a ring where a contact that lasts
+    begins.
 
-    scale: of lengths, from metres.  largest: area of the largest dot [points^2].
+    scale: from metres to the unit of the axis.  largest: area of the largest dot [points^2].
     """
     if len(result.t) < 2:
         return
@@ -176,7 +180,7 @@ def mark_impacts(ax: Axes, result: Result, joint: str, scale: float, colour: str
 
 
 def _on_circle(result: Result, joint: str, times: Sequence[float]) -> tuple[Array, Array]:
-    """Directions of a pin at some times, on its clearance circle [m]."""
+    """Places on the clearance circle [m] in the direction of the pin at some times [s]."""
     x, y = (np.interp(np.array(times), result.t, result[f"{joint}.{what}"]) for what in ("ex", "ey"))
     reach = np.hypot(x, y) / result.geometry["joints"][joint]["clearance"]
     reach[reach == 0.0] = 1.0
@@ -184,7 +188,7 @@ def _on_circle(result: Result, joint: str, times: Sequence[float]) -> tuple[Arra
 
 
 def pin_path(result: Result, joint: str) -> tuple[Array, Array, Array]:
-    """Pin centre and normal force; on a massless link the arcs between instants are filled in."""
+    """Pin centre x, y [m] and normal force [N], (n,) each; on a massless link with the arcs between the outputs."""
     x, y, normal = (result[f"{joint}.{what}"] for what in ("ex", "ey", "normal"))
     if result.geometry["joints"][joint]["contact"] != "massless-link" or len(x) < 2:
         return x, y, normal
@@ -197,12 +201,12 @@ def pin_path(result: Result, joint: str) -> tuple[Array, Array, Array]:
 
 
 def clearance_joints(result: Result) -> dict[str, Any]:
-    """The pins whose play the result shows: joint name -> its entry in the geometry."""
+    """Revolute joints with clearance in a result: joint name -> its entry in the geometry."""
     pins = {name: form for name, form in result.geometry["joints"].items() if form["type"] == "revolute"}
     loose = {name: form for name, form in pins.items() if form["clearance"] > 0 and form["contact"] != "ideal"}
     return {name: form for name, form in loose.items() if f"{name}.ex" in result}
 
 
 def length_unit(clearance: float) -> tuple[float, str]:
-    """Factor from metres and the unit in which a clearance is a handy number."""
+    """Factor from metres, and the unit (mm or µm) in which a clearance [m] is a handy number."""
     return (1e3, "mm") if clearance >= 1e-4 else (1e6, "µm")

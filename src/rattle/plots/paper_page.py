@@ -1,4 +1,4 @@
-"""The paper's four-bar with and without play: its Figures 3 to 12 on one page, orbits, a table and a film.
+"""The paper's four-bar with and without play: its Figures 3 to 12 on one page, orbits, a table and an animation.
 
 Source: Grigore, Jderu, Enachescu, Application to the Motion and Equilibrium of the Planar Kinematic
 Chains with Rotational Links with Clearances (2015).
@@ -67,7 +67,7 @@ PANELS = (
 def paper_page(with_clearance: Result, ideal: Result) -> Figure:
     """The paper's Figures 3 to 12 on one page; the mechanism without play is dashed.
 
-    For the paper's N, a force along the clearance, the ideal mechanism shows the size of its reaction.
+    The paper's N is a force along the clearance [N]; for the ideal mechanism the magnitude of its reaction is drawn.
     """
     axes = new_axes(11.0, 13.5, rows=5, columns=2)
     for ax, panel in zip(axes, PANELS, strict=True):
@@ -102,7 +102,7 @@ def _head(figure: Figure, play: Result) -> None:
     size = ", ".join(f"{form['clearance'] * 1e3:g} mm in {joint}" for joint, form in pins.items())
     keys: list[Line2D | Patch] = [
         Line2D([], [], color=BLUE, label="with play"),
-        Line2D([], [], color=BLACK, linestyle=(0, (5, 2)), label="without play (11, 12: size of reaction)"),
+        Line2D([], [], color=BLACK, linestyle=(0, (5, 2)), label="without play (11, 12: magnitude of reaction)"),
         Line2D([], [], color=RED, label="N = 0: below it the bush would have to pull"),
     ]
     horizon = play.trust.horizon
@@ -115,8 +115,8 @@ def _head(figure: Figure, play: Result) -> None:
 def run_demo(folder: str | os.PathLike[str]) -> tuple[list[Path], str]:
     """Run the shipped four-bar with and without play and write page, orbits, CSV and GIF into `folder`.
 
-    Returns the files written and a table of joint forces with the trust lines.
-    Raises OSError where the folder cannot be made or written.
+    Returns the files written and a table of joint forces [N] with the trust lines.
+    Raises OSError if the folder cannot be made or written.
     """
     import rattle
 

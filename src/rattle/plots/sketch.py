@@ -1,4 +1,4 @@
-"""The parts of a mechanism as they are drawn: bodies, joints, guides and springs at some instants of a result."""
+"""Drawings of the parts of a mechanism: bodies, joints, guides and springs at chosen instants of a result."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))
-BODIES = (BLUE, GREEN, ORANGE, PINK, SKY, *MORE)  # red is kept for what must not be
+BODIES = (BLUE, GREEN, ORANGE, PINK, SKY, *MORE)  # red is kept for forces that a bush cannot give
 
 
 class Scene(NamedTuple):
-    """What all drawing functions read: a result looked at in `frames` instants."""
+    """What all drawing functions read: a result at `frames` of its instants."""
 
     result: Result
     pick: NDArray[np.intp]  # (frames,) rows of the result
     size: float  # of the mechanism [m]
 
     def path(self, body: str, point: Iterable[float]) -> Array:
-        """(frames, 2) positions of a point given in the frame of a body, or of the ground [m]."""
+        """(frames, 2) positions [m] of a point given in the frame of a body or of the ground."""
         x, y = point
         if body == "ground":
             return np.tile(np.array([x, y], float), (len(self.pick), 1))
@@ -44,7 +44,7 @@ class Scene(NamedTuple):
 
 
 def draw_at(ax: Axes, result: Result, k: int) -> None:
-    """The mechanism at one instant of a result, without frame or labels."""
+    """Draw the mechanism at instant k of a result, without axes or labels."""
     stage = Scene(result, np.array([k]), 1.0)
     low, high = extent(stage)
     stage = stage._replace(size=float(max(high - low)) or 1.0)
@@ -57,7 +57,7 @@ def draw_at(ax: Axes, result: Result, k: int) -> None:
 
 
 def draw_mechanism(ax: Axes, stage: Scene, colours: Sequence[str] = BODIES) -> list[Update]:
-    """All parts, as they are at frame 0; each of the functions returned moves one of them to frame k."""
+    """Draw all parts at frame 0; each of the functions returned moves one of them to frame k."""
     updates = draw_guides(ax, stage, colours) + draw_springs(ax, stage)
     updates += draw_bodies(ax, stage, colours) + draw_joints(ax, stage)
     for move in updates:
@@ -66,7 +66,7 @@ def draw_mechanism(ax: Axes, stage: Scene, colours: Sequence[str] = BODIES) -> l
 
 
 def extent(stage: Scene) -> tuple[Array, Array]:
-    """Corners of the box that holds everything at every frame [m]."""
+    """Lower left and upper right corner (2,) [m] of the box that holds everything at every frame."""
     geometry = stage.result.geometry
     paths = [stage.path(body, p) for body, form in geometry["bodies"].items() for p in form["points"].values()]
     paths += [stage.path(body, (0, 0)) for body in geometry["bodies"]]
@@ -78,9 +78,9 @@ def extent(stage: Scene) -> tuple[Array, Array]:
     return everything.min(axis=0), everything.max(axis=0)
 
 
-# ---------------------------------------------------------------- parts; each is moved to frame k by what is returned
+# ---------------------------------------------------------------- parts; each function returned moves one to frame k
 def draw_line(ax: Axes, path: Array, **style: Any) -> Update:
-    """A line through `path` (frames, points, 2) at each frame."""
+    """A line through `path` (frames, points, 2) [m] at each frame."""
     (line,) = ax.plot([], [], **style)
 
     def update(k: int) -> None:
@@ -115,7 +115,7 @@ def draw_bodies(ax: Axes, stage: Scene, colours: Sequence[str] = BODIES) -> list
 
 
 def _along(stage: Scene, form: dict[str, Any]) -> Array:
-    """Where the points of A lie along a guide, from its own point [m]."""
+    """Coordinates of the points of A along a guide [m], from the guide's own point."""
     points = np.array(list(stage.result.geometry["bodies"][form["bodies"][0]]["points"].values()), float)
     axis = np.array([np.cos(form["axis"]), np.sin(form["axis"])])
     return np.asarray((points - np.array(form["points"][0], float)) @ axis)
@@ -137,6 +137,7 @@ def _tubes(stage: Scene) -> list[dict[str, Any]]:
 
 
 def draw_plate(ax: Axes, path: Array, colour: str) -> Update:
+    """A filled polygon with the corners `path` (frames, points, 2) [m]."""
     from matplotlib.patches import Polygon
 
     plate = Polygon(path[0], facecolor=colour, alpha=0.2, linewidth=0, zorder=2)
@@ -149,7 +150,7 @@ def draw_plate(ax: Axes, path: Array, colour: str) -> Update:
 
 
 def draw_joints(ax: Axes, stage: Scene) -> list[Update]:
-    """Revolutes as circles (dark: driven), with a foot where one side is the ground; rods as thin bars."""
+    """Revolute joints as circles (dark: driven), with a support if one body is the ground; rods as thin bars."""
     updates: list[Update] = []
     plain: list[Array] = []
     driven: list[Array] = []
@@ -180,7 +181,7 @@ def draw_joints(ax: Axes, stage: Scene) -> list[Update]:
 
 
 def draw_tag(ax: Axes, name: str, path: Array) -> Update:
-    """The name of a joint, beside it."""
+    """The name of a joint or body, beside its point `path` (frames, 2) [m]."""
     from matplotlib.patheffects import withStroke
 
     tag = ax.annotate(name, (0, 0), (9, 5), textcoords="offset points", fontsize=9, color=BLACK, zorder=6)
@@ -193,7 +194,7 @@ def draw_tag(ax: Axes, name: str, path: Array) -> Update:
 
 
 def draw_foot(ax: Axes, at: Iterable[float], size: float) -> None:
-    """The usual sign of a pivot on the ground: a triangle on a hatched line."""
+    """The usual symbol of a fixed pivot, a triangle on a hatched line; `at` and `size` [m]."""
     from matplotlib.patches import Polygon
 
     x, y = at
@@ -208,7 +209,7 @@ def draw_foot(ax: Axes, at: Iterable[float], size: float) -> None:
 def draw_guides(ax: Axes, stage: Scene, colours: Sequence[str] = BODIES) -> list[Update]:
     """Prismatic joints: the line of the guide in A (its two walls where there is play), a block on B.
 
-    Where A is nothing but a line that moves, it is drawn as a tube, and the block is the piston in it.
+    If A is a moving body with all its points on the line, it is drawn as a tube, and the block is the piston in it.
     """
     updates = []
     tubes = _tubes(stage)
@@ -246,6 +247,7 @@ def draw_guides(ax: Axes, stage: Scene, colours: Sequence[str] = BODIES) -> list
 
 
 def draw_springs(ax: Axes, stage: Scene) -> list[Update]:
+    """Springs as zigzag lines between their two points."""
     updates = []
     for form in stage.result.geometry["loads"].values():
         if form["type"] != "spring":

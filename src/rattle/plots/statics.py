@@ -1,4 +1,4 @@
-"""Pictures of what needs no time stepping: the band of an output under play, a mode of vibration."""
+"""Pictures of analyses without time integration: the error band of an output under play, a mode of vibration."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ BAND = "#BBD7EA"
 
 
 def plot_accuracy(found: Accuracy) -> Figure:
-    """The output with its worst-case band, the deviation alone, and who contributes how much to it."""
+    """The output with its worst-case band, the deviation alone, and the contribution of each joint; time [s]."""
     figure = new_figure(8.6, 6.6)
     top, middle, bar = figure.subplots(3, 1, height_ratios=(1.0, 1.3, 0.35 + 0.16 * len(found.joints)))
     factor, unit = handy_unit(found.unit, 1.0)
@@ -35,7 +35,7 @@ def plot_accuracy(found: Accuracy) -> Figure:
     middle.set_xlabel("time [s]")
     top.sharex(middle)
     top.tick_params(labelbottom=False)
-    top.set_title(f"{found.of}: how far the play of the joints lets it stray", loc="left", fontsize=11)
+    top.set_title(f"{found.of}: deviation that the play of the joints allows", loc="left", fontsize=11)
     for ax in (top, middle):
         ax.margins(x=0.0)
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize=9)
@@ -44,7 +44,7 @@ def plot_accuracy(found: Accuracy) -> Figure:
 
 
 def _band(ax: Axes, found: Accuracy, factor: float) -> None:
-    """The output and its band, magnified by a round number where it would be too narrow to be seen."""
+    """The output and its band, magnified by a power of ten if it would be too narrow to be seen."""
     many = magnified(float(np.ptp(found.nominal)), float(found.worst.max(initial=0.0)))
     low, high = (factor * (found.nominal + sign * many * found.worst) for sign in (-1.0, 1.0))
     label = "worst case" if many == 1 else f"worst case,\nmagnified {many} times"
@@ -53,7 +53,7 @@ def _band(ax: Axes, found: Accuracy, factor: float) -> None:
 
 
 def magnified(span: float, band: float) -> int:
-    """1, or the power of ten that brings half a band to at least 3 % of the span of its curve."""
+    """1, or the power of ten that makes half the band at least 3 % of the span of its curve (same unit)."""
     if not (span > 0.0 < band) or band >= 0.03 * span:
         return 1
     return int(10 ** math.ceil(math.log10(0.03 * span / band) - 1e-9))
@@ -92,14 +92,17 @@ def _contributions(ax: Axes, found: Accuracy, factor: float, unit: str) -> None:
         ax.annotate(f"{share:.0f} %", (size, n), (4, 0), textcoords="offset points", va="center", fontsize=9)
     ax.grid(axis="y", visible=False)
     ax.set_xlim(0, 1.15 * max([*sizes, 1e-300]))
-    ax.set_xlabel(axis_label(f"contribution at the widest place, t = {found.t[k]:.3g} s", unit))
+    ax.set_xlabel(axis_label(f"contribution where the band is widest, t = {found.t[k]:.3g} s", unit))
     first = found.contributions[k, found.joints.index(found.tighten)]
     equal = [one for one, size in zip(found.joints, found.contributions[k], strict=True) if size > 0.99 * first]
     ax.set_title(f"tighten {' or '.join(equal)} first", loc="left", fontsize=10, parse_math=False)
 
 
 def plot_mode(modes: Modes, mode: int, amplitude: float = 0.1) -> Figure:
-    """The mechanism at rest (grey) with its joints, guides and springs, and its bodies at both ends of their swing."""
+    """The mechanism in equilibrium (grey) with joints, guides and springs, and its bodies at both ends of a swing.
+
+    mode: counted from 0.  amplitude: largest displacement as a share of the mechanism's size.  Axes in m.
+    """
     motion = modes.motion(mode, amplitude)
     figure = new_figure(6.4, 5.4)
     ax = tidy(figure.subplots())
@@ -108,7 +111,7 @@ def plot_mode(modes: Modes, mode: int, amplitude: float = 0.1) -> Figure:
     low, high = extent(stage)
     stage = stage._replace(size=float(max(high - low)) or 1.0)
     draw_mechanism(ax, stage, (GREY,))
-    ax.plot([], [], color=GREY, linewidth=5, alpha=0.75, label="at rest")
+    ax.plot([], [], color=GREY, linewidth=5, alpha=0.75, label="equilibrium")
     for k, colour, label in ((0, BLUE, "one end of the swing"), (half, ORANGE, "the other")):
         _draw(ax, motion, k, colour, label)
     ax.set_aspect("equal", adjustable="datalim")
