@@ -46,8 +46,8 @@ REFUSED = {
     "no such joint": (lambda: rt.example("fourbar").contact_of("O33"), rt.ModelError, "did you mean 'O3'"),
     "no play there": (lambda: rt.example("fourbar").contact_of("O1"), rt.ModelError, "has no clearance"),
     "no such law": (lambda: rt.example("fourbar").compare(law="exakt"), ValueError, "no compliant law 'exakt'; did you mean"),
-    "no file name": (lambda: rt.load(5), TypeError, "a model file is given by its name, got 5"),
-    "no text": (lambda: rt.loads(5), TypeError, "a model is given as text, got 5"),
+    "no file name": (lambda: rt.load(5), TypeError, "expected the name of a model file, got 5"),
+    "no text": (lambda: rt.loads(5), TypeError, "expected the text of a model, got 5"),
     "no example": (lambda: rt.example(5), ValueError, "no example '5'"),
     "no name to set": (lambda: pendulum().set({5: 1}), TypeError, "what is set has a name"),
 }  # fmt: skip

@@ -184,7 +184,7 @@ def test_ideal_closes_every_clearance():
 
 
 def test_name_given_twice_in_code_is_refused():
-    with pytest.raises(rt.ModelError, match="there is a 'A' already"):
+    with pytest.raises(rt.ModelError, match="the name 'A' is taken"):
         in_code().revolute("A", "ground.A", "rod.B")
 
 

@@ -1,4 +1,4 @@
-"""Building a mechanism in code: one call per part, the same names and values as in a model file."""
+"""Building a mechanism in code: one call per part, with the names and values of a model file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,11 @@ Pair = Sequence[float | str]
 
 
 class Building:
-    """A document as in a model file that grows part by part; every call returns the mechanism itself."""
+    """Adds parts to a document like that of a model file; every method returns the mechanism itself.
+
+    Numbers are SI: m, rad, kg, s, N, Pa; a text is a quantity ("5 mm") or an expression over parameters.
+    A name that is taken raises ModelError; everything else is checked when the model is first used.
+    """
 
     def __init__(self, name: str = "", gravity: Pair = (0.0, 0.0)) -> None:
         self._document: dict[str, Any] = {
@@ -27,7 +31,7 @@ class Building:
     def _enter(self, table: str, name: str, entry: dict[str, Any]) -> Self:
         entries = self._document.setdefault(table, {})
         if name in entries:
-            raise ModelError([Problem((table, name), f"there is a '{name}' already")])
+            raise ModelError([Problem((table, name), f"the name '{name}' is taken")])
         entries[name] = {key: value for key, value in entry.items() if value is not None}
         self._forget()
         return self
@@ -38,13 +42,13 @@ class Building:
             self.__dict__.pop(key, None)
 
     def parameter(self, name: str, value: float | str, **more: Any) -> Self:
-        """A named number; more: min, max, tol, dist."""
+        """A named number [SI, or a text with its unit]; more: min, max, tol (same unit), dist."""
         self._document.setdefault("parameters", {})[name] = {"value": value, **more} if more else value
         self._forget()
         return self
 
     def signal(self, name: str, expression: str) -> Self:
-        """A named quantity over parameters, t and state."""
+        """A named quantity: an expression in parameters, the time t [s] and the state [SI]; results record it."""
         self._document.setdefault("signals", {})[name] = expression
         self._forget()
         return self
@@ -59,7 +63,11 @@ class Building:
         self, name: str, first: str, second: str, *, length: float | str, mass: float | str,
         inertia: float | str | None = None, points: Mapping[str, Pair] | None = None,
     ) -> Self:  # fmt: skip
-        """A uniform bar between two named ends; more points in its frame (origin at the mass centre)."""
+        """A uniform bar between the points `first` and `second`, `length` [m] apart.
+
+        mass [kg]; inertia about the mass centre [kg*m^2], default m l^2/12; points: more points [m] in the frame of the
+        bar, with the origin at the mass centre and the x axis along the bar.
+        """
         return self._enter(
             "bodies",
             name,
@@ -75,35 +83,41 @@ class Building:
         points: Mapping[str, Pair],
         center: Pair = (0.0, 0.0),
     ) -> Self:
-        """A rigid body; points and mass centre in any frame of it."""
+        """A rigid body: mass [kg], inertia about the mass centre [kg*m^2].
+
+        points, center: named points and the mass centre [m], in any one frame fixed to the body.
+        """
         named = {key: list(at) for key, at in points.items()}
         return self._enter("bodies", name, {"points": named, "center": list(center), "mass": mass, "inertia": inertia})
 
     def joint(self, name: str, type: str, a: str, b: str, **fields: Any) -> Self:
-        """A joint of any kind between "body.point" a (bush side) and b (pin side); see `rattle kinds`."""
+        """A joint of any kind between "body.point" a (bush side) and b (pin side), fields in SI units or as quantities.
+
+        `rattle kinds` lists the kinds and their fields.
+        """
         return self._enter("joints", name, {"type": type, "connect": [a, b], **fields})
 
     def revolute(self, name: str, a: str, b: str, **fields: Any) -> Self:
-        """A revolute joint; fields: clearance, contact."""
+        """A revolute joint; fields: clearance [m], contact."""
         return self.joint(name, "revolute", a, b, **fields)
 
     def prismatic(self, name: str, a: str, b: str, **fields: Any) -> Self:
-        """A prismatic joint; fields: axis, angle."""
+        """A prismatic joint; fields: axis [rad], angle [rad], clearance [m], contact, block [m]."""
         return self.joint(name, "prismatic", a, b, **fields)
 
     def fixed(self, name: str, a: str, b: str, **fields: Any) -> Self:
-        """A rigid connection; fields: angle."""
+        """A rigid connection; fields: angle [rad]."""
         return self.joint(name, "fixed", a, b, **fields)
 
     def rod(self, name: str, a: str, b: str, *, length: float | str) -> Self:
-        """A massless rigid link between two points."""
+        """A massless rigid link of a given length [m] between two points."""
         return self.joint(name, "rod", a, b, length=length)
 
     def driver(self, name: str, joint: str | None = None, **function: Any) -> Self:
-        """Drive a joint or a coordinate of a body.
+        """Prescribe the motion of a joint, or of a coordinate of a body, as a function of time t [s].
 
-        `m.driver("motor", "O1", angle="10*t")`, position=... on a prismatic joint,
-        `m.driver("push", body="slider", coordinate="x", position="0.1*t")`; coordinate "y" or "angle" likewise.
+        `m.driver("motor", "O1", angle="10*t")` in rad; position=... in m on a prismatic joint;
+        `m.driver("push", body="slider", coordinate="x", position="0.1*t")`, or with coordinate "y" or "angle".
         """
         return self._enter("drivers", name, {"joint": joint, **function})
 
@@ -112,13 +126,13 @@ class Building:
         return self._enter("loads", name, {"type": type, **fields})
 
     def initial(self, name: str, **values: Any) -> Self:
-        """Start of a body (x, y, angle, vx, vy, omega) or of a clearance joint (offset)."""
+        """Start of a body: x, y [m], angle [rad], vx, vy [m/s], omega [rad/s]; of a clearance joint: offset [m]."""
         self._document.setdefault("initial", {}).setdefault(name, {}).update(values)
         self._forget()
         return self
 
     def settings(self, **values: Any) -> Self:
-        """Defaults of `simulate`: t_end, method, rtol, atol, step, output."""
+        """Defaults of `simulate`: t_end [s], method, rtol [-], atol, step [s], output [s]."""
         self._document.setdefault("simulate", {}).update(values)
         self._forget()
         return self

@@ -1,4 +1,4 @@
-"""Model files: TOML (or JSON) text <-> document, with line and caret for every problem."""
+"""Model files: TOML (or JSON) text <-> document; problems are shown with their line and a caret."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from rattle.atomic_file import atomic
 from rattle.errors import ModelError, Problem, suggest
 
 LARGEST = 8_000_000  # bytes; a chain of 10,000 links has about 2 MB
-MAY_BE_MISSING = ("simulate", "initial")  # tables that a change makes where there are none
+MAY_BE_MISSING = ("simulate", "initial")  # tables that a change creates if they are missing
 IN_ONE_LINE = ("points", "contact", "block")
 MOST_ENTRIES = 200_000  # a chain of 10,000 links has about 80,000
-DEEPEST_KEY = 12  # parts of a dotted key; no table of a model lies that deep
-_LONG_TEXT = re.compile(  # groups that look ahead repeat without possession: Python 3.11.0 to 3.11.4 get that wrong
+DEEPEST_KEY = 12  # parts of a dotted key, at most; no table of a model is nested so deep
+_LONG_TEXT = re.compile(  # no possessive repeats of groups with lookahead: Python 3.11.0 to 3.11.4 match them wrongly
     r'"""[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*"""' r"|'''[^']*+(?:'(?!'')[^']*+)*'''", re.DOTALL
 )
 _TEXT = re.compile(r'"(?:[^"\\]|\\.)*+"|\'[^\']*+\'')
@@ -31,20 +31,20 @@ Change = tuple[tuple[str, ...], Any]  # path and new value
 def read_file(path: str | os.PathLike[str]) -> tuple[str, str]:
     """Text and name of a model file.
 
-    Raises ModelError for a file that is missing, too large or not UTF-8.
+    Raises ModelError if the file is missing, too large or not UTF-8, and TypeError if `path` is not a path.
     """
     if not isinstance(path, str | os.PathLike):
-        raise TypeError(f"a model file is given by its name, got {path!r:.60}")
+        raise TypeError(f"expected the name of a model file, got {path!r:.60}")
     name = str(path)
     try:
         with Path(path).open("rb") as file:
-            found = file.read(LARGEST + 1)  # never more, whatever the file is
+            found = file.read(LARGEST + 1)  # a device or pipe may never end
             size = max(os.fstat(file.fileno()).st_size, len(found))
     except OSError as error:
         problem = Problem((), f"cannot read the file: {error.strerror or error}")
         raise ModelError([problem], name) from None
     except ValueError as error:
-        raise ModelError([Problem((), f"not the name of a file: {error}")], name) from None
+        raise ModelError([Problem((), f"not a file name: {error}")], name) from None
     if len(found) > LARGEST:
         raise ModelError([Problem((), _too_large("file", size))], name)
     try:
@@ -63,12 +63,12 @@ def _too_large(what: str, size: int) -> str:
 
 
 def parse(text: str, file: str = "") -> dict[str, Any]:
-    """Model text -> document. JSON when it starts with a brace, TOML otherwise.
+    """Model text -> document: JSON if the text starts with a brace, TOML otherwise.
 
-    Raises ModelError with line and caret when the text is neither.
+    Raises ModelError with line and caret if the text is neither, and TypeError if it is not a str.
     """
     if not isinstance(text, str):
-        raise TypeError(f"a model is given as text, got {text!r:.60}")
+        raise TypeError(f"expected the text of a model, got {text!r:.60}")
     if len(text) > LARGEST:
         raise ModelError([Problem((), _too_large("text", len(text)))], file)
     try:
@@ -91,7 +91,7 @@ def parse(text: str, file: str = "") -> dict[str, Any]:
 
 
 def _require_moderate(text: str, file: str) -> None:
-    """Refuse texts of so many entries that their tables would fill the memory."""
+    """Refuse texts with so many entries that their tables would fill the memory."""
     entries = text.count(":") if is_json(text) else text.count("=")
     if not is_json(text) and "\n[" in text:
         entries += sum(line.count(".") + 1 for line in text.split("\n") if line.startswith("["))
@@ -101,7 +101,7 @@ def _require_moderate(text: str, file: str) -> None:
 
 
 def _require_shallow(text: str, file: str) -> None:
-    """Refuse keys of very many parts, over which `tomllib` takes a time that grows with their square."""
+    """Refuse dotted keys with very many parts: the time of `tomllib` grows with the square of their number."""
     if all(line.count(".") < DEEPEST_KEY for line in text.split("\n")):
         return
     for n, line in enumerate(_LONG_TEXT.sub(lambda found: "\n" * found[0].count("\n"), text).split("\n")):
@@ -126,7 +126,7 @@ def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _not_toml(text: str, message: str) -> Problem:
-    """What `tomllib` met, in words for someone who writes mechanisms."""
+    """The error message of `tomllib`, in words for someone who writes mechanisms."""
     found = re.search(r"line (\d+), column (\d+)", message)
     lines = text.split("\n")
     line, column = (int(found[1]), int(found[2])) if found else (len(lines), len(lines[-1]) + 1)
@@ -134,9 +134,9 @@ def _not_toml(text: str, message: str) -> Problem:
     if what.startswith(("Cannot overwrite", "Cannot declare", "Cannot mutate", "Duplicate inline table key")):
         source = lines[min(line, len(lines)) - 1]
         column = len(source) - len(source.lstrip()) + 1
-        return _at(text, line, column, f"a name is used twice: '{source.strip()[:60]}' is defined already")
+        return _at(text, line, column, f"a name is used twice: '{source.strip()[:60]}' is already defined")
     if what.startswith(("Invalid value", "Expected newline")):
-        what += '; a quantity or expression stands in quotes: "5 mm"'
+        what += '; write a quantity or expression in quotes: "5 mm"'
     return _at(text, line, column, f"not valid TOML: {what}")
 
 
@@ -150,7 +150,7 @@ def _at(text: str, line: int, column: int, message: str) -> Problem:
 
 
 def point_out(error: ModelError, text: str) -> ModelError:
-    """The same error with the line and a caret for each problem, in the order of the file."""
+    """The same error with line and caret added to each problem, in the order of the file."""
     from rattle.description.toml_locations import caret_under, locate_all
 
     if is_json(text):
@@ -170,7 +170,7 @@ def point_out(error: ModelError, text: str) -> ModelError:
 
 
 def _inside(source: str, column: int, spot: int) -> int:
-    """How far behind the start of a quoted text on one line its character `spot` stands."""
+    """Offset of character `spot` of a quoted one-line text from the start of that text, in source characters."""
     quote = source[column - 1 : column]
     inner = source[column : column + spot]
     plain = quote in ('"', "'") and source[column : column + 2] != 2 * quote and "\\" not in inner
@@ -179,14 +179,17 @@ def _inside(source: str, column: int, spot: int) -> int:
 
 # ---------------------------------------------------------------- changes
 def with_change(document: Mapping[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
-    """A copy of a document with one value replaced. Raises ModelError when the path leads nowhere."""
+    """A copy of a document with one value replaced.  Raises ModelError if the path does not exist."""
     changed = copy.deepcopy(dict(document))
     put(changed, path, value)
     return changed
 
 
 def put(table: Any, path: Sequence[str], value: Any) -> None:
-    """Replace one value in nested tables (plain or tomlkit), in place; None takes it out. Raises ModelError."""
+    """Replace one value in nested tables (plain or tomlkit), in place; None removes it.
+
+    Raises ModelError if the path does not exist.
+    """
     for n, key in enumerate(path[:-1]):
         if isinstance(table, list):
             table = table[_index(table, path, n)]
@@ -224,7 +227,7 @@ def _index(table: list[Any], path: Sequence[str], n: int) -> int:
 
 
 def plain(value: Any) -> Any:
-    """Numbers and arrays of other packages as what TOML knows: 5.0 for a NumPy scalar, a list for an array or tuple."""
+    """A value in the types of TOML: 5.0 for a NumPy scalar, a list for an array or tuple."""
     if isinstance(value, Mapping):
         return {key: plain(one) for key, one in value.items()}
     if isinstance(value, list | tuple):
@@ -234,7 +237,7 @@ def plain(value: Any) -> Any:
 
 
 def dump(document: Mapping[str, Any], text: str | None, changes: Sequence[Change]) -> str:
-    """TOML text of a model: the text it came from with the changes put in, comments kept; or made from the document."""
+    """TOML text of a model: the original text with the changes made and comments kept, or written from the document."""
     import tomlkit
 
     if text is None or is_json(text):
@@ -249,7 +252,7 @@ def dump(document: Mapping[str, Any], text: str | None, changes: Sequence[Change
 
 
 def _table(value: Any, short: bool = False) -> Any:
-    """Plain data as tomlkit items; with `short` tables in one line."""
+    """Plain data as tomlkit items; if `short`, tables are written in one line."""
     import tomlkit
 
     if not isinstance(value, Mapping):
@@ -261,6 +264,6 @@ def _table(value: Any, short: bool = False) -> Any:
 
 
 def save(path: str | os.PathLike[str], text: str) -> None:
-    """Write a model file, whole or not at all."""
+    """Write a model file, completely or not at all.  Raises an OSError that names the file."""
     with atomic(path) as file:
         file.write_text(text, encoding="utf-8")

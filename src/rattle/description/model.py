@@ -1,6 +1,6 @@
 """A mechanism as frozen data: what the model file says, checked and in SI units.
 
-Nothing here computes: `reader` makes a `Model`, `system` turns it into flat arrays.
+Nothing is computed here: `reader` makes a `Model`, `equations.system` turns it into flat arrays.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 from rattle.language.expression import Node
 
 Vector = tuple[float, float]
-Value = float | Node  # a number, or an expression over t, state and signals
+Value = float | Node  # a number [SI], or an expression in t, state and signals
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Choice:
-    """A kind of some family and the values of its fields."""
+    """A kind of a family and the values of its fields [SI]."""
 
     kind: str
     values: Mapping[str, Any]
@@ -45,9 +45,9 @@ class Choice:
 
 @dataclass(frozen=True)
 class Contact:
-    """How the play of a joint is treated.
+    """The contact model of a joint with clearance.
 
-    `model` is a kind of the family "contact", or "compliant": then `normal`, `static` and `friction` are its laws.
+    model: a kind of the family "contact", or "compliant"; then `normal`, `static` and `friction` are its laws.
     """
 
     model: str
@@ -56,11 +56,11 @@ class Contact:
     normal: Choice | None = None
     static: Choice | None = None
     friction: Choice | None = None
-    unused: tuple[str, ...] = ()  # what is written for other models
+    unused: tuple[str, ...] = ()  # keys that only other models use
 
     @property
     def title(self) -> str:
-        """The word the user writes for it."""
+        """The word that the user writes for the model."""
         return self.normal.kind if self.normal else self.model
 
 
@@ -80,13 +80,13 @@ class Joint:
 
 @dataclass(frozen=True)
 class Driver:
-    """A joint's degree of freedom, or a coordinate of a body, as a function of time."""
+    """A joint's degree of freedom, or a coordinate of a body, as a function of time: angle [rad] or position [m]."""
 
     name: str
     kind: str
-    joint: str  # "" where a body is driven
+    joint: str  # "" if a body is driven
     value: Value
-    point: Point | None = None  # of the body that is driven
+    point: Point | None = None  # the driven point of a body
 
     @property
     def on(self) -> str:
@@ -96,20 +96,20 @@ class Driver:
 
 @dataclass(frozen=True)
 class Load:
-    """A load: values in the order of the kind's fields (points apart)."""
+    """A load: values [SI] in the order of the kind's fields, without its points."""
 
     name: str
     kind: str
     a: Point
     b: Point
     values: tuple[Value, ...]
-    points: bool  # the kernel wants the two points before the values
+    points: bool  # the kernel takes the points before the values
     law: Callable[..., object] | None = None
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A named number; min and max make sliders, tol and dist feed tolerance studies."""
+    """A named number [SI]; min and max are the range of sliders, tol and dist serve tolerance studies."""
 
     name: str
     value: float
@@ -122,7 +122,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Initial:
-    """What the user said about the start: per body any of x, y, angle, vx, vy, omega; per joint the offset."""
+    """Start values that the user gave.
+
+    Per body any of x, y [m], angle [rad], vx, vy [m/s], omega [rad/s]; per clearance joint the offset (2,) [m].
+    """
 
     bodies: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     offsets: Mapping[str, Vector] = field(default_factory=dict)
@@ -130,7 +133,7 @@ class Initial:
 
 @dataclass(frozen=True)
 class Settings:
-    """The [simulate] table: None where the program decides."""
+    """The [simulate] table; None means that the program decides."""
 
     t_end: float = 1.0
     method: str = "dop853"
@@ -142,12 +145,12 @@ class Settings:
 
 @dataclass(frozen=True)
 class Model:
-    """Everything a model file says."""
+    """All content of a model file, in SI units."""
 
     name: str
     gravity: Vector
     parameters: Mapping[str, Parameter]
-    signals: Mapping[str, Node]  # in the order in which they are to be evaluated
+    signals: Mapping[str, Node]  # in order of evaluation
     signal_units: Mapping[str, str]
     ground: Mapping[str, Vector]
     bodies: Mapping[str, Body]
@@ -157,11 +160,11 @@ class Model:
     initial: Initial
     settings: Settings
     constants: Mapping[str, float]
-    remarks: tuple[str, ...] = ()  # on values that may not be what was meant
+    remarks: tuple[str, ...] = ()  # on values that may be mistakes
 
 
 def driven_ends(model: Model, driver: Driver) -> tuple[Point, Point, tuple[float, ...]]:
-    """Points A and B between which a driver acts, and the parameters that stand before its function."""
+    """Points A and B between which a driver acts, and the numbers [SI] that its kernel takes before its function."""
     if driver.point is not None:
         return Point("ground", "", (0.0, 0.0)), driver.point, ()
     joint = model.joints[driver.joint]

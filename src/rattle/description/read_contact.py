@@ -1,6 +1,6 @@
-"""Reading the `contact` of a joint with play: a name or a table -> `Contact` with its laws.
+"""Reading the `contact` of a joint with clearance: a name or a table -> `Contact` with its laws.
 
-A table may hold what other models need, so that one word changes the model; it is read, and noted as unused.
+A table may hold fields of other models, so that one word changes the model; they are checked and listed as unused.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ GEOMETRY = ("bush_material", "pin_material", "length", "geometry")
 
 
 def contact_models(joint: str = "") -> list[str]:
-    """Every name that may stand in `contact`, for a kind of joint or for any."""
+    """Every name that `contact` may have, for a kind of joint; for all joints if `joint` is ""."""
     plain = [name for name, one in registry.kinds("contact").items() if not joint or joint in one.leaf.joints]
     laws = list(registry.kinds("normal")) if joint in ("", "revolute", "prismatic") else []
     return [*plain, *laws]
 
 
 def read_contact(reader: FieldReader, written: Any, joint: str, clearance: float, path: Path) -> Contact | None:
-    """One contact model; None after a problem."""
+    """One contact model, for a joint with a given clearance [m]; None after a problem."""
     values = reader.values
     table = {"model": written} if isinstance(written, str) else values.table(written, path)
     known = contact_models()
@@ -53,7 +53,7 @@ def read_contact(reader: FieldReader, written: Any, joint: str, clearance: float
 def _radius(
     reader: FieldReader, table: Mapping[str, Any], joint: str, clearance: float, needed: str, path: Path
 ) -> float:
-    """Radius of the bush; asked for where something depends on it."""
+    """Radius of the bush [m]; required if something depends on it."""
     if joint != "revolute":
         if "bush_radius" in table:
             reader.values.wrong((*path, "bush_radius"), "a guide has no bush", at_key=True)
@@ -73,14 +73,14 @@ def _radius(
 def _unused(
     reader: FieldReader, table: Mapping[str, Any], used: Collection[str], joint: str, clearance: float, path: Path
 ) -> tuple[str, ...]:
-    """Keys of a table that other contact models read; they are checked all the same.  Unknown ones are refused."""
+    """Keys of a table that only other contact models use; they are checked too.  Unknown keys are refused."""
     fields: dict[str, registry.Field | None] = {"friction": None, "bush_radius": None, "geometry": None}
     for family in ("stiffness", "normal", "contact"):
         for kind in registry.kinds(family).values():
             for key, one in kind.fields.items():
                 known = fields.setdefault(key, one)
                 if known is not None and known.unit != one.unit:
-                    fields[key] = None  # means another thing in every law
+                    fields[key] = None  # has another meaning in every law
     reader.values.keys(table, dict.fromkeys(["model", *used, *fields]), path)
     found = tuple(key for key in table if key not in used and key in fields)
     for key in found:
@@ -91,7 +91,7 @@ def _unused(
             _radius(reader, table, joint, clearance, "", path)
         elif key == "geometry":
             _geometry(reader, table[key], path)
-        elif field is not None and field.shape == "material":  # the simplest formula says whether it is known
+        elif field is not None and field.shape == "material":  # any formula does to check the material
             given = {
                 "bush_material": _elastic(reader, field, key, table, {}, path),
                 "bush_radius": 1.0,
@@ -121,7 +121,7 @@ def _plain(
     _unit_interval(reader, fields, path)
     if fields.get("restitution_law", 0.0) > 0.0 and fields.get("tangential_restitution", 0.0) > 0.0:
         other = kind.fields["restitution_law"].choices[int(fields["restitution_law"])]
-        unfit = f'goes with restitution_law = "newton" only, not with "{other}"'
+        unfit = f'works with restitution_law = "newton" only, not with "{other}"'
         reader.values.wrong((*path, "tangential_restitution"), unfit, at_key=True)
     needed = "friction" if fields.get("friction", 0.0) > 0.0 or fields.get("tangential_restitution", 0.0) > 0.0 else ""
     radius = _radius(reader, table, joint, clearance, needed, path) if contacts else 0.0
@@ -153,7 +153,7 @@ def _compliant(
         if not _geometry(reader, name, path):
             return None
         if joint != "revolute":
-            values.wrong((*path, "geometry"), "a guide wants stiffness and exponent: these formulas are for pins")
+            values.wrong((*path, "geometry"), "a guide needs stiffness and exponent: these formulas are for pins")
             return None
     static = statics[name]
     own = [key for key in static.fields if key != "bush_radius"]
@@ -210,7 +210,7 @@ def _elastic(
 
 def _friction(reader: FieldReader, given: Any, path: Path) -> Choice | None:
     laws = registry.kinds("friction")
-    if isinstance(given, Mapping) and given.get("model") == "coulomb":  # as good as the contact model can
+    if isinstance(given, Mapping) and given.get("model") == "coulomb":  # the nearest law of a compliant contact
         reader.values.keys(given, ["model", "mu"], path)
         given = given.get("mu", 0.0)
     if isinstance(given, Mapping):
@@ -228,7 +228,7 @@ def _friction(reader: FieldReader, given: Any, path: Path) -> Choice | None:
 
 
 def _pack(reader: FieldReader, family: str, choice: Choice | None, path: Path) -> None:
-    """Let a law itself refuse values that do not go together."""
+    """Let the law itself refuse values that contradict each other."""
     if choice is None or reader.values.problems:
         return
     try:

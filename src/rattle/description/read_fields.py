@@ -1,4 +1,4 @@
-"""The fields of a kind, as the user wrote them or their defaults."""
+"""Reading the fields of a kind: what the user wrote, or the default."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from rattle.registry import REQUIRED, Field
 
 
 class FieldReader:
-    """Reads kinds and their fields; what is wrong is collected in `values`."""
+    """Reads kinds and their fields; problems are collected in `values`."""
 
     def __init__(self, values: Values) -> None:
         self.values = values
 
     def choose(self, given: Mapping[str, Any], family: str, path: Path, key: str = "type") -> registry.Kind | None:
-        """The kind that an entry names."""
+        """The kind that an entry names under `key`; None after a problem."""
         known = registry.kinds(family)
         if key not in given:
             self.values.wrong(path, f"needs a {key}: " + ", ".join(known))
@@ -31,7 +31,7 @@ class FieldReader:
         return None
 
     def field(self, one: Field, key: str, given: Mapping[str, Any], read: Mapping[str, Any], path: Path) -> Any:
-        """One field of a kind, as the user wrote it or its default."""
+        """One field of a kind [SI], as the user wrote it or its default; nan or None after a problem."""
         here = (*path, key)
         if key not in given:
             if one.default is REQUIRED:
@@ -50,7 +50,7 @@ class FieldReader:
         return self.values.value(given[key], one.unit, here, one.least, one.live)
 
     def fields(self, kind: registry.Kind, given: Mapping[str, Any], path: Path) -> dict[str, float]:
-        """All fields of a kind, in its order."""
+        """All fields of a kind [SI], in the order of its declaration."""
         read: dict[str, float] = {}
         for key, one in kind.fields.items():
             read[key] = self.field(one, key, given, read, path)

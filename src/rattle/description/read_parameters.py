@@ -12,11 +12,11 @@ from rattle.language.expression import Node, Number
 from rattle.language.units import Dimension, QuantityError, describe, parse_quantity, unit_name
 
 DISTRIBUTIONS = ("uniform", "normal", "triangular")
-PARAMETER = ("value", "min", "max", "tol", "dist")  # what a parameter may say
+PARAMETER = ("value", "min", "max", "tol", "dist")  # keys of a parameter
 
 
 def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Parameter]:
-    """The table [parameters]: values and dimensions go to `values`, in whatever order they were written."""
+    """Read the table [parameters], written in any order; values [SI] and dimensions are stored in `values`."""
     table = values.table(document.get("parameters", {}), ("parameters",))
     written: dict[str, tuple[Any, Path]] = {}
     for name, given in table.items():
@@ -45,7 +45,7 @@ def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Pa
 
 
 def _quantity(values: Values, given: Any, path: Path) -> tuple[float, Dimension | None] | Node | None:
-    """Value and dimension of a number or quantity, the tree of an expression, or None after a problem."""
+    """Value [SI] and dimension of a number or quantity, the tree of an expression, or None after a problem."""
     if not isinstance(given, str):
         number = values.value(given, "", path)
         return None if math.isnan(number) else (number, None)
@@ -58,7 +58,7 @@ def _quantity(values: Values, given: Any, path: Path) -> tuple[float, Dimension 
 
 
 def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, tuple[Any, Path]]) -> None:
-    """Parameters given by other parameters, in order of dependence."""
+    """Evaluate parameters that are given by other parameters, in order of dependence."""
     order, cycles = in_order(nodes)
     values.broken.update(nodes.keys() - set(order))
     for cycle in cycles:
@@ -75,7 +75,7 @@ def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, 
 
 
 def _parameter(values: Values, name: str, given: Any) -> Parameter:
-    """A parameter with its limits, whose value is known."""
+    """A parameter with its limits; its value is known by now."""
     seen = values.dimensions.get(name)
     unit = unit_name(seen) if seen is not None else ""
     if not isinstance(given, Mapping):
@@ -108,7 +108,7 @@ def _parameter(values: Values, name: str, given: Any) -> Parameter:
 
 
 def _unlike_its_limits(given: Mapping[str, Any], seen: Dimension | None) -> Dimension | None:
-    """The dimension that all limits have in common, where there are two or more and the value has another one."""
+    """The common dimension of two or more limits if the value has another one, else None."""
     found = []
     for key in ("min", "max", "tol"):
         try:
@@ -123,12 +123,12 @@ def _unlike_its_limits(given: Mapping[str, Any], seen: Dimension | None) -> Dime
 
 
 def _unit_missing(given: Mapping[str, Any]) -> bool:
-    """True where the limits have units and the value is a bare number."""
+    """True if the limits have units and the value is a number without one."""
     return not isinstance(given["value"], str) and isinstance(given["min"], str) and isinstance(given["max"], str)
 
 
 def _unit_of(limit: str) -> str:
-    """The SI unit that a limit has when its number is bare; "rad" for an angle and where the limit does not say."""
+    """The SI unit that matches a limit; "rad" for an angle and for a limit without a unit."""
     try:
         quantity = parse_quantity(limit)
     except QuantityError:
@@ -137,7 +137,7 @@ def _unit_of(limit: str) -> str:
 
 
 def _limit(values: Values, given: Any, unit: str, seen: Dimension | None, path: Path) -> float | None:
-    """One of min, max, tol: a quantity of the parameter's own dimension, or an expression."""
+    """One of min, max, tol in SI units: a quantity of the parameter's dimension, or an expression."""
     found = _quantity(values, given, path)
     if found is None:
         return None
@@ -152,7 +152,7 @@ def _limit(values: Values, given: Any, unit: str, seen: Dimension | None, path: 
 
 
 def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str, Node], dict[str, str]]:
-    """The table [signals]: expressions in the order in which they are to be evaluated, and their units."""
+    """Read the table [signals]: expressions in order of evaluation, and their SI units."""
     table = values.table(document.get("signals", {}), ("signals",))
     values.live.update(dict.fromkeys(table))
     nodes: dict[str, Node] = {}
@@ -161,7 +161,7 @@ def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str,
         path: Path = ("signals", name)
         values.name(name, path)
         if name in values.constants:
-            values.wrong(path, f"'{name}' is a parameter already; choose another name", at_key=True)
+            values.wrong(path, f"'{name}' is already a parameter; choose another name", at_key=True)
         if isinstance(given, bool) or not isinstance(given, int | float | str):
             values.wrong(path, f"wanted an expression, got {said(given)}")
             continue

@@ -14,7 +14,7 @@ from rattle.description.read_values import Path, Values, said
 from rattle.errors import suggest
 from rattle.registry import Field
 
-BODY = ("points", "center", "mass", "inertia")  # what a body may say
+BODY = ("points", "center", "mass", "inertia")  # keys of a body
 BAR = ("bar", "length", "points", "mass", "inertia")
 JOINT = ("type", "connect", "clearance", "contact")  # and the fields of its kind
 BLOCK = {
@@ -27,7 +27,7 @@ NOWHERE = Point("", "", (math.nan, math.nan))
 
 
 class Parts(FieldReader):
-    """Reads parts one by one; later ones refer to those read before."""
+    """Reads parts one by one; later parts refer to those read before."""
 
     def __init__(self, values: Values) -> None:
         super().__init__(values)
@@ -36,13 +36,13 @@ class Parts(FieldReader):
         self.joints: dict[str, Joint] = {}
         self.drivers: dict[str, Driver] = {}
         self.loads: dict[str, Load] = {}
-        self.broken_joints: set[str] = set()  # written, but with problems
-        self.vague: set[str] = set()  # bodies whose points are not all known because of a problem
+        self.broken_joints: set[str] = set()  # present in the file, but with problems
+        self.vague: set[str] = set()  # bodies whose points are not all known, because of a problem
         self.driven: dict[str, str] = {}  # joint: its driver
 
     # ------------------------------------------------------------ bodies and points
     def add_body(self, name: str, given: Mapping[str, Any]) -> None:
-        """A body in its general form, or a bar."""
+        """Read a body in its general form, or a bar."""
         values, path = self.values, ("bodies", name)
         bar = "bar" in given
         values.keys(given, BAR if bar else BODY, path)
@@ -72,7 +72,7 @@ class Parts(FieldReader):
         return math.nan
 
     def _ends(self, ends: Any, length: float, points: Mapping[str, Vector], path: Path) -> dict[str, Vector]:
-        """The two end points of a bar."""
+        """The two end points of a bar [m]."""
         here = (*path, "bar")
         two = isinstance(ends, list | tuple) and len(ends) == 2
         if not two or not all(isinstance(end, str) and end.isidentifier() for end in ends):
@@ -87,7 +87,7 @@ class Parts(FieldReader):
         return {first: (-length / 2, 0.0), second: (length / 2, 0.0)}
 
     def point(self, given: Any, path: Path, alone: bool = False) -> Point:
-        """The text "body.point", or with `alone` just "body" (its mass centre; the origin for the ground)."""
+        """The point named by "body.point"; with `alone` also by "body" (its mass centre; the origin of the ground)."""
         if not isinstance(given, str):
             self.values.wrong(path, f'wanted "body.point", got {said(given)}')
             return NOWHERE
@@ -125,7 +125,7 @@ class Parts(FieldReader):
 
     # ------------------------------------------------------------ joints
     def add_joint(self, name: str, given: Mapping[str, Any]) -> None:
-        """A joint with its clearance and contact."""
+        """Read a joint with its clearance and contact."""
         values, path = self.values, ("joints", name)
         before = len(values.problems)
         a, b = self.connect(given, path)
@@ -140,7 +140,7 @@ class Parts(FieldReader):
             clearance = values.value(given["clearance"], "m", (*path, "clearance"), "not negative")
             contact = self._contact(given, found.name, clearance, path)
         elif "contact" in given:
-            values.wrong((*path, "contact"), "needs a clearance: the radial play of the joint in m", at_key=True)
+            values.wrong((*path, "contact"), "needs a clearance: the radial clearance of the joint in m", at_key=True)
         if contact is not None and contact.model not in ("ideal",) and found.name == GUIDED and "block" not in given:
             values.wrong(path, "a guide with play needs block = { length, height } in m")
         if found.name == GUIDED and "block" in given:
@@ -161,12 +161,12 @@ class Parts(FieldReader):
 
     # ------------------------------------------------------------ drivers and loads
     def add_driver(self, name: str, given: Mapping[str, Any]) -> None:
-        """A joint's degree of freedom or a coordinate of a body as a function of time."""
+        """Read a driver: a joint's degree of freedom or a coordinate of a body as a function of time."""
         values, path = self.values, ("drivers", name)
         functions = dict.fromkeys(key for kind in registry.kinds("driver").values() for key in kind.fields)
         values.keys(given, ["joint", "body", "coordinate", *functions], path)
         if "body" in given and "joint" in given:
-            values.wrong(path, "drives a joint or a body, not both")
+            values.wrong(path, "give a joint or a body to drive, not both")
             return
         target = self._driven_body(given, path) if "body" in given else self._driven_joint(given, path)
         if target is None:
@@ -174,7 +174,7 @@ class Parts(FieldReader):
         kind, joint, point, what = target
         if what in self.driven:
             values.wrong(
-                path, f"{what} is driven by '{self.driven[what]}' already: two drivers on one degree of freedom"
+                path, f"{what} is already driven by '{self.driven[what]}': two drivers on one degree of freedom"
             )
             return
         self.driven[what] = name
@@ -186,7 +186,7 @@ class Parts(FieldReader):
             self.drivers[name] = Driver(name, kind.name, joint, self.fields(kind, given, path)[key], point)
 
     def _driven_joint(self, given: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, None, str] | None:
-        """Kind of driver, joint, and what is driven in words."""
+        """Kind of driver, joint, and what is driven, in words; None after a problem."""
         if "coordinate" in given:
             self.values.wrong((*path, "coordinate"), "only a driven body has a coordinate", at_key=True)
         if "joint" not in given:
@@ -206,7 +206,7 @@ class Parts(FieldReader):
         return None
 
     def _driven_body(self, given: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, Point, str] | None:
-        """Kind of driver, no joint, the point, and what is driven in words."""
+        """Kind of driver, no joint, the point, and what is driven, in words; None after a problem."""
         known = registry.kinds("driver")
         coordinates = [name.removeprefix("body-") for name in known if name.startswith("body-")]
         point = self.point(given["body"], (*path, "body"), alone=True)
@@ -223,7 +223,7 @@ class Parts(FieldReader):
         return known[f"body-{coordinate}"], "", point, f"{coordinate} of '{given['body']}'"
 
     def add_load(self, name: str, given: Mapping[str, Any]) -> None:
-        """A load of any kind."""
+        """Read a load of any kind."""
         path = ("loads", name)
         found = self.choose(given, "load", path)
         if found is None:
@@ -248,7 +248,7 @@ class Parts(FieldReader):
         self.loads[name] = Load(name, found.name, a, b, tuple(written), points)
 
     def _place(self, one: Field, key: str, given: Mapping[str, Any], path: Path) -> Point:
-        """Where a load on one body acts."""
+        """The point at which a load on one body acts."""
         if key not in given:
             self.values.wrong(path, f"needs {key}: {one.meaning}")
             return NOWHERE

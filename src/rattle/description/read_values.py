@@ -1,4 +1,4 @@
-"""Reading single values of a document - numbers, vectors, names, expressions - and collecting what is wrong."""
+"""Reading single values of a document - numbers, vectors, names, expressions - and collecting the problems."""
 
 from __future__ import annotations
 
@@ -34,33 +34,33 @@ from rattle.language.units import (
 
 Path = tuple[str | int, ...]
 
-MOST_CHARACTERS = 600_000  # of all expressions of a model: two seconds of reading
-LONGEST_CYCLE = 10  # names that a message shows
+MOST_CHARACTERS = 600_000  # of all expressions of a model, at most: two seconds of reading
+LONGEST_CYCLE = 10  # names that a message shows, at most
 TAKEN = RESERVED | {"ground", "energy"}
 LIMITS: Mapping[str, Callable[[float], bool]] = {"positive": lambda x: x > 0.0, "not negative": lambda x: x >= 0.0}
 
 
 class TooManyProblems(Exception):
-    """So much is wrong that reading on is of no use."""
+    """Too many problems: reading stops."""
 
 
 class Values:
-    """The names known so far with their values and dimensions, and the problems found so far.
+    """The names known so far, with their values [SI] and dimensions, and the problems found so far.
 
-    A reading method that meets a problem notes it and returns nan (or None), so that reading goes on.
+    A reading method that finds a problem adds it to the list and returns nan (or None), so that reading continues.
     """
 
     def __init__(self) -> None:
         self.problems: list[Problem] = []
-        self.remarks: list[str] = []  # on values that may not be what was meant
+        self.remarks: list[str] = []  # on values that may be mistakes
         self.characters = 0  # of the expressions read so far
         self.constants: dict[str, float] = {}  # parameters [SI]
         self.dimensions: dict[str, Dimension | None] = {}  # of parameters, signals and states
         self.live: dict[str, None] = {}  # names that change during a run, in the order of the file
-        self.broken: set[str] = set()  # names whose definition has a problem of its own
+        self.broken: set[str] = set()  # names whose own definition has a problem
 
     def wrong(self, path: Path, message: str, at_key: bool = False, column: int | None = None) -> None:
-        """Note a problem. Raises TooManyProblems when there are very many."""
+        """Add a problem to the list.  Raises TooManyProblems if there are very many."""
         self.problems.append(Problem(path, message, at_key, column))
         if len(self.problems) >= MOST:
             raise TooManyProblems
@@ -74,14 +74,14 @@ class Values:
         return {}
 
     def keys(self, given: Mapping[str, Any], allowed: Iterable[str], path: Path) -> None:
-        """Refuse keys that nobody reads."""
+        """Refuse unknown keys."""
         known = list(allowed)
         for key in given:
             if key not in known:
                 self.wrong((*path, key), "unknown key" + suggest(key, known), at_key=True)
 
     def name(self, name: str, path: Path) -> None:
-        """Refuse names that expressions could not read."""
+        """Refuse names that cannot be used in expressions."""
         if not (name.isidentifier() and name.isascii()):
             self.wrong(
                 path,
@@ -89,11 +89,11 @@ class Values:
                 at_key=True,
             )
         elif name in TAKEN:
-            self.wrong(path, f"'{name}' has a meaning of its own; choose another name", at_key=True)
+            self.wrong(path, f"'{name}' is a reserved word; choose another name", at_key=True)
 
     # ------------------------------------------------------------ expressions
     def parse(self, text: str, path: Path) -> Node | None:
-        """The tree of an expression."""
+        """The tree of an expression; None after a problem."""
         self.characters += len(text)
         if self.characters > MOST_CHARACTERS:
             self.wrong(path, f"up to here the expressions have more than {MOST_CHARACTERS} characters in all")
@@ -105,13 +105,13 @@ class Values:
             return None
 
     def in_expression(self, error: ExpressionError, path: Path) -> None:
-        """Note what is wrong in an expression, and where in it."""
+        """Add the problem of an expression, with its column."""
         self.wrong(path, str(error), column=error.column)
 
     def expression(self, text: str, path: Path, unit: str | None, live: bool) -> Node | None:
-        """Parse an expression, look its names up, check its dimension (any, with unit None).
+        """Parse an expression, look up its names, check its dimension (any dimension if `unit` is None).
 
-        live: `t`, state and signals may stand in it.
+        live: `t`, state and signals are allowed.
         """
         node = self.parse(text, path)
         if node is None or not self.names_known(node, text, path, unit, live):
@@ -119,7 +119,7 @@ class Values:
         return node if self.dimension_fits(node, text, path, unit) else None
 
     def names_known(self, node: Node, text: str, path: Path, unit: str | None, live: bool) -> bool:
-        """True when every name is known and allowed here."""
+        """True if every name is known and allowed here."""
 
         def allowed(one: str) -> bool:
             return one in self.constants or (live and (one == "t" or one in self.live))
@@ -129,7 +129,7 @@ class Values:
         for one in unknown:
             column = spots[one]
             if one in self.live or one == "t":
-                self.wrong(path, f"'{one}' changes during the run; only parameters may stand here", column=column)
+                self.wrong(path, f"'{one}' changes during the run; only parameters are allowed here", column=column)
             elif one not in self.broken:
                 hint = suggest(one, [*self.constants, *(self.live if live else ())])
                 if unit and text.strip() == one and "did you mean" not in hint:
@@ -137,12 +137,12 @@ class Values:
                 if one in UNITS and "did you mean" not in hint:
                     hint = f"; {one} is a unit: enter x = '5 {one}' under [parameters] and write x here"
                 elif "." in one and "did you mean" not in hint:
-                    hint = f"; {KNOWN if live else 'only parameters may stand here'}"
+                    hint = f"; {KNOWN if live else 'only parameters are allowed here'}"
                 self.wrong(path, f"unknown name {said(one)} in {said(text)}{hint}", column=column)
         return not unknown
 
     def dimension_fits(self, node: Node, text: str, path: Path, unit: str | None) -> bool:
-        """True when the dimension of an expression makes sense and is that of the unit (of any, with None)."""
+        """True if the dimension of an expression is consistent and is that of `unit` (any if None)."""
         try:
             seen = self.dimension(node, unit)
         except ExpressionError as error:
@@ -155,10 +155,10 @@ class Values:
         return False
 
     def dimension(self, node: Node, unit: str | None = None) -> Dimension | None:
-        """Dimension of an expression. Raises ExpressionError for one that makes no sense.
+        """Dimension of an expression, None if unknown.  Raises ExpressionError if it is not consistent.
 
-        Of plain numbers and `t` alone it cannot be known: "sin(3*t)" may be any SI formula.  Beside names that have
-        a dimension `t` is a time, or the plain number of seconds where only that makes sense: "A*sin(t)".
+        It is unknown if there are only numbers and `t`: "sin(3*t)" may be any formula in SI units.  Beside names that
+        have a dimension, `t` is a time, or the plain number of seconds if only that is consistent, as in "A*sin(t)".
         """
         used = names(node)
         if all(self.dimensions.get(one) is None for one in used):
@@ -176,7 +176,7 @@ class Values:
 
     # ------------------------------------------------------------ numbers
     def value(self, given: Any, unit: str, path: Path, least: str = "", live: bool = False) -> Any:
-        """A float in SI, or a Node when `live` and the value changes during the run; nan after a problem."""
+        """A float [SI], or a Node if `live` and the value changes during the run; nan after a problem."""
         if isinstance(given, bool) or not isinstance(given, int | float | str):
             like = f" as a number or a text like '5 {unit}'" if unit else ""
             self.wrong(path, f"wanted {wanted(unit)}{like}, got {said(given)}")
@@ -201,7 +201,7 @@ class Values:
         return number
 
     def _text(self, given: str, unit: str, path: Path, live: bool) -> float | Node | None:
-        """Value of a text: a quantity, or an expression; None after a problem."""
+        """Value [SI] of a text, which is a quantity or an expression; None after a problem."""
         try:
             quantity = parse_quantity(given)
         except QuantityError as error:
@@ -221,7 +221,7 @@ class Values:
         return self.constant(node, path)
 
     def is_finite(self, node: Node, path: Path) -> bool:
-        """True when no part of a live expression is already known to be without a finite value."""
+        """False if a constant part of a live expression has no finite value."""
         try:
             require_finite(node, self.constants)
         except ExpressionError as error:
@@ -230,7 +230,7 @@ class Values:
         return True
 
     def constant(self, node: Node, path: Path) -> float | None:
-        """Value of an expression over parameters; None after a problem."""
+        """Value [SI] of an expression in parameters; None after a problem."""
         try:
             return value(node, self.constants)
         except ExpressionError as error:
@@ -238,7 +238,7 @@ class Values:
             return None
 
     def vector(self, given: Any, unit: str, path: Path, live: bool = False) -> Any:
-        """Two values; with `live` each may be a Node."""
+        """Two values [SI]; if `live`, each may be a Node."""
         if not isinstance(given, list | tuple) or len(given) != 2:
             self.wrong(path, f"wanted [x, y] in {unit}, got {said(given)}")
             return (math.nan, math.nan)
@@ -274,11 +274,11 @@ def _is_bare(given: Any) -> bool:
 
 
 def in_order(nodes: Mapping[str, Node]) -> tuple[list[str], list[list[str]]]:
-    """Names such that each comes after those it uses, and the first cycles among them (whose names are left out)."""
+    """Names ordered so that each follows those it uses, and the first cycles found; names in cycles are left out."""
     uses = {name: sorted(names(node) & nodes.keys()) for name, node in nodes.items()}
     order: list[str] = []
     cycles: list[list[str]] = []
-    depth: dict[str, int] = {}  # of what is open, -1 when it is done
+    depth: dict[str, int] = {}  # of names on the trail, -1 if finished
     for root in nodes:
         if root in depth:
             continue
@@ -329,5 +329,5 @@ def _plain(given: Any) -> str:
 
 
 def wanted(unit: str) -> str:
-    """What a field wants, for messages."""
+    """The unit of a field, for messages."""
     return unit or "a plain number"

@@ -1,4 +1,4 @@
-"""A document (nested tables, as TOML or JSON give them) -> `Model`, with every problem found at once."""
+"""A document (nested tables from TOML or JSON) -> `Model`; all problems are reported together."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ TABLES = (
     "format", "name", "gravity", "parameters", "signals", "ground", "bodies", "joints", "drivers", "loads", "initial",
     "simulate",
 )  # fmt: skip
-DEEPEST = 10  # tables and lists in each other
+DEEPEST = 10  # nested tables and lists
 
 
 def read(document: Mapping[str, Any], file: str = "") -> Model:
@@ -43,7 +43,7 @@ def read(document: Mapping[str, Any], file: str = "") -> Model:
 
 
 def _is_plain(document: Mapping[str, Any], values: Values) -> bool:
-    """True when every key is a text and nothing is nested without end."""
+    """True if every key is a text and the nesting is not too deep."""
     waiting: list[tuple[Path, Any]] = [((), document)]
     while waiting:
         path, given = waiting.pop()
@@ -62,7 +62,7 @@ def _is_plain(document: Mapping[str, Any], values: Values) -> bool:
 
 
 def _read(document: Mapping[str, Any], values: Values) -> Model:
-    """The whole model; it means something only if no problem was noted."""
+    """The whole model; it is valid only if no problem was found."""
     title = _header(document, values)
     tables = {key: _named(values, document, key) for key in NAMED}
     _one_namespace(values, {**tables, "signals": document.get("signals", {})})
@@ -96,7 +96,7 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
 
 
 def _header(document: Mapping[str, Any], values: Values) -> str:
-    """Keys of the document, its format and name."""
+    """Check the keys and the format of the document; return its name."""
     values.keys(document, TABLES, ())
     form = document.get("format")
     if form != 1 or isinstance(form, bool):
@@ -105,11 +105,11 @@ def _header(document: Mapping[str, Any], values: Values) -> str:
     title = document.get("name", "")
     if not isinstance(title, str):
         values.wrong(("name",), f"wanted a text, got {said(title)}")
-    return shown(str(title)).replace("\n", " ").replace("\t", " ")  # it goes to terminals and pictures
+    return shown(str(title)).replace("\n", " ").replace("\t", " ")  # shown in terminals and pictures
 
 
 def _named(values: Values, document: Mapping[str, Any], key: str) -> dict[str, Mapping[str, Any]]:
-    """The table `key`, whose entries are tables with names of the user's choice."""
+    """The table `key`, whose entries are tables with names chosen by the user."""
     found = {}
     for name, entry in values.table(document.get(key, {}), (key,)).items():
         if isinstance(entry, Mapping):
@@ -126,7 +126,7 @@ def _one_namespace(values: Values, tables: Mapping[str, Any]) -> None:
     for table in ("bodies", "joints", "drivers", "signals"):
         for name in tables[table] if isinstance(tables[table], Mapping) else ():
             if name in seen:
-                message = f"the name '{name}' is used in [{seen[name]}] already; choose another"
+                message = f"the name '{name}' is already used in [{seen[name]}]; choose another"
                 values.wrong((table, name), message, at_key=True)
             seen.setdefault(name, table)
 
@@ -175,7 +175,7 @@ def _settings(values: Values, document: Mapping[str, Any]) -> Settings:
 
 
 def _drivers_follow_time(values: Values, drivers: Mapping[str, Driver], signals: Mapping[str, Node]) -> None:
-    """Refuse drivers whose function depends on the motion: its time derivatives could not be had exactly."""
+    """Refuse drivers whose function depends on the motion: its exact time derivatives would not be known."""
     moving = {name for name in values.live if "." in name}
     for name, node in signals.items():  # in order of evaluation
         if names(node) & moving:
@@ -184,4 +184,4 @@ def _drivers_follow_time(values: Values, drivers: Mapping[str, Driver], signals:
         if not isinstance(driver.value, float):
             for one in sorted(names(driver.value) & moving):
                 path = ("drivers", name, next(iter(registry.kinds("driver")[driver.kind].fields)))
-                values.wrong(path, f"a driver follows time alone, but '{one}' depends on the motion")
+                values.wrong(path, f"a driver must depend on time only, but '{one}' depends on the motion")

@@ -1,6 +1,6 @@
-"""What may stand in a model file besides the kinds of the registry: tables, names, functions, units, materials.
+"""Reference to the model file besides the kinds of the registry: tables, names, functions, units, materials.
 
-The words come from the JSON Schema, the numbers from the tables that the reader itself uses.
+Descriptions come from the JSON Schema, numbers from the tables that the reader uses.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from rattle.language.units import DIMENSIONLESS, UNITS, describe
 
 
 class Topic(NamedTuple):
-    """A thing to look up: its name, one sentence, and what may be written, line by line."""
+    """A topic to look up: its name, one sentence, and what may be written, line by line."""
 
     name: str
     summary: str
@@ -24,14 +24,14 @@ class Topic(NamedTuple):
 
 
 MEANING: Mapping[str, str] = {
-    "abs": "size without sign",
+    "abs": "absolute value",
     "sign": "-1, 0 or 1",
     "step": "0 below zero, 1 from zero on",
     "log": "natural logarithm",
     "atan2": "angle of the direction (x, y)",
     "hypot": "sqrt(x**2 + y**2)",
-    "min": "least of two or more",
-    "max": "greatest of two or more",
+    "min": "smallest of two or more",
+    "max": "largest of two or more",
 }
 
 
@@ -45,7 +45,7 @@ TABLES = ("gravity", "parameters", "signals", "ground", "bodies", "initial", "si
 
 
 def common(family: str, kind: str) -> list[str]:
-    """What every entry of a family may say beside the fields of its kind."""
+    """The keys that every entry of a family may have besides the fields of its kind, with their units."""
     properties: Mapping[str, Any] = schema()["properties"]
     if family == "joint":
         one = _variant(properties["joints"], "type", kind)

@@ -1,7 +1,7 @@
-"""JSON Schema of the model file, made from the registry, for editors that complete and check while one writes.
+"""JSON Schema of the model file, made from the registry, for editors that complete and check the text as it is typed.
 
-It knows every key, kind and unit; what refers to other parts (points, names, dimensions of expressions)
-only the reader can check.
+It has every key, kind and unit.  References to other parts (points, names, dimensions of expressions)
+are checked by the reader only.
 
 Source: JSON Schema, draft 2020-12.
 """
@@ -57,7 +57,7 @@ def _object(properties: Mapping[str, Schema], needed: Iterable[str] = (), meanin
 
 
 def _named(entry: Schema, meaning: str) -> Schema:
-    """A table whose keys are names of the user's choice."""
+    """A table whose keys are names chosen by the user."""
     return {
         "type": "object",
         "propertyNames": {"pattern": NAME},
@@ -79,7 +79,7 @@ def _vector(unit: str, meaning: str) -> Schema:
 
 
 def _points(meaning: str) -> Schema:
-    return {"type": "object", "additionalProperties": _vector("m", "place"), "description": meaning}
+    return {"type": "object", "additionalProperties": _vector("m", "position"), "description": meaning}
 
 
 def _point(meaning: str) -> Schema:
@@ -97,7 +97,7 @@ def _connect(end: Schema) -> Schema:
 
 
 def _field(one: Field) -> Schema:
-    """A field of a kind, as its leaf declares it."""
+    """A field of a kind, as its class declares it."""
     meaning = one.meaning + ("; may use t, state and signals" if one.live and not one.meaning.endswith("of t") else "")
     if one.shape == "choice":
         made: Schema = {"enum": list(one.choices), "description": meaning}
@@ -135,7 +135,7 @@ def _choice(kind: Kind) -> Schema:
 def _parameter() -> Schema:
     number = _number("", "value")
     limits = {key: _number("", meaning) for key, meaning in (("min", "least"), ("max", "most"), ("tol", "tolerance"))}
-    dist = {"enum": list(DISTRIBUTIONS), "description": "how it scatters within tol"}
+    dist = {"enum": list(DISTRIBUTIONS), "description": "distribution within tol"}
     return {"anyOf": [number, _object({"value": number, **limits, "dist": dist}, ("value",))]}
 
 
@@ -177,7 +177,7 @@ def _joint(kind: Kind) -> Schema:
     properties = {
         "type": _choice(kind),
         "connect": _connect(_point("bush or guide side first")),
-        "clearance": _number("m", "radial play", "not negative"),
+        "clearance": _number("m", "radial clearance", "not negative"),
         "contact": _contact(),
         **({"block": _object({key: _field(one) for key, one in BLOCK.items()}, BLOCK)} if kind.name == GUIDED else {}),
         **_fields(kind),
@@ -186,9 +186,9 @@ def _joint(kind: Kind) -> Schema:
 
 
 def _contact() -> Schema:
-    """How play is treated: the name of a model, or a table with its fields; those of other models may stand in it."""
+    """The contact model: its name, or a table with its fields, which may also hold fields of other models."""
     plain, laws, statics = registry.kinds("contact"), registry.kinds("normal"), registry.kinds("stiffness")
-    radius = {"bush_radius": _number("m", "radius of the bush; the pin's is less by the clearance", "positive")}
+    radius = {"bush_radius": _number("m", "radius of the bush; the pin radius is smaller by the clearance", "positive")}
     friction = {"friction": _friction()}
     own = [key for key in statics if key != "power"]
     every: dict[str, Schema] = {"geometry": {"enum": own, "description": "formula for the stiffness from materials"}}
@@ -199,7 +199,7 @@ def _contact() -> Schema:
     for kind in (*plain.values(), *laws.values()):
         own_fields = {key: value for key, value in _fields(kind).items() if key != "friction"}
         tables.append(_object({"model": _choice(kind), **every, **own_fields}, ("model", *_needed(kind))))
-    return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": "how the play is treated"}
+    return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": "contact model of the clearance"}
 
 
 def _friction() -> Schema:
@@ -242,4 +242,4 @@ def _settings() -> Schema:
         "output": "interval between outputs",
     }
     numbers = {key: _number(unit, meanings[key], "positive") for key, unit in SETTING_UNITS.items()}
-    return _object({**numbers, "method": {"enum": list(METHODS), "description": "how the motion is computed"}})
+    return _object({**numbers, "method": {"enum": list(METHODS), "description": "time integration method"}})

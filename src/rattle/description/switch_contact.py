@@ -1,4 +1,4 @@
-"""Another contact model for a joint by one word, with everything kept that still applies."""
+"""Change the contact model of a joint by one word and keep every field that still applies."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ ELASTIC = ("stiffness", "exponent", "bush_material", "pin_material", "length", "
 
 
 def recontact(written: Any, model: str) -> str | dict[str, Any]:
-    """What to write as `contact` for another model, from what is written for the present one.
+    """The value of `contact` for another model, from the value written for the present one.
 
-    Kept where the new model knows it: restitution, friction (set-valued Coulomb keeps mu of a friction law),
-    bush radius, stiffness or materials, and the fields of the same law.
+    Kept if the new model has them: restitution [-], friction (set-valued Coulomb keeps mu [-] of a friction law),
+    bush radius [m], stiffness or materials, and the fields of the same law.
     """
     old: Mapping[str, Any] = written if isinstance(written, Mapping) else {"model": written}
     plain, laws = registry.kinds("contact"), registry.kinds("normal")
@@ -33,7 +33,7 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
 
 
 def contact_of(document: Mapping[str, Any], joint: str) -> dict[str, Any]:
-    """What a document says about the contact of a joint, as a table.  Raises ModelError where it has none."""
+    """The contact of a joint in a document, as a table.  Raises ModelError if there is no such joint or contact."""
     joints = document.get("joints", {})
     if joint not in joints:
         raise ModelError([Problem(("joints", str(joint)), f"is not there{suggest(str(joint), joints)}")])

@@ -1,8 +1,8 @@
-"""Where in a TOML text a value was written, for error messages that show the line.
+"""Positions of values in a TOML text, for error messages that show the line.
 
-A scanner of its own, because `tomllib` keeps no positions and a parser that does (tomlkit) takes seconds
-where this takes milliseconds.  One pass, no recursion; it trusts that the text is valid TOML and simply
-stops where it is not.
+It has its own scanner because `tomllib` keeps no positions and a parser that does (tomlkit) takes seconds
+instead of milliseconds.  One pass, no recursion; the text is assumed to be valid TOML, and the scan
+stops at the first place where it is not.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-WIDTH = 120  # longest piece of a source line that is shown
+WIDTH = 120  # characters of a source line that are shown, at most
 
 _SPACE = re.compile(r"[ \t]*+")
 _GAP = re.compile(r"(?:[ \t\r\n]++|#[^\n]*+)*+")
 _KEY = re.compile(r""""[^"\\\n]*+(?:\\.[^"\\\n]*+)*+"|'[^'\n]*+'|[^\s.=\[\]{}"'#,]++""")
-_SCALAR = re.compile(  # groups that look ahead repeat without possession: Python 3.11.0 to 3.11.4 get that wrong
+_SCALAR = re.compile(  # no possessive repeats of groups with lookahead: Python 3.11.0 to 3.11.4 match them wrongly
     r'"""[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*"{3,5}+'
     r"|'''[^']*+(?:'(?!'')[^']*+)*'{3,5}+"
     r'|"[^"\\\n]*+(?:\\.[^"\\\n]*+)*+"'
@@ -30,15 +30,15 @@ _SCALAR = re.compile(  # groups that look ahead repeat without possession: Pytho
 def locate(text: str, path: tuple[str | int, ...], key: bool = False) -> tuple[int, int] | None:
     """Line and column (both from 1) of the value at a key path in a valid TOML text.
 
-    path: keys, and indices of arrays, e.g. ("initial", "O3", "offset", 0).  A table is where its header
-    names it.  With `key` the place of the key instead of its value (array elements have none).  If there
-    is no such value: the nearest parent that exists; None if there is none, or for an empty path.
+    path: keys, and indices of arrays, e.g. ("initial", "O3", "offset", 0).  The position of a table is that of its
+    header.  key: return the position of the key instead of its value (array elements have no key).
+    If there is no such value: the nearest parent that exists; None if there is none, or for an empty path.
     """
     return locate_all(text, [(path, key)])[0]
 
 
 def locate_all(text: str, wanted: Sequence[tuple[tuple[str | int, ...], bool]]) -> list[tuple[int, int] | None]:
-    """The same for many paths (and whether their keys are meant), in one pass through the text."""
+    """`locate` for many pairs (path, key), in one pass through the text."""
     top = _Place()
     for path, _ in wanted:
         place = top
@@ -61,7 +61,7 @@ def locate_all(text: str, wanted: Sequence[tuple[tuple[str | int, ...], bool]]) 
 
 
 def caret(text: str, line: int, column: int, width: int = 1) -> str:
-    """The source line and, below, a caret under each of `width` characters from `column` (from 1).
+    """The source line and, below it, a caret under each of `width` characters from `column` (counted from 1).
 
     Of a very long line only the part around the column is shown; "" if there is no such line.
     """
@@ -75,7 +75,7 @@ def caret(text: str, line: int, column: int, width: int = 1) -> str:
 
 
 def caret_under(source: str, column: int, width: int = 1) -> str:
-    """The same for one line of source."""
+    """`caret` for one line of source."""
     source = source.rstrip("\r")
     column = min(max(column, 1), len(source) + 1)
     begin = column - WIDTH // 2 if column > WIDTH - 20 else 0
@@ -88,10 +88,10 @@ def caret_under(source: str, column: int, width: int = 1) -> str:
 
 
 class _Place:
-    """One part of the wanted paths: where in the text it was met.
+    """One node of the tree of paths to be located, with its position in the text.
 
-    The best place is kept: one that is spelled out rather than passed through ("[a.b]" defines a.b, but passes
-    through a); of these, the first.
+    The best position is kept: a definition rather than a mention ("[a.b]" defines a.b and mentions a), and of several
+    definitions the first.
     """
 
     __slots__ = ("exact", "key_at", "last", "parts", "seen", "value_at", "wanted")
@@ -105,7 +105,7 @@ class _Place:
 
 @dataclass(slots=True)
 class _Frame:
-    """An array or inline table that is open: its place, if a path leads to it, and the running index."""
+    """An open array or inline table: its place, if one of the paths passes through it, and the current index."""
 
     array: bool
     place: _Place | None
@@ -113,7 +113,7 @@ class _Frame:
 
 
 def _count(top: _Place) -> int:
-    """How many places below are wanted themselves."""
+    """Number of places below `top` that are ends of paths."""
     found, ahead = 0, [top]
     while ahead:
         place = ahead.pop()
@@ -123,12 +123,12 @@ def _count(top: _Place) -> int:
 
 
 class _Scanner:
-    """Follows all wanted paths through the text; a place is None where none of them leads."""
+    """Follows all paths through the text; a place is None where none of them passes."""
 
     def __init__(self, text: str, top: _Place) -> None:
         self.text = text
         self.top = top
-        self.missing = _count(top)  # wanted places that were not spelled out yet
+        self.missing = _count(top)  # ends of paths whose definition was not found yet
 
     def run(self) -> None:
         text = self.text
@@ -148,7 +148,7 @@ class _Scanner:
             else:
                 at = self.entry(at, here)
 
-    # -------------------------------------------------- what agrees with the path
+    # -------------------------------------------------- follow the paths
     def note(self, place: _Place, key_at: int, value_at: int, exact: bool) -> None:
         if not place.seen or (exact and not place.exact):
             place.seen, place.exact, place.key_at, place.value_at = True, exact, key_at, value_at
@@ -173,7 +173,7 @@ class _Scanner:
         return place
 
     def follow(self, keys: list[tuple[str, int]], place: _Place | None, value_at: int) -> _Place | None:
-        """Place of the value behind a (dotted) key in a table."""
+        """Place of the value of a (dotted) key in a table."""
         for n, (key, at) in enumerate(keys):
             place = place.parts.get(key) if place is not None else None
             if place is None:
@@ -182,13 +182,13 @@ class _Scanner:
             self.note(place, at, value_at if last else at, last)
         return place
 
-    # -------------------------------------------------- what stands in the text
+    # -------------------------------------------------- read the text
     def skip(self, pattern: re.Pattern[str], at: int) -> int:
         found = pattern.match(self.text, at)
         return found.end() if found else at
 
     def keys(self, at: int) -> tuple[list[tuple[str, int]], int]:
-        """A dotted key: its parts with their places, and where it ends."""
+        """A dotted key: its parts with their positions, and where it ends."""
         found: list[tuple[str, int]] = []
         while True:
             at = self.skip(_SPACE, at)
@@ -202,7 +202,7 @@ class _Scanner:
             at += 1
 
     def entry(self, at: int, here: _Place | None) -> int | None:
-        """One `key = value` in a table; the position behind it, None if it is no entry."""
+        """Read one `key = value` in a table; the position after it, None if it is not an entry."""
         keys, at = self.keys(at)
         if not keys or not self.text.startswith("=", at):
             return None
@@ -210,7 +210,7 @@ class _Scanner:
         return self.value(at, self.follow(keys, here, at))
 
     def value(self, at: int, place: _Place | None) -> int | None:
-        """A value with all that it contains; the position behind it, None if it never ends."""
+        """Read a value with all that it contains; the position after it, None if it does not end."""
         text = self.text
         frames: list[_Frame] = []
         while True:
@@ -219,7 +219,7 @@ class _Scanner:
                 at += 1
             else:
                 at = self.skip(_SCALAR, at)
-            # on to the next value inside what is open, or out
+            # go to the next value in the open array or table, or close it
             while frames:
                 at = self.skip(_GAP, at)
                 frame = frames[-1]
@@ -248,7 +248,7 @@ class _Scanner:
 
 
 def _plain(word: str) -> str:
-    """A key without its quotes and escapes."""
+    """A key without quotes and escapes."""
     if word[0] == "'":
         return word[1:-1]
     if word[0] != '"':
