@@ -153,7 +153,7 @@ def test_every_friction_law_of_the_package_passes_the_same_check(name):
     for key, entry in kind.fields.items():
         default = entry.default(values) if callable(entry.default) else entry.default
         values[key] = {"mu": 0.2, "mu_static": 0.3, "viscosity": 5.0}.get(key, default)
-    assert friction_fault(kind.kernel.python, np.array([*kind.leaf.pack(values), 0.0])) == ""
+    assert friction_fault(kind.kernel.python, np.array([*kind.leaf.pack(values), 0.0]), kind.leaf.states) == ""
 
 
 @pytest.mark.parametrize("e", [0.1, 0.5, 1.0])

@@ -12,8 +12,8 @@ from rattle.jit import functions
 
 pytestmark = pytest.mark.nojit
 LAWS = registry.kinds("friction")
-WITHOUT_MEMORY = sorted(name for name, found in LAWS.items() if not found.leaf.memory)
-WITH_MEMORY = sorted(name for name, found in LAWS.items() if found.leaf.memory)
+STATELESS = sorted(name for name, found in LAWS.items() if found.leaf.states == 0)
+BRISTLES = sorted(name for name, found in LAWS.items() if found.leaf.states == 1)
 GIVEN = {"mu": 0.2, "mu_static": 0.3, "viscosity": 5.0, "sigma2": 0.1}
 
 
@@ -27,8 +27,8 @@ def numbers(name, **given):
 
 def friction(name, u, N, z=0.0, **given):
     """T and dz."""
-    dz = np.full(1, np.nan)
-    T = LAWS[name].kernel.python(u, N, z, numbers(name, **given), 0, dz)
+    dz = np.zeros(1)
+    T = LAWS[name].kernel.python(u, N, np.array([z]), numbers(name, **given), 0, dz)
     return T, dz[0]
 
 
@@ -36,7 +36,7 @@ slips = st.floats(-10, 10) | st.floats(-1e-3, 1e-3)
 normals = st.floats(0, 1e5)
 
 
-@given(st.sampled_from(WITHOUT_MEMORY), slips, normals)
+@given(st.sampled_from(STATELESS), slips, normals)
 def test_friction_without_memory_only_takes_power(name, u, N):
     T, dz = friction(name, u, N)
     assert T * u >= 0.0
@@ -45,7 +45,7 @@ def test_friction_without_memory_only_takes_power(name, u, N):
 
 
 @given(
-    st.sampled_from(WITH_MEMORY),
+    st.sampled_from(BRISTLES),
     slips,
     normals,
     st.floats(-0.1, 0.1),
@@ -61,7 +61,7 @@ def test_bristles_never_give_back_more_than_they_hold(name, u, N, z, alpha, damp
     assert friction(name, -u, N, -z, alpha=alpha, sigma1=damping) == (-T, -dz)
 
 
-@pytest.mark.parametrize("name", WITH_MEMORY)
+@pytest.mark.parametrize("name", BRISTLES)
 @given(
     st.lists(st.tuples(st.floats(-0.05, 0.05), st.floats(0.1, 100)), min_size=2, max_size=6),
     st.integers(1, 3),
@@ -76,7 +76,7 @@ def test_no_cycle_of_slip_and_normal_force_yields_energy(name, stages, rounds):
     def rate(s, z):
         weight = np.exp(3 * np.cos(2 * np.pi * s - phase))
         slip, press = (weight @ u) / weight.sum(), (weight @ N) / weight.sum()
-        T = kernel(slip, press, z, p, 0, dz)
+        T = kernel(slip, press, np.array([z]), p, 0, dz)
         return dz[0], T * slip
 
     z = work = moved = 0.0
@@ -194,16 +194,16 @@ def test_every_kernel_gives_the_same_value_compiled():
     for name, found in registry.kinds("friction").items():
         p = np.array((0.0, *numbers(name)))
         for u, N, z in zip(rng.normal(0, 0.01, 30), rng.uniform(-1, 50, 30), rng.normal(0, 1e-4, 30), strict=True):
-            T = found.kernel(u, N, z, p, 1, dz)
-            assert pytest.approx(found.kernel.python(u, N, z, p, 1, dz_python), rel=1e-13) == T
+            T = found.kernel(u, N, np.array([z]), p, 1, dz)
+            assert pytest.approx(found.kernel.python(u, N, np.array([z]), p, 1, dz_python), rel=1e-13) == T
             assert dz[0] == pytest.approx(dz_python[0], rel=1e-13)
 
 
 @functions.compiled
-def contact(tables, tags, delta, ddelta, v0, u, p, dz):
+def contact(tables, tags, delta, ddelta, v0, u, p, z, dz):
     static = functions.call_stiffness(tables[0][tags[0]], (delta, p, 0))
     normal = functions.call_normal(tables[1][tags[1]], (static, delta, ddelta, v0, p, 2))
-    return normal, functions.call_friction(tables[2][tags[2]], (u, normal, 0.0, p, 4, dz))
+    return normal, functions.call_friction(tables[2][tags[2]], (u, normal, z, p, 4, dz))
 
 
 def test_laws_are_called_through_their_tables_in_a_compiled_loop():
@@ -213,6 +213,6 @@ def test_laws_are_called_through_their_tables_in_a_compiled_loop():
     tables = tuple(registry.table(family) for family in families)
     found = [registry.kinds(family)[name] for family, name in zip(families, names, strict=True)]
     p = np.array([1e9, 1.5, *found[1].leaf.pack({"restitution": 0.5, "least_speed": 1e-3}), 0.2, 1e-3])
-    N, T = contact(tables, tuple(kind.tag for kind in found), 1e-4, 0.1, 0.4, 0.05, p, np.zeros(1))
+    N, T = contact(tables, tuple(kind.tag for kind in found), 1e-4, 0.1, 0.4, 0.05, p, np.zeros(1), np.zeros(1))
     assert pytest.approx(1e9 * 1e-6 * (1 + p[2] * 0.25), rel=1e-14) == N
     assert pytest.approx(0.2 * N, rel=1e-14) == T

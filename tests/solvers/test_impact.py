@@ -65,7 +65,7 @@ def test_contact_rates_and_gammas_are_derivatives_along_any_motion(shape):
         body = np.zeros((2, 8))
         body[:, 0:3], body[:, 3:6] = q, v
         body[:, 6], body[:, 7] = np.cos(q[:, 2]), np.sin(q[:, 2])
-        kinematics = np.zeros((4, 18))
+        kinematics = np.zeros((4, 16))
         for corner in range(4 if shape == "guide" else 1):
             kernel(body, 0, 1, p, 0, corner, corner, kinematics)
         return kinematics

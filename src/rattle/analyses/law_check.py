@@ -41,11 +41,14 @@ def law_faults(model: Model) -> list[str]:
 
 
 def _fault(family: str, choice: Choice, contact: Contact) -> str:
-    kernel = registry.kinds(family)[choice.kind].kernel
-    key = (kernel, tuple(choice.values.items()), repr(contact.static) if family == "normal" else "")
+    kind = registry.kinds(family)[choice.kind]
+    key = (kind.kernel, tuple(choice.values.items()), repr(contact.static) if family == "normal" else "")
     if key not in _known:
-        p = np.array([*registry.kinds(family)[choice.kind].leaf.pack(choice.values), 0.0])
-        _known[key] = normal_fault(kernel, p, contact) if family == "normal" else friction_fault(kernel, p)
+        p = np.array([*kind.leaf.pack(choice.values), 0.0])
+        if family == "normal":
+            _known[key] = normal_fault(kind.kernel, p, contact)
+        else:
+            _known[key] = friction_fault(kind.kernel, p, kind.leaf.states)
     return _known[key]
 
 
@@ -90,11 +93,11 @@ def _least(law: Any, kernel: Any, stiffness: Any, p: np.ndarray, q: np.ndarray, 
     return min(found, default=(0.0, 0.0))
 
 
-def friction_fault(kernel: Any, p: np.ndarray) -> str:
+def friction_fault(kernel: Any, p: np.ndarray, states: int) -> str:
     """What is wrong with a friction law, in words; empty if nothing is."""
     rng = np.random.default_rng(8)
     s = np.linspace(0.0, 1.0, POINTS + 1)
-    dz = np.zeros(1)
+    dz = np.zeros(states)
     for _ in range(PATHS):
         wave = sum(rng.uniform(-1, 1) * np.sin(2 * np.pi * (k * s + rng.uniform())) for k in (1, 2, 3))
         speed, press = 10.0 ** rng.uniform(-4, 0.5), 10.0 ** rng.uniform(0, 4)
@@ -102,13 +105,13 @@ def friction_fault(kernel: Any, p: np.ndarray) -> str:
         swing = np.sin(2 * np.pi * (s * rng.integers(1, 4) + rng.uniform()))
         normal = press * (1.0 + 0.8 * swing)
         h = 1e-3 / speed / POINTS  # about a millimetre of slip in all
-        z, powers = 0.0, np.zeros(POINTS + 1)
+        z, powers = np.zeros_like(dz), np.zeros(POINTS + 1)
         for k in range(POINTS + 1):
             powers[k] = kernel(float(u[k]), float(normal[k]), z, p, 0, dz) * u[k]
             if k < POINTS:
-                first = dz[0]
+                first = dz.copy()
                 kernel(float(u[k + 1]), float(normal[k + 1]), z + h * first, p, 0, dz)
-                z += 0.5 * h * (first + dz[0])
+                z += 0.5 * h * (first + dz)
         if not np.isfinite(powers).all():
             return "has no finite value"
         fault = _given_back(0.5 * h * (powers[1:] + powers[:-1]))

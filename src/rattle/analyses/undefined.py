@@ -31,7 +31,8 @@ def undefined(system: System, workspace: Workspace, t: float, contacts: bool = T
         if why:
             return f"loads.{name}: {why}"
     for n, row in enumerate(system.arrays["contact"] if contacts else ()):
-        why = contact_law.failure(row, workspace.contact_kinematics[n], workspace.contact_memory[n], workspace.values)
+        kinematics, memory = workspace.contact_kinematics[n], workspace.contact_memory[n]
+        why = contact_law.failure(row, kinematics, memory, workspace.element_state, workspace.values)
         if why:
             return f"joint '{system.joints[row[at.OWNER]]}': {why} at t = {t:.6g} s"
     return ""

@@ -46,23 +46,15 @@ def press(m):
         m.normal_table,
         m.friction_table,
     )
-    rate = m.bristle_rate
+    state, rate = m.element_state, m.element_rate
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
             continue
-        (
-            kinematics[n, at.NORMAL],
-            kinematics[n, at.TANGENT],
-            kinematics[n, at.DBRISTLE],
-            kinematics[n, at.LOSS],
-            kinematics[n, at.STORE],
-        ) = (
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-        )
+        for column in range(at.NORMAL, at.STORE + 1):
+            kinematics[n, column] = 0.0
+        first = contact[n, at.FIRST_STATE]
+        for k in range(first, first + contact[n, at.STATES]):
+            rate[k] = 0.0
         delta, ddelta = -kinematics[n, at.GAP], -kinematics[n, at.DGAP]
         if delta <= 0.0 or memory[n, at.CLOSED] == at.OPEN:
             continue
@@ -71,16 +63,9 @@ def press(m):
         normal = call_normal(normal_table[contact[n, at.NORMAL_LAW]], arguments)
         tangent = 0.0
         if contact[n, at.FRICTION] >= 0:
-            arguments_t = (
-                kinematics[n, at.SLIP],
-                normal,
-                kinematics[n, at.BRISTLE],
-                values,
-                contact[n, at.FRICTION_P],
-                rate,
-            )
+            slip, p = kinematics[n, at.SLIP], contact[n, at.FRICTION_P]
+            arguments_t = (slip, normal, state[first:], values, p, rate[first:])
             tangent = call_friction(friction_table[contact[n, at.FRICTION]], arguments_t)
-            kinematics[n, at.DBRISTLE] = rate[0]
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = normal, tangent
         kinematics[n, at.STORE] = static * ddelta
         kinematics[n, at.LOSS] = (normal - static) * ddelta + tangent * kinematics[n, at.SLIP]

@@ -12,6 +12,17 @@ import math
 
 from rattle.equations.compliant import locate_contacts, press
 from rattle.equations.schur import WEAK, factorise, solve
+from rattle.equations.state import (
+    DISSIPATED,
+    IMPULSE,
+    LOSS,
+    STORED,
+    WORK,
+    account_at,
+    energies_at,
+    states_at,
+    take_states,
+)
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_hold, call_joint, call_load, compiled, native
 from rattle.language.bytecode import evaluate, evaluate_jet
@@ -224,7 +235,7 @@ def solve_motion(m, t, q, v):
 def collect(m, v, dy):
     """dy/dt of y from what has just been solved.
 
-    y = [q, v, work done on the mechanism, energy dissipated, then per contact z, impulse, loss, stored energy].
+    What stands where in y: see `equations.state`.
     """
     rows, multiplier, acceleration, power = m.rows, m.multiplier, m.acceleration, m.power
     kinematics = m.contact_kinematics
@@ -237,30 +248,23 @@ def collect(m, v, dy):
     for i in range(1, acceleration.shape[0]):
         for k in range(3):
             dy[nq + 3 * i - 3 + k] = acceleration[i, k]
-    dy[2 * nq] = rate
-    dy[2 * nq + 1] = power[2]
+    dy[energies_at(m) + WORK] = rate
+    dy[energies_at(m) + DISSIPATED] = power[2]
     for n in range(kinematics.shape[0]):
-        k = 2 * nq + 2 + 4 * n
-        dy[k] = kinematics[n, at.DBRISTLE]
-        dy[k + 1] = kinematics[n, at.NORMAL]
-        dy[k + 2] = kinematics[n, at.LOSS]
-        dy[k + 3] = kinematics[n, at.STORE]
-
-
-@compiled
-def set_bristles(m, y):
-    """Bristle states of the contacts, from y into `contact_kinematics`."""
-    kinematics = m.contact_kinematics
-    first = y.shape[0] - 4 * kinematics.shape[0]
-    for n in range(kinematics.shape[0]):
-        kinematics[n, at.BRISTLE] = y[first + 4 * n]
+        k = account_at(m, n)
+        dy[k + IMPULSE] = kinematics[n, at.NORMAL]
+        dy[k + LOSS] = kinematics[n, at.LOSS]
+        dy[k + STORED] = kinematics[n, at.STORE]
+    rates, first = m.element_rate, states_at(m)
+    for k in range(rates.shape[0]):
+        dy[first + k] = rates[k]
 
 
 @native("i", "h", "f", "v", "v")
 def derivative(m, t, y, dy):
-    """dy/dt of y (6 nb + 2 + 4 nc,), see `collect`. Returns the number of redundant rows."""
+    """dy/dt of y, see `collect`. Returns the number of redundant rows."""
     nq = m.change.shape[0]
-    set_bristles(m, y)
+    take_states(m, y)
     lost = move(m, t, y[:nq], y[nq : 2 * nq])
     collect(m, y[nq : 2 * nq], dy)
     return lost

@@ -63,6 +63,11 @@ class System:
         """Constraint rows, drivers included."""
         return len(self.rows)
 
+    @property
+    def element_states(self) -> int:
+        """States that elements have of their own, as the bristles of a friction law; see `equations.state`."""
+        return int(self.arrays["contact"][:, at.STATES].sum())
+
     def workspace(self, also: Iterable[int] = (), **more: np.ndarray) -> Workspace:
         """Fresh workspace of one run; also: other joint kernels called; `more` are arrays of the time integration."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
@@ -103,9 +108,10 @@ class System:
                 "multiplier": np.zeros(nr),
                 "acceleration": np.zeros((nb, 3)),
                 "change": np.zeros(3 * nb - 3),
-                "contact_kinematics": np.zeros((nc, 18)),
+                "contact_kinematics": np.zeros((nc, 16)),
                 "contact_memory": memory,
-                "bristle_rate": np.zeros(1),
+                "element_state": np.zeros(self.element_states),
+                "element_rate": np.zeros(self.element_states),
                 **more,
             }
         )
@@ -194,7 +200,7 @@ def compile_system(model: Model) -> System:
         "gravity": np.array(model.gravity, dtype=float),
         "joint": _table(joint, 5),
         "load": _table(load, 5),
-        "contact": _table(contact, 13),
+        "contact": _table(contact, 15),
         "lever": np.array(lever, dtype=float).reshape(-1, 3),
         "values": np.array(values, dtype=float),
         "code": code,
@@ -242,6 +248,7 @@ def _contacts(
     """One entry per contact point, see `layout`: geometry and laws with their parameters; the levers of its bodies."""
     found: list[tuple[int, ...]] = []
     levers: list[tuple[float, float, float]] = []
+    states = 0
     shapes = {one.leaf.joint: one for one in registry.kinds("clearance").values()}
     for n, joint in enumerate(model.joints.values()):
         contact = joint.contact
@@ -269,8 +276,10 @@ def _contacts(
                 *_law("normal", _with_mass(contact.normal, model, joint), values),
                 *_law("friction", contact.friction, values),
             )
+        own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
         for corner in range(shape.leaf.corners):
-            found.append((shape.tag, a, b, place, corner, *laws, n, int(contact.normal is None)))
+            found.append((shape.tag, a, b, place, corner, *laws, n, int(contact.normal is None), states, own))
+            states += own
             levers.append(lever)
     return found, levers
 

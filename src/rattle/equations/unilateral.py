@@ -209,7 +209,7 @@ def hold(m):
     count = 0
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
-            for column in (at.NORMAL, at.TANGENT, at.LOSS, at.STORE, at.DBRISTLE):
+            for column in (at.NORMAL, at.TANGENT, at.LOSS, at.STORE):
                 kinematics[n, column] = 0.0
             if mode[n] != OFF:
                 active[count], candidate[count] = n, mode[n]

@@ -30,7 +30,7 @@ SIGNATURE = {
     "clearance": ("void", "m", "i", "i", "v", "i", "i", "i", "m"),  # body, a, b, p, k, corner, row, kinematics
     "stiffness": ("f", "f", "v", "i"),  # delta, p, k -> F
     "normal": ("f", "f", "f", "f", "f", "v", "i"),  # F_static, delta, ddelta, v0, p, k -> F
-    "friction": ("f", "f", "f", "f", "v", "i", "v"),  # u, N, z, p, k, dz -> T
+    "friction": ("f", "f", "f", "v", "v", "i", "v"),  # u, N, z, p, k, dz -> T
     "hold": ("void", "h"),  # m, see rattle.equations.unilateral
     "problem": ("i", "h", "i"),  # m, number of contacts, see rattle.equations.unilateral
 }

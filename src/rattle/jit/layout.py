@@ -16,14 +16,12 @@ POTENTIAL, ELASTIC, OUTSIDE, DISSIPATED = range(4)
 SHAPE, A_BODY, B_BODY, SHAPE_P, CORNER, STATIC, STATIC_P, NORMAL_LAW, NORMAL_P, FRICTION, FRICTION_P, OWNER, IMPACT = (
     range(13)
 )
+FIRST_STATE, STATES = 13, 14  # of its friction law among the states of elements, and how many
 # columns of `contact_kinematics`: gap g (negative: penetration) and its rate; normal n from A outwards (the force on
 # B is -N n - T t, t = n turned by 90 degrees); arms of the contact point from the mass centres of A and B; slip u . t
 # of B's material against A's; gamma of the normal and tangential rows; N, T and the rates they give; speed of a pin's
 # centre along t
-GAP, DGAP, NX, NY, PAX, PAY, PBX, PBY, SLIP, GAMMA_N, GAMMA_T, NORMAL, TANGENT, BRISTLE, DBRISTLE, LOSS, STORE = range(
-    17
-)
-ACROSS = 17
+GAP, DGAP, NX, NY, PAX, PAY, PBX, PBY, SLIP, GAMMA_N, GAMMA_T, NORMAL, TANGENT, LOSS, STORE, ACROSS = range(16)
 # columns of `contact_memory`: state, approach speed, time, impulse and loss at its start, peak force,
 # steps so far; gap, its rate and N at the start and at the end of the present step
 CLOSED, SPEED, SINCE, PEAK, IMPULSE_0, LOSS_0, STEPS_IN, GAP_0, DGAP_0, N_0, GAP_1, DGAP_1, N_1 = range(13)

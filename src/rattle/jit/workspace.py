@@ -37,7 +37,7 @@ ARRAYS = {
     "gravity": Array("f1", "2", "m/s^2", "acceleration of free fall"),
     "joint": Array("i2", "nj, 5", "", "kernel, A, B, first parameter, first row; joints first, then drivers"),
     "load": Array("i2", "nl, 5", "", "kernel, A, B, first parameter, 1 if its values change during the run"),
-    "contact": Array("i2", "nc, 13", "", "geometry and laws of every contact point, see `layout`"),
+    "contact": Array("i2", "nc, 15", "", "geometry and laws of every contact point, see `layout`"),
     "lever": Array(
         "f2", "nc, 3", "m", "longest arms on A and on B to what may touch; 1 if the walls turn with A, else 0"
     ),
@@ -86,9 +86,10 @@ ARRAYS = {
     "multiplier": Array("f1", "nr", "N or N*m", "lambda"),
     "acceleration": Array("f2", "nb + 1, 3", "m/s^2, rad/s^2", "of every body"),
     "change": Array("f1", "3 nb", "m, rad or m/s, rad/s", "a correction of positions or rates"),
-    "contact_kinematics": Array("f2", "nc, 18", "m, m/s, N", "geometry and forces of every contact, see `layout`"),
+    "contact_kinematics": Array("f2", "nc, 16", "m, m/s, N", "geometry and forces of every contact, see `layout`"),
     "contact_memory": Array("f2", "nc, 13", "", "memory of every contact, see `layout`"),
-    "bristle_rate": Array("f1", "1", "", "rate of a bristle"),
+    "element_state": Array("f1", "states of elements", "SI", "of friction laws; see `equations.state`"),
+    "element_rate": Array("f1", "states of elements", "SI/s", "their rates"),
     # set-valued contacts; two lines (normal, tangential) for each contact that takes part
     "mode": Array("i1", "nc", "", "what each contact does: OFF, STICK, FORWARD, BACKWARD"),
     "active": Array("i1", "nc", "", "contacts that take part"),
@@ -127,7 +128,7 @@ ARRAYS = {
     "hold_table": Array("i1", "0 or 1", "", "the kernel that adds the forces of lasting contacts, if there may be any"),
     "problem_table": Array("i1", "parts", "", "kernels that solve contact problems, see `unilateral`"),
     # time integration
-    "state": Array("f1", "ny", "SI", "q, v, work done, energy dissipated, and four numbers per contact, at clock[T]"),
+    "state": Array("f1", "ny", "SI", "y at clock[T], see `equations.state`"),
     "rate": Array("f1", "ny", "SI/s", "its derivative"),
     "state_new": Array("f1", "ny", "SI", "the same at the end of a step"),
     "rate_new": Array("f1", "ny", "SI/s", ""),

@@ -9,7 +9,8 @@ No contact and no release is missed because it is shorter than a step: see `sear
 from __future__ import annotations
 
 from rattle.equations.compliant import locate_contacts, press
-from rattle.equations.motion import place, set_bristles
+from rattle.equations.motion import place
+from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_stiffness, compiled, native
 from rattle.solvers.gap_search import NONE, may_reach, search
@@ -47,27 +48,27 @@ def start_contacts(m, t, y):
 def shut(m, n, t, y):
     """Contact n starts at (t, y); its geometry is in `contact_kinematics`."""
     kinematics, memory = m.contact_kinematics, m.contact_memory
-    k = y.shape[0] - 4 * kinematics.shape[0] + 4 * n
+    k = account_at(m, n)
     memory[n, at.CLOSED] = at.SHUT
     memory[n, at.SPEED] = max(-kinematics[n, at.DGAP], 0.0)
     memory[n, at.SINCE] = t
     memory[n, at.PEAK] = 0.0
     memory[n, at.N_0] = 0.0
     memory[n, at.STEPS_IN] = 0.0
-    y[k] = 0.0
-    memory[n, at.IMPULSE_0] = y[k + 1]
-    memory[n, at.LOSS_0] = y[k + 2]
+    clear_states(m, n, y)
+    memory[n, at.IMPULSE_0] = y[k + IMPULSE]
+    memory[n, at.LOSS_0] = y[k + LOSS]
 
 
 @compiled
 def note(m, found, kind, n, t, y, speed):
     """Write event number `found`: contact n, over at (t, y) or still going on."""
-    kinematics, memory, event = m.contact_kinematics, m.contact_memory, m.events[found]
-    k = y.shape[0] - 4 * kinematics.shape[0] + 4 * n
+    memory, event, k = m.contact_memory, m.events[found], account_at(m, n)
     event[0], event[1], event[2] = memory[n, at.SINCE] if kind == at.CONTACT_EVENT else t, n, kind
     event[3] = speed
     event[4], event[5] = t - memory[n, at.SINCE], memory[n, at.PEAK]
-    event[6], event[7] = y[k + 1] - memory[n, at.IMPULSE_0], y[k + 2] + y[k + 3] - memory[n, at.LOSS_0]
+    event[6] = y[k + IMPULSE] - memory[n, at.IMPULSE_0]
+    event[7] = y[k + LOSS] + y[k + STORED] - memory[n, at.LOSS_0]
 
 
 @compiled
@@ -149,7 +150,7 @@ def normal_at(m, theta, n):
     """Normal force of contact n at the share theta of the step."""
     kinematics, stage, nq = m.contact_kinematics, m.stage, m.change.shape[0]
     interpolate(m, theta, stage)
-    set_bristles(m, stage)
+    take_states(m, stage)
     place(m, stage[:nq], stage[nq : 2 * nq])
     locate_contacts(m)
     press(m)
@@ -198,12 +199,12 @@ def change_contacts(m, who, t, y, found):
             if (n == who and not was_shut) or (kinematics[n, at.GAP] <= 0.0 and kinematics[n, at.DGAP] < 0.0):
                 shut(m, n, t, y)
         elif n == who and was_shut:
-            k = y.shape[0] - 4 * kinematics.shape[0] + 4 * n
+            k = account_at(m, n)
             note(m, found, at.CONTACT_EVENT, n, t, y, memory[n, at.SPEED])
             note(m, found + 1, at.RELEASE_EVENT, n, t, y, max(kinematics[n, at.DGAP], 0.0))
             found += 2
-            y[k + 2] += y[k + 3]  # what rounding left stored is lost
-            y[k + 3] = 0.0
-            y[k] = 0.0
+            y[k + LOSS] += y[k + STORED]  # what rounding left stored is lost
+            y[k + STORED] = 0.0
+            clear_states(m, n, y)
             memory[n, at.CLOSED] = at.OPEN
     return found

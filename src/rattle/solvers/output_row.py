@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from rattle.equations.motion import set_bristles, solve_motion
+from rattle.equations.motion import solve_motion
+from rattle.equations.state import DISSIPATED, LOSS, STORED, WORK, account_at, energies_at, take_states
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
 
@@ -11,13 +12,14 @@ from rattle.jit.functions import compiled, native
 def record(m, t, y, row):
     """Write one output row for the state y; its columns are declared in `jit.layout`."""
     nq = m.change.shape[0]
-    set_bristles(m, y)
+    take_states(m, y)
     solve_motion(m, t, y[:nq], y[nq : 2 * nq])
-    lost = y[2 * nq + 1]
-    for k in range(2 * nq + 2, y.shape[0], 4):
-        lost += y[k + 2]
-        m.power[0] += y[k + 3]
-    write(m, y[2 * nq], lost, row)
+    energies = energies_at(m)
+    lost = y[energies + DISSIPATED]
+    for n in range(m.contact.shape[0]):
+        lost += y[account_at(m, n) + LOSS]
+        m.power[0] += y[account_at(m, n) + STORED]
+    write(m, y[energies + WORK], lost, row)
 
 
 @native("void", "h", "f", "f", "v")

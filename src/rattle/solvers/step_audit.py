@@ -10,6 +10,8 @@ pulled together after, as behind a driver that jumped (docs/theory.md, section 9
 
 from __future__ import annotations
 
+from rattle.equations.state import DISSIPATED, LOSS, STORED, account_at, energies_at
+from rattle.equations.state import WORK as WORK_DONE
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
@@ -64,19 +66,20 @@ def note_drift(m):
 def stands(m, y):
     """True when the state y, whose rates are in `body` and potential in `power`, may stand; then it is remembered."""
     audit, body, mass, power = m.audit, m.body, m.mass, m.power
-    nq = m.change.shape[0]
-    kinetic, potential, lost = 0.0, power[0], y[2 * nq + 1]
+    energies = energies_at(m)
+    kinetic, potential, lost = 0.0, power[0], y[energies + DISSIPATED]
     for i in range(1, body.shape[0]):
         for k in range(3):
             kinetic += 0.5 * mass[i, k] * body[i, at.VX + k] ** 2
     for n in range(m.contact_kinematics.shape[0]):
-        lost += y[2 * nq + 4 + 4 * n]
-        potential += y[2 * nq + 5 + 4 * n]
-    total = kinetic + potential - y[2 * nq] + lost
+        lost += y[account_at(m, n) + LOSS]
+        potential += y[account_at(m, n) + STORED]
+    done = y[energies + WORK_DONE]
+    total = kinetic + potential - done + lost
     if audit[STARTED] == 0.0:
-        audit[STARTED], audit[TOTAL_0], audit[WORK_0] = 1.0, total, y[2 * nq]
+        audit[STARTED], audit[TOTAL_0], audit[WORK_0] = 1.0, total, done
         audit[KINETIC], audit[WORK], audit[LOW], audit[HIGH], audit[SHARE] = kinetic, 0.0, potential, potential, 0.0
-    work = abs(y[2 * nq] - audit[WORK_0])
+    work = abs(done - audit[WORK_0])
     low, high = min(audit[LOW], potential), max(audit[HIGH], potential)
     turnover = max(audit[KINETIC], kinetic, audit[WORK], work, high - low) + audit[FLOOR]
     unrest = max(0.0, abs(total - audit[TOTAL_0]) - ROUNDING * max(abs(low), abs(high)))

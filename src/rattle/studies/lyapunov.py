@@ -16,6 +16,7 @@ from rattle.analyses.assembly.rank import rank
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import DONE, PAUSED
+from rattle.equations.state import state_layout
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.results.display import lines
@@ -181,8 +182,8 @@ def _renew(one: Any, two: Any, share: float = 1.0) -> None:
     """Bring the second run to a share of its distance, onto its constraints, with the contact memory of the first."""
     t = float(one.clock[step_state.T])
     y, other = one.workspace.state, two.workspace.state
-    motion = 2 * len(one.workspace.change)
-    scaled = [slice(0, motion), slice(motion + 2, None, 4)]  # positions, rates and bristles; accounts are those of one
+    layout = state_layout(one.system)
+    scaled = [layout.motion, layout.states]  # accounts are those of one
     kept = [y[part] + share * (other[part] - y[part]) for part in scaled]
     other[:] = y
     for part, values in zip(scaled, kept, strict=True):

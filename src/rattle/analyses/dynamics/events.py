@@ -11,6 +11,7 @@ import numpy as np
 from rattle import registry
 from rattle.analyses.law_check import law_faults
 from rattle.description.model import Model
+from rattle.equations.state import IMPULSE, LOSS, state_layout
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
 from rattle.jit import layout as at  # fmt: skip
@@ -32,11 +33,12 @@ def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Worksp
         kind = KINDS[int(row[2])]
         values = row[3:8] if kind in ("contact", "impact") else row[3:4]
         found.append(Event(float(row[0]), joint, kind, *(float(x) for x in values)))
-    memory, y = workspace.contact_memory, workspace.state
+    memory, y, layout = workspace.contact_memory, workspace.state, state_layout(system)
     for n in np.flatnonzero(memory[:, at.CLOSED] == at.SHUT):
-        k = len(y) - 4 * len(memory) + 4 * n
+        account = y[layout.account(int(n))]
         since, speed, peak = (float(memory[n, c]) for c in (at.SINCE, at.SPEED, at.PEAK))
-        impulse, lost = float(y[k + 1] - memory[n, at.IMPULSE_0]), float(y[k + 2] - memory[n, at.LOSS_0])
+        impulse = float(account[IMPULSE] - memory[n, at.IMPULSE_0])
+        lost = float(account[LOSS] - memory[n, at.LOSS_0])
         found.append(Event(since, system.joints[owner[n]], "contact", speed, t - since, peak, impulse, lost))
     return tuple(sorted(found, key=lambda event: event.t))
 

@@ -21,6 +21,7 @@ from rattle.analyses.dynamics.soundness import (
 from rattle.analyses.timetable import Jolt, timetable
 from rattle.elements.custom import load_law
 from rattle.equations.motion import DONE, OK, PAUSED
+from rattle.equations.state import state_layout
 from rattle.equations.system import System
 from rattle.jit import functions
 from rattle.jit.workspace import Workspace
@@ -219,8 +220,9 @@ class Run:
 
 
 def start_state(system: System, start: Assembled) -> np.ndarray:
-    """y at the start: q, v, work, dissipated energy, and four numbers per contact (see `equations.motion.collect`)."""
-    return np.concatenate([start.q, start.v, np.zeros(2 + 4 * len(system.arrays["contact"]))])
+    """y at the start, see `equations.state`."""
+    motion = np.concatenate([start.q, start.v])
+    return np.concatenate([motion, np.zeros(state_layout(system).size - len(motion))])
 
 
 def pulls(run: Run, reached: float) -> tuple[dict[str, float], dict[str, float | None], dict[str, np.ndarray]]:

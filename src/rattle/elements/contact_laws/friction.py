@@ -1,10 +1,10 @@
-"""Friction laws: tangential force from slip, normal force and one internal state.
+"""Friction laws: tangential force from slip, normal force and states of its own.
 
-The kernel is  f(u, N, z, p, k, dz) -> T:  slip u [m/s], normal force N [N], state z, its rate written to dz[0];
-T [N] opposes the slip: the power taken from the motion is T u.  p[k:] are the fields in their order (`pack`).
-T = 0 and dz = 0 for N <= 0; z starts at 0 when a contact starts.
+The kernel is  f(u, N, z, p, k, dz) -> T:  slip u [m/s], normal force N [N], its own states z[0], z[1], ..., as many as
+`states` says; their rates are written to dz.  T [N] opposes the slip: the power taken from the motion is T u.
+p[k:] are the fields in their order (`pack`).  T = 0 and dz = 0 for N <= 0; z starts at 0 when a contact starts.
 
-Without memory T u >= 0 at every instant (and dz = 0).  With memory (dahl, lugre) T u may be negative while
+Without states T u >= 0 at every instant.  With one (dahl, lugre: bristles) T u may be negative while
 bristles spring back, never by more than they hold, **for every N(t)**: T u - dS/dt >= 0 with
 
     S = sigma z^2/2  [J]      z = sqrt(N) times the bristle deflection  [m N^(1/2)]
@@ -33,7 +33,6 @@ V1 = Field("m/s", "slip at which tanh(1) = 76 % of mu N is reached", default=1e-
 
 @kernel("friction")
 def coulomb_smooth(u, N, z, p, k, dz):
-    dz[0] = 0.0
     if N <= 0.0:
         return 0.0
     return p[k] * N * math.tanh(u / p[k + 1])
@@ -41,7 +40,6 @@ def coulomb_smooth(u, N, z, p, k, dz):
 
 @kernel("friction")
 def ambrosio(u, N, z, p, k, dz):
-    dz[0] = 0.0
     v0, v1 = p[k + 1], p[k + 2]
     if N <= 0.0 or abs(u) <= v0:
         return 0.0
@@ -50,7 +48,6 @@ def ambrosio(u, N, z, p, k, dz):
 
 @kernel("friction")
 def threlfall(u, N, z, p, k, dz):
-    dz[0] = 0.0
     if N <= 0.0:
         return 0.0
     return p[k] * N * math.copysign(-math.expm1(-3.0 * min(abs(u) / p[k + 1], 1.0)), u)
@@ -58,7 +55,6 @@ def threlfall(u, N, z, p, k, dz):
 
 @kernel("friction")
 def viscous(u, N, z, p, k, dz):
-    dz[0] = 0.0
     if N <= 0.0:
         return 0.0
     return p[k] * u
@@ -66,7 +62,6 @@ def viscous(u, N, z, p, k, dz):
 
 @kernel("friction")
 def stribeck(u, N, z, p, k, dz):
-    dz[0] = 0.0
     if N <= 0.0:
         return 0.0
     mu = p[k] + (p[k + 1] - p[k]) * math.exp(-((abs(u) / p[k + 2]) ** p[k + 3]))
@@ -80,7 +75,7 @@ def dahl(u, N, z, p, k, dz):
     if N <= 0.0 or mu <= 0.0:
         return 0.0
     root = math.sqrt(N)
-    held = math.copysign(sigma * z / mu, u * z)  # along the slip, in units of sqrt(N): root when sliding
+    held = math.copysign(sigma * z[0] / mu, u * z[0])  # along the slip, in units of sqrt(N): root when sliding
     if abs(held) < root:
         rate = root * (1.0 - held / root) ** alpha
     elif held > 0.0:
@@ -88,7 +83,7 @@ def dahl(u, N, z, p, k, dz):
     else:
         rate = root * (2.0**alpha - 1.0) - held
     dz[0] = u * rate
-    return min(max(root * sigma * z, -mu * N), mu * N)
+    return min(max(root * sigma * z[0], -mu * N), mu * N)
 
 
 @kernel("friction")
@@ -99,16 +94,16 @@ def lugre(u, N, z, p, k, dz):
         return 0.0
     root = math.sqrt(N)
     g = mu + (mu_static - mu) * math.exp(-((u / p[k + 2]) ** 2))
-    dz[0] = root * u - sigma * abs(u) * z / g
+    dz[0] = root * u - sigma * abs(u) * z[0] / g
     limit = N * max(mu, mu_static)
-    bristle = min(max(root * sigma * z, -limit), limit)
+    bristle = min(max(root * sigma * z[0], -limit), limit)
     return bristle + root * damping / (1.0 + damping * abs(u) / g) * dz[0] + N * viscosity * u
 
 
 class Friction:
     """What all friction laws share."""
 
-    memory: ClassVar[bool] = False  # True: z is integrated with the motion
+    states: ClassVar[int] = 0  # numbers z that are integrated with the motion
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
@@ -203,7 +198,7 @@ class Dahl(Friction):
     Source: Dahl (1968), Aerospace Corp. TOR-158(3107-18)-1; the dependence on N: this package, see the top of the file.
     """
 
-    memory = True
+    states = 1
     mu = MU
     sigma = Field("1/m", "bristle stiffness per normal force", default=1e4, least="positive")
     alpha = Field("", "shape of the approach to sliding", default=1.0, least="positive")
@@ -221,7 +216,7 @@ class LuGre(Friction):
     Source: Canudas de Wit et al. (1995), IEEE Trans. Autom. Control 40, 419-425; N and s1: this package.
     """
 
-    memory = True
+    states = 1
     mu = MU
     mu_static = MU_STATIC
     v_stribeck = V_STRIBECK

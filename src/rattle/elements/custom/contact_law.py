@@ -50,20 +50,23 @@ def normal_law(name: str, **fields: str) -> Callable[[Law], Law]:
 
     Raises ValueError for a name in use, a field that is no name or belongs to every contact, an unknown unit.
     """
-    return _enter("normal", name, fields, False)
+    return _enter("normal", name, fields, 0)
 
 
-def friction_law(name: str, *, memory: bool = False, **fields: str) -> Callable[[Law], Law]:
+def friction_law(name: str, *, memory: bool = False, states: int = 0, **fields: str) -> Callable[[Law], Law]:
     """Decorator: enter a function as a friction law of compliant contacts.
 
-    law(u, N, p) -> T: friction force [N] against the slip u [m/s] under the normal force N [N]; with memory=True
-    law(u, N, z, p) -> (T, dz): z is a state that is zero when a contact starts, dz its rate.
+    law(u, N, p) -> T: friction force [N] against the slip u [m/s] under the normal force N [N]; with states=1
+    (or memory=True) law(u, N, z, p) -> (T, dz): z is a state that is zero when a contact starts, dz its rate.  With
+    more states z and dz are tuples of as many numbers.
     name, fields: as for `normal_law`.  Raises what `normal_law` raises.
     """
-    return _enter("friction", name, fields, memory)
+    if states < 0:
+        raise ValueError(f"friction law '{name}': {states} states; wanted 0, 1, 2, ...")
+    return _enter("friction", name, fields, max(states, int(memory)))
 
 
-def _enter(family: str, name: str, fields: dict[str, str], memory: bool) -> Callable[[Law], Law]:
+def _enter(family: str, name: str, fields: dict[str, str], states: int) -> Callable[[Law], Law]:
     for key, unit in fields.items():
         if key in TAKEN[family] or key.startswith("_"):
             raise ValueError(f"{family} law '{name}': a field cannot be called '{key}'")
@@ -82,9 +85,9 @@ def _enter(family: str, name: str, fields: dict[str, str], memory: bool) -> Call
         keys = tuple(fields)
         pack = staticmethod(lambda values: tuple(float(values[key]) for key in keys))
         notes: Any = staticmethod(lambda values: [])
-        common = {"__doc__": text, "__module__": law.__module__, "pack": pack, "notes": notes, "memory": memory}
+        common = {"__doc__": text, "__module__": law.__module__, "pack": pack, "notes": notes, "states": states}
         leaf = type(law.__name__, (), {**common, **own})
-        registry.kind(family, name, ContactLaw(family, name, law, keys, memory))(leaf)
+        registry.kind(family, name, ContactLaw(family, name, law, keys, states))(leaf)
         return law
 
     return enter
@@ -93,11 +96,11 @@ def _enter(family: str, name: str, fields: dict[str, str], memory: bool) -> Call
 class ContactLaw(KernelFunction):
     """The kernel of a law: the function behind the signature of its family."""
 
-    def __init__(self, family: str, name: str, law: Law, keys: tuple[str, ...], memory: bool) -> None:
-        self.name, self.law, self.memory = name, law, memory
+    def __init__(self, family: str, name: str, law: Law, keys: tuple[str, ...], states: int) -> None:
+        self.name, self.law, self.states = name, law, states
         self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
         make = _normal if family == "normal" else _friction
-        super().__init__(make(self, law, _slice(len(keys))), family, ours=False)
+        super().__init__(make(self, law, _slice(len(keys)), _slice(states)), family, ours=False)
         self._make = make
         self._native: KernelFunction | None = None
 
@@ -106,7 +109,8 @@ class ContactLaw(KernelFunction):
         """The Numba dispatcher, made when first asked for.  Raises ValueError where Numba cannot compile the law."""
         if self._native is None:
             law, part = users_law(self.law, len(self.pack._fields))
-            made = KernelFunction(self._make(self, law, part), self.family, ours=False)
+            _, own = users_law(law, self.states)
+            made = KernelFunction(self._make(self, law, part, own), self.family, ours=False)
             try:
                 _ = made.dispatcher
             except Exception as error:  # Numba has many kinds of error
@@ -120,7 +124,7 @@ def _slice(count: int) -> Callable[..., Any]:
     return lambda p, k: tuple(float(one) for one in p[k : k + count])
 
 
-def _normal(kernel: ContactLaw, law: Law, part: Callable[..., Any]) -> Callable[..., Any]:
+def _normal(kernel: ContactLaw, law: Law, part: Callable[..., Any], _: Callable[..., Any]) -> Callable[..., Any]:
     pack = kernel.pack
 
     def run(static, delta, ddelta, v0, p, k):  # type: ignore[no-untyped-def]
@@ -134,22 +138,34 @@ def _normal(kernel: ContactLaw, law: Law, part: Callable[..., Any]) -> Callable[
     return run
 
 
-def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any]) -> Callable[..., Any]:
-    pack = kernel.pack
+def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any], own: Callable[..., Any]) -> Callable[..., Any]:
+    pack, states = kernel.pack, kernel.states
 
-    def with_memory(u, N, z, p, k, dz):  # type: ignore[no-untyped-def]
+    def with_many(u, N, z, p, k, dz):  # type: ignore[no-untyped-def]
+        for n in range(states):
+            dz[n] = 0.0
+        if N <= 0.0:
+            return 0.0
+        try:
+            force, rates = law(u, N, own(z, 0), pack(*part(p, k)))
+            for n in range(states):
+                dz[n] = rates[n]
+            return float(force)
+        except Exception:
+            return math.nan
+
+    def with_one(u, N, z, p, k, dz):  # type: ignore[no-untyped-def]
         dz[0] = 0.0
         if N <= 0.0:
             return 0.0
         try:
-            force, rate = law(u, N, z, pack(*part(p, k)))
+            force, rate = law(u, N, z[0], pack(*part(p, k)))
             dz[0] = rate
             return float(force)
         except Exception:
             return math.nan
 
     def without(u, N, z, p, k, dz):  # type: ignore[no-untyped-def]
-        dz[0] = 0.0
         if N <= 0.0:
             return 0.0
         try:
@@ -157,14 +173,17 @@ def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any]) -> Callabl
         except Exception:
             return math.nan
 
-    return with_memory if kernel.memory else without
+    return (without, with_one)[states] if states < 2 else with_many
 
 
 # ---------------------------------------------------------------- why a law has no value
-def failure(contact: np.ndarray, kinematics: np.ndarray, memory: np.ndarray, values: np.ndarray) -> str:
+def failure(
+    contact: np.ndarray, kinematics: np.ndarray, memory: np.ndarray, states: np.ndarray, values: np.ndarray
+) -> str:
     """Why a law of the user's has no finite value in one contact, by running it as plain Python; "" where it has one.
 
-    contact, kinematics, memory: the contact's rows.  values: (n,) of all fields of the model [SI].
+    contact, kinematics, memory: the contact's rows.  states: (n,) of all elements.  values: (n,) of all fields of the
+    model [SI].
     """
     delta, ddelta = -float(kinematics[at.GAP]), -float(kinematics[at.DGAP])
     if delta <= 0.0 or contact[at.IMPACT] == 1:
@@ -181,7 +200,9 @@ def failure(contact: np.ndarray, kinematics: np.ndarray, memory: np.ndarray, val
             return why
     rubs = _kernel("friction", contact[at.FRICTION]) if contact[at.FRICTION] >= 0 else None
     if isinstance(rubs, ContactLaw) and force > 0.0:
-        state = (float(kinematics[at.BRISTLE]),) if rubs.memory else ()
+        first = contact[at.FIRST_STATE]
+        own = tuple(float(z) for z in states[first : first + rubs.states])
+        state = own if rubs.states == 1 else (own,) if own else ()
         where = f"at a slip of {float(kinematics[at.SLIP]):.4g} m/s under {force:.4g} N"
         _, why = _tried(rubs, where, (float(kinematics[at.SLIP]), force, *state), values[contact[at.FRICTION_P] :])
         return why
@@ -193,14 +214,14 @@ def _kernel(family: str, tag: float) -> KernelFunction:
     return [one.kernel for one in registry.kinds(family).values() if one.kernel is not None][int(tag)]
 
 
-def _tried(kernel: ContactLaw, where: str, arguments: tuple[float, ...], values: np.ndarray) -> tuple[float, str]:
+def _tried(kernel: ContactLaw, where: str, arguments: tuple[Any, ...], values: np.ndarray) -> tuple[float, str]:
     """Force of a law, and what is wrong with it."""
     name = f"{kernel.family} law '{kernel.name}'"
     given = kernel.pack(*(float(one) for one in values[: len(kernel.pack._fields)]))
     try:
         found = kernel.law(*arguments, given)
         force, *rate = found if isinstance(found, tuple) else (found,)
-        if all(math.isfinite(one) for one in (force, *rate)):
+        if all(np.isfinite(one).all() for one in (force, *rate)):
             return float(force), ""
     except Exception as error:  # whatever the user's own function raises is the answer
         return math.nan, f"{name} raised {type(error).__name__}: {error} ({where})"

@@ -17,6 +17,7 @@ from rattle.equations.complementarity import (
     linear,
 )  # fmt: skip
 from rattle.equations.motion import OK
+from rattle.equations.state import IMPULSE, LOSS, account_at
 from rattle.equations.unilateral import (
     NO_SOLUTION,
     NOT_UNIQUE,
@@ -231,14 +232,14 @@ def change_modes(m, t, y, count):
             if active[k] == n:
                 new, pressed = candidate[k], side[F, 2 * k]
         old = mode[n]
-        k = y.shape[0] - 4 * memory.shape[0] + 4 * n
+        account = account_at(m, n)
         if old == OFF and new != OFF:
             memory[n, at.CLOSED], memory[n, at.SINCE], memory[n, at.PEAK] = (
                 at.SHUT,
                 max(t, memory[n, at.STEPS_IN]),
                 pressed,
             )
-            memory[n, at.IMPULSE_0], memory[n, at.LOSS_0] = y[k + 1], y[k + 2]
+            memory[n, at.IMPULSE_0], memory[n, at.LOSS_0] = y[account + IMPULSE], y[account + LOSS]
         if old != OFF and new == OFF:
             note(m, at.CONTACT_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
             note(m, at.RELEASE_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)

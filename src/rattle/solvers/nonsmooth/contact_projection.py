@@ -5,6 +5,7 @@ from __future__ import annotations
 from rattle.equations.complementarity import FORWARD, OFF, STICK, B
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import constraints, free_motion, place
+from rattle.equations.state import IMPULSE, LOSS, account_at
 from rattle.equations.unilateral import SIZE, contact_rows, push_all, reach, shift, solve_modes, velocity_scale
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
@@ -128,14 +129,14 @@ def note(m, kind, n, t, y, speed, peak, impulse, lost):
     event[0], event[1], event[2], event[3] = t, n, kind, speed
     event[5], event[6], event[7] = peak, impulse, lost
     if kind == at.CONTACT_EVENT:
-        memory, k = m.contact_memory[n], y.shape[0] - 4 * m.contact_memory.shape[0] + 4 * n
+        memory, k = m.contact_memory[n], account_at(m, n)
         event[0], event[3], event[4], event[5] = (
             memory[at.SINCE],
             memory[at.SPEED],
             max(t - memory[at.SINCE], 0.0),
             memory[at.PEAK],
         )
-        event[6], event[7] = y[k + 1] - memory[at.IMPULSE_0], y[k + 2] - memory[at.LOSS_0]
+        event[6], event[7] = y[k + IMPULSE] - memory[at.IMPULSE_0], y[k + LOSS] - memory[at.LOSS_0]
     tally[EVENT_COUNT] += 1
 
 

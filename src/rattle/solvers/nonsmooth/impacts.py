@@ -18,6 +18,7 @@ import math
 from rattle.equations.complementarity import BACKWARD, FORWARD, OFF, OTHER, STICK, A, B, F, friction_of
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import OK, constraints, place
+from rattle.equations.state import IMPULSE, LOSS, WORK, account_at, energies_at
 from rattle.equations.unilateral import (
     EXPAND,
     NOT_FOUND,
@@ -223,14 +224,14 @@ def low_bounce(m, t, y, count):
 @compiled
 def count_impulses(m, t, y, count, before):
     """Impulses, losses and work of an impact into y, and its events; v in y is after, `before` (3 nb,) is before."""
-    multiplier, work, nq, rows = m.multiplier, 0.0, m.change.shape[0], m.rows
+    multiplier, work, rows = m.multiplier, 0.0, m.rows
     rates_of_contacts(m, y, count, before)
     for row in range(multiplier.shape[0]):
         multiplier[row] = 0.0
     add_forces(m, count, m.acceleration, multiplier)
     for row in range(multiplier.shape[0]):
         work -= multiplier[row] * rows[row, at.NU]
-    y[2 * nq] += work
+    y[energies_at(m) + WORK] += work
     book_impulses(m, t, y, count)
 
 
@@ -265,9 +266,9 @@ def book_impulses(m, t, y, count):
             held * (memory[n, at.DGAP_1] + kinematics[n, at.SLIP])
             - pressed * (memory[n, at.GAP_1] + kinematics[n, at.DGAP])
         )
-        j = y.shape[0] - 4 * memory.shape[0] + 4 * n
-        y[j + 1] += pressed
-        y[j + 2] += lost
+        account = account_at(m, n)
+        y[account + IMPULSE] += pressed
+        y[account + LOSS] += lost
         if pressed <= NOTICED * largest:  # held down, or rounding
             continue
         recent[n, 1] = recent[n, 0]

@@ -16,6 +16,7 @@ from rattle.equations.complementarity import FORWARD, OFF, STICK, B, friction_of
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import OK, constraints, correct, drive, place, rate_residual
 from rattle.equations.schur import factorise
+from rattle.equations.state import WORK, energies_at
 from rattle.equations.unilateral import (
     NOT_UNIQUE,
     add_forces,
@@ -78,7 +79,7 @@ def jolt(m, t, before, percussion):
     work = 0.0
     for r in range(rows.shape[0]):
         work -= 0.5 * percussion[r] * (rows[r, at.NU] + before[r])
-    y[2 * nq] += work
+    y[energies_at(m) + WORK] += work
     return status
 
 

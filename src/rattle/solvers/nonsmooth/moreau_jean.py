@@ -41,6 +41,7 @@ from rattle.equations.motion import (
     residual,
 )  # fmt: skip
 from rattle.equations.schur import factorise
+from rattle.equations.state import DISSIPATED, IMPULSE, LOSS, WORK, account_at, energies_at
 from rattle.equations.unilateral import along, contact_rows, ending, push_all, shift, solve_contacts, solve_modes
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
@@ -142,10 +143,11 @@ def take_percussions(m, t, count, h, y):
         y[nq + c] -= dv[1 + c // 3, c % 3]
     for row in range(multiplier.shape[0]):
         multiplier[row] -= dlambda[row] / h
-    y[2 * nq] += h * power[1]
-    y[2 * nq + 1] += h * power[2]
+    energies = energies_at(m)
+    y[energies + WORK] += h * power[1]
+    y[energies + DISSIPATED] += h * power[2]
     for row in range(multiplier.shape[0]):
-        y[2 * nq] -= h * multiplier[row] * rows[row, at.NU]
+        y[energies + WORK] -= h * multiplier[row] * rows[row, at.NU]
     k, nc, impact = 0, contact.shape[0], False
     for n in range(nc):
         old = mode[n]
@@ -159,9 +161,9 @@ def take_percussions(m, t, count, h, y):
                 if friction_of(m, n) == 0.0:
                     slip = kinematics[n, at.SLIP]
                 lost = 0.5 * (held * (kinematics[n, at.SLIP] + slip) - pressed * (kinematics[n, at.DGAP] + gap_rate))
-                j = y.shape[0] - 4 * nc + 4 * n
-                y[j + 1] += pressed
-                y[j + 2] += lost
+                account = account_at(m, n)
+                y[account + IMPULSE] += pressed
+                y[account + LOSS] += lost
                 kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = pressed / h, held / h
                 if old == OFF and memory[n, HITS] == 1.0:
                     speed = -kinematics[n, at.DGAP]
@@ -189,12 +191,12 @@ def watch_contact(m, n, old, t, h, y):
     """Count pressed and free steps of contact n; note where it starts or ends to last, sticks or slips."""
     mode, memory, kinematics = m.mode, m.contact_memory, m.contact_kinematics
     steps = memory[n, at.STEPS_IN]
-    j = y.shape[0] - 4 * memory.shape[0] + 4 * n
+    account = account_at(m, n)
     if mode[n] != OFF:
         steps = max(steps, 0.0) + 1.0
         if memory[n, at.CLOSED] == at.OPEN and steps >= LASTING:
             memory[n, at.CLOSED], memory[n, at.SINCE], memory[n, at.PEAK] = at.SHUT, t + h - steps * h, 0.0
-            memory[n, at.IMPULSE_0], memory[n, at.LOSS_0] = y[j + 1], y[j + 2]
+            memory[n, at.IMPULSE_0], memory[n, at.LOSS_0] = y[account + IMPULSE], y[account + LOSS]
             if mode[n] == STICK and friction_of(m, n) > 0.0:
                 note(m, at.STICK_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
         elif memory[n, at.CLOSED] == at.SHUT and (old == STICK) != (mode[n] == STICK) and friction_of(m, n) > 0.0:
@@ -261,6 +263,7 @@ def write_until(m, t, h, t_out, out):
     """Outputs up to t + h: positions between those of both ends, rates of the end, forces of this step."""
     tally, y, y_new, stage = m.tally, m.state, m.state_new, m.stage
     acceleration, nq, nc = m.acceleration, m.change.shape[0], m.contact_kinematics.shape[0]
+    energies = energies_at(m)
     while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t + 1.0000001 * h:
         k = tally[OUTPUTS]
         share = min(max((t_out[k] - t) / h, 0.0), 1.0)
@@ -273,10 +276,10 @@ def write_until(m, t, h, t_out, out):
         drive(m, t_out[k])
         constraints(m)
         loads(m, t_out[k])
-        lost = stage[2 * nq + 1]
+        lost = stage[energies + DISSIPATED]
         for n in range(nc):
-            lost += stage[2 * nq + 4 + 4 * n]
-        write(m, stage[2 * nq], lost, out[k])
+            lost += stage[account_at(m, n) + LOSS]
+        write(m, stage[energies + WORK], lost, out[k])
         tally[OUTPUTS] = k + 1
 
 

@@ -17,8 +17,9 @@ import math
 
 import numpy as np
 
-from rattle.equations.motion import set_bristles, solve_motion
+from rattle.equations.motion import solve_motion
 from rattle.equations.schur import WEAK
+from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contact_events import interpolate
@@ -218,7 +219,7 @@ def probe(m, t, h, theta, n):
     interpolate(m, theta, stage)
     if len(m.hold_table) == 0:  # forces of lasting contacts are those of the search for events
         project_on_constraints(m, t + theta * h, stage, stage)
-    set_bristles(m, stage)
+    take_states(m, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
     gauge(m, PROBE, t + theta * h)
     return m.peaks[n, SAMPLE + PROBE]

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from rattle.equations.motion import derivative
+from rattle.equations.state import states_at
 from rattle.jit.functions import native
 from rattle.solvers.dop853_tableau import E3, E5, A, B, C, D
 from rattle.solvers.peaks.samples import NODE_OF_STAGE, gauge
@@ -54,12 +55,12 @@ def step(m, t, h, rtol, atol, tame):
             y_new[n] += weight * k[s, n]
             k[13, n] += weight3 * k[s, n]
             k[14, n] += weight5 * k[s, n]
-    error3, error5 = 0.0, 0.0
+    error3, error5, first_state = 0.0, 0.0, states_at(m)
     for n in range(ny):
         e3, e5 = k[13, n], k[14, n]
         y_new[n] = y[n] + h * y_new[n]
-        # energies and impulses ride along and do not steer the step; bristle states do
-        if n < nq or (n > nq + 1 and (n - nq - 2) % 4 == 0):
+        # energies and impulses ride along and do not steer the step; states of elements do
+        if n < nq or n >= first_state:
             scale = atol + rtol * max(abs(y[n]), abs(y_new[n]))
             error3 += (e3 / scale) ** 2
             error5 += (e5 / scale) ** 2

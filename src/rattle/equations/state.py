@@ -1,0 +1,108 @@
+"""The state vector y of a run: what stands where in it.
+
+    y = [q, v, work, dissipated;  impulse, loss, stored of every contact;  states of elements]
+
+q and v (3 nb each) are x, y, angle of every body in turn and their rates.  The accounts of energies and impulses ride
+along, so that they are integrated as exactly as the motion.  A kind with states of its own, such as a friction law with
+bristles, says how many it has (`states`); the row of the contact then says where they begin among those of all elements
+(`at.FIRST_STATE`, `at.STATES`).  A kernel finds the values in `element_state` and writes their rates to `element_rate`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rattle.equations.system import System
+from rattle.jit import layout as at
+from rattle.jit.functions import compiled
+
+ENERGIES = {"work": "J", "dissipated": "J"}  # done on the mechanism; by loads
+ACCOUNTS = {"impulse": "N*s", "loss": "J", "stored": "J"}  # of one contact: of N; energy lost; energy held by the law
+WORK, DISSIPATED = range(len(ENERGIES))
+IMPULSE, LOSS, STORED = range(len(ACCOUNTS))
+PER_CONTACT = len(ACCOUNTS)
+FIRST_ACCOUNT = len(ENERGIES)
+
+
+@compiled
+def energies_at(m):
+    """Place of the first energy in y."""
+    return 2 * m.change.shape[0]
+
+
+@compiled
+def account_at(m, n):
+    """Place of the first account of contact n in y."""
+    return energies_at(m) + FIRST_ACCOUNT + PER_CONTACT * n
+
+
+@compiled
+def states_at(m):
+    """Place of the first state of an element in y."""
+    return account_at(m, m.contact.shape[0])
+
+
+@compiled
+def take_states(m, y):
+    """States of the elements, from y to where kernels read them."""
+    states, first = m.element_state, states_at(m)
+    for k in range(states.shape[0]):
+        states[k] = y[first + k]
+
+
+@compiled
+def clear_states(m, n, y):
+    """The states of contact n begin at zero."""
+    first = states_at(m) + m.contact[n, at.FIRST_STATE]
+    for k in range(m.contact[n, at.STATES]):
+        y[first + k] = 0.0
+
+
+@dataclass(frozen=True)
+class StateLayout:
+    """Where everything stands in y, by slices, and what it is."""
+
+    bodies: tuple[str, ...]
+    contacts: tuple[str, ...]  # joint of every contact point
+    state_owners: tuple[str, ...]  # joint of every state of an element
+
+    @property
+    def motion(self) -> slice:
+        """q and v."""
+        return slice(0, 6 * len(self.bodies))
+
+    @property
+    def states(self) -> slice:
+        """States of elements."""
+        first = self.motion.stop + FIRST_ACCOUNT + PER_CONTACT * len(self.contacts)
+        return slice(first, first + len(self.state_owners))
+
+    @property
+    def size(self) -> int:
+        """Numbers in y."""
+        return int(self.states.stop)
+
+    def account(self, n: int) -> slice:
+        """Impulse, loss and stored energy of contact n."""
+        first = self.motion.stop + FIRST_ACCOUNT + PER_CONTACT * n
+        return slice(first, first + PER_CONTACT)
+
+    def units(self) -> list[tuple[str, str]]:
+        """Name and unit of every number in y, in order."""
+        columns = list(at.OUTPUT_BODY.items())
+        found = []
+        for part in (columns[at.PLACE : at.RATE], columns[at.RATE : at.RATE_RATE]):
+            found += [(f"{body}.{key}", unit) for body in self.bodies for key, unit in part]
+        found += [(f"energy.{key}", unit) for key, unit in ENERGIES.items()]
+        found += [(f"{joint}.{key}", unit) for joint in self.contacts for key, unit in ACCOUNTS.items()]
+        return found + [(f"{joint}.state", "of its law") for joint in self.state_owners]
+
+
+def state_layout(system: System) -> StateLayout:
+    """The layout of y for one mechanism."""
+    contact = system.arrays["contact"]
+    owners = [system.joints[n] for n in contact[:, at.OWNER]]
+    held = np.repeat(np.arange(len(contact)), contact[:, at.STATES])
+    return StateLayout(system.bodies, tuple(owners), tuple(owners[n] for n in held))
