@@ -1,6 +1,8 @@
-"""Points and frames in the plane."""
+"""Points, ends and directions in the plane, as kernels read them, and the row that holds an angle."""
 
 from __future__ import annotations
+
+import math
 
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
@@ -16,3 +18,38 @@ def turn_x(body, i, x, y):
 def turn_y(body, i, x, y):
     """Ground-frame y component [m] of the body-fixed vector (x, y) of body i."""
     return body[i, at.SIN] * x + body[i, at.COS] * y
+
+
+@compiled
+def ends(body, a, b, p, k):
+    """The two ends of a joint or load, points p[k: k + 2] of body a and p[k + 2: k + 4] of body b, in the ground frame.
+
+    Arms s_A and s_B from the mass centres [m], d = (r_B + s_B) - (r_A + s_A) [m] and its rate d' [m/s], x and y each.
+    """
+    sax = turn_x(body, a, p[k], p[k + 1])
+    say = turn_y(body, a, p[k], p[k + 1])
+    sbx = turn_x(body, b, p[k + 2], p[k + 3])
+    sby = turn_y(body, b, p[k + 2], p[k + 3])
+    wa, wb = body[a, at.W], body[b, at.W]
+    dx = body[b, at.X] + sbx - body[a, at.X] - sax
+    dy = body[b, at.Y] + sby - body[a, at.Y] - say
+    ddx = body[b, at.VX] - wb * sby - body[a, at.VX] + wa * say
+    ddy = body[b, at.VY] + wb * sbx - body[a, at.VY] - wa * sax
+    return sax, say, sbx, sby, dx, dy, ddx, ddy
+
+
+@compiled
+def direction(body, i, angle):
+    """Unit vector (x, y) in the ground frame of the direction at `angle` [rad] in the frame of body i."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return turn_x(body, i, cos, sin), turn_y(body, i, cos, sin)
+
+
+@compiled
+def angle_row(body, a, b, angle, nu, gamma, row, rows):
+    """The row phi_B - phi_A - angle = 0 of a joint or driver, with its nu [rad/s] and gamma [rad/s^2]."""
+    rows[row, at.RES] = body[b, at.PHI] - body[a, at.PHI] - angle
+    rows[row, at.NU] = nu
+    rows[row, at.GAMMA] = gamma
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = 0.0, 0.0, -1.0
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 0.0, 0.0, 1.0

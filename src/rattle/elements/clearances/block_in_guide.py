@@ -20,7 +20,7 @@ from collections.abc import Sequence
 
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.geometry import turn_x, turn_y  # fmt: skip
+from rattle.jit.geometry import direction, turn_x, turn_y
 from rattle.registry import kind
 
 
@@ -30,8 +30,7 @@ def guide(body, a, b, p, k, corner, row, kinematics):
     half_length, half_height = 0.5 * p[k + 8], 0.5 * p[k + 9]
     sax = turn_x(body, a, p[k], p[k + 1])
     say = turn_y(body, a, p[k], p[k + 1])
-    ux = turn_x(body, a, math.cos(axis), math.sin(axis))
-    uy = turn_y(body, a, math.cos(axis), math.sin(axis))
+    ux, uy = direction(body, a, axis)
     side = 1.0 if corner < 2 else -1.0
     nx, ny = -side * uy, side * ux
     # the corner in B's frame; the block lies along the line when B is at `angle` to A

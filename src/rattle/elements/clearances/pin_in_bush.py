@@ -18,22 +18,15 @@ from collections.abc import Sequence
 
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.geometry import turn_x, turn_y  # fmt: skip
+from rattle.jit.geometry import ends
 from rattle.registry import kind
 
 
 @kernel("clearance")
 def pin(body, a, b, p, k, corner, row, kinematics):
-    sax = turn_x(body, a, p[k], p[k + 1])
-    say = turn_y(body, a, p[k], p[k + 1])
-    sbx = turn_x(body, b, p[k + 2], p[k + 3])
-    sby = turn_y(body, b, p[k + 2], p[k + 3])
+    sax, say, sbx, sby, ex, ey, dex, dey = ends(body, a, b, p, k)
     c, bore = p[k + 4], p[k + 5]
     wa, wb = body[a, at.W], body[b, at.W]
-    ex = body[b, at.X] + sbx - body[a, at.X] - sax
-    ey = body[b, at.Y] + sby - body[a, at.Y] - say
-    dex = body[b, at.VX] - wb * sby - body[a, at.VX] + wa * say
-    dey = body[b, at.VY] + wb * sbx - body[a, at.VY] - wa * sax
     e = math.sqrt(ex * ex + ey * ey)
     inv = 1.0 / e if e > 1e-150 else 0.0
     nx = ex * inv if e > 1e-150 else 1.0

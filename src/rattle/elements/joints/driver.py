@@ -14,38 +14,23 @@ Parameters: those of the joint, then f, f', f'' (evaluated exactly before the ro
 
 from __future__ import annotations
 
-import math
-
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.geometry import turn_x, turn_y
+from rattle.jit.geometry import angle_row, direction, ends, turn_x, turn_y
 from rattle.registry import Field, kind
 
 
 @kernel("joint")
 def driver_angle(body, a, b, p, k, row, rows):
-    rows[row, at.RES] = body[b, at.PHI] - body[a, at.PHI] - p[k + 4]
-    rows[row, at.NU] = p[k + 5]
-    rows[row, at.GAMMA] = p[k + 6]
-    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = 0.0, 0.0, -1.0
-    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 0.0, 0.0, 1.0
+    angle_row(body, a, b, p[k + 4], p[k + 5], p[k + 6], row, rows)
 
 
 @kernel("joint")
 def driver_position(body, a, b, p, k, row, rows):
-    sax = turn_x(body, a, p[k], p[k + 1])
-    say = turn_y(body, a, p[k], p[k + 1])
-    sbx = turn_x(body, b, p[k + 2], p[k + 3])
-    sby = turn_y(body, b, p[k + 2], p[k + 3])
-    axis = p[k + 4]
-    ux = turn_x(body, a, math.cos(axis), math.sin(axis))
-    uy = turn_y(body, a, math.cos(axis), math.sin(axis))
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
+    ux, uy = direction(body, a, p[k + 4])
     nx, ny = -uy, ux
     wa, wb = body[a, at.W], body[b, at.W]
-    dx = body[b, at.X] + sbx - body[a, at.X] - sax
-    dy = body[b, at.Y] + sby - body[a, at.Y] - say
-    ddx = body[b, at.VX] - wb * sby - body[a, at.VX] + wa * say
-    ddy = body[b, at.VY] + wb * sbx - body[a, at.VY] - wa * sax
 
     rows[row, at.RES] = ux * dx + uy * dy - p[k + 6]
     rows[row, at.NU] = p[k + 7]

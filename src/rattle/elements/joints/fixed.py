@@ -8,20 +8,15 @@ gamma = s_B w_B^2 - s_A w_A^2, 0                [m/s^2, m/s^2, rad/s^2]
 from __future__ import annotations
 
 from rattle.elements.joints.revolute import revolute
-from rattle.jit import layout as at
 from rattle.jit.functions import kernel
+from rattle.jit.geometry import angle_row
 from rattle.registry import Field, kind
 
 
 @kernel("joint")
 def fixed(body, a, b, p, k, row, rows):
     revolute(body, a, b, p, k, row, rows)
-    row += 2
-    rows[row, at.RES] = body[b, at.PHI] - body[a, at.PHI] - p[k + 4]
-    rows[row, at.NU] = 0.0
-    rows[row, at.GAMMA] = 0.0
-    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = 0.0, 0.0, -1.0
-    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 0.0, 0.0, 1.0
+    angle_row(body, a, b, p[k + 4], 0.0, 0.0, row + 2, rows)
 
 
 @kind("joint", "fixed", fixed)

@@ -9,29 +9,19 @@ gamma_2 = 0                                                                 [rad
 
 from __future__ import annotations
 
-import math
-
 from rattle.jit import layout as at
-from rattle.jit.functions import kernel
-from rattle.jit.geometry import turn_x, turn_y
+from rattle.jit.functions import compiled, kernel
+from rattle.jit.geometry import angle_row, direction, ends
 from rattle.registry import Field, kind
 
 
-@kernel("joint")
-def prismatic(body, a, b, p, k, row, rows):
-    sax = turn_x(body, a, p[k], p[k + 1])
-    say = turn_y(body, a, p[k], p[k + 1])
-    sbx = turn_x(body, b, p[k + 2], p[k + 3])
-    sby = turn_y(body, b, p[k + 2], p[k + 3])
-    axis, angle = p[k + 4], p[k + 5]
-    ux = turn_x(body, a, math.cos(axis), math.sin(axis))
-    uy = turn_y(body, a, math.cos(axis), math.sin(axis))
+@compiled
+def on_line(body, a, b, p, k, row, rows):
+    """The row n . d = 0: the point of B lies on the line through the point of A at the angle p[k + 4]."""
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
+    ux, uy = direction(body, a, p[k + 4])
     nx, ny = -uy, ux
     wa, wb = body[a, at.W], body[b, at.W]
-    dx = body[b, at.X] + sbx - body[a, at.X] - sax
-    dy = body[b, at.Y] + sby - body[a, at.Y] - say
-    ddx = body[b, at.VX] - wb * sby - body[a, at.VX] + wa * say
-    ddy = body[b, at.VY] + wb * sbx - body[a, at.VY] - wa * sax
 
     rows[row, at.RES] = nx * dx + ny * dy
     rows[row, at.NU] = 0.0
@@ -44,12 +34,11 @@ def prismatic(body, a, b, p, k, row, rows):
     rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -nx, -ny, nx * say - ny * sax - ux * dx - uy * dy
     rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = nx, ny, ny * sbx - nx * sby
 
-    row += 1
-    rows[row, at.RES] = body[b, at.PHI] - body[a, at.PHI] - angle
-    rows[row, at.NU] = 0.0
-    rows[row, at.GAMMA] = 0.0
-    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = 0.0, 0.0, -1.0
-    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 0.0, 0.0, 1.0
+
+@kernel("joint")
+def prismatic(body, a, b, p, k, row, rows):
+    on_line(body, a, b, p, k, row, rows)
+    angle_row(body, a, b, p[k + 5], 0.0, 0.0, row + 1, rows)
 
 
 @kind("joint", "prismatic", prismatic)

@@ -9,27 +9,24 @@ from __future__ import annotations
 
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.geometry import turn_x, turn_y
+from rattle.jit.geometry import ends
 from rattle.registry import kind
 
 
 @kernel("joint")
 def revolute(body, a, b, p, k, row, rows):
-    sax = turn_x(body, a, p[k], p[k + 1])
-    say = turn_y(body, a, p[k], p[k + 1])
-    sbx = turn_x(body, b, p[k + 2], p[k + 3])
-    sby = turn_y(body, b, p[k + 2], p[k + 3])
+    sax, say, sbx, sby, dx, dy, _, _ = ends(body, a, b, p, k)
     wa = body[a, at.W] * body[a, at.W]
     wb = body[b, at.W] * body[b, at.W]
 
-    rows[row, at.RES] = body[b, at.X] + sbx - body[a, at.X] - sax
+    rows[row, at.RES] = dx
     rows[row, at.NU] = 0.0
     rows[row, at.GAMMA] = sbx * wb - sax * wa
     rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -1.0, 0.0, say
     rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 1.0, 0.0, -sby
 
     row += 1
-    rows[row, at.RES] = body[b, at.Y] + sby - body[a, at.Y] - say
+    rows[row, at.RES] = dy
     rows[row, at.NU] = 0.0
     rows[row, at.GAMMA] = sby * wb - say * wa
     rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = 0.0, -1.0, -sax

@@ -13,21 +13,14 @@ import math
 
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.geometry import turn_x, turn_y
+from rattle.jit.geometry import ends
 from rattle.registry import Field, kind
 
 
 @kernel("joint")
 def rod(body, a, b, p, k, row, rows):
-    sax = turn_x(body, a, p[k], p[k + 1])
-    say = turn_y(body, a, p[k], p[k + 1])
-    sbx = turn_x(body, b, p[k + 2], p[k + 3])
-    sby = turn_y(body, b, p[k + 2], p[k + 3])
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     wa, wb = body[a, at.W], body[b, at.W]
-    dx = body[b, at.X] + sbx - body[a, at.X] - sax
-    dy = body[b, at.Y] + sby - body[a, at.Y] - say
-    ddx = body[b, at.VX] - wb * sby - body[a, at.VX] + wa * say
-    ddy = body[b, at.VY] + wb * sbx - body[a, at.VY] - wa * sax
     d = math.sqrt(dx * dx + dy * dy)
     # coincident ends have no direction: any will do, the residual -L then drives them apart
     inv = 1.0 / d if d > 1e-150 else 0.0

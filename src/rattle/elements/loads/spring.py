@@ -9,21 +9,14 @@ import math
 
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.geometry import turn_x, turn_y
+from rattle.jit.geometry import ends
 from rattle.registry import Field, kind
 
 
 @kernel("load")
 def spring(t, body, a, b, p, k, force, energy):
-    sax = turn_x(body, a, p[k], p[k + 1])
-    say = turn_y(body, a, p[k], p[k + 1])
-    sbx = turn_x(body, b, p[k + 2], p[k + 3])
-    sby = turn_y(body, b, p[k + 2], p[k + 3])
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     stiffness, free_length, damping = p[k + 4], p[k + 5], p[k + 6]
-    dx = body[b, at.X] + sbx - body[a, at.X] - sax
-    dy = body[b, at.Y] + sby - body[a, at.Y] - say
-    ddx = body[b, at.VX] - body[b, at.W] * sby - body[a, at.VX] + body[a, at.W] * say
-    ddy = body[b, at.VY] + body[b, at.W] * sbx - body[a, at.VY] - body[a, at.W] * sax
     length = math.sqrt(dx * dx + dy * dy)
     inv = 1.0 / length if length > 1e-150 else 0.0  # coincident ends: no direction, no force
     nx, ny = dx * inv, dy * inv
