@@ -86,9 +86,8 @@ def _kind(catalog: Any, kind: Any) -> str:
 
 def _common(catalog: Any, kind: Any) -> list[tuple[str, ...]]:
     """Rows for what every entry of the family may say; play only where some contact model takes the joint."""
-    loose = {joint for one in catalog.kinds("contact").values() for joint in one.leaf.joints}
     lines = (one.partition(": ") for one in module_with("common", "topics").common(kind.family, kind.name))
-    stiff = kind.family == "joint" and kind.name not in loose
+    stiff = kind.family == "joint" and catalog.play_of(kind.name) is None
     return [
         (code(key), "", paragraph(said), "")
         for key, _, said in lines
@@ -150,8 +149,9 @@ def _joint(catalog: Any, kind: Any, name: str = "hinge") -> list[str]:
 
 
 def _driver(catalog: Any, kind: Any) -> list[str]:
-    if kind.leaf.drives in catalog.kinds("joint"):
-        joint = _joint(catalog, catalog.kinds("joint")[kind.leaf.drives])
+    moved = [one for one in catalog.kinds("joint").values() if one.leaf.motor and one.leaf.motor.driver == kind.name]
+    if moved:
+        joint = _joint(catalog, moved[0])
         return [*joint, "", "[drivers.motor]", 'joint = "hinge"', *_needed(catalog, kind, live=True)]
     coordinate = kind.name.removeprefix("body-")
     where = ["[drivers.motor]", 'body = "link"', f'coordinate = "{coordinate}"']
@@ -163,9 +163,12 @@ def _load(catalog: Any, kind: Any) -> list[str]:
 
 
 def _clearance(catalog: Any, kind: Any) -> list[str]:
-    joint = _joint(catalog, catalog.kinds("joint")[getattr(kind.leaf, "joint", "revolute")])
-    block = ['block = { length = "40 mm", height = "20 mm" }'] if getattr(kind.leaf, "corners", 1) > 1 else []
-    return [*joint, 'clearance = "0.2 mm"', *block, 'contact = { model = "impact", restitution = 0.5 }']
+    joint = _joint(catalog, catalog.kinds("joint")[kind.leaf.joint])
+    tables = []
+    for table_, wanted in kind.leaf.dimensions.items():
+        sizes = ", ".join(f'{key} = "{40 // n} mm"' for n, key in enumerate(wanted, 1))
+        tables.append(f"{table_} = {{ {sizes} }}")
+    return [*joint, 'clearance = "0.2 mm"', *tables, 'contact = { model = "impact", restitution = 0.5 }']
 
 
 def _contact(catalog: Any, kind: Any) -> list[str]:

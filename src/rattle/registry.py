@@ -3,6 +3,10 @@
 A *family* (joint, load ...) has one kernel signature.  A *kind* (revolute, spring ...) is one class in one file: its
 fields say what the user writes, its kernel says what it does.  Kernels are reached through a table of native
 addresses, so one compile serves every mechanism and a new kind recompiles nothing else.
+
+What others need to know about a kind it says itself, by attributes and functions of its class; nobody asks for its
+name or for those of its fields.  What is asked, and what is taken where a kind says nothing, stands in the classes
+`JointKind`, `DriverKind`, `ClearanceKind` and `ContactKind` of the folders of `rattle.elements`.
 """
 
 from __future__ import annotations
@@ -99,6 +103,11 @@ def kinds(family: str) -> Mapping[str, Kind]:
     """All kinds of one family by name; the leaf packages are searched on first use."""
     discover()
     return _families.setdefault(family, {})
+
+
+def play_of(joint: str) -> Kind | None:
+    """The kind of play that a kind of joint may have; None where it can have none."""
+    return next((one for one in kinds("clearance").values() if one.leaf.joint == joint), None)
 
 
 def families() -> Iterator[str]:

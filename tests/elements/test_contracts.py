@@ -92,9 +92,8 @@ def parameters(family, kind, rng, f):
     points = list(rng.uniform(-1, 1, 4))
     if family == "joint":
         return np.array(points + field_values(kind, rng))
-    drives = kind.leaf.drives
-    held = field_values(registry.kinds("joint")[drives], rng) if drives in registry.kinds("joint") else []
-    return np.array(points + held + f)
+    line = [rng.uniform(0.5, 2.0)] if kind.leaf.along_line else []
+    return np.array(points + line + f)
 
 
 def evaluate(kind, q, v, p):
@@ -150,7 +149,7 @@ def test_force_of_a_joint_does_no_work_on_rigid_motion_of_both_bodies(family, na
     rows = evaluate(kind, q, v, parameters(family, kind, rng_for(name, "p"), path.f(0.3)))
     np.testing.assert_allclose(rows[:, 3:5] + rows[:, at.BX : at.BX + 2], 0.0, atol=1e-14)
     turning = np.array([-q[A, 1], q[A, 0], 1.0, -q[B, 1], q[B, 0], 1.0])
-    if kind.leaf.rows != ("m", "m") and name != "fixed":  # rows in the frame of A, or of no frame
+    if family == "driver" or not kind.leaf.rows_in_ground:  # rows in the frame of A, or of no frame
         np.testing.assert_allclose(rows[:, 3:9] @ turning, 0.0, atol=1e-13)
 
 

@@ -147,7 +147,7 @@ def test_a_block_is_shown_between_its_walls_and_no_word_is_cut_off():
     found = rt.example("guide_play").compare(t_end="30 ms")
     figure = found.figure()
     figure.canvas.draw()
-    force = next(ax for ax in figure.axes if "block and walls" in ax.get_title(loc="left"))
+    force = next(ax for ax in figure.axes if "block and guide" in ax.get_title(loc="left"))
     notes = [text.get_text() for text in force.texts]
     assert any(f"peak {newton(found.results['compliant'].contacts['guide'].peak)}" in one for one in notes)
     panels = [ax for ax in figure.axes if "block in its guide" in ax.get_title()]

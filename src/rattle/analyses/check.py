@@ -10,7 +10,6 @@ import numpy as np
 from rattle.analyses.assembly.assembly import Assembled, ideal_model
 from rattle.analyses.assembly.loops import describe_loop, loops
 from rattle.analyses.assembly.rank import nonunique_reactions, rank
-from rattle.analyses.assembly.unclosed import driver_slot
 from rattle.analyses.law_check import law_faults
 from rattle.analyses.timetable import jump_lines, timetable
 from rattle.description.model import Model
@@ -127,7 +126,7 @@ def _branches(system: System, start: Assembled) -> list[str]:
         ring = [*path, joint.name]
         for k in range(len(ring)):
             one, two, three = ring[k - 1], ring[k], ring[(k + 1) % len(ring)]
-            pins = all(model.joints[name].kind == "revolute" for name in (one, two, three))
+            pins = all(model.joints[name].is_hinge for name in (one, two, three))
             if (
                 not pins
                 or len({one, two, three}) < 3
@@ -158,7 +157,7 @@ def _reach(system: System, start: Assembled) -> list[str]:
     scratch = np.empty_like(q)
     close_position(frozen, 0.0, q, scratch, 1e-10 * system.size, 30)
     for name, slot in slots.items():
-        turning = system.rows[system.arrays["joint"][system.joints.index(name), 4]].unit == "rad"
+        turning = system.rows[system.first_row(name)].unit == "rad"
         step = 2 * math.pi / TURN if turning else system.size / 36
         up = _far(frozen, q, scratch, slot, at_start[name], step, 1e-9 * system.size)
         full = turning and up is None
@@ -180,10 +179,7 @@ def _hold_drivers(system: System, t: float) -> tuple[Workspace, dict[str, int], 
 
     running = system.workspace()
     drive(running, t)
-    slots = {}
-    for n, name in enumerate(system.joints):
-        if name in system.model.drivers:
-            slots[name] = int(system.arrays["joint"][n, 3]) + driver_slot(system, n)
+    slots = {name: system.driver_slot(name) for name in system.model.drivers}
     none = np.zeros((0, 3), np.int64)
     frozen = replace(
         system, arrays={**system.arrays, "jet": none, "jet_signal": none, "values": running.values}

@@ -15,6 +15,7 @@ from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled, assemble
 from rattle.analyses.assembly.rank import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
 from rattle.analyses.timetable import jump_notes, timetable
+from rattle.description.model import before_function
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import drive
@@ -33,7 +34,6 @@ log = logging.getLogger("rattle")
 
 SPOTS = 256
 PIECE = 40_000  # rows times positions between two looks at whether the user wants to stop
-MOTORS = {"revolute": ("angle", "torque", "N*m"), "prismatic": ("position", "thrust", "N")}  # driver kind, effort, unit
 
 
 @dataclass
@@ -96,9 +96,10 @@ def begin(
     for row, name in motors:
         joint = system.model.joints[name]
         number = {"ground": 0, **{body: n + 1 for n, body in enumerate(system.bodies)}}
-        tag = len(registry.kinds("joint")) + registry.kinds("driver")[MOTORS[joint.kind][0]].tag
+        driver = registry.kinds("driver")[joint.leaf.motor.driver]
+        tag = len(registry.kinds("joint")) + driver.tag
         probe.append((tag, number[joint.a.body], number[joint.b.body], len(values), row))
-        values += [*joint.a.at, *joint.b.at, *joint.fields.values(), 0.0, 0.0, 0.0]
+        values += [*joint.a.at, *joint.b.at, *before_function(joint, driver), 0.0, 0.0, 0.0]
     arrays = {**system.arrays, "weight": weight, "values": np.array(values, dtype=float)}
     workspace = replace(system, arrays=arrays).workspace(also=[one[0] for one in probe])
     node = np.zeros((9, 3 * system.body_count))
@@ -146,7 +147,7 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
 def _loose(system: System) -> str:
     """Names of the joints with play."""
     joints = system.model.joints.items()
-    return ", ".join(name for name, one in joints if one.contact and one.clearance and one.contact.model != "ideal")
+    return ", ".join(name for name, one in joints if one.contact and one.clearance and not one.contact.closed)
 
 
 def analyse(
@@ -201,7 +202,7 @@ def _without_effort(sweep: Sweep, t: np.ndarray, raw: np.ndarray, motors: list[t
         dead = ~np.isfinite(raw[:, width(sweep.system) + 2 * n])
         if dead.any():
             listed = ", ".join(f"{one:.6g}" for one in t[dead][:4]) + (" ..." if dead.sum() > 4 else "")
-            effort = MOTORS[sweep.system.model.joints[joint].kind][1]
+            effort = sweep.system.model.joints[joint].leaf.motor.effort
             notes.append(
                 f"{joint}.{effort}: none at {int(dead.sum())} of {len(t)} instants (t = {listed} s): '{joint}' is at a"
                 f" dead centre there, no effort of it does the work of driver '{sweep.system.rows[row].owner}';"
@@ -233,12 +234,12 @@ def _motors(system: System, effort_at: str | Mapping[str, str] | None) -> list[t
             raise ValueError(f"effort_at: no driver '{driver}'{suggest(driver, drivers)}")
         if joint not in joints:
             raise ValueError(f"effort_at: no joint '{joint}'{suggest(joint, joints)}")
-        if joints[joint].kind not in MOTORS:
+        if joints[joint].leaf.motor is None:
+            known = " or ".join(name for name, one in registry.kinds("joint").items() if one.leaf.motor)
             raise ValueError(
-                f"effort_at: a {joints[joint].kind} joint has no degree of freedom for a motor;"
-                " expected revolute or prismatic"
+                f"effort_at: a {joints[joint].kind} joint has no degree of freedom for a motor; expected {known}"
             )
-        found.append((int(system.arrays["joint"][system.joints.index(driver), 4]), joint))
+        found.append((system.first_row(driver), joint))
     if len({joint for _, joint in found}) < len(found):
         raise ValueError("effort_at: one joint cannot do the work of two drivers")
     return found
@@ -250,8 +251,9 @@ def why_stuck(sweep: Sweep) -> str:
     t = float(sweep.clock[swept.NOW])
     for ahead in (0.0, 1e-12, 1e-9, 1e-6):
         drive(workspace, t + ahead * max(1.0, abs(t)))
-        for name, unit_row in zip(system.joints, system.arrays["joint"], strict=True):
-            if name in system.model.drivers and not np.isfinite(workspace.values[unit_row[3] : unit_row[3] + 9]).all():
+        for name in system.model.drivers:
+            slot = system.driver_slot(name)
+            if not np.isfinite(workspace.values[slot : slot + 3]).all():
                 return f"the function of driver '{name}' has no finite value after t = {t:.10g} s; check its domain"
     open_by(workspace, t, sweep.node[swept.Q], sweep.node[swept.V])
     where = describe_rank_loss(system, workspace)
@@ -372,7 +374,7 @@ def _result(
         keep = [k for k, name in enumerate(names) if name not in drop and name.partition(".")[0] not in replaced]
         data, names = data[:, keep], [names[k] for k in keep]
         for n, (_, joint) in enumerate(motors):
-            _, effort, unit = MOTORS[model.joints[joint].kind]
+            _, effort, unit = model.joints[joint].leaf.motor
             names += [f"{joint}.{effort}", f"{joint}.power"]
             units |= {f"{joint}.{effort}": unit, f"{joint}.power": "W"}
             data = np.column_stack([data, raw[:, width(system) + 2 * n : width(system) + 2 * n + 2]])

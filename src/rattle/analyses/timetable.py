@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rattle.analyses.assembly.unclosed import driver_slot
 from rattle.equations.motion import drive
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
@@ -85,10 +84,9 @@ def timetable(system: System, start: float, end: float) -> Timetable:
 def _jumps(system: System, table: Timetable, start: float) -> tuple[Jump, ...]:
     """Jumps in speed of all drivers. Raises ModelError where one jumps in position, the start included."""
     workspace = system.workspace()
-    names = [name for name in system.joints if name in system.model.drivers]
-    at = [system.joints.index(name) for name in names]
-    slots = np.array([system.arrays["joint"][n, 3] + driver_slot(system, n) for n in at])
-    units = [system.rows[system.arrays["joint"][n, 4]].unit for n in at]
+    names = list(system.model.drivers)
+    slots = np.array([system.driver_slot(name) for name in names])
+    units = [system.rows[system.first_row(name)].unit for name in names]
     pieces = np.flatnonzero(table.driving).tolist()
     times = [start, *table.instants[pieces].tolist()]
     found = np.zeros((len(times), 2, 2, len(names)))  # instant, before and after, value and speed, driver

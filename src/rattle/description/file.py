@@ -11,12 +11,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from rattle import registry
 from rattle.atomic_file import atomic
 from rattle.errors import ModelError, Problem, suggest
 
 LARGEST = 8_000_000  # bytes; a chain of 10,000 links has about 2 MB
 MAY_BE_MISSING = ("simulate", "initial")  # tables that a change creates if they are missing
-IN_ONE_LINE = ("points", "contact", "block")
+IN_ONE_LINE = ("points", "contact")  # and the tables of a joint's kind of play
 MOST_ENTRIES = 200_000  # a chain of 10,000 links has about 80,000
 DEEPEST_KEY = 12  # parts of a dotted key, at most; no table of a model is nested so deep
 _LONG_TEXT = re.compile(  # no possessive repeats of groups with lookahead: Python 3.11.0 to 3.11.4 match them wrongly
@@ -251,6 +252,10 @@ def dump(document: Mapping[str, Any], text: str | None, changes: Sequence[Change
     return tomlkit.dumps(kept)
 
 
+def _in_one_line() -> set[str]:
+    return {*IN_ONE_LINE, *(table for play in registry.kinds("clearance").values() for table in play.leaf.dimensions)}
+
+
 def _table(value: Any, short: bool = False) -> Any:
     """Plain data as tomlkit items; if `short`, tables are written in one line."""
     import tomlkit
@@ -259,7 +264,7 @@ def _table(value: Any, short: bool = False) -> Any:
         return plain(value)
     made: Any = tomlkit.inline_table() if short else tomlkit.table()
     for key, one in value.items():
-        made[key] = _table(one, short or key in IN_ONE_LINE)
+        made[key] = _table(one, short or key in _in_one_line())
     return made
 
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from rattle import registry
 from rattle.language.expression import Node
 
 Vector = tuple[float, float]
@@ -59,6 +60,17 @@ class Contact:
     unused: tuple[str, ...] = ()  # keys that only other models use
 
     @property
+    def acts(self) -> bool:
+        """True where contacts act; else rows hold the joint."""
+        known = registry.kinds("contact")
+        return self.model not in known or bool(known[self.model].leaf.contacts)
+
+    @property
+    def closed(self) -> bool:
+        """True where the play is ignored."""
+        return not self.acts and not registry.kinds("contact")[self.model].leaf.link
+
+    @property
     def title(self) -> str:
         """The word that the user writes for the model."""
         return self.normal.kind if self.normal else self.model
@@ -75,7 +87,38 @@ class Joint:
     fields: Mapping[str, float]
     clearance: float = 0.0  # radial [m]
     contact: Contact | None = None
-    block: Vector | None = None  # length, height of a block in a guide [m]
+    dimensions: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # tables of its kind of play [m]
+
+    @property
+    def leaf(self) -> Any:
+        """The class of its kind, a `JointKind`."""
+        return registry.kinds("joint")[self.kind].leaf
+
+    @property
+    def play(self) -> Any:
+        """The class of its kind of play, a `ClearanceKind`; None where it can have none."""
+        found = registry.play_of(self.kind)
+        return found.leaf if found else None
+
+    @property
+    def kept_angle(self) -> float | None:
+        """Angle of B relative to A that it keeps [rad]."""
+        return self.leaf.kept_angle(self.fields)  # type: ignore[no-any-return]
+
+    @property
+    def line(self) -> float | None:
+        """Direction in A's frame of the line on which the point of B stays [rad]."""
+        return self.leaf.line(self.fields)  # type: ignore[no-any-return]
+
+    @property
+    def distance(self) -> float:
+        """Distance of its points that it keeps [m]."""
+        return self.leaf.distance(self.fields)  # type: ignore[no-any-return]
+
+    @property
+    def is_hinge(self) -> bool:
+        """True where, without play, both bodies share a point and turn about it."""
+        return self.line is None and self.distance == 0.0 and self.kept_angle is None
 
 
 @dataclass(frozen=True)
@@ -87,6 +130,11 @@ class Driver:
     joint: str  # "" if a body is driven
     value: Value
     point: Point | None = None  # the driven point of a body
+
+    @property
+    def sets_angle(self) -> bool:
+        """True where its function is the angle of B relative to A."""
+        return bool(registry.kinds("driver")[self.kind].leaf.sets_angle)
 
     @property
     def on(self) -> str:
@@ -168,4 +216,9 @@ def driven_ends(model: Model, driver: Driver) -> tuple[Point, Point, tuple[float
     if driver.point is not None:
         return Point("ground", "", (0.0, 0.0)), driver.point, ()
     joint = model.joints[driver.joint]
-    return joint.a, joint.b, tuple(joint.fields.values())
+    return joint.a, joint.b, before_function(joint, registry.kinds("driver")[driver.kind])
+
+
+def before_function(joint: Joint, driver: registry.Kind) -> tuple[float, ...]:
+    """What a kind of driver wants to know of the joint that it moves."""
+    return (joint.line or 0.0,) if driver.leaf.along_line else ()

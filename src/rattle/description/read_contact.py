@@ -20,9 +20,20 @@ GEOMETRY = ("bush_material", "pin_material", "length", "geometry")
 
 def contact_models(joint: str = "") -> list[str]:
     """Every name that `contact` may have, for a kind of joint; for all joints if `joint` is ""."""
-    plain = [name for name, one in registry.kinds("contact").items() if not joint or joint in one.leaf.joints]
-    laws = list(registry.kinds("normal")) if joint in ("", "revolute", "prismatic") else []
-    return [*plain, *laws]
+    known = registry.kinds("contact")
+    if not joint:
+        return [*known, *registry.kinds("normal")]
+    if registry.play_of(joint) is None:
+        return []
+    massless = registry.kinds("joint")[joint].leaf.massless
+    return [*(name for name, one in known.items() if massless or not one.leaf.link), *registry.kinds("normal")]
+
+
+def _play(joint: str) -> Any:
+    """What the kind of play of a kind of joint says about itself."""
+    found = registry.play_of(joint)
+    assert found is not None, "asked for joints with a contact only"
+    return found.leaf
 
 
 def read_contact(reader: FieldReader, written: Any, joint: str, clearance: float, path: Path) -> Contact | None:
@@ -54,9 +65,10 @@ def _radius(
     reader: FieldReader, table: Mapping[str, Any], joint: str, clearance: float, needed: str, path: Path
 ) -> float:
     """Radius of the bush [m]; required if something depends on it."""
-    if joint != "revolute":
+    play = _play(joint)
+    if not play.has_radius:
         if "bush_radius" in table:
-            reader.values.wrong((*path, "bush_radius"), "a guide has no bush", at_key=True)
+            reader.values.wrong((*path, "bush_radius"), f"a {play.bearer} has no bush", at_key=True)
         return 0.0
     if "bush_radius" not in table:
         if needed:
@@ -152,8 +164,9 @@ def _compliant(
         name = table.get("geometry", "sphere")
         if not _geometry(reader, name, path):
             return None
-        if joint != "revolute":
-            values.wrong((*path, "geometry"), "a guide needs stiffness and exponent: these formulas are for pins")
+        if not _play(joint).from_materials:
+            said = "needs stiffness and exponent: these formulas are for pins in bushes"
+            values.wrong((*path, "geometry"), f"a {_play(joint).bearer} {said}")
             return None
     static = statics[name]
     own = [key for key in static.fields if key != "bush_radius"]

@@ -17,13 +17,14 @@ from rattle.registry import Field
 BODY = ("points", "center", "mass", "inertia")  # keys of a body
 BAR = ("bar", "length", "points", "mass", "inertia")
 JOINT = ("type", "connect", "clearance", "contact")  # and the fields of its kind
-BLOCK = {
-    "length": Field("m", "length of the block along the guide", least="positive"),
-    "height": Field("m", "height of the block across the guide", least="positive"),
-}
-GUIDED = "prismatic"  # the joint that may have a block
 DEFAULT_CONTACT = "massless-link"
 NOWHERE = Point("", "", (math.nan, math.nan))
+
+
+def moved_joints(driver: str = "") -> list[str]:
+    """Kinds of joints that a kind of driver moves, or that any does."""
+    found = registry.kinds("joint").items()
+    return sorted(name for name, one in found if one.leaf.motor and driver in ("", one.leaf.motor.driver))
 
 
 class Parts(FieldReader):
@@ -133,27 +134,32 @@ class Parts(FieldReader):
         if found is None:
             self.broken_joints.add(name)
             return
-        values.keys(given, [*JOINT, *(["block"] if found.name == GUIDED else []), *found.fields], path)
+        play = registry.play_of(found.name)
+        tables: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
+        values.keys(given, [*JOINT, *tables, *found.fields], path)
         fields = self.fields(found, given, path)
-        clearance, contact, block = 0.0, None, None
+        clearance, contact = 0.0, None
         if "clearance" in given:
             clearance = values.value(given["clearance"], "m", (*path, "clearance"), "not negative")
             contact = self._contact(given, found.name, clearance, path)
         elif "contact" in given:
             values.wrong((*path, "contact"), "needs a clearance: the radial clearance of the joint in m", at_key=True)
-        if contact is not None and contact.model not in ("ideal",) and found.name == GUIDED and "block" not in given:
-            values.wrong(path, "a guide with play needs block = { length, height } in m")
-        if found.name == GUIDED and "block" in given:
-            here = (*path, "block")
-            table = values.table(given["block"], here)
-            values.keys(table, BLOCK, here)
-            block = (
-                float(self.field(BLOCK["length"], "length", table, {}, here)),
-                float(self.field(BLOCK["height"], "height", table, {}, here)),
-            )
-        self.joints[name] = Joint(name, found.name, a, b, fields, clearance, contact, block)
+        dimensions = {}
+        for key, wanted in tables.items():
+            if key in given:
+                dimensions[key] = self._dimensions(wanted, given[key], (*path, key))
+            elif contact is not None and not contact.closed and play is not None:
+                inside = ", ".join(wanted)
+                values.wrong(path, f"a {play.leaf.bearer} with play needs {key} = {{ {inside} }} in m")
+        self.joints[name] = Joint(name, found.name, a, b, fields, clearance, contact, dimensions)
         if len(values.problems) > before:
             self.broken_joints.add(name)
+
+    def _dimensions(self, wanted: Mapping[str, Field], given: Any, path: Path) -> tuple[float, ...]:
+        """A table of lengths that a joint with play has."""
+        table = self.values.table(given, path)
+        self.values.keys(table, wanted, path)
+        return tuple(float(self.field(one, key, table, {}, path)) for key, one in wanted.items())
 
     def _contact(self, given: Mapping[str, Any], joint: str, clearance: float, path: Path) -> Contact | None:
         here: Path = (*path, "contact") if "contact" in given else path
@@ -197,12 +203,11 @@ class Parts(FieldReader):
             if joint not in list(self.broken_joints):
                 self.values.wrong(here, f"no joint {said(joint)}{suggest(str(joint), self.joints)}")
             return None
-        driven = self.joints[joint].kind
-        drives = {one.leaf.drives: one for one in registry.kinds("driver").values()}
-        if driven in drives:
-            return drives[driven], joint, None, f"joint '{joint}'"
-        drivable = " or ".join(sorted(drives.keys() & registry.kinds("joint").keys()))
-        self.values.wrong(here, f"a {driven} joint has nothing to drive; wanted {drivable}")
+        motor = self.joints[joint].leaf.motor
+        if motor is not None:
+            return registry.kinds("driver")[motor.driver], joint, None, f"joint '{joint}'"
+        drivable = " or ".join(moved_joints())
+        self.values.wrong(here, f"a {self.joints[joint].kind} joint has nothing to drive; wanted {drivable}")
         return None
 
     def _driven_body(self, given: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, Point, str] | None:

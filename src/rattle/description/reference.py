@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from rattle import registry
 from rattle.description.reader import STATE_UNITS
 from rattle.description.schema import schema
 from rattle.language.materials import MATERIALS
@@ -49,15 +50,25 @@ def common(family: str, kind: str) -> list[str]:
     properties: Mapping[str, Any] = schema()["properties"]
     if family == "joint":
         one = _variant(properties["joints"], "type", kind)
-        return [_line(key, one[key]) for key in ("connect", "clearance", "contact") if key in one] + (
-            ["block { length [m], height [m] }: the block of a guide with clearance"] if "block" in one else []
-        )
+        return [_line(key, one[key]) for key in ("connect", "clearance", "contact") if key in one] + (_dimensions(kind))
     if family == "driver":
         if kind.startswith("body-"):
             where = f'coordinate = "{kind.removeprefix("body-")}"'
             return [f'body (name, or "body.point"): what is driven, with {where}']
         return ["joint (name): the joint that is driven"]
     return []
+
+
+def _dimensions(joint: str) -> list[str]:
+    """Tables of lengths that a joint with play has, a line each."""
+    play = registry.play_of(joint)
+    if play is None:
+        return []
+    return [
+        f"{table} {{ {', '.join(f'{key} [{one.unit}]' for key, one in wanted.items())} }}:"
+        f" the {table} of a {play.leaf.bearer} with clearance"
+        for table, wanted in play.leaf.dimensions.items()
+    ]
 
 
 def _variant(table: Mapping[str, Any], key: str, value: str) -> Mapping[str, Any]:

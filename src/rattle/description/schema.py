@@ -13,7 +13,7 @@ from typing import Any
 
 from rattle import registry
 from rattle.description.read_parameters import DISTRIBUTIONS
-from rattle.description.read_parts import BLOCK, GUIDED
+from rattle.description.read_parts import moved_joints
 from rattle.description.reader import METHODS, SETTING_UNITS, STATE_UNITS
 from rattle.registry import REQUIRED, Field, Kind
 
@@ -179,10 +179,19 @@ def _joint(kind: Kind) -> Schema:
         "connect": _connect(_point("bush or guide side first")),
         "clearance": _number("m", "radial clearance", "not negative"),
         "contact": _contact(),
-        **({"block": _object({key: _field(one) for key, one in BLOCK.items()}, BLOCK)} if kind.name == GUIDED else {}),
+        **_dimensions(kind),
         **_fields(kind),
     }
     return _object(properties, ("type", "connect", *_needed(kind)), kind.summary)
+
+
+def _dimensions(joint: Kind) -> dict[str, Schema]:
+    """Tables of lengths that a joint with play has."""
+    play = registry.play_of(joint.name)
+    tables: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
+    return {
+        table: _object({key: _field(one) for key, one in wanted.items()}, wanted) for table, wanted in tables.items()
+    }
 
 
 def _contact() -> Schema:
@@ -211,8 +220,10 @@ def _friction() -> Schema:
 def _drivers() -> list[Schema]:
     made = []
     for kind in registry.kinds("driver").values():
-        where: dict[str, Schema] = {"joint": {"type": "string", "description": f"a {kind.leaf.drives} joint"}}
-        if kind.name.startswith("body-"):
+        where: dict[str, Schema] = {
+            "joint": {"type": "string", "description": f"a {' or '.join(moved_joints(kind.name))} joint"}
+        }
+        if kind.leaf.drives == "body":
             where = {
                 "body": {"type": "string", "description": 'a body, or a point of it: "body.point"'},
                 "coordinate": {"const": kind.name.removeprefix("body-")},

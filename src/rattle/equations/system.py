@@ -58,6 +58,18 @@ class System:
         rows = [(int(a), int(b), int(k)) for a, b, k in self.arrays["signal"]]
         return Signals(self.arrays["code"], self.arrays["const"], rows)
 
+    def first_row(self, name: str) -> int:
+        """Number of the first row of a joint or driver."""
+        return int(self.arrays["joint"][self.joints.index(name), at.FIRST_ROW])
+
+    def first_value(self, name: str) -> int:
+        """Where the parameters of a joint or driver begin in `values`."""
+        return int(self.arrays["joint"][self.joints.index(name), at.FIRST_P])
+
+    def driver_slot(self, name: str) -> int:
+        """Where the value of a driver's function stands in `values`; its two derivatives stand behind it."""
+        return self.first_value(name) + at.POINTS + len(driven_ends(self.model, self.model.drivers[name])[2])
+
     @property
     def row_count(self) -> int:
         """Constraint rows, drivers included."""
@@ -119,22 +131,17 @@ class System:
 
 def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:
     """The kind whose rows hold this joint, and the values of its fields; None when contacts alone act on it."""
-    own = registry.kinds("joint")[joint.kind]
     if has_contacts(joint):
         return None, ()
-    if joint.contact is not None and joint.clearance > 0.0:
-        replaces: Mapping[str, str] = registry.kinds("contact")[joint.contact.model].leaf.replaces
-        if joint.kind in replaces:
-            return registry.kinds("joint")[replaces[joint.kind]], (joint.clearance,)
-    return own, tuple(joint.fields.values())
+    contact, known = joint.contact, registry.kinds("joint")
+    if contact is not None and joint.clearance > 0.0 and registry.kinds("contact")[contact.model].leaf.link:
+        return known[joint.leaf.massless], (joint.clearance,)
+    return known[joint.kind], tuple(joint.fields.values())
 
 
 def has_contacts(joint: Joint) -> bool:
     """True when the joint is open: only contacts with its clearance act on it."""
-    if joint.contact is None or joint.clearance <= 0.0:
-        return False
-    known = registry.kinds("contact")
-    return joint.contact.model not in known or bool(known[joint.contact.model].leaf.contacts)
+    return joint.contact is not None and joint.clearance > 0.0 and joint.contact.acts
 
 
 def is_link(joint: Joint) -> bool:
@@ -201,7 +208,7 @@ def compile_system(model: Model) -> System:
         "joint": _table(joint, 5),
         "load": _table(load, 5),
         "contact": _table(contact, 15),
-        "lever": np.array(lever, dtype=float).reshape(-1, 3),
+        "lever": np.array(lever, dtype=float).reshape(-1, 4),
         "values": np.array(values, dtype=float),
         "code": code,
         "const": const,
@@ -244,28 +251,20 @@ def _joints(
 
 def _contacts(
     model: Model, number: Mapping[str, int], values: list[float]
-) -> tuple[list[tuple[int, ...]], list[tuple[float, float, float]]]:
+) -> tuple[list[tuple[int, ...]], list[tuple[float, ...]]]:
     """One entry per contact point, see `layout`: geometry and laws with their parameters; the levers of its bodies."""
     found: list[tuple[int, ...]] = []
-    levers: list[tuple[float, float, float]] = []
+    levers: list[tuple[float, ...]] = []
     states = 0
-    shapes = {one.leaf.joint: one for one in registry.kinds("clearance").values()}
     for n, joint in enumerate(model.joints.values()):
-        contact = joint.contact
-        if contact is None or not has_contacts(joint):
+        contact, shape = joint.contact, registry.play_of(joint.kind)
+        if contact is None or shape is None or not has_contacts(joint):
             continue
-        shape = shapes[joint.kind]
         a, b = number[joint.a.body], number[joint.b.body]
         place = len(values)
-        values += [
-            *joint.a.at,
-            *joint.b.at,
-            joint.clearance,
-            contact.bush_radius,
-            *joint.fields.values(),
-            *(joint.block or ()),
-        ]
-        lever = shape.leaf.levers(values[place:])
+        values += [*joint.a.at, *joint.b.at, joint.clearance, contact.bush_radius, *joint.fields.values()]
+        values += [size for table in joint.dimensions.values() for size in table]
+        lever = (*shape.leaf.levers(values[place:]), float(shape.leaf.walls_turn), float(shape.leaf.rounded))
         laws: tuple[int, ...]
         if contact.normal is None:
             laws = (-1, -1, -1, len(values), -1, -1)
@@ -277,7 +276,7 @@ def _contacts(
                 *_law("friction", contact.friction, values),
             )
         own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
-        for corner in range(shape.leaf.corners):
+        for corner in range(shape.leaf.contacts):
             found.append((shape.tag, a, b, place, corner, *laws, n, int(contact.normal is None), states, own))
             states += own
             levers.append(lever)
@@ -349,7 +348,5 @@ def _table(entries: Sequence[Sequence[int]], width: int) -> np.ndarray:
 def _size(model: Model) -> float:
     """Largest distance of a point from its body's mass centre, or of a ground point from the origin; 1 m if none."""
     points = [p for body in model.bodies.values() for p in body.points.values()] + list(model.ground.values())
-    lengths = [abs(x) + abs(y) for x, y in points] + [
-        one.fields["length"] for one in model.joints.values() if "length" in one.fields
-    ]
+    lengths = [abs(x) + abs(y) for x, y in points] + [one.distance for one in model.joints.values()]
     return max([*lengths, 0.0]) or 1.0

@@ -17,6 +17,14 @@ SHAPE, A_BODY, B_BODY, SHAPE_P, CORNER, STATIC, STATIC_P, NORMAL_LAW, NORMAL_P, 
     range(13)
 )
 FIRST_STATE, STATES = 13, 14  # of its friction law among the states of elements, and how many
+# parameters of a joint, driver or load between two points start with these (x, y each); those of contacts go on with
+# the clearance, the radius of the bush, the fields of the joint and its dimensions
+POINTS = 4
+CLEARANCE, RADIUS, FIELDS = 4, 5, 6
+# columns of `joint`
+KERNEL, END_A, END_B, FIRST_P, FIRST_ROW = range(5)
+# columns of `lever`: arms on A and B; 1 where straight walls turn with A; 1 where a wall is curved
+ARM_A, ARM_B, WALLS_TURN, ROUNDED = range(4)
 # columns of `contact_kinematics`: gap g (negative: penetration) and its rate; normal n from A outwards (the force on
 # B is -N n - T t, t = n turned by 90 degrees); arms of the contact point from the mass centres of A and B; slip u . t
 # of B's material against A's; gamma of the normal and tangential rows; N, T and the rates they give; speed of a pin's

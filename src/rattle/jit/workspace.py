@@ -39,7 +39,7 @@ ARRAYS = {
     "load": Array("i2", "nl, 5", "", "kernel, A, B, first parameter, 1 if its values change during the run"),
     "contact": Array("i2", "nc, 15", "", "geometry and laws of every contact point, see `layout`"),
     "lever": Array(
-        "f2", "nc, 3", "m", "longest arms on A and on B to what may touch; 1 if the walls turn with A, else 0"
+        "f2", "nc, 4", "m", "longest arms on A and on B to what may touch; 1 if walls turn with A; 1 if one is curved"
     ),
     "code": Array(
         "i2", "nk, 4", "", "programs of all expressions, one after the other, with the sides of their switches"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rattle import registry
 from rattle.plots.curves import (
     BLACK,
     BLUE,
@@ -36,12 +37,8 @@ if TYPE_CHECKING:
 COLOURS = {IDEAL: BLACK, LINK: BLUE, IMPACT: ORANGE, COMPLIANT: GREEN}
 SAYS = {
     LINK: "Massless link: the pin cannot leave the bush wall",
-    IMPACT: "One-sided impact: the pin flies, hits, stays or leaves",
-    COMPLIANT: "Compliant: pin and bush are elastic, with damping",
-}
-SAYS_OF_GUIDE = {
-    IMPACT: "One-sided impact: the block flies, hits, stays or leaves",
-    COMPLIANT: "Compliant: block and walls are elastic, with damping",
+    IMPACT: "One-sided impact: the {borne} flies, hits, stays or leaves",
+    COMPLIANT: "Compliant: {borne} and {bearer} are elastic, with damping",
 }
 TOP = "▼ largest N"
 WIDTH = 13.0  # of the page [inches]
@@ -174,8 +171,15 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
         _events(ax, r, joint, scale)
     if r.trust.horizon is not None and r.trust.horizon < r.trust.t_end:
         ax.axvspan(scale * r.trust.horizon, scale * r.trust.t_end, color=SHADE, linewidth=0, zorder=0)
-    guide = r.geometry["joints"][joint]["type"] == "prismatic"
-    _title(ax, SAYS_OF_GUIDE.get(model, SAYS[model]) if guide else SAYS[model])
+    play = _play(r, joint)
+    _title(ax, SAYS[model].format(borne=play.borne, bearer=play.bearer))
+
+
+def _play(r: Result, joint: str) -> Any:
+    """What the kind of play of a joint says about itself."""
+    found = registry.play_of(r.geometry["joints"][joint]["type"])
+    assert found is not None, "only joints with play are compared"
+    return found.leaf
 
 
 def _force_label(force: float) -> str:
@@ -215,7 +219,8 @@ def _orbit(ax: Axes, found: Comparison, model: str) -> None:
     x, y, normal = pin_path(r, joint)
     tidy(ax).grid(False)
     ax.spines[["left", "bottom"]].set_visible(False)
-    guide = form["type"] == "prismatic"
+    play = _play(r, joint)
+    guide = not play.orbit
     if not guide:
         ax.add_patch(Circle((0, 0), c, facecolor=BORE, edgecolor=GREY, linewidth=1.0, zorder=0))
     dense = max(0.15, min(0.9, 3000 / max(len(x), 1)))
@@ -237,7 +242,7 @@ def _orbit(ax: Axes, found: Comparison, model: str) -> None:
     said = {LINK: "red: N < 0", IMPACT: "dots: impacts, by impulse", COMPLIANT: "rings: contacts"}[model]
     if guide:
         _walls(ax, form, c, limit)
-    what = "block in its guide" if guide else "pin in its bush"
+    what = f"{play.borne} in its {play.bearer}"
     deep = f"; sinks in by {reach - c:.3g} {unit}" if reach > 1.05 * c else ""
     ax.set_title(f"{joint}: {what}\n{said}{deep}", fontsize=8.0, color=GREY, pad=3, parse_math=False)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from rattle import registry
 from rattle.plots.curves import (
     BLACK,
     BORE,
@@ -201,8 +202,9 @@ def pin_path(result: Result, joint: str) -> tuple[Array, Array, Array]:
 
 
 def clearance_joints(result: Result) -> dict[str, Any]:
-    """Revolute joints with clearance in a result: joint name -> its entry in the geometry."""
-    pins = {name: form for name, form in result.geometry["joints"].items() if form["type"] == "revolute"}
+    """Joints in a result whose play is a circle: joint name -> its entry in the geometry."""
+    plays = {name: registry.play_of(form["type"]) for name, form in result.geometry["joints"].items()}
+    pins = {name: result.geometry["joints"][name] for name, play in plays.items() if play and play.leaf.orbit}
     loose = {name: form for name, form in pins.items() if form["clearance"] > 0 and form["contact"] != "ideal"}
     return {name: form for name, form in loose.items() if f"{name}.ex" in result}
 

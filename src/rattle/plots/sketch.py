@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rattle import registry
 from rattle.plots.curves import BLACK, BLUE, GREEN, GREY, LINES, MORE, ORANGE, PINK, SKY, tidy
 from rattle.plots.movie_file import Update
 from rattle.plots.orbit import clearance_joints
@@ -43,6 +44,12 @@ class Scene(NamedTuple):
         return np.zeros(len(self.pick)) if body == "ground" else self.result[f"{body}.angle"][self.pick]
 
 
+def drawn_as(form: dict[str, Any]) -> str:
+    """How the kind of a joint is drawn: pin, rod, guide, slot, or not at all."""
+    known = registry.kinds("joint")
+    return str(known[form["type"]].leaf.drawn_as) if form["type"] in known else ""
+
+
 def draw_at(ax: Axes, result: Result, k: int) -> None:
     """Draw the mechanism at instant k of a result, without axes or labels."""
     stage = Scene(result, np.array([k]), 1.0)
@@ -58,7 +65,7 @@ def draw_at(ax: Axes, result: Result, k: int) -> None:
 
 def draw_mechanism(ax: Axes, stage: Scene, colours: Sequence[str] = BODIES) -> list[Update]:
     """Draw all parts at frame 0; each of the functions returned moves one of them to frame k."""
-    updates = draw_guides(ax, stage, colours) + draw_springs(ax, stage)
+    updates = draw_guides(ax, stage, colours) + draw_slots(ax, stage) + draw_springs(ax, stage)
     updates += draw_bodies(ax, stage, colours) + draw_joints(ax, stage)
     for move in updates:
         move(0)
@@ -127,7 +134,7 @@ def _tubes(stage: Scene) -> list[dict[str, Any]]:
     found = []
     for form in geometry["joints"].values():
         a = form["bodies"][0]
-        if form["type"] != "prismatic" or a == "ground":
+        if drawn_as(form) != "guide" or a == "ground":
             continue
         points = np.array(list(geometry["bodies"][a]["points"].values()), float).reshape(-1, 2)
         off = points - np.array(form["points"][0], float)
@@ -156,10 +163,10 @@ def draw_joints(ax: Axes, stage: Scene) -> list[Update]:
     driven: list[Array] = []
     for name, form in stage.result.geometry["joints"].items():
         a, b = (stage.path(body, p) for body, p in zip(form["bodies"], form["points"], strict=True))
-        if form["type"] == "rod":
+        if drawn_as(form) == "rod":
             updates.append(draw_line(ax, np.stack([a, b], axis=1), color=GREY, linewidth=2, zorder=2))
             plain += [a, b]
-        elif form["type"] == "revolute":
+        elif drawn_as(form) == "pin":
             (driven if name in stage.result.geometry["driven"] else plain).append(a)
             if "ground" in form["bodies"]:
                 draw_foot(ax, form["points"][form["bodies"].index("ground")], 0.045 * stage.size)
@@ -215,7 +222,7 @@ def draw_guides(ax: Axes, stage: Scene, colours: Sequence[str] = BODIES) -> list
     tubes = _tubes(stage)
     bodies = list(stage.result.geometry["bodies"])
     for form in stage.result.geometry["joints"].values():
-        if form["type"] != "prismatic":
+        if drawn_as(form) != "guide":
             continue
         (a, b), (point, _) = form["bodies"], form["points"]
         centre, start = stage.path(b, form["points"][1]), stage.path(a, point)
@@ -243,6 +250,30 @@ def draw_guides(ax: Axes, stage: Scene, colours: Sequence[str] = BODIES) -> list
         u, n = np.column_stack([np.cos(own), np.sin(own)]), np.column_stack([-np.sin(own), np.cos(own)])
         block = np.stack([centre + i * length / 2 * u + j * height / 2 * n for i, j in CORNERS], axis=1)
         updates += [draw_line(ax, block, color=BLACK, linewidth=1.2, zorder=4), draw_plate(ax, block, GREY)]
+    return updates
+
+
+def draw_slots(ax: Axes, stage: Scene) -> list[Update]:
+    """Slots with rounded ends in A as long as they are, else as the pin of B comes along, and this pin."""
+    updates = []
+    turns = np.linspace(-np.pi / 2, np.pi / 2, 19)
+    for form in stage.result.geometry["joints"].values():
+        if drawn_as(form) != "slot":
+            continue
+        (a, b), (point, pin) = form["bodies"], form["points"]
+        centre, start = stage.path(b, pin), stage.path(a, point)
+        turn = stage.angle(a) + form["axis"]
+        along, across = np.column_stack([np.cos(turn), np.sin(turn)]), np.column_stack([-np.sin(turn), np.cos(turn)])
+        way = ((centre - start) * along).sum(axis=1)
+        low, high = (-form["travel"], form["travel"]) if "travel" in form else (way.min(), way.max())
+        half = form.get("bush_radius") or 0.02 * stage.size + form["clearance"]
+        ends = [(high + half * np.cos(s), half * np.sin(s)) for s in turns]
+        ends += [(low - half * np.cos(s), -half * np.sin(s)) for s in turns]
+        outline = np.stack([start + x * along + y * across for x, y in (*ends, ends[0])], axis=1)
+        size = half - form["clearance"]
+        round_ = np.stack([centre + size * np.array([np.cos(s), np.sin(s)]) for s in 2.0 * turns], axis=1)
+        updates.append(draw_line(ax, outline, color=GREY, linewidth=1.5, zorder=4))
+        updates += [draw_line(ax, round_, color=BLACK, linewidth=1.2, zorder=5), draw_plate(ax, round_, GREY)]
     return updates
 
 

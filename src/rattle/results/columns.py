@@ -6,6 +6,7 @@ block the part across its guide.  The way along a guide is motion, `<body>.x .y`
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -109,8 +110,8 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
                 link = kind.name != joint.kind
                 normal = pull if link else np.hypot(fx, fy)
                 penetration = distance - joint.clearance if link else tangential
-            if "axis" in joint.fields:
-                ex, ey = _across(system, joint, raw, ex, ey)
+            if joint.line is not None:
+                ex, ey = _play(system, joint, raw, ex, ey)
             add(f"{name}.ex", "m", ex)
             add(f"{name}.ey", "m", ey)
             add(f"{name}.normal", "N", normal)
@@ -127,13 +128,14 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
     return np.ascontiguousarray(np.array(parts).T), names, units
 
 
-def _across(
+def _play(
     system: System, joint: Joint, raw: np.ndarray, ex: np.ndarray, ey: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The part of a guide's offset that is across its line: the way along it is motion, not play."""
+    """The part of an offset from a line that is play: all of it across, the way along it is motion but for its ends."""
     turned = 0.0 if joint.a.body == "ground" else raw[:, at.PER_BODY * system.bodies.index(joint.a.body) + at.PLACE + 2]
-    axis = turned + joint.fields["axis"]
+    axis = turned + (joint.line or 0.0)
     along = ex * np.cos(axis) + ey * np.sin(axis)
+    along = along - joint.play.play_along(joint.fields, along)
     return ex - along * np.cos(axis), ey - along * np.sin(axis)
 
 
@@ -150,10 +152,13 @@ def geometry(model: Model) -> dict[str, Any]:
             if joint.contact
             else "",
         }
-        if "axis" in joint.fields:
-            joints[name]["axis"] = joint.fields["axis"]
-        if joint.block:
-            joints[name]["block"] = list(joint.block)
+        if joint.line is not None:
+            joints[name]["axis"] = joint.line
+            if math.isfinite(travel := joint.leaf.travel(joint.fields)):
+                joints[name]["travel"] = travel
+        joints[name] |= {table: list(sizes) for table, sizes in joint.dimensions.items()}
+        if joint.contact and joint.contact.bush_radius:
+            joints[name]["bush_radius"] = joint.contact.bush_radius
     loads = {
         name: {"type": load.kind, "bodies": [load.a.body, load.b.body], "points": [list(load.a.at), list(load.b.at)]}
         for name, load in model.loads.items()

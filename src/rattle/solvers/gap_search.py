@@ -41,7 +41,7 @@ ESCAPED = 21  # ending of a run: a contact is inside its wall
 @compiled
 def clearance_of(m, n):
     """Clearance of contact n [m]."""
-    return m.values[m.contact[n, at.SHAPE_P] + 4]
+    return m.values[m.contact[n, at.SHAPE_P] + at.CLEARANCE]
 
 
 @compiled
@@ -95,13 +95,13 @@ def apart(m, y, a, b, k):
 def bounds(m, h, n):
     """E [m/s^2] and the largest rate of turning W [rad/s] of contact n over the step of length h, see above."""
     contact, lever, y, y_new = m.contact, m.lever, m.state, m.state_new
-    a, b, s_a, s_b = contact[n, at.A_BODY], contact[n, at.B_BODY], lever[n, 0], lever[n, 1]
+    a, b, s_a, s_b = contact[n, at.A_BODY], contact[n, at.B_BODY], lever[n, at.ARM_A], lever[n, at.ARM_B]
     wa, alpha_a = fastest(m, h, a)
     wb, alpha_b = fastest(m, h, b)
     ax, ay = largest(m, a, b, 0), largest(m, a, b, 1)
     linear = math.sqrt(ax * ax + ay * ay)
     bend = linear + s_b * (wb * wb + alpha_b) + s_a * (wa * wa + alpha_a)
-    if lever[n, 2] > 0.0 and a > 0:
+    if lever[n, at.WALLS_TURN] > 0.0 and a > 0:
         nq = m.change.shape[0]
         speed = max(apart(m, y, a, b, nq), apart(m, y_new, a, b, nq)) + 0.5 * h * linear + s_a * wa + s_b * wb
         away = max(apart(m, y, a, b, 0), apart(m, y_new, a, b, 0)) + 0.125 * h * h * linear + s_a + s_b
@@ -114,7 +114,7 @@ def sweep(m, n, bend, dt, gap):
     """How fast the normal of contact n turns by the way of the pin round its bush [rad/s], |e| there [m]."""
     c = clearance_of(m, n)
     distance = max(0.25 * c, c - gap)
-    if m.lever[n, 2] > 0.0:
+    if m.lever[n, at.ROUNDED] == 0.0:
         return 0.0, distance
     return (abs(m.contact_kinematics[n, at.ACROSS]) + bend * dt) / distance, distance
 

@@ -173,7 +173,7 @@ def _too_soft(m: Mechanism, loose: list[str], r: Result, assumed: list[str]) -> 
     for name in loose:
         play = m.model.joints[name].clearance
         deep = r.peak(f"{name}.penetration")[0] if f"{name}.penetration" in r else 0.0
-        if m.model.joints[name].kind == "revolute" and deep > play:
+        if m.model.joints[name].play.from_materials and deep > play:
             return (
                 f"the bush that was taken for granted, {RADII:g} clearances wide, is too small for these forces: the"
                 f" pin of {name} sinks {1e3 * deep:.3g} mm into it, more than its play of {1e3 * play:.3g} mm; give"
@@ -204,7 +204,7 @@ def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechani
         more: dict[str, Any] = {}
         said = []
         if "stiffness" not in written and not any(key.endswith("material") for key in written):
-            if one.kind == "revolute":
+            if one.play.from_materials:
                 radius = written.get("bush_radius")
                 if radius is None:
                     more["bush_radius"] = RADII * one.clearance
@@ -213,13 +213,8 @@ def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechani
                 said.append("steel on steel, sphere in socket")
             else:
                 more |= {"stiffness": CORNER, "exponent": 1.5}
-                said.append(f"corner stiffness {CORNER:.1e} N/m^1.5")
-        if (
-            "friction" in written
-            and "bush_radius" not in written
-            and "bush_radius" not in more
-            and one.kind == "revolute"
-        ):
+                said.append(f"stiffness of a contact {CORNER:.1e} N/m^1.5")
+        if "friction" in written and "bush_radius" not in written and "bush_radius" not in more and one.play.has_radius:
             more["bush_radius"] = RADII * one.clearance
         if (
             "restitution" in fields

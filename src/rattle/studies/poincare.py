@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from rattle.analyses import arguments
-from rattle.analyses.assembly.unclosed import driver_slot
 from rattle.equations.motion import drive
 from rattle.equations.system import System
 
@@ -25,10 +24,10 @@ if TYPE_CHECKING:
 def driver_period(system: System) -> float | None:
     """Time of one turn [s] of the first driver that turns a joint at constant rate; None where there is none."""
     workspace = system.workspace()
-    for n, name in enumerate(system.joints):
-        if name not in system.model.drivers or system.rows[system.arrays["joint"][n, 4]].unit != "rad":
+    for name in system.model.drivers:
+        if system.rows[system.first_row(name)].unit != "rad":
             continue
-        slot = int(system.arrays["joint"][n, 3]) + driver_slot(system, n)
+        slot = system.driver_slot(name)
         rates = []
         for t in (0.0, 0.0137, 0.171, 1.93):
             drive(workspace, t)
@@ -131,7 +130,9 @@ def section(
 
 def pins(m: Mechanism) -> dict[str, float]:
     """Clearances of the pins [m]."""
-    return {n: one.clearance for n, one in m.model.joints.items() if one.kind == "revolute" and one.clearance > 0.0}
+    return {
+        n: one.clearance for n, one in m.model.joints.items() if one.play and one.play.orbit and one.clearance > 0.0
+    }
 
 
 def stopped(r: Result) -> str:

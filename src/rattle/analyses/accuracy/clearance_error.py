@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rattle.analyses.accuracy.displaced_pins import Displaced, widest
-from rattle.analyses.accuracy.extremes import extreme, largest_turn
+from rattle.analyses.accuracy.displaced_pins import Displaced
+from rattle.analyses.accuracy.extremes import extreme
 from rattle.analyses.assembly.assembly import assemble, ideal_model
 from rattle.analyses.kinematics import Sweep, begin, instants, require_driven, why_stuck
 from rattle.analyses.statics.balance import StaticProblem
@@ -175,7 +175,7 @@ def accuracy(
         nodes.append(node)
         nominal[i] = shown.value(t, node, none)
         slopes[i] = shown.gradient(t, node, none)
-        part[i] = [widest(one, y)[0] for one, y in zip(joints, slopes[i], strict=True)]
+        part[i] = [free.first_order(y)[0] for free, y in zip(shown.free, slopes[i], strict=True)]
         if extremes:
             low[i], high[i] = (extreme(shown, t, node, sign, slopes[i]) for sign in (-1.0, 1.0))
     nothing = np.full(n, math.nan)
@@ -184,17 +184,15 @@ def accuracy(
         of=of, unit=shown.unit, t=times, nominal=nominal, joints=tuple(one.name for one in joints),
         contributions=part, low=low, high=high, loaded=at_rest[0], pressed=at_rest[1], rule=at_rest[2],
         clearances={one.name: one.clearance for one in joints}, stats={"wall_time": time.perf_counter() - began},
-        notes=tuple(_turning_over(one) for one in joints if one.block and largest_turn(one) == math.inf),
+        notes=tuple(_unbounded(one, free) for one, free in zip(joints, shown.free, strict=True) if free.unbounded),
     )  # fmt: skip
     return record
 
 
-def _turning_over(joint: Joint) -> str:
-    """What to say of a guide whose block does not stay upright."""
-    long, high = joint.block or (0.0, 0.0)
+def _unbounded(joint: Joint, free: Any) -> str:
+    """What to say of a joint whose play nothing bounds."""
     return (
-        f"the block of '{joint.name}' can turn over: its diagonal of {1e3 * math.hypot(long, high):.4g} mm fits between"
-        f" walls {1e3 * (high + 2 * joint.clearance):.4g} mm apart; nothing bounds its angle, so there are no exact"
+        f"the {joint.play.borne} of '{joint.name}' {free.unbounded}, so there are no exact"
         " extremes, and the figures of first order hold for small turns only"
     )
 
@@ -220,7 +218,7 @@ def _loaded(
     found = [np.full(n, math.nan) for _ in range(3)]
     model = system.model
     rigid = rigid_model(without_guide_play(system))
-    pins = [one for one in shown.joints if one.kind == "revolute"]
+    pins = [one for one in shown.joints if one.leaf.massless]
     if rigid is None or not (model.loads or any(model.gravity)) or shown.output.rpartition(".")[2] in RATES:
         return found
     problem, hard = StaticProblem(ideal, times[0]), StaticProblem(rigid, times[0])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from rattle.equations.closure import open_by
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import loads
 from rattle.equations.system import System
+from rattle.jit.layout import POINTS
 from rattle.results.columns import columns, geometry, motion, width
 from rattle.results.result import Result
 from rattle.results.trust import Trust
@@ -33,21 +35,20 @@ class Displaced:
     def __init__(self, system: System, start: Assembled, joints: Sequence[Joint], output: str) -> None:
         self.system, self.start, self.joints, self.output = system, start, joints, output
         self.sweep = begin(system, start)
-        self.place = [int(system.arrays["joint"][system.joints.index(one.name), 3]) for one in joints]
+        self.place = [system.first_value(one.name) for one in joints]
+        self.free = [free_play(one) for one in joints]
         self.values = self.sweep.workspace.values
         self.base = self.values.copy()
         self.names: list[str] = []
 
     def shift(self, e: np.ndarray) -> None:
-        """Displace joint i by e[i] (in the frame of its A; guides: across [m] and turn [rad])."""
-        for k, (joint, p) in enumerate(zip(self.joints, self.place, strict=True)):
-            if joint.kind == "prismatic":
-                axis = joint.fields["axis"]
-                self.values[p] = self.base[p] - math.sin(axis) * e[k, 0]
-                self.values[p + 1] = self.base[p + 1] + math.cos(axis) * e[k, 0]
-                self.values[p + 5] = self.base[p + 5] + e[k, 1]
-            else:
-                self.values[p : p + 2] = self.base[p : p + 2] + e[k]
+        """Displace joint i by e[i] (in the frame of its A; what its two parts are, its kind of play says)."""
+        for joint, p, change in zip(self.joints, self.place, e, strict=True):
+            x, y, others = joint.play.displaced(joint.fields, change)
+            self.values[p] = self.base[p] + x
+            self.values[p + 1] = self.base[p + 1] + y
+            for n, key in enumerate(joint.fields, p + POINTS):
+                self.values[n] = self.base[n] + others.get(key, 0.0)
 
     def row(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray:
         """Everything at t with the pins displaced by e, from a node nearby (nan where it cannot be closed)."""
@@ -101,9 +102,9 @@ class Displaced:
         y = np.linalg.lstsq(rows.T, q_slope, rcond=1e-12)[0]
         found = np.zeros((len(self.joints), 2))
         for k, joint in enumerate(self.joints):
-            first = int(self.system.arrays["joint"][self.system.joints.index(joint.name), 4])
-            found[k] = y[first : first + 2]
-            if joint.kind != "prismatic":  # rows are in the ground frame, e in that of A
+            first, count = self.system.first_row(joint.name), len(joint.leaf.rows)
+            found[k, :count] = y[first : first + count]
+            if joint.leaf.rows_in_ground:  # and e is in the frame of A
                 angle = (
                     0.0 if joint.a.body == "ground" else workspace.body[1 + self.system.bodies.index(joint.a.body), 2]
                 )
@@ -164,27 +165,15 @@ class Displaced:
 
     def _differences(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray:
         found = np.zeros_like(e)
-        for k, joint in enumerate(self.joints):
+        for k, free in enumerate(self.free):
             for n in range(2):
-                step = SMALL * joint.clearance / (half_length(joint) if n and joint.kind == "prismatic" else 1.0)
+                step = SMALL * free.steps[n]
                 change = np.zeros_like(e)
                 change[k, n] = step
                 found[k, n] = (self.value(t, node, e + change) - self.value(t, node, e - change)) / (2 * step)
         return found
 
 
-def half_length(joint: Joint) -> float:
-    """Half the length of a guide's block [m]: how far its corners are from its point."""
-    return 0.5 * joint.block[0] if joint.block else math.inf
-
-
-def widest(joint: Joint, y: np.ndarray) -> tuple[float, np.ndarray]:
-    """Largest of y . e over what the play of one joint allows, and the e where it is reached."""
-    if joint.kind != "prismatic":
-        size = float(np.hypot(*y))
-        return joint.clearance * size, (joint.clearance / size * y if size > 0.0 else np.zeros(2))
-    turn = joint.clearance / half_length(joint)  # corners |e_0 +- a e_1| <= c: a rhombus, its tips are the extremes
-    ends = (joint.clearance * abs(float(y[0])), turn * abs(float(y[1])))
-    if ends[0] >= ends[1]:
-        return ends[0], np.array([math.copysign(joint.clearance, y[0]), 0.0])
-    return ends[1], np.array([0.0, math.copysign(turn, y[1])])
+def free_play(joint: Joint) -> Any:
+    """What the play of a joint leaves free, a `FreePlay`."""
+    return joint.play.free_play(joint.clearance, joint.fields, joint.dimensions)

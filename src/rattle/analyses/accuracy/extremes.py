@@ -1,14 +1,8 @@
 """Exact extremes of an output over all that the play of the joints allows.
 
-Every pin may sit anywhere in its circle.  The block of a guide (length 2 a, height 2 b, walls at +-(b + c)) may be
-moved across by e and turned by theta as long as its four corners stay between the walls:
-
-    |e| <= room(theta) = b + c - a |sin theta| - b |cos theta|
-
-a region with four curved sides that bow inwards, tips at (+-c, 0) and (0, +-theta_m), where
-sin(theta_m + atan(b/a)) = (b + c)/hypot(a, b).  A block whose diagonal fits between the walls can turn over.
-The output is followed uphill: pins to the place on their circle that the slope at the last place names, guides from
-tip to tip, and where the slope asks for it along the sides.
+Every pin may sit anywhere in its circle, every block of a guide anywhere between its walls: what a kind of play leaves
+free it says itself, see `FreePlay`.  The output is followed uphill: pins to the place on their circle that the slope at
+the last place names, guides from tip to tip, and where the slope asks for it along the sides.
 """
 
 from __future__ import annotations
@@ -20,35 +14,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from rattle.analyses.accuracy.displaced_pins import Displaced
-from rattle.description.model import Joint
 
 ROUNDS = 12
 MOST_GUIDES = 3  # up to so many guides all combinations of their kinds of tips are starts
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
-def largest_turn(joint: Joint) -> float:
-    """How far the block of a guide can turn either way [rad]; inf where it can turn over, 0 without a block."""
-    if not joint.block:
-        return 0.0
-    a, b = 0.5 * joint.block[0], 0.5 * joint.block[1]
-    if math.hypot(a, b) <= b + joint.clearance:
-        return math.inf
-    return math.asin((b + joint.clearance) / math.hypot(a, b)) - math.atan2(b, a)
-
-
-def room(joint: Joint, turn: float) -> float:
-    """How far the block of a guide can be moved across, either way, when it is turned [m]."""
-    if not joint.block:
-        return joint.clearance
-    a, b = 0.5 * joint.block[0], 0.5 * joint.block[1]
-    return max(b + joint.clearance - a * abs(math.sin(turn)) - b * abs(math.cos(turn)), 0.0)
-
-
 def extreme(shown: Displaced, t: float, node: np.ndarray, sign: float, slope: np.ndarray) -> float:
-    """Greatest (sign 1) or least (-1) output over all displacements; nan where a guide's block can turn over."""
-    guides = [k for k, joint in enumerate(shown.joints) if joint.kind == "prismatic"]
-    if any(largest_turn(shown.joints[k]) == math.inf for k in guides):
+    """Greatest (sign 1) or least (-1) output over all displacements; nan where nothing bounds them."""
+    guides = [k for k, free in enumerate(shown.free) if free.two_tips]
+    if any(free.unbounded for free in shown.free):
         return math.nan
     best = math.nan
     for turned in _kinds_of_tips(len(guides)):
@@ -72,8 +47,8 @@ def _climb(
     """The extreme that is reached from one choice of tips."""
     best, at = math.nan, np.zeros_like(slope)
     for _ in range(ROUNDS):
-        places = zip(shown.joints, slope, strict=True)
-        e = np.array([_corner(joint, sign * y, turned.get(k)) for k, (joint, y) in enumerate(places)])
+        places = zip(shown.free, slope, strict=True)
+        e = np.array([free.tip(sign * y, turned.get(k)) for k, (free, y) in enumerate(places)])
         value = shown.value(t, node, e)
         if math.isnan(value) or sign * value <= sign * best:
             break
@@ -87,19 +62,6 @@ def _climb(
     if turned and not math.isnan(best):
         best = _along_sides(shown, t, node, sign, at, best, list(turned))
     return best
-
-
-def _corner(joint: Joint, y: np.ndarray, turned: bool | None) -> np.ndarray:
-    """Where y . e is largest for one joint; turned: at a tip of that kind."""
-    if joint.kind != "prismatic":
-        size = float(np.hypot(*y))
-        return joint.clearance / size * y if size > 0.0 else np.zeros(2)
-    most = largest_turn(joint)
-    if turned is None:
-        turned = most * abs(float(y[1])) > joint.clearance * abs(float(y[0]))
-    if turned:
-        return np.array([0.0, math.copysign(most, y[1])])
-    return np.array([math.copysign(joint.clearance, y[0]), 0.0])
 
 
 def _along_sides(
@@ -119,9 +81,9 @@ def _along_sides(
             return best
         slope = shown.gradient(t, node, e)
         moved = e.copy()
-        for k, joint in enumerate(shown.joints):
+        for k, free in enumerate(shown.free):
             if k not in guides:
-                moved[k] = _corner(joint, sign * slope[k], None)
+                moved[k] = free.tip(sign * slope[k], None)
         value = shown.value(t, node, moved)
         if sign * value > sign * best:
             best, e = value, moved
@@ -134,20 +96,14 @@ def _along_side(
     shown: Displaced, t: float, node: np.ndarray, sign: float, e: np.ndarray, k: int, y: np.ndarray
 ) -> tuple[float, np.ndarray] | None:
     """The best place on the sides that one guide's place belongs to; None where the slope leads to none of them."""
-    joint = shown.joints[k]
-    if not joint.block:
+    side = shown.free[k].side(e[k], y)
+    if side is None:
         return None
-    a, b, most = 0.5 * joint.block[0], 0.5 * joint.block[1], largest_turn(joint)
-    across = math.copysign(1.0, e[k, 0]) if e[k, 0] != 0.0 else math.copysign(1.0, y[0])
-    at = abs(float(e[k, 1]))
-    side = math.copysign(1.0, e[k, 1]) if at > 0.0 else math.copysign(1.0, y[1])
-    climb = side * y[1] + across * y[0] * (b * math.sin(at) - a * math.cos(at))  # along growing |theta|
-    if (at == 0.0 and climb <= 0.0) or (at >= most * (1.0 - 1e-12) and climb >= 0.0):
-        return None
+    most, place = side
 
-    def placed(turn: float) -> np.ndarray:
+    def placed(way: float) -> np.ndarray:
         moved = e.copy()
-        moved[k] = across * room(joint, turn), side * turn
+        moved[k] = place(way)
         return moved
 
     low, high = 0.0, most

@@ -255,7 +255,7 @@ def _guesses(
     """Bodies placed by the joints, from the ground outwards, for one set of angles after the other."""
     model = system.model
     drive(workspace, t)
-    functions = {name: workspace.values[system.arrays["joint"][n, 3] :] for n, name in enumerate(system.joints)}
+    functions = {name: float(workspace.values[system.driver_slot(name)]) for name in model.drivers}
     angles, free = passed_angles(model, functions)
     if ideal is not None:  # the ideal mechanism has found the angles that were not given
         angles.update({name: float(ideal.q[3 * system.bodies.index(name) + 2]) for name in free})
@@ -325,7 +325,7 @@ def _along_reactions(ideal_system: System, ideal: Assembled, missing: list[str])
     solve_motion(workspace, ideal.t, ideal.q, ideal.v)
     found = {}
     for name in missing:
-        row = ideal_system.arrays["joint"][ideal_system.joints.index(name), 4]
+        row = ideal_system.first_row(name)
         force = -workspace.multiplier[row : row + 2]  # on B
         size = float(np.hypot(*force))
         n = -force / size if size > 1e-12 * ideal_system.arrays["mass"].max() else np.array([1.0, 0.0])

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rattle.description.model import Joint, Model, driven_ends
-from rattle.equations.system import System, is_link
+from rattle.equations.system import System
 
 
 def outward(model: Model) -> list[tuple[str, str, Joint]]:
@@ -37,10 +37,15 @@ def outward(model: Model) -> list[tuple[str, str, Joint]]:
         for joint in near.get(body, ()):
             other = joint.b.body if joint.a.body == body else joint.a.body
             if other not in done:
-                loose = joint.contact is not None and joint.contact.model != "ideal"
-                loose |= joint.name not in driven and ("axis" in joint.fields or "length" in joint.fields)
+                loose = joint.contact is not None and not joint.contact.closed
+                loose |= joint.name not in driven and _leaves_place(joint)
                 heapq.heappush(queue, (slack + loose, depth + 1, next(number), other, body, joint))
     return order
+
+
+def _leaves_place(joint: Joint) -> bool:
+    """True where the joint, even without play, does not say where its B is on its A."""
+    return joint.line is not None or joint.distance > 0.0
 
 
 def turned(angle: float, at: tuple[float, float]) -> np.ndarray:
@@ -48,18 +53,18 @@ def turned(angle: float, at: tuple[float, float]) -> np.ndarray:
     return np.array([c * at[0] - s * at[1], s * at[0] + c * at[1]])
 
 
-def passed_angles(model: Model, functions: dict[str, np.ndarray]) -> tuple[dict[str, float], list[str]]:
+def passed_angles(model: Model, functions: dict[str, float]) -> tuple[dict[str, float], list[str]]:
     """Angle of every body: given, or passed on by joints that fix it; and the bodies left to a guess."""
     angles = {name: values["angle"] for name, values in model.initial.bodies.items() if "angle" in values}
     angles["ground"] = 0.0
     passed: list[tuple[str, str, float]] = []
     for joint in model.joints.values():
-        if "angle" in joint.fields:
-            passed.append((joint.a.body, joint.b.body, joint.fields["angle"]))
+        if joint.kept_angle is not None:
+            passed.append((joint.a.body, joint.b.body, joint.kept_angle))
     for name, driver in model.drivers.items():
-        if driver.kind in ("angle", "body-angle"):
+        if driver.sets_angle:
             a, b, _ = driven_ends(model, driver)
-            passed.append((a.body, b.body, float(functions[name][4])))
+            passed.append((a.body, b.body, functions[name]))
     for _ in range(len(passed)):
         for one, other, angle in passed:
             if one in angles and other not in angles:
@@ -71,7 +76,7 @@ def passed_angles(model: Model, functions: dict[str, np.ndarray]) -> tuple[dict[
 
 
 def place_positions(
-    system: System, angles: dict[str, float], offsets: dict[str, Any], functions: dict[str, np.ndarray]
+    system: System, angles: dict[str, float], offsets: dict[str, Any], functions: dict[str, float]
 ) -> np.ndarray:
     model = system.model
     at: dict[str, np.ndarray] = {"ground": np.zeros(2)}
@@ -85,19 +90,19 @@ def place_positions(
         gap = np.array(offsets.get(joint.name, (0.0, 0.0)))  # point of B minus point of A
         sign = 1.0 if body == joint.b.body else -1.0
         own, other = (arm_b, arm_a) if body == joint.b.body else (arm_a, arm_b)
-        if "axis" in joint.fields:
-            axis = angles[joint.a.body] + joint.fields["axis"]
+        if joint.line is not None:
+            axis = angles[joint.a.body] + joint.line
             u = np.array([math.cos(axis), math.sin(axis)])
             where = wanted + own - at[parent] - other
             known = ~np.isnan(wanted)
             along = float(u[known] @ where[known]) * sign if known.all() else 0.0
             if known.sum() == 1 and abs(u[known][0]) > 1e-6:
                 along = float(where[known][0] / u[known][0]) * sign
-            gap = u * (float(functions[driven[joint.name]][6]) if joint.name in driven else along)
-        elif "length" in joint.fields and not is_link(joint):
+            gap = u * (functions[driven[joint.name]] if joint.name in driven else along)
+        elif joint.distance > 0.0:
             where = (wanted + own - at[parent] - other) * sign
             distance = float(np.hypot(*where))
-            gap = joint.fields["length"] * (where / distance if distance > 0.0 else np.array([0.0, -1.0]))
+            gap = joint.distance * (where / distance if distance > 0.0 else np.array([0.0, -1.0]))
         place_at = at[parent] + other + sign * gap - own
         at[body] = np.where(np.isnan(wanted), place_at, wanted)
     q = np.zeros(3 * system.body_count)
@@ -121,7 +126,7 @@ def place_rates(system: System, q: np.ndarray, v: np.ndarray, given: np.ndarray,
 
     for body, _, joint in outward(model):
         k = number[body]
-        if "axis" in joint.fields or ("length" in joint.fields and not is_link(joint)):
+        if _leaves_place(joint):
             v[k : k + 2] = otherwise[k : k + 2]
         else:
             own, other = (joint.b, joint.a) if joint.b.body == body else (joint.a, joint.b)

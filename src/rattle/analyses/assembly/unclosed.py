@@ -6,7 +6,6 @@ import math
 
 from rattle.analyses.assembly.loops import describe_loop, tree_path
 from rattle.analyses.assembly.rank import unlike_masses
-from rattle.description.model import driven_ends
 from rattle.equations.system import System
 from rattle.jit.workspace import Workspace
 
@@ -61,7 +60,7 @@ def _closed_play(system: System, taking: list[str], gap: float, unit: str) -> st
     closed = {
         name: joint.clearance
         for name, joint in system.model.joints.items()
-        if name in taking and joint.contact is not None and joint.contact.model == "ideal" and joint.clearance > 0.0
+        if name in taking and joint.contact is not None and joint.contact.closed and joint.clearance > 0.0
     }
     if unit != "m" or sum(closed.values()) < gap:
         return ""
@@ -75,25 +74,18 @@ def _closed_play(system: System, taking: list[str], gap: float, unit: str) -> st
 def _at(system: System, workspace: Workspace, t: float) -> str:
     """Instant, and where the drivers are then."""
     functions = []
-    for n, name in enumerate(system.joints):
-        if name in system.model.drivers:
-            value = workspace.values[system.arrays["joint"][n, 3] + driver_slot(system, n)]
-            unit = system.rows[system.arrays["joint"][n, 4]].unit
-            functions.append(f"{name} = {math.degrees(value):.4g} deg" if unit == "rad" else f"{name} = {value:.4g} m")
+    for name in system.model.drivers:
+        value = workspace.values[system.driver_slot(name)]
+        unit = system.rows[system.first_row(name)].unit
+        functions.append(f"{name} = {math.degrees(value):.4g} deg" if unit == "rad" else f"{name} = {value:.4g} m")
     return f" at t = {t:.6g} s" + (f" ({', '.join(functions)})" if functions else "")
 
 
 def without_value(system: System, workspace: Workspace, t: float) -> str:
     """Which driver has no finite value at the instant in the workspace, in words; empty when all have."""
-    for n, name in enumerate(system.joints):
-        if name in system.model.drivers:
-            value = workspace.values[system.arrays["joint"][n, 3] + driver_slot(system, n)]
-            if not math.isfinite(value):
-                domain = "check its domain (square root, logarithm, division by zero)"
-                return f"the function of driver '{name}' has no finite value at t = {t:.6g} s ({value:g}); {domain}"
+    for name in system.model.drivers:
+        value = workspace.values[system.driver_slot(name)]
+        if not math.isfinite(value):
+            domain = "check its domain (square root, logarithm, division by zero)"
+            return f"the function of driver '{name}' has no finite value at t = {t:.6g} s ({value:g}); {domain}"
     return ""
-
-
-def driver_slot(system: System, n: int) -> int:
-    """Where the value of a driver's function stands, counted from its first parameter."""
-    return 4 + len(driven_ends(system.model, system.model.drivers[system.joints[n]])[2])

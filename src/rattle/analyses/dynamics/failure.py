@@ -72,7 +72,7 @@ def explain(
 def _escaped(system: System, workspace: Workspace) -> str:
     """Which joint's contact is inside its wall, from the gaps at hand, and by how much."""
     contact = system.arrays["contact"]
-    clearance = workspace.values[contact[:, at.SHAPE_P] + 4]
+    clearance = workspace.values[contact[:, at.SHAPE_P] + at.CLEARANCE]
     rigid = contact[:, at.IMPACT] == 1
     off = np.resize(workspace.mode == OFF, len(contact)) if rigid.any() else rigid
     shares = -workspace.contact_kinematics[:, at.GAP] / clearance

@@ -15,7 +15,6 @@ import numpy as np
 from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.assembly.driver_conflicts import contradicted
 from rattle.analyses.assembly.rank import describe_rank_loss, unlike_masses
-from rattle.analyses.assembly.unclosed import driver_slot
 from rattle.analyses.dynamics.failure import not_finite
 from rattle.description.model import Point
 from rattle.elements.custom import load_law
@@ -56,7 +55,7 @@ class Running(Protocol):
 def extent(system: System) -> float:
     """How large the mechanism is [m], wherever it stands: its largest body, or the spread of its ground points."""
     model = system.model
-    lengths = [one.fields["length"] for one in model.joints.values() if "length" in one.fields]
+    lengths = [one.distance for one in model.joints.values()]
     held = {joint.a.at for joint in model.joints.values() if joint.a.body == "ground"}
     held |= {joint.b.at for joint in model.joints.values() if joint.b.body == "ground"}
     groups = [list(held), *([*body.points.values(), (0.0, 0.0)] for body in model.bodies.values())]
@@ -145,11 +144,10 @@ def _driver_rates(system: System) -> list[float]:
     workspace = system.workspace()
     drive(workspace, 0.0)
     found = []
-    for n, name in enumerate(system.joints):
-        if name in system.model.drivers:
-            rate = abs(float(workspace.values[system.arrays["joint"][n, 3] + driver_slot(system, n) + 1]))
-            turns = system.rows[system.arrays["joint"][n, 4]].unit == "rad"
-            found.append(rate if turns else rate / extent(system))
+    for name in system.model.drivers:
+        rate = abs(float(workspace.values[system.driver_slot(name) + 1]))
+        turns = system.rows[system.first_row(name)].unit == "rad"
+        found.append(rate if turns else rate / extent(system))
     return found
 
 
@@ -232,11 +230,9 @@ def jump(system: System, start: float, end: float) -> str:
         return float(workspace.values[slot])
 
     reach = max(end - start, 1e-9 * max(abs(start), abs(end)))
-    for n, name in enumerate(system.joints):
-        if name not in system.model.drivers:
-            continue
-        slot = int(system.arrays["joint"][n, 3]) + driver_slot(system, n)
-        unit = system.rows[system.arrays["joint"][n, 4]].unit
+    for name in system.model.drivers:
+        slot = system.driver_slot(name)
+        unit = system.rows[system.first_row(name)].unit
         scale = 1.0 if unit == "rad" else extent(system)
         for k, (what, per) in enumerate((("position", ""), ("speed", "/s"))):
             low, high = start - reach, end + reach

@@ -91,7 +91,7 @@ class StaticProblem:
         self.scale[2::3] = 1.0 / system.size
         joints = system.model.joints.values()
         arms = [one.clearance for one in joints if is_link(one)] + [
-            one.fields["length"] for one in joints if "length" in one.fields
+            one.distance for one in joints if one.distance > 0.0
         ]
         length = min([1e-4 * system.size] + [3e-3 * one for one in arms])
         if len(self.workspace.contact_memory):  # penetrations are small

@@ -98,7 +98,7 @@ def without_guide_play(system: System) -> System:
     """The mechanism with every guide closed."""
     joints = dict(system.model.joints)
     for name, one in joints.items():
-        if one.kind != "revolute" and has_contacts(one):
+        if not one.leaf.massless and has_contacts(one):
             joints[name] = replace(one, contact=Contact("ideal"))
     changed = any(joints[name] is not one for name, one in system.model.joints.items())
     return compile_system(replace(system.model, joints=joints)) if changed else system
@@ -108,7 +108,7 @@ def rigid_model(system: System) -> System | None:
     """The mechanism with every open pin held by a massless link; None when no joint has play."""
     joints = dict(system.model.joints)
     for name, one in joints.items():
-        if one.kind == "revolute" and (has_contacts(one) or is_link(one)):
+        if one.leaf.massless and (has_contacts(one) or is_link(one)):
             joints[name] = replace(one, contact=Contact("massless-link"))
     model = replace(system.model, joints=joints)
     return compile_system(model) if any(is_link(one) for one in joints.values()) else None
@@ -159,7 +159,7 @@ class Search:
         self._turning: Turning | None = None
         self._start = np.zeros(3 * problem.system.body_count)
         self._quiet = 0  # starts in vain since the last that was not
-        first = [int(problem.system.arrays["joint"][problem.system.joints.index(name), 4]) for name in problem.links]
+        first = [problem.system.first_row(name) for name in problem.links]
         self._links = np.array(first, np.int64)
 
     def spent(self) -> bool:

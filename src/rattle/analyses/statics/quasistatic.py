@@ -198,7 +198,7 @@ def advantage(problem: StaticProblem, one: Equilibrium) -> dict[tuple[str, str],
         right[:n] = _direction(problem, one, name)
         answer = np.linalg.lstsq(whole * scale[:, None] * scale, right * scale, rcond=1e-13)[0] * scale
         for driver in drivers:
-            row = int(system.arrays["joint"][system.joints.index(driver), 4])
+            row = system.first_row(driver)
             effort = -float(answer[n + row])  # effort for one unit of the load
             found[name, driver] = -1.0 / effort if abs(effort) > 1e-12 * np.abs(answer[n:]).max() else math.inf
     return found

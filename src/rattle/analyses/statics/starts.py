@@ -15,6 +15,7 @@ import numpy as np
 from rattle.analyses.assembly.first_guess import outward
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibrium
+from rattle.description.model import driven_ends
 from rattle.equations.system import System
 
 MOST_STRIDES = 160  # along a degree of freedom that does not close
@@ -32,7 +33,7 @@ class Turning:
         hung = set()
         for body, parent, joint in outward(model):
             one, other = (joint.a, joint.b) if joint.a.body == body else (joint.b, joint.a)
-            axis = joint.fields.get("axis", math.nan)
+            axis = joint.line if joint.line is not None else math.nan
             child, bearer = system.bodies.index(body), -1 if parent == "ground" else system.bodies.index(parent)
             self.edges.append((child, bearer, complex(*one.at), complex(*other.at), axis))
             hung.add(child)
@@ -128,12 +129,11 @@ def _groups(system: System) -> list[list[int]]:
             name = group[name]
         return name
 
-    ties = [(joint.a.body, joint.b.body) for joint in model.joints.values() if "angle" in joint.fields]
+    ties = [(joint.a.body, joint.b.body) for joint in model.joints.values() if joint.kept_angle is not None]
     for driver in model.drivers.values():
-        if driver.joint and driver.kind == "angle":
-            ties.append((model.joints[driver.joint].a.body, model.joints[driver.joint].b.body))
-        elif driver.point is not None and driver.kind == "body-angle":
-            ties.append(("ground", driver.point.body))
+        if driver.sets_angle:
+            a, b, _ = driven_ends(model, driver)
+            ties.append((a.body, b.body))
     for one, other in ties:
         group[leader(other)] = leader(one)
     found: dict[str, list[int]] = {}
@@ -198,7 +198,7 @@ def opened(ideal: StaticProblem, q: np.ndarray, wanted: Mapping[str, np.ndarray]
     system = ideal.system
     target = np.zeros(system.row_count)
     for name, offset in wanted.items():
-        first = int(system.arrays["joint"][system.joints.index(name), 4])
+        first = system.first_row(name)
         target[first : first + 2] = offset
     q = q.copy()
     ideal.displace(q, target)

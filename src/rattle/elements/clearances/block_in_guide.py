@@ -16,18 +16,25 @@ d = corner - point of A, p_A and p_B its arms from the mass centres, r its veloc
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
+
+from rattle.elements.clearances import ClearanceKind, FreePlay
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import direction, turn_x, turn_y
-from rattle.registry import kind
+from rattle.registry import Field, kind
+
+Pair = tuple[float, ...]
 
 
 @kernel("clearance")
 def guide(body, a, b, p, k, corner, row, kinematics):
-    c, axis, angle = p[k + 4], p[k + 6], p[k + 7]
-    half_length, half_height = 0.5 * p[k + 8], 0.5 * p[k + 9]
+    c = p[k + at.CLEARANCE]
+    f = k + at.FIELDS
+    axis, angle = p[f], p[f + 1]
+    half_length, half_height = 0.5 * p[f + 2], 0.5 * p[f + 3]
     sax = turn_x(body, a, p[k], p[k + 1])
     say = turn_y(body, a, p[k], p[k + 1])
     ux, uy = direction(body, a, axis)
@@ -63,8 +70,84 @@ def guide(body, a, b, p, k, corner, row, kinematics):
     kinematics[row, at.GAMMA_T] = nx * gy - ny * gx
 
 
+class BetweenWalls(FreePlay):
+    """Places of a block (length 2a, height 2b, walls at +-(b + c)), moved across by e_0 and turned by e_1:
+
+        |e_0| <= room(e_1) = b + c - a |sin e_1| - b |cos e_1|
+
+    A region with four curved sides that bow inwards, tips at (+-c, 0) and (0, +-theta_m), where
+    sin(theta_m + atan(b/a)) = (b + c)/hypot(a, b).  A block whose diagonal fits between the walls can turn over.
+    """
+
+    two_tips = True
+
+    def __init__(self, clearance: float, block: Pair | None) -> None:
+        super().__init__(clearance)
+        self.block = block
+        self.a, self.b = (0.5 * block[0], 0.5 * block[1]) if block else (math.inf, 0.0)
+        self.steps = (clearance, clearance / self.a)
+
+    def first_order(self, y: np.ndarray) -> tuple[float, np.ndarray]:
+        """Corners |e_0 +- a e_1| <= c: a rhombus, its tips are the extremes."""
+        c, turn = self.clearance, self.clearance / self.a
+        ends = (c * abs(float(y[0])), turn * abs(float(y[1])))
+        if ends[0] >= ends[1]:
+            return ends[0], np.array([math.copysign(c, y[0]), 0.0])
+        return ends[1], np.array([0.0, math.copysign(turn, y[1])])
+
+    @property
+    def largest_turn(self) -> float:
+        """How far the block can turn either way [rad]; inf where it can turn over, 0 without a block."""
+        if not self.block:
+            return 0.0
+        a, b = self.a, self.b
+        if math.hypot(a, b) <= b + self.clearance:
+            return math.inf
+        return math.asin((b + self.clearance) / math.hypot(a, b)) - math.atan2(b, a)
+
+    def room(self, turn: float) -> float:
+        """How far the block can be moved across, either way, when it is turned [m]."""
+        if not self.block:
+            return self.clearance
+        a, b = self.a, self.b
+        return max(b + self.clearance - a * abs(math.sin(turn)) - b * abs(math.cos(turn)), 0.0)
+
+    def tip(self, y: np.ndarray, second: bool | None) -> np.ndarray:
+        """Moved across, or (second) turned."""
+        most = self.largest_turn
+        if second is None:
+            second = most * abs(float(y[1])) > self.clearance * abs(float(y[0]))
+        if second:
+            return np.array([0.0, math.copysign(most, y[1])])
+        return np.array([math.copysign(self.clearance, y[0]), 0.0])
+
+    def side(self, e: np.ndarray, y: np.ndarray) -> tuple[float, Callable[[float], np.ndarray]] | None:
+        """The side from tip to tip that e belongs to, where y . e grows along it; the way is the turn."""
+        if not self.block:
+            return None
+        a, b, most = self.a, self.b, self.largest_turn
+        across = math.copysign(1.0, e[0]) if e[0] != 0.0 else math.copysign(1.0, y[0])
+        turned = abs(float(e[1]))
+        sense = math.copysign(1.0, e[1]) if turned > 0.0 else math.copysign(1.0, y[1])
+        climb = sense * y[1] + across * y[0] * (b * math.sin(turned) - a * math.cos(turned))  # along growing |theta|
+        if (turned == 0.0 and climb <= 0.0) or (turned >= most * (1.0 - 1e-12) and climb >= 0.0):
+            return None
+        return most, lambda turn: np.array([across * self.room(turn), sense * turn])
+
+    @property
+    def unbounded(self) -> str:
+        """A block whose diagonal fits between the walls turns over."""
+        if not self.block or self.largest_turn < math.inf:
+            return ""
+        high = self.block[1] + 2 * self.clearance
+        return (
+            f"can turn over: its diagonal of {1e3 * math.hypot(*self.block):.4g} mm fits between"
+            f" walls {1e3 * high:.4g} mm apart; nothing bounds its angle"
+        )
+
+
 @kind("clearance", "guide", guide)
-class Guide:
+class BlockInGuide(ClearanceKind):
     """A block in a guide: four corners against two walls.
 
     Source: Flores, Leine, Glocker, Modeling and analysis of planar rigid multibody systems with translational
@@ -72,9 +155,31 @@ class Guide:
     """
 
     joint = "prismatic"
-    corners = 4
+    borne, bearer = "block", "guide"
+    contacts = 4
+    walls_turn = True
+    rounded = False
+    has_radius = False
+    dimensions = {
+        "block": {
+            "length": Field("m", "length of the block along the guide", least="positive"),
+            "height": Field("m", "height of the block across the guide", least="positive"),
+        }
+    }
 
     @staticmethod
-    def levers(p: Sequence[float]) -> tuple[float, float, float]:
-        """Arms [m] of the guide's point and of the farthest corner, from the joint's fields; 1: walls turn with A."""
-        return math.hypot(p[0], p[1]), math.hypot(p[2], p[3]) + 0.5 * math.hypot(p[8], p[9]), 1.0
+    def levers(p: Sequence[float]) -> tuple[float, float]:
+        """Arms [m] of the guide's point and of the farthest corner."""
+        f = at.FIELDS
+        return math.hypot(p[0], p[1]), math.hypot(p[2], p[3]) + 0.5 * math.hypot(p[f + 2], p[f + 3])
+
+    @staticmethod
+    def displaced(fields: Mapping[str, float], e: np.ndarray) -> tuple[float, float, Mapping[str, float]]:
+        """Moved across by e_0 [m] and turned by e_1 [rad]."""
+        axis = fields["axis"]
+        return -math.sin(axis) * float(e[0]), math.cos(axis) * float(e[0]), {"angle": float(e[1])}
+
+    @staticmethod
+    def free_play(clearance: float, fields: Mapping[str, float], dimensions: Mapping[str, Pair]) -> BetweenWalls:
+        """Corners between the walls."""
+        return BetweenWalls(clearance, dimensions.get("block"))

@@ -14,8 +14,8 @@ Relative velocity u of the two material points, t = n turned by 90 degrees:
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
+from rattle.elements.clearances import ClearanceKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
@@ -25,7 +25,7 @@ from rattle.registry import kind
 @kernel("clearance")
 def pin(body, a, b, p, k, corner, row, kinematics):
     sax, say, sbx, sby, ex, ey, dex, dey = ends(body, a, b, p, k)
-    c, bore = p[k + 4], p[k + 5]
+    c, bore = p[k + at.CLEARANCE], p[k + at.RADIUS]
     wa, wb = body[a, at.W], body[b, at.W]
     e = math.sqrt(ex * ex + ey * ey)
     inv = 1.0 / e if e > 1e-150 else 0.0
@@ -52,43 +52,12 @@ def pin(body, a, b, p, k, corner, row, kinematics):
 
 
 @kind("clearance", "pin", pin)
-class Pin:
+class PinInBush(ClearanceKind):
     """A pin in a bush: one contact on the circle of the clearance.
 
     Source: Flores, Ambrosio, Revolute joints with clearance in multibody systems, Comput. Struct. 82 (2004) 1359-1369.
     """
 
     joint = "revolute"
-    corners = 1
-
-    @staticmethod
-    def levers(p: Sequence[float]) -> tuple[float, float, float]:
-        """Arms [m] of the centres of bush and pin, from the fields of the joint; 0: |e| does not turn with A."""
-        return math.hypot(p[0], p[1]), math.hypot(p[2], p[3]), 0.0
-
-
-@kind("contact", "ideal")
-class Ideal:
-    """The clearance is ignored: the joint is the plain one.
-
-    Source: definition.
-    """
-
-    joints = ("revolute", "prismatic")
-    replaces: dict[str, str] = {}
-    contacts = False
-
-
-@kind("contact", "massless-link")
-class MasslessLink:
-    """The pin stays on the bush wall: a massless rigid link of length = clearance, two-sided.
-
-    Its force N is positive when the pin presses on the wall; N < 0 means that the wall would have to
-    pull, and every such interval is reported.
-
-    Source: Grigore et al., Application to the motion and equilibrium of planar kinematic chains, section 1.
-    """
-
-    joints = ("revolute",)
-    replaces = {"revolute": "rod"}  # the joint's rows give way to the rows of this kind, its length the clearance
-    contacts = False
+    from_materials = True
+    orbit = True

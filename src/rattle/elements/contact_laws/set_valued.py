@@ -7,19 +7,18 @@ g >= 0, N >= 0, g N = 0;     impact (newton): u_n+ = -e_N u_n-, u_t+ = -e_T u_t-
 
 from __future__ import annotations
 
+from rattle.elements.contact_laws import ContactKind
 from rattle.registry import Field, kind
 
 
 @kind("contact", "impact")
-class Impact:
+class Impact(ContactKind):
     """No penetration; restitution at impacts, Coulomb friction that truly holds; three modes: flight, impact, contact.
 
     Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996); Leine, Nijmeijer, Dynamics and
     Bifurcations of Non-Smooth Mechanical Systems (2004).
     """
 
-    joints = ("revolute", "prismatic")
-    replaces: dict[str, str] = {}
     contacts = True
     restitution = Field("", "normal restitution e_N, 0 to 1", default=0.0, least="not negative")
     tangential_restitution = Field("", "tangential restitution e_T, 0 to 1", default=0.0, least="not negative")

@@ -9,11 +9,13 @@
               nu = f',  gamma = f'' + i . s_B w_B^2
     body angle: as angle, A the ground                                                       [rad]
 
-Parameters: those of the joint, then f, f', f'' (evaluated exactly before the rows are).
+Parameters: the two points, the direction of the joint's line in A where it has one, then f, f', f'' (evaluated exactly
+before the rows are).
 """
 
 from __future__ import annotations
 
+from rattle.elements.joints import DriverKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import angle_row, direction, ends, turn_x, turn_y
@@ -32,10 +34,10 @@ def driver_position(body, a, b, p, k, row, rows):
     nx, ny = -uy, ux
     wa, wb = body[a, at.W], body[b, at.W]
 
-    rows[row, at.RES] = ux * dx + uy * dy - p[k + 6]
-    rows[row, at.NU] = p[k + 7]
+    rows[row, at.RES] = ux * dx + uy * dy - p[k + 5]
+    rows[row, at.NU] = p[k + 6]
     rows[row, at.GAMMA] = (
-        p[k + 8]
+        p[k + 7]
         + ux * (sbx * wb * wb - sax * wa * wa)
         + uy * (sby * wb * wb - say * wa * wa)
         - 2.0 * wa * (nx * ddx + ny * ddy)
@@ -68,33 +70,35 @@ def driver_y(body, a, b, p, k, row, rows):
 
 
 @kind("driver", "angle", driver_angle)
-class DriverAngle:
+class DriverAngle(DriverKind):
     """The angle phi_B - phi_A of a revolute joint follows a function of time.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
     """
 
     rows = ("rad",)
-    drives = "revolute"
+    sets_angle = True
+    drives = "joint"
     effort = ("torque", "N*m")
     angle = Field("rad", "angle of B relative to A as a function of t", live=True)
 
 
 @kind("driver", "position", driver_position)
-class DriverPosition:
+class DriverPosition(DriverKind):
     """The position of a prismatic joint's point of B along the line follows a function of time.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
     """
 
     rows = ("m",)
-    drives = "prismatic"
+    drives = "joint"
+    along_line = True
     effort = ("force", "N")
     position = Field("m", "distance along the line from the point of A as a function of t", live=True)
 
 
 @kind("driver", "body-x", driver_x)
-class DriverBodyX:
+class DriverBodyX(DriverKind):
     """The x coordinate of a body's mass centre, or of a point of it, follows a function of time.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
@@ -107,7 +111,7 @@ class DriverBodyX:
 
 
 @kind("driver", "body-y", driver_y)
-class DriverBodyY:
+class DriverBodyY(DriverKind):
     """The y coordinate of a body's mass centre, or of a point of it, follows a function of time.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
@@ -120,13 +124,14 @@ class DriverBodyY:
 
 
 @kind("driver", "body-angle", driver_angle)
-class DriverBodyAngle:
+class DriverBodyAngle(DriverKind):
     """The angle of a body follows a function of time.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
     """
 
     rows = ("rad",)
+    sets_angle = True
     drives = "body"
     effort = ("torque", "N*m")
     angle = Field("rad", "angle in the ground frame as a function of t", live=True)

@@ -7,6 +7,9 @@ gamma = s_B w_B^2 - s_A w_A^2, 0                [m/s^2, m/s^2, rad/s^2]
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from rattle.elements.joints import JointKind
 from rattle.elements.joints.revolute import revolute
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import angle_row
@@ -20,12 +23,18 @@ def fixed(body, a, b, p, k, row, rows):
 
 
 @kind("joint", "fixed", fixed)
-class Fixed:
+class Fixed(JointKind):
     """Two bodies share a point and keep their angle, as if welded.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.2.
     """
 
     rows = ("m", "m", "rad")
+    rows_in_ground = True
     moment = True
     angle = Field("rad", "angle of B relative to A", default=0.0)
+
+    @staticmethod
+    def kept_angle(fields: Mapping[str, float]) -> float:
+        """As given."""
+        return fields["angle"]

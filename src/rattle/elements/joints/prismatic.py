@@ -9,6 +9,9 @@ gamma_2 = 0                                                                 [rad
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from rattle.elements.joints import JointKind, Motor
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import angle_row, direction, ends
@@ -42,7 +45,7 @@ def prismatic(body, a, b, p, k, row, rows):
 
 
 @kind("joint", "prismatic", prismatic)
-class Prismatic:
+class Prismatic(JointKind):
     """A point of B slides along a line fixed in A; B keeps its angle to A.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.3.
@@ -50,5 +53,17 @@ class Prismatic:
 
     rows = ("m", "rad")
     moment = True
+    motor = Motor("position", "thrust", "N")
+    drawn_as = "guide"
     axis = Field("rad", "direction of the line in A's frame", default=0.0)
     angle = Field("rad", "angle of B relative to A (default: equal to axis)", default=lambda given: given["axis"])
+
+    @staticmethod
+    def kept_angle(fields: Mapping[str, float]) -> float:
+        """As given."""
+        return fields["angle"]
+
+    @staticmethod
+    def line(fields: Mapping[str, float]) -> float:
+        """As given."""
+        return fields["axis"]

@@ -7,6 +7,7 @@ gamma = s_B w_B^2 - s_A w_A^2                   [m/s^2]
 
 from __future__ import annotations
 
+from rattle.elements.joints import JointKind, Motor
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
@@ -34,11 +35,14 @@ def revolute(body, a, b, p, k, row, rows):
 
 
 @kind("joint", "revolute", revolute)
-class Revolute:
+class Revolute(JointKind):
     """Two bodies share a point and turn freely about it.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.3.
     """
 
     rows = ("m", "m")
-    moment = False
+    rows_in_ground = True
+    motor = Motor("angle", "torque", "N*m")
+    massless = "rod"
+    drawn_as = "pin"

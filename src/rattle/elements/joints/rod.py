@@ -10,7 +10,9 @@ A pin that stays in contact with its bush is such a rod, L = radial clearance (t
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
+from rattle.elements.joints import JointKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
@@ -38,12 +40,17 @@ def rod(body, a, b, p, k, row, rows):
 
 
 @kind("joint", "rod", rod)
-class Rod:
+class Rod(JointKind):
     """A massless rigid link of given length between two points.
 
     Source: Grigore et al., Application to the motion and equilibrium of planar kinematic chains, section 1.
     """
 
     rows = ("m",)
-    moment = False
+    drawn_as = "rod"
     length = Field("m", "length of the rod", least="positive")
+
+    @staticmethod
+    def distance(fields: Mapping[str, float]) -> float:
+        """As given."""
+        return fields["length"]

@@ -86,7 +86,10 @@ def choose_active(m):
     count = 0
     for n in range(contact.shape[0]):
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = 0.0, 0.0
-        if kinematics[n, at.GAP] <= (ACTIVE if mode[n] == OFF else KEPT) * values[contact[n, at.SHAPE_P] + 4]:
+        if (
+            kinematics[n, at.GAP]
+            <= (ACTIVE if mode[n] == OFF else KEPT) * values[contact[n, at.SHAPE_P] + at.CLEARANCE]
+        ):
             active[count], candidate[count], slide[count] = n, mode[n], 0
             count += 1
     return count

@@ -1,0 +1,27 @@
+"""Models without contacts: the play is ignored, or a pin never leaves its bush."""
+
+from __future__ import annotations
+
+from rattle.elements.contact_laws import ContactKind
+from rattle.registry import kind
+
+
+@kind("contact", "ideal")
+class Ideal(ContactKind):
+    """The clearance is ignored: the joint is the plain one.
+
+    Source: definition.
+    """
+
+
+@kind("contact", "massless-link")
+class MasslessLink(ContactKind):
+    """The pin stays on the bush wall: a massless rigid link of length = clearance, two-sided.
+
+    Its force N is positive when the pin presses on the wall; N < 0 means that the wall would have to
+    pull, and every such interval is reported.
+
+    Source: Grigore et al., Application to the motion and equilibrium of planar kinematic chains, section 1.
+    """
+
+    link = True
