@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.jit import layout as at
-from rattle.registry import kinds
 
 DATA = Path(__file__).parents[1] / "data"
 PIN_TIMES = [1.553954329, 3.054303658, 4.437756907]  # c/v0 after the first; independent, 9 decimals
@@ -49,39 +47,6 @@ contact = {{ model = "impact", restitution = {e}, friction = {mu}{options} }}
 [initial]
 block = {{ x = 0, y = 0, angle = 0, vx = {vx}, vy = 0, omega = {omega} }}
 """)
-
-
-# ---------------------------------------------------------------- geometry of the contacts
-@pytest.mark.nojit
-@pytest.mark.parametrize("shape", ["pin", "guide"])
-def test_contact_rates_and_gammas_are_derivatives_along_any_motion(shape):
-    kernel = kinds("clearance")[shape].kernel.python
-    rng = np.random.default_rng(3)
-    p = np.array([0.1, -0.2, 0.3, 0.15, 0.02, 0.5, 0.7, 0.2, 0.4, 0.1])
-    start, rate, bend = rng.normal(size=(3, 2, 3))
-
-    def spot(t):
-        q, v = start + t * rate + 0.5 * t * t * bend, rate + t * bend
-        body = np.zeros((2, 8))
-        body[:, 0:3], body[:, 3:6] = q, v
-        body[:, 6], body[:, 7] = np.cos(q[:, 2]), np.sin(q[:, 2])
-        kinematics = np.zeros((4, 16))
-        for corner in range(4 if shape == "guide" else 1):
-            kernel(body, 0, 1, p, 0, corner, corner, kinematics)
-        return kinematics
-
-    h = 1e-5
-    for corner in range(4 if shape == "guide" else 1):
-        now, before, after = spot(0.0)[corner], spot(-h)[corner], spot(h)[corner]
-        assert (after[at.GAP] - before[at.GAP]) / (2 * h) == pytest.approx(now[at.DGAP], abs=1e-8)
-        normal, tangent = now[2:4], np.array([-now[3], now[2]])
-        for unit, sign, column, gamma in ((normal, -1.0, at.DGAP, at.GAMMA_N), (tangent, 1.0, at.SLIP, at.GAMMA_T)):
-            # J dv of the two material points, with the accelerations of the bodies
-            arms = now[4:6], now[6:8]
-            points = [bend[i, :2] + bend[i, 2] * np.array([-arm[1], arm[0]]) for i, arm in enumerate(arms)]
-            second = unit @ (points[1] - points[0]) - now[gamma]
-            # central differences: h^2 and rounding/h together stay below 1e-5
-            assert sign * (after[column] - before[column]) / (2 * h) == pytest.approx(second, rel=1e-6, abs=1e-5)
 
 
 # ---------------------------------------------------------------- closed forms

@@ -1,0 +1,61 @@
+"""Two bodies on a smooth path, and possible values of fields: what contracts of kinds are tried on."""
+
+import math
+import zlib
+
+import numpy as np
+
+H = 1e-5  # step of central differences: error H**2 / 6 times third derivatives of order 10, rounding 1e-16 / H
+FIRST, SECOND = 1e-8, 1e-4  # error allowed in first and (1e-16 / H**2) second differences
+A, B = 1, 2
+
+
+def rng_for(*words):
+    return np.random.default_rng(zlib.crc32(" ".join(words).encode()))
+
+
+def field_values(kind, rng):
+    """One possible value of every field, in the order in which the kernel wants them."""
+    found = {}
+    for key, one in kind.fields.items():
+        if one.shape == "number":
+            found[key] = [rng.uniform(0.5, 2.0)]
+        elif one.shape == "pair":
+            found[key] = list(rng.uniform(-2, 2, 2))
+        elif one.shape == "choice":
+            found[key] = [float(rng.integers(len(one.choices)))]
+        elif one.shape == "point":
+            found[key] = list(rng.uniform(-1, 1, 2))
+        elif one.shape == "connect":
+            found[key] = list(rng.uniform(-1, 1, 4))
+        else:
+            assert one.shape == "body", f"tell the contracts how a {one.shape} is made"
+            found[key] = []
+    return [x for part in found.values() for x in part]
+
+
+class Path:
+    """A smooth motion of two bodies: q(t) with its exact rates, and a function of time f(t) for drivers."""
+
+    def __init__(self, rng):
+        self.q0 = rng.uniform(-2, 2, (3, 3))
+        self.a = rng.uniform(-1, 1, (3, 3))
+        self.w = rng.uniform(0.5, 2, (3, 3))
+        self.q0[0] = self.a[0] = 0.0  # the ground
+
+    def q(self, t):
+        return self.q0 + self.a * np.sin(self.w * t)
+
+    def v(self, t):
+        return self.a * self.w * np.cos(self.w * t)
+
+    def dv(self, t):
+        return -self.a * self.w**2 * np.sin(self.w * t)
+
+    @staticmethod
+    def f(t):
+        return [math.sin(1.3 * t), 1.3 * math.cos(1.3 * t), -1.69 * math.sin(1.3 * t)]
+
+
+def body_at(q, v):
+    return np.ascontiguousarray(np.column_stack([q, v, np.cos(q[:, 2]), np.sin(q[:, 2])]))
