@@ -169,9 +169,9 @@ def test_every_normal_law_of_the_package_passes_the_same_check(name, e):
 
 @pytest.mark.usefixtures("laws")
 def test_bad_laws_are_refused():
-    with pytest.raises(ValueError, match="a law of the program has this name"):
+    with pytest.raises(ValueError, match="a built-in law has this name"):
         normal_law("hertz")
-    with pytest.raises(ValueError, match="a contact model of the program"):
+    with pytest.raises(ValueError, match="a built-in contact model"):
         normal_law("impact")
     with pytest.raises(ValueError, match="cannot be called 'stiffness'"):
         normal_law("x", stiffness="N/m")

@@ -1,19 +1,19 @@
-"""Friction laws: tangential force from slip, normal force and states of its own.
+"""Friction laws: tangential force from slip, normal force and the states of the law.
 
-The kernel is  f(u, N, z, p, k, dz) -> T:  slip u [m/s], normal force N [N], its own states z[0], z[1], ..., as many as
-`states` says; their rates are written to dz.  T [N] opposes the slip: the power taken from the motion is T u.
-p[k:] are the fields in their order (`pack`).  T = 0 and dz = 0 for N <= 0; z starts at 0 when a contact starts.
+The kernel is  f(u, N, z, p, k, dz) -> T:  slip u [m/s], normal force N [N], states z[0], z[1], ... of the law, `states`
+in number; their rates are written to dz.  T [N] opposes the slip: the power taken from the motion is T u [W].
+p[k:] are the fields in their order (`pack`).  T = 0 and dz = 0 for N <= 0; z is 0 at the start of a contact.
 
 Without states T u >= 0 at every instant.  With one (dahl, lugre: bristles) T u may be negative while
-bristles spring back, never by more than they hold, **for every N(t)**: T u - dS/dt >= 0 with
+bristles spring back, but never by more than the energy they store, **for every N(t)**: T u - dS/dt >= 0 with
 
     S = sigma z^2/2  [J]      z = sqrt(N) times the bristle deflection  [m N^(1/2)]
 
-The deflection zeta itself as state, F = N sigma zeta, gives energy back when N rises while it is loaded
-(S = N sigma zeta^2/2 then grows without work).  With u sqrt(N) driving the state and T = sqrt(N) sigma z the
-stored energy depends on z alone, and at constant N both are the same law.
+With the deflection zeta itself as state, F = N sigma zeta, a law would return more energy than it took when N rises
+while the bristle is loaded (S = N sigma zeta^2/2 grows without work).  With dz = u sqrt(N) - ... and
+T = sqrt(N) sigma z the stored energy depends on z only, and at constant N both are the same law.
 
-Regularised laws creep at rest: a tangential load F < mu N is held at the slip each docstring gives.
+Regularised laws creep at rest: under a tangential load F < mu N the slip is that given in each docstring.
 """
 
 from __future__ import annotations
@@ -26,13 +26,14 @@ from rattle.jit.functions import kernel
 from rattle.registry import Field, fields_of, kind
 
 MU = Field("", "coefficient of friction", least="not negative")
-MU_STATIC = Field("", "at rest; default: mu", lambda read: read["mu"], least="not negative")
+MU_STATIC = Field("", "coefficient at rest; default: mu", lambda read: read["mu"], least="not negative")
 V_STRIBECK = Field("m/s", "slip at which the extra friction at rest has fallen to 1/e", default=0.01, least="positive")
 V1 = Field("m/s", "slip at which tanh(1) = 76 % of mu N is reached", default=1e-3, least="positive")
 
 
 @kernel("friction")
 def coulomb_smooth(u, N, z, p, k, dz):
+    """Friction force [N] of `CoulombSmooth`."""
     if N <= 0.0:
         return 0.0
     return p[k] * N * math.tanh(u / p[k + 1])
@@ -40,6 +41,7 @@ def coulomb_smooth(u, N, z, p, k, dz):
 
 @kernel("friction")
 def ambrosio(u, N, z, p, k, dz):
+    """Friction force [N] of `Ambrosio`."""
     v0, v1 = p[k + 1], p[k + 2]
     if N <= 0.0 or abs(u) <= v0:
         return 0.0
@@ -48,6 +50,7 @@ def ambrosio(u, N, z, p, k, dz):
 
 @kernel("friction")
 def threlfall(u, N, z, p, k, dz):
+    """Friction force [N] of `Threlfall`."""
     if N <= 0.0:
         return 0.0
     return p[k] * N * math.copysign(-math.expm1(-3.0 * min(abs(u) / p[k + 1], 1.0)), u)
@@ -55,6 +58,7 @@ def threlfall(u, N, z, p, k, dz):
 
 @kernel("friction")
 def viscous(u, N, z, p, k, dz):
+    """Friction force [N] of `Viscous`."""
     if N <= 0.0:
         return 0.0
     return p[k] * u
@@ -62,6 +66,7 @@ def viscous(u, N, z, p, k, dz):
 
 @kernel("friction")
 def stribeck(u, N, z, p, k, dz):
+    """Friction force [N] of `Stribeck`."""
     if N <= 0.0:
         return 0.0
     mu = p[k] + (p[k + 1] - p[k]) * math.exp(-((abs(u) / p[k + 2]) ** p[k + 3]))
@@ -70,16 +75,17 @@ def stribeck(u, N, z, p, k, dz):
 
 @kernel("friction")
 def dahl(u, N, z, p, k, dz):
+    """Friction force [N] of `Dahl`, and the rate of its state [m N^(1/2)/s]."""
     dz[0] = 0.0
     mu, sigma, alpha = p[k], p[k + 1], p[k + 2]
     if N <= 0.0 or mu <= 0.0:
         return 0.0
     root = math.sqrt(N)
-    held = math.copysign(sigma * z[0] / mu, u * z[0])  # along the slip, in units of sqrt(N): root when sliding
+    held = math.copysign(sigma * z[0] / mu, u * z[0])  # along the slip; equals root when sliding
     if abs(held) < root:
         rate = root * (1.0 - held / root) ** alpha
     elif held > 0.0:
-        rate = root - held  # N has fallen since: back at a rate that does not depend on N
+        rate = root - held  # N has decreased: relaxes at a rate that does not depend on N
     else:
         rate = root * (2.0**alpha - 1.0) - held
     dz[0] = u * rate
@@ -88,6 +94,7 @@ def dahl(u, N, z, p, k, dz):
 
 @kernel("friction")
 def lugre(u, N, z, p, k, dz):
+    """Friction force [N] of `LuGre`, and the rate of its state [m N^(1/2)/s]."""
     dz[0] = 0.0
     mu, mu_static, sigma, damping, viscosity = p[k], p[k + 1], p[k + 3], p[k + 4], p[k + 5]
     if N <= 0.0 or mu <= 0.0:
@@ -101,18 +108,18 @@ def lugre(u, N, z, p, k, dz):
 
 
 class Friction:
-    """What all friction laws share."""
+    """Base of the friction laws."""
 
-    states: ClassVar[int] = 0  # numbers z that are integrated with the motion
+    states: ClassVar[int] = 0  # number of states z, which are integrated with the motion
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        """Numbers of the kernel, p[k:]: the fields in their order."""
+        """Parameters of the kernel, p[k:]: the fields [SI] in their order."""
         return tuple(float(values[name]) for name in fields_of(cls))
 
     @classmethod
     def notes(cls, values: Mapping[str, Any]) -> list[str]:
-        """What the user should know of the range of validity."""
+        """Remarks for the user on the range of validity."""
         return []
 
 
@@ -120,8 +127,8 @@ class Friction:
 class CoulombSmooth(Friction):
     """T = mu N tanh(u/v1).
 
-    Creep at rest: v1 artanh(F/(mu N)) under a held load F.
-    Source: Coulomb's law, its jump at u = 0 smoothed; Andersson, Soderberg, Bjorklund (2007), Tribol. Int. 40, 580-587.
+    Creep at rest: v1 artanh(F/(mu N)) under a load F.
+    Source: Coulomb's law, smoothed at u = 0; Andersson, Soderberg, Bjorklund (2007), Tribol. Int. 40, 580-587.
     """
 
     mu = MU
@@ -132,7 +139,7 @@ class CoulombSmooth(Friction):
 class Ambrosio(Friction):
     """T = mu N cd sign(u), cd = 0 below v0, (|u|-v0)/(v1-v0) up to v1, 1 above.
 
-    Creep at rest: v0 + (v1-v0) F/(mu N) under a held load F; below v0 nothing holds at all.
+    Creep at rest: v0 + (v1-v0) F/(mu N) under a load F; below v0 there is no friction at all.
     Source: Ambrosio (2003), Impact of rigid and flexible multibody systems, NATO Science Series 103, 57-81.
     """
 
@@ -142,7 +149,7 @@ class Ambrosio(Friction):
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        """Numbers of the kernel; ValueError unless v0 < v1."""
+        """Parameters of the kernel [-, m/s, m/s].  Raises ValueError unless v0 < v1."""
         if not values["v0"] < values["v1"]:
             raise ValueError(f"ambrosio needs v0 < v1, not {values['v0']:g} and {values['v1']:g} m/s")
         return float(values["mu"]), float(values["v0"]), float(values["v1"])
@@ -150,9 +157,9 @@ class Ambrosio(Friction):
 
 @kind("friction", "threlfall", threlfall)
 class Threlfall(Friction):
-    """T = mu N (1 - exp(-3 |u|/vr)) sign(u) up to |u| = vr, from there constant at 0.950 mu N.
+    """T = mu N (1 - exp(-3 |u|/vr)) sign(u) up to |u| = vr, constant at 0.950 mu N above.
 
-    Creep at rest: -(vr/3) ln(1 - F/(mu N)) under a held load F < 0.950 mu N.
+    Creep at rest: -(vr/3) ln(1 - F/(mu N)) under a load F < 0.950 mu N.
     Source: Threlfall (1978), Mech. Mach. Theory 13, 475-483.
     """
 
@@ -162,9 +169,9 @@ class Threlfall(Friction):
 
 @kind("friction", "viscous", viscous)
 class Viscous(Friction):
-    """T = c u while there is contact, whatever N.
+    """T = c u during contact, independent of N.
 
-    Creep at rest: F/c under a held load F.
+    Creep at rest: F/c under a load F.
     Source: definition.
     """
 
@@ -175,7 +182,7 @@ class Viscous(Friction):
 class Stribeck(Friction):
     """T = N [mu + (mu_static - mu) exp(-(|u|/v_stribeck)^shape)] tanh(u/v1) + c u.
 
-    Creep at rest: about v1 artanh(F/(mu_static N)) under a held load F.
+    Creep at rest: about v1 artanh(F/(mu_static N)) under a load F.
     Source: Armstrong-Helouvry, Dupont, Canudas de Wit (1994), Automatica 30, 1083-1138.
     """
 
@@ -191,8 +198,8 @@ class Stribeck(Friction):
 class Dahl(Friction):
     """dT/dx = N sigma (1 - T/(mu N) sign(u))^alpha: bristles that bend before they slide.
 
-    At constant N and alpha = 1: T = mu N (1 - exp(-sigma x/mu)) along a slip x, the stiffness at rest is N sigma.
-    With N changing (alpha = 1): dz = sqrt(N) u - |u| sigma z/mu, T = sqrt(N) sigma z, cut off at mu N.
+    At constant N and alpha = 1: T = mu N (1 - exp(-sigma x/mu)) over a sliding distance x; the stiffness at rest is
+    N sigma.  For varying N (alpha = 1): dz = sqrt(N) u - |u| sigma z/mu, T = sqrt(N) sigma z, limited to mu N.
 
     At rest: no creep under a steady load; drifts under a load that oscillates.
     Source: Dahl (1968), Aerospace Corp. TOR-158(3107-18)-1; the dependence on N: this package, see the top of the file.
@@ -206,11 +213,11 @@ class Dahl(Friction):
 
 @kind("friction", "lugre", lugre)
 class LuGre(Friction):
-    """Bristles with damping and less friction in motion than at rest.
+    """Bristles with damping, and less friction in motion than at rest.
 
     zeta' = u - sigma0 |u| zeta/g(u),  T = N (sigma0 zeta + s1 zeta' + sigma2 u),
     g = mu + (mu_static - mu) exp(-(u/v_stribeck)^2),  s1 = sigma1/(1 + sigma1 |u|/g), passive for every sigma1;
-    z = sqrt(N) zeta, the elastic part cut off at N mu_static.  Sliding steadily: T = N (g(u) sign u + sigma2 u).
+    z = sqrt(N) zeta, the elastic part limited to N mu_static.  In steady sliding T = N (g(u) sign u + sigma2 u).
 
     At rest: no creep under a steady load; drifts under a load that oscillates.
     Source: Canudas de Wit et al. (1995), IEEE Trans. Autom. Control 40, 419-425; N and s1: this package.

@@ -1,15 +1,15 @@
-"""Normal force laws: what damping adds to the static force of a contact.
+"""Normal force laws: static force of a contact with damping.
 
     F = F_static(delta) (1 + a ddelta/v0)      F clipped at zero: a contact never pulls     [N]
 
-delta > 0 penetration [m], ddelta its rate [m/s], v0 > 0 the approach speed at the start of this contact,
-F_static from the family "stiffness".  The laws of this family share one kernel and differ by the factor
-a(e) alone, e being the restitution asked for.  What a free impact *returns* is the root x of
-ln((1+a)/(1-xa)) = a(1+x) (see `restitution`), whatever F_static and the mass; `exact` makes x = e.
+delta > 0 penetration [m], ddelta its rate [m/s], v0 > 0 the approach speed at the start of this contact [m/s],
+F_static from the family "stiffness" [N].  The hysteretic laws share one kernel and differ only in the factor
+a(e), where e is the given restitution.  A free impact *returns* the restitution x, the root of
+ln((1+a)/(1-xa)) = a(1+x) (see `restitution`), whatever F_static and the mass; the law `exact` makes x = e.
 
-v0 below `least_speed` is replaced by it, in every law: F stays finite when a contact starts from rest.
-Impacts slower than that return more than the others do.  It is a stiffness of the equations as well:
-under a lasting force N the damping is N a/least_speed.
+In every law a v0 below `least_speed` is replaced by it, so that F stays finite when a contact starts from rest.
+Impacts slower than that return more than faster ones.  `least_speed` also limits how stiff the equations become:
+under a lasting force N the damping is N a/least_speed [N*s/m].
 
 The kernel is  f(F_static, delta, ddelta, v0, p, k) -> F,  0 for delta <= 0;  p[k:] comes from `pack`.
 """
@@ -29,6 +29,7 @@ from rattle.registry import Field, kind, kinds
 
 @kernel("normal")
 def hysteretic(static, delta, ddelta, v0, p, k):
+    """Normal force [N] of all laws with a factor a: p[k:] = a [-], least_speed [m/s]."""
     a, least_speed = p[k], p[k + 1]
     if delta <= 0.0:
         return 0.0
@@ -37,21 +38,26 @@ def hysteretic(static, delta, ddelta, v0, p, k):
 
 @kernel("normal")
 def viscous(static, delta, ddelta, v0, p, k):
+    """Normal force [N] of `KelvinVoigt`: p[k] = 2 zeta sqrt(m) [kg^0.5]."""
     if delta <= 0.0 or static <= 0.0:
         return 0.0
     return max(0.0, static + p[k] * math.sqrt(static / delta) * ddelta)
 
 
 def damping_factor(law: str, restitution: float) -> float:
-    """Factor a [-] of F = F_static (1 + a ddelta/v0) for a law and the restitution asked for.
+    """Factor a [-] of F = F_static (1 + a ddelta/v0) for a law and a given restitution [-].
 
-    For kelvin-voigt it is the damping ratio zeta.  Raises ValueError for an unknown law and outside [0, 1].
+    For kelvin-voigt it is the damping ratio zeta [-].
+    Raises ValueError for an unknown law and for a restitution outside [0, 1].
     """
     return float(_leaf(law).factor(checked(restitution)))
 
 
 def returned(law: str, restitution: float) -> float:
-    """Restitution that a free impact returns under a law for the restitution asked for."""
+    """Restitution [-] that a free impact returns under a law with a given restitution [-].
+
+    Raises ValueError for an unknown law and for a restitution outside [0, 1].
+    """
     return float(_leaf(law).returned(checked(restitution)))
 
 
@@ -64,49 +70,49 @@ def _leaf(law: str) -> Any:
 
 
 class Damped(ABC):
-    """A law with a restitution asked for: its damping factor, and what comes back of it."""
+    """A law with a given restitution: its damping factor, and the restitution that an impact really returns."""
 
-    restitution = Field("", "restitution asked for, 0 to 1", least="not negative")
+    restitution = Field("", "desired restitution, 0 to 1", least="not negative")
 
     @staticmethod
     @abstractmethod
     def factor(e: float) -> float:
-        """Damping factor [-] for the restitution e asked for, within [0, 1]."""
+        """Damping factor a [-] for the given restitution e [-] within [0, 1]."""
 
     @classmethod
     def returned(cls, e: float) -> float:
-        """Restitution that a free impact returns."""
+        """Restitution x [-] that a free impact returns for the given restitution e [-]."""
         return restitution_returned(cls.factor(e))
 
     @classmethod
     def notes(cls, values: Mapping[str, Any]) -> list[str]:
-        """What the user should know: where the law returns another restitution than the one asked for."""
+        """Remark for the user if the law returns a restitution that differs from the given one by more than 0.02."""
         e = checked(values["restitution"])
         x = cls.returned(e)
         if abs(x - e) <= 0.02:
             return []
-        return [f"this law returns a restitution of {x:.3f} where {e:g} is asked for; 'exact' returns what is asked"]
+        return [f"this law returns a restitution of {x:.3f} instead of {e:g}; the law 'exact' returns the given value"]
 
 
 class Hysteretic(Damped):
     """A law whose damping grows with the static force, F = F_static (1 + a ddelta/v0)."""
 
-    least_speed = Field("m/s", "slower approaches are damped like this one", default=1e-3, least="positive")
+    least_speed = Field("m/s", "slower approaches are damped as at this speed", default=1e-3, least="positive")
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        """Numbers of the kernel, p[k:]; `values` by field name."""
+        """Parameters of the kernel, p[k:] = a [-], least_speed [m/s]; `values` by field name [SI]."""
         return cls.factor(checked(values["restitution"])), float(values["least_speed"])
 
 
 def _at_least(e: float) -> float:
-    """Laws with 1/e are infinite at e = 0: less than 0.001 counts as 0.001."""
+    """A restitution below 0.001 replaced by 0.001: laws with 1/e are infinite at e = 0."""
     return max(e, LEAST_RESTITUTION)
 
 
 @kind("normal", "exact", hysteretic)
 class Exact(Hysteretic):
-    """Returns exactly the restitution asked for: a solves ln((1+a)/(1-ea)) = a(1+e).
+    """Returns exactly the given restitution: a solves ln((1+a)/(1-ea)) = a(1+e).
 
     Range: every e; below 0.001 it is taken as 0.001, where a = 1000 (a is infinite at 0).
     Source: this package, from the energy balance of the impact; the same a as gonthier-exact.
@@ -119,13 +125,13 @@ class Exact(Hysteretic):
 
 @kind("normal", "hertz", hysteretic)
 class Hertz(Hysteretic):
-    """Elastic, nothing is lost: a = 0, F = F_static.
+    """Elastic, without loss: a = 0, F = F_static.
 
     Range: impacts without yielding or waves.
     Source: Hertz (1882), J. reine angew. Math. 92, 156-171.
     """
 
-    restitution = Field("", "nothing is lost: 1", default=1.0, least="not negative")
+    restitution = Field("", "always 1: no energy is lost", default=1.0, least="not negative")
 
     @staticmethod
     def factor(e: float) -> float:
@@ -149,7 +155,7 @@ class HuntCrossley(Hysteretic):
 class HerbertMcWhannell(Hysteretic):
     """a = 6(1-e)/((2e-1)^2 + 3).
 
-    Range: e near 1; returns 0.02 more than asked for at 0.7, 0.22 more at 0.3.
+    Range: e near 1; returns 0.02 more than given at 0.7, 0.22 more at 0.3.
     Source: Herbert, McWhannell (1977), J. Eng. Ind. 99, 795-798.
     """
 
@@ -162,7 +168,7 @@ class HerbertMcWhannell(Hysteretic):
 class LeeWang(Hysteretic):
     """a = 3(1-e)/4.
 
-    Range: half the damping of hunt-crossley; even near e = 1 it loses half of what is asked for.
+    Range: half the damping of hunt-crossley; even near e = 1 it loses only half of the energy it should.
     Source: Lee, Wang (1983), J. Mech. Transm. Autom. Des. 105, 534-543.
     """
 
@@ -188,7 +194,7 @@ class LankaraniNikravesh(Hysteretic):
 class Gonthier(Hysteretic):
     """a = d/e with the usual approximation d = 1-e^2.
 
-    Range: every e, within 0.035 of it; e below 0.001 is taken as 0.001.
+    Range: every e; returns e within 0.035.  An e below 0.001 is taken as 0.001.
     Source: Gonthier, McPhee, Lange, Piedboeuf (2004), Multibody Syst. Dyn. 11, 209-233.
     """
 
@@ -227,7 +233,7 @@ class ZhiyingQishao(Hysteretic):
 class Flores(Hysteretic):
     """a = 8(1-e)/(5e).
 
-    Range: every e, within 0.05 of it; e below 0.001 is taken as 0.001.
+    Range: every e; returns e within 0.05.  An e below 0.001 is taken as 0.001.
     Source: Flores, Machado, Silva, Martins (2011), Multibody Syst. Dyn. 25, 357-375.
     """
 
@@ -240,7 +246,7 @@ class Flores(Hysteretic):
 class HuGuo(Hysteretic):
     """a = 3(1-e)/(2e).
 
-    Range: every e, within 0.035 of it; e below 0.001 is taken as 0.001.
+    Range: every e; returns e within 0.035.  An e below 0.001 is taken as 0.001.
     Source: Hu, Guo (2015), Multibody Syst. Dyn. 35, 131-151.
     """
 
@@ -252,18 +258,18 @@ class HuGuo(Hysteretic):
 @kind("normal", "anagnostopoulos", viscous)
 @kind("normal", "kelvin-voigt", viscous)
 class KelvinVoigt(Damped):
-    """Spring and damper side by side, F = k delta + c ddelta, c = 2 zeta sqrt(k m).
+    """Spring and damper in parallel, F = k delta + c ddelta, c = 2 zeta sqrt(k m).
 
-    zeta = -ln e / sqrt(pi^2 + ln^2 e);  m the effective mass of the two bodies along the normal.
-    Under a force that is not linear k is the secant F_static/delta (as Jankowski, 2005).
+    zeta = -ln e / sqrt(pi^2 + ln^2 e);  m is the effective mass of the two bodies along the normal.
+    For a nonlinear static force k is the secant stiffness F_static/delta (as in Jankowski, 2005).
 
-    Range: a linear static force (exponent 1).  zeta makes the whole half wave return e; as a contact
-    never pulls it ends earlier and returns exp(-2 zeta acos(zeta)/sqrt(1-zeta^2)): 0.902 for 0.9, 0.397 for 0.3.
-    Its force does not start from zero.
+    Range: a linear static force (exponent 1).  zeta is such that the full half period of oscillation returns e; because
+    a contact never pulls, it ends earlier and returns exp(-2 zeta acos(zeta)/sqrt(1-zeta^2)): 0.902 for 0.9, 0.397 for
+    0.3.  The force does not start from zero.
     Source: Anagnostopoulos (1988), Earthquake Eng. Struct. Dyn. 16, 443-456; Jankowski (2005), 34, 595-611.
     """
 
-    effective_mass = Field("kg", "along the normal; 0: that of the two bodies", default=0.0, least="not negative")
+    effective_mass = Field("kg", "along the normal; 0: computed from the bodies", default=0.0, least="not negative")
 
     @staticmethod
     def factor(e: float) -> float:
@@ -274,13 +280,13 @@ class KelvinVoigt(Damped):
 
     @classmethod
     def returned(cls, e: float) -> float:
-        """Restitution that a free impact returns (linear static force), the pull at its end cut off."""
+        """Restitution x [-] that a free impact returns for e [-]: linear static force, without the pull at its end."""
         zeta = cls.factor(e)
         return math.exp(-2.0 * zeta * (math.acos(zeta) / math.sqrt(1.0 - zeta * zeta) if zeta < 1.0 else 1.0))
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        """Numbers of the kernel; `effective_mass` must be filled in [kg]."""
+        """Parameter of the kernel, p[k] = 2 zeta sqrt(m) [kg^0.5].  Raises ValueError without effective mass [kg]."""
         mass = float(values["effective_mass"])
         if not mass > 0.0:
             raise ValueError("kelvin-voigt needs the effective mass of the two bodies, in kg")

@@ -1,16 +1,16 @@
-"""Damping factor a of a hysteretic contact force and the restitution x a free impact then returns.
+"""Damping factor a of a hysteretic contact force, and the restitution x that a free impact then returns.
 
     F = F_static(delta) (1 + a ddelta/v0)           m dv/dt = -F,  v = ddelta from v0 to -x v0
 
     v dv / (1 + a v/v0) = -F_static ddelta / m      integrated over approach and return: the right sides
-                                                    are equal and opposite whatever F_static and m, so
+                                                    are equal and opposite for every F_static and m, so
     ln((1 + a)/(1 - x a)) = a (1 + x)
 
 With psi(y) = 1/2 - (y - ln(1 + y))/y^2 = y/3 - y^2/4 + y^3/5 - ... this reads
 
     psi(a) - x^2 psi(-x a) = (1 - x)(1 + x)/2       free of cancellation as x -> 1 and a -> 0
 
-Its left side grows with x and with a, so bisection down to neighbouring numbers finds either from the other.
+The left side increases with x and with a, so either is found from the other by bisection, to the last bit.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-LEAST_RESTITUTION = 1e-3  # a is about 1/x as x -> 0: less than this is not told apart from it
+LEAST_RESTITUTION = 1e-3  # a is about 1/x as x -> 0: smaller values are replaced by this one
 
 
 def factor_returning(restitution: float) -> float:
-    """Damping factor a [-] with which a free impact returns exactly this restitution.
+    """Damping factor a [-] with which a free impact returns exactly this restitution [-].
 
     A restitution below 0.001 is taken as 0.001, where a = 1000 (a is infinite at 0).
     Raises ValueError outside [0, 1].
@@ -31,7 +31,7 @@ def factor_returning(restitution: float) -> float:
     if x == 1.0:
         return 0.0
 
-    # unknown: w = -ln(1 - x a), which stays well apart from its limits where x a is next to 1
+    # unknown: w = -ln(1 - x a), which is well resolved where x a is close to 1
     def excess(w: float) -> float:
         d = -math.expm1(-w)
         return _psi(d / x, math.log1p(d / x)) - x * x * _psi(-d, -w) - 0.5 * (1.0 - x) * (1.0 + x)
@@ -60,7 +60,7 @@ def restitution_returned(factor: float) -> float:
 
 
 def checked(restitution: float) -> float:
-    """The restitution as a number; ValueError unless it lies within [0, 1]."""
+    """The restitution [-] as a float.  Raises ValueError unless it lies within [0, 1]."""
     e = float(restitution)
     if not 0.0 <= e <= 1.0:
         raise ValueError(f"a restitution of {restitution} is outside 0 ... 1")
@@ -77,7 +77,7 @@ def _psi(y: float, log1p_y: float) -> float:
 
 
 def _bisected(increasing: Callable[[float], float], high: float) -> float:
-    """Root in (0, high) of an increasing function, to neighbouring floating-point numbers."""
+    """Root in (0, high) of an increasing function, by bisection to neighbouring floating-point numbers."""
     low = 0.0
     while low < (middle := 0.5 * (low + high)) < high:
         if increasing(middle) < 0.0:

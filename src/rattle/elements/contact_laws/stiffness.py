@@ -1,16 +1,17 @@
-"""Static (elastic) force of a contact, F(delta), given or from materials and geometry.
+"""Static (elastic) force of a contact, F(delta), given directly or computed from materials and geometry.
 
     power          F = K delta^n
     sphere         the same, K = 4/3 E* sqrt(R_A R_B/dR), n = 1.5
     pereira        the same, K and n fitted
     liu            F = (pi/2) E* L delta sqrt(delta/(2 (dR + delta)))
     johnson, radzimovsky, esdu-78035, dubowsky-freudenstein: line contact, given as delta(F)
-                   delta = c F ln(D/F),  c = 1/(pi E* L),  the four differ by D alone
+                   delta = c F ln(D/F),  c = 1/(pi E* L);  the four differ only in D
 
 E* = 1/(s_A + s_B), s = (1 - nu^2)/E: contact modulus [Pa]; R_A bush radius, R_B pin radius, dR = R_A - R_B
-the clearance [m]; L length [m].  delta(F) of the last four turns round at F = D/e^2 (there the Hertz half-width
-is far beyond the pin's radius); from F = D/e^2 on, where the slope dF/ddelta is 1/c, we go on along the tangent,
-so every F(delta) grows for all delta > 0.  The inverse: with w = ln(D/F), w - ln w = -ln(delta/(c D)), by Newton.
+the clearance [m]; L length [m].  delta(F) of the last four has a maximum at F = D/e, far outside the range of the
+formula; F(delta) is therefore continued along its tangent, of slope 1/c, from F = D/e^2 on, where the Hertz
+half-width is already far larger than the pin radius.  So every F(delta) increases for all delta > 0.
+Inversion: with w = ln(D/F), w - ln w = -ln(delta/(c D)), solved by Newton's method.
 
 The kernel is  f(delta, p, k) -> F,  0 for delta <= 0;  p[k:] comes from `pack`.
 """
@@ -26,12 +27,13 @@ from rattle.jit.functions import KernelFunction, kernel
 from rattle.language.materials import Given, contact_modulus, material
 from rattle.registry import Field, kind
 
-TURN = 2.0 * math.exp(-2.0)  # delta/(c D) at w = 2
+TURN = 2.0 * math.exp(-2.0)  # delta/(c D) at w = 2, where the tangent begins
 FORCE_AT_TURN = math.exp(-2.0)  # F/D there
 
 
 @kernel("stiffness")
 def power(delta, p, k):
+    """Force [N] of `Power`, `Sphere` and `Pereira`: p[k:] = K [N/m^n], n [-]."""
     if delta <= 0.0:
         return 0.0
     return p[k] * delta ** p[k + 1]
@@ -39,6 +41,7 @@ def power(delta, p, k):
 
 @kernel("stiffness")
 def logarithmic(delta, p, k):
+    """Force [N] of a `LineContact`: p[k:] = c [m/N], D [N]."""
     if delta <= 0.0:
         return 0.0
     c, d = p[k], p[k + 1]
@@ -57,13 +60,14 @@ def logarithmic(delta, p, k):
 
 @kernel("stiffness")
 def conforming(delta, p, k):
+    """Force [N] of `Liu`: p[k:] = (pi/2) E* L [N/m], dR [m]."""
     if delta <= 0.0:
         return 0.0
     return p[k] * delta * math.sqrt(0.5 * delta / (p[k + 1] + delta))
 
 
 def penetration(law: KernelFunction, p: Any, force: float, k: int = 0) -> float:
-    """Penetration [m] at which the static force of a kernel with numbers p[k:] is `force` [N]."""
+    """Penetration [m] at which the static force of a kernel with parameters p[k:] is `force` [N]."""
     if force <= 0.0:
         return 0.0
     high = 1e-9
@@ -84,20 +88,20 @@ def sphere_stiffness(
     material_a: Given,
     material_b: Given,
 ) -> tuple[float, float]:
-    """Stiffness K [N/m^1.5] and exponent of a sphere in a spherical socket, F = K delta^1.5.
+    """Stiffness K [N/m^1.5] and exponent [-] of a sphere in a spherical socket, F = K delta^1.5; radii in m.
 
     K = 4/(3 (s_A + s_B)) sqrt(R_A R_B/(R_A - R_B)), s = (1 - nu^2)/E.  Raises ValueError unless 0 < R_B < R_A.
 
     Source: Johnson, Contact Mechanics (1985), eq. 4.23; Goldsmith, Impact (1960).
     """
     if not 0.0 < pin_radius < bush_radius:
-        raise ValueError(f"a pin of radius {pin_radius:g} m has no play in a bush of {bush_radius:g} m")
+        raise ValueError(f"a pin of radius {pin_radius:g} m has no clearance in a bush of radius {bush_radius:g} m")
     curvature = math.sqrt(bush_radius * pin_radius / (bush_radius - pin_radius))
     return 4.0 / 3.0 * contact_modulus(material_a, material_b) * curvature, 1.5
 
 
 def _radii(values: Mapping[str, Any]) -> tuple[float, float, float]:
-    """R_A, R_B, dR [m]; ValueError where they do not make a pin with play."""
+    """R_A, R_B, dR [m].  Raises ValueError unless 0 < dR < R_A."""
     bush, play = float(values["bush_radius"]), float(values["clearance"])
     if not 0.0 < play < bush:
         raise ValueError(f"stiffness from geometry needs 0 < clearance < bush_radius, not {play:g} m and {bush:g} m")
@@ -109,53 +113,53 @@ def _modulus(values: Mapping[str, Any]) -> float:
 
 
 class Elastic(ABC):
-    """A static force law: its kernel's numbers, and up to which force it holds."""
+    """A static force law: the parameters of its kernel, and the force up to which it is valid."""
 
     @classmethod
     @abstractmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        """Numbers of the kernel, p[k:]; `values` by field name, with the joint's `clearance` [m]."""
+        """Parameters of the kernel, p[k:] [SI]; `values` by field name [SI], with the joint's `clearance` [m]."""
 
     @classmethod
     def limit(cls, values: Mapping[str, Any]) -> float:
-        """Normal force [N] up to which the formula holds."""
+        """Normal force [N] up to which the formula is valid."""
         return math.inf
 
     @classmethod
     def notes(cls, values: Mapping[str, Any], force: float = 0.0) -> list[str]:
-        """What the user should know of the range of validity, given the largest normal force [N]."""
+        """Remarks for the user on the range of validity, for the largest normal force [N]."""
         limit = cls.limit(values)
         if force <= limit:
             return []
         return [
-            f"{force:.3g} N is beyond {limit:.3g} N, where the contact is half as wide as the pin's radius: "
-            "this formula takes it as narrow; 'liu' is made for contacts that conform"
+            f"{force:.3g} N is above {limit:.3g} N, where the half-width of the contact is half the pin radius: "
+            "this formula assumes a narrow contact; 'liu' is made for conforming contacts"
         ]
 
 
 class PinInBush(Elastic):
-    """A law made from radii and materials."""
+    """A law computed from radii and materials."""
 
-    bush_radius = Field("m", "radius of the bush; the pin's is less by the clearance", least="positive")
+    bush_radius = Field("m", "radius of the bush; the pin radius is smaller by the clearance", least="positive")
     bush_material = Field("", "a name, or { E, nu }", shape="material")
     pin_material = Field(
-        "", "a name, or { E, nu }; default: the bush's", lambda read: read["bush_material"], shape="material"
+        "", "a name, or { E, nu }; default: that of the bush", lambda read: read["bush_material"], shape="material"
     )
 
 
 class Cylinder(PinInBush):
-    """A law of a pin that touches along its length."""
+    """A law for a pin in contact along its length."""
 
     length = Field("m", "length of the contact along the pin", least="positive")
 
 
 class LineContact(Cylinder):
-    """Pin and bush as long cylinders, delta = c F ln(D/F)."""
+    """Pin and bush as long cylinders, delta = c F ln(D/F): p[k:] = c [m/N], D [N]."""
 
     @staticmethod
     @abstractmethod
     def scale(modulus: float, length: float, bush: float, pin: float, play: float) -> float:
-        """The force D [N]."""
+        """The force D [N], from the contact modulus [Pa], the length of contact, both radii and the clearance [m]."""
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
@@ -164,7 +168,7 @@ class LineContact(Cylinder):
 
     @classmethod
     def limit(cls, values: Mapping[str, Any]) -> float:
-        """Force [N] at which the Hertz half-width sqrt(4 F R_A R_B/(pi E* L dR)) is R_B/2, or the turning point."""
+        """Force [N] at which the Hertz half-width sqrt(4 F R_A R_B/(pi E* L dR)) is R_B/2, at most D/e^2."""
         bush, pin, play = _radii(values)
         narrow = math.pi * _modulus(values) * float(values["length"]) * play * pin / (16.0 * bush)
         return min(narrow, cls.pack(values)[1] * FORCE_AT_TURN)
@@ -172,13 +176,13 @@ class LineContact(Cylinder):
 
 @kind("stiffness", "power", power)
 class Power(Elastic):
-    """F = K delta^n, both given.
+    """F = K delta^n with given K and n.
 
     Source: definition.
     """
 
     stiffness = Field("", "K [N/m^n]", least="positive")
-    exponent = Field("", "n", default=1.5, least="positive")
+    exponent = Field("", "exponent n", default=1.5, least="positive")
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
@@ -189,7 +193,7 @@ class Power(Elastic):
 class Sphere(PinInBush):
     """Sphere in a spherical socket, F = K delta^1.5, K = 4/3 E* sqrt(R_A R_B/dR).
 
-    Range: contact radius (3 F R_A R_B/(4 E* dR))^(1/3) below half the pin's radius (ours; the theory wants it small).
+    Range: contact radius (3 F R_A R_B/(4 E* dR))^(1/3) below half the pin radius (our limit; the theory: small).
     Source: Johnson, Contact Mechanics (1985), eq. 4.23; Lankarani, Nikravesh (1990), J. Mech. Des. 112, 369-376.
     """
 
@@ -200,7 +204,7 @@ class Sphere(PinInBush):
 
     @classmethod
     def limit(cls, values: Mapping[str, Any]) -> float:
-        """Force [N] at which the contact radius is half the pin's."""
+        """Force [N] at which the contact radius is half the pin radius."""
         bush, pin, play = _radii(values)
         return _modulus(values) * pin**2 * play / (6.0 * bush)
 
@@ -209,7 +213,7 @@ class Sphere(PinInBush):
 class Johnson(LineContact):
     """delta = F/(pi E* L) [ln(4 pi E* L dR/F) - 1].
 
-    Range: Hertz half-width below half the pin's radius (ours; the theory wants it small), L well above it.
+    Range: Hertz half-width below half the pin radius (our limit; the theory: small), L much larger than it.
     Source: Johnson, Contact Mechanics (1985), section 5.6; Pereira et al. (2011), Nonlinear Dyn. 63, 681-697.
     """
 
@@ -222,7 +226,7 @@ class Johnson(LineContact):
 class Radzimovsky(LineContact):
     """delta = F/(pi E* L) [2/3 + ln(4 R_A/b) + ln(4 R_B/b)], b = 1.6 sqrt(F R_A R_B/(L E* dR)).
 
-    Range: b below half the pin's radius (ours; the theory wants it small), L well above it.
+    Range: b below half the pin radius (our limit; the theory: small), L much larger than b.
     Source: Radzimovsky (1953), Univ. of Illinois Eng. Exp. Station Bull. 408; Pereira et al. (2011), Nonlinear Dyn. 63.
     """
 
@@ -235,7 +239,7 @@ class Radzimovsky(LineContact):
 class Esdu78035(LineContact):
     """delta = F/(pi E* L) [ln(4 pi E* L dR/F) + 1].
 
-    Range: Hertz half-width below half the pin's radius (ours; the theory wants it small), L well above it.
+    Range: Hertz half-width below half the pin radius (our limit; the theory: small), L much larger than it.
     Source: ESDU 78035, Contact phenomena I (1978), as in Pereira et al. (2011), Nonlinear Dyn. 63, 681-697.
     """
 
@@ -248,8 +252,8 @@ class Esdu78035(LineContact):
 class DubowskyFreudenstein(LineContact):
     """delta = F/(pi E* L) [ln(pi E* L^3 dR/(F R_A R_B)) + 1].
 
-    The exponent of L is 3: any other does not make the logarithm's argument a pure number.
-    Range: Hertz half-width below half the pin's radius (ours; the theory wants it small), L of the size of the radii.
+    The exponent of L is 3: with any other the argument of the logarithm would not be dimensionless.
+    Range: Hertz half-width below half the pin radius (our limit; the theory: small), L of the order of the radii.
     Source: Dubowsky, Freudenstein (1971), J. Eng. Ind. 93, 305-316; Pereira et al. (2011), Nonlinear Dyn. 63.
     """
 
@@ -262,7 +266,7 @@ class DubowskyFreudenstein(LineContact):
 class Liu(Cylinder):
     """F = (pi/2) E* L delta sqrt(delta/(2 (dR + delta))).
 
-    Range: contacts that conform, clearance small against the radii (ours: below a tenth of the pin's radius).
+    Range: conforming contacts, clearance small compared with the radii (our limit: a tenth of the pin radius).
     Source: Liu, Zhang, Yang (2007), Mech. Mach. Theory 42, 183-197.
     """
 
@@ -272,11 +276,11 @@ class Liu(Cylinder):
 
     @classmethod
     def notes(cls, values: Mapping[str, Any], force: float = 0.0) -> list[str]:
-        """A clearance that is not small against the pin's radius."""
+        """Remark for the user on a clearance that is not small compared with the pin radius."""
         _, pin, play = _radii(values)
         if play <= 0.1 * pin:
             return []
-        return [f"a clearance of {play / pin:.0%} of the pin's radius is beyond 10 %, for which this formula is made"]
+        return [f"the clearance is {play / pin:.0%} of the pin radius; this formula is made for at most 10 %"]
 
 
 @kind("stiffness", "pereira", power)
@@ -284,7 +288,7 @@ class Pereira(Cylinder):
     """F = (0.965 dR + 0.0965) L E*/dR delta^n, n = Y dR^(-0.005), in mm, N and MPa, fitted to johnson.
 
     Y = 1.51 [ln(1000 dR)]^(-0.151) for 0.005 <= dR < 0.34954 mm, 0.0151 dR + 1.151 for 0.34954 <= dR <= 10 mm.
-    Outside Y keeps its value at the nearer end.
+    Outside this range Y keeps its value at the nearer end.
 
     Range: 0.005 mm <= clearance <= 10 mm.
     Source: Pereira, Ramalho, Ambrosio (2011), Nonlinear Dyn. 63, 681-697.
@@ -304,8 +308,8 @@ class Pereira(Cylinder):
 
     @classmethod
     def notes(cls, values: Mapping[str, Any], force: float = 0.0) -> list[str]:
-        """A clearance outside the fit."""
+        """Remark for the user on a clearance outside the range of the fit."""
         play = 1e3 * _radii(values)[2]
         if 0.005 <= play <= 10.0:
             return []
-        return [f"a clearance of {play:g} mm is outside 0.005 ... 10 mm, to which this formula is fitted"]
+        return [f"a clearance of {play:g} mm is outside 0.005 ... 10 mm, the range to which this formula was fitted"]

@@ -1,4 +1,4 @@
-"""Contact laws written in Python: `@rt.normal_law` and `@rt.friction_law` make kinds of functions.
+"""Contact laws written in Python: `@rt.normal_law` and `@rt.friction_law` turn functions into kinds.
 
     @rt.normal_law("stiffening", c="s/m")
     def stiffening(static, delta, ddelta, v0, p):        # F [N]; static: the force of the stiffness at this depth
@@ -11,8 +11,8 @@
     contact = { model = "stiffening", c = "2 s/m", stiffness = 1e9, bush_radius = "1 cm",
                 friction = { model = "plateau", mu = 0.1, v1 = "1 mm/s" } }
 
-The functions are compiled by Numba and run at the speed of the laws that come with the package; one that Numba
-cannot compile is refused.  A law that pulls or gives energy back is found by `rattle.analyses.law_check` and named.
+The functions are compiled by Numba and run as fast as the built-in laws; one that Numba cannot compile is refused.
+A law that pulls or returns energy is detected and named by `rattle.analyses.law_check`.
 """
 
 from __future__ import annotations
@@ -41,24 +41,25 @@ TAKEN = {
 
 
 def normal_law(name: str, **fields: str) -> Callable[[Law], Law]:
-    """Decorator: enter a function as a normal force law of compliant contacts.
+    """Decorator: register a function as a normal force law of compliant contacts.
 
     law(static, delta, ddelta, v0, p) -> F: normal force [N], from the static force of the joint's stiffness [N],
     penetration [m], its rate [m/s], approach speed of this contact [m/s] and p, a named tuple of the fields [SI].
-    What is below zero counts as zero: a contact never pulls.
-    name: what the model file calls it.  fields: name and unit of every number that the user gives.
+    A negative force is replaced by zero: a contact never pulls.
+    name: the name used in model files.  fields: name and unit of every number that the user gives.
 
-    Raises ValueError for a name in use, a field that is no name or belongs to every contact, an unknown unit.
+    Raises ValueError for a name in use, for a field that is not an identifier or that every contact has, and for an
+    unknown unit.
     """
     return _enter("normal", name, fields, 0)
 
 
 def friction_law(name: str, *, memory: bool = False, states: int = 0, **fields: str) -> Callable[[Law], Law]:
-    """Decorator: enter a function as a friction law of compliant contacts.
+    """Decorator: register a function as a friction law of compliant contacts.
 
     law(u, N, p) -> T: friction force [N] against the slip u [m/s] under the normal force N [N]; with states=1
-    (or memory=True) law(u, N, z, p) -> (T, dz): z is a state that is zero when a contact starts, dz its rate.  With
-    more states z and dz are tuples of as many numbers.
+    (or memory=True) law(u, N, z, p) -> (T, dz): z is a state of the law, in any unit, zero at the start of a contact,
+    and dz its rate.  With several states z and dz are tuples.
     name, fields: as for `normal_law`.  Raises what `normal_law` raises.
     """
     if states < 0:
@@ -73,9 +74,9 @@ def _enter(family: str, name: str, fields: dict[str, str], states: int) -> Calla
         dimension_of(unit)
     known = registry.kinds(family)
     if name in known and not isinstance(known[name].kernel, ContactLaw):
-        raise ValueError(f"{family} law '{name}': a law of the program has this name; choose another")
+        raise ValueError(f"{family} law '{name}': a built-in law has this name; choose another")
     if family == "normal" and name in registry.kinds("contact"):
-        raise ValueError(f"normal law '{name}': a contact model of the program has this name; choose another")
+        raise ValueError(f"normal law '{name}': a built-in contact model has this name; choose another")
 
     def enter(law: Law) -> Law:
         text = (law.__doc__ or f"The {family} law '{name}', written in Python.").strip()
@@ -94,7 +95,7 @@ def _enter(family: str, name: str, fields: dict[str, str], states: int) -> Calla
 
 
 class ContactLaw(KernelFunction):
-    """The kernel of a law: the function behind the signature of its family."""
+    """The kernel of a law: calls the user's function with the kernel signature of the family."""
 
     def __init__(self, family: str, name: str, law: Law, keys: tuple[str, ...], states: int) -> None:
         self.name, self.law, self.states = name, law, states
@@ -106,7 +107,7 @@ class ContactLaw(KernelFunction):
 
     @property
     def dispatcher(self) -> Any:
-        """The Numba dispatcher, made when first asked for.  Raises ValueError where Numba cannot compile the law."""
+        """The Numba dispatcher, made on first use.  Raises ValueError if Numba cannot compile the law."""
         if self._native is None:
             law, part = users_law(self.law, len(self.pack._fields))
             _, own = users_law(law, self.states)
@@ -130,7 +131,7 @@ def _normal(kernel: ContactLaw, law: Law, part: Callable[..., Any], _: Callable[
     def run(static, delta, ddelta, v0, p, k):  # type: ignore[no-untyped-def]
         if delta <= 0.0:
             return 0.0
-        try:  # an exception does not pass through machine code: nan ends the run with a message
+        try:  # machine code cannot pass on an exception: nan ends the run with a message
             return max(0.0, float(law(static, delta, ddelta, v0, pack(*part(p, k)))))
         except Exception:
             return math.nan
@@ -180,10 +181,10 @@ def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any], own: Calla
 def failure(
     contact: np.ndarray, kinematics: np.ndarray, memory: np.ndarray, states: np.ndarray, values: np.ndarray
 ) -> str:
-    """Why a law of the user's has no finite value in one contact, by running it as plain Python; "" where it has one.
+    """Why a user's law has no finite value in one contact, found by running it as plain Python; "" if it has one.
 
-    contact, kinematics, memory: the contact's rows.  states: (n,) of all elements.  values: (n,) of all fields of the
-    model [SI].
+    contact, kinematics, memory: rows of the contact in the workspace.  states: (n,) of all elements.
+    values: (n,) parameters of all elements [SI].
     """
     delta, ddelta = -float(kinematics[at.GAP]), -float(kinematics[at.DGAP])
     if delta <= 0.0 or contact[at.IMPACT] == 1:
@@ -210,12 +211,12 @@ def failure(
 
 
 def _kernel(family: str, tag: float) -> KernelFunction:
-    """A kernel by its place in the table of its family."""
+    """A kernel by its index in the table of its family."""
     return [one.kernel for one in registry.kinds(family).values() if one.kernel is not None][int(tag)]
 
 
 def _tried(kernel: ContactLaw, where: str, arguments: tuple[Any, ...], values: np.ndarray) -> tuple[float, str]:
-    """Force of a law, and what is wrong with it."""
+    """Force [N] of a law, and in words why it has no finite value ("" if it has one)."""
     name = f"{kernel.family} law '{kernel.name}'"
     given = kernel.pack(*(float(one) for one in values[: len(kernel.pack._fields)]))
     try:
@@ -223,6 +224,6 @@ def _tried(kernel: ContactLaw, where: str, arguments: tuple[Any, ...], values: n
         force, *rate = found if isinstance(found, tuple) else (found,)
         if all(np.isfinite(one).all() for one in (force, *rate)):
             return float(force), ""
-    except Exception as error:  # whatever the user's own function raises is the answer
+    except Exception as error:  # any exception of the user's function is reported
         return math.nan, f"{name} raised {type(error).__name__}: {error} ({where})"
     return math.nan, f"{name} gives {found} {where}"

@@ -1,4 +1,4 @@
-"""Loads written in Python: `@rt.load_law` makes a kind of load of a function.
+"""Loads written in Python: `@rt.load_law` turns a function into a kind of load.
 
     @rt.load_law("drag", c="N*s^2/m^2")
     def drag(t, state, p):
@@ -8,9 +8,9 @@
 
     m.load("air", "drag", body="ball", c=0.02)
 
-The function is compiled by Numba and runs at the speed of the built-in loads.  Where Numba cannot compile it,
-or with compiled=False, it runs as it is: slower, since every evaluation then goes through the interpreter.
-Its power is work done from outside.
+The function is compiled by Numba and runs as fast as the built-in loads.  If Numba cannot compile it, or with
+compiled=False, it runs as plain Python: slower, because every evaluation goes through the interpreter.
+Its power counts as work done from outside.
 """
 
 from __future__ import annotations
@@ -34,19 +34,19 @@ from rattle.registry import Field
 log = logging.getLogger("rattle")
 
 Law = Callable[..., Any]  # (t, state, p) -> (fx, fy, torque)
-FIELDS = ("type", "body")  # keys of every load that a law cannot take for itself
-_raised = threading.local()  # what laws raised while machine code called them
+FIELDS = ("type", "body")  # keys of every load, not available as fields of a law
+_raised = threading.local()  # the exception that a law raised while machine code called it
 
 
 def load_law(name: str, *, compiled: bool = True, **fields: str) -> Callable[[Law], Law]:
-    """Decorator: enter a function as a kind of load on one body.
+    """Decorator: register a function as a kind of load on one body.
 
     law(t, state, p) -> (fx, fy, torque): force at the mass centre in the ground frame [N], moment [N*m], from the
     time [s], state = (x, y, angle, vx, vy, omega) of the body [SI] and p, a named tuple of the fields [SI].
-    name: what the model file calls it.  fields: name and unit of every number that the user gives; their values may
-    be expressions over t, state and signals.  compiled: False runs the function as plain Python, slower.
+    name: the name used in model files.  fields: name and unit of every number that the user gives; their values may
+    be expressions in t, state and signals.  compiled: False runs the function as plain Python, which is slower.
 
-    Raises ValueError for a name in use, a field that is no name, and an unknown unit.
+    Raises ValueError for a name in use, a field that is not an identifier, and an unknown unit.
     """
     for key, unit in fields.items():
         if key in FIELDS or key.startswith("_"):
@@ -58,29 +58,29 @@ def load_law(name: str, *, compiled: bool = True, **fields: str) -> Callable[[La
         if "Source:" not in text:
             text += f"\n\nSource: {law.__module__}.{law.__qualname__}"
         own = {key: Field(unit, key.replace("_", " "), live=True) for key, unit in fields.items()}
-        place = Field("", "body the load acts on", shape="body")
+        place = Field("", "body on which the load acts", shape="body")
         leaf = type(law.__name__, (), {"__doc__": text, "__module__": law.__module__, "body": place, **own})
         registry.kind("load", name, LawKernel(name, law, tuple(fields), compiled))(leaf)
         return law
 
     if name in registry.kinds("load") and not isinstance(registry.kinds("load")[name].kernel, LawKernel):
-        raise ValueError(f"load law '{name}': a load of the program has this name; choose another")
+        raise ValueError(f"load law '{name}': a built-in load has this name; choose another")
     return enter
 
 
 class LawKernel(KernelFunction):
-    """The kernel of a law: the function between the arrays of the load family."""
+    """The kernel of a law: calls the user's function with the kernel signature of loads."""
 
     def __init__(self, name: str, law: Law, keys: Sequence[str], compiled: bool) -> None:
         self.name, self.law, self.keys, self.compiled = name, law, tuple(keys), compiled
         self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
         super().__init__(_plain(self), "load", ours=False)
         self._native: KernelFunction | None = None
-        self._callback: Any = None  # lives as long as machine code may call it
+        self._callback: Any = None  # must live as long as machine code may call it
 
     @property
     def dispatcher(self) -> Any:
-        """The Numba dispatcher, made when first asked for."""
+        """The Numba dispatcher, made on first use."""
         if self._native is None:
             self._native = self._make()
         return self._native.dispatcher
@@ -91,7 +91,7 @@ class LawKernel(KernelFunction):
                 made = KernelFunction(_native(self), "load", ours=False)
                 _ = made.dispatcher
                 return made
-            except Exception as error:  # Numba has many kinds of error, and plain Python is the remedy for all
+            except Exception as error:  # whatever Numba's error is, plain Python works
                 reason = next((line for line in str(error).splitlines() if line.strip()), type(error).__name__)
                 log.warning(f"load law '{self.name}' runs as plain Python, slower: Numba cannot compile it ({reason})")
         else:
@@ -100,24 +100,30 @@ class LawKernel(KernelFunction):
         return KernelFunction(_through(self._callback), "load", ours=False)
 
     def evaluate(self, t: float, state: Sequence[float], values: Sequence[float]) -> tuple[float, float, float]:
-        """Force and moment; nan after an exception, which is kept."""
-        if isinstance(getattr(_raised, "error", None), KeyboardInterrupt):  # let the run come to its end
+        """Force [N] (fx, fy) and moment [N*m]; nan if the law raises, and the exception is kept for `complaint`.
+
+        t: time [s]; state: (6,) of the body [m, rad, m/s, rad/s]; values: of the fields [SI].
+        """
+        if isinstance(getattr(_raised, "error", None), KeyboardInterrupt):  # do not call the law again: the run ends
             return math.nan, math.nan, math.nan
         try:
             fx, fy, torque = self.law(t, tuple(state), self.pack(*values))
             return float(fx), float(fy), float(torque)
-        except BaseException as error:  # nothing may pass through machine code, not even Ctrl-C
+        except BaseException as error:  # machine code cannot pass on an exception, not even Ctrl-C
             _raised.law, _raised.t, _raised.error = self.name, t, error
             return math.nan, math.nan, math.nan
 
 
 def forget() -> None:
-    """Forget what laws raised before in this thread."""
+    """Forget the exception that a law raised in this thread."""
     _raised.error = None
 
 
 def complaint(since: float) -> str:
-    """What a law raised last in this thread, from time `since` [s] on; "" if none did.  Ctrl-C is raised again."""
+    """The last exception of a law in this thread at or after the time `since` [s], in words; "" if there was none.
+
+    Ctrl-C (KeyboardInterrupt) is raised again.
+    """
     error = getattr(_raised, "error", None)
     if error is None or _raised.t < since:
         return ""
@@ -128,7 +134,10 @@ def complaint(since: float) -> str:
 
 
 def failure(kind: str, t: float, body: np.ndarray, values: np.ndarray) -> str:
-    """Why the law of a kind of load has no finite value, by running it as plain Python; "" where it has one."""
+    """Why the user's law of a kind of load has no finite value, found by running it as plain Python; "" if it has one.
+
+    t: time [s]; body: (8,) row of the body [SI]; values: (n,) of the fields [SI], in their order.
+    """
     kernel = registry.kinds("load")[kind].kernel
     if not isinstance(kernel, LawKernel):
         return ""
@@ -141,7 +150,7 @@ def failure(kind: str, t: float, body: np.ndarray, values: np.ndarray) -> str:
 
 # ---------------------------------------------------------------- the kernel in its three forms
 def _plain(kernel: LawKernel) -> Callable[..., None]:
-    """For plain Python."""
+    """The kernel for plain Python."""
     count = len(kernel.keys)
 
     def run(t, body, a, b, p, k, force, energy):  # type: ignore[no-untyped-def]
@@ -156,13 +165,13 @@ def _plain(kernel: LawKernel) -> Callable[..., None]:
 
 
 def _native(kernel: LawKernel) -> Callable[..., None]:
-    """For machine code, with the law compiled into it."""
+    """The kernel for machine code, with the law compiled into it."""
     law, part = users_law(kernel.law, len(kernel.keys))
     pack = kernel.pack
 
     def run(t, body, a, b, p, k, force, energy):  # type: ignore[no-untyped-def]
         kept = force[b, at.X]
-        force[b, at.X] = math.nan  # stays if the law raises: machine code would go on as if nothing had happened
+        force[b, at.X] = math.nan  # stays nan if the law raises: machine code does not stop at an exception
         state = (body[b, at.X], body[b, at.Y], body[b, at.PHI], body[b, at.VX], body[b, at.VY], body[b, at.W])
         fx, fy, torque = law(t, state, pack(*part(p, k)))
         force[b, at.X] = kept + fx
@@ -180,7 +189,7 @@ def _callback(kernel: LawKernel) -> Any:
 
     def call(t: float, row: int, values: int, force: int, energy: int) -> None:
         state = ctypes.cast(row, number)[:6]
-        # an empty run of values has no address
+        # an empty array of values has no address
         given = ctypes.cast(values, number)[:count] if count else []
         on_body, rate = ctypes.cast(force, number), ctypes.cast(energy, number)
         for n, part in enumerate(kernel.evaluate(t, state, given)):
@@ -192,7 +201,7 @@ def _callback(kernel: LawKernel) -> Any:
 
 
 def _through(callback: Any) -> Callable[..., None]:
-    """For machine code that calls back into Python."""
+    """The kernel for machine code that calls back into Python."""
 
     def run(t, body, a, b, p, k, force, energy):  # type: ignore[no-untyped-def]
         callback(t, body[b].ctypes, p[k:].ctypes, force[b].ctypes, energy.ctypes)

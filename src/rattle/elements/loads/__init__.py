@@ -1,1 +1,1 @@
-"""Loads: one kind per file, each a force or moment on one body or between two."""
+"""Loads: one kind per file, each a force or moment on one body or between two bodies."""

@@ -1,4 +1,4 @@
-"""Force at a point of a body, given in the ground's frame or turning with the body."""
+"""Force at a point of a body, given in the ground frame or in the frame of the body."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from rattle.registry import Field, kind
 
 @kernel("load")
 def force_at(t, body, a, b, p, k, force, energy):
+    """Add the force [N] and its moment [N*m] on body b, and its power [W]; p[k:] = point (2) [m], f (2) [N], frame."""
     sx = turn_x(body, b, p[k], p[k + 1])
     sy = turn_y(body, b, p[k], p[k + 1])
     fx, fy = p[k + 2], p[k + 3]
@@ -28,6 +29,6 @@ class Force:
     Source: definition.
     """
 
-    at = Field("", "point the force acts on", shape="point")
+    at = Field("", "point at which the force acts", shape="point")
     force = Field("N", "force [fx, fy]", shape="pair", live=True)
     frame = Field("", "frame of fx, fy", shape="choice", choices=("ground", "body"), default="ground")

@@ -9,6 +9,7 @@ from rattle.registry import Field, kind
 
 @kernel("load")
 def torque(t, body, a, b, p, k, force, energy):
+    """Add the moment p[k] [N*m] on body b, and its power [W]."""
     force[b, at.PHI] += p[k]
     energy[at.OUTSIDE] += p[k] * body[b, at.W]
 
@@ -20,5 +21,5 @@ class Torque:
     Source: definition.
     """
 
-    body = Field("", "body the moment acts on", shape="body")
+    body = Field("", "body on which the moment acts", shape="body")
     torque = Field("N*m", "moment", live=True)

@@ -1,6 +1,6 @@
 """Torsion spring and damper between two bodies.
 
-T = stiffness (phi_B - phi_A - free_angle) + damping (w_B - w_A)      turns B back when positive
+T = stiffness (phi_B - phi_A - free_angle) + damping (w_B - w_A)      acts on B backwards (clockwise) when positive
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from rattle.registry import Field, kind
 
 @kernel("load")
 def torsion_spring(t, body, a, b, p, k, force, energy):
+    """Add T [N*m] on both bodies, the energy stored [J] and dissipated [W]; p[k + 4:] = the fields in their order."""
     stiffness, free_angle, damping = p[k + 4], p[k + 5], p[k + 6]
     rate = body[b, at.W] - body[a, at.W]
     twist = body[b, at.PHI] - body[a, at.PHI] - free_angle
