@@ -27,12 +27,12 @@ TINY = 1e-6  # below it a number is rounding
 
 
 # a drift of rounding size: its digits, and the joint that happens to have most of it, differ between machines
-ROUNDING = re.compile(r"held to \de-1[3-9] m( and \de-1[3-9] rad)?( \(worst at \w+\))?")
+ROUNDING = re.compile(r"error \de-1[3-9] m( and \de-1[3-9] rad)?( \(worst at \w+\))?")
 
 
 def shows(said, line, share):
     """True where a line of a page is among what was said, with numbers within a share of themselves."""
-    said, line = (ROUNDING.sub("held to rounding", words(one)) for one in (said, line))
+    said, line = (ROUNDING.sub("error of rounding size", words(one)) for one in (said, line))
     parts = NUMBER.split(line)
     wanted = [float(one) for one in NUMBER.findall(line)]
     pattern = re.compile(f"({NUMBER.pattern})".join(re.escape(part) for part in parts))

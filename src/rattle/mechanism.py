@@ -1,4 +1,4 @@
-"""`Mechanism`: a model with the analyses that can be run on it."""
+"""`Mechanism`: a model and all analyses that can be run on it."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Mechanism(Building):
         m.bar("rod", "A", "B", length="1 m", mass=1)
         m.revolute("O", "ground.O", "rod.A")
 
-    Numbers are SI; texts are quantities ("5 mm") or expressions over parameters, as in a model file.
+    Numbers are in SI units; texts are quantities ("5 mm") or expressions over parameters, as in a model file.
     Every analysis checks the model first and raises ModelError with all problems at once.
     """
 
@@ -83,7 +83,7 @@ class Mechanism(Building):
     # ------------------------------------------------------------ the model
     @cached_property
     def model(self) -> Model:
-        """The checked model. Raises ModelError."""
+        """The checked model, all values in SI units. Raises ModelError."""
         from rattle.description.reader import read
 
         try:
@@ -93,14 +93,14 @@ class Mechanism(Building):
 
     @cached_property
     def system(self) -> System:
-        """The model as flat arrays."""
+        """The model as flat arrays, in SI units. Raises ModelError."""
         from rattle.equations.system import compile_system
 
         return compile_system(self.model)
 
     @cached_property
     def start(self) -> Assembled:
-        """The mechanism put together at t = 0. Raises AssemblyError."""
+        """Assembled positions [m, rad] and rates [m/s, rad/s] at t = 0. Raises ModelError, AssemblyError."""
         from rattle.analyses.assembly.assembly import assemble
 
         return assemble(self.system)
@@ -112,22 +112,22 @@ class Mechanism(Building):
 
     @property
     def parameters(self) -> dict[str, float]:
-        """Values of all parameters [SI]."""
+        """Values of all parameters by name [SI]."""
         return {name: one.value for name, one in self.model.parameters.items()}
 
     def to_toml(self) -> str:
-        """The model as TOML text; comments of the text it came from are kept."""
+        """The model as TOML text; comments of the original text are kept."""
         return model_file.dump(self._document, self._text, self._changes)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the model file, whole or not at all. Raises OSError that says why not."""
+        """Write the model file, completely or not at all. Raises OSError that says why."""
         model_file.save(path, self.to_toml())
 
     def set(self, values: Mapping[str, Any] | None = None, /, **parameters: Any) -> Mechanism:
-        """A new mechanism with some values changed.
+        """A new mechanism with some values changed; numbers are in SI units, texts may have units.
 
         Names are parameters, or paths as in the model file: `m.set(r3="2 mm")`,
-        `m.set({"joints.O3.contact.restitution": 0.5})`; None takes something out: `m.set({"loads.M": None})`.
+        `m.set({"joints.O3.contact.restitution": 0.5})`; None removes an entry: `m.set({"loads.M": None})`.
         Raises ModelError for an unknown name or a bad value.
         """
         made = Mechanism()
@@ -135,14 +135,14 @@ class Mechanism(Building):
         made._changes = list(self._changes)
         for name, value in {**(values or {}), **parameters}.items():
             if not isinstance(name, str):
-                raise TypeError(f"what is set has a name, as in {{'r3': '2 mm'}}; got {name!r:.60}")
+                raise TypeError(f"expected the name of a parameter or entry, as in {{'r3': '2 mm'}}; got {name!r:.60}")
             path = self._path_of(name, made._document)
             made._document = model_file.with_change(made._document, path, value)
             made._changes.append((path, value))
         try:
             _ = made.model
         except ModelError as error:
-            for one in error.problems:  # lines of the old text would mislead where a value was changed
+            for one in error.problems:  # the line in the old text would mislead if its value was changed
                 if any(one.path[: len(path)] == path for path, _ in made._changes):
                     one.line, one.caret = None, ""
             raise ModelError(error.problems, error.file) from None
@@ -160,17 +160,17 @@ class Mechanism(Building):
         )
 
     def ideal(self) -> Mechanism:
-        """The same mechanism with all clearances closed; lengths stay as given."""
+        """The same mechanism with all clearances set to zero; lengths of the bodies are unchanged."""
         if not any("clearance" in one for one in self._document.get("joints", {}).values()):
             return self.set()
         return self.with_contact("ideal")
 
     def with_contact(self, model: str, joint: str | None = None) -> Mechanism:
-        """The same mechanism with another contact model in every joint with clearance, or in one.
+        """The same mechanism with another contact model in every joint with clearance, or in one joint.
 
-        model: a name of `rattle kinds`, such as "massless-link", "impact" or "exact".  What the joint says and the
-        new model knows is kept: restitution, friction, bush radius, stiffness or materials.
-        Raises ModelError where something is missing (a compliant model wants a stiffness) or nothing has play.
+        model: a name of `rattle kinds`, such as "massless-link", "impact" or "exact".  Values of the old model that
+        the new one uses are kept: restitution, friction, bush radius, stiffness or materials.
+        Raises ModelError if a value is missing (a compliant model needs a stiffness) or no joint has a clearance.
         """
         from rattle.description.switch_contact import recontact
 
@@ -184,14 +184,17 @@ class Mechanism(Building):
         return self.set({f"joints.{name}.contact": recontact(joints[name].get("contact"), model) for name in loose})
 
     def contact_of(self, joint: str) -> dict[str, Any]:
-        """What the model says about the contact of a joint, as a table. Raises ModelError where it has none."""
+        """The contact of a joint as it is written in the model, as a table. Raises ModelError if it has none."""
         from rattle.description.switch_contact import contact_of
 
         return contact_of(self._document, joint)
 
     # ------------------------------------------------------------ analyses
     def check(self) -> Check:
-        """Bodies, joints, mobility, redundant rows, loops, branch and reach of the driver; str() is a short report."""
+        """Bodies, joints, mobility, redundant constraints, loops, branch, range of the driver; str() is a short report.
+
+        Ranges of drivers in deg or m.  Raises ModelError, AssemblyError.
+        """
         from rattle.analyses.check import check
 
         return check(self.system, self.start)
@@ -201,25 +204,26 @@ class Mechanism(Building):
         method: str | None = None, rtol: float | None = None, atol: float | None = None, step: Seconds | None = None,
         progress: bool = False, strict: bool = False, horizon: bool = False, most_steps: int | None = None,
     ) -> Result:  # fmt: skip
-        """Motion in time from the assembled start.
+        """Motion in time from the assembled start; all curves in SI units.
 
-        t_end: duration [s].  t_eval: output instants [s] (default: the model's output interval, or 1000).  Every time
-        may also be a text: t_end="20 ms".
+        t_end: end of the run [s].  t_eval: output instants [s] (default: the model's output interval, or 1000
+        outputs).  Every time may also be a text: t_end="20 ms".
         method: "dop853" (adaptive) or "rk4" (fixed step); for impact contacts "event" (default) or "moreau".
-        rtol, atol: tolerances per step of dop853 and event on positions and rates [m, rad, m/s, rad/s].
+        rtol, atol: relative and absolute tolerance per step of dop853 and event on positions and rates
+        [m, rad, m/s, rad/s].
         step: step of rk4 and moreau, largest step of dop853 [s].
-        progress: show a bar.  horizon: run once more with a ten times tighter tolerance (1e-8 where rtol is looser
-        than 1e-7) and report how long both agree within 1 % of every curve's range.
-        most_steps: the run ends after that many (default: where 200 000 steps bring it no further than 1e-4 of its
-        time).
+        progress: show a progress bar.  horizon: run once more with a ten times tighter tolerance (1e-8 where rtol is
+        looser than 1e-7) and report how long both agree within 1 % of every curve's range.
+        most_steps: the run ends after this many steps (default: when 200 000 steps advance it by less than 1e-4 of
+        its duration).
 
-        Steps end where expressions of loads and drivers switch.  A driver that jumps in speed is an impulse (event
-        "jolt"); ModelError where one jumps in position.
+        Steps end where expressions of loads and drivers switch.  A jump in the speed of a driver is an impulse (event
+        "jolt"); a jump in its position raises ModelError.
 
-        A run ends before drift (of the mechanism's extent, or 1 rad) or unaccounted energy (of the largest of kinetic
-        energy, work and range of the potential) exceeds 1e-3; for Moreau-Jean the energy may be off by 0.2.  A run that
-        cannot go on returns what was computed with success = False and a message (strict=True
-        raises SolverError).  Source: docs/theory.md, section 3; Grigore et al., equation (1).
+        A run ends before the drift exceeds 1e-3 (of the mechanism's extent, or of 1 rad) or the energy error exceeds
+        1e-3 (of the largest of kinetic energy, work and range of the potential); for Moreau-Jean the energy may be
+        off by 0.2.  A run that cannot go on returns what was computed, with success = False and a message
+        (strict=True raises SolverError).  Source: docs/theory.md, section 3; Grigore et al., equation (1).
         """
         from rattle.analyses.dynamics import simulate as simulation
 
@@ -233,7 +237,12 @@ class Mechanism(Building):
         self, *, joint: str | None = None, curve: str | None = None, t_end: Seconds | None = None,
         law: str | None = None, progress: bool = False,
     ) -> Comparison:  # fmt: skip
-        """The mechanism ideal, with massless links, one-sided impact and compliant contacts."""
+        """The mechanism with ideal joints, massless links, one-sided impact and compliant contacts, side by side.
+
+        joint: whose force and orbit are shown (default: the first with clearance).  curve: of the motion (default:
+        one of the last body).  t_end: [s] (default: one turn of the driver).  law: normal force law of the compliant
+        run.  Raises ModelError if no joint has a clearance, UnknownName.
+        """
         from rattle.studies.compare import compare
 
         return compare(
@@ -243,7 +252,10 @@ class Mechanism(Building):
     def lyapunov(
         self, t_end: Seconds | None = None, *, stretch: Seconds | None = None, rtol: float = 1e-10
     ) -> Lyapunov:
-        """Largest Lyapunov exponent [1/s] with its uncertainty: the reason behind the horizon."""
+        """Largest Lyapunov exponent [1/s] with its uncertainty: it explains the horizon.
+
+        t_end: end of the run [s].  stretch: time between two rescalings of the perturbation [s].
+        """
         from rattle.studies.lyapunov import lyapunov
 
         return lyapunov(self, seconds_or_none(t_end, "t_end"), stretch=seconds_or_none(stretch, "stretch"), rtol=rtol)
@@ -253,8 +265,9 @@ class Mechanism(Building):
         skip: int = 50, points: int = 500, method: str | None = None, rtol: float | None = None,
         atol: float | None = None, step: Seconds | None = None,
     ) -> Section:  # fmt: skip
-        """Values once per turn of the driver, or as a curve rises past a level; see `rattle.studies.poincare.section`.
+        """Poincare section: values [SI] once per turn of the driver, or each time a curve rises through a level.
 
+        For all details see `rattle.studies.poincare.section`.
         period: time between two points [s].  crossing, level: the curve and the level [SI] that it rises through.
         skip: points left out at the start.  points: how many are kept.  method, rtol, atol, step: as in `simulate`.
         """
@@ -270,10 +283,12 @@ class Mechanism(Building):
         skip: int = 100, points: int = 100, method: str | None = None, rtol: float | None = None,
         atol: float | None = None, step: Seconds | None = None, threads: int | None = None, progress: bool = False,
     ) -> Bifurcation:  # fmt: skip
-        """What an output does once per turn, over the values of a parameter; see `rattle.studies.bifurcation`.
+        """Bifurcation diagram: an output [SI] once per turn of the driver, over the values of a parameter.
 
+        For all details see `rattle.studies.bifurcation`.
         parameter, values: the parameter and its values [SI].  of: a name of the result.  period: time between two
-        points [s] (default: a turn of the driver).  skip, points: points left out, points kept, per value.
+        points [s] (default: a turn of the driver).  skip, points: points left out, points kept, for each value.
+        method, rtol, atol, step: as in `simulate`.
         """
         from rattle.studies.bifurcation import bifurcation
 
@@ -283,12 +298,12 @@ class Mechanism(Building):
         )  # fmt: skip
 
     def kinematics(self, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *, strict: bool = False) -> Result:
-        """Position, velocity and acceleration of a fully driven mechanism at any increasing times [s].
+        """Position, velocity and acceleration [SI] of a fully driven mechanism at increasing times [s].
 
         Starts from the assembled position at t = 0 and keeps its branch.  A position that cannot be reached ends
-        the result there, with success = False, a message and an event that say when, where and why (strict=True
-        raises SolverError); points where another branch starts are events and notes of `trust`.
-        Raises ModelError when the drivers leave a degree of freedom, saying which bodies can still move.
+        the result there, with success = False and a message and an event that say when, where and why (strict=True
+        raises SolverError); points where branches meet are events and notes of `trust`.
+        Raises ModelError if a degree of freedom is not driven, and says which bodies can still move.
 
         Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), sections 3.6 and 4.5.
         """
@@ -305,10 +320,10 @@ class Mechanism(Building):
         effort_at: str | Mapping[str, str] | None = None,
         strict: bool = False,
     ) -> Result:
-        """Kinematics with all reactions [N, N*m] and the effort and power of the drivers.
+        """Kinematics with all reactions [N, N*m] and the effort [N or N*m] and power [W] of the drivers.
 
-        effort_at: a joint whose motor does the work of the driver, which then only prescribes the motion: its
-        torque is `<joint>.torque` [N*m] (`<joint>.thrust` [N] on a prismatic joint), its power `<joint>.power`;
+        effort_at: a joint with a motor that does the work of the driver, which then only prescribes the motion: its
+        torque is `<joint>.torque` [N*m] (`<joint>.thrust` [N] on a prismatic joint), its power `<joint>.power` [W];
         all reactions are those with this motor.  With several drivers: {driver: joint}.
         Joints whose reactions are not unique (redundant constraints) are named in `trust.nonunique`.
         Raises what `kinematics` raises.
@@ -328,20 +343,22 @@ class Mechanism(Building):
     def equilibrium(
         self, t: Seconds | Sequence[float] | np.ndarray = 0.0, *, branches: str = "near", effort: float = 1.0
     ) -> Equilibria | Result:
-        """Equilibria with the drivers held where they are at time t [s]; loads are taken at rest.
+        """Equilibria with the drivers held where they are at time t [s]; loads are evaluated with all rates zero.
 
         Returns a list: admissible (no bush has to pull) and stable ones first, then by their distance from the
-        initial guess.  A clearance pin is a massless link; its partners on the other side (n and -n at every pin)
-        are in the list too.  A compliant pin sinks in by its law, an impact pin is taken as hard; friction is left
-        out.  branches: "near" keeps the way in which the mechanism is put together, "all" looks for others too.
-        The search is limited: it goes downhill first, so that the stable ones come before all others, and ends
-        within about a tenth of a second for ten bodies; `.extent` of the list says how far it went, `.note` that it
-        was cut short.  effort: 10 lets it do ten times the work; at most 10 000.
+        initial guess.  A pin with clearance is a massless link; equilibria with the pin on the other side of its bush
+        (n and -n at every pin) are in the list too.  A compliant pin sinks in by its law, an impact pin is rigid;
+        friction is left out.  branches: "near" keeps the branch in which the mechanism is assembled, "all" searches
+        the others too.
+        The search is limited: it minimises the potential first, so that stable ones are found before all others, and
+        ends within about a tenth of a second for ten bodies; `.extent` of the list says how far it went, `.note` that
+        it was cut short.  effort: 10 lets it do ten times the work; at most 10 000.
 
-        With an array of times: the quasi-static motion over them as a Result, with the drivers' efforts, the mechanical
-        advantage `<load>.advantage` (force or moment held at the load per unit of effort), `equilibrium.stiffness`
-        (smallest eigenvalue of the reduced Hessian [N/m]), `.stable` and `.admissible` (1 or 0); where N of a pin
-        goes through zero it changes sides, which is an event "side".  Raises AssemblyError, ModelError.
+        With an array of times [s]: the quasi-static motion over them as a Result, with the drivers' efforts, the
+        mechanical advantage `<load>.advantage` (force or moment held at the load per unit of effort),
+        `equilibrium.stiffness` (smallest eigenvalue of the reduced Hessian [N/m]), `.stable` and `.admissible`
+        (1 or 0); where N of a pin goes through zero the pin changes sides, which is an event "side".
+        Raises AssemblyError, ModelError.
 
         Source: docs/theory.md, section 7; Nocedal, Wright, Numerical Optimization (2006), section 16.2 (reduced
         Hessian).
@@ -358,7 +375,9 @@ class Mechanism(Building):
         return quasistatic(self.system, np.asarray(t, dtype=float), arguments.effort(effort))
 
     def modes(self, t: Seconds = 0.0, equilibrium: Equilibrium | None = None, *, effort: float = 1.0) -> Modes:
-        """Natural frequencies, damping and shapes about an equilibrium (default: the first of `equilibrium(t)`).
+        """Natural frequencies [Hz], damping ratios and shapes about an equilibrium.
+
+        equilibrium: default the first of `equilibrium(t)`, t in [s].
 
         effort: as of `equilibrium`.
         Clearance pins are massless links that press.  Raises ValueError when there is no equilibrium.
@@ -376,12 +395,12 @@ class Mechanism(Building):
     def accuracy(
         self, of: str, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *, extremes: bool = True, loaded: bool = True
     ) -> Accuracy:
-        """How far the play of the joints lets one output stray, at any times [s].
+        """How far the play of the joints lets one output deviate [SI], at given times [s].
 
         of: a name of a result of `inverse_dynamics`, such as "rocker.angle" or "coupler.P.x", or a signal.
         extremes: also the exact extremes over all positions of the pins in their circles.
-        loaded: also where the loads press the pins (equilibrium), for comparison.
-        Raises ModelError when the mechanism without play is not fully driven or has no clearance, UnknownName.
+        loaded: also the deviation where the loads press the pins (equilibrium), for comparison.
+        Raises ModelError if the mechanism without play is not fully driven or no joint has a clearance, UnknownName.
 
         Source: docs/theory.md, section 7; Ting, Zhu, Watkins, The effects of joint clearance on position and
         orientation deviation of linkages and manipulators, Mech. Mach. Theory 35 (2000) 391-401.
@@ -391,7 +410,7 @@ class Mechanism(Building):
         return accuracy(self.system, of, times(t_eval, "t_eval"), extremes=extremes, loaded=loaded)
 
     def _start_or_none(self) -> Assembled | None:
-        """The start at t = 0, or None when the mechanism cannot be put together there."""
+        """The start at t = 0, or None if the mechanism cannot be assembled there."""
         from rattle.errors import AssemblyError
         from rattle.jit import functions
 
@@ -409,7 +428,7 @@ def load(path: str | os.PathLike[str]) -> Mechanism:
 
 
 def loads(text: str) -> Mechanism:
-    """Read model text. Raises ModelError."""
+    """Read model text (TOML or JSON). Raises ModelError."""
     return Mechanism.from_text(text)
 
 

@@ -49,7 +49,7 @@ REFUSED = {
     "no file name": (lambda: rt.load(5), TypeError, "expected the name of a model file, got 5"),
     "no text": (lambda: rt.loads(5), TypeError, "expected the text of a model, got 5"),
     "no example": (lambda: rt.example(5), ValueError, "no example '5'"),
-    "no name to set": (lambda: pendulum().set({5: 1}), TypeError, "what is set has a name"),
+    "no name to set": (lambda: pendulum().set({5: 1}), TypeError, "expected the name of a parameter"),
 }  # fmt: skip
 
 

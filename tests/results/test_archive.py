@@ -66,7 +66,7 @@ def test_a_netcdf_file_with_a_changed_byte_never_reaches_the_hdf5_library(tmp_pa
     content = bytearray(whole)
     content[len(content) // 2] ^= 1
     (tmp_path / "d.nc").write_bytes(content)
-    with pytest.raises(ValueError, match="is damaged: its bytes do not fit its checksum"):
+    with pytest.raises(ValueError, match="is damaged: its bytes do not match its checksum"):
         load_result(tmp_path / "d.nc")
 
 
@@ -76,7 +76,7 @@ def test_numbers_changed_by_another_program_are_noticed(tmp_path):
     (tmp_path / "r.nc").write_bytes(content[: content.rindex(archive.TRAILER)])
     with h5py.File(tmp_path / "r.nc", "r+") as file:
         file["O.normal"][3] = 0.0
-    with pytest.raises(ValueError, match="is damaged: what it holds does not fit its checksum"):
+    with pytest.raises(ValueError, match="is damaged: its content does not match its checksum"):
         load_result(tmp_path / "r.nc")
 
 
@@ -191,7 +191,7 @@ def test_a_packed_file_that_would_fill_the_memory_is_refused(tmp_path):
         for name in ("t", "lift"):
             zeros = header_of((2_000_000,)) + bytes(16_000_000)
             new.writestr(f"{name}.npy", zeros, zipfile.ZIP_BZIP2)  # one byte for thousands
-    with pytest.raises(ValueError, match=r"h\.npz says that it holds 16\d* bytes"):
+    with pytest.raises(ValueError, match=r"h\.npz declares 16\d* bytes"):
         load_result(tmp_path / "h.npz")
 
 

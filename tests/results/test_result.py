@@ -64,7 +64,7 @@ def test_joint_table_has_peak_and_rms_of_the_known_force():
 def test_trust_says_pulling_in_plain_words():
     measured = {"drift": 3e-15, "drift_joint": "O4", "energy_balance": 2e-9, "t_end": 2.0, "horizon": 0.31}
     assert str(Trust(**measured, pulled={"O4": 0.21}, first_pull={"O4": 0.0})).splitlines() == [
-        "constraints held to 3e-15 m (worst at O4), energy to 2e-9 J; "
+        "constraint error 3e-15 m (worst at O4), energy error 2e-9 J; "
         "the curves can be trusted up to t = 0.31 s (horizon), after it statistics only",
         "O4 would have to pull for 21 % of the run, first at t = 0: "
         "the pin would lift off; this model does not hold there",
@@ -74,17 +74,17 @@ def test_trust_says_pulling_in_plain_words():
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"horizon": None}, "was not asked (horizon=True"),
+        ({"horizon": None}, "was not computed (horizon=True"),
         ({"horizon": 2.0}, "over the whole run"),
         # a sleeve that jams on two corners: how they share the load is not determined, where the sleeve is is
         (
             {"horizon": 0.1, "horizon_motion": 2.0, "horizon_curve": "J.normal"},
             "positions and rates can be trusted over the whole run, to t = 2 s, all other curves up to t = 0.1 s"
-            " (J.normal parts first)",
+            " (J.normal deviates first)",
         ),
         ({"horizon": 0.6, "horizon_motion": 1.0, "horizon_curve": "J.normal"}, "up to t = 0.6 s (horizon), after it"),
         ({"horizon": 1.9, "horizon_motion": 1.9, "stopped": True}, "up to where the run ended, t = 2 s"),
-        ({}, "constraints held to 1e-12 m\n"),  # nothing to remark: no word on play where there is none
+        ({}, "constraint error 1e-12 m\n"),  # nothing to remark: no word on play where there is none
         ({"pulled": {"A": 0.0, "B": 0.0}}, "A and B would never have to pull"),
         (
             {"pulled": {"A": 0.002, "B": 0.3}, "first_pull": {"A": 1.5, "B": 0.1}},
@@ -94,7 +94,7 @@ def test_trust_says_pulling_in_plain_words():
         ({"pulled": dict.fromkeys("ABCDE", 0.5)}, "2 more pins"),
         ({"nonunique": ("A", "B")}, "reactions not unique (redundant constraints) at A, B"),
         ({"notes": ("driver near a dead centre",)}, "driver near a dead centre"),
-        ({"drift_joint": "", "notes": ("x",)}, "constraints held to 1e-12 m;"),
+        ({"drift_joint": "", "notes": ("x",)}, "constraint error 1e-12 m;"),
     ],
 )
 def test_trust_is_two_lines_in_every_case(given, said):

@@ -1,1 +1,1 @@
-"""What a run leaves behind: numbers with names and units, and how far to trust them."""
+"""Results of an analysis: numbers with names and units, and how far to trust them."""

@@ -1,8 +1,9 @@
 """Results as files: netCDF (`.nc`), or `.npz`, which needs no package beyond NumPy; both hold the same.
 
-Every curve is an array of its own name; everything else is one JSON text, the record, with the SHA-256 of all of it
-beside.  A netCDF file ends in the SHA-256 of its bytes too, so that a damaged one never reaches the HDF5 library.
-Nothing in a file is run, and no file leads to another one; sizes are checked before memory is asked for.
+Every curve is an array under its own name; everything else is one JSON text, the record.  The SHA-256 of all of it is
+stored beside.  A netCDF file also ends in the SHA-256 of its bytes, so that a damaged one never reaches the HDF5
+library.  Nothing in a file is executed, links to other files are refused, and sizes are checked before memory is
+allocated.
 """
 
 from __future__ import annotations
@@ -27,15 +28,15 @@ Array = NDArray[np.float64]
 FORMAT = 2  # 1: without checksum, netCDF only
 RECORD, DIGEST = "rattle.record", "sha256"
 SUFFIXES = (".nc", ".npz")
-TRAILER = b"\nrattle sha256 "  # behind the HDF5 data, with 64 hexadecimal digits and a line end
-PACKED = 1100  # bytes that a byte of a file may stand for: what deflate can do at most
+TRAILER = b"\nrattle sha256 "  # after the HDF5 data, followed by 64 hexadecimal digits and a line end
+PACKED = 1100  # largest compression ratio that deflate can reach
 NETCDF = b"\x89HDF\r\n\x1a\n"
 ZIP = b"PK\x03\x04"
 HINT = "pip install h5netcdf h5py xarray pandas"
 
 
 def package(module: str, what: str) -> Any:
-    """A package that is not needed for everything.  Raises MissingPackage."""
+    """Import an optional package that `what` needs.  Raises MissingPackage."""
     try:
         return importlib.import_module(module)
     except ImportError as error:
@@ -43,7 +44,7 @@ def package(module: str, what: str) -> Any:
 
 
 def require(path: str | os.PathLike[str]) -> None:
-    """Raise ValueError or MissingPackage where a result cannot be saved under this name."""
+    """Raise ValueError or MissingPackage if a result cannot be saved under this name."""
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES and not is_special(path):
         raise ValueError(
@@ -62,9 +63,9 @@ def require(path: str | os.PathLike[str]) -> None:
 
 # ---------------------------------------------------------------- writing
 def write(path: str | os.PathLike[str], record: Mapping[str, Any], t: Array, data: Array) -> None:
-    """Write curves and record; the file is made in memory first, so that a full disk leaves no part of one.
+    """Write curves and record; the file is made in memory first, so that a full disk leaves no partial file.
 
-    record: names, units and what else is plain data.  t: (n,).  data: (n, len(names)).
+    record: names, units and other plain data.  t: (n,) [s].  data: (n, len(names)), SI units.
     Raises ValueError, MissingPackage, OSError.
     """
     require(path)
@@ -78,7 +79,7 @@ def write(path: str | os.PathLike[str], record: Mapping[str, Any], t: Array, dat
 
 
 def _plain(value: Any) -> Any:
-    """NumPy values inside plain data, for JSON."""
+    """A NumPy value in plain data as what JSON can write."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     raise TypeError(f"a result holds plain data only, not {type(value).__name__}")
@@ -120,10 +121,10 @@ def _npz(text: str, digest: str, t: Array, curves: Mapping[str, Array], units: M
 
 # ---------------------------------------------------------------- reading
 def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Array, Array]:
-    """Record, t (n,) and data (n, k) of a file that `write` wrote.
+    """Record, t (n,) [s] and data (n, k) in SI units of a file that `write` wrote.
 
-    Raises FileNotFoundError, OSError where the file cannot be opened, MissingPackage, and ValueError for a file that
-    is damaged or no result.
+    Raises FileNotFoundError, OSError if the file cannot be opened, MissingPackage, and ValueError for a file that
+    is damaged or is not a result.
     """
     file = Path(path).expanduser()
     if not file.is_file():
@@ -133,7 +134,7 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Array, Array]:
     reader = _read_npz if head.startswith(ZIP) else _read_netcdf if head == NETCDF else None
     if reader is None:
         model = file.suffix.lower() in (".toml", ".json")
-        hint = f"; a model file is run first: rattle run {file} -o out.npz" if model else ""
+        hint = f"; run a model file first: rattle run {file} -o out.npz" if model else ""
         raise ValueError(f"{file} {NO_RESULT}{hint}")
     if reader is _read_netcdf:
         package("h5py", f"reading {file.name}, which is netCDF,")
@@ -143,12 +144,14 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Array, Array]:
         _require_plain(record, len(curves))
     except Damaged as error:
         raise ValueError(f"{file} {error}") from None
-    except Exception as error:  # h5py, zipfile and json have many kinds of error, and all mean the same here
+    except Exception as error:  # h5py, zipfile and json raise many kinds of errors; all mean the same here
         raise ValueError(f"{file} {NO_RESULT}") from error
     if record["format"] > FORMAT:
-        raise ValueError(f"{file} has format {record['format']}; this rattle reads up to {FORMAT}: install a newer one")
+        raise ValueError(
+            f"{file} has format {record['format']}; this version of rattle reads up to {FORMAT}: install a newer one"
+        )
     if (digest or record["format"] > 1) and digest != _digest(text, t, curves):
-        raise ValueError(f"{file} is damaged: what it holds does not fit its checksum; compute it again")
+        raise ValueError(f"{file} is damaged: its content does not match its checksum; compute it again")
     return record, t, np.column_stack(curves) if curves else np.empty((len(t), 0))
 
 
@@ -157,11 +160,11 @@ Found = tuple[str, dict[str, Any], str, Array, list[Array]]  # record as text an
 
 
 class Damaged(Exception):
-    """What is wrong with a file that seems to be a result."""
+    """Something is wrong with a file that seems to be a result."""
 
 
 def _require_whole(file: Path) -> None:
-    """Compare the checksum behind the data, where there is one, with the bytes.  Raises ValueError."""
+    """Compare the checksum after the data, if there is one, with the bytes.  Raises ValueError."""
     size, length = file.stat().st_size, len(TRAILER) + 65
     with file.open("rb") as opened:
         opened.seek(max(0, size - length))
@@ -177,13 +180,13 @@ def _require_whole(file: Path) -> None:
             if not part:
                 break
     if trailer[len(TRAILER) :].strip() != found.hexdigest().encode():
-        raise ValueError(f"{file} is damaged: its bytes do not fit its checksum; compute it again")
+        raise ValueError(f"{file} is damaged: its bytes do not match its checksum; compute it again")
 
 
 def _fits(count: int, n: int, size: int) -> None:
-    """Refuse curves that the bytes of a file cannot hold, before memory is asked for."""
+    """Refuse a file that is too small for the curves it declares, before memory is allocated."""
     if 8 * n * count > PACKED * size:
-        raise Damaged(f"says that it holds {count} curves of {n} instants, which {size} bytes cannot be")
+        raise Damaged(f"declares {count} curves of {n} instants, more than {size} bytes can hold")
 
 
 def _read_netcdf(file: Path) -> Found:
@@ -197,7 +200,7 @@ def _read_netcdf(file: Path) -> Found:
                 raise KeyError(name)
             one = opened[name] if type(link) is h5py.HardLink else None
             if not isinstance(one, h5py.Dataset) or one.is_virtual or one.external:
-                raise Damaged("leads to other files or places, which no result does")
+                raise Damaged("has links to other files, which no result has")
             return one
 
         record = variable(RECORD)
@@ -225,7 +228,7 @@ def _read_npz(file: Path) -> Found:
         def member(name: str) -> tuple[np.dtype[Any], tuple[int, ...], bytes]:
             info = opened.getinfo(f"{name}.npy")
             if info.file_size > PACKED * size:
-                raise Damaged(f"says that it holds {info.file_size} bytes, which {size} bytes cannot be")
+                raise Damaged(f"declares {info.file_size} bytes, more than {size} bytes can hold")
             content = io.BytesIO(opened.read(info))
             version = np.lib.format.read_magic(content)
             read_header = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
@@ -250,7 +253,7 @@ def _read_npz(file: Path) -> Found:
         return text, record, digest, t, [curve(name, len(t)) for name in record["names"]]
 
 
-# ---------------------------------------------------------------- what a record may hold
+# ---------------------------------------------------------------- what a record may contain
 def _require_plain(record: Any, count: int) -> None:
     """Refuse a record that is not as `Result.save` writes it.  Raises ValueError, TypeError, KeyError."""
     names = record["names"]
@@ -276,7 +279,7 @@ def _require_plain(record: Any, count: int) -> None:
         if isinstance(one, dict | list):
             ahead += [*one, *one.values()] if isinstance(one, dict) else one
         elif isinstance(one, str) and shown(one) != one:
-            raise ValueError("texts that would steer a terminal")
+            raise ValueError("texts with control characters")
     for event in record["events"]:
         _, joint, kind, *numbers = event
         texts = isinstance(joint, str) and isinstance(kind, str)

@@ -1,7 +1,7 @@
-"""What is recorded: the columns that `solvers.output_row` fills, their names and units, and what is derived from them.
+"""Recorded columns: those that `solvers.output_row` fills, with names and units, and those derived from them.
 
-`<joint>.ex .ey` of a joint with clearance are its play in every model: the offset of the pin from the bush, and of a
-block the part across its guide.  The way along a guide is motion, `<body>.x .y` show it.
+`<joint>.ex .ey` of a joint with clearance mean the same in every contact model: the offset of the pin centre from the
+bush centre, and of a block the component across its guide.  Its travel along the guide is motion (`<body>.x .y`).
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from rattle.jit import layout as at
 
 
 def width(system: System) -> int:
-    """Columns of one raw output row, declared in `jit.layout`."""
+    """Number of columns of a raw output row, declared in `jit.layout`."""
     return motion_width(system) + at.PER_JOINT * len(system.joints) + at.ENERGIES
 
 
 def motion_width(system: System) -> int:
-    """Columns of a raw row without forces: bodies and signals."""
+    """Number of columns of a raw row without forces: bodies and signals."""
     return at.PER_BODY * system.body_count + len(system.model.signals)
 
 
 def motion_columns(system: System) -> tuple[list[str], dict[str, str]]:
-    """Names and units of such a row."""
+    """Names and SI units of the columns of a raw row without forces."""
     units = {f"{body}.{key}": unit for body in system.bodies for key, unit in at.OUTPUT_BODY.items()}
     units |= {name: system.model.signal_units.get(name, "") for name in system.model.signals}
     return list(units), units
@@ -41,11 +41,11 @@ def motion(system: System, row: np.ndarray) -> np.ndarray:
 
 
 def quantities(system: System) -> list[tuple[str, int, int]]:
-    """What is watched for peaks within steps: name, what is made of it, first column behind those of bodies.
+    """Quantities whose peaks are found within the steps: name, how it is formed, first column after those of bodies.
 
-    The force of every joint, its moment, normal and tangential force, and effort and power of the drivers: the
-    largest size of each; how deep contacts sink in.  Held by a joint without play or a link N is as large as the
-    force; `<joint>.pressing` is the largest N of a link, which may also pull.
+    The largest magnitude of the force of every joint, its moment, normal and tangential force, of effort and power of
+    the drivers, and the largest penetration of contacts [SI].  For a joint without play, or a massless link, N has the
+    magnitude of the force; `<joint>.pressing` is the largest N of a link, whose N may also be negative.
     """
     found: list[tuple[str, int, int]] = []
     for n, name in enumerate(system.joints):
@@ -71,7 +71,7 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
 
 
 def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dict[str, str]]:
-    """Raw rows (n, width) -> named columns, their names and units."""
+    """Raw rows (n, width) -> named columns (n, k) in SI units, their names and units."""
     model = system.model
     names: list[str] = []
     units: dict[str, str] = {}
@@ -102,7 +102,7 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
         if kind is None or kind.leaf.moment:
             add(f"{name}.moment", "N*m", moment)
         if joint.contact is not None:
-            if kind is not None:  # else contacts alone act on it
+            if kind is not None:  # otherwise only contacts act on it
                 distance = np.hypot(ex, ey)
                 tangential = np.zeros_like(fx)
                 with np.errstate(invalid="ignore", divide="ignore"):
@@ -131,7 +131,7 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
 def _play(
     system: System, joint: Joint, raw: np.ndarray, ex: np.ndarray, ey: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The part of an offset from a line that is play: all of it across, the way along it is motion but for its ends."""
+    """The play in an offset (n,) [m] from a line: its component across, and along it only what the ends leave."""
     turned = 0.0 if joint.a.body == "ground" else raw[:, at.PER_BODY * system.bodies.index(joint.a.body) + at.PLACE + 2]
     axis = turned + (joint.line or 0.0)
     along = ex * np.cos(axis) + ey * np.sin(axis)
@@ -140,7 +140,7 @@ def _play(
 
 
 def geometry(model: Model) -> dict[str, Any]:
-    """Enough to draw the mechanism: points in the frame of their body relative to its mass centre [m]."""
+    """What a drawing of the mechanism needs: points [m] in the frame of their body, relative to its mass centre."""
     joints: dict[str, Any] = {}
     for name, joint in model.joints.items():
         joints[name] = {

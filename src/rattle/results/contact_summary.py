@@ -1,4 +1,4 @@
-"""What the contacts of a run amount to, joint by joint: share of time, number, forces, energy lost."""
+"""Summary of the contacts of a run, joint by joint: share of time, number, forces, energy lost."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from rattle.results.event import Event, Peak
 from rattle.results.trust import Trust
 
 ROUNDING = 1e-12  # share of the largest kinetic energy below which a loss is rounding
-SMOOTH = 0.1  # share of a curve's change by which the polynomial through five outputs may miss the two beside them
+SMOOTH = 0.1  # allowed error of the polynomial through five outputs at the two beside them, as a share of the change
 
 
 class Curves(Protocol):
-    """What of a result is summed up here."""
+    """The part of a result that is summarised here; `result[name]` is a curve (n,) in SI units."""
 
     @property
     def t(self) -> np.ndarray: ...
@@ -33,7 +33,7 @@ class Curves(Protocol):
 
 
 def peak(result: Curves, name: str) -> tuple[float, float]:
-    """Largest size of a curve and its time [s], see `Result.peak`."""
+    """Largest magnitude of a curve [SI] and its time [s], see `Result.peak`. Raises ValueError without an output."""
     known = result.peaks.get(name)
     if known is not None:
         return known.value, known.t
@@ -44,16 +44,16 @@ def peak(result: Curves, name: str) -> tuple[float, float]:
 
 
 def rms_of(result: Curves, name: str) -> float:
-    """Root mean square of a curve over time, see `Result.rms`."""
+    """Root mean square of a curve over time, in its SI unit, see `Result.rms`."""
     known = result.peaks.get(name)
     return known.rms if known is not None else rms(result.t, result[name])
 
 
 def extreme(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:
-    """Maximum of a sampled curve and its time, between the samples where the curve is smooth there.
+    """Maximum of a sampled curve (its unit) and its time [s], interpolated if the curve is smooth there.
 
-    t: (n,) increasing.  The polynomial through the five samples about the largest must also meet the two beside them;
-    at kinks, jumps and poles it does not, and the largest sample is returned.
+    t: (n,) increasing [s].  The polynomial through the five samples around the largest must also fit the two beside
+    them; at kinks, jumps and poles it does not, and the largest sample is returned.
     """
     finite = np.isfinite(values)
     if not finite.any():
@@ -76,25 +76,25 @@ def extreme(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:
 
 
 class ContactSummary(NamedTuple):
-    """One joint with play over a whole run."""
+    """The contacts of one joint with clearance over a whole run."""
 
-    share: float  # of the time in which pin and bush press on each other, 0 to 1
+    share: float  # share of the time in which pin and bush press on each other, 0 to 1
     contacts: int  # contacts that started
     impacts: int  # impacts without duration
     peak: float  # largest normal force [N], from within the steps
     rms: float  # of the normal force over the whole run [N]
     longest_flight: float  # longest time without contact [s]
     energy_lost: float  # in impacts and contacts, friction included [J]
-    power_lost: float  # the same per time, mean over the run [W]
+    power_lost: float  # mean power lost over the run [W]
 
 
 def contacts(result: Curves) -> dict[str, ContactSummary]:
-    """Summary of every joint with play that is not ideal, by name."""
+    """Summary of every joint whose clearance is not closed (ideal), by name; units as in `ContactSummary`."""
     return {name: _summary(result, name) for name in _loose(result)}
 
 
 def _loose(result: Curves) -> list[str]:
-    """Joints whose play the result shows."""
+    """Joints with clearance that is not closed."""
     found = []
     for name, form in result.geometry["joints"].items():
         if form.get("clearance") and form.get("contact") != "ideal" and f"{name}.normal" in result and len(result.t):
@@ -112,7 +112,7 @@ def _summary(result: Curves, joint: str) -> ContactSummary:
     lost = math.fsum(event.energy_lost for event in events)
     if "energy.kinetic" in result and abs(lost) < ROUNDING * float(result["energy.kinetic"].max()):
         lost = 0.0
-    if joint in result.trust.pulled:  # the massless link: it presses wherever it need not pull
+    if joint in result.trust.pulled:  # a massless link presses whenever it does not pull
         share, flight = 1.0 - result.trust.pulled[joint], 0.0
     elif spans or not span:
         share = math.fsum(b - a for a, b in spans) / span if span else float(normal[0] > 0.0)
@@ -134,13 +134,13 @@ def _summary(result: Curves, joint: str) -> ContactSummary:
 
 
 def _pressing(result: Curves, joint: str) -> float:
-    """Largest normal force [N]; that of a link, which may also pull, where it presses."""
+    """Largest normal force [N]; of a massless link, which may also pull, the largest while it presses."""
     known = result.peaks.get(f"{joint}.pressing") or result.peaks.get(f"{joint}.normal")
     return known.value if known is not None else float(result[f"{joint}.normal"].max())
 
 
 def pressing_spans(events: list[Event]) -> list[tuple[float, float]]:
-    """Times in which any contact of one joint presses: the union of its lasting contacts [s]."""
+    """Intervals (start, end) [s] in which any contact of one joint presses: the union of its lasting contacts."""
     found: list[tuple[float, float]] = []
     for a, b in sorted((event.t, event.t + event.duration) for event in events if event.kind == "contact"):
         if found and a <= found[-1][1]:
@@ -158,7 +158,10 @@ def _longest_gap(t: np.ndarray, pressing: np.ndarray, span: float) -> float:
 
 
 def rms(t: np.ndarray, values: np.ndarray) -> float:
-    """Root mean square over time of a sampled curve; intervals that touch an instant without a value are left out."""
+    """Root mean square over time of a sampled curve, in its unit; t, values: (n,) [s], any unit.
+
+    Intervals that touch an instant without a value (NaN) are left out.
+    """
     finite = np.isfinite(values)
     if not finite.all():
         whole = finite[:-1] & finite[1:]
@@ -169,9 +172,9 @@ def rms(t: np.ndarray, values: np.ndarray) -> float:
 
 
 def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Heading and one row per joint: peak force and its time, RMS force; with play what its contacts amount to.
+    """Heading and one row per joint, with units: peak force and its time, RMS force; with play the contact summary.
 
-    Peak and RMS of a run in time come from within its steps; otherwise from a smooth curve through the positions.
+    Peak and RMS of a run in time are found within its steps, otherwise on a smooth curve through the positions.
     """
     loose = contacts(result)
     head: tuple[str, ...] = ("joint", "peak force", "at t", "RMS force")

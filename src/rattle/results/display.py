@@ -1,4 +1,4 @@
-"""How objects show themselves in a notebook: small HTML tables, numbers in the units people read, files as pictures."""
+"""Display of objects in a notebook: small HTML tables, numbers in handy units, files as pictures."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ MILLIMETRES = 0.05  # a length below it is written in mm [m]
 ROUNDING = 1e-12  # an angle below it is zero [rad]
 _READ_AS = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2"}
 _KIND_OF_FILE = {".gif": "image/gif", ".png": "image/png", ".svg": "image/svg+xml", ".mp4": "video/mp4"}
-LARGEST = 20_000_000  # bytes of a moving picture that is put into a notebook
+LARGEST = 20_000_000  # size of an animation that is embedded in a notebook [bytes]
 
 
 def readable(value: float, unit: str) -> tuple[float, str]:
-    """A value in SI as people read it: angles in degrees (0 where only rounding is left), all else as it is."""
+    """A value [SI] and its unit for display: angles in degrees (0 if only rounding is left), others unchanged."""
     if unit == "rad" and abs(value) < ROUNDING:
         value = 0.0
     return (value * DEGREES, _READ_AS[unit]) if unit in _READ_AS else (value, unit)
 
 
 def quantity(value: float, unit: str, digits: int = 4) -> str:
-    """A value in SI as text with its unit, angles in degrees and short lengths in mm."""
+    """A value [SI] as text with its unit, angles in degrees and short lengths in mm."""
     if unit == "m" and abs(value) < 1e-15:
         value = 0.0
     if unit == "m" and 0.0 < abs(value) < MILLIMETRES:
@@ -34,7 +34,7 @@ def quantity(value: float, unit: str, digits: int = 4) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", below: Iterable[str] = ()) -> str:
-    """An HTML table; whatever stands in names or texts is text there."""
+    """An HTML table; names and texts are escaped."""
     cells = ["".join(f'<td style="text-align:left">{html.escape(str(cell))}</td>' for cell in row) for row in rows]
     top = "".join(f'<th style="text-align:left">{html.escape(name)}</th>' for name in head)
     parts = [f"<div><b>{html.escape(caption)}</b></div>"] if caption else []
@@ -46,14 +46,14 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "",
 
 
 def lines(text: str) -> str:
-    """A report of several lines, as it is printed."""
+    """A report of several lines as HTML, as it is printed."""
     return f'<pre style="white-space:pre-wrap">{html.escape(text)}</pre>'
 
 
 class Picture:
-    """A picture or film that was written; a notebook shows it.
+    """A picture or animation that was written to a file; a notebook shows it.
 
-    path: where it is.
+    path: the file.
     """
 
     def __init__(self, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""What happens in a run at one instant, and the largest size of a quantity over all of it."""
+"""Events of a run, and the largest magnitude of a quantity over the whole run."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 
 class Event(NamedTuple):
-    """One change of a contact, or a jump of a driver; what does not apply to its kind is zero.
+    """One change of a contact, or a jump of a driver; fields that do not apply to its kind are zero.
 
-    jolt: `joint` is the driver, `normal_speed` its speed after less that before [rad/s or m/s], `impulse` acts on its
-    body B [N m s or N s], `energy_lost` is minus what the driver puts in.
+    jolt: `joint` is the driver, `normal_speed` the jump of its speed (after minus before) [rad/s or m/s], `impulse`
+    acts on its body B [N m s or N s], `energy_lost` is minus the energy that the driver supplies [J].
     """
 
     t: float  # [s]
@@ -23,8 +23,8 @@ class Event(NamedTuple):
 
 
 class Peak(NamedTuple):
-    """The largest size of one quantity over a whole run, from within its steps."""
+    """The largest magnitude of one quantity over a whole run, found within its steps."""
 
     value: float  # in the unit of the quantity
     t: float  # [s]
-    rms: float  # root mean square over the run
+    rms: float  # root mean square over the run, in the same unit

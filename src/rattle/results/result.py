@@ -1,6 +1,6 @@
-"""What a run leaves behind: numbers, their names and units, and how far to trust them.
+"""The result of an analysis: numbers, their names and units, and how far to trust them.
 
-A `Result` holds no other object of the package, so that a file written today stays readable.
+A `Result` refers to no model or system, so that a file written today stays readable.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class UnknownName(KeyError):
     """A result has no curve of this name."""
 
     def __str__(self) -> str:
-        return str(self.args[0])  # KeyError would put the sentence in quotes
+        return str(self.args[0])  # KeyError would print the message in quotes
 
 
 # ---------------------------------------------------------------- the result
@@ -43,8 +43,8 @@ class Result:
     """Motion, reactions and energy of one run, by name.
 
     t: (n,) instants [s].  data: (n, len(names)) one column per stored name, SI units.
-    geometry: plain description of bodies, joints and loads, enough to draw the mechanism.
-    success, message: whether the run came to its end, and if not why and what to try.
+    geometry: plain description of bodies, joints and loads, from which the mechanism is drawn.
+    success, message: whether the run reached its end, and if not, why and what to try.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class Result:
         self.peaks: dict[str, Peak] = dict(peaks or {})
         self._data = _frozen(data)
         if self._data.shape != (len(self.t), len(self.stored)):
-            raise ValueError(f"data is {self._data.shape}; wanted {(len(self.t), len(self.stored))}")
+            raise ValueError(f"data has shape {self._data.shape}; expected {(len(self.t), len(self.stored))}")
         self._column = {name: k for k, name in enumerate(self.stored)}
         self._derived = _derived(self.geometry, self._column)
         self._units = {name: units[name] for name in self.stored}
@@ -95,7 +95,7 @@ class Result:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All names `r[...]` answers to: the stored ones, then those derived from them."""
+        """All names that `r[...]` knows: the stored ones, then those derived from them."""
         return self.stored + tuple(self._derived)
 
     def __contains__(self, name: object) -> bool:
@@ -103,18 +103,18 @@ class Result:
 
     @property
     def interrupted(self) -> bool:
-        """True where the user stopped the run (Ctrl-C); the result ends there."""
+        """True if the user stopped the run (Ctrl-C); the result ends there."""
         return bool(self.stats.get("interrupted", False))
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """From a copy by pickle, whose arrays could be written."""
+        """Restore a pickled copy and make its arrays read-only again."""
         self.__dict__.update(state)
         self.t, self._data = _frozen(self.t), _frozen(self._data)
 
     def __getitem__(self, name: str) -> Array:
-        """One curve, (n,), read-only.  Raises UnknownName (a KeyError) with suggestions."""
+        """One curve, (n,), in its SI unit, read-only.  Raises UnknownName (a KeyError) with suggestions."""
         if not isinstance(name, str):
-            raise TypeError(f"a curve is asked for by one name in quotes, got {name!r}")
+            raise TypeError(f"expected one name of a curve in quotes, got {name!r}")
         if name in self._column:
             return self._data[:, self._column[name]]
         if name not in self._derived:
@@ -127,23 +127,24 @@ class Result:
         return np.asarray(self[f"{owner}.{what}"] + turned)
 
     def unit(self, name: str) -> str:
-        """SI unit of a curve ("" for a bare number).  Raises UnknownName."""
+        """SI unit of a curve ("" if it has none).  Raises UnknownName."""
         if name not in self._units:
             raise UnknownName(self._unknown(name))
         return self._units[name]
 
     def peak(self, name: str) -> tuple[float, float]:
-        """Largest size of a curve and when [s].
+        """Largest magnitude of a curve, in its SI unit, and its time [s].
 
-        For the force, moment, normal and tangential force of joints and effort and power of drivers of a run in time
-        it comes from within the steps of the whole run, whatever the outputs are; `.peaks` holds all of them.  For
-        other curves it is the top of a smooth curve through the outputs.  Raises UnknownName, ValueError without
-        any output.
+        For the force, moment, normal and tangential force of joints and for effort and power of drivers in a run in
+        time it is found within the steps of the whole run, whatever the output interval; `.peaks` holds all of them.
+        For other curves it is the maximum of a smooth curve through the outputs.  Raises UnknownName, ValueError
+        without any output.
         """
         return contact_summary.peak(self, name)
 
     def rms(self, name: str) -> float:
-        """Root mean square of a curve over time: where `peak` knows the steps theirs, else that of the outputs."""
+        """Root mean square of a curve over time, in its SI unit: from within the steps where `peak` is, otherwise from
+        the outputs.  Raises UnknownName."""
         return contact_summary.rms_of(self, name)
 
     def _unknown(self, name: str) -> str:
@@ -159,12 +160,13 @@ class Result:
 
     @property
     def contacts(self) -> dict[str, contact_summary.ContactSummary]:
-        """Per joint with play: share of time in contact, contacts, impacts, peak and RMS force, energy lost."""
+        """For each joint with clearance: share of time in contact, contacts, impacts, peak and RMS force [N], energy
+        lost [J]; all fields in `ContactSummary`."""
         return contact_summary.contacts(self)
 
     # ------------------------------------------------------------ to other programs
     def to_dataframe(self) -> Any:
-        """pandas.DataFrame of all names, index t [s], units in `.attrs["units"]`."""
+        """pandas.DataFrame of all names, index t [s], SI units in `.attrs["units"]`.  Raises MissingPackage."""
         from rattle.results.archive import package
 
         pandas = package("pandas", "to_dataframe")
@@ -174,7 +176,8 @@ class Result:
         return frame
 
     def to_xarray(self) -> xarray.Dataset:
-        """xarray.Dataset of all names over the coordinate t; attributes: units, what was run, how far to trust it."""
+        """xarray.Dataset of all names over the coordinate t [s]; attributes: SI units, what was run, how far to trust
+        it.  Raises MissingPackage."""
         dataset = self._dataset(self.names)
         ran = {key: str(value) for key, value in self.provenance.items() if value is not None}
         dataset.attrs = {**ran, "success": str(self.success), "message": self.message, "trust": str(self.trust)}
@@ -188,9 +191,9 @@ class Result:
         return dataset
 
     def to_csv(self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None) -> Path:
-        """All names as CSV, with a header such as `coupler.x [m]`; numbers in full precision.
+        """Write all names as CSV, with a header such as `coupler.x [m]`; numbers in full precision.
 
-        fallback, return value: as for `save`.  Raises ValueError for a suffix that promises something else, OSError.
+        fallback, return value: as for `save`.  Raises ValueError for a suffix of another format, OSError.
         """
         require_table(path)
         units = [self._units[name] for name in self.names]
@@ -208,11 +211,11 @@ class Result:
         return _first_place(write, path, fallback)
 
     def save(self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None) -> Path:
-        """Write everything as netCDF (`.nc`) or `.npz`; `load_result` gives it back, bit by bit.
+        """Write everything as netCDF (`.nc`) or `.npz`; `load_result` reads it back, bit for bit.
 
         fallback: a folder for a file of the same name, if the system cannot write `path` (a full disk).
         Returns the file written.  Raises ValueError for another suffix, MissingPackage (an ImportError; `.npz` needs
-        nothing more), OSError; the result itself stays as it is and can be saved elsewhere.
+        no further package), OSError; the result is unchanged then and can be saved elsewhere.
         """
         record = {
             "names": self.stored,
@@ -245,10 +248,10 @@ class Result:
     ) -> Figure | Axes:  # fmt: skip
         """Curves over time, one panel per unit, angles in degrees, short lengths in mm or µm.
 
-        ax: draw there, in SI; then all names must have one unit.  Returns a new figure, or `ax` where it is given.
+        ax: draw there, in SI; then all names must have one unit.  Returns a new figure, or `ax` if it is given.
         compare: further results as (label, result), dashed.  robust: rare spikes are left out of the axis, and a note
-        says how far they reach.  over: another curve, such as "crank.angle", in the place of time.
-        Raises UnknownName, or ValueError where there is nothing to draw or one axis for two units.
+        says how far they reach.  over: a curve for the horizontal axis instead of time, such as "crank.angle".
+        Raises UnknownName, or ValueError if there is nothing to draw or one axis for two units.
         """
         from rattle.plots import curves as curves_
 
@@ -259,9 +262,10 @@ class Result:
     @overload
     def plot_orbit(self, joint: str, ax: Axes) -> Axes: ...
     def plot_orbit(self, joint: str, ax: Axes | None = None) -> Figure | Axes:
-        """Path of a pin in its clearance circle, coloured by the normal force; see `rattle.plots.orbit.plot_orbit`.
+        """Path of a pin in its clearance circle [mm or µm], coloured by the normal force [N].
 
-        ax: draw there.  Returns a new figure, or `ax` where it is given.  Raises ValueError without clearance.
+        For all details see `rattle.plots.orbit.plot_orbit`.
+        ax: draw there.  Returns a new figure, or `ax` if it is given.  Raises ValueError without clearance.
         """
         from rattle.plots import orbit
 
@@ -271,11 +275,11 @@ class Result:
         self, path: str | os.PathLike[str], *, frames: int = 120, fps: int = 20, trace: Iterable[str] = (),
         dpi: float = 90.0, speed: float | None = None, names: bool = False,
     ) -> Picture:  # fmt: skip
-        """The mechanism moving, as .gif or .mp4; a notebook shows it.
+        """Write an animation of the mechanism as .gif or .mp4; a notebook shows it.
 
-        At most `frames` pictures, evenly spaced in time, shown at `fps` per second.  trace: points ("coupler.P") that
-        leave their path behind.  dpi: dots per inch.  speed: of the film against the motion, 0.1 for ten times
-        slower; then there are as many frames as that takes.  names: write the names of bodies on them.
+        At most `frames` pictures, evenly spaced in time, shown at `fps` [1/s].  trace: points ("coupler.P") whose
+        paths are drawn.  dpi: resolution [1/inch].  speed: of the animation relative to the motion, 0.1 for ten times
+        slower; it sets the number of frames.  names: label the bodies with their names.
         Raises ValueError for another suffix or a result without instants, UnknownName, MissingProgram without ffmpeg.
         """
         from rattle.plots import animation
@@ -285,10 +289,10 @@ class Result:
 
 
 def load_result(path: str | os.PathLike[str]) -> Result:
-    """Read what `Result.save` wrote.
+    """Read a result that `Result.save` wrote (SI units).
 
-    Raises FileNotFoundError, OSError where the file cannot be opened, MissingPackage (netCDF without h5py), and
-    ValueError where the file is damaged or not a result of rattle.
+    Raises FileNotFoundError, OSError if the file cannot be opened, MissingPackage (netCDF without h5py), and
+    ValueError if the file is damaged or not a result of rattle.
     """
     record, t, data = archive.read(path)
     try:
@@ -312,7 +316,8 @@ def load_result(path: str | os.PathLike[str]) -> Result:
 
 # ---------------------------------------------------------------- pieces
 def _derived(geometry: Mapping[str, Any], stored: Mapping[str, int]) -> dict[str, tuple[str, str, float, float]]:
-    """Names that follow from stored columns: what ("x", "y" or "force"), of whom, and the point in its frame [m]."""
+    """Names derived from stored columns: what ("x", "y" or "force"), of which body or joint, the point in its frame
+    [m]."""
     found: dict[str, tuple[str, str, float, float]] = {}
     for body, form in geometry.get("bodies", {}).items():
         for point, (x, y) in form["points"].items():
@@ -324,7 +329,7 @@ def _derived(geometry: Mapping[str, Any], stored: Mapping[str, int]) -> dict[str
 
 
 def require_table(path: str | os.PathLike[str]) -> None:
-    """Raise ValueError for a name under which nobody expects CSV."""
+    """Raise ValueError for a file name whose suffix belongs to another format than CSV."""
     if Path(path).suffix.lower() not in TABLES:
         raise ValueError(f"{os.fspath(path)}: curves are written as plain text; give a name ending in .csv")
 
@@ -332,7 +337,7 @@ def require_table(path: str | os.PathLike[str]) -> None:
 def _first_place(
     write: Callable[[Path], None], path: str | os.PathLike[str], fallback: str | os.PathLike[str] | None
 ) -> Path:
-    """Write under `path`, or in the folder `fallback` where the system cannot; returns the file written."""
+    """Write under `path`, or in the folder `fallback` if the system cannot; returns the file written."""
     try:
         write(Path(path))
         return Path(path)

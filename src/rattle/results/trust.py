@@ -18,25 +18,25 @@ FEW = 6  # steps in the shortest contact below which its forces are coarse
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trust:
-    """How far a result can be trusted; `str()` says it in two lines."""
+    """How far a result can be trusted, units as stated at each field; `str()` says it in a few lines."""
 
     drift: float  # largest distance between points that belong together [m]
-    drift_joint: str = ""  # where
+    drift_joint: str = ""  # joint where the drift is largest
     energy_balance: float = math.nan  # largest unexplained change of energy [J]; NaN where there is no audit
     t_end: float = 0.0  # last instant of the run [s]
-    horizon: float | None = None  # time up to which a tighter run agrees [s]; None: not asked
+    horizon: float | None = None  # time up to which a tighter run agrees [s]; None: not computed
     pulled: Mapping[str, float] = field(default_factory=dict)  # massless-link joint -> share of time with N < 0
     first_pull: Mapping[str, float | None] = field(default_factory=dict)  # ... -> first such time [s]
     intervals: Mapping[str, Array] = field(default_factory=dict)  # ... -> (k, 2) times with N < 0 [s]
-    contacts: int | None = None  # contacts that started; None: no joint can touch and let go
+    contacts: int | None = None  # contacts that started; None: no joint can make and lose contact
     impacts: int = 0  # impacts without duration
     fewest_steps: float | None = None  # steps in the shortest contact
     nonunique: tuple[str, ...] = ()  # joints whose reactions are not unique
     notes: tuple[str, ...] = ()
     drift_angle: float = 0.0  # largest angle between bodies that belong together [rad]
-    stopped: bool = False  # the run ended before its time
+    stopped: bool = False  # the run ended before its end time
     horizon_motion: float | None = None  # time up to which positions and rates agree [s]
-    horizon_curve: str = ""  # the curve that parts first
+    horizon_curve: str = ""  # the curve that deviates first
     energy_share: float | None = None  # the same change as a share of the largest of kinetic energy, work and potential
 
     def __repr__(self) -> str:
@@ -52,15 +52,15 @@ class Trust:
 
     def _accuracy(self) -> str:
         where = f" (worst at {self.drift_joint})" if self.drift_joint and self.drift > 0 else ""
-        energy = "" if math.isnan(self.energy_balance) else f", energy to {_short(abs(self.energy_balance))} J"
+        energy = "" if math.isnan(self.energy_balance) else f", energy error {_short(abs(self.energy_balance))} J"
         off = self.energy_share or 0.0
         share = f" ({_short(off)} of the largest energy)" if off > 1e-6 else ""
         angle = f" and {_short(self.drift_angle)} rad" if self.drift_angle > self.drift else ""
-        return f"constraints held to {_short(self.drift)} m{angle}{where}{energy}{share}"
+        return f"constraint error {_short(self.drift)} m{angle}{where}{energy}{share}"
 
     def _reach(self) -> str:
         if self.horizon is None:
-            return "how long the curves can be trusted was not asked (horizon=True does)"
+            return "how long the curves can be trusted was not computed (horizon=True does)"
         whole = f"up to where the run ended, t = {self.t_end:.4g} s"
         if not self.stopped:
             whole = f"over the whole run, to t = {self.t_end:.4g} s"
@@ -70,18 +70,18 @@ class Trust:
         motion = self.horizon_motion
         if motion is not None and motion > 2.0 * self.horizon:
             until = whole if motion >= self.t_end else f"up to t = {motion:.3g} s (horizon)"
-            first = f" ({self.horizon_curve} parts first)" if self.horizon_curve else ""
+            first = f" ({self.horizon_curve} deviates first)" if self.horizon_curve else ""
             return f"positions and rates can be trusted {until}, all other curves up to t = {self.horizon:.3g} s{first}"
         return f"the curves can be trusted up to t = {self.horizon:.3g} s (horizon), after it statistics only"
 
     def coarse(self) -> tuple[str, ...]:
-        """What to say where the shortest contact took too few steps."""
+        """The remark for a shortest contact with too few steps; empty if there were enough."""
         if self.fewest_steps is None or self.fewest_steps >= FEW:
             return ()
         return (f"the shortest contact took {_steps(self.fewest_steps)}: too few for its peak, tighten rtol",)
 
     def _touching(self) -> str:
-        """Contacts and impacts, in words; empty where no joint can touch and let go."""
+        """Contacts and impacts, in words; empty if no joint can make and lose contact."""
         if self.contacts is None:
             return ""
         counts = [
@@ -120,12 +120,12 @@ class Trust:
         return ([f"reactions not unique (redundant constraints) at {joints}"] if joints else []) + list(self.notes)
 
     def to_dict(self) -> dict[str, Any]:
-        """The same as numbers, texts and lists, ready for JSON."""
+        """All fields as numbers (SI), texts and lists, ready for JSON."""
         return asdict(self) | {"intervals": {j: np.asarray(v).tolist() for j, v in self.intervals.items()}}
 
     @classmethod
     def from_dict(cls, record: Mapping[str, Any]) -> Trust:
-        """The inverse of `to_dict`."""
+        """The inverse of `to_dict`; units as of the fields."""
         intervals = {j: np.asarray(v, float).reshape(-1, 2) for j, v in record["intervals"].items()}
         texts = {key: tuple(record[key]) for key in ("nonunique", "notes")}
         return cls(**{**record, **texts, "intervals": intervals})
