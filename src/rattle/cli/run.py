@@ -137,17 +137,23 @@ def _warm(what: str) -> None:
     import numpy as np
 
     from rattle.jit import functions
+    from rattle.language import bytecode
     from rattle.mechanism import example
 
     functions.start()
     if what == "motion":
         example("fourbar").ideal().kinematics(np.linspace(0.0, 0.1, 2000))
+        example("toggle").simulate(1e-4)  # its expressions switch
+        example("slider_crank_play").lyapunov(1e-2)
+        bytecode.quotient(1.0, 2.0), bytecode.power(2.0, 0.5)  # by which numbers in quotes are computed
     elif what == "impacts":
         impact = example("bouncing_pin")
         impact.simulate(1e-3, method="event")
         impact.simulate(1e-3, method="moreau", step=1e-4)
+        example("woodpecker").simulate(1e-4)  # velocities are driven
     elif what == "statics":
         example("fourbar").modes()
+        example("balanced_arm").modes()  # several degrees of freedom
     else:
         for one in functions.natives():
             if one.__module__ == what:
