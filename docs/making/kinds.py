@@ -23,6 +23,7 @@ FAMILIES = {
     "stiffness": ("Stiffness", "`geometry` in `contact`: static force from material and shape; `power` from numbers."),
     "friction": ("Friction laws", "`friction = { model = NAME, ... }` in the `contact` of a normal force law."),
     "load": ("Loads", "`[loads.NAME]` with `type`: forces and moments on bodies."),
+    "stepper": ("Steppers", "`method` in `[simulate]`, or `--method`: how the motion is computed."),
 }
 FRAME = """format = 1
 gravity = [0, -9.81]
@@ -137,7 +138,9 @@ def _live(field: Any, family: str) -> str:
 # ---------------------------------------------------------------- examples
 def example(catalog: Any, kind: Any) -> str:
     """A few lines of a model file with this kind, read by the program; nothing where nobody writes the kind."""
-    made = {"joint": _joint, "driver": _driver, "load": _load, "clearance": _clearance}.get(kind.family)
+    made = {"joint": _joint, "driver": _driver, "load": _load, "clearance": _clearance, "stepper": _stepper}.get(
+        kind.family
+    )
     lines = made(catalog, kind) if made else _contact(catalog, kind)
     text = "\n".join(lines)
     rt.loads(FRAME + text)  # raises where the example would not be understood
@@ -169,6 +172,11 @@ def _clearance(catalog: Any, kind: Any) -> list[str]:
         sizes = ", ".join(f'{key} = "{40 // n} mm"' for n, key in enumerate(wanted, 1))
         tables.append(f"{table_} = {{ {sizes} }}")
     return [*joint, 'clearance = "0.2 mm"', *tables, 'contact = { model = "impact", restitution = 0.5 }']
+
+
+def _stepper(catalog: Any, kind: Any) -> list[str]:
+    fixed = [] if kind.leaf.adaptive else ['step = "10 us"']
+    return ["[simulate]", f'method = "{kind.name}"', *fixed]
 
 
 def _contact(catalog: Any, kind: Any) -> list[str]:

@@ -1,4 +1,4 @@
-"""Registry of families, kinds and their fields; kinds are found by importing the folders of `rattle.elements`.
+"""Registry of families, kinds and their fields; kinds are found by importing the folders where leaves stand.
 
 A *family* (joint, load ...) has one kernel signature.  A *kind* (revolute, spring ...) is one class in one file: its
 fields say what the user writes, its kernel says what it does.  Kernels are reached through a table of native
@@ -14,7 +14,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,9 +23,12 @@ import numpy as np
 from rattle.jit.functions import KernelFunction, jit_runs
 
 REQUIRED: Any = object()
+ELEMENTS = tuple(f"rattle.elements.{one}" for one in ("joints", "clearances", "contact_laws", "loads"))
+PACKAGES = {"stepper": ("rattle.solvers.steppers",)}  # of families whose leaves stand elsewhere, by family
 _lock = threading.RLock()
 _families: dict[str, dict[str, Kind]] = {}
-_discovered = _discovering = False
+_searched: set[str] = set()  # packages
+_searching: set[str] = set()
 
 
 @dataclass(frozen=True)
@@ -100,8 +103,8 @@ def kind(family: str, name: str, kernel: KernelFunction | None = None) -> Callab
 
 
 def kinds(family: str) -> Mapping[str, Kind]:
-    """All kinds of one family by name; the leaf packages are searched on first use."""
-    discover()
+    """All kinds of one family by name; the packages of its leaves are searched on first use."""
+    discover(PACKAGES.get(family, ELEMENTS))
     return _families.setdefault(family, {})
 
 
@@ -112,27 +115,26 @@ def play_of(joint: str) -> Kind | None:
 
 def families() -> Iterator[str]:
     """Names of all families that have at least one kind."""
-    discover()
+    discover((*ELEMENTS, *(one for packages in PACKAGES.values() for one in packages)))
     return iter(sorted(_families))
 
 
-def discover() -> None:
-    """Import the leaf packages once; other threads wait until the registry is complete."""
-    global _discovered, _discovering
-    if _discovered:
+def discover(packages: Sequence[str] = ELEMENTS) -> None:
+    """Search packages for leaves, each once; other threads wait until the registry has all of theirs."""
+    if _searched.issuperset(packages):
         return
     with _lock:
-        if _discovered or _discovering:  # _discovering: a leaf uses the registry while it is being filled
-            return
-        _discovering = True
-        try:
-            for package in ("joints", "clearances", "contact_laws", "loads"):
-                found = importlib.import_module(f"rattle.elements.{package}")
+        for package in packages:
+            if package in _searched or package in _searching:  # a leaf asks for the registry while it is being made
+                continue
+            _searching.add(package)
+            try:
+                found = importlib.import_module(package)
                 for module in pkgutil.iter_modules(found.__path__):
-                    importlib.import_module(f"{found.__name__}.{module.name}")
-            _discovered = True
-        finally:
-            _discovering = False
+                    importlib.import_module(f"{package}.{module.name}")
+                _searched.add(package)
+            finally:
+                _searching.remove(package)
 
 
 def table(*names: str, machine: bool | None = None, used: Any = None) -> Any:

@@ -32,6 +32,8 @@ SIGNATURE = {
     "normal": ("f", "f", "f", "f", "f", "v", "i"),  # F_static, delta, ddelta, v0, p, k -> F
     "friction": ("f", "f", "f", "v", "v", "i", "v"),  # u, N, z, p, k, dz -> T
     "hold": ("void", "h"),  # m, see rattle.equations.unilateral
+    "stepper": ("fi", "h", "f", "f", "f", "f", "i"),  # m, t, h, rtol, atol, 1 to project stages -> error, signs change
+    "dense output": ("void", "h", "f", "f"),  # m, t, h
     "problem": ("i", "h", "i"),  # m, number of contacts, see rattle.equations.unilateral
 }
 _lock = threading.RLock()
@@ -216,7 +218,7 @@ _lessons: list[Callable[[Any], None]] = []
 def _teach_calls(compiling: Any) -> None:
     """What compiled code may call besides other functions."""
     for family, call in _CALLERS.items():
-        compiling.jumps(call, SIGNATURE[family], family in ("hold", "problem"))
+        compiling.jumps(call, SIGNATURE[family], family in ("hold", "problem", "stepper", "dense output"))
 
 
 # ---------------------------------------------------------------- tables of kernels
@@ -250,6 +252,16 @@ def call_friction(entry: Any, arguments: Any) -> Any:
     return entry(*arguments)
 
 
+def call_stepper(entry: Any, arguments: Any) -> Any:
+    """Take a step: its error as a share of the tolerance, and 1 if watched forces have changed their signs."""
+    return entry(*arguments)
+
+
+def call_dense_output(entry: Any, arguments: Any) -> None:
+    """Make what the stepper of a run adds to the dense output of a step."""
+    entry(*arguments)
+
+
 def call_hold(entry: Any, arguments: Any) -> None:
     """Call the kernel that adds the forces of lasting set-valued contacts."""
     entry(*arguments)
@@ -267,6 +279,8 @@ _CALLERS: dict[str, Callable[..., Any]] = {
     "stiffness": call_stiffness,
     "normal": call_normal,
     "friction": call_friction,
+    "stepper": call_stepper,
+    "dense output": call_dense_output,
     "hold": call_hold,
     "problem": call_problem,
 }

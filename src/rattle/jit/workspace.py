@@ -129,6 +129,8 @@ ARRAYS = {
     "problem_table": Array("i1", "parts", "", "kernels that solve contact problems, see `unilateral`"),
     # time integration
     "state": Array("f1", "ny", "SI", "y at clock[T], see `equations.state`"),
+    "stepper": Array("i1", "4", "", "what the stepper of the run says of itself, see `step_state`"),
+    "stepper_table": Array("i1", "0 or 2", "", "its kernels: step and dense output"),
     "rate": Array("f1", "ny", "SI/s", "its derivative"),
     "state_new": Array("f1", "ny", "SI", "the same at the end of a step"),
     "rate_new": Array("f1", "ny", "SI/s", ""),

@@ -13,21 +13,10 @@ from rattle.equations.motion import place
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_stiffness, compiled, native
+from rattle.solvers.dense_output import interpolate
 from rattle.solvers.gap_search import NONE, may_reach, search
 
 LATER = 1e-7  # share of a step after which a contact changes that was on the wrong side at its start by rounding
-
-
-@compiled
-def interpolate(m, theta, out):
-    """State at the share theta of the step into `out`."""
-    y, dense = m.state, m.dense
-    rest = 1.0 - theta
-    for n in range(out.shape[0]):
-        value = (dense[4, n] + (dense[5, n] + dense[6, n] * theta) * rest) * theta
-        out[n] = (
-            y[n] + (dense[0, n] + (dense[1, n] + (dense[2, n] + (dense[3, n] + value) * rest) * theta) * rest) * theta
-        )
 
 
 @native("void", "h", "f", "v")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rattle.equations.motion import solve_motion
 from rattle.jit.functions import compiled, native
-from rattle.solvers.contact_events import interpolate
+from rattle.solvers.dense_output import interpolate
 from rattle.solvers.step_state import FOUND
 
 SCAN = 8  # parts of a step searched for changes of sign

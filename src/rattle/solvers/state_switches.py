@@ -11,7 +11,7 @@ from __future__ import annotations
 from rattle.equations.motion import derivative, place
 from rattle.jit.functions import compiled, native
 from rattle.language.bytecode import CROSSED, SIDE, evaluate
-from rattle.solvers.contact_events import interpolate
+from rattle.solvers.dense_output import interpolate
 from rattle.solvers.gap_search import NONE
 
 # landing: 1 + switch at which the step ends (0: none), step to go on with [s], switchings so far, time of the last,

@@ -21,76 +21,67 @@ from rattle.equations.motion import (
 )
 from rattle.equations.schur import WEAK
 from rattle.jit import layout as at
-from rattle.jit.functions import compiled, native
+from rattle.jit.functions import call_stepper, compiled, native
 from rattle.solvers import step_audit
 from rattle.solvers.contact_events import (
     change_contacts,
     contact_time,
     find_peaks,
     first_change,
-    interpolate,
     may_any_change,
     near_peak,
     pass_on,
     remember_end,
     start_contacts,
 )
+from rattle.solvers.dense_output import interpolate, prepare_dense
 from rattle.solvers.gap_search import ESCAPED, NONE, escaped
 from rattle.solvers.output_row import record
 from rattle.solvers.peaks.samples import END, START, end_step, gauge, may_rise
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
-from rattle.solvers.state_switches import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
-from rattle.solvers.step_audit import UNSOUND, stands
+from rattle.solvers.step_audit import stands
+from rattle.solvers.step_control import (
+    TRY_AGAIN,
+    end_on_switch,
+    end_stands,
+    has_room,
+    lengthen,
+    next_step,
+    output_due,
+    refuse,
+    shorten,
+    take_over,
+    turn_switch,
+)  # fmt: skip
 from rattle.solvers.step_state import (
+    ADAPTIVE,
     CONTACTS,
     EVALUATIONS,
     EVENT_COUNT,
     FEWEST,
-    FOUND,
     H_FREE,
-    H_MIN,
     H_SOUND,
     LEAPS,
     LOST,
     OUTPUTS,
-    REJECTED,
+    POWER,
+    SAMPLES,
     SHARE,
+    STAGES,
+    STEP,
     STEPS,
     STREAK,
     TAME,
     TROUBLE,
     H,
     T,
-)
-from rattle.solvers.steppers import dop853, rk4
-from rattle.solvers.steppers.dop853 import prepare_dense as prepare_dop853
-from rattle.solvers.steppers.dop853 import step as step_dop853
-from rattle.solvers.steppers.rk4 import prepare_dense as prepare_rk4
-from rattle.solvers.steppers.rk4 import step as step_rk4
+)  # fmt: skip
 
-METHODS = {"dop853": 0, "rk4": 1}
-ORDERS = {"dop853": dop853.ORDER, "rk4": rk4.ORDER}
 LEAP = 0.1  # share of the last sound step below which a step is not cut further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is let pass [units of the state]; it doubles with every try
 MOST_TRIES = 20
-SHORT = 1e-9  # share of the time ahead down to which a step that does not stand is tried again, shorter
 FIRST_STEP = 0.01  # first step in a contact as a share of how long it will last: its force starts like a broken power
-
-
-@compiled
-def prepare_dense(m, t, h, method):
-    """Make the dense output of the step from (t, y) to (t + h, y_new)."""
-    y, f, y_new, f_new, dense = m.state, m.rate, m.state_new, m.rate_new, m.dense
-    for n in range(y.shape[0]):
-        jump = y_new[n] - y[n]
-        dense[0, n] = jump
-        dense[1, n] = h * f[n] - jump
-        dense[2, n] = 2.0 * jump - h * (f_new[n] + f[n])
-    if method == 0:
-        prepare_dop853(m, t, h)
-    else:
-        prepare_rk4(m)
 
 
 @native("void", "h", "f")
@@ -138,7 +129,9 @@ def begin(m, t, t_end, rtol, atol, h_max):
     for n in range(ny):
         bend += ((k1[n] - f[n]) / (atol + rtol * abs(y[n]))) ** 2
     largest = max(math.sqrt(slope), math.sqrt(bend) / h) / math.sqrt(ny)
-    second = (0.01 / largest) ** (1.0 / 8.0) if largest > 1e-15 and largest < math.inf else max(1e-6, 1e-3 * h)
+    second = max(1e-6, 1e-3 * h)
+    if largest > 1e-15 and largest < math.inf:
+        second = (0.01 / largest) ** (1.0 / m.stepper[POWER])
     clock[H] = min(100.0 * h, second, h_max, t_end - t)
     tally[EVALUATIONS] = 2
     return OK
@@ -155,8 +148,8 @@ def finish_step(m, t, y_new, f_new):
     return 0
 
 
-@native("i", "h", "f", "f", "i", "i", "v", "m")
-def search_step_for_events(m, t, h, changed, method, t_out, out):
+@native("i", "h", "f", "f", "i", "v", "m")
+def search_step_for_events(m, t, h, changed, t_out, out):
     """Contacts, changes of sign and outputs inside the step from (t, y) to (t + h, y_new).
 
     Returns the contact that starts or ends first (-1 if none does); its share of the step goes to clock[SHARE].
@@ -166,21 +159,21 @@ def search_step_for_events(m, t, h, changed, method, t_out, out):
     share, who, contacts = NONE, -1, m.contact.shape[0] > 0
     suspect = may_any_change(m, h)
     peak = near_peak(m)
-    wanted = tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t + h
-    dense = suspect or peak or wanted or changed or may_rise(m, h, method)
+    samples = m.stepper[SAMPLES]
+    dense = suspect or peak or output_due(m, t + h, t_out) or changed or may_rise(m, h, samples)
     if dense:
-        prepare_dense(m, t, h, method)
+        prepare_dense(m, t, h)
         tally[EVALUATIONS] += 3
     if suspect:
         share, who = first_change(m, h)
     until = min(share, 1.0)
     if contacts:
         find_peaks(m, until, peak)
-    tally[EVALUATIONS] += end_step(m, t, h, until, method, dense)
+    tally[EVALUATIONS] += end_step(m, t, h, until, samples, dense)
     if changed:
         find_crossings(m, t, h, until)
     t_until = t + until * h if until < 1.0 else t + h
-    while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_until:
+    while output_due(m, t_until, t_out):
         k = tally[OUTPUTS]
         interpolate(m, (t_out[k] - t) / h, stage)
         if contacts and escaped(m, stage):
@@ -215,16 +208,78 @@ def turn_contact(m, t, y, who):
 
 
 @compiled
-def finite(y):
-    """True when all of y is finite."""
-    for n in range(y.shape[0]):
-        if not abs(y[n]) < math.inf:
-            return False
-    return True
+def try_step(m, t, h, last, rtol, atol, h_max):
+    """Step from t of length h into y_new; OK, TRY_AGAIN or NOT_FINITE, and True when watched forces changed signs."""
+    tally, power, stepper = m.tally, m.power, m.stepper
+    power[3] = 1.0
+    error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, tally[TAME]))
+    tally[EVALUATIONS] += stepper[STAGES]
+    weak = power[3] < WEAK and h <= LEAP * m.clock[H_SOUND]
+    if weak and error > 1.0 and error * rtol <= LEAP_ERROR * 2.0 ** tally[STREAK]:
+        tally[LEAPS] += 1
+        error = 1e-8
+    if not error <= 1.0:
+        return step_anew(m, t, h, error, weak), changed
+    if stepper[ADAPTIVE] == 1:
+        if power[3] > WEAK:
+            tally[TAME] = 0
+        if not weak:
+            tally[STREAK] = 0
+            m.clock[H_SOUND] = max(h, 0.7 * m.clock[H_SOUND])
+        lengthen(m, h, error, last, h_max)
+    return OK, changed
 
 
-@native("i", "h", "f", "f", "f", "f", "i", "v", "m", "i")
-def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
+@compiled
+def step_anew(m, t, h, error, weak):
+    """After a step with too large an error: TRY_AGAIN with another that may do, NOT_FINITE where there is no choice."""
+    clock, tally = m.clock, m.tally
+    if refuse(m, t, h, error):
+        return TRY_AGAIN
+    if m.stepper[ADAPTIVE] == 0:
+        return NOT_FINITE
+    if m.power[3] < WEAK and tally[TAME] == 0:
+        tally[TAME] = 1
+        return TRY_AGAIN
+    shorten(m, h, error)
+    if weak and tally[STREAK] < MOST_TRIES:
+        tally[STREAK] += 1
+        clock[H] = LEAP * clock[H_SOUND] * 0.9 ** tally[STREAK]
+    return TRY_AGAIN
+
+
+@compiled
+def end_on_constraints(m, t, h, t_new, t_end):
+    """Bring the end of the step onto the constraints; OK, TRY_AGAIN, UNSOUND or SLIDES, and True as in `try_step`."""
+    finish_step(m, t_new, m.state_new, m.rate_new)
+    m.tally[EVALUATIONS] += 2
+    status = end_stands(m, t, h, t_new, t_end)
+    if status != OK:
+        return status, False
+    gauge(m, END, t_new)
+    changed = watched_change(m)
+    if m.contact.shape[0] > 0:
+        remember_end(m)
+    return end_on_switch(m, t, t_new - t, t_end, False), changed
+
+
+@compiled
+def start_next(m, t, who):
+    """From the end of a step at t, where contact `who` (-1: none) and a switch may turn, to the start of the next."""
+    if who >= 0:
+        turn_contact(m, t, m.state_new, who)
+        gauge(m, START, t)
+    if turn_switch(m, t, who >= 0):
+        remember_end(m)
+        cross_at_once(m, t)
+        gauge(m, START, t)
+    if m.contact.shape[0] > 0:
+        pass_on(m)
+    take_over(m, t, who >= 0)
+
+
+@native("i", "h", "f", "f", "f", "f", "v", "m", "i")
+def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
     """Take up to `most_steps` steps towards t_end; writes every output with t_out <= the time reached.
 
     Next to a singular position a stage slightly off the constraints has a wildly wrong acceleration.  There the
@@ -233,107 +288,32 @@ def advance(m, t_end, rtol, atol, h_max, method, t_out, out, most_steps):
 
     Returns DONE, PAUSED, NOT_FINITE, STEP_TOO_SMALL, ESCAPED, UNSOUND or SLIDES.
     """
-    y, f, y_new, f_new = m.state, m.rate, m.state_new, m.rate_new
-    clock, tally, power, most_found = m.clock, m.tally, m.power, m.crossings.shape[0] // 2
-    start = tally[STEPS]
-    contacts = m.contact.shape[0] > 0
-    landing, switches = m.landing, m.switch.shape[0] > 0
-    while tally[STEPS] < start + most_steps and tally[FOUND] < most_found and tally[EVENT_COUNT] < most_found:
+    clock, y_new = m.clock, m.state_new
+    steps = m.tally[STEPS] + most_steps
+    while has_room(m, steps):
         t = clock[T]
         if t >= t_end:
             return DONE
-        h = clock[H]
-        last = t + (1.000001 if landing[LANDS] == 0.0 else 1.0) * h >= t_end
-        if last:
-            h = t_end - t
-        if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t:
+        h, last = next_step(m, t_end)
+        if h == 0.0:
             return STEP_TOO_SMALL
-        power[3] = 1.0
-        if method == 0:
-            error, changed = step_dop853(m, t, h, rtol, atol, tally[TAME])
-            tally[EVALUATIONS] += 12
-            weak = power[3] < WEAK and h <= LEAP * clock[H_SOUND]
-            if weak and error > 1.0 and error * rtol <= LEAP_ERROR * 2.0 ** tally[STREAK]:
-                tally[LEAPS] += 1
-                error = 1e-8
-            if not error <= 1.0:
-                tally[REJECTED] += 1
-                clock[TROUBLE] = t + h
-                landing[LANDS] = 0.0
-                if switches and not error < math.inf and release(m):
-                    continue
-                if power[3] < WEAK and tally[TAME] == 0:
-                    tally[TAME] = 1
-                    continue
-                clock[H] = h * (max(0.2, 0.9 * error ** (-0.125)) if error < math.inf else 0.1)
-                if weak and tally[STREAK] < MOST_TRIES:
-                    tally[STREAK] += 1
-                    clock[H] = LEAP * clock[H_SOUND] * 0.9 ** tally[STREAK]
-                continue
-            if power[3] > WEAK:
-                tally[TAME] = 0
-            if not weak:
-                tally[STREAK] = 0
-                clock[H_SOUND] = max(h, 0.7 * clock[H_SOUND])
-            ahead = h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-0.125)))
-            clock[H] = min(h_max, max(ahead, clock[H] if last else 0.0))
-        else:
-            changed = step_rk4(m, t, h)
-            tally[EVALUATIONS] += 4
-            if not finite(y_new):
-                clock[TROUBLE] = t + h
-                landing[LANDS] = 0.0
-                if switches and release(m):
-                    continue
-                return NOT_FINITE
         t_new = t_end if last else t + h
-        finish_step(m, t_new, y_new, f_new)
-        tally[EVALUATIONS] += 2
-        if not stands(m, y_new):
-            clock[TROUBLE] = t_new
-            landing[LANDS] = 0.0
-            if method == 0 and h > SHORT * (t_end - t):
-                clock[H] = 0.25 * h
-                tally[REJECTED] += 1
-                continue
-            return UNSOUND
-        gauge(m, END, t_new)
-        changed |= watched_change(m)
-        if contacts:
-            remember_end(m)
-        if switches and landing[LANDS] == 0.0 and crossed(m):
-            prepare_dense(m, t, t_new - t, method)
-            verdict, shorter = land(m, t, t_new - t, t_end, clock[H])
-            if verdict == SLIDES:
-                return SLIDES
-            if verdict == REPEAT:
-                clock[H] = shorter
-                continue
-        who = search_step_for_events(m, t, t_new - t, changed, method, t_out, out)
+        status, changed = try_step(m, t, h, last, rtol, atol, h_max)
+        if status == OK:
+            status, at_end = end_on_constraints(m, t, h, t_new, t_end)
+            changed |= at_end
+        if status == TRY_AGAIN:
+            continue
+        if status != OK:
+            return status
+        who = search_step_for_events(m, t, t_new - t, changed, t_out, out)
+        if who == -2:
+            return ESCAPED
         if who >= 0:
             interpolate(m, clock[SHARE], y_new)
             t_new = t + clock[SHARE] * (t_new - t)
-        if who == -2:
-            return ESCAPED
-        if contacts and escaped(m, y_new):
+        if m.contact.shape[0] > 0 and escaped(m, y_new):
             clock[TROUBLE] = t_new
             return ESCAPED
-        if who >= 0:
-            turn_contact(m, t_new, y_new, who)
-            gauge(m, START, t_new)
-        if switches:
-            clock[H] = landing[GO_ON] if landing[LANDS] > 0.0 and who < 0 else clock[H]
-            landing[LANDS] = landing[LANDS] if who < 0 else 0.0
-            if arrive(m, t_new, y_new, f_new, landing[GO_ON]):
-                remember_end(m)
-                cross_at_once(m, t_new)
-                gauge(m, START, t_new)
-        if contacts:
-            pass_on(m)
-        for n in range(y.shape[0]):
-            y[n] = y_new[n]
-            f[n] = f_new[n]
-        clock[T] = t_new
-        clock[H_MIN] = min(clock[H_MIN], t_new - t) if who < 0 else clock[H_MIN]
-        tally[STEPS] += 1
+        start_next(m, t_new, who)
     return DONE if clock[T] >= t_end else PAUSED

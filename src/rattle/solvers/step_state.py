@@ -6,6 +6,9 @@ import math
 
 import numpy as np
 
+from rattle import registry
+from rattle.jit import functions
+
 # clock: time, next step, smallest step, time of a failed step, last step with sound pivots, step of
 # free flight, fewest steps in a contact, share of the step at which a contact changes
 T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, SHARE = range(8)
@@ -15,6 +18,10 @@ T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, SHARE = range(8)
 (
     STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK, EVENT_COUNT, CONTACTS, TAME, SERIES,
 ) = range(13)  # fmt: skip
+# stepper: 1 if it chooses the length of its steps, power of that length with which their error grows, evaluations of
+# the right-hand side in a step, where its stages lie (see `peaks.samples`); stepper_table: its kernels
+ADAPTIVE, POWER, STAGES, SAMPLES = range(4)
+STEP, DENSE = range(2)
 
 
 def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
@@ -34,4 +41,17 @@ def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
         "crossings": np.zeros((4096, 3)),
         "events": np.zeros((4096, 8)),
         "landing": np.zeros(5),
+    }
+
+
+def stepper_arrays(name: str) -> dict[str, np.ndarray]:
+    """What a run by this stepper, or by the one whose kernels it calls, needs of it; nothing where there are none."""
+    kinds = registry.kinds("stepper")
+    one = kinds[kinds[name].leaf.integrates_by or name]
+    if one.kernel is None:
+        return {}
+    leaf = one.leaf
+    return {
+        "stepper": np.array([leaf.adaptive, leaf.order, leaf.stages, leaf.samples], np.int64),
+        "stepper_table": functions.entries((one.kernel, leaf.dense_output)),
     }

@@ -134,6 +134,7 @@ class ImpactRun(Run):
         """Workspace of the run."""
         self.jams: list[tuple[float, str]] = []  # times [s] at which friction locked and what was closed there
         arrays = step_state.step_loop_arrays(start_state(self.system, self.start), len(self.system.watched))
+        arrays |= step_state.stepper_arrays(self.method)
         arrays |= audit_arrays(self.system, self.method)
         contacts = contact_arrays(self.system, self.method == "event")
         return self.system.workspace(**arrays, **contacts, **peak_arrays(self.system))

@@ -73,6 +73,7 @@ class Run:
     def prepare(self) -> Workspace:
         """Workspace of the run."""
         arrays = step_state.step_loop_arrays(start_state(self.system, self.start), len(self.system.watched))
+        arrays |= step_state.stepper_arrays(self.method)
         return self.system.workspace(**arrays, **audit_arrays(self.system, self.method), **peak_arrays(self.system))
 
     def begin(self, t: float) -> int:
@@ -123,7 +124,7 @@ class Run:
         """Some steps towards the time t [s] on the sides at hand, with the first outputs; returns as `advance`."""
         return int(
             step_loop.advance(
-                self.workspace, t, self.rtol, self.atol, self.step or math.inf, step_loop.METHODS[self.method],
+                self.workspace, t, self.rtol, self.atol, self.step or math.inf,
                 self.t_eval[:outputs], self.raw, chunk,
             )
         )  # fmt: skip

@@ -36,7 +36,7 @@ from rattle.jit import functions
 from rattle.results.columns import columns, geometry, width
 from rattle.results.result import Result
 from rattle.results.trust import Trust
-from rattle.solvers import step_audit, step_loop, step_state
+from rattle.solvers import step_audit, step_state
 from rattle.solvers.nonsmooth.impacts import LOW
 from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import TURNS
@@ -44,7 +44,7 @@ from rattle.version import __version__
 
 log = logging.getLogger("rattle")
 
-METHODS = (*step_loop.METHODS, "event", "moreau")
+METHODS = ("dop853", "rk4", "event", "moreau")
 RTOL = 1e-8
 POINTS = 1000  # output intervals when nothing is said
 
@@ -85,7 +85,7 @@ def simulate(
     run.go(progress)
     reach, second = None, None
     if horizon and run.tally[step_state.OUTPUTS] > 1 and not run.interrupted:
-        finer = None if step is None else step / 10 ** (1 / step_loop.ORDERS.get(method, 1))
+        finer = None if step is None else step / 10 ** (1 / {"dop853": 8, "rk4": 4}.get(method, 1))
         fine = tighter(rtol, RTOL)
         second = one_run(system, start, times, end, method, fine, atol * fine / rtol, finer)
         second.most_steps = None if most_steps is None else 10 * most_steps
@@ -107,7 +107,7 @@ def kind_of_run(system: System, method: str, step: float | None, span: float) ->
     """What runs this model: set-valued contacts have methods of their own, which other models do not need."""
     if nonsmooth_run.has_impacts(system):
         return nonsmooth_run.ImpactRun, *nonsmooth_run.choose_method(system, method, step, span)
-    if method not in step_loop.METHODS:
+    if method not in ("dop853", "rk4"):
         method = "dop853"
     return Run, method, min(1e-4, span / POINTS) if method == "rk4" and step is None else step
 

@@ -16,15 +16,13 @@ Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), c
 
 from __future__ import annotations
 
-import math
-
 from rattle.equations.complementarity import OFF, STICK
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
 from rattle.equations.unilateral import CHATTER, DETERMINANT, LOCKED, NOT_FOUND
 from rattle.jit import layout as at
-from rattle.jit.functions import compiled, native
-from rattle.solvers.contact_events import interpolate
+from rattle.jit.functions import call_stepper, compiled, native
+from rattle.solvers.dense_output import interpolate, prepare_dense
 from rattle.solvers.gap_search import ESCAPED, NONE, clearance_of, escaped, inside_wall, may_reach
 from rattle.solvers.nonsmooth.contact_modes import CREEPS, HIT, NOTHING, TURN, update_modes
 from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, project_on_contacts
@@ -37,11 +35,24 @@ from rattle.solvers.peaks.samples import DOP853, END, LOOKS, START, end_step, ga
 from rattle.solvers.peaks.stage_peaks import end_by_stages
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
-from rattle.solvers.state_switches import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
-from rattle.solvers.step_audit import LENGTH, UNSOUND, stands
-from rattle.solvers.step_loop import SHORT, prepare_dense
-from rattle.solvers.step_state import EVALUATIONS, EVENT_COUNT, FOUND, H_MIN, OUTPUTS, REJECTED, STEPS, TROUBLE, H, T
-from rattle.solvers.steppers.dop853 import step as step_dop853
+from rattle.solvers.state_switches import LANDS
+from rattle.solvers.step_audit import LENGTH
+from rattle.solvers.step_control import (
+    SHORT,
+    TRY_AGAIN,
+    end_on_switch,
+    end_stands,
+    has_room,
+    lengthen,
+    next_step,
+    output_due,
+    quarter,
+    refuse,
+    shorten,
+    take_over,
+    turn_switch,
+)  # fmt: skip
+from rattle.solvers.step_state import EVALUATIONS, OUTPUTS, STAGES, STEP, STEPS, TROUBLE, H, T
 
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
 MOST_IN_A_ROW = 200_000  # events, each after less than CROWDED of the run, after which it stops too
@@ -146,7 +157,7 @@ def go_on(m, t, jolted):
 def write_until(m, t, h, t_until, t_out, out):
     """Outputs of the step from t of length h up to t_until; the dense output is ready. False if a contact escaped."""
     tally, stage = m.tally, m.stage
-    while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_until:
+    while output_due(m, t_until, t_out):
         k = tally[OUTPUTS]
         interpolate(m, (t_out[k] - t) / h, stage)
         if escaped(m, stage):
@@ -169,7 +180,50 @@ def none_may_hit(m, h):
 
 
 @compiled
-def finish_step(m, t, h, until, met, by_stages):
+def try_step(m, t, h, last, rtol, atol, h_max):
+    """Step from t of length h into y_new; OK or TRY_AGAIN, its error, and True when watched forces changed signs."""
+    m.power[3] = 1.0
+    m.held[DETERMINANT] = 1.0
+    error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, 0))
+    m.tally[EVALUATIONS] += m.stepper[STAGES]
+    if error <= 1.0:
+        lengthen(m, h, error, last, h_max)
+        return OK, error, changed
+    if not refuse(m, t, h, error):
+        shorten(m, h, error)
+    return TRY_AGAIN, error, changed
+
+
+@compiled
+def end_on_contacts(m, t, h, t_new, t_end):
+    """Bring the end of the step onto joints and lasting contacts; a status, and True as in `try_step`."""
+    kinematics, memory, y_new = m.contact_kinematics, m.contact_memory, m.state_new
+    project_on_contacts(m, t_new, y_new, -1)
+    derivative(m, t_new, y_new, m.rate_new)
+    status = end_stands(m, t, h, t_new, t_end)
+    if status != OK:
+        return status, False
+    gauge(m, END, t_new)
+    changed = watched_change(m)
+    for n in range(kinematics.shape[0]):
+        memory[n, at.GAP_1], memory[n, at.DGAP_1] = kinematics[n, at.GAP], kinematics[n, at.DGAP]
+    return OK, changed
+
+
+@compiled
+def search_step(m, t, h, low, high, calm):
+    """The first event in the step, see `first_event`, of which a calm one has none.
+
+    Returns its share of the step, the contact (-1: none), what it does, and whether stages have shown all.
+    """
+    if calm:
+        keep_forces(m)
+        return NONE, -1, NOTHING, True
+    return first_event(m, t, h, low, high)
+
+
+@compiled
+def sum_step(m, t, h, until, met, by_stages):
     """Peaks and sums of a step with a dense output up to the share `until`; met: an event is there.
 
     by_stages: lasting contacts have shown at its stages all that they do.
@@ -181,6 +235,58 @@ def finish_step(m, t, h, until, met, by_stages):
     m.tally[EVALUATIONS] += 3 + solved
 
 
+@compiled
+def go_to(m, t, h, until, t_until, met, quiet, changed, t_out, out):
+    """Signs and outputs up to t_until, the share `until` of the step from t of length h; the state there into y_new.
+
+    met: an event cuts the step there.  quiet: it is the end of a step without dense output, which is not needed.
+    Returns OK, or ESCAPED.
+    """
+    y_new = m.state_new
+    if changed:
+        find_crossings(m, t, h, until)
+    if met:
+        interpolate(m, until, y_new)
+    if not quiet and not write_until(m, t, h, t_until, t_out, out):
+        return ESCAPED
+    if inside_wall(m) if quiet else escaped(m, y_new):
+        m.clock[TROUBLE] = t_until
+        return ESCAPED
+    return OK
+
+
+@compiled
+def take_event(m, t, h, t_end, who, what, stuck):
+    """Event of contact `who` at t, in a step of length h; CHATTER where they follow each other without end."""
+    again = t - stuck[0] <= 1e-14 * t_end
+    stuck[1] = stuck[1] + 1.0 if again else 0.0
+    stuck[3] = stuck[3] + 1.0 if t - stuck[0] <= CROWDED * t_end else 0.0
+    stuck[0] = stuck[0] if again else t
+    stuck[2] = who
+    if stuck[1] > MOST_AT_ONCE or stuck[3] > MOST_IN_A_ROW:
+        return CHATTER
+    status = handle_event(m, t, m.state_new, who, what)
+    if status == OK:
+        m.clock[H] = max(m.clock[H], h)
+    return status
+
+
+@compiled
+def start_next(m, t, met, quiet):
+    """From the end of a step at t, where an event may have been met, to the start of the next."""
+    if not quiet:
+        derivative(m, t, m.state_new, m.rate_new)
+        m.tally[EVALUATIONS] += 1
+        cross_at_once(m, t)
+    if met or m.switch.shape[0] > 0:
+        gauge(m, START, t)
+    else:
+        pass_look_on(m)
+    m.tally[EVALUATIONS] += 1
+    remember(m)
+    take_over(m, t, met)
+
+
 @native("i", "h", "f", "f", "f", "f", "v", "m", "i", "v")
 def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
     """Take up to `most_steps` steps towards t_end, each to the next event at most; writes outputs on the way.
@@ -190,120 +296,54 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
     Returns DONE, PAUSED, STEP_TOO_SMALL, ESCAPED, NO_SOLUTION, NOT_FOUND, NOT_UNIQUE, LOCKED, CHATTER,
     UNSOUND, or SLIDES.
     """
-    y, f, y_new, f_new = m.state, m.rate, m.state_new, m.rate_new
-    clock, tally, kinematics, memory = m.clock, m.tally, m.contact_kinematics, m.contact_memory
-    begun, most_found = tally[STEPS], m.events.shape[0] // 2
-    landing, switches = m.landing, m.switch.shape[0] > 0
-    while tally[STEPS] < begun + most_steps and max(tally[EVENT_COUNT], tally[FOUND]) < most_found:
-        t, h = clock[T], clock[H]
+    clock, y_new = m.clock, m.state_new
+    steps = m.tally[STEPS] + most_steps
+    while has_room(m, steps):
+        t = clock[T]
         if t >= t_end:
             return DONE
-        last = t + (1.000001 if landing[LANDS] == 0.0 else 1.0) * h >= t_end
-        if last:
-            h = t_end - t
-        if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t:
+        h, last = next_step(m, t_end)
+        if h == 0.0:
             return STEP_TOO_SMALL
-        m.power[3] = 1.0
-        m.held[DETERMINANT] = 1.0
-        error, changed = step_dop853(m, t, h, rtol, atol, 0)
-        tally[EVALUATIONS] += 12
-        if not error <= 1.0:
-            tally[REJECTED] += 1
-            clock[TROUBLE] = t + h
-            landing[LANDS] = 0.0
-            if switches and not error < math.inf and release(m):
-                continue
-            clock[H] = h * (max(0.2, 0.9 * error ** (-0.125)) if error < math.inf else 0.1)
-            continue
-        ahead = h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-0.125)))
-        clock[H] = min(h_max, max(ahead, clock[H] if last else 0.0))
         t_new = t_end if last else t + h
-        project_on_contacts(m, t_new, y_new, -1)
-        derivative(m, t_new, y_new, f_new)
-        if not stands(m, y_new):
-            clock[TROUBLE] = t_new
-            landing[LANDS] = 0.0
-            if h > SHORT * (t_end - t):
-                clock[H] = 0.25 * h
-                tally[REJECTED] += 1
-                continue
-            return UNSOUND
-        gauge(m, END, t_new)
-        changed |= watched_change(m)
-        for n in range(kinematics.shape[0]):
-            memory[n, at.GAP_1], memory[n, at.DGAP_1] = kinematics[n, at.GAP], kinematics[n, at.DGAP]
-        low, high = doubts(m, error)
-        calm = low == LAST and not changed and not switches and none_may_hit(m, t_new - t)
-        counted = calm and end_step(m, t, t_new - t, 1.0, DOP853, -1) >= 0  # no force has a peak in it
-        quiet = counted and not (tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t_new)
-        if not quiet:
-            prepare_dense(m, t, t_new - t, 0)
-        if switches and landing[LANDS] == 0.0 and crossed(m):
-            verdict, shorter = land(m, t, t_new - t, t_end, clock[H])
-            if verdict == SLIDES:
-                return SLIDES
-            if verdict == REPEAT:
-                clock[H] = shorter
-                continue
-        share, who, what, by_stages = NONE, -1, NOTHING, calm
-        if calm:
-            keep_forces(m)
-        else:
-            share, who, what, by_stages = first_event(m, t, t_new - t, low, high)
-        if share > NONE and h > SHORT * (t_end - t):
-            clock[H], landing[LANDS] = 0.25 * h, 0.0
-            tally[REJECTED] += 1
+        status, error, changed = try_step(m, t, h, last, rtol, atol, h_max)
+        if status == OK:
+            status, at_end = end_on_contacts(m, t, h, t_new, t_end)
+            changed |= at_end
+        if status == TRY_AGAIN:
             continue
-        t_until = t + share * (t_new - t) if who >= 0 else t_new
-        until = share if who >= 0 else 1.0
-        if not counted:
-            finish_step(m, t, t_new - t, until, who >= 0, by_stages)
-        if changed:
-            find_crossings(m, t, t_new - t, until)
-        if who >= 0:
-            interpolate(m, share, y_new)
-        if not quiet and not write_until(m, t, t_new - t, t_until, t_out, out):
-            return ESCAPED
-        if inside_wall(m) if quiet else escaped(m, y_new):
-            clock[TROUBLE] = t_until
-            return ESCAPED
-        if who >= 0:
-            again = t_until - stuck[0] <= 1e-14 * t_end
-            stuck[1] = stuck[1] + 1.0 if again else 0.0
-            stuck[3] = stuck[3] + 1.0 if t_until - stuck[0] <= CROWDED * t_end else 0.0
-            stuck[0] = stuck[0] if again else t_until
-            stuck[2] = who
-            status = CHATTER
-            if stuck[1] <= MOST_AT_ONCE and stuck[3] <= MOST_IN_A_ROW:
-                status = handle_event(m, t_until, y_new, who, what)
-            if status != OK:
-                clock[T] = t_until
-                return status
-            clock[H] = max(clock[H], h)
-        if switches:
-            clock[H] = landing[GO_ON] if landing[LANDS] > 0.0 and who < 0 else clock[H]
-            landing[LANDS] = landing[LANDS] if who < 0 else 0.0
-            if arrive(m, t_until, y_new, f_new, landing[GO_ON]):
-                status = handle_event(m, t_until, y_new, -1, NOTHING)
-                if status != OK:
-                    clock[T] = t_until
-                    return status
+        if status != OK:
+            return status
+        low, high = doubts(m, error)
+        calm = low == LAST and not changed and m.switch.shape[0] == 0 and none_may_hit(m, t_new - t)
+        counted = calm and end_step(m, t, t_new - t, 1.0, DOP853, -1) >= 0  # no force has a peak in it
+        quiet = counted and not output_due(m, t_new, t_out)
         if not quiet:
-            derivative(m, t_until, y_new, f_new)
-            tally[EVALUATIONS] += 1
-            cross_at_once(m, t_until)
-        if who >= 0 or switches:
-            gauge(m, START, t_until)
-        else:
-            pass_look_on(m)
-        tally[EVALUATIONS] += 1
-        remember(m)
-        for n in range(y.shape[0]):
-            y[n] = y_new[n]
-            f[n] = f_new[n]
-        clock[T] = t_until
-        clock[H_MIN] = min(clock[H_MIN], t_until - t) if who < 0 else clock[H_MIN]
-        tally[STEPS] += 1
+            prepare_dense(m, t, t_new - t)
+        status = end_on_switch(m, t, t_new - t, t_end, True)
+        if status == TRY_AGAIN:
+            continue
+        if status != OK:
+            return status
+        share, who, what, by_stages = search_step(m, t, t_new - t, low, high, calm)
+        if share > NONE and h > SHORT * (t_end - t):  # events hide in it
+            m.landing[LANDS] = 0.0
+            quarter(m, h)
+            continue
+        met = who >= 0
+        until, t_until = (share, t + share * (t_new - t)) if met else (1.0, t_new)
+        if not counted:
+            sum_step(m, t, t_new - t, until, met, by_stages)
+        if go_to(m, t, t_new - t, until, t_until, met, quiet, changed, t_out, out) != OK:
+            return ESCAPED
+        if met:
+            status = take_event(m, t_until, h, t_end, who, what, stuck)
+        if status == OK and turn_switch(m, t_until, met):
+            status = handle_event(m, t_until, y_new, -1, NOTHING)
+        if status != OK:
+            clock[T] = t_until
+            return status
+        start_next(m, t_until, met, quiet)
         if m.held[DETERMINANT] < 0.0:
             return LOCKED
     return DONE if clock[T] >= t_end else PAUSED

@@ -22,7 +22,7 @@ from rattle.equations.schur import WEAK
 from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.contact_events import interpolate
+from rattle.solvers.dense_output import interpolate
 from rattle.solvers.dop853_tableau import B, C
 from rattle.solvers.output_row import write_joints
 from rattle.solvers.peaks.glances import write_look
@@ -199,6 +199,8 @@ def near_peak(peaks):
 def may_rise(m, h, layout):
     """True when the step wants a look at its dense output; the stages of rk4 are too coarse to tell."""
     peaks = m.peaks
+    if layout == CUT:
+        return peaks.shape[0] > 0
     if layout == RK4:
         return near_peak(peaks)
     if not m.power[3] > WEAK:
@@ -355,9 +357,9 @@ def pass_end_on(m):
 def end_step(m, t, h, until, layout, dense):
     """Peaks and sums of the step from t of length h up to the share `until`; returns the states that were solved for.
 
-    The samples of the step are those of `layout`; dense: 1 where its dense output is there; -1 to be told by -1 that it
-    is wanted, with nothing counted.  Where until < 1 an event cuts
-    the step: what comes after it is measured as START of the next.
+    The samples of the step are those of `layout`, of CUT where it left none; dense: 1 where its dense output is there;
+    -1 to be told by -1 that it is wanted, with nothing counted.  Where until < 1 an event cuts the step: what comes
+    after it is measured as START of the next.
     """
     peaks = m.peaks
     if peaks.shape[0] == 0:
@@ -367,7 +369,7 @@ def end_step(m, t, h, until, layout, dense):
         if may_rise(m, h, layout):
             return -1
         dense = 0
-    if until < 1.0:
+    if until < 1.0 or layout == CUT:
         return sample_pieces(m, t, h, until, until, sound)
     if layout == DOP853 and dense and sound and unresolved(m, h, DOP853):
         return sample_pieces(m, t, h, 1.0, 0.125, sound)

@@ -9,17 +9,18 @@ import math
 
 from rattle.equations.motion import derivative
 from rattle.equations.state import states_at
-from rattle.jit.functions import native
+from rattle.jit.functions import kernel
+from rattle.registry import kind
 from rattle.solvers.dop853_tableau import E3, E5, A, B, C, D
-from rattle.solvers.peaks.samples import NODE_OF_STAGE, gauge
+from rattle.solvers.peaks.samples import DOP853, NODE_OF_STAGE, gauge
 from rattle.solvers.projection import project_on_constraints
 from rattle.solvers.sign_watch import watched_change
+from rattle.solvers.stepper import COMPLIANT, FREE, AdaptiveStepper
 
-ORDER = 8
 STAGES = 12
 
 
-@native("fi", "h", "f", "f", "f", "f", "i")
+@kernel("stepper")
 def step(m, t, h, rtol, atol, tame):
     """One step from (t, y) into y_new; with `tame` the stages are brought onto the constraints first.
 
@@ -69,7 +70,7 @@ def step(m, t, h, rtol, atol, tame):
     return abs(h) * error5 / math.sqrt((error5 + 0.01 * error3) * nq), changed
 
 
-@native("void", "h", "f", "f")
+@kernel("dense output")
 def prepare_dense(m, t, h):
     """Three more stages and the upper rows of the dense output for the step from (t, y) to (t + h, y_new)."""
     y, k, stage, dense, f_new = m.state, m.slopes, m.stage, m.dense, m.rate_new
@@ -95,3 +96,18 @@ def prepare_dense(m, t, h):
                 dense[row, n] += d * k[s, n]
         for n in range(ny):
             dense[row, n] *= h
+
+
+@kind("stepper", "dop853", step)
+class Dop853(AdaptiveStepper):
+    """Explicit Runge-Kutta method of order 8 that chooses its steps: the usual one.
+
+    Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.10.
+    """
+
+    order = 8
+    usual_with = (FREE, COMPLIANT)
+    stages = STAGES
+    samples = DOP853
+    dense_output = prepare_dense
+    refinement = 10 ** (1 / 8)

@@ -5,20 +5,25 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993
 
 from __future__ import annotations
 
+import math
+
 from rattle.equations.motion import derivative
-from rattle.jit.functions import native
-from rattle.solvers.peaks.samples import LAST_STAGE, gauge
+from rattle.jit.functions import kernel
+from rattle.registry import kind
+from rattle.solvers.peaks.samples import LAST_STAGE, RK4, gauge
 from rattle.solvers.sign_watch import watched_change
+from rattle.solvers.stepper import FixedStepper
 
-ORDER = 4
 
+@kernel("stepper")
+def step(m, t, h, rtol, atol, tame):
+    """One step from (t, y) into y_new, whatever its error.
 
-@native("i", "h", "f", "f")
-def step(m, t, h):
-    """One step from (t, y) into y_new; returns True when a watched force changed its sign on the way."""
+    Returns 0, or inf where y_new is not finite, and True when a watched force changed its sign on the way.
+    """
     y, f, k, stage, y_new = m.state, m.rate, m.slopes, m.stage, m.state_new
     ny = y.shape[0]
-    changed = False
+    changed, error = False, 0.0
     for n in range(ny):
         k[0, n] = f[n]
     for s in range(1, 4):
@@ -30,13 +35,29 @@ def step(m, t, h):
         changed |= watched_change(m)
     for n in range(ny):
         y_new[n] = y[n] + h / 6.0 * (k[0, n] + 2.0 * k[1, n] + 2.0 * k[2, n] + k[3, n])
-    return changed
+        if not abs(y_new[n]) < math.inf:
+            error = math.inf
+    return error, changed
 
 
-@native("void", "h")
-def prepare_dense(m):
+@kernel("dense output")
+def prepare_dense(m, t, h):
     """Without the upper rows the dense output is the cubic of Hermite."""
     dense = m.dense
     for row in range(3, 7):
         for n in range(dense.shape[1]):
             dense[row, n] = 0.0
+
+
+@kind("stepper", "rk4", step)
+class Rk4(FixedStepper):
+    """The classical Runge-Kutta method of order 4 with fixed steps: to compare with other programs.
+
+    Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.1.
+    """
+
+    order = 4
+    stages = 4
+    samples = RK4
+    dense_output = prepare_dense
+    refinement = 10 ** (1 / 4)

@@ -1,0 +1,33 @@
+"""The state inside a step: a polynomial of order 3 through both ends, and what the stepper adds to it.
+
+Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.6.
+"""
+
+from __future__ import annotations
+
+from rattle.jit.functions import call_dense_output, compiled
+from rattle.solvers.step_state import DENSE
+
+
+@compiled
+def prepare_dense(m, t, h):
+    """Make the dense output of the step from (t, y) to (t + h, y_new)."""
+    y, f, y_new, f_new, dense = m.state, m.rate, m.state_new, m.rate_new, m.dense
+    for n in range(y.shape[0]):
+        jump = y_new[n] - y[n]
+        dense[0, n] = jump
+        dense[1, n] = h * f[n] - jump
+        dense[2, n] = 2.0 * jump - h * (f_new[n] + f[n])
+    call_dense_output(m.stepper_table[DENSE], (m, t, h))
+
+
+@compiled
+def interpolate(m, theta, out):
+    """State at the share theta of the step into `out`."""
+    y, dense = m.state, m.dense
+    rest = 1.0 - theta
+    for n in range(out.shape[0]):
+        value = (dense[4, n] + (dense[5, n] + dense[6, n] * theta) * rest) * theta
+        out[n] = (
+            y[n] + (dense[0, n] + (dense[1, n] + (dense[2, n] + (dense[3, n] + value) * rest) * theta) * rest) * theta
+        )

@@ -1,0 +1,147 @@
+"""Length of a step: the next one, shorter after one that is refused, longer after one that is taken.
+
+A stepper tells the error of its step as a share of the tolerance.  Where that grows with the power p of the length h,
+0.9 h error^(-1/p) is the longest step that most likely keeps it.  One with fixed steps tells 0, or inf for a step that
+has left the numbers.  Neither is a step taken that does not stand, see `step_audit`, nor one across a switch.
+
+Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.equations.motion import OK
+from rattle.jit.functions import compiled
+from rattle.solvers.dense_output import prepare_dense
+from rattle.solvers.state_switches import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
+from rattle.solvers.step_audit import UNSOUND, stands
+from rattle.solvers.step_state import (
+    ADAPTIVE,
+    EVENT_COUNT,
+    FOUND,
+    H_MIN,
+    OUTPUTS,
+    POWER,
+    REJECTED,
+    STEPS,
+    TROUBLE,
+    H,
+    T,
+)  # fmt: skip
+
+TRY_AGAIN = -1  # a step is to be tried again, with what `clock` says
+SHORT = 1e-9  # share of the time ahead down to which a step that does not stand is tried again, shorter
+
+
+@compiled
+def has_room(m, steps):
+    """True while fewer than so many steps are taken in all, and there is room for what one more may find."""
+    tally, most = m.tally, m.crossings.shape[0] // 2
+    return tally[STEPS] < steps and tally[FOUND] < most and tally[EVENT_COUNT] < most
+
+
+@compiled
+def next_step(m, t_end):
+    """Length of the next step, 0 where it would be too short to take, and True for the last one before t_end."""
+    clock = m.clock
+    t, h = clock[T], clock[H]
+    last = t + (1.000001 if m.landing[LANDS] == 0.0 else 1.0) * h >= t_end
+    if last:
+        h = t_end - t
+    if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t:
+        return 0.0, last
+    return h, last
+
+
+@compiled
+def refuse(m, t, h, error):
+    """The step from t of length h is not taken; True when switches were freed, with which it may do the next time."""
+    m.tally[REJECTED] += m.stepper[ADAPTIVE]
+    m.clock[TROUBLE] = t + h
+    m.landing[LANDS] = 0.0
+    return m.switch.shape[0] > 0 and not error < math.inf and release(m)
+
+
+@compiled
+def shorten(m, h, error):
+    """Choose a step shorter than h, whose error was too large."""
+    m.clock[H] = h * (max(0.2, 0.9 * error ** (-1.0 / m.stepper[POWER])) if error < math.inf else 0.1)
+
+
+@compiled
+def lengthen(m, h, error, last, h_max):
+    """Choose the step after one of length h; the last one before an instant was cut by it."""
+    clock = m.clock
+    ahead = h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-1.0 / m.stepper[POWER])))
+    clock[H] = min(h_max, max(ahead, clock[H] if last else 0.0))
+
+
+@compiled
+def quarter(m, h):
+    """Choose a quarter of the step, which is not taken."""
+    m.clock[H] = 0.25 * h
+    m.tally[REJECTED] += 1
+
+
+@compiled
+def end_stands(m, t, h, t_new, t_end):
+    """OK when the end of the step may stand, see `step_audit`; TRY_AGAIN with a quarter of it, or UNSOUND."""
+    if stands(m, m.state_new):
+        return OK
+    m.clock[TROUBLE] = t_new
+    m.landing[LANDS] = 0.0
+    if m.stepper[ADAPTIVE] == 1 and h > SHORT * (t_end - t):
+        quarter(m, h)
+        return TRY_AGAIN
+    return UNSOUND
+
+
+@compiled
+def end_on_switch(m, t, h, t_end, dense):
+    """OK, or TRY_AGAIN with a step that ends on the first switch inside this one, or SLIDES.
+
+    dense: the dense output is there.
+    """
+    clock = m.clock
+    if m.switch.shape[0] == 0 or m.landing[LANDS] != 0.0 or not crossed(m):
+        return OK
+    if not dense:
+        prepare_dense(m, t, h)
+    verdict, shorter = land(m, t, h, t_end, clock[H])
+    if verdict == SLIDES:
+        return SLIDES
+    if verdict == REPEAT:
+        clock[H] = shorter
+        return TRY_AGAIN
+    return OK
+
+
+@compiled
+def turn_switch(m, t, located):
+    """Turn the switch on which the step has ended at t, but where an event has cut it; True when there was one."""
+    clock, landing = m.clock, m.landing
+    if m.switch.shape[0] == 0:
+        return False
+    clock[H] = landing[GO_ON] if landing[LANDS] > 0.0 and not located else clock[H]
+    landing[LANDS] = landing[LANDS] if not located else 0.0
+    return arrive(m, t, m.state_new, m.rate_new, landing[GO_ON])
+
+
+@compiled
+def take_over(m, t, located):
+    """The end of the step, at t, is the start of the next; located: an event has cut the step."""
+    y, f, y_new, f_new, clock = m.state, m.rate, m.state_new, m.rate_new, m.clock
+    for n in range(y.shape[0]):
+        y[n] = y_new[n]
+        f[n] = f_new[n]
+    clock[H_MIN] = min(clock[H_MIN], t - clock[T]) if not located else clock[H_MIN]
+    clock[T] = t
+    m.tally[STEPS] += 1
+
+
+@compiled
+def output_due(m, t, t_out):
+    """True when the next output is not after t."""
+    k = m.tally[OUTPUTS]
+    return k < t_out.shape[0] and t_out[k] <= t
