@@ -81,8 +81,8 @@ def test_what_cannot_be_closed_without_its_play_says_who_disagrees_and_that_play
         _ = rt.example("woodpecker").ideal().start
     said = str(caught.value)
     # the guides of one wall each stand 30 mm off the pole, where the driver holds the sleeve at 0
-    assert "driver 'axis' and joints 'lower', 'upper' do not go together" in said
-    assert "play of 'lower', 'upper', up to 0.03 m, is closed here" in said
+    assert "driver 'axis' and joints 'lower', 'upper' contradict each other" in said
+    assert "clearance of 'lower', 'upper', up to 0.03 m, is closed here" in said
     with pytest.raises(rt.AssemblyError) as caught:
         _ = rt.example("fourbar").ideal().set({"bodies.rocker.length": 0.01, "bodies.coupler.length": 0.3}).start
     assert "is closed here" not in str(caught.value)  # 5 mm are no reason
@@ -90,7 +90,7 @@ def test_what_cannot_be_closed_without_its_play_says_who_disagrees_and_that_play
 
 def test_a_value_that_the_driver_holds_through_a_loop_names_the_joints_of_the_loop():
     notes = rt.example("fourbar").ideal().start.notes
-    assert notes[0].startswith("asked coupler.angle = 60 deg, is 59.4471 deg")
+    assert notes[0].startswith("asked for coupler.angle = 60 deg, got 59.4471 deg")
     assert notes[0].endswith("the driver 'motor' holds it through joints 'O1', 'O2', 'O3', 'O4'")
 
 

@@ -95,7 +95,7 @@ def test_massless_link_stands_on_the_side_where_its_body_was_put(x):
 def test_place_beyond_the_bush_is_not_taken_and_said():
     m = rt.loads(SLIDING.replace("START", "x = 0.02"))
     assert m.start.q[0] == pytest.approx(0.0, abs=1e-12)
-    assert "asked mass.x = 0.02 m, is 0 m" in m.start.notes[0]
+    assert "asked for mass.x = 0.02 m, got 0 m" in m.start.notes[0]
 
 
 @pytest.mark.parametrize("given", [("crank",), ("crank", "rocker"), ("crank", "coupler", "rocker")])
@@ -125,14 +125,17 @@ def test_rates_that_do_not_go_together_change_least_by_mass_among_those_given():
     inertia = m.system.arrays["mass"][1:, 2]
     best = (10.0 * inertia[0] + 11.0 * inertia[2]) / (inertia[0] + inertia[2])
     assert m.start.v[2] == pytest.approx(best, rel=1e-9)
-    assert "the values given do not go together" in m.start.notes[0]
+    assert "the given values contradict each other" in m.start.notes[0]
 
 
 # ---------------------------------------------------------------- said
 def test_values_against_the_driver_are_said_in_run_check_and_kinematics():
     text = slider_crank('joint = "O"\nangle = "7*t"', crank='{ angle = "90 deg", omega = 5 }')
     m = rt.loads(text)
-    said = "asked crank.angle = 90 deg, is 0 deg; asked crank.omega = 5 rad/s, is 7 rad/s: the driver 'motor' holds it"
+    said = (
+        "asked for crank.angle = 90 deg, got 0 deg; asked for crank.omega = 5 rad/s, got 7 rad/s:"
+        " the driver 'motor' holds it"
+    )
     assert m.start.notes == (said,)
     assert said in str(m.check())
     assert said in m.simulate(1e-3).trust.notes
@@ -144,13 +147,13 @@ def test_values_against_the_joints_are_said():
     m.prismatic("rail", "ground.O", "block.P").initial("block", x=0.3, y=0.1, angle=0.2)
     assert m.start.q[0] == 0.3
     assert m.start.notes == (
-        "asked block.y = 0.1 m, is 0 m; asked block.angle = 11.4592 deg, is 0 deg: the joints hold it",
+        "asked for block.y = 0.1 m, got 0 m; asked for block.angle = 11.4592 deg, got 0 deg: the joints hold it",
     )
 
 
 def test_rough_angles_of_a_driven_linkage_are_said_with_what_they_became():
     notes = rt.example("five_bar").start.notes
-    assert "asked left_forearm.angle = 50 deg, is 45.3653 deg" in notes[0]
+    assert "asked for left_forearm.angle = 50 deg, got 45.3653 deg" in notes[0]
 
 
 def test_shipped_starts_without_rough_values_say_nothing():

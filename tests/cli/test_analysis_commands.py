@@ -106,7 +106,7 @@ def test_efforts_at_a_dead_centre_are_left_out_and_said():
     assert seen.exit_code == 0
     assert "nan N" not in seen.stdout
     assert "guide.thrust: none at" in seen.stdout
-    assert "'guide' is at a dead centre there, no effort of it does the work of driver 'motor'" in seen.stdout
+    assert "'guide' is at a dead centre there, where no effort of it does the work of driver 'motor'" in seen.stdout
     record = json.loads(
         run("inverse-dynamics", "slider_crank", "--effort-at", "guide", "--points", "41", "--json").stdout
     )

@@ -245,7 +245,7 @@ def crank_and_rocker(**second):
 @pytest.mark.parametrize(
     "second",
     [
-        {"joint": "D", "angle": "2 + t"},  # two functions that do not go together
+        {"joint": "D", "angle": "2 + t"},  # two functions that disagree
         {"joint": "B", "angle": 0.1},
         {"body": "rocker", "coordinate": "angle", "angle": "-1"},
     ],

@@ -115,9 +115,9 @@ def test_a_law_that_gives_energy_back_is_named():
         return static * (1.0 if ddelta > 0.0 else 1.2)
 
     m = free_pin('{ model = "lively", stiffness = 1e9 }')
-    assert "O: normal law 'lively' gives energy back" in str(m.check())
+    assert "O: normal law 'lively' creates energy" in str(m.check())
     r = m.simulate(0.004)
-    assert any("'lively' gives energy back" in note for note in r.trust.notes)
+    assert any("'lively' creates energy" in note for note in r.trust.notes)
     assert len(str(r.trust).splitlines()) == 2
 
 
@@ -141,7 +141,7 @@ def test_friction_that_pushes_is_named(sign):
     contact = f'{{ model = "exact", restitution = 0.5, stiffness = 1e9, bush_radius = 0.01, friction = {friction} }}'
     found = free_pin(contact).check().laws
     assert bool(found) == (sign < 0)
-    assert all("friction law 'pusher' gives energy back" in one for one in found)
+    assert all("friction law 'pusher' creates energy" in one for one in found)
 
 
 @pytest.mark.parametrize("name", sorted(registry.kinds("friction")))

@@ -119,7 +119,7 @@ def test_compare_refuses_what_has_no_play():
 
 def test_page_goes_without_the_ideal_mechanism_where_that_cannot_be_put_together():
     found = rt.example("woodpecker").compare(t_end=2e-3)
-    assert "cannot be put together" in found.skipped["ideal"]
+    assert "cannot be assembled" in found.skipped["ideal"]
     assert found.reference == "one-sided impact"
     titles = [ax.get_title(loc="left") for ax in found.figure().axes]
     assert "Deviation of bird.angle from the run with one-sided impact" in titles

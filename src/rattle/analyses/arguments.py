@@ -1,4 +1,4 @@
-"""Numbers that a caller asks for - steps, tolerances, counts - checked once, in words that name the argument."""
+"""Checks of numerical arguments - steps, tolerances, counts; messages name the argument."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-TIGHTEST = 1e-14  # relative tolerance below which numbers have no digits
+TIGHTEST = 1e-14  # least relative tolerance: floats have about 16 digits
 MOST_POINTS = 10_000_000
-MOST_BYTES = 2e9  # of the outputs of one run
+MOST_BYTES = 2e9  # of the outputs of one run, at most
 MOST_EFFORT = 10_000.0  # of a search for equilibria: minutes
 
 
 def number(name: str, value: Any) -> float:
-    """A finite float.  Raises TypeError for what is no number, ValueError for nan, inf and beyond."""
+    """The value as a finite float (any unit).  Raises TypeError if it is not a number, ValueError for nan and inf."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
-        raise TypeError(f"{name} is a number, got {value!r:.60}")
+        raise TypeError(f"{name} must be a number, got {value!r:.60}")
     try:
         found = float(value)
     except OverflowError:
@@ -27,7 +27,7 @@ def number(name: str, value: Any) -> float:
 
 
 def positive(name: str, value: Any) -> float:
-    """A positive, finite float.  Raises as `number` does."""
+    """The value as a positive, finite float (any unit).  Raises as `number` does."""
     try:
         found = number(name, value)
     except ValueError:
@@ -38,17 +38,17 @@ def positive(name: str, value: Any) -> float:
 
 
 def relative_tolerance(value: Any) -> float:
-    """A relative tolerance that numbers of 16 digits can keep.  Raises as `number` does."""
+    """A relative tolerance [-] within the range of double precision.  Raises as `number` does."""
     found = positive("rtol", value)
     if found < TIGHTEST:
         raise ValueError(f"rtol = {found:g} is below the digits that numbers have; wanted {TIGHTEST:g} or more")
     if found >= 1.0:
-        raise ValueError(f"rtol = {found:g} asks for no digit at all; 1e-3 is coarse, 1e-8 the default")
+        raise ValueError(f"rtol = {found:g} leaves no correct digit; 1e-3 is coarse, 1e-8 the default")
     return found
 
 
 def effort(value: Any) -> float:
-    """Work of a search, 1 the usual.  Raises as `number` does, and ValueError beyond what ends in reasonable time."""
+    """Work of a search [-], 1 being the usual amount.  Raises as `number` does, and ValueError above MOST_EFFORT."""
     found = positive("effort", value)
     if found > MOST_EFFORT:
         raise ValueError(f"effort must be at most {MOST_EFFORT:g} (1 is the usual work of a search), got {found:g}")
@@ -56,9 +56,9 @@ def effort(value: Any) -> float:
 
 
 def whole(name: str, value: Any, least: int, most: int = MOST_POINTS) -> int:
-    """A whole number within limits.  Raises TypeError for what is none, ValueError beyond them."""
+    """An integer from `least` to `most`.  Raises TypeError if it is not an integer, ValueError outside the limits."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise TypeError(f"{name} is a whole number, got {value!r:.60}")
+        raise TypeError(f"{name} must be an integer, got {value!r:.60}")
     if not least <= int(value) <= most:
         got = f"{int(value)}" if -(10**20) < int(value) < 10**20 else "a number far beyond"
         raise ValueError(f"{name} must be from {least} to {most}, got {got}")
@@ -66,17 +66,17 @@ def whole(name: str, value: Any, least: int, most: int = MOST_POINTS) -> int:
 
 
 def instants(value: Any) -> np.ndarray:
-    """Times as a contiguous array of floats.  Raises TypeError or ValueError for what is none."""
+    """Times [s] as a contiguous array of floats.  Raises TypeError or ValueError if they are not numbers."""
     try:
         return np.ascontiguousarray(value, dtype=float)
     except (TypeError, ValueError, OverflowError):
         raise (TypeError if not isinstance(value, list | tuple | int) else ValueError)(
-            f"t_eval is a time or an array of times in s, got {value!r:.60}"
+            f"t_eval must be a time or an array of times in s, got {value!r:.60}"
         ) from None
 
 
 def require_room(rows: int, columns: int) -> None:
-    """Raise ValueError where so many outputs of so many numbers would fill the memory."""
+    """Raise ValueError if `rows` outputs of `columns` numbers would take too much memory."""
     size = 8.0 * rows * columns
     if size > MOST_BYTES:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""What a mechanism is, before anything runs: mobility, redundant joints, loops, branches, reach of the driver."""
+"""Check of a mechanism before anything runs: mobility, redundant joints, loops, branches, range of the drivers."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ class Check:
     bodies: int
     joints: int
     mobility: int  # degrees of freedom left with all joints and drivers in place
-    redundant: int  # rows that repeat what others say
+    redundant: int  # constraint rows that repeat others
     redundant_joints: tuple[str, ...]  # joints whose reactions are not unique
     loops: tuple[str, ...]
-    branches: tuple[str, ...]  # which way each pair of links was put together
+    branches: tuple[str, ...]  # the branch in which each pair of links was assembled
     clearances: tuple[str, ...]
     reach: tuple[str, ...]  # how far each driver can go
-    laws: tuple[str, ...]  # contact laws of the user that pull or give energy back
+    laws: tuple[str, ...]  # contact laws of the user that pull or create energy
     start: tuple[str, ...]  # values given for the start that could not be kept, and why
-    residual: float  # largest gap after assembly [m or rad]
+    residual: float  # largest constraint residual after assembly [m or rad]
 
     def __repr__(self) -> str:
         return f"<rattle.Check: {self.bodies} bodies, {self.joints} joints, mobility {self.mobility}>"
@@ -55,10 +55,10 @@ class Check:
         )
         lines = [
             f"{self.name or 'mechanism'}: {self.bodies} bodies, {self.joints} joints, mobility {self.mobility} ({dof})",
-            f"put together to {self.residual:.1g} m",
+            f"assembled, residual {self.residual:.1g} m",
         ]
         if self.redundant:
-            rows = "1 redundant row" if self.redundant == 1 else f"{self.redundant} redundant rows"
+            rows = "1 redundant constraint" if self.redundant == 1 else f"{self.redundant} redundant constraints"
             lines.append(f"{rows}: reactions of {', '.join(self.redundant_joints)} are not unique")
         lines += [f"loop: {one}" for one in self.loops[:8]]
         if len(self.loops) > 8:
@@ -72,7 +72,7 @@ class Check:
 
 
 def check(system: System, start: Assembled) -> Check:
-    """Look a mechanism over at its assembled start."""
+    """Check a mechanism at its assembled start."""
     model = system.model
     jumps = timetable(system, start.t, model.settings.t_end).jumps
     workspace = system.workspace()
@@ -109,7 +109,7 @@ def _clearances(model: Model) -> list[str]:
 
 
 def _branches(system: System, start: Assembled) -> list[str]:
-    """For every pair of links between three pins: on which side of the line of the outer pins the middle one lies."""
+    """For every pair of links between three pins: the side of the middle pin on the line through the outer pins."""
     model = system.model
     if system.row_count > LARGE:
         return []
@@ -137,7 +137,7 @@ def _branches(system: System, start: Assembled) -> list[str]:
             first, second = at[two] - at[one], at[three] - at[one]
             side = first[1] * second[0] - first[0] * second[1]
             if min(np.hypot(*first), np.hypot(*second), np.hypot(*(second - first))) < 1e-9 * system.size:
-                continue  # two pins in one place: there is no side
+                continue  # two pins coincide: there is no side
             scale = float(np.hypot(*first) * np.hypot(*second))
             where = "on" if abs(side) < 1e-9 * scale else "left of" if side > 0 else "right of"
             found.append(f"{two} lies {where} the line {one} -> {three}")
@@ -145,7 +145,7 @@ def _branches(system: System, start: Assembled) -> list[str]:
 
 
 def _reach(system: System, start: Assembled) -> list[str]:
-    """How far each driver can be taken from its start, the others held, with all clearances closed."""
+    """How far each driver can be moved from its start, with the others fixed and all clearances closed."""
     model = system.model
     if not model.drivers or system.row_count > LARGE:
         return []
@@ -166,13 +166,13 @@ def _reach(system: System, start: Assembled) -> list[str]:
         if full:
             found.append(f"{name} can turn fully")
         else:
-            text = [f"{value * scale:.5g} {unit}" if value is not None else "beyond what was tried" for value in ends]
-            found.append(f"{name} can go from {text[1]} to {text[0]} (now {at_start[name] * scale:.5g} {unit})")
+            text = [f"{value * scale:.5g} {unit}" if value is not None else "beyond the range tried" for value in ends]
+            found.append(f"{name} can move from {text[1]} to {text[0]} (now {at_start[name] * scale:.5g} {unit})")
     return found
 
 
 def _hold_drivers(system: System, t: float) -> tuple[Workspace, dict[str, int], dict[str, float]]:
-    """Workspace in which the functions of the drivers are plain numbers, and where these stand."""
+    """Workspace with constant driver functions, the places of their values, and the values at t [s] [rad or m]."""
     from dataclasses import replace
 
     from rattle.equations.motion import drive
@@ -190,7 +190,7 @@ def _hold_drivers(system: System, t: float) -> tuple[Workspace, dict[str, int], 
 def _far(
     workspace: Workspace, start: np.ndarray, scratch: np.ndarray, slot: int, value: float, step: float, tolerance: float
 ) -> float | None:
-    """Last value of a driver that can be reached in steps from `value`; None when nothing stops it."""
+    """Last value [rad or m] of a driver that can be reached in steps from `value`; None if nothing stops it."""
     q, good = start.copy(), start.copy()
     reached = value
     for _ in range(TURN):

@@ -1,4 +1,4 @@
-"""Motion of a fully driven mechanism, position by position, and the forces that go with it."""
+"""Kinematics and inverse dynamics: motion of a fully driven mechanism, position by position, and its forces."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ from rattle.version import __version__
 log = logging.getLogger("rattle")
 
 SPOTS = 256
-PIECE = 40_000  # rows times positions between two looks at whether the user wants to stop
+PIECE = 40_000  # rows times positions that are computed between two checks for Ctrl-C
 
 
 @dataclass
 class Sweep:
-    """The state of one sweep: where it is, and what it has seen."""
+    """The state of one sweep over the positions: where it stands, and what it has met."""
 
     system: System
     workspace: Workspace
@@ -50,12 +50,12 @@ class Sweep:
     line: np.ndarray
 
     def go(self, times: np.ndarray, forces: bool) -> np.ndarray:
-        """Rows (k, width) at the times that can be reached, in their order."""
+        """Output rows (k, width) [SI] at the first k of the times [s], as far as they can be reached."""
         count = (width(self.system) + 2 * len(self.probe)) if forces else motion_width(self.system)
         raw = np.zeros((len(times), count))
         done, onward = 0, 0.0
         size = max(2, PIECE // max(1, self.system.row_count))
-        while done < len(times):  # in pieces, so that the user can stop it
+        while done < len(times):  # in pieces, so that Ctrl-C works
             part = slice(done, done + size)
             self.tally[swept.COUNT] = 0
             swept.sweep(
@@ -71,7 +71,7 @@ class Sweep:
         return raw[:done]
 
     def fork(self) -> Sweep:
-        """A sweep from the same place that leaves this one as it is."""
+        """A copy that goes on from the same place and leaves this sweep unchanged."""
         return replace(
             self, node=self.node.copy(), clock=self.clock.copy(), tally=np.zeros(4, np.int64), spots=np.zeros((0, 2))
         )
@@ -82,8 +82,8 @@ def begin(
 ) -> Sweep:
     """A sweep that stands at an assembled start.
 
-    motors: (row of a driver, joint whose motor does its work).  shift: other values of the joints' parameters.
-    Raises ModelError where degrees of freedom are left.
+    motors: (constraint row of a driver, joint whose motor does its work).  shift: (n,) parameters [SI] to be used
+    instead of the system's.  Raises ModelError if degrees of freedom are left.
     """
     radius = np.array(
         [max([math.hypot(*at) for at in body.points.values()] + [0.0]) for body in system.model.bodies.values()]
@@ -108,7 +108,7 @@ def begin(
         np.zeros((SPOTS, 2)), np.array(probe, np.int64).reshape(-1, 5), np.zeros((1, 9)),
     )  # fmt: skip
     node[swept.Q_NEW], node[swept.V_NEW] = start.q, start.v
-    for _ in range(2):  # the second round takes the rates as they are now
+    for _ in range(2):  # the second pass uses the rates found by the first
         _, root, _, _ = swept.closed_at(workspace, start.t, node, system.size)
     node[: swept.Q_NEW] = node[swept.Q_NEW : swept.Q_OLD]
     made.clock[swept.ROOT] = made.clock[swept.ROOT_BEFORE] = root
@@ -116,7 +116,7 @@ def begin(
 
 
 def require_driven(system: System, start: Assembled, what: str) -> None:
-    """Raise ModelError that says which degrees of freedom are left, unless the drivers fix every position."""
+    """Raise ModelError with the degrees of freedom that are left, unless the drivers determine every position."""
     workspace = system.workspace()
     open_by(workspace, start.t, start.q, start.v)
     rows = scaled_rows(system, workspace)
@@ -136,16 +136,16 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
     loose = _loose(system)
     dof = f"{left} degrees of freedom are left" if left > 1 else "1 degree of freedom is left"
     names = ", ".join(movers[:8]) + (" ..." if len(movers) > 8 else "")
-    text = f"{what} wants a mechanism whose drivers fix every position; {dof} (can still move: {names})."
+    text = f"{what} needs drivers that determine every position; {dof} (can still move: {names})."
     if loose:
-        text += f" There is play in {loose}: close it with ideal() or --ideal."
+        text += f" There is clearance in {loose}: close it with ideal() or --ideal."
     else:
         text += f" Add {'a driver' if left == 1 else f'{left} drivers'}, or use simulate or equilibrium."
     raise ModelError([Problem(("drivers",), text)])
 
 
 def _loose(system: System) -> str:
-    """Names of the joints with play."""
+    """Names of the joints with open clearance."""
     joints = system.model.joints.items()
     return ", ".join(name for name, one in joints if one.contact and one.clearance and not one.contact.closed)
 
@@ -154,7 +154,10 @@ def analyse(
     system: System, start: Assembled | None, t_eval: float | Sequence[float] | np.ndarray, *, forces: bool,
     effort_at: str | Mapping[str, str] | None = None, strict: bool = False,
 ) -> Result:  # fmt: skip
-    """Kinematics, or with `forces` inverse dynamics; see `Mechanism.kinematics` and `Mechanism.inverse_dynamics`."""
+    """Kinematics, or with `forces` inverse dynamics, at the times t_eval [s].
+
+    See `Mechanism.kinematics` and `Mechanism.inverse_dynamics`, which also say what is raised.
+    """
     began = time.perf_counter()
     times = instants(t_eval)
     what = "inverse dynamics" if forces else "kinematics"
@@ -164,7 +167,7 @@ def analyse(
             start = assemble(system, float(times[0]))
         except AssemblyError as error:
             loose = _loose(system)
-            hint = f" There is play in {loose}: close it with ideal() or --ideal." if loose else ""
+            hint = f" There is clearance in {loose}: close it with ideal() or --ideal." if loose else ""
             raise AssemblyError(f"{error}{hint}") from None
     if system.row_count <= LARGE:
         require_driven(system, start, what)
@@ -172,7 +175,7 @@ def analyse(
     motors = _motors(system, effort_at)
     arguments.require_room(len(times), width(system))
     sweep = begin(system, start, motors)
-    if times[0] != start.t:  # what the user says about the start holds at t = 0: go from there
+    if times[0] != start.t:  # the start values are given for t = 0: begin there
         if not len(sweep.go(times[:1], False)):
             raise AssemblyError(f"the first position cannot be reached: {why_stuck(sweep)}")
         sweep.tally[:] = 0
@@ -196,7 +199,7 @@ def analyse(
 
 
 def _without_effort(sweep: Sweep, t: np.ndarray, raw: np.ndarray, motors: list[tuple[int, str]]) -> list[str]:
-    """A note for every motor that cannot do the work of its driver at some instants, with how many and where."""
+    """A note for every motor that cannot do the work of its driver at some instants: how many, and when."""
     notes = []
     for n, (row, joint) in enumerate(motors):
         dead = ~np.isfinite(raw[:, width(sweep.system) + 2 * n])
@@ -205,14 +208,14 @@ def _without_effort(sweep: Sweep, t: np.ndarray, raw: np.ndarray, motors: list[t
             effort = sweep.system.model.joints[joint].leaf.motor.effort
             notes.append(
                 f"{joint}.{effort}: none at {int(dead.sum())} of {len(t)} instants (t = {listed} s): '{joint}' is at a"
-                f" dead centre there, no effort of it does the work of driver '{sweep.system.rows[row].owner}';"
+                f" dead centre there, where no effort of it does the work of driver '{sweep.system.rows[row].owner}';"
                 " forces and efforts are nan at these instants and grow without bound next to them"
             )
     return notes
 
 
 def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
-    """t_eval as an array. Raises ValueError unless it is increasing and finite."""
+    """t_eval [s] as an array (n,).  Raises ValueError unless the times are increasing and finite."""
     times = np.atleast_1d(arguments.instants(t_eval))
     if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise ValueError("t_eval must be one time or increasing finite times in s")
@@ -220,13 +223,13 @@ def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
 
 
 def _motors(system: System, effort_at: str | Mapping[str, str] | None) -> list[tuple[int, str]]:
-    """(row of the driver, joint) for every driver whose work a motor elsewhere does."""
+    """(constraint row of the driver, joint) for every driver whose work is done by a motor at another joint."""
     if effort_at is None:
         return []
     drivers, joints = list(system.model.drivers), system.model.joints
     if isinstance(effort_at, str):
         if len(drivers) != 1:
-            raise ValueError(f"effort_at: say which driver is replaced, as {{'{drivers[0]}': '{effort_at}'}}")
+            raise ValueError(f"effort_at: give the driver that is replaced, as {{'{drivers[0]}': '{effort_at}'}}")
         effort_at = {drivers[0]: effort_at}
     found = []
     for driver, joint in effort_at.items():
@@ -245,8 +248,9 @@ def _motors(system: System, effort_at: str | Mapping[str, str] | None) -> list[t
     return found
 
 
-# ---------------------------------------------------------------- what went on
+# ---------------------------------------------------------------- what happened
 def why_stuck(sweep: Sweep) -> str:
+    """Why a sweep cannot go on, in words."""
     system, workspace = sweep.system, sweep.workspace
     t = float(sweep.clock[swept.NOW])
     for ahead in (0.0, 1e-12, 1e-9, 1e-6):
@@ -259,11 +263,11 @@ def why_stuck(sweep: Sweep) -> str:
     where = describe_rank_loss(system, workspace)
     if where:
         return f"no position beyond t = {t:.10g} s: {where}"
-    return f"no way on at t = {t:.10g} s: a driver's function jumps there or is too fast to be followed; smooth it"
+    return f"no continuation at t = {t:.10g} s: a driver's function jumps there or is too fast to follow; smooth it"
 
 
 def _blocking(sweep: Sweep) -> str:
-    """The joint or driver that takes the largest part in the loss of rank."""
+    """The joint or driver with the largest part in the loss of rank."""
     open_by(sweep.workspace, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
     free = left_null(sweep.system, sweep.workspace, 1e-3)
     if free.shape[1] == 0:
@@ -274,7 +278,7 @@ def _blocking(sweep: Sweep) -> str:
 def _branch_points(
     first: Sweep, sweep: Sweep, times: np.ndarray, raw: np.ndarray, stuck: bool
 ) -> tuple[list[Event], list[str]]:
-    """Where the motion passed a position from which it could also have gone on another way."""
+    """Events and notes of positions that the motion passed and from which another motion starts."""
     system = sweep.system
     events: list[Event] = []
     if system.row_count > LARGE:
@@ -284,7 +288,7 @@ def _branch_points(
     for low, high in sweep.spots[: sweep.tally[swept.FOUND]]:
         found = _locate(first, times, raw, rows, min(low, high), max(low, high))
         if stuck and abs(high - sweep.clock[swept.NOW]) < 1e-6 * max(1.0, abs(high)):
-            continue  # the creeping towards the end
+            continue  # the approach to the end of the motion
         if found is None or any(abs(found - event.t) < 1e-9 * max(1.0, abs(found)) for event in events):
             continue
         near = _at(first, times, raw, found)
@@ -294,14 +298,14 @@ def _branch_points(
         owners = list(dict.fromkeys(system.rows[int(r)].owner for r in np.argsort(-share) if share[r] > 0.05))
         events.append(Event(found, owners[0] if owners else "", "branch point"))
         notes.append(
-            f"branch point at t = {found:.9g} s: rows of {', '.join(owners[:6])} lose rank,"
+            f"branch point at t = {found:.9g} s: constraints of {', '.join(owners[:6])} lose rank,"
             " another motion starts there; the smooth one was followed, forces are not determined at that instant"
         )
     return events, notes
 
 
 def _independent(first: Sweep) -> np.ndarray:
-    """Numbers of rows that determine the position at the start (the others are redundant)."""
+    """Indices of the constraint rows that determine the position at the start; the others are redundant."""
     from scipy.linalg import qr
 
     open_by(first.workspace, float(first.clock[swept.NOW]), first.node[swept.Q], first.node[swept.V])
@@ -313,7 +317,7 @@ def _independent(first: Sweep) -> np.ndarray:
 
 
 def _at(first: Sweep, times: np.ndarray, raw: np.ndarray, t: float) -> Sweep:
-    """The sweep at time t (in its new rows), restarted from the last output before t."""
+    """The sweep at time t [s] (in the rows Q_NEW, V_NEW of its node), restarted from the last output before t."""
     made = first.fork()
     k = int(np.searchsorted(times[: len(raw)], t, side="right")) - 1
     while k > 0 and times[k] > made.clock[swept.NOW]:
@@ -331,7 +335,7 @@ def _at(first: Sweep, times: np.ndarray, raw: np.ndarray, t: float) -> Sweep:
 def _locate(
     first: Sweep, times: np.ndarray, raw: np.ndarray, rows: np.ndarray, low: float, high: float
 ) -> float | None:
-    """Root of the determinant of the independent rows between two times, by false position (Illinois)."""
+    """Root [s] of the determinant of the independent rows between two times [s], by false position (Illinois)."""
 
     def determinant(t: float) -> float:
         made = _at(first, times, raw, t)

@@ -1,6 +1,6 @@
-"""Does a contact law pull, or give energy back?  Found on random paths, for laws written by the user.
+"""Check of contact laws written by the user on random paths: does a law pull, or create energy?
 
-From the unloaded state the energy put into a contact can never be negative, whatever the path:
+Starting unloaded, the energy that was put into a contact can never be negative, whatever the path:
 
     W(t) = integral of F ddelta dt >= 0      and for friction      W(t) = integral of T u dt >= 0,  z(0) = 0
 
@@ -20,12 +20,12 @@ from rattle.elements.custom.contact_law import ContactLaw
 
 PATHS = 40
 POINTS = 400  # of a path
-ALLOWED = 2e-3  # of the work moved to and fro: error of the quadrature
+ALLOWED = 2e-3  # share of the work exchanged: error of the quadrature
 _known: dict[Any, str] = {}
 
 
 def law_faults(model: Model) -> list[str]:
-    """What is wrong with the users' laws of a model, joint by joint; empty if nothing is."""
+    """Faults of the user's laws of a model in words, joint by joint; empty if there are none."""
     found = []
     for name, joint in model.joints.items():
         contact = joint.contact
@@ -53,7 +53,10 @@ def _fault(family: str, choice: Choice, contact: Contact) -> str:
 
 
 def normal_fault(kernel: Any, p: np.ndarray, contact: Contact) -> str:
-    """What is wrong with a normal law under the stiffness of a contact, in words; empty if nothing is."""
+    """Fault of a normal law with the stiffness of a contact, in words; "" if there is none.
+
+    p: (n,) parameters of the law's kernel [SI].
+    """
     assert contact.static is not None
     stiffness = registry.kinds("stiffness")[contact.static.kind]
     q = np.array([*stiffness.leaf.pack(contact.static.values), 0.0])
@@ -68,7 +71,7 @@ def normal_fault(kernel: Any, p: np.ndarray, contact: Contact) -> str:
         rate = step * POINTS / duration
         force = np.array(
             [
-                kernel(stiffness.kernel(float(d), q, 0), float(d), float(r), v0, p, 0)  # type: ignore[misc]  # laws have kernels
+                kernel(stiffness.kernel(float(d), q, 0), float(d), float(r), v0, p, 0)  # type: ignore[misc]
                 for d, r in zip(middle, rate, strict=True)
             ]
         )
@@ -78,15 +81,15 @@ def normal_fault(kernel: Any, p: np.ndarray, contact: Contact) -> str:
         if raw is not None:
             least = _least(raw, kernel, stiffness, p, q, middle, rate, v0)
             if least[0] < -1e-9 * float(force.max()):
-                return f"pulls while the pin goes in: {least[0]:.3g} N at a penetration of {least[1]:.3g} m"
+                return f"pulls during the approach: {least[0]:.3g} N at a penetration of {least[1]:.3g} m"
         fault = _given_back(force * step)
         if fault:
-            return f"gives energy back: {fault}, going {depth * 1e3:.2g} mm deep from {v0:.2g} m/s"
+            return f"creates energy: {fault}, in a contact {depth * 1e3:.2g} mm deep from {v0:.2g} m/s"
     return ""
 
 
 def _least(law: Any, kernel: Any, stiffness: Any, p: np.ndarray, q: np.ndarray, deep: Any, rate: Any, v0: float) -> Any:
-    """Smallest value of the law itself while the pin goes in, and where it is."""
+    """Smallest force [N] of the user's function during the approach, and the penetration [m] there."""
     values = kernel.pack(*p[: len(kernel.pack._fields)])
     going = [(float(d), float(r)) for d, r in zip(deep, rate, strict=True) if r >= 0.0][:: max(1, POINTS // 40)]
     found = [(float(law(stiffness.kernel(d, q, 0), d, r, v0, values)), d) for d, r in going]
@@ -94,7 +97,10 @@ def _least(law: Any, kernel: Any, stiffness: Any, p: np.ndarray, q: np.ndarray, 
 
 
 def friction_fault(kernel: Any, p: np.ndarray, states: int) -> str:
-    """What is wrong with a friction law, in words; empty if nothing is."""
+    """Fault of a friction law with so many states, in words; "" if there is none.
+
+    p: (n,) parameters of the law's kernel [SI].
+    """
     rng = np.random.default_rng(8)
     s = np.linspace(0.0, 1.0, POINTS + 1)
     dz = np.zeros(states)
@@ -104,7 +110,7 @@ def friction_fault(kernel: Any, p: np.ndarray, states: int) -> str:
         u = speed * (wave + rng.uniform(-0.3, 0.3))
         swing = np.sin(2 * np.pi * (s * rng.integers(1, 4) + rng.uniform()))
         normal = press * (1.0 + 0.8 * swing)
-        h = 1e-3 / speed / POINTS  # about a millimetre of slip in all
+        h = 1e-3 / speed / POINTS  # about a millimetre of slip in total
         z, powers = np.zeros_like(dz), np.zeros(POINTS + 1)
         for k in range(POINTS + 1):
             powers[k] = kernel(float(u[k]), float(normal[k]), z, p, 0, dz) * u[k]
@@ -116,13 +122,13 @@ def friction_fault(kernel: Any, p: np.ndarray, states: int) -> str:
             return "has no finite value"
         fault = _given_back(0.5 * h * (powers[1:] + powers[:-1]))
         if fault:
-            return f"gives energy back: {fault}, sliding at up to {np.abs(u).max():.2g} m/s under {press:.2g} N"
+            return f"creates energy: {fault}, sliding at up to {np.abs(u).max():.2g} m/s under {press:.2g} N"
     return ""
 
 
 def _given_back(work: np.ndarray) -> str:
-    """Whether more comes out than was put in, at any time, in words."""
+    """In words, the energy [J] that came out beyond what was put in, at any time; "" if there is none."""
     moved, least = float(np.abs(work).sum()), float(np.cumsum(work).min())
     if not math.isfinite(least) or least >= -ALLOWED * moved:
         return ""
-    return f"{-least:.2g} J more than was put in, of {moved:.2g} J moved"
+    return f"{-least:.2g} J more comes out than was put in, of {moved:.2g} J exchanged"

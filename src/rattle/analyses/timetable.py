@@ -1,4 +1,4 @@
-"""When the expressions of a run switch: instants known beforehand, with the jumps of drivers at them."""
+"""Timetable of a run: the instants, known in advance, at which expressions switch, and the jumps of drivers there."""
 
 from __future__ import annotations
 
@@ -14,54 +14,54 @@ from rattle.language.bytecode import SIDE
 from rattle.language.switching import SAME, locate_all, merged, side_at
 from rattle.results.event import Event
 
-BEYOND = 1e-6  # share of a run by which it is looked further: what happens at its very end counts
-FEW = 3  # jolts of a driver that are told one by one
-LEAP = 1e-9  # change of a driver's function that is taken for a jump, as a share of 1 rad or of the mechanism's size
-KICK = 1e-9  # change of its speed that is taken for a jump, as a share of its largest speed
+BEYOND = 1e-6  # share of a run by which the search extends beyond its end, so that a switch at the very end counts
+FEW = 3  # jolts of a driver that are listed one by one, at most
+LEAP = 1e-9  # change of a driver's function that counts as a jump, as a share of 1 rad or of the mechanism's size
+KICK = 1e-9  # change of its speed that counts as a jump, as a share of its largest speed
 UNITS = {"rad": ("rad", "rad/s", "N*m*s"), "m": ("m", "m/s", "N*s")}
 
 
 @dataclass(frozen=True)
 class Jump:
-    """A driver jumps in speed."""
+    """A jump in the speed of a driver."""
 
     t: float  # [s]
     driver: str
-    size: float  # speed after less speed before [rad/s or m/s]
-    unit: str  # of the driver's function
+    size: float  # speed after minus speed before [rad/s or m/s]
+    unit: str  # of the driver's function: "rad" or "m"
 
 
 @dataclass(frozen=True)
 class Jolt:
-    """What a jump in speed took."""
+    """The impulse and the work of a jump in speed."""
 
     jump: Jump
     impulse: float  # of the driver on its body B [N*m*s or N*s]
-    work: float  # put in by the driver [J]
+    work: float  # done by the driver [J]
 
 
 @dataclass(frozen=True)
 class Timetable:
-    """Instants at which expressions of time switch, and the sides of all such switches between them."""
+    """Instants at which expressions of time switch, and the sides of these switches between the instants."""
 
     instants: np.ndarray  # (n,) [s]
     rows: np.ndarray  # (k,) rows of the switches in the programs
-    sides: np.ndarray  # (n + 1, k)
-    driving: np.ndarray  # (n,) whether a driver may jump at this instant
+    sides: np.ndarray  # (n + 1, k) -1, 0 or 1
+    driving: np.ndarray  # (n,) True: a driver may jump at this instant
     jumps: tuple[Jump, ...]
-    unresolved: tuple[str, ...]  # expressions whose instants are too many to be followed
+    unresolved: tuple[str, ...]  # expressions with too many instants to follow
 
     def piece_at(self, t: float) -> int:
-        """Number of the smooth piece that starts at or before t [s]."""
+        """Index of the smooth piece that starts at or before t [s]."""
         return int(np.searchsorted(self.instants, t, side="right"))
 
     def take(self, code: np.ndarray, piece: int) -> None:
-        """Put the sides of a piece into the programs of a run."""
+        """Write the sides of a piece into the programs `code` (rows, 4) of a run."""
         code[self.rows, SIDE] = self.sides[piece]
 
 
 def timetable(system: System, start: float, end: float) -> Timetable:
-    """Instants of a run between two times [s].  Raises ModelError where a driver jumps in position."""
+    """Timetable of a run between two times [s].  Raises ModelError if a driver jumps in position."""
     span = end - start
     switches = [replace(one) for one in system.switches if one.timed] if span > 0.0 else []
     beyond = end + BEYOND * span
@@ -82,7 +82,7 @@ def timetable(system: System, start: float, end: float) -> Timetable:
 
 
 def _jumps(system: System, table: Timetable, start: float) -> tuple[Jump, ...]:
-    """Jumps in speed of all drivers. Raises ModelError where one jumps in position, the start included."""
+    """Jumps in speed of all drivers.  Raises ModelError if a driver jumps in position, also at the start."""
     workspace = system.workspace()
     names = list(system.model.drivers)
     slots = np.array([system.driver_slot(name) for name in names])
@@ -92,7 +92,7 @@ def _jumps(system: System, table: Timetable, start: float) -> tuple[Jump, ...]:
     found = np.zeros((len(times), 2, 2, len(names)))  # instant, before and after, value and speed, driver
     for k, (t, piece) in enumerate(zip(times, [-1, *pieces], strict=True)):
         for side in range(2):
-            if piece + side >= 0:  # at the start there is no piece before: what the definition says stands for it
+            if piece + side >= 0:  # before the start there is no piece: values of the definition are used
                 table.take(workspace.code, piece + side)
             drive(workspace, t)
             for rate in range(2):
@@ -104,7 +104,7 @@ def _jumps(system: System, table: Timetable, start: float) -> tuple[Jump, ...]:
         broken = np.flatnonzero(np.abs(leap) > LEAP * scale)
         if len(broken):
             t, size = times[int(broken[0])], float(leap[broken[0]])
-            more = f" (and {len(broken) - 1} times more)" if len(broken) > 1 else ""
+            more = f" (and {len(broken) - 1} more times)" if len(broken) > 1 else ""
             said = (
                 f"driver '{name}' jumps by {size:.6g} {unit} at t = {t:.9g} s{more}: no body can follow;"
                 " write a ramp, or a step in speed such as 10*max(0, t - 0.5)"
@@ -113,7 +113,7 @@ def _jumps(system: System, table: Timetable, start: float) -> tuple[Jump, ...]:
         kick = found[:, 1, 1, d] - found[:, 0, 1, d]
         most = float(np.abs(found[:, :, 1, d]).max(initial=0.0))
         for k in np.flatnonzero(np.abs(kick) > KICK * most).tolist():
-            if k > 0:  # at the start rates are a matter of the start
+            if k > 0:  # the rates at the start are given by the start values
                 jumps.append(Jump(times[k], name, float(kick[k]), unit))
     if problems:
         raise ModelError(problems)
@@ -121,7 +121,7 @@ def _jumps(system: System, table: Timetable, start: float) -> tuple[Jump, ...]:
 
 
 def jolt_events(jolts: Sequence[Jolt]) -> list[Event]:
-    """Jolts as events: `joint` is the driver, `normal_speed` the jump, `energy_lost` minus what it puts in."""
+    """Jolts as events: `joint` is the driver, `normal_speed` its jump [rad/s, m/s], `energy_lost` minus work [J]."""
     return [
         Event(one.jump.t, one.jump.driver, "jolt", one.jump.size, impulse=one.impulse, energy_lost=-one.work)
         for one in jolts
@@ -129,7 +129,7 @@ def jolt_events(jolts: Sequence[Jolt]) -> list[Event]:
 
 
 def jolt_notes(jolts: Sequence[Jolt], table: Timetable) -> tuple[str, ...]:
-    """What a run says of its jolts, and of expressions whose switching instants are too many."""
+    """Notes of a run on its jolts, and on expressions with too many switching instants."""
     said = []
     for name in dict.fromkeys(one.jump.driver for one in jolts):
         own = [one for one in jolts if one.jump.driver == name]
@@ -137,23 +137,23 @@ def jolt_notes(jolts: Sequence[Jolt], table: Timetable) -> tuple[str, ...]:
             _, rate, impulse = UNITS[one.jump.unit]
             said.append(
                 f"driver '{name}' jumps in speed by {one.jump.size:.4g} {rate} at t = {one.jump.t:.9g} s:"
-                f" an impulse of {one.impulse:.4g} {impulse}, {one.work:.4g} J put in"
+                f" an impulse of {one.impulse:.4g} {impulse}, work of {one.work:.4g} J"
             )
         if len(own) > FEW:
             total = sum(one.work for one in own)
-            said.append(f"driver '{name}' jumps in speed {len(own)} times, {total:.4g} J put in in all")
+            said.append(f"driver '{name}' jumps in speed {len(own)} times, work of {total:.4g} J in total")
     for name in table.unresolved:
-        said.append(f"{name} switches too often to be followed: steps do not end on its switching instants")
+        said.append(f"{name} switches too often to follow: steps do not end at its switching instants")
     return tuple(said)
 
 
 def jump_lines(jumps: Sequence[Jump]) -> list[str]:
-    """Which drivers jump in speed, when and by how much, one line each."""
+    """One line per driver that jumps in speed: when and by how much."""
     lines = []
     for name in dict.fromkeys(jump.driver for jump in jumps):
         own = [jump for jump in jumps if jump.driver == name]
         first = own[0]
-        more = f", and {len(own) - 1} times more" if len(own) > 1 else ""
+        more = f", and {len(own) - 1} more times" if len(own) > 1 else ""
         lines.append(
             f"{name} jumps in speed by {first.size:.4g} {UNITS[first.unit][1]} at t = {first.t:.9g} s{more}: an impulse"
         )
@@ -161,9 +161,9 @@ def jump_lines(jumps: Sequence[Jump]) -> list[str]:
 
 
 def jump_notes(jumps: Sequence[Jump], forces: bool) -> list[str]:
-    """What kinematics says of jumps in speed: at these instants there is no acceleration, and no finite force."""
+    """Notes of kinematics on jumps in speed: at these instants there is no acceleration, and no finite force."""
     lost = "no acceleration and no finite force" if forces else "no acceleration"
     return [
-        f"driver {line}; there is {lost} at such an instant, what stands there is that of its right side"
+        f"driver {line}; there is {lost} at such an instant: the values listed are those just after it"
         for line in jump_lines(jumps)
     ]

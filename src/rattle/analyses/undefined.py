@@ -1,4 +1,4 @@
-"""Which expression or law has no finite value at the instant that a workspace holds, in words."""
+"""Messages on expressions and laws without a finite value."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from rattle.jit.workspace import Workspace
 
 
 def undefined(system: System, workspace: Workspace, t: float, contacts: bool = True) -> str:
-    """What has no finite value at time t [s], at which the workspace was evaluated; empty where everything has.
+    """The expression or law that has no finite value at time t [s], in words; "" if all have.
 
-    Laws written in Python are run again as plain Python, so that what they raise is known.  contacts: contact laws
-    too.
+    The workspace must have been evaluated at t.  Laws written in Python are run again as plain Python to find what
+    they raise.  contacts: check contact laws too.
     """
     for first, values in evaluated(system, workspace):
         if not np.isfinite(values).all():
@@ -39,7 +39,7 @@ def undefined(system: System, workspace: Workspace, t: float, contacts: bool = T
 
 
 def evaluated(system: System, workspace: Workspace) -> Iterator[tuple[int, np.ndarray]]:
-    """First code row and present values of every expression."""
+    """First row in `code`, and present values [SI], of every expression."""
     where = {"jet_signal": ("jets", 0), "jet": ("values", 3), "signal": ("signals", 1), "live": ("values", 1)}
     for table, (array, count) in where.items():
         for first, _, place in system.arrays[table]:

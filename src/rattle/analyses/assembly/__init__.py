@@ -1,1 +1,1 @@
-"""Putting a mechanism together, and what it then is."""
+"""Assembly of a mechanism, its rank and its loops."""

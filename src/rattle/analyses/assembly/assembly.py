@@ -1,7 +1,7 @@
-"""Putting a mechanism together: positions and rates that satisfy every joint at a given time.
+"""Assembly: positions and rates that satisfy every joint at a given time.
 
-Angles given are held while the joints place x and y, from the ground outwards; then a damped Newton
-iteration closes everything with the least mass-weighted change, and rates likewise (docs/theory.md, section 3).
+Given angles are kept while the joints determine x and y, from the ground outwards; then a damped Newton
+iteration satisfies all constraints with the least mass-weighted change.  Rates likewise (docs/theory.md, section 3).
 """
 
 from __future__ import annotations
@@ -27,21 +27,21 @@ from rattle.errors import AssemblyError
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
-HOLD = 1e-6  # share of its mobility that a rate given keeps in mechanisms too large for `starting`
-FAR = 0.1  # turn of a body that pins pressed to their default places may ask for [rad]
-STARTS = 48  # guesses tried for angles that nobody gave
+HOLD = 1e-6  # factor on the inverse mass of given rates, in mechanisms too large for `start_values`
+FAR = 0.1  # rotation of a body that pins pressed on their bushes may cause [rad]
+STARTS = 48  # guesses that are tried for angles that are not given
 
 
 @dataclass(frozen=True)
 class Assembled:
-    """A consistent start."""
+    """A consistent start: positions and rates that satisfy all constraints."""
 
-    t: float
+    t: float  # [s]
     q: np.ndarray  # (3 nb,) x, y, angle of every body [m, m, rad]
-    v: np.ndarray  # (3 nb,) their rates
+    v: np.ndarray  # (3 nb,) their rates [m/s, m/s, rad/s]
     residual: float  # largest constraint residual [m or rad]
     iterations: int
-    notes: tuple[str, ...] = ()  # what became of values given in [initial] that could not be kept
+    notes: tuple[str, ...] = ()  # on values of [initial] that could not be kept
 
 
 def ideal_model(model: Model) -> Model:
@@ -53,9 +53,10 @@ def ideal_model(model: Model) -> Model:
 
 
 def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> Assembled:
-    """Positions and rates at time t from what the model's [initial] table says.
+    """Positions and rates at time t [s], from the model's [initial] table.
 
-    Raises AssemblyError when the joints cannot be closed, naming the loop and the gap.
+    ideal: the assembled ideal mechanism at t, if it is known already.
+    Raises AssemblyError if the joints cannot be closed; the message names the loop and the gap.
     """
     model = system.model
     links = {name: one for name, one in model.joints.items() if is_link(one)}
@@ -67,13 +68,13 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
     if offsets:
         try:
             ideal = assemble(ideal_system, t)
-        except AssemblyError:  # nor need it close where the user's numbers say everything
+        except AssemblyError:  # it need not close if the user's values determine everything
             if links or held:
                 raise
         missing = [name for name in links if math.hypot(*offsets[name]) < 1e-9 * links[name].clearance]
         if missing and ideal is not None:
             offsets.update(_along_reactions(ideal_system, ideal, missing))
-            held = [*links, *held]  # closing would turn the pins away from where the reactions press them
+            held = [*links, *held]  # closing would move the pins away from where the reactions press them
     workspace = system.workspace()
     q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal)
     given = given_values(system, 1)
@@ -95,7 +96,10 @@ def _closed(
     system: System, workspace: Workspace, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
     ideal: Assembled | None,
 ) -> tuple[np.ndarray, int]:  # fmt: skip
-    """Positions that satisfy every joint, with the pins of the `held` joints at their offsets if that goes together."""
+    """Positions (3 nb,) that satisfy every joint, with the pins of the `held` joints at their offsets if possible.
+
+    Also returns the number of iterations.
+    """
     q = None
     if held and ideal is not None:
         try:
@@ -106,7 +110,7 @@ def _closed(
         except AssemblyError:
             if not missing:
                 raise
-            q, missing = None, []  # reactions that are not unique may press the pins to where they do not fit together
+            q, missing = None, []  # pins placed by reactions that are not unique may not fit
     if q is None:
         q, iterations = _positions(system, workspace, t, offsets, ideal)
     if missing and system.row_count <= LARGE:
@@ -119,9 +123,9 @@ def _closed(
 
 
 def _placed(model: Model, joint: Joint) -> bool:
-    """True when the user's numbers, not the offset of this joint, say where its pin is.
+    """True if the user's values determine where the pin of this joint is, without an offset.
 
-    That is so when no offset is given and both bodies get their place from given x, y, angle or from other joints.
+    So it is if no offset is given and both bodies are placed by given x, y, angle or by other joints.
     """
     if joint.name in model.initial.offsets:
         return False
@@ -139,7 +143,10 @@ def _placed(model: Model, joint: Joint) -> bool:
 
 
 def _hold_offsets(system: System, t: float, offsets: dict[str, Any], ideal: Assembled) -> tuple[np.ndarray, int]:
-    """Positions with the pins of some open joints at given offsets: these joints are closed with shifted bushes."""
+    """Positions (3 nb,) with the pins of some open joints at given offsets [m], and the number of iterations.
+
+    These joints are closed as ideal joints with shifted bushes.
+    """
     model, q, iterations = system.model, ideal.q.copy(), 0
     for _ in range(6 if any(math.hypot(*one) for one in offsets.values()) else 1):
         joints = dict(model.joints)
@@ -164,7 +171,7 @@ def _hold_offsets(system: System, t: float, offsets: dict[str, Any], ideal: Asse
 
 
 def _outside(system: System, workspace: Workspace) -> str:
-    """Which pin is outside its bush, or block outside its guide, at the state in the workspace; empty when none."""
+    """In words, which pin is outside its bush or block outside its guide at the state in the workspace; "" if none."""
     contact = system.arrays["contact"]
     if not len(contact):
         return ""
@@ -174,8 +181,8 @@ def _outside(system: System, workspace: Workspace) -> str:
         clearance = system.model.joints[name].clearance
         if gap < -1e-6 * clearance:
             return (
-                f"joint '{name}' starts {-gap:.3g} m beyond its clearance of {clearance:.3g} m: give the bodies"
-                f" positions that leave the pin inside, or an offset of '{name}' in [initial]"
+                f"joint '{name}' starts {-gap:.3g} m outside its clearance of {clearance:.3g} m: give the bodies"
+                f" positions with the pin inside, or an offset of '{name}' in [initial]"
             )
     return ""
 
@@ -184,7 +191,7 @@ def _outside(system: System, workspace: Workspace) -> str:
 def _positions(
     system: System, workspace: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None
 ) -> tuple[np.ndarray, int]:
-    """Close the positions; guesses for angles that were not given are varied until it works."""
+    """Closed positions (3 nb,) and the number of iterations; guesses for angles not given are varied until it works."""
     best = None
     for q in _guesses(system, workspace, t, offsets, ideal):
         start = q.copy()
@@ -204,7 +211,7 @@ def _positions(
 
 
 def _without_drivers(system: System, workspace: Workspace, t: float) -> None:
-    """Where the joints alone can be closed, see whether the drivers hinder each other, or have nothing to move."""
+    """Raise AssemblyError if the joints close without drivers, and the drivers conflict or have nothing to move."""
     from rattle.analyses.assembly.rank import drivers_without_dof
 
     if not system.model.drivers or system.row_count > LARGE:
@@ -220,26 +227,25 @@ def _without_drivers(system: System, workspace: Workspace, t: float) -> None:
     for name, row in drivers_without_dof(system, workspace):
         off = abs(float(workspace.rows[row, 0]))
         raise AssemblyError(
-            f"driver '{name}' asks for a place {off:.4g} {system.rows[row].unit} away from the one that the joints"
-            " hold: they leave its degree of freedom no motion (one driver too many); take it out, or free a joint"
+            f"driver '{name}' asks for a position {off:.4g} {system.rows[row].unit} away from the one that the joints"
+            " enforce: they leave its degree of freedom no motion (one driver too many); remove it, or free a joint"
         )
 
 
 def _refuse_two_drivers(system: System, workspace: Workspace) -> None:
-    """Raise AssemblyError when drivers move the same degree of freedom at the state in the workspace."""
+    """Raise AssemblyError if drivers move the same degree of freedom at the state in the workspace."""
     from rattle.analyses.assembly.rank import drivers_on_one_dof
 
     names = drivers_on_one_dof(system, workspace)
     if len(names) > 1:
         listed = ", ".join(f"'{one}'" for one in names[:-1]) + f" and '{names[-1]}'"
         raise AssemblyError(
-            f"drivers {listed} drive the same degree of freedom;"
-            f" take {'one' if len(names) == 2 else 'some'} of them out"
+            f"drivers {listed} drive the same degree of freedom; remove {'one' if len(names) == 2 else 'some'} of them"
         )
 
 
 def _refuse_contradiction(system: System, t: float, q: np.ndarray, v: np.ndarray) -> None:
-    """Raise AssemblyError when the joints, or other drivers, contradict a driver."""
+    """Raise AssemblyError if the joints, or other drivers, contradict a driver."""
     from rattle.analyses.assembly.driver_conflicts import contradicted
 
     if system.row_count > LARGE:
@@ -252,16 +258,16 @@ def _refuse_contradiction(system: System, t: float, q: np.ndarray, v: np.ndarray
 def _guesses(
     system: System, workspace: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None
 ) -> Iterator[np.ndarray]:
-    """Bodies placed by the joints, from the ground outwards, for one set of angles after the other."""
+    """First guesses (3 nb,): bodies placed by the joints from the ground outwards, for one set of angles each."""
     model = system.model
     drive(workspace, t)
     functions = {name: float(workspace.values[system.driver_slot(name)]) for name in model.drivers}
     angles, free = passed_angles(model, functions)
-    if ideal is not None:  # the ideal mechanism has found the angles that were not given
+    if ideal is not None:  # the ideal mechanism gives the angles that were not given
         angles.update({name: float(ideal.q[3 * system.bodies.index(name) + 2]) for name in free})
         free = []
     yield place_positions(system, angles, offsets, functions)
-    if ideal is not None:  # the angles given may have been rough: those of the ideal mechanism close to within the play
+    if ideal is not None:  # the given angles may be rough: those of the ideal mechanism are right within the clearance
         closed = {name: float(ideal.q[3 * n + 2]) for n, name in enumerate(system.bodies)}
         yield place_positions(system, {**angles, **closed}, offsets, functions)
     if not free:
@@ -276,7 +282,7 @@ def _guesses(
 
 
 def _least_open(system: System, workspace: Workspace, t: float, q: np.ndarray) -> None:
-    """Levenberg-Marquardt on |Phi|^2 in mass-weighted coordinates: works where the rows lose rank."""
+    """Minimise |Phi|^2 over q, in place: Levenberg-Marquardt in mass-weighted coordinates, also where rank is lost."""
     scale = np.sqrt(system.arrays["weight"][1:].ravel() / system.arrays["weight"][1:].max())
     damping = 1e-2
 
@@ -310,7 +316,7 @@ def _least_open(system: System, workspace: Workspace, t: float, q: np.ndarray) -
 
 
 def _why_open(system: System, workspace: Workspace, t: float, q: np.ndarray) -> str:
-    """Why the joints cannot be closed from q, which goes to where they are open least."""
+    """Why the joints cannot be closed from q, in words; q is moved in place to where the residual is least."""
     drive(workspace, t)
     if system.row_count <= LARGE and not without_value(system, workspace, t):
         _least_open(system, workspace, t, q)
@@ -320,7 +326,7 @@ def _why_open(system: System, workspace: Workspace, t: float, q: np.ndarray) -> 
 
 
 def _along_reactions(ideal_system: System, ideal: Assembled, missing: list[str]) -> dict[str, tuple[float, float]]:
-    """Pin offsets that press on the bush as the ideal mechanism's reactions do."""
+    """Pin offsets [m] at which the pins press on their bushes in the directions of the ideal mechanism's reactions."""
     workspace = ideal_system.workspace()
     solve_motion(workspace, ideal.t, ideal.q, ideal.v)
     found = {}
@@ -336,7 +342,7 @@ def _along_reactions(ideal_system: System, ideal: Assembled, missing: list[str])
 
 # ---------------------------------------------------------------- rates
 def _free_rates(system: System, workspace: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
-    """Rates of an ideal mechanism: those given are kept where the joints allow, the others follow."""
+    """Rates of an ideal mechanism: given ones are kept if the joints allow, the others follow."""
     v: np.ndarray = np.nan_to_num(given)
     place_rates(system, q, v, given, v.copy())
     return _closed_rates(system, workspace, t, q, v, given)
@@ -345,7 +351,7 @@ def _free_rates(system: System, workspace: Workspace, t: float, q: np.ndarray, g
 def _closed_rates(
     system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
 ) -> np.ndarray:
-    """Rates near v that satisfy the constraints, those given moved last."""
+    """Rates near v that satisfy the constraints, with the least change of the given ones."""
     if system.row_count <= LARGE:
         return keep_rates(system, workspace, t, q, v, given)
     known = ~np.isnan(given)

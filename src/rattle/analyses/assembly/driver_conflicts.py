@@ -1,6 +1,6 @@
-"""Drivers that the joints contradict: rows that repeat each other, with right sides that do not.
+"""Drivers that the joints contradict: dependent constraint rows whose right-hand sides are inconsistent.
 
-Where rows are dependent, N^T Phi_q = 0, a motion exists only if also N^T nu = 0 and N^T gamma = 0, now and later.
+If rows are dependent, N^T Phi_q = 0, a motion exists only if also N^T nu = 0 and N^T gamma = 0, now and later.
 """
 
 from __future__ import annotations
@@ -16,17 +16,18 @@ from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
 NOISE = 1e-9  # share of the terms of N^T nu that is rounding
-SHAKE = 1e-3  # way along the degrees of freedom of the joints: dependence that goes away is that of a singular position
+SHAKE = 1e-3  # displacement along the joints' degrees of freedom, after which a singular position is left
 TAKES_PART = 1e-6  # entry of a null space above which its row takes part
-SHORT = 0.1  # longest step on the way to a later instant [rad, mechanism sizes]
+SHORT = 0.1  # longest step towards a later instant [rad, mechanism sizes]
 MOST_STEPS = 200
-LATER = 8  # instants looked at after the start, the nearest a 2^LATER part of the span away
+LATER = 8  # instants examined after the start; the nearest is span / 2^LATER away
 
 
 def contradicted(system: System, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
-    """Which drivers the joints (or other drivers) contradict at the state (t, q, v) or soon after it; empty when none.
+    """In words, the drivers that joints or other drivers contradict at the state (t, q, v) or soon after; "" if none.
 
-    span: how far to look ahead [s].  A dead centre is no contradiction: there another position would do.
+    t: [s]; q, v: (3 nb,) [m, rad], [m/s, rad/s]; span: how far to look ahead [s].
+    A dead centre is not a contradiction: from another position the driver works.
     """
     if not system.model.drivers:
         return ""
@@ -42,13 +43,13 @@ def contradicted(system: System, t: float, q: np.ndarray, v: np.ndarray, span: f
 
 
 def _with_drivers(system: System, null: np.ndarray) -> np.ndarray:
-    """Those columns of a null space in which drivers take part."""
+    """The columns of a null space in which drivers take part."""
     driving = np.array([row.driver for row in system.rows])
     return null[:, np.abs(null[driving]).max(axis=0, initial=0.0) > TAKES_PART]
 
 
 def _at_odds(system: System, workspace: Workspace, null: np.ndarray) -> tuple[str, ...]:
-    """Owners of the dependent rows whose right sides do not go together, at the state in the workspace."""
+    """Owners of dependent rows with inconsistent right-hand sides, at the state in the workspace."""
     rows, length = workspace.rows, row_lengths(system, workspace)
     for column in (at.NU, at.GAMMA):
         side = rows[:, column] / length
@@ -60,7 +61,7 @@ def _at_odds(system: System, workspace: Workspace, null: np.ndarray) -> tuple[st
 
 
 def _structural(system: System, t: float, q: np.ndarray) -> bool:
-    """True when drivers stay among the dependent rows a little further along what the joints leave free."""
+    """True if drivers remain among the dependent rows after a small displacement that the joints allow."""
     workspace = system.workspace()
     open_by(workspace, t, q, np.zeros_like(q))
     driving = np.array([row.driver for row in system.rows])
@@ -78,7 +79,7 @@ def _structural(system: System, t: float, q: np.ndarray) -> bool:
 
 
 def _later(system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
-    """The same at some later instants, as far as positions can be followed."""
+    """`contradicted` at some later instants, as far as the positions can be followed."""
     scratch = np.empty_like(q)
     scale = np.tile([1.0 / system.size, 1.0 / system.size, 1.0], system.body_count)
     now, steps = t, 0
@@ -105,7 +106,7 @@ def _later(system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.
 
 
 def _closes_without(system: System, owners: tuple[str, ...], t: float, q: np.ndarray) -> bool:
-    """True when the positions close at t once one of the drivers among the owners is left out."""
+    """True if the positions close at t without one of the drivers among the owners."""
     for name in system.model.drivers:
         if name in owners:
             drivers = {other: one for other, one in system.model.drivers.items() if other != name}
@@ -129,12 +130,10 @@ def _said(system: System, owners: tuple[str, ...]) -> str:
         return ""
     if len(drivers) > 1:
         listed = f"{', '.join(drivers[:-1])} and {drivers[-1]}"
-        many = f"take {'one' if len(drivers) == 2 else 'some'} of them out"
+        many = f"remove {'one' if len(drivers) == 2 else 'some'} of them"
         between = f" (through joints {joints})" if joints else ""
-        return (
-            f"drivers {listed} drive the same degree of freedom{between} with functions that do not go together; {many}"
-        )
+        return f"drivers {listed} drive the same degree of freedom{between} with functions that disagree; {many}"
     return (
         f"driver {drivers[0]} is contradicted by joints {joints}: they leave its degree of freedom no motion"
-        " (one driver too many); take it out, or free a joint"
+        " (one driver too many); remove it, or free a joint"
     )

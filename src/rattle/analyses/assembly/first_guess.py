@@ -1,4 +1,4 @@
-"""Placing bodies by their joints, from the ground outwards: positions from angles, rates from angular rates."""
+"""Bodies placed by their joints, from the ground outwards: positions from angles, rates from angular velocities."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from rattle.equations.system import System
 
 
 def outward(model: Model) -> list[tuple[str, str, Joint]]:
-    """(body, body it hangs on, joint) from the ground outwards: few loose joints first, then few joints.
+    """(body, its parent, joint between them) from the ground outwards: bodies behind few loose joints first, then few.
 
-    A joint is loose where it does not say where B is: a clearance, a line to slide along, a rod.
+    A joint is loose if it does not determine the position of B: one with clearance, a line to slide along, a rod.
     """
     driven = {driver.joint for driver in model.drivers.values()}
     near: dict[str, list[Joint]] = {}
@@ -44,17 +44,21 @@ def outward(model: Model) -> list[tuple[str, str, Joint]]:
 
 
 def _leaves_place(joint: Joint) -> bool:
-    """True where the joint, even without play, does not say where its B is on its A."""
+    """True if the joint, even without clearance, does not determine the position of its B on its A."""
     return joint.line is not None or joint.distance > 0.0
 
 
 def turned(angle: float, at: tuple[float, float]) -> np.ndarray:
+    """The vector `at` (2,) rotated by an angle [rad]."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([c * at[0] - s * at[1], s * at[0] + c * at[1]])
 
 
 def passed_angles(model: Model, functions: dict[str, float]) -> tuple[dict[str, float], list[str]]:
-    """Angle of every body: given, or passed on by joints that fix it; and the bodies left to a guess."""
+    """Angle [rad] of every body: given, passed on by joints that fix it, or else 0; and the bodies of the last sort.
+
+    functions: value of every driver's function [rad or m].
+    """
     angles = {name: values["angle"] for name, values in model.initial.bodies.items() if "angle" in values}
     angles["ground"] = 0.0
     passed: list[tuple[str, str, float]] = []
@@ -113,7 +117,11 @@ def place_positions(
 
 
 def place_rates(system: System, q: np.ndarray, v: np.ndarray, given: np.ndarray, otherwise: np.ndarray) -> None:
-    """With all angular rates in v, let the joints place vx and vy from the ground outwards."""
+    """Set vx and vy [m/s] in v from its angular velocities [rad/s], by the joints from the ground outwards.
+
+    q, v: (3 nb,); given: (3 nb,) rates given by the user, nan elsewhere; otherwise: (3 nb,) rates of bodies whose
+    position the joints do not determine.
+    """
     model = system.model
     number = {name: 3 * n for n, name in enumerate(system.bodies)}
 

@@ -1,4 +1,4 @@
-"""Loops of a mechanism: which joints close them, and how to name them."""
+"""Loops of a mechanism: the joints that close them, and their names."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rattle.description.model import Joint, Model
 
 
 def tree_path(model: Model, start: str, end: str, without: str) -> list[str] | None:
-    """Joints on the shortest way from one body to another that does not use joint `without`."""
+    """Joints on the shortest path from one body to another that does not use the joint `without`; None if none."""
     near: dict[str, list[tuple[str, str]]] = {}
     for name, joint in model.joints.items():
         if name != without:
@@ -44,7 +44,7 @@ def describe_loop(model: Model, joint: Joint, path: list[str]) -> str:
 
 
 def loops(model: Model) -> list[tuple[Joint, list[str]]]:
-    """One independent loop per joint that is not needed to hold the bodies together: the joint and its path."""
+    """Independent loops, one per joint that closes a loop of the spanning tree: the joint, and the path it closes."""
     group = {name: name for name in ("ground", *model.bodies)}
 
     def find(body: str) -> str:

@@ -1,4 +1,4 @@
-"""Where constraint rows lose independence: mobility, redundant joints, dead centres."""
+"""Rank of the constraint rows: mobility, redundant joints, dead centres."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ UNLIKE = 1e9  # ratio of masses that leaves too few digits for the lighter body
 
 
 def scaled_rows(system: System, workspace: Workspace) -> np.ndarray:
-    """Phi_q with angles measured as lengths at the size of the mechanism, every row of length one."""
+    """(nr, 3 nb) Phi_q [-] with angles times the size of the mechanism as lengths, every row scaled to length 1."""
     full = dense_rows(system, workspace)
     full[:, 2::3] /= system.size
     scaled: np.ndarray = full / row_lengths(system, workspace)[:, None]
@@ -21,7 +21,7 @@ def scaled_rows(system: System, workspace: Workspace) -> np.ndarray:
 
 
 def row_lengths(system: System, workspace: Workspace) -> np.ndarray:
-    """(nr,) what `scaled_rows` divides every row by."""
+    """(nr,) lengths of the rows of Phi_q, by which `scaled_rows` divides; 1 for a row of zeros."""
     full = dense_rows(system, workspace)
     full[:, 2::3] /= system.size
     length = np.linalg.norm(full, axis=1)
@@ -40,7 +40,7 @@ def rank(system: System, workspace: Workspace) -> int:
 
 
 def left_null(system: System, workspace: Workspace, tolerance: float = RANK) -> np.ndarray:
-    """(nr, k) combinations of rows that vanish: forces that the joints can exert on each other for nothing."""
+    """(nr, k) left null space of `scaled_rows` [-]: reactions that balance each other without any load."""
     if system.row_count == 0 or system.row_count > LARGE:
         return np.zeros((system.row_count, 0))
     u, values, _ = np.linalg.svd(scaled_rows(system, workspace))
@@ -59,7 +59,7 @@ def nonunique_reactions(system: System, workspace: Workspace) -> tuple[str, ...]
 
 
 def drivers_on_one_dof(system: System, workspace: Workspace) -> tuple[str, ...]:
-    """Names of drivers that would move one degree of freedom that the joints leave, at the state in the workspace."""
+    """Names of drivers that move the same degree of freedom, at the state in the workspace."""
     if len(system.model.drivers) < 2 or system.row_count > LARGE:
         return ()
     names = [row.owner for row in system.rows if row.driver]
@@ -70,16 +70,16 @@ def drivers_on_one_dof(system: System, workspace: Workspace) -> tuple[str, ...]:
 
 
 def drivers_without_dof(system: System, workspace: Workspace) -> list[tuple[str, int]]:
-    """Drivers, with their rows, of a mechanism whose joints leave nothing free, at the state in the workspace."""
+    """Drivers, with their rows, if the joints leave no degree of freedom at the state in the workspace; else none."""
     if _driven(system, workspace).shape[
         1
-    ]:  # at a dead centre a driver moves nothing either, but another position would do
+    ]:  # at a dead centre a driver moves nothing either, but from another position it does
         return []
     return [(row.owner, r) for r, row in enumerate(system.rows) if row.driver]
 
 
 def _driven(system: System, workspace: Workspace) -> np.ndarray:
-    """(drivers, dof) rows of the drivers along the directions that the joints leave free."""
+    """(drivers, degrees of freedom) rows of the drivers in the directions that the joints leave free."""
     full = scaled_rows(system, workspace)
     driving = np.array([row.driver for row in system.rows])
     free = np.eye(full.shape[1])  # one per row
@@ -91,17 +91,20 @@ def _driven(system: System, workspace: Workspace) -> np.ndarray:
 
 
 def unlike_masses(system: System) -> str:
-    """In words, which masses are too unlike for the digits there are; empty when none."""
+    """In words, which masses differ too much for double precision; "" if none."""
     masses = {name: body.mass for name, body in system.model.bodies.items()}
     heavy, light = max(masses, key=lambda name: masses[name]), min(masses, key=lambda name: masses[name])
     ratio = masses[heavy] / masses[light]
     if ratio <= UNLIKE:
         return ""
-    return f"'{heavy}' has {ratio:.2g} times the mass of '{light}', too few digits are left; take less of a ratio"
+    return f"'{heavy}' has {ratio:.2g} times the mass of '{light}', too much for double precision; reduce the ratio"
 
 
 def describe_rank_loss(system: System, workspace: Workspace, tolerance: float = 1e-3) -> str:
-    """In words, which joints block the motion at the state in the workspace; empty when all rows are independent."""
+    """In words, which joints block the motion at the state in the workspace; "" if all rows are independent.
+
+    tolerance: share [-] of the largest singular value below which a singular value counts as zero.
+    """
     free = left_null(system, workspace, tolerance)
     if free.shape[1] == 0:
         return ""
@@ -115,9 +118,9 @@ def describe_rank_loss(system: System, workspace: Workspace, tolerance: float = 
         driver = system.model.drivers[drivers[0]]
         return (
             f"driver '{drivers[0]}' on {driver.on} is at a dead centre (its force no longer moves the mechanism;"
-            f" rows of {', '.join(names[:6])} lose rank). Drive another joint, or keep the driver short of it."
+            f" constraints of {', '.join(names[:6])} lose rank). Drive another joint, or keep the driver away from it."
         )
     return (
-        f"a singular position: rows of {', '.join(names[:6])} lose rank."
+        f"a singular position: constraints of {', '.join(names[:6])} lose rank."
         " Start from another position, or change the lengths slightly."
     )

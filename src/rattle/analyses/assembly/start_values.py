@@ -1,8 +1,9 @@
-"""Values given for the start: kept as far as joints and drivers allow, and their change said where they do not.
+"""Given start values: kept as far as joints and drivers allow; changes are reported.
 
-Positions and rates change in two turns: the values given as little as the constraints ask of them, and then all
-others as little as still needed, both weighted by mass.  With G the columns of the values given, O the others and
-P the left null space of Phi_q O:   min |e|, P^T Phi_q (G (r + e)) = -P^T Phi;   then   Phi_q (G (r + e) + O o) = -Phi.
+Positions and rates change in two stages: first the given values, by the least change that the constraints require,
+then all others by the least change still needed; both are weighted by mass.  With G the columns of the given values,
+O the others, P the left null space of Phi_q O, and r the way back to the given values:
+min |e|, P^T Phi_q (G (r + e)) = -P^T Phi;   then   Phi_q (G (r + e) + O o) = -Phi.
 """
 
 from __future__ import annotations
@@ -23,13 +24,13 @@ KEYS = (("x", "y", "angle"), ("vx", "vy", "omega"))
 UNITS = {"x": "m", "y": "m", "angle": "deg", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 NOISE = 1e-15  # share of the terms of a residual that is rounding
 RANK = 1e-10  # share of the largest singular value below which columns are dependent
-MOST_NAMED = 6  # joints that are named one by one
-SEEN = 1e-6  # change that is said [rad, mechanism sizes, share of the rates]
+MOST_NAMED = 6  # joints that are named one by one, at most
+SEEN = 1e-6  # least change that is reported [rad, mechanism sizes, share of the rates]
 ROUNDS = 40  # of Newton's method
 
 
 def given_values(system: System, turn: int) -> np.ndarray:
-    """(3 nb,) positions (turn 0) or rates (turn 1) that the user gave, nan where none was."""
+    """(3 nb,) given positions [m, m, rad] (turn 0) or rates [m/s, m/s, rad/s] (turn 1), nan if not given."""
     given = np.full(3 * system.body_count, math.nan)
     for n, name in enumerate(system.bodies):
         for k, key in enumerate(KEYS[turn]):
@@ -37,13 +38,14 @@ def given_values(system: System, turn: int) -> np.ndarray:
     return given
 
 
-# ---------------------------------------------------------------- least change in two turns
+# ---------------------------------------------------------------- least change in two stages
 def least_change(
     system: System, jacobian: np.ndarray, wanted: np.ndarray, known: np.ndarray, noise: np.ndarray
 ) -> np.ndarray:
-    """(3 nb,) change x with jacobian @ x = wanted that moves the `known` coordinates last.
+    """(3 nb,) change x [m, m, rad or their rates] with jacobian @ x = wanted; `known` coordinates change least.
 
-    noise: (nr,) parts of `wanted` that are rounding; combinations that are no larger move nothing that is known.
+    jacobian: (nr, 3 nb); wanted: (nr,); known: (3 nb,) True for given values.
+    noise: (nr,) rounding error of `wanted`; combinations of rows that are not larger do not change known coordinates.
     """
     root = np.sqrt(system.arrays["weight"][1:].ravel())
     scale = np.tile([1.0, 1.0, 1.0 / system.size], system.body_count)
@@ -67,7 +69,7 @@ def least_change(
 
 
 def _shortest(matrix: np.ndarray, side: np.ndarray, root: np.ndarray) -> np.ndarray:
-    """Least x, weighted by 1 / root^2, with matrix @ x = side (or as near as can be)."""
+    """Least x, weighted by 1 / root^2, with matrix @ x = side in the sense of least squares."""
     if not side.any() or not matrix.size:
         return np.zeros(len(root))
     length = np.linalg.norm(matrix * root, axis=1)
@@ -77,7 +79,10 @@ def _shortest(matrix: np.ndarray, side: np.ndarray, root: np.ndarray) -> np.ndar
 
 
 def keep_positions(system: System, workspace: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
-    """Positions near the closed q that hold the values given as far as joints allow; q where none are found."""
+    """Closed positions near q that keep the given values as far as joints allow; q if none are found.
+
+    q: (3 nb,) closed positions [m, m, rad]; given: (3 nb,), nan if not given.
+    """
     known = ~np.isnan(given)
     if not known.any() or np.abs(q - given)[known].max() <= 1e-14 * max(1.0, system.size):
         return q
@@ -105,10 +110,10 @@ def keep_positions(system: System, workspace: Workspace, t: float, q: np.ndarray
 
 
 def keep_places(system: System, workspace: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
-    """Closed positions with all values given, where places x, y are among those that q has not; else q.
+    """Closed positions (3 nb,) [m, m, rad] with all given values, if q misses a given x or y and they exist; else q.
 
-    A massless link may stand on either side of its bush: the side where the body was put goes before the one to which
-    its force presses it.  Angles alone say no side: they are those of the ideal mechanism, more often than not.
+    A massless link may stand on either side of its bush: the side on which the user placed the body is preferred to the
+    one to which its force presses it.  Angles alone do not decide: usually they are those of the ideal mechanism.
     """
     known, near = ~np.isnan(given), 1e-9 * system.size
     places = known & (np.arange(len(q)) % 3 < 2)
@@ -128,7 +133,7 @@ def _distance(system: System, change: np.ndarray, known: np.ndarray) -> float:
 def keep_rates(
     system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
 ) -> np.ndarray:
-    """Rates near v that satisfy the constraints and hold the values given as far as these allow."""
+    """Rates (3 nb,) [m/s, m/s, rad/s] near v that satisfy the constraints and keep given ones as far as possible."""
     known = ~np.isnan(given)
     made = np.where(known, given, v)
     for _ in range(2):
@@ -142,12 +147,15 @@ def keep_rates(
     return made
 
 
-# ---------------------------------------------------------------- what is said
+# ---------------------------------------------------------------- notes
 def start_notes(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple[str, ...]:
-    """What became of the values given: "asked crank.angle = 90 deg, is 0 deg: the driver 'motor' holds it"."""
+    """Notes on changed values: "asked for crank.angle = 90 deg, got 0 deg: the driver 'motor' holds it".
+
+    t: [s]; q, v: (3 nb,) assembled positions [m, m, rad] and rates [m/s, m/s, rad/s].
+    """
     speed = max(float(np.abs(v).max(initial=0.0)), 1e-300)
     changed: dict[str, list[str]] = {}
-    free = functools.cache(lambda: _freedom(system, t, q, v))  # costly, and mostly not asked for
+    free = functools.cache(lambda: _freedom(system, t, q, v))  # costly, and rarely needed
     for turn, now in enumerate((q, v)):
         given = given_values(system, turn)
         for k in np.flatnonzero(~np.isnan(given)):
@@ -161,13 +169,13 @@ def start_notes(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple
                 )
                 if asked == found:
                     found = f"{now[k] * factor:.12g}"
-                text = f"asked {name}.{key} = {asked} {UNITS[key]}, is {found} {UNITS[key]}"
+                text = f"asked for {name}.{key} = {asked} {UNITS[key]}, got {found} {UNITS[key]}"
                 changed.setdefault(_holder(system, free(), int(k)), []).append(text)
     return tuple(f"{'; '.join(texts)}: {who}" for who, texts in changed.items())
 
 
 def _freedom(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Which coordinates (3 nb,) can change under all rows, and which under those of joints alone; the rows."""
+    """Coordinates (3 nb,) that can change under all rows, those that can under the rows of joints, and the rows."""
     workspace = system.workspace()
     open_by(workspace, t, q, v)
     full = dense_rows(system, workspace)
@@ -177,10 +185,10 @@ def _freedom(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np
 
 
 def _holder(system: System, free: tuple[np.ndarray, np.ndarray, np.ndarray], k: int) -> str:
-    """Who does not let coordinate k be as given."""
+    """In words, what prevents the given value of coordinate k."""
     under_all, under_joints, rows = free
     if under_all[k]:
-        return "the values given do not go together"
+        return "the given values contradict each other"
     if not under_joints[k]:
         return "the joints hold it"
     body = system.bodies[k // 3]
@@ -201,7 +209,7 @@ def _holder(system: System, free: tuple[np.ndarray, np.ndarray, np.ndarray], k: 
 
 
 def _holding(system: System, rows: np.ndarray, k: int) -> set[str]:
-    """Owners of the rows that together hold coordinate k: those in e_k = Phi_q^T x."""
+    """Owners of the rows that together fix coordinate k: those in e_k = Phi_q^T x."""
     unit = np.zeros(rows.shape[1])
     unit[k] = 1.0
     length = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)
@@ -210,7 +218,7 @@ def _holding(system: System, rows: np.ndarray, k: int) -> set[str]:
 
 
 def _free(rows: np.ndarray) -> np.ndarray:
-    """Which coordinates (columns) can change without any of the rows."""
+    """Coordinates (columns) that can change without violating any of the rows."""
     if not len(rows):
         return np.ones(rows.shape[1], dtype=bool)
     rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)

@@ -1,4 +1,4 @@
-"""Why a mechanism cannot be put together, in words: which loop stays open, or which joints and drivers disagree."""
+"""Why a mechanism cannot be assembled, in words: which loop stays open, or which joints and drivers disagree."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from rattle.analyses.assembly.rank import unlike_masses
 from rattle.equations.system import System
 from rattle.jit.workspace import Workspace
 
-TAKES_PART = 0.05  # share of the widest gap from which on a joint is named
+TAKES_PART = 0.05  # share of the widest gap above which a joint is named
 MOST_NAMED = 6
 
 
 def why_open(system: System, workspace: Workspace, t: float) -> str:
-    """What stays open at the state in the workspace, where all that is open is as small as it can be together."""
+    """What stays open at the state in the workspace at time t [s], in words; the residual must be at its minimum."""
     model = system.model
     nothing = without_value(system, workspace, t)
     if nothing:
@@ -35,7 +35,7 @@ def why_open(system: System, workspace: Workspace, t: float) -> str:
     else:
         gap, taking = gaps[worst] + sum(gaps[name] for name in path), [worst, *path]
         what = f"the loop {describe_loop(model, joint, path)}"
-    said = f"the mechanism cannot be put together: {what} stays open by {gap:.3g} {unit}{_at(system, workspace, t)}"
+    said = f"the mechanism cannot be assembled: {what} stays open by {gap:.3g} {unit}{_at(system, workspace, t)}"
     unlike = unlike_masses(system)
     if unlike:
         return f"{said}: {unlike}"
@@ -44,7 +44,7 @@ def why_open(system: System, workspace: Workspace, t: float) -> str:
 
 
 def _at_odds(system: System, taking: list[str]) -> str:
-    """ "driver 'axis' and joints 'lower', 'upper' do not go together: driver 'axis'"; or the one alone."""
+    """ "driver 'axis' and joints 'lower', 'upper' contradict each other; driver 'axis'", or only the last part."""
     worst = f"{'joint' if taking[0] in system.model.joints else 'driver'} '{taking[0]}'"
     groups = []
     for word, known in (("driver", system.model.drivers), ("joint", system.model.joints)):
@@ -52,11 +52,11 @@ def _at_odds(system: System, taking: list[str]) -> str:
         if names:
             more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
             groups.append(f"{word}{'s' if len(names) > 1 else ''} {', '.join(names[:MOST_NAMED])}{more}")
-    return worst if len(taking) < 2 else f"{' and '.join(groups)} do not go together; {worst}"
+    return worst if len(taking) < 2 else f"{' and '.join(groups)} contradict each other; {worst}"
 
 
 def _closed_play(system: System, taking: list[str], gap: float, unit: str) -> str:
-    """Joints whose play is closed, where it is wide enough to be the reason."""
+    """Hint at joints whose clearance is closed, if it is wide enough to be the reason; "" otherwise."""
     closed = {
         name: joint.clearance
         for name, joint in system.model.joints.items()
@@ -66,13 +66,13 @@ def _closed_play(system: System, taking: list[str], gap: float, unit: str) -> st
         return ""
     listed = ", ".join(f"'{name}'" for name in list(closed)[:MOST_NAMED])
     return (
-        f" The play of {listed}, up to {max(closed.values()):.3g} m, is closed here: a joint that is met on one side"
-        " only has no middle to be held in; with its play the mechanism may go together."
+        f" The clearance of {listed}, up to {max(closed.values()):.3g} m, is closed here; a part that is meant to touch"
+        " on one side only does not fit in the middle. With its clearance the mechanism may close."
     )
 
 
 def _at(system: System, workspace: Workspace, t: float) -> str:
-    """Instant, and where the drivers are then."""
+    """The instant, and the values of the drivers at it, in words."""
     functions = []
     for name in system.model.drivers:
         value = workspace.values[system.driver_slot(name)]
@@ -82,7 +82,7 @@ def _at(system: System, workspace: Workspace, t: float) -> str:
 
 
 def without_value(system: System, workspace: Workspace, t: float) -> str:
-    """Which driver has no finite value at the instant in the workspace, in words; empty when all have."""
+    """In words, which driver has no finite value at the time t [s] of the workspace; "" if all have."""
     for name in system.model.drivers:
         value = workspace.values[system.driver_slot(name)]
         if not math.isfinite(value):
