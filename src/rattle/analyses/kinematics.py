@@ -23,12 +23,12 @@ from rattle.equations.system import System
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, suggest
 from rattle.jit import functions
 from rattle.jit.workspace import Workspace
-from rattle.results.columns import columns, geometry, motion, motion_columns, motion_width, width
+from rattle.results.build import build_result
+from rattle.results.columns import columns, motion, motion_columns, motion_width, width
 from rattle.results.event import Event
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.solvers.positions import position_sweep as swept
-from rattle.version import __version__
 
 log = logging.getLogger("rattle")
 
@@ -399,12 +399,7 @@ def _result(
         "iterations": int(sweep.tally[swept.NEWTON]),
         "wall_time": wall,
     }
-    provenance = {
-        "model": model.name, "program": f"rattle {__version__}",
-        "analysis": "inverse dynamics" if forces else "kinematics",
-        "parameters": {name: one.value for name, one in model.parameters.items()},
-    }  # fmt: skip
-    return Result(
-        t=t, data=data, names=names, units=units, geometry=geometry(model), trust=trust, stats=stats,
-        provenance=provenance, events=events, success=not message, message=message,
+    return build_result(
+        model, "inverse dynamics" if forces else "kinematics", t=t, data=data, names=names, units=units, trust=trust,
+        stats=stats, events=events, message=message,
     )  # fmt: skip

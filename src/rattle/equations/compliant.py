@@ -83,3 +83,17 @@ def push(force, kinematics, a, b, n, normal, tangent):
     force[b, at.X] -= fx
     force[b, at.Y] -= fy
     force[b, at.PHI] -= kinematics[n, at.PBX] * fy - kinematics[n, at.PBY] * fx
+
+
+@compiled
+def contact_duration(stiffness, values, p, mass, speed):
+    """Rough time [s] that an impact of `mass` [kg] at `speed` [m/s] lasts, from the static force of its contact.
+
+    stiffness: entry of the table of its kernels; p: place of its parameters in `values`.
+    """
+    delta = 1e-15
+    for _ in range(60):
+        if call_stiffness(stiffness, (delta, values, p)) * delta > mass * speed * speed:
+            break
+        delta *= 2.0
+    return 3.0 * delta / speed

@@ -66,9 +66,10 @@ def constraints(m):
     """Residual, nu, gamma and Jacobian of every row at the state in `body`."""
     table, joint, body, values, rows = m.joint_table, m.joint, m.body, m.values, m.rows
     for n in range(joint.shape[0]):
-        if joint[n, 0] < 0:  # held by contacts alone
+        if joint[n, at.KERNEL] < 0:  # held by contacts alone
             continue
-        call_joint(table[joint[n, 0]], (body, joint[n, 1], joint[n, 2], values, joint[n, 3], joint[n, 4], rows))
+        a, b, p = joint[n, at.END_A], joint[n, at.END_B], joint[n, at.FIRST_P]
+        call_joint(table[joint[n, at.KERNEL]], (body, a, b, values, p, joint[n, at.FIRST_ROW], rows))
 
 
 @native("void", "h", "f")
@@ -98,10 +99,11 @@ def loads(m, t):
     for n in range(load.shape[0]):
         for k in range(4):
             energy[k] = 0.0
-        call_load(table[load[n, 0]], (t, body, load[n, 1], load[n, 2], values, load[n, 3], force, energy))
+        a, b, p = load[n, at.END_A], load[n, at.END_B], load[n, at.FIRST_P]
+        call_load(table[load[n, at.KERNEL]], (t, body, a, b, values, p, force, energy))
         rate += energy[at.OUTSIDE]
         lost += energy[at.DISSIPATED]
-        if load[n, 4] == 0:
+        if load[n, at.CHANGES] == 0:
             potential += energy[at.POTENTIAL]
         else:  # its values change with time: what it stores is not a function of position alone
             rate += energy[at.ELASTIC]

@@ -93,9 +93,9 @@ class System:
             {
                 **self.arrays,
                 "joint_table": registry.table(
-                    "joint", "driver", machine=machine, used=[*self.arrays["joint"][:, 0], *also]
+                    "joint", "driver", machine=machine, used=[*self.arrays["joint"][:, at.KERNEL], *also]
                 ),
-                "load_table": registry.table("load", machine=machine, used=self.arrays["load"][:, 0]),
+                "load_table": registry.table("load", machine=machine, used=self.arrays["load"][:, at.KERNEL]),
                 **{
                     f"{family}_table": registry.table(family, machine=machine, used=self.arrays["contact"][:, column])
                     for family, column in CONTACT_FAMILIES.items()

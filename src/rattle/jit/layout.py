@@ -21,8 +21,10 @@ FIRST_STATE, STATES = 13, 14  # of its friction law among the states of elements
 # the clearance, the radius of the bush, the fields of the joint and its dimensions
 POINTS = 4
 CLEARANCE, RADIUS, FIELDS = 4, 5, 6
-# columns of `joint`
+# columns of `joint`: kernel, bodies A and B, first parameter, first row; those of `load` differ in the last one: 1 if
+# its values change during the run
 KERNEL, END_A, END_B, FIRST_P, FIRST_ROW = range(5)
+CHANGES = 4
 # columns of `lever`: arms on A and B; 1 where straight walls turn with A; 1 where a wall is curved
 ARM_A, ARM_B, WALLS_TURN, ROUNDED = range(4)
 # columns of `contact_kinematics`: gap g (negative: penetration) and its rate; normal n from A outwards (the force on
@@ -33,7 +35,8 @@ GAP, DGAP, NX, NY, PAX, PAY, PBX, PBY, SLIP, GAMMA_N, GAMMA_T, NORMAL, TANGENT, 
 # columns of `contact_memory`: state, approach speed, time, impulse and loss at its start, peak force,
 # steps so far; gap, its rate and N at the start and at the end of the present step
 CLOSED, SPEED, SINCE, PEAK, IMPULSE_0, LOSS_0, STEPS_IN, GAP_0, DGAP_0, N_0, GAP_1, DGAP_1, N_1 = range(13)
-# columns of `events`: time, contact, kind, normal speed, duration, peak force, impulse, energy lost
+# columns of `events`: time, contact, kind, normal speed, duration, peak force, impulse, energy lost; the kinds
+EVENT_T, EVENT_CONTACT, EVENT_KIND, EVENT_SPEED, EVENT_DURATION, EVENT_PEAK, EVENT_IMPULSE, EVENT_LOSS = range(8)
 CONTACT_EVENT, RELEASE_EVENT, IMPACT_EVENT, STICK_EVENT, SLIP_EVENT = 0.0, 1.0, 2.0, 3.0, 4.0
 # what a watched quantity makes of its columns of an output row: length of a vector, size of a number, the number, or
 # its negative

@@ -8,12 +8,13 @@ No contact and no release is missed because it is shorter than a step: see `sear
 
 from __future__ import annotations
 
-from rattle.equations.compliant import locate_contacts, press
+from rattle.equations.compliant import contact_duration, locate_contacts, press
 from rattle.equations.motion import place
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.functions import call_stiffness, compiled, native
+from rattle.jit.functions import compiled, native
 from rattle.solvers.dense_output import interpolate
+from rattle.solvers.event_rows import note_end
 from rattle.solvers.gap_search import NONE, may_reach, search
 
 LATER = 1e-7  # share of a step after which a contact changes that was on the wrong side at its start by rounding
@@ -50,31 +51,14 @@ def shut(m, n, t, y):
 
 
 @compiled
-def note(m, found, kind, n, t, y, speed):
-    """Write event number `found`: contact n, over at (t, y) or still going on."""
-    memory, event, k = m.contact_memory, m.events[found], account_at(m, n)
-    event[0], event[1], event[2] = memory[n, at.SINCE] if kind == at.CONTACT_EVENT else t, n, kind
-    event[3] = speed
-    event[4], event[5] = t - memory[n, at.SINCE], memory[n, at.PEAK]
-    event[6] = y[k + IMPULSE] - memory[n, at.IMPULSE_0]
-    event[7] = y[k + LOSS] + y[k + STORED] - memory[n, at.LOSS_0]
-
-
-@compiled
 def contact_time(m, n):
-    """An estimate of how long contact n will last, from its static force and approach speed [s]; 0 if unknown."""
+    """How long contact n will last, about [s]; 0 if unknown."""
     contact, mass, speed = m.contact, m.mass, m.contact_memory[n, at.SPEED]
     a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
     light = mass[b, 0] if a == 0 else (mass[a, 0] if b == 0 else min(mass[a, 0], mass[b, 0]))
     if speed <= 0.0:
         return 0.0
-    delta = 1e-15
-    for _ in range(60):
-        force = call_stiffness(m.stiffness_table[contact[n, at.STATIC]], (delta, m.values, contact[n, at.STATIC_P]))
-        if force * delta > light * speed * speed:
-            break
-        delta *= 2.0
-    return 3.0 * delta / speed
+    return contact_duration(m.stiffness_table[contact[n, at.STATIC]], m.values, contact[n, at.STATIC_P], light, speed)
 
 
 @compiled
@@ -175,8 +159,8 @@ def find_peaks(m, until, sampled):
 
 
 @compiled
-def change_contacts(m, who, t, y, found):
-    """Contact `who` starts or ends at (t, y), others with it; returns the number of events."""
+def change_contacts(m, who, t, y):
+    """Contact `who` starts or ends at (t, y), others with it; events are noted."""
     contact, kinematics, memory, nq = m.contact, m.contact_kinematics, m.contact_memory, m.change.shape[0]
     place(m, y[:nq], y[nq : 2 * nq])
     locate_contacts(m)
@@ -189,11 +173,8 @@ def change_contacts(m, who, t, y, found):
                 shut(m, n, t, y)
         elif n == who and was_shut:
             k = account_at(m, n)
-            note(m, found, at.CONTACT_EVENT, n, t, y, memory[n, at.SPEED])
-            note(m, found + 1, at.RELEASE_EVENT, n, t, y, max(kinematics[n, at.DGAP], 0.0))
-            found += 2
+            note_end(m, n, t, y, max(kinematics[n, at.DGAP], 0.0))
             y[k + LOSS] += y[k + STORED]  # what rounding left stored is lost
             y[k + STORED] = 0.0
             clear_states(m, n, y)
             memory[n, at.CLOSED] = at.OPEN
-    return found

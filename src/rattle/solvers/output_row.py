@@ -58,8 +58,8 @@ def write_joints(m, row, first):
     )
     c = first
     for n in range(joint.shape[0]):
-        a, b, p, r = joint[n, 1], joint[n, 2], joint[n, 3], joint[n, 4]
-        end = joint[n + 1, 4] if n + 1 < joint.shape[0] else rows.shape[0]
+        a, b, p, r = joint[n, at.END_A], joint[n, at.END_B], joint[n, at.FIRST_P], joint[n, at.FIRST_ROW]
+        end = joint[n + 1, at.FIRST_ROW] if n + 1 < joint.shape[0] else rows.shape[0]
         fx, fy, moment, effort_power = 0.0, 0.0, 0.0, 0.0
         for k in range(r, end):
             fx -= rows[k, at.BX] * multiplier[k]

@@ -58,7 +58,6 @@ from rattle.solvers.step_state import (
     ADAPTIVE,
     CONTACTS,
     EVALUATIONS,
-    EVENT_COUNT,
     FEWEST,
     H_FREE,
     H_SOUND,
@@ -196,7 +195,7 @@ def turn_contact(m, t, y, who):
     else:
         tally[CONTACTS] += 1
         clock[H_FREE] = max(clock[H], 0.5 * clock[H_FREE])
-    tally[EVENT_COUNT] = change_contacts(m, who, t, y, tally[EVENT_COUNT])
+    change_contacts(m, who, t, y)
     finish_step(m, t, y, m.rate_new)
     remember_end(m)
     if was_shut:

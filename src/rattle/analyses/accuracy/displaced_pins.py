@@ -21,8 +21,8 @@ from rattle.equations.dense import dense_rows
 from rattle.equations.motion import loads
 from rattle.equations.system import System
 from rattle.jit.layout import POINTS
-from rattle.results.columns import columns, geometry, motion, width
-from rattle.results.result import Result
+from rattle.results.build import build_result
+from rattle.results.columns import columns, motion, width
 from rattle.results.trust import Trust
 from rattle.solvers.positions import position_sweep as swept
 
@@ -85,10 +85,10 @@ class Displaced:
     def read(self, raw: np.ndarray) -> np.ndarray:
         """The output of raw rows. Raises UnknownName."""
         data, names, units = columns(self.system, raw)
-        result = Result(
-            t=np.arange(len(raw)), data=data, names=names, units=units, geometry=geometry(self.system.model),
-            trust=Trust(drift=0.0), stats={}, provenance={},
-        )  # fmt: skip
+        t = np.arange(len(raw))
+        result = build_result(
+            self.system.model, "accuracy", t=t, data=data, names=names, units=units, trust=Trust(drift=0.0)
+        )
         self.names, self.unit = list(result.names), result.unit(self.output)
         return np.asarray(result[self.output])
 

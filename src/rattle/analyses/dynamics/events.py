@@ -10,7 +10,8 @@ import numpy as np
 
 from rattle import registry
 from rattle.analyses.law_check import law_faults
-from rattle.description.model import Model
+from rattle.description.model import Contact, Joint, Model
+from rattle.equations.compliant import contact_duration
 from rattle.equations.state import IMPULSE, LOSS, state_layout
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
@@ -50,7 +51,7 @@ def require_workable(system: System) -> None:
         contact = joint.contact
         if contact is None or contact.static is None or joint.clearance <= 0.0:
             continue
-        lasting = contact_duration(system, name)
+        lasting = _duration(system, joint, contact)
         if lasting < STEPS_WANTED * SHORTEST:
             said = (
                 f"so stiff that a contact at 1 m/s would last {lasting:.1g} s and steps fall below {SHORTEST:g} s;"
@@ -61,19 +62,13 @@ def require_workable(system: System) -> None:
         raise ModelError(problems)
 
 
-def contact_duration(system: System, joint: str, speed: float = 1.0) -> float:
+def _duration(system: System, joint: Joint, contact: Contact, speed: float = 1.0) -> float:
     """Rough time [s] that an impact of the two bodies at `speed` [m/s] lasts, at the stiffness of a joint's contact."""
-    one = system.model.joints[joint]
-    static = one.contact.static if one.contact else None
-    if static is None:
-        raise ValueError(f"joint '{joint}' has no compliant contact")
-    inverse = sum(1.0 / system.model.bodies[b].mass for b in (one.a.body, one.b.body) if b in system.model.bodies)
-    kind = registry.kinds("stiffness")[static.kind]
-    p = np.array([*kind.leaf.pack(static.values), 0.0])
-    delta = 1e-30
-    while kind.kernel(delta, p, 0) * delta * inverse < speed * speed and delta < 1.0:  # type: ignore[misc]  # it has a kernel
-        delta *= 2.0
-    return 3.0 * delta / speed
+    assert contact.static is not None
+    inverse = sum(1.0 / system.model.bodies[b].mass for b in (joint.a.body, joint.b.body) if b in system.model.bodies)
+    kind = registry.kinds("stiffness")[contact.static.kind]
+    p = np.array([*kind.leaf.pack(contact.static.values), 0.0])
+    return float(contact_duration.python(kind.kernel, p, 0, 1.0 / inverse, speed))
 
 
 def contact_counts(system: System, events: Sequence[Event], fewest: float) -> dict[str, Any]:

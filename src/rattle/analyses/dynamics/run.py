@@ -145,7 +145,7 @@ class Run:
                 return status
             work = -0.5 * percussion * (before + after)
             for jump in jumps:
-                row = self.system.arrays["joint"][self.system.joints.index(jump.driver), 4]
+                row = self.system.first_row(jump.driver)
                 self.jolts.append(Jolt(jump, -float(percussion[row]), float(work[row])))
         status = self.go_on(t, bool(jumps))
         if status == PAUSED:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,36 +10,18 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.assembly.rank import nonunique_reactions
 from rattle.analyses.dynamics import nonsmooth_run
-from rattle.analyses.dynamics.events import (
-    contact_counts,
-    contact_events,
-    contact_notes,
-    method_notes,
-    require_workable,
-)
-from rattle.analyses.dynamics.horizon import Reach, agreement, tighter
-from rattle.analyses.dynamics.peak_values import peak_values
-from rattle.analyses.dynamics.run import Run, pulls, start_state
-from rattle.analyses.dynamics.soundness import (
-    fast_links,
-    loose,
-    remarks,
-)
+from rattle.analyses.dynamics.events import method_notes, require_workable
+from rattle.analyses.dynamics.horizon import agreement, tighter
+from rattle.analyses.dynamics.report import report
+from rattle.analyses.dynamics.run import Run
 from rattle.analyses.law_check import law_faults
-from rattle.analyses.timetable import jolt_events, jolt_notes
 from rattle.equations.system import System
 from rattle.errors import SolverError
 from rattle.jit import functions
-from rattle.results.columns import columns, geometry, width
+from rattle.results.columns import width
 from rattle.results.result import Result
-from rattle.results.trust import Trust
-from rattle.solvers import step_audit, step_state
-from rattle.solvers.nonsmooth.impacts import LOW
-from rattle.solvers.output_row import record
-from rattle.solvers.state_switches import TURNS
-from rattle.version import __version__
+from rattle.solvers import step_state
 
 log = logging.getLogger("rattle")
 
@@ -91,7 +72,7 @@ def simulate(
         second.most_steps = None if most_steps is None else 10 * most_steps
         second.go(progress, "once more, tighter")
         reach = None if second.interrupted else agreement(run, second)
-    result = _result(run, reach)
+    result = report(run, reach)
     if run.interrupted:
         result.stats["interrupted"] = True
     elif second is not None and second.interrupted:
@@ -140,91 +121,3 @@ def output_times(
 
 def _first_given(*values: float | None) -> float:
     return next(one for one in values if one is not None)
-
-
-def _result(run: Run, reach: Reach | None) -> Result:
-    system, clock, tally, seen = run.system, run.clock, run.tally, run.workspace.audit
-    n = int(tally[step_state.OUTPUTS])
-    data, names, units = columns(system, run.raw[:n])
-    t = run.t_eval[:n]
-    reached = float(clock[step_state.T])
-    pulled, first, intervals = pulls(run, reached)
-    balance = data[:, names.index("energy.balance")]
-    nonunique: tuple[str, ...] = ()
-    notes = run.start.notes
-    if tally[step_state.LOST]:
-        record(run.workspace, run.start.t, start_state(system, run.start), np.zeros(width(system)))
-        nonunique = nonunique_reactions(system, run.workspace)
-        if not nonunique:
-            notes += ("the run passed through a position where the joints lose independence (a singular position)",)
-    events = contact_events(system, run.contacts, run.workspace, reached)
-    notes += (
-        *run.notes,
-        *contact_notes(system, events, float(data[:, names.index("energy.kinetic")].max(initial=0.0))),
-    )
-    events = tuple(sorted((*events, *jolt_events(run.jolts)), key=lambda event: event.t))
-    notes += jolt_notes(run.jolts, run.table)
-    if run.method == "moreau":
-        impact = "; in the step of an impact a force is its impulse over the step"
-        impacts = any(event.kind == "impact" for event in events)
-        notes += (f"Moreau-Jean: peaks are the largest of its steps{impact if impacts else ''}",)
-    if not run.message:
-        notes += remarks(system, run.workspace, run.method)
-    notes += loose(run.method, run.rtol) + fast_links(system, data, names)
-    if series := int(tally[step_state.SERIES]):
-        one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
-        notes += (f"{one} closed: bounces that rise less than {LOW:g} clearances are counted as contact",)
-    notes += run.remarks()
-    owner = system.rows[tally[step_state.DRIFT_ROW]].owner if system.rows else ""
-    trust = Trust(
-        drift=float(seen[step_audit.LENGTH]),
-        drift_angle=float(seen[step_audit.ANGLE]),
-        energy_share=float(seen[step_audit.SHARE]),
-        drift_joint=owner,
-        energy_balance=float(np.abs(balance).max()) if n else math.nan,
-        t_end=reached,
-        horizon=reach.time if reach else None,
-        horizon_motion=reach.motion if reach else None,
-        horizon_curve=reach.first if reach else "",
-        stopped=bool(run.message),
-        pulled=pulled,
-        first_pull=first,
-        intervals=intervals,
-        nonunique=nonunique,
-        notes=notes,
-        **contact_counts(system, events, float(clock[step_state.FEWEST])),
-    )
-    stats = {
-        "steps": int(tally[step_state.STEPS]),
-        "rejected": int(tally[step_state.REJECTED]),
-        "evaluations": int(tally[step_state.EVALUATIONS]),
-        "smallest_step": float(clock[step_state.H_MIN]) if tally[step_state.STEPS] else 0.0,
-        "wall_time": run.wall,
-        "contacts": int(tally[step_state.CONTACTS]),
-        "switchings": run.piece + int(run.workspace.landing[TURNS]),
-        "singular_positions_leapt": int(tally[step_state.LEAPS]),
-    }
-    provenance = {
-        "model": system.model.name,
-        "program": f"rattle {__version__}",
-        "analysis": "simulate",
-        "method": run.method,
-        "rtol": run.rtol,
-        "atol": run.atol,
-        "step": run.step,
-        "parameters": {name: one.value for name, one in system.model.parameters.items()},
-    }
-    return Result(
-        t=t,
-        data=data,
-        names=names,
-        units=units,
-        geometry=geometry(system.model),
-        trust=trust,
-        stats=stats,
-        provenance=provenance,
-        success=not run.message,
-        message=run.message,
-        events=events,
-        peaks=peak_values(system, run.workspace, reached - run.start.t),
-    )

@@ -26,10 +26,10 @@ from rattle.equations.motion import drive
 from rattle.equations.rest_force import force_at
 from rattle.equations.system import System, has_contacts, is_link
 from rattle.jit import layout as at
+from rattle.results.build import provenance
 from rattle.results.columns import columns, geometry, width
 from rattle.solvers.output_row import write
 from rattle.solvers.positions import equilibrium_newton
-from rattle.version import __version__
 
 MOST_TURN = 0.4  # of a body in one step [rad]
 MOST_TRIALS = 600  # positions tried from one start before it is given up
@@ -276,7 +276,7 @@ class StaticProblem:
             {name: units[name] for name in names},
             tuple((name, column[f"{name}.normal"]) for name in pins if f"{name}.normal" in column),
             drawn,
-            {"model": self.system.model.name, "program": f"rattle {__version__}", "analysis": "equilibrium"},
+            provenance(self.system.model, "equilibrium"),
         )
 
     def finish(self, q: np.ndarray, iterations: int) -> Equilibrium:

@@ -28,7 +28,7 @@ class Table(NamedTuple):
     units: Mapping[str, str]
     pins: tuple[tuple[str, int], ...]  # joints with play, columns of their normal forces
     geometry: Mapping[str, Any]
-    provenance: Mapping[str, str]
+    provenance: Mapping[str, Any]
 
 
 @dataclass(repr=False)

@@ -18,6 +18,7 @@ from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.equations.motion import loads, place
 from rattle.equations.rest_force import force_at
+from rattle.results.build import build_result
 from rattle.results.display import table
 from rattle.results.result import Result
 from rattle.results.trust import Trust
@@ -126,16 +127,11 @@ class Modes:
             one = problem.finish(q, 0)
             table.append([one[name] for name in names])
         base = self.equilibrium.result
-        return Result(
-            t=t,
-            data=np.array(table),
-            names=names,
+        return build_result(
+            problem.system.model, f"mode {mode + 1}", t=t, data=np.array(table), names=names,
             units={name: base.unit(name) for name in names},
-            geometry=base.geometry,
             trust=Trust(drift=0.0, t_end=float(t[-1]), horizon=float(t[-1])),
-            stats={},
-            provenance=dict(base.provenance, analysis=f"mode {mode + 1}"),
-        )
+        )  # fmt: skip
 
     def plot(self, mode: int = 0, amplitude: float = 0.1) -> Figure:
         """The mechanism at rest and at both ends of a mode's swing; see `rattle.plots.statics.plot_mode`."""

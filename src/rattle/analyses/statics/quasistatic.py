@@ -26,10 +26,10 @@ from rattle.equations.dense import dense_rows
 from rattle.equations.rest_force import stiffness
 from rattle.equations.system import System, compile_system
 from rattle.jit import functions
+from rattle.results.build import build_result
 from rattle.results.event import Event
 from rattle.results.result import Result
 from rattle.results.trust import Trust
-from rattle.version import __version__
 
 log = logging.getLogger("rattle")
 
@@ -251,9 +251,8 @@ def _result(
         drift=max(one.gap for one in kept), t_end=kept[-1].t, horizon=kept[-1].t, pulled=pulled, first_pull=first_pull,
         nonunique=kept[0].nonunique, notes=(note,) if note else (),
     )  # fmt: skip
-    return Result(
-        t=[one.t for one in kept], data=np.array(table, dtype=float), names=[*names, *extra], units=units | extra,
-        geometry=first.geometry, trust=trust, events=events, success=not message, message=message,
+    return build_result(
+        system.model, "quasi-static path", t=[one.t for one in kept], data=np.array(table, dtype=float),
+        names=[*names, *extra], units=units | extra, trust=trust, events=events, message=message,
         stats={"positions": len(kept), "residual": max(one.residual for one in kept), "wall_time": wall},
-        provenance={"model": system.model.name, "program": f"rattle {__version__}", "analysis": "quasi-static path"},
     )  # fmt: skip

@@ -33,8 +33,9 @@ from rattle.equations.unilateral import (
 )  # fmt: skip
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_problem, compiled, native
+from rattle.solvers.event_rows import note, note_end
 from rattle.solvers.gap_search import clearance_of
-from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without, note
+from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN = range(5)  # what an event is
@@ -241,13 +242,12 @@ def change_modes(m, t, y, count):
             )
             memory[n, at.IMPULSE_0], memory[n, at.LOSS_0] = y[account + IMPULSE], y[account + LOSS]
         if old != OFF and new == OFF:
-            note(m, at.CONTACT_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
-            note(m, at.RELEASE_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+            note_end(m, n, t, y, 0.0)
             memory[n, at.CLOSED], memory[n, at.SPEED] = at.OPEN, 0.0
         if friction_of(m, n) > 0.0 and new != OFF and new != old:
             if new == STICK:
-                note(m, at.STICK_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+                note(m, at.STICK_EVENT, n, t, 0.0)
             elif old != OFF:
-                note(m, at.SLIP_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+                note(m, at.SLIP_EVENT, n, t, 0.0)
         mode[n] = new
         memory[n, at.STEPS_IN] = 0.0

@@ -5,14 +5,12 @@ from __future__ import annotations
 from rattle.equations.complementarity import FORWARD, OFF, STICK, B
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import constraints, free_motion, place
-from rattle.equations.state import IMPULSE, LOSS, account_at
 from rattle.equations.unilateral import SIZE, contact_rows, push_all, reach, shift, solve_modes, velocity_scale
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.gap_search import clearance_of
 from rattle.solvers.projection import project
 from rattle.solvers.step_audit import LENGTH
-from rattle.solvers.step_state import EVENT_COUNT
 
 NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above what integration leaves
 FAR = 100.0  # times its gap that a contact may move along its wall, and its bodies turn, for it to be put there
@@ -115,29 +113,6 @@ def project_on_contacts(m, t, y, who):
     place(m, q, v)
     constraints(m)
     locate_contacts(m)
-
-
-@compiled
-def note(m, kind, n, t, y, speed, peak, impulse, lost):
-    """Write one event row; a contact that ends says what it was from its memory."""
-    tally, events = m.tally, m.events
-    if tally[EVENT_COUNT] == events.shape[0]:
-        return
-    event = events[tally[EVENT_COUNT]]
-    for k in range(8):
-        event[k] = 0.0
-    event[0], event[1], event[2], event[3] = t, n, kind, speed
-    event[5], event[6], event[7] = peak, impulse, lost
-    if kind == at.CONTACT_EVENT:
-        memory, k = m.contact_memory[n], account_at(m, n)
-        event[0], event[3], event[4], event[5] = (
-            memory[at.SINCE],
-            memory[at.SPEED],
-            max(t - memory[at.SINCE], 0.0),
-            memory[at.PEAK],
-        )
-        event[6], event[7] = y[k + IMPULSE] - memory[at.IMPULSE_0], y[k + LOSS] - memory[at.LOSS_0]
-    tally[EVENT_COUNT] += 1
 
 
 @compiled

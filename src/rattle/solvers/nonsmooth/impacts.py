@@ -39,8 +39,9 @@ from rattle.equations.unilateral import (
 )  # fmt: skip
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_problem, compiled, native
+from rattle.solvers.event_rows import note_impact
 from rattle.solvers.gap_search import clearance_of
-from rattle.solvers.nonsmooth.contact_projection import STILL, at_rest, at_wall, motion_without, note
+from rattle.solvers.nonsmooth.contact_projection import STILL, at_rest, at_wall, motion_without
 from rattle.solvers.nonsmooth.impact_path import BEFORE, E
 from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, law_of
 from rattle.solvers.step_state import SERIES
@@ -274,4 +275,4 @@ def book_impulses(m, t, y, count):
         recent[n, 1] = recent[n, 0]
         recent[n, 0] = t
         memory[n, at.SPEED] = max(-memory[n, at.GAP_1], 0.0)
-        note(m, at.IMPACT_EVENT, n, t, y, memory[n, at.SPEED], 0.0, pressed, lost)
+        note_impact(m, n, t, memory[n, at.SPEED], pressed, lost)

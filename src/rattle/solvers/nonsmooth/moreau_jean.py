@@ -45,8 +45,8 @@ from rattle.equations.state import DISSIPATED, IMPULSE, LOSS, WORK, account_at, 
 from rattle.equations.unilateral import along, contact_rows, ending, push_all, shift, solve_contacts, solve_modes
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
+from rattle.solvers.event_rows import note, note_end, note_impact
 from rattle.solvers.gap_search import ESCAPED, deepest
-from rattle.solvers.nonsmooth.contact_projection import note
 from rattle.solvers.output_row import write
 from rattle.solvers.peaks.samples import START, add_step, gauge
 from rattle.solvers.projection import project
@@ -170,17 +170,8 @@ def take_percussions(m, t, count, h, y):
                 kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = pressed / h, held / h
                 if old == OFF and memory[n, HITS] == 1.0:
                     speed = -kinematics[n, at.DGAP]
-                    note(
-                        m,
-                        at.IMPACT_EVENT,
-                        n,
-                        t + 0.5 * h - late(h, kinematics[n, at.GAP], speed),
-                        y,
-                        speed,
-                        0.0,
-                        pressed,
-                        lost,
-                    )
+                    when = t + 0.5 * h - late(h, kinematics[n, at.GAP], speed)
+                    note_impact(m, n, when, speed, pressed, lost)
                     memory[n, at.SPEED] = speed
                     memory[n, SHIFT] = gap_rate * late(h, kinematics[n, at.GAP], speed) - kinematics[n, at.GAP]
                     impact = True
@@ -201,15 +192,14 @@ def watch_contact(m, n, old, t, h, y):
             memory[n, at.CLOSED], memory[n, at.SINCE], memory[n, at.PEAK] = at.SHUT, t + h - steps * h, 0.0
             memory[n, at.IMPULSE_0], memory[n, at.LOSS_0] = y[account + IMPULSE], y[account + LOSS]
             if mode[n] == STICK and friction_of(m, n) > 0.0:
-                note(m, at.STICK_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+                note(m, at.STICK_EVENT, n, t, 0.0)
         elif memory[n, at.CLOSED] == at.SHUT and (old == STICK) != (mode[n] == STICK) and friction_of(m, n) > 0.0:
-            note(m, at.STICK_EVENT if mode[n] == STICK else at.SLIP_EVENT, n, t, y, 0.0, 0.0, 0.0, 0.0)
+            note(m, at.STICK_EVENT if mode[n] == STICK else at.SLIP_EVENT, n, t, 0.0)
         memory[n, at.PEAK] = max(memory[n, at.PEAK], kinematics[n, at.NORMAL])
     else:
         steps = min(steps, 0.0) - 1.0
         if memory[n, at.CLOSED] == at.SHUT and steps <= -LASTING:
-            note(m, at.CONTACT_EVENT, n, t + (steps + 1.0) * h, y, 0.0, 0.0, 0.0, 0.0)
-            note(m, at.RELEASE_EVENT, n, t + (steps + 1.0) * h, y, 0.0, 0.0, 0.0, 0.0)
+            note_end(m, n, t + (steps + 1.0) * h, y, 0.0)
             memory[n, at.CLOSED], memory[n, at.SPEED] = at.OPEN, 0.0
     memory[n, at.STEPS_IN] = steps
 

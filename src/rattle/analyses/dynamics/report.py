@@ -1,0 +1,129 @@
+"""The result of a run: its curves, how far they can be trusted, what happened, and what it took."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from rattle.analyses.assembly.rank import nonunique_reactions
+from rattle.analyses.dynamics.events import contact_counts, contact_events, contact_notes
+from rattle.analyses.dynamics.horizon import Reach
+from rattle.analyses.dynamics.peak_values import peak_values
+from rattle.analyses.dynamics.run import Run, pulls, start_state
+from rattle.analyses.dynamics.soundness import fast_links, loose, remarks
+from rattle.analyses.timetable import jolt_events, jolt_notes
+from rattle.results.build import build_result
+from rattle.results.columns import columns, width
+from rattle.results.event import Event
+from rattle.results.result import Result
+from rattle.results.trust import Trust
+from rattle.solvers import step_audit, step_state
+from rattle.solvers.nonsmooth.impacts import LOW
+from rattle.solvers.output_row import record
+from rattle.solvers.state_switches import TURNS
+
+
+def report(run: Run, reach: Reach | None) -> Result:
+    """The result of a run that is over, as far as it got; reach: how far a tighter run agrees."""
+    system = run.system
+    n = int(run.tally[step_state.OUTPUTS])
+    data, names, units = columns(system, run.raw[:n])
+    curve = {name: data[:, names.index(f"energy.{name}")] for name in ("kinetic", "balance")}
+    reached = float(run.clock[step_state.T])
+    nonunique, singular = _nonunique(run)
+    contacts = contact_events(system, run.contacts, run.workspace, reached)
+    notes = (
+        *run.start.notes,
+        *singular,
+        *run.notes,
+        *contact_notes(system, contacts, float(curve["kinetic"].max(initial=0.0))),
+        *jolt_notes(run.jolts, run.table),
+        *_method_notes(run, contacts),
+        *(() if run.message else remarks(system, run.workspace, run.method)),
+        *loose(run.method, run.rtol),
+        *fast_links(system, data, names),
+        *_series_notes(run),
+        *run.remarks(),
+    )
+    balance = float(np.abs(curve["balance"]).max()) if n else math.nan
+    return build_result(
+        system.model, "simulate", t=run.t_eval[:n], data=data, names=names, units=units,
+        trust=_trust(run, reach, contacts, balance, nonunique, notes), stats=_stats(run), message=run.message,
+        settings={"method": run.method, "rtol": run.rtol, "atol": run.atol, "step": run.step},
+        events=sorted((*contacts, *jolt_events(run.jolts)), key=lambda event: event.t),
+        peaks=peak_values(system, run.workspace, reached - run.start.t),
+    )  # fmt: skip
+
+
+def _nonunique(run: Run) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Joints whose reactions are not unique at the start, or what to say where rows depend later only."""
+    system = run.system
+    if not run.tally[step_state.LOST]:
+        return (), ()
+    record(run.workspace, run.start.t, start_state(system, run.start), np.zeros(width(system)))
+    nonunique = nonunique_reactions(system, run.workspace)
+    if nonunique:
+        return nonunique, ()
+    return (), ("the run passed through a position where the joints lose independence (a singular position)",)
+
+
+def _method_notes(run: Run, contacts: tuple[Event, ...]) -> tuple[str, ...]:
+    """What the forces of Moreau-Jean are."""
+    if run.method != "moreau":
+        return ()
+    impacts = any(event.kind == "impact" for event in contacts)
+    impact = "; in the step of an impact a force is its impulse over the step" if impacts else ""
+    return (f"Moreau-Jean: peaks are the largest of its steps{impact}",)
+
+
+def _series_notes(run: Run) -> tuple[str, ...]:
+    """What to say of infinite series of bounces."""
+    series = int(run.tally[step_state.SERIES])
+    if not series:
+        return ()
+    one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
+    return (f"{one} closed: bounces that rise less than {LOW:g} clearances are counted as contact",)
+
+
+def _trust(
+    run: Run, reach: Reach | None, contacts: tuple[Event, ...], balance: float, nonunique: tuple[str, ...],
+    notes: tuple[str, ...],
+) -> Trust:  # fmt: skip
+    """How far the result can be trusted; balance: largest unexplained change of energy [J]."""
+    system, clock, tally, seen = run.system, run.clock, run.tally, run.workspace.audit
+    pulled, first, intervals = pulls(run, float(clock[step_state.T]))
+    return Trust(
+        drift=float(seen[step_audit.LENGTH]),
+        drift_angle=float(seen[step_audit.ANGLE]),
+        energy_share=float(seen[step_audit.SHARE]),
+        drift_joint=system.rows[tally[step_state.DRIFT_ROW]].owner if system.rows else "",
+        energy_balance=balance,
+        t_end=float(clock[step_state.T]),
+        horizon=reach.time if reach else None,
+        horizon_motion=reach.motion if reach else None,
+        horizon_curve=reach.first if reach else "",
+        stopped=bool(run.message),
+        pulled=pulled,
+        first_pull=first,
+        intervals=intervals,
+        nonunique=nonunique,
+        notes=notes,
+        **contact_counts(system, contacts, float(clock[step_state.FEWEST])),
+    )
+
+
+def _stats(run: Run) -> dict[str, Any]:
+    """What the run took."""
+    clock, tally = run.clock, run.tally
+    return {
+        "steps": int(tally[step_state.STEPS]),
+        "rejected": int(tally[step_state.REJECTED]),
+        "evaluations": int(tally[step_state.EVALUATIONS]),
+        "smallest_step": float(clock[step_state.H_MIN]) if tally[step_state.STEPS] else 0.0,
+        "wall_time": run.wall,
+        "contacts": int(tally[step_state.CONTACTS]),
+        "switchings": run.piece + int(run.workspace.landing[TURNS]),
+        "singular_positions_leapt": int(tally[step_state.LEAPS]),
+    }

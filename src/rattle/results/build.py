@@ -1,0 +1,39 @@
+"""One way to make a result: curves and what was found, with the picture and the provenance of their model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from rattle.description.model import Model
+from rattle.results.columns import geometry
+from rattle.results.event import Event, Peak
+from rattle.results.result import Result
+from rattle.results.trust import Trust
+from rattle.version import __version__
+
+
+def provenance(model: Model, analysis: str, **settings: Any) -> dict[str, Any]:
+    """What made a result: model and its parameters [SI], program, analysis and its settings."""
+    return {
+        "model": model.name,
+        "program": f"rattle {__version__}",
+        "analysis": analysis,
+        **settings,
+        "parameters": {name: one.value for name, one in model.parameters.items()},
+    }
+
+
+def build_result(
+    model: Model, analysis: str, *, t: ArrayLike, data: ArrayLike, names: Iterable[str], units: Mapping[str, str],
+    trust: Trust, stats: Mapping[str, Any] | None = None, settings: Mapping[str, Any] | None = None,
+    events: Iterable[Event] = (), message: str = "", peaks: Mapping[str, Peak] | None = None,
+) -> Result:  # fmt: skip
+    """A result of a model; see `Result`.  message: why the analysis stopped early, "" where it did not."""
+    return Result(
+        t=t, data=data, names=names, units=units, geometry=geometry(model), trust=trust, stats=stats or {},
+        provenance=provenance(model, analysis, **(settings or {})), events=events, success=not message,
+        message=message, peaks=peaks,
+    )  # fmt: skip

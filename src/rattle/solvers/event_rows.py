@@ -1,0 +1,44 @@
+"""Rows of the array `events`: what contacts did, and when."""
+
+from __future__ import annotations
+
+from rattle.equations.state import IMPULSE, LOSS, STORED, account_at
+from rattle.jit import layout as at
+from rattle.jit.functions import compiled
+from rattle.solvers.step_state import EVENT_COUNT
+
+
+@compiled
+def note(m, kind, n, t, speed):
+    """Write a row for contact n at t, with its speed along the normal; returns its place, -1 where there is no room."""
+    tally, events = m.tally, m.events
+    k = tally[EVENT_COUNT]
+    if k == events.shape[0]:
+        return -1
+    for column in range(events.shape[1]):
+        events[k, column] = 0.0
+    events[k, at.EVENT_T], events[k, at.EVENT_CONTACT], events[k, at.EVENT_KIND] = t, n, kind
+    events[k, at.EVENT_SPEED] = speed
+    tally[EVENT_COUNT] = k + 1
+    return k
+
+
+@compiled
+def note_impact(m, n, t, speed, impulse, lost):
+    """Contact n has had an impact at t."""
+    k = note(m, at.IMPACT_EVENT, n, t, speed)
+    if k >= 0:
+        m.events[k, at.EVENT_IMPULSE], m.events[k, at.EVENT_LOSS] = impulse, lost
+
+
+@compiled
+def note_end(m, n, t, y, speed):
+    """Contact n ends at (t, y) and parts at `speed`: what it was, from its memory, and its release."""
+    memory, events, account = m.contact_memory, m.events, account_at(m, n)
+    k = note(m, at.CONTACT_EVENT, n, memory[n, at.SINCE], memory[n, at.SPEED])
+    if k >= 0:
+        events[k, at.EVENT_DURATION] = max(t - memory[n, at.SINCE], 0.0)
+        events[k, at.EVENT_PEAK] = memory[n, at.PEAK]
+        events[k, at.EVENT_IMPULSE] = y[account + IMPULSE] - memory[n, at.IMPULSE_0]
+        events[k, at.EVENT_LOSS] = y[account + LOSS] + y[account + STORED] - memory[n, at.LOSS_0]
+    note(m, at.RELEASE_EVENT, n, t, speed)
