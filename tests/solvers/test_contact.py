@@ -178,9 +178,10 @@ def bouncing_times(stiffness, count=4):
 def test_stiffness_to_infinity_tends_to_rigid_impacts():
     rigid = np.array([0.5, 2.053954329, 3.554303658, 4.937756907])  # closed form
     soft, stiff, stiffer = (np.abs(bouncing_times(K) - rigid).max() for K in (1e11, 1e13, 1e15))
-    # the time of a contact falls as K^(-2/5): 6.3 times for a hundred times the stiffness
-    assert soft / stiff == pytest.approx(100**0.4, rel=0.15)
-    assert stiff / stiffer == pytest.approx(100**0.4, rel=0.15)
+    # the time of a contact falls as K^(-2/5): 6.3 times for a hundred times the stiffness; what is left out is of the
+    # next order, the depth as a share of the play: 4 % and 0.6 %
+    assert soft / stiff == pytest.approx(100**0.4, rel=0.04)
+    assert stiff / stiffer == pytest.approx(100**0.4, rel=0.006)
     assert stiffer < 0.02  # four contacts of 3e-6 s or so, in units of 1e-3 s
 
 

@@ -156,9 +156,9 @@ def test_end_that_friction_would_lock_as_it_slips_lifts_off_when_it_breaks_away(
     turned = 3 * (moment * later**2 / 2 + growth * later**3 / 6)
     assert run["rod.angle"][-1] == pytest.approx(turned, rel=1e-5)
     gap = on_springs(1.0, 0.105)[0]
-    assert gap == pytest.approx(
-        lift * later**2 / 2 + float(FREE[0, 1]) * MU / 0.1 * later**3 / 6, rel=0.2
-    )  # springs take 0.1 ms
+    # 5 ms later; the springs let go 0.2 ms late or so, by which a way that grows with t^2 is 2 x 4 % too short
+    assert gap == pytest.approx(lift * later**2 / 2 + float(FREE[0, 1]) * MU / 0.1 * later**3 / 6, rel=0.12)
+    assert gap < lift * later**2 / 2 + float(FREE[0, 1]) * MU / 0.1 * later**3 / 6
 
 
 def test_end_that_friction_does_not_lock_slips_when_it_breaks_away():
@@ -168,4 +168,4 @@ def test_end_that_friction_does_not_lock_slips_when_it_breaks_away():
     gap, slip = on_springs(-1.0, 0.105)
     assert abs(gap) < 2e-6  # the spring itself
     end = run["rod.x"][-1] + COS * math.cos(run["rod.angle"][-1]) + SIN * math.sin(run["rod.angle"][-1])
-    assert end == pytest.approx(slip, rel=0.1)
+    assert end == pytest.approx(slip, rel=0.02)  # the springs let go a little late

@@ -23,8 +23,9 @@ def test_three_plays_under_control_follow_the_published_run(plays):
     got = np.array([plays[f"{body}.angle"][1:] for body in ("crank", "coupler", "rocker")]).T
     assert got == pytest.approx(np.array(want), abs=1e-3)
     force = np.array([plays[f"{joint}.normal"][1:] for joint in "BCD"]).T
+    # published are impulses of one step over the step: they scatter by 2 % about the forces at the instants
     assert force == pytest.approx(
-        np.array([(103.27, 37.78, 38.67), (51.33, 0, 10.99), (130.41, 39.33, 26.29)]), rel=0.05, abs=1e-9
+        np.array([(103.27, 37.78, 38.67), (51.33, 0, 10.99), (130.41, 39.33, 26.29)]), rel=0.02, abs=1e-9
     )
 
 
@@ -58,9 +59,23 @@ def test_error_falls_with_the_step_at_first_order():
     errors = [
         abs(m.simulate(0.02, t_eval=[0.0, 0.02], method="moreau", step=h)["crank.angle"][-1] - exact) for h in steps
     ]
-    slope = np.polyfit(np.log(steps), np.log(np.maximum(errors, 1e-12)), 1)[0]
-    assert slope > 0.7
-    assert errors[-1] < 1e-4
+    # an impact acts from the end of its step on: up to a step late, so that the error of each is up to its change of
+    # rate times the step and scatters below; no power but the first keeps their ratio within 5 over a factor of 32
+    ratio = np.array(errors) / steps
+    assert ratio.max() < 5.0  # [rad/s], the size of what impacts change
+    assert ratio.max() < 5.0 * ratio.min()
+
+
+def test_between_impacts_error_falls_at_second_order():
+    m = rt.example("guide_play")
+    flight = 0.0025  # the first impact is at 2.69 ms
+    exact = m.simulate(flight, t_eval=[0.0, flight], method="event", rtol=1e-12, atol=1e-14)["crank.angle"][-1]
+    errors = [
+        abs(m.simulate(flight, t_eval=[0.0, flight], method="moreau", step=flight / n)["crank.angle"][-1] - exact)
+        for n in (25, 50, 100, 200)
+    ]
+    # forces at the midpoint of the step; 0.05: what the next order leaves at 25 steps
+    assert np.diff(np.log2(errors)) == pytest.approx([-2.0, -2.0, -2.0], abs=0.05)
 
 
 def test_one_sided_fourbar_agrees_with_events_while_it_is_predictable():
