@@ -219,3 +219,17 @@ def test_a_field_of_one_name_has_one_unit_in_its_family(family):
     for name in {key for one in registry.kinds(family).values() for key in one.fields}:
         units = {one.fields[name].unit for one in registry.kinds(family).values() if name in one.fields}
         assert len(units) == 1, (name, units)
+
+
+def test_a_second_kind_of_the_same_name_is_refused_and_the_first_stays():
+    first = registry.kinds("load")["spring"]
+
+    class Spring:
+        """Another spring.
+
+        Source: none.
+        """
+
+    with pytest.raises(ValueError, match=r"load 'spring' is already .*\(rattle\.elements\.loads\.spring\)"):
+        registry.kind("load", "spring", first.kernel)(Spring)
+    assert registry.kinds("load")["spring"] is first

@@ -1,6 +1,7 @@
 """Pictures show what an engineer looks for: handy units, paths of points, names as they are written."""
 
 import math
+import os
 from itertools import pairwise
 
 import numpy as np
@@ -161,3 +162,20 @@ def test_a_block_is_shown_between_its_walls_and_no_word_is_cut_off():
         box = ax.title.get_window_extent()
         assert box.x0 >= 0.0
         assert box.x1 <= edge
+
+
+@pytest.mark.nojit
+@pytest.mark.skipif(os.name != "posix", reason="stands in for ffmpeg with a shell script")
+def test_an_mp4_hands_every_frame_to_ffmpeg(tmp_path, monkeypatch):
+    ffmpeg = tmp_path / "ffmpeg"
+    ffmpeg.write_text('#!/bin/sh\nfor last; do :; done\necho "$@" > "${0%/*}/words"\ncat > "$last"\n')
+    ffmpeg.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    film = tmp_path / "film.mp4"
+    circling(41).animate(film, frames=4, fps=10)
+    words = (tmp_path / "words").read_text().split()
+    width, height = map(int, words[words.index("-s") + 1].split("x"))
+    assert words[words.index("-framerate" if "-framerate" in words else "-r") + 1] == "10"
+    frames = np.fromfile(film, np.uint8).reshape(-1, height, width, 4)
+    assert len(frames) == 4
+    assert len({frame.tobytes() for frame in frames}) == 4  # the pin moves on from one to the next

@@ -254,6 +254,21 @@ def test_guide_turns_and_loses_energy_as_the_reference_says(guide):
     assert guide.trust.energy_balance < 1e-7
 
 
+def test_offsets_of_a_guide_are_play_not_travel_whatever_holds_it(guide):
+    ideal = rt.example("guide_play").ideal().simulate(0.05, t_eval=[0.0, 0.01, 0.05])
+    assert np.ptp(ideal["slider.x"]) > 0.01  # it travels
+    for r, play in ((ideal, 0.0), (guide, 0.001)):
+        assert np.abs(r["guide.ex"]).max() < 1e-12  # along the axis nothing is free to be offset
+        assert np.abs(r["guide.ey"]).max() <= play + 1e-12
+    assert np.abs(guide["guide.ey"]).max() > 1e-5
+
+
+def test_impacts_of_one_mechanism_have_one_law():
+    m = rt.example("fourbar_onesided").set({"joints.O3.contact.restitution_law": "poisson"})
+    with pytest.raises(rt.ModelError, match=r"one law for all joints \(now O3: poisson, O4: newton\)"):
+        m.simulate(0.01)
+
+
 # ---------------------------------------------------------------- toys and limits of the model
 def test_the_woodpecker_beats_as_published():
     m = rt.example("woodpecker")
