@@ -1,4 +1,4 @@
-"""Settings of the documentation.  Built without network; whatever code can say is made anew at every build."""
+"""Settings of the documentation.  Built without network; generated parts are made again at every build."""
 
 import re
 import sys
@@ -53,12 +53,12 @@ python_maximum_signature_line_length = 118
 
 
 def write_pages(app):
-    """Make the pages that code can make, before any is read."""
+    """Write the generated pages before any page is read."""
     making.write_pages(HERE / "generated")
 
 
 def refuse_what_is_fetched(app, error):
-    """Raise where a page would fetch scripts, styles or pictures from elsewhere: pages are whole without network."""
+    """Raise if a page would fetch scripts, styles or pictures: pages must be complete without network."""
     if error is None:
         for page in Path(app.outdir).rglob("*.html"):
             text = page.read_text(encoding="utf-8")
@@ -68,7 +68,7 @@ def refuse_what_is_fetched(app, error):
 
 
 def setup(app):
-    """Make the pages that code can make, and let docstrings be read as they are written."""
+    """Connect the generated pages and the reading of plain docstrings."""
     app.connect("builder-inited", write_pages)
     app.connect("build-finished", refuse_what_is_fetched)
     app.connect("autodoc-process-docstring", interface.read_docstring)

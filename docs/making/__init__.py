@@ -1,6 +1,6 @@
-"""Pages that code can make: kinds, commands, names in Python, validation, gallery, map, citation.
+"""Pages made from the code: kinds, commands, names in Python, validation, gallery, map, citation.
 
-Each module gives texts in Markdown by name of the file; pages in docs/ include them.
+Each module returns Markdown texts by file name; pages in docs/ include them.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ MAKERS = ("kinds", "commands", "interface", "validation", "gallery", "developers
 
 
 def write_pages(folder: Path, makers: tuple[str, ...] = MAKERS) -> None:
-    """Write all pages into a folder; a file that would stay as it is is not touched, so that builds are quick."""
+    """Write all pages into a folder; unchanged files are not touched, so that builds are quick."""
     folder.mkdir(exist_ok=True)
     for maker in makers:
         for name, text in import_module(f"making.{maker}").pages(folder).items():

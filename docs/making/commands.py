@@ -1,4 +1,4 @@
-"""The command line as it describes itself: usage, words, options, examples of every command."""
+"""The command line as it describes itself: usage, help text, options, examples of every command."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def pages(folder: Path) -> dict[str, str]:
 
 
 def words(text: str) -> str:
-    """A help text: paragraphs, what is laid out by hand as it stands, examples as commands."""
+    """A help text as Markdown: paragraphs, preformatted parts unchanged, examples as commands."""
     parts = []
     for part in re.split(r"\n\s*\n", text.strip()):
         lines = [line.rstrip() for line in part.splitlines()]

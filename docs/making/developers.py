@@ -9,23 +9,23 @@ from making.text import code, fence, paragraph, table
 from making.tree import PACKAGE, definition, module_with, source_of, sources, trailing_comments
 
 STEPS = (  # one function of each stage of a run, in the order in which they are called
-    ("The command line reads its words", ("run", "warmup")),
+    ("The command line reads its arguments", ("run", "warmup")),
     ("Text becomes a document with the line of every entry", ("parse", "point_out")),
     ("The document is checked, all problems at once, and becomes a frozen model in SI units", ("read", "METHODS")),
     ("The model becomes flat arrays", ("compile_system",)),
-    ("The mechanism is put together: positions, then rates", ("assemble",)),
-    ("The analysis makes the workspace of a run and calls the steppers piece by piece", ("simulate", "output_times")),
-    ("Step after step, with contacts and switches located", ("advance", "search_step_for_events")),
-    ("Everything at one instant: bodies, rows, loads, accelerations", ("solve_motion", "derivative")),
-    ("Rows become multipliers: the sparse factor", ("factorise", "analyse")),
-    ("What was recorded gets names and units", ("columns", "quantities")),
+    ("The mechanism is assembled: positions, then rates", ("assemble",)),
+    ("The analysis makes the workspace of a run and integrates interval by interval", ("simulate", "output_times")),
+    ("Time integration steps, with contacts and switches located", ("advance", "search_step_for_events")),
+    ("The equations at one instant: bodies, constraint rows, loads, accelerations", ("solve_motion", "derivative")),
+    ("Multipliers follow from the constraint rows: the sparse factor", ("factorise", "analyse")),
+    ("Recorded values get names and units", ("columns", "quantities")),
     ("How far to trust it: constraints, energy, a second run", ("agreement",)),
     ("Numbers, names, units, trust", ("Result", "load_result")),
 )
 
 
 def pages(folder: Path) -> dict[str, str]:
-    """Pieces of the map."""
+    """The tables of the map, and the listing of a leaf."""
     listing = fence(leaf(), "python") + "\n"
     return {"rooms": rooms(), "run": life(), "families": families(), "workspace": workspace(), "leaf": listing}
 
@@ -56,13 +56,13 @@ class Drag:
     Source: definition.
     """
 
-    body = Field("", "body that is braked", shape="body")
+    body = Field("", "body on which the drag acts", shape="body")
     c = Field("kg/m", "force per square of the speed", live=True)
 '''
 
 
 def leaf() -> str:
-    """A whole leaf file, with the imports that it needs where the package keeps them."""
+    """A complete leaf file, with its imports from where the package keeps them."""
     homes: dict[str, list[str]] = {}
     for name, beside in (("Field", "Kind"), ("kernel", "compiled"), ("kind", "Kind")):
         homes.setdefault(source_of(name, beside).name, []).append(name)  # two names tell modules apart that share one
@@ -105,7 +105,7 @@ def families() -> str:
         (code(name), code(", ".join(kinds[1:])), code(kinds[0]), paragraph(comments.get(lines[name], "")))
         for name, kinds in signatures.items()
     ]
-    return table(("family", "arguments", "result", "what they are"), rows) + "\n"
+    return table(("family", "arguments", "result", "meaning"), rows) + "\n"
 
 
 def workspace() -> str:
@@ -114,4 +114,4 @@ def workspace() -> str:
         (code(name), code(one.kind), one.shape, one.unit, paragraph(one.meaning))
         for name, one in module_with("Workspace", "ARRAYS").ARRAYS.items()
     ]
-    return table(("array", "kind", "shape", "unit", "what it holds"), rows) + "\n"
+    return table(("array", "kind", "shape", "unit", "content"), rows) + "\n"

@@ -14,20 +14,20 @@ from making.text import paragraph, shell
 from making.tree import module_with
 
 NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
-    "balanced_arm": ("Angle at which the arm rests", lambda r: (r["arm.angle"][0], "rad")),
-    "chain": ("Fastest turning of the last link", lambda r: (np.abs(r["b20.omega"]).max(), "rad/s")),
-    "door_hinge": ("The hatch turns in all by", lambda r: (np.ptp(r["hatch.angle"]), "rad")),
+    "balanced_arm": ("Angle of the arm in equilibrium", lambda r: (r["arm.angle"][0], "rad")),
+    "chain": ("Largest angular speed of the last link", lambda r: (np.abs(r["b20.omega"]).max(), "rad/s")),
+    "door_hinge": ("Total rotation of the hatch", lambda r: (np.ptp(r["hatch.angle"]), "rad")),
     "double_pendulum": ("Largest energy that nothing accounts for", lambda r: (r.trust.energy_balance, "J")),
     "fourbar": ("Normal force at O4 at the start", lambda r: (r["O4.normal"][0], "N")),
     "guide_play": ("Turns of the crank in 0.2 s", lambda r: (r["crank.angle"][-1] / (2 * np.pi), "")),
     "squeezer": ("Turns of the motor in 30 ms", lambda r: (r["k1.angle"][-1] / (2 * np.pi), "")),
-    "toggle": ("Force at the jaw in the end", lambda r: (r["grip"][-1], "N")),
+    "toggle": ("Force at the jaw at the end", lambda r: (r["grip"][-1], "N")),
     "windows": ("Corner p0.P.x at 10 s", lambda r: (r["p0.P.x"][-1], "m")),
-    "woodpecker": ("Way down in 1 s", lambda r: (r["sleeve.y"][0] - r["sleeve.y"][-1], "m")),
+    "woodpecker": ("Distance travelled downwards in 1 s", lambda r: (r["sleeve.y"][0] - r["sleeve.y"][-1], "m")),
 }
 CURVES = {"squeezer": "k1.angle", "balanced_arm": ""}  # where the header has no `rattle plot` with a name
 INSTANT = {"toggle_clamp": 0.3, "slider_crank": 0.09, "slider_crank_play": 0.09}  # share of the run that is drawn
-ORBITS = {"bouncing_pin": "O"}  # a pin alone in its bush: its path says more than its outline
+ORBITS = {"bouncing_pin": "O"}  # a single pin in its bush: its path shows more than a drawing
 WIDE, HIGH, DOTS = 8.6, 2.9, 100  # inches, inches, dots per inch
 
 
@@ -68,7 +68,7 @@ def _number(name: str) -> str:
         return f"Largest deviation of {one.accuracy.of}: {quantity(one.accuracy.worst.max(), one.accuracy.unit)}"
     curve = curve_of(name)
     value, when = one.result.peak(curve)
-    return f"Largest size of `{curve}`: {quantity(value, one.result.unit(curve))} at {quantity(when, 's')}"
+    return f"Largest magnitude of `{curve}`: {quantity(value, one.result.unit(curve))} at {quantity(when, 's')}"
 
 
 # ---------------------------------------------------------------- pictures
@@ -90,7 +90,7 @@ def _draw(path: Path, name: str) -> None:
 
 
 def _mechanism(ax: Any, result: Any, share: float) -> None:
-    """The mechanism to scale in the colours of its films."""
+    """The mechanism to scale, in the colours of its animations."""
     sketch = module_with("draw_mechanism", "Scene", "extent")
     stage = sketch.Scene(result, np.array([int(share * (len(result.t) - 1))]), 1.0)
     low, high = sketch.extent(stage)

@@ -1,6 +1,6 @@
 """Names in Python, from docstrings: what `import rattle` offers, and what its analyses return.
 
-Docstrings are plain text; here they are turned into reStructuredText, and the comments behind the fields of a
+Docstrings are plain text; this module turns them into reStructuredText, and the comments after the fields of a
 dataclass or named tuple into a list.
 """
 
@@ -35,9 +35,9 @@ def pages(folder: Path) -> dict[str, str]:
         "## What analyses return",
         *(_class(f"{source.name}.{name}") for name, source in returned(public).items()),
     ]
-    parts += ["## Behind the methods", *behind()]
+    parts += ["## Functions behind the methods", *behind()]
     parts += ["## Laws of your own", *(_function(name) for name in laws)]
-    parts += ["## What can go wrong", *(_class(f"rattle.{name}") for name in errors)]
+    parts += ["## Exceptions", *(_class(f"rattle.{name}") for name in errors)]
     return {"interface": "\n\n".join(parts) + "\n"}
 
 
@@ -66,7 +66,7 @@ def returned(public: dict[str, Any]) -> dict[str, Source]:
 
 
 def behind() -> list[str]:
-    """Functions and modules that docstrings of the holders send their readers to."""
+    """Functions and modules that docstrings of the holders refer to."""
     found: dict[str, str] = {}
     for holder in HOLDERS:
         text = source_of(holder).path.read_text(encoding="utf-8")
@@ -77,7 +77,7 @@ def behind() -> list[str]:
             elif home in sources() and function in sources()[home].names:
                 found[name] = f"```{{eval-rst}}\n.. autofunction:: {name}\n```"
             else:
-                raise LookupError(f"{holder} sends its readers to {name}, which is not there")
+                raise LookupError(f"{holder} refers to {name}, which does not exist")
     return list(found.values())
 
 
@@ -88,7 +88,7 @@ def _imported(source: Source) -> dict[str, Source]:
 
 
 def _cached(node: ast.FunctionDef) -> bool:
-    """True for what the package itself works with: kept, not returned to be read."""
+    """True for a cached property, which the package itself uses and a reader does not need."""
     return any(isinstance(one, ast.Name) and one.id == "cached_property" for one in node.decorator_list)
 
 
@@ -96,7 +96,7 @@ def _class_in(source: Source, name: str) -> ast.AST | None:
     return definition(source, name) if name in source.names else None
 
 
-# ---------------------------------------------------------------- what Sphinx asks while it reads docstrings
+# ---------------------------------------------------------------- called by Sphinx while it reads docstrings
 def read_docstring(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
     """Plain text to reStructuredText."""
     target = thing.fget if isinstance(thing, property) else thing
@@ -116,7 +116,7 @@ def _parameters(thing: Any) -> list[str]:
 
 @cache
 def fields(cls: type) -> dict[str, str]:
-    """Annotated fields of a class and the comments behind them."""
+    """Annotated fields of a class and the comments after them."""
     source = sources().get(cls.__module__)
     node = _class_in(source, cls.__name__) if source else None
     if source is None or not isinstance(node, ast.ClassDef):
@@ -131,14 +131,14 @@ def fields(cls: type) -> dict[str, str]:
 
 
 def shorten_signature(app: Any, what: str, name: str, thing: Any, options: Any, given: str, back: str) -> Any:
-    """Classes that the package makes are shown without the call that makes them."""
+    """Show classes that only the package instantiates without the signature of their constructor."""
     if given is not None and what in ("class", "exception") and thing.__name__ not in MADE_BY_USERS:
         return "", None
     return None
 
 
 def skip_member(app: Any, what: str, name: str, thing: Any, skip: bool, options: Any) -> bool | None:
-    """Fields stand in the list of the class already."""
+    """Leave out fields, which are in the list of the class already."""
     owner = getattr(thing, "__objclass__", None)
     if isinstance(owner, type) and name in fields(owner):
         return True

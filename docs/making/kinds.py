@@ -17,7 +17,10 @@ from making.tree import PACKAGE, module_with, sources
 FAMILIES = {
     "joint": ("Joints", "`[joints.NAME]` with `type`: what holds two bodies together."),
     "driver": ("Drivers", "`[drivers.NAME]`: a degree of freedom that follows a function of time."),
-    "clearance": ("Shapes of play", "What a joint becomes with `clearance`; the joint's type decides."),
+    "clearance": (
+        "Joints with clearance",
+        "What a joint becomes with `clearance`: a pin (journal) in a bush (bushing, bearing), a block in a guide.",
+    ),
     "contact": ("Contact models", "`contact = NAME` or `contact = { model = NAME, ... }` of a joint with clearance."),
     "normal": ("Normal force laws", "Also a `model` of `contact`: elastic pin and bush."),
     "stiffness": ("Stiffness", "`geometry` in `contact`: static force from material and shape; `power` from numbers."),
@@ -34,15 +37,15 @@ bar = ["P", "Q"]
 length = "200 mm"
 mass = 0.5
 """
-WITH_CONTACT = {"restitution": 0.5, "friction": '0.1, bush_radius = "10 mm"'}  # what a contact model may want
-VALUES = {  # what an example gives where a field needs a number
+WITH_CONTACT = {"restitution": 0.5, "friction": '0.1, bush_radius = "10 mm"'}  # what a contact model may need
+VALUES = {  # values of fields in examples, by unit
     "m": "20 mm", "rad": "30 deg", "N": "10 N", "N*m": "2 N*m", "N/m": "2 kN/m", "N*m/rad": "5 N*m/rad",
     "N*s/m": "20 N*s/m", "m/s": "1 mm/s", "Pa": "200 GPa", "": 0.5, "1/m": 1e4, "N/m^exponent": 1e9,
 }  # fmt: skip
 
 
 def pages(folder: Path) -> dict[str, str]:
-    """One page for all kinds, one for the other tables and words of a model file."""
+    """One page for all kinds, one for the other tables and names of a model file."""
     catalog = module_with("kind", "kinds", "families")
     return {"kinds": _kinds(catalog), "tables": _tables()}
 
@@ -86,7 +89,7 @@ def _kind(catalog: Any, kind: Any) -> str:
 
 
 def _common(catalog: Any, kind: Any) -> list[tuple[str, ...]]:
-    """Rows for what every entry of the family may say; play only where some contact model takes the joint."""
+    """Fields that every entry of the family may have; clearance only if some contact model fits the joint."""
     lines = (one.partition(": ") for one in module_with("common", "topics").common(kind.family, kind.name))
     stiff = kind.family == "joint" and catalog.play_of(kind.name) is None
     return [
@@ -112,7 +115,7 @@ def _derivation(module: str) -> str:
 
 
 def unit_of(field: Any) -> str:
-    """Unit, or what else is written."""
+    """Unit of a field, or what is written in its place."""
     if field.shape == "choice":
         return " ".join(code(one) for one in field.choices)
     if field.shape == "pair":
@@ -126,7 +129,7 @@ def default_of(field: Any, required: Any) -> str:
     if field.default is required:
         return f"needed{limit}"
     if callable(field.default):
-        return f"follows from others{limit}"
+        return f"follows from other fields{limit}"
     shown = f"{field.default:g}" if isinstance(field.default, float) else str(field.default)
     return f"{shown}{limit}"
 
@@ -137,13 +140,13 @@ def _live(field: Any, family: str) -> str:
 
 # ---------------------------------------------------------------- examples
 def example(catalog: Any, kind: Any) -> str:
-    """A few lines of a model file with this kind, read by the program; nothing where nobody writes the kind."""
+    """A few lines of a model file with this kind, read by the program; empty if the kind is not written in files."""
     made = {"joint": _joint, "driver": _driver, "load": _load, "clearance": _clearance, "stepper": _stepper}.get(
         kind.family
     )
     lines = made(catalog, kind) if made else _contact(catalog, kind)
     text = "\n".join(lines)
-    rt.loads(FRAME + text)  # raises where the example would not be understood
+    rt.loads(FRAME + text)  # raises if the example is not valid
     return text
 
 

@@ -16,7 +16,7 @@ POSITIONS = 181
 
 
 class Header(NamedTuple):
-    """The comment on top of an example."""
+    """The comment at the top of an example."""
 
     intro: str
     look: str
@@ -24,7 +24,7 @@ class Header(NamedTuple):
     source: str
 
     def words_of(self, command: str) -> list[str]:
-        """Words behind `rattle command` in the first line that has it; empty where there is none."""
+        """Arguments after `rattle command` in the first line with that command; empty if there is none."""
         for line in self.commands:
             words = shlex.split(re.split(r"\s{2,}", line)[0])
             if words[:2] == ["rattle", command]:
@@ -34,7 +34,7 @@ class Header(NamedTuple):
 
 @cache
 def header(name: str) -> Header:
-    """What an example says of itself."""
+    """The parts of the comment at the top of an example."""
     text = rt.examples()[name].read_text(encoding="utf-8")
     lines = [line[2:] for line in text[: text.index("format = 1")].splitlines() if line.startswith("#")]
     parts: dict[str, list[str]] = {"intro": []}
@@ -53,7 +53,7 @@ def header(name: str) -> Header:
 
 
 class Run(NamedTuple):
-    """An example looked at in the way its header proposes first."""
+    """The first analysis that the header of an example proposes, and its result."""
 
     command: str  # run | equilibrium | accuracy
     result: Any

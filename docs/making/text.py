@@ -1,4 +1,4 @@
-"""Docstrings as Markdown and as reStructuredText: paragraphs, and what is indented as it stands."""
+"""Docstrings as Markdown and as reStructuredText: paragraphs, and indented parts unchanged."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _CODE = re.compile(r"(`[^`\n]+`)")
 
 
 def blocks(text: str) -> list[tuple[bool, list[str]]]:
-    """(as it stands, lines): paragraphs, and indented parts that follow an empty line or the start."""
+    """(preformatted, lines): paragraphs, and indented parts that follow an empty line or the start."""
     found: list[tuple[bool, list[str]]] = []
     after_gap = True
     for line in inspect.cleandoc(text).splitlines():
@@ -41,7 +41,7 @@ def markdown(text: str) -> str:
 
 
 def paragraph(text: str) -> str:
-    """Words of a docstring on one line, safe in Markdown; sections of the theory become links."""
+    """Text of a docstring on one line, escaped for Markdown; sections of the theory become links."""
     pieces = _CODE.split(" ".join(text.split()))
     safe = [one if one.startswith("`") and len(one) > 1 else re.sub(r"([\\*_<>\[\]|])", r"\\\1", one) for one in pieces]
     return _CITED.sub(lambda m: f"[theory, section {m[1]}](theory.md#{sections()[m[1]]})", "".join(safe))
@@ -55,17 +55,17 @@ def sections() -> dict[str, str]:
 
 
 def code(text: str) -> str:
-    """Words as they stand, in a cell or a line."""
+    """Text as inline code."""
     return f"`{text}`".replace("|", "\\|") if text else ""
 
 
 def fence(text: str, language: str = "text") -> str:
-    """Lines as they stand."""
+    """Lines as a code block."""
     return f"```{language}\n{text.rstrip()}\n```"
 
 
 def shell(lines: Iterable[str]) -> str:
-    """Commands with what is said behind them as comments, ready to be copied."""
+    """Commands with their explanations as comments, ready to be copied."""
     parts = [[*re.split(r"\s{2,}", line.strip(), maxsplit=1), ""][:2] for line in lines if line.strip()]
     return fence("\n".join(f"{one}  # {said}" if said else one for one, said in parts), "sh")
 
@@ -97,13 +97,13 @@ def restructured(text: str, parameters: Iterable[str] = ()) -> list[str]:
 
 
 def field(title: str, entries: Iterable[str]) -> list[str]:
-    """A titled list below a docstring; nothing where there are no entries."""
+    """A titled list below a docstring; empty if there are no entries."""
     inside = [f"   {one}" for one in entries]
     return [f":{title}:", *inside, ""] if inside else []
 
 
 def _without_closing_words(text: str) -> tuple[str, str]:
-    """What is said of a parameter, and the sentences behind it that are about the whole function."""
+    """The text about a parameter, and the sentences after it that are about the whole function."""
     cut = re.search(r"\s(?=(?:Raises|Returns|Source:|Every time) )", text)
     return (text[: cut.start()], text[cut.end() :]) if cut else (text, "")
 

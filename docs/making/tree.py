@@ -1,6 +1,6 @@
-"""The package as its sources stand: which module defines a name, and what each module says of itself.
+"""The sources of the package: which module defines a name, and how each module describes itself.
 
-Modules are found by what they define, so that no page has to be told where things live.
+Modules are found by what they define, so that no page names the place of a module.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def module_with(*names: str) -> ModuleType:
 
 
 def definition(source: Source, name: str) -> ast.AST:
-    """Where a module defines a name."""
+    """The syntax tree of a name's definition in a module.  Raises LookupError."""
     for node in source.tree.body:
         targets = getattr(node, "targets", [getattr(node, "target", node)])
         if any(name in (getattr(one, "id", ""), getattr(one, "name", "")) for one in targets):
@@ -86,7 +86,7 @@ def definition(source: Source, name: str) -> ast.AST:
 
 
 def trailing_comments(source: Source, first: int, last: int) -> dict[int, str]:
-    """Comments behind the lines of a module, by line number."""
+    """Comments at the end of the lines of a module, by line number."""
     lines = source.path.read_text(encoding="utf-8").splitlines()
     return {
         number: lines[number - 1].rpartition("  # ")[2].strip()

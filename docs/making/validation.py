@@ -1,4 +1,4 @@
-"""What the tests hold the program to, measured anew at every build: numbers from elsewhere, then balances."""
+"""The numbers that the tests check, measured at every build: those from the literature, then balances."""
 
 from __future__ import annotations
 
