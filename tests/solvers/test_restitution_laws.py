@@ -273,7 +273,7 @@ def test_one_law_for_all_joints():
 @pytest.mark.nojit
 def test_tangential_restitution_belongs_to_newton():
     m = struck("newton", 0.5, 0.3).set({"joints.tip.contact.tangential_restitution": 0.5})
-    with pytest.raises(rt.ModelError, match='goes with restitution_law = "newton" only'):
+    with pytest.raises(rt.ModelError, match='works with restitution_law = "newton" only'):
         m.set({"joints.tip.contact.restitution_law": "energetic"})
 
 
