@@ -307,7 +307,7 @@ class Mechanism(Building):
 
         Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), sections 3.6 and 4.5.
         """
-        from rattle.analyses import kinematics
+        from rattle.analyses.kinematics import kinematics
 
         return kinematics.analyse(
             self.system, self._start_or_none(), times(t_eval, "t_eval"), forces=False, strict=strict
@@ -328,7 +328,7 @@ class Mechanism(Building):
         Joints whose reactions are not unique (redundant constraints) are named in `trust.nonunique`.
         Raises what `kinematics` raises.
         """
-        from rattle.analyses import kinematics
+        from rattle.analyses.kinematics import kinematics
 
         return kinematics.analyse(
             self.system, self._start_or_none(), times(t_eval, "t_eval"), forces=True, effort_at=effort_at, strict=strict

@@ -179,3 +179,16 @@ def test_law_describes_itself_in_the_registry():
     assert kind.summary == "A torsion spring and damper to the ground."
     assert kind.source == "test."
     assert registry.kinds("load")["wind"].source.endswith("test_load_law.wind")
+
+
+def test_inverse_dynamics_says_which_law_has_no_value_and_how_often():
+    m = block().load("w", "unsteady in Python", body="block").load("still", "constant", body="block")
+    m.ground(O=[0, 0])
+    for name, axis in (("x", "x"), ("y", "y")):
+        m.driver(name, body="block", coordinate=axis, position="0*t")
+    m.driver("turn", body="block", coordinate="angle", angle="0*t")
+    r = m.inverse_dynamics([0.0, 0.02, 0.06, 0.08])
+    assert np.isfinite(r["x.force"][:2]).all()
+    assert np.isnan(r["x.force"][2:]).all()
+    (note,) = [one for one in r.trust.notes if "loads.w" in one]
+    assert "raised ValueError: no wind any more at t = 0.06 s; no forces at 2 of 4 instants" in note

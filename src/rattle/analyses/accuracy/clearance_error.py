@@ -23,7 +23,9 @@ import numpy as np
 from rattle.analyses.accuracy.displaced_pins import Displaced
 from rattle.analyses.accuracy.extremes import extreme
 from rattle.analyses.assembly.assembly import assemble, ideal_model
-from rattle.analyses.kinematics import Sweep, begin, instants, require_driven, why_stuck
+from rattle.analyses.kinematics.kinematics import instants, require_driven
+from rattle.analyses.kinematics.singular_positions import why_stuck
+from rattle.analyses.kinematics.sweep import Sweep, begin
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibria import rigid_model, without_guide_play
 from rattle.analyses.statics.starts import opened

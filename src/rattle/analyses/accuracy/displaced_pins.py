@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.kinematics import begin
+from rattle.analyses.kinematics.sweep import begin
 from rattle.description.model import Joint
 from rattle.equations.closure import open_by
 from rattle.equations.dense import dense_rows

@@ -21,6 +21,8 @@ import numpy as np
 
 from rattle.analyses.assembly.assembly import assemble, ideal_model
 from rattle.analyses.assembly.rank import scaled_rows
+from rattle.analyses.kinematics.singular_positions import why_stuck
+from rattle.analyses.kinematics.sweep import begin
 from rattle.analyses.statics.balance import MOST_TURN, Found, StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
 from rattle.analyses.statics.starts import Turning, along, apart, around, opened, sides
@@ -31,6 +33,7 @@ from rattle.equations.motion import drive
 from rattle.equations.system import System, compile_system, has_contacts, is_link
 from rattle.errors import AssemblyError
 from rattle.jit import functions
+from rattle.solvers.positions import position_sweep
 
 RANDOM_STARTS = 48  # of a mechanism without a degree of freedom, for other ways to put it together
 FEW_STARTS = 12  # of a mechanism with one
@@ -116,9 +119,6 @@ def rigid_model(system: System) -> System | None:
 
 def position_at(system: System, t: float) -> np.ndarray:
     """The assembled position at time t; a driven mechanism is led there from t = 0 on its branch."""
-    from rattle.analyses import kinematics
-    from rattle.solvers.positions import position_sweep
-
     try:
         start = assemble(system)
     except AssemblyError:
@@ -135,9 +135,9 @@ def position_at(system: System, t: float) -> np.ndarray:
     )
     if not driven:
         return assemble(system, t).q
-    led = kinematics.begin(system, start)
+    led = begin(system, start)
     if not len(led.go(np.array([t]), False)):
-        raise AssemblyError(f"the position at t = {t:g} s cannot be reached: {kinematics.why_stuck(led)}")
+        raise AssemblyError(f"the position at t = {t:g} s cannot be reached: {why_stuck(led)}")
     return np.array(led.node[position_sweep.Q_NEW])
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from rattle import registry
 from rattle.analyses.assembly.assembly import ideal_model
-from rattle.analyses.kinematics import instants
+from rattle.analyses.kinematics.kinematics import instants
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibria import equilibria, rigid_model, without_guide_play
 from rattle.analyses.statics.equilibrium import Equilibrium

@@ -1,0 +1,1 @@
+"""Driven motion, position by position, and the forces that go with it."""

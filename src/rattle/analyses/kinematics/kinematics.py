@@ -1,0 +1,184 @@
+"""Kinematics and inverse dynamics: motion of a fully driven mechanism, position by position, and its forces."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from rattle.analyses import arguments
+from rattle.analyses.assembly.assembly import Assembled, assemble
+from rattle.analyses.assembly.rank import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
+from rattle.analyses.kinematics.motors import motors_at, without_effort
+from rattle.analyses.kinematics.singular_positions import blocking, branch_points, why_stuck
+from rattle.analyses.kinematics.sweep import Sweep, begin
+from rattle.analyses.timetable import jump_notes, timetable
+from rattle.analyses.undefined import undefined
+from rattle.equations.closure import open_by
+from rattle.equations.dense import LARGE
+from rattle.equations.motion import loads, place
+from rattle.equations.system import System
+from rattle.errors import AssemblyError, ModelError, Problem, SolverError
+from rattle.jit import functions
+from rattle.results.build import build_result
+from rattle.results.columns import columns, motion, motion_columns, width
+from rattle.results.event import Event
+from rattle.results.result import Result
+from rattle.results.trust import Trust
+from rattle.solvers.positions import position_sweep as swept
+
+log = logging.getLogger("rattle")
+
+
+def require_driven(system: System, start: Assembled, what: str) -> None:
+    """Raise ModelError with the degrees of freedom that are left, unless the drivers determine every position."""
+    workspace = system.workspace()
+    open_by(workspace, start.t, start.q, start.v)
+    rows = scaled_rows(system, workspace)
+    _, values, right = np.linalg.svd(rows)
+    independent = int((values > 1e-9 * values[0]).sum()) if len(values) else 0
+    left = 3 * system.body_count - independent
+    if left == 0:
+        return
+    if (
+        system.row_count >= 3 * system.body_count
+        and left_null(system, workspace).shape[1] <= 1 + system.row_count - 3 * system.body_count
+    ):
+        where = describe_rank_loss(system, workspace)
+        raise ModelError([Problem(("initial",), f"{what} cannot start at t = {start.t:g} s: {where}")])
+    free = np.abs(right[independent:]).reshape(left, -1, 3).max(axis=(0, 2))
+    movers = [name for name, share in zip(system.bodies, free, strict=True) if share > 1e-6]
+    loose = _loose(system)
+    dof = f"{left} degrees of freedom are left" if left > 1 else "1 degree of freedom is left"
+    names = ", ".join(movers[:8]) + (" ..." if len(movers) > 8 else "")
+    text = f"{what} needs drivers that determine every position; {dof} (can still move: {names})."
+    if loose:
+        text += f" There is clearance in {loose}: close it with ideal() or --ideal."
+    else:
+        text += f" Add {'a driver' if left == 1 else f'{left} drivers'}, or use simulate or equilibrium."
+    raise ModelError([Problem(("drivers",), text)])
+
+
+def _loose(system: System) -> str:
+    """Names of the joints with open clearance."""
+    joints = system.model.joints.items()
+    return ", ".join(name for name, one in joints if one.contact and one.clearance and not one.contact.closed)
+
+
+def analyse(
+    system: System, start: Assembled | None, t_eval: float | Sequence[float] | np.ndarray, *, forces: bool,
+    effort_at: str | Mapping[str, str] | None = None, strict: bool = False,
+) -> Result:  # fmt: skip
+    """Kinematics, or with `forces` inverse dynamics, at the times t_eval [s].
+
+    See `Mechanism.kinematics` and `Mechanism.inverse_dynamics`, which also say what is raised.
+    """
+    began = time.perf_counter()
+    times = instants(t_eval)
+    what = "inverse dynamics" if forces else "kinematics"
+    functions.start()
+    if start is None:
+        try:
+            start = assemble(system, float(times[0]))
+        except AssemblyError as error:
+            loose = _loose(system)
+            hint = f" There is clearance in {loose}: close it with ideal() or --ideal." if loose else ""
+            raise AssemblyError(f"{error}{hint}") from None
+    if system.row_count <= LARGE:
+        require_driven(system, start, what)
+    jumps = timetable(system, min(start.t, float(times[0])), float(times[-1])).jumps
+    motors = motors_at(system, effort_at)
+    arguments.require_room(len(times), width(system))
+    sweep = begin(system, start, motors)
+    if times[0] != start.t:  # the start values are given for t = 0: begin there
+        if not len(sweep.go(times[:1], False)):
+            raise AssemblyError(f"the first position cannot be reached: {why_stuck(sweep)}")
+        sweep.tally[:] = 0
+        sweep.clock[swept.GAP] = 0.0
+    first = sweep.fork()
+    raw = sweep.go(times, forces)
+    reached = times[: len(raw)]
+    message = why_stuck(sweep) if len(raw) < len(times) else ""
+    events, notes = branch_points(first, sweep, times, raw, bool(message))
+    notes = [*start.notes, *notes, *without_effort(sweep, reached, raw, motors)]
+    if forces:
+        notes += _without_value(sweep, reached, raw)
+    if message:
+        ends = float(sweep.clock[swept.NOW])
+        events.append(Event(ends, blocking(sweep), "dead centre" if "dead centre" in message else "end"))
+    notes += jump_notes([jump for jump in jumps if len(reached) and jump.t <= reached[-1]], forces)
+    result = _result(sweep, reached, raw, forces, motors, message, events, notes, time.perf_counter() - began)
+    if message:
+        log.warning(message)
+        if strict:
+            raise SolverError(message, result)
+    return result
+
+
+def _without_value(sweep: Sweep, t: np.ndarray, raw: np.ndarray) -> list[str]:
+    """A note where forces are not finite because a load or an expression is not: which, why, and how often."""
+    system, workspace = sweep.system, sweep.workspace
+    lost = ~np.isfinite(raw[:, : width(system)]).all(axis=1)
+    if not lost.any():
+        return []
+    k = int(np.argmax(lost))
+    q, v, _ = motion(system, raw[k])
+    place(workspace, q, v)
+    loads(workspace, float(t[k]))
+    why = undefined(system, workspace, float(t[k]))
+    return [f"{why}; no forces at {int(lost.sum())} of {len(t)} instants"] if why else []
+
+
+def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
+    """t_eval [s] as an array (n,).  Raises ValueError unless the times are increasing and finite."""
+    times = np.atleast_1d(arguments.instants(t_eval))
+    if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+        raise ValueError("t_eval must be one time or increasing finite times in s")
+    return times
+
+
+# ---------------------------------------------------------------- what happened
+
+
+# ---------------------------------------------------------------- the result
+def _result(
+    sweep: Sweep, t: np.ndarray, raw: np.ndarray, forces: bool, motors: list[tuple[int, str]], message: str,
+    events: list[Event], notes: list[str], wall: float,
+) -> Result:  # fmt: skip
+    system, model = sweep.system, sweep.system.model
+    nonunique: tuple[str, ...] = ()
+    if forces:
+        data, names, units = columns(system, raw[:, : width(system)])
+        replaced = {system.rows[row].owner for row, _ in motors}
+        drop = {f"energy.{key}" for key in ("work", "dissipated", "balance")}
+        keep = [k for k, name in enumerate(names) if name not in drop and name.partition(".")[0] not in replaced]
+        data, names = data[:, keep], [names[k] for k in keep]
+        for n, (_, joint) in enumerate(motors):
+            _, effort, unit = model.joints[joint].leaf.motor
+            names += [f"{joint}.{effort}", f"{joint}.power"]
+            units |= {f"{joint}.{effort}": unit, f"{joint}.power": "W"}
+            data = np.column_stack([data, raw[:, width(system) + 2 * n : width(system) + 2 * n + 2]])
+        if system.row_count > 3 * system.body_count:
+            open_by(sweep.workspace, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
+            nonunique = nonunique_reactions(system, sweep.workspace)
+        data = np.ascontiguousarray(data)
+    else:
+        names, units = motion_columns(system)
+        data = raw
+    trust = Trust(
+        drift=float(sweep.clock[swept.GAP]), energy_balance=math.nan, t_end=float(t[-1]) if len(t) else 0.0,
+        horizon=float(t[-1]) if len(t) else 0.0, nonunique=nonunique, notes=tuple(notes),
+    )  # fmt: skip
+    stats = {
+        "positions": len(t),
+        "steps": int(sweep.tally[swept.STEPS]),
+        "iterations": int(sweep.tally[swept.NEWTON]),
+        "wall_time": wall,
+    }
+    return build_result(
+        model, "inverse dynamics" if forces else "kinematics", t=t, data=data, names=names, units=units, trust=trust,
+        stats=stats, events=events, message=message,
+    )  # fmt: skip
