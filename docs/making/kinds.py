@@ -6,6 +6,7 @@ Each has an example, made from its fields and read by the program: a build with 
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -130,7 +131,8 @@ def default_of(field: Any, required: Any) -> str:
         return f"needed{limit}"
     if callable(field.default):
         return f"follows from other fields{limit}"
-    shown = f"{field.default:g}" if isinstance(field.default, float) else str(field.default)
+    number = isinstance(field.default, float)
+    shown = "no limit" if field.default == math.inf else f"{field.default:g}" if number else str(field.default)
     return f"{shown}{limit}"
 
 

@@ -194,6 +194,14 @@ def test_rows_have_units(family, name):
     assert set(registry.kinds(family)[name].leaf.rows) <= {"m", "rad"}
 
 
+def test_parameters_of_a_set_valued_contact_are_named_in_the_order_of_its_fields():
+    for key, place in (
+        ("restitution", at.RESTITUTION), ("tangential_restitution", at.TANGENTIAL_RESTITUTION), ("friction", at.MU),
+        ("restitution_law", at.RESTITUTION_LAW), ("jam", at.JAM),
+    ):  # fmt: skip
+        assert list(registry.kinds("contact")["impact"].fields).index(key) == place
+
+
 def test_tags_are_places_in_the_table():
     for family in BUILT_IN:
         assert [one.tag for one in registry.kinds(family).values()] == list(range(len(registry.kinds(family))))

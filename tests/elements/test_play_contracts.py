@@ -50,18 +50,24 @@ class Played:
         return self.touched(self.path.q(t), self.path.v(t))
 
     def closed(self, e):
-        """Positions (3, 3) in which the joint without play is closed, its B displaced by e."""
+        """Positions (3, 3) in which the joint without play is closed, its points near each other, B displaced by e."""
         x, y, changes = self.leaf.displaced(self.fields, np.array(e))
         points = [self.points[0] + x, self.points[1] + y, *self.points[2:]]
         p = np.array(points + [self.fields[key] + changes.get(key, 0.0) for key in self.fields])
         q, none = self.path.q(0.3), np.zeros((3, 3))
         q[B] = q[A] + 0.1
+        q[B, :2] += turned(q[A, 2], points[:2]) - turned(q[B, 2], points[2:])
         for _ in range(30):
             rows = np.zeros((len(self.joint.leaf.rows), 9))
             self.joint.kernel(body_at(q, none), A, B, p, 0, 0, rows)
             q[B] -= np.linalg.lstsq(rows[:, at.BX :], rows[:, at.RES], rcond=None)[0]
         assert np.abs(rows[:, at.RES]).max() < 1e-13
         return q
+
+
+def turned(angle, point):
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * point[0] - s * point[1], s * point[0] + c * point[1]])
 
 
 @pytest.fixture(params=[(name, place) for name in PLAYS for place in PLACES], ids=lambda one: f"{one[0]}-{one[1]}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -137,6 +138,8 @@ def _default(spec: Any, family: str) -> str:
     more = ", may use t, state and signals" if spec.live and family != "driver" else ""
     if spec.default is REQUIRED or callable(spec.default):
         return more
+    if spec.default == math.inf:
+        return f" (default: no limit){more}"
     return (
         f" (default {spec.default:g}){more}" if isinstance(spec.default, float) else f" (default {spec.default}){more}"
     )

@@ -8,6 +8,7 @@ Source: JSON Schema, draft 2020-12.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -114,7 +115,7 @@ def _field(one: Field) -> Schema:
         made = {"anyOf": [{"type": "string"}, table], "description": meaning}
     else:
         made = _number(one.unit, meaning, one.least)
-    if one.default is not REQUIRED and not callable(one.default):
+    if one.default is not REQUIRED and not callable(one.default) and one.default != math.inf:
         made["default"] = one.default
     return made
 

@@ -41,7 +41,7 @@ TRY_ALL = 8
 @compiled
 def friction_of(m, n):
     """Coefficient of friction of contact n."""
-    return m.values[m.contact[n, at.NORMAL_P] + 2]
+    return m.values[m.contact[n, at.NORMAL_P] + at.MU]
 
 
 @kernel("problem")

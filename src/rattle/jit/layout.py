@@ -21,6 +21,8 @@ FIRST_STATE, STATES = 13, 14  # of its friction law among the states of elements
 # the clearance, the radius of the bush, the fields of the joint and its dimensions
 POINTS = 4
 CLEARANCE, RADIUS, FIELDS = 4, 5, 6
+# parameters of a set-valued contact: the fields of `impact` in their order
+RESTITUTION, TANGENTIAL_RESTITUTION, MU, RESTITUTION_LAW, JAM = range(5)
 # columns of `joint`: kernel, bodies A and B, first parameter, first row; those of `load` differ in the last one: 1 if
 # its values change during the run
 KERNEL, END_A, END_B, FIRST_P, FIRST_ROW = range(5)

@@ -80,6 +80,10 @@ def extent(stage: Scene) -> tuple[Array, Array]:
     springs = [form for form in geometry["loads"].values() if form["type"] == "spring"]
     for part in (*geometry["joints"].values(), *springs):
         paths += [stage.path(body, p) for body, p in zip(part["bodies"], part["points"], strict=True)]
+    for form in geometry["joints"].values():
+        for way in (-form["travel"], form["travel"]) if "travel" in form else ():
+            (x, y), angle = form["points"][0], form["axis"]
+            paths.append(stage.path(form["bodies"][0], (x + way * np.cos(angle), y + way * np.sin(angle))))
     everything = np.vstack(paths)
     everything = everything[np.isfinite(everything).all(axis=1)]
     return everything.min(axis=0), everything.max(axis=0)

@@ -75,7 +75,7 @@ def require_one_law(system: System, method: str) -> None:
     """
     choices = registry.kinds("contact")["impact"].fields["restitution_law"].choices
     laws = {
-        system.joints[row[at.OWNER]]: choices[int(system.arrays["values"][row[at.NORMAL_P] + 3])]
+        system.joints[row[at.OWNER]]: choices[int(system.arrays["values"][row[at.NORMAL_P] + at.RESTITUTION_LAW])]
         for row in system.arrays["contact"]
     }
     first = next(iter(laws))
@@ -148,7 +148,7 @@ class ImpactRun(Run):
             set_floor(self.system, self.workspace, self.rtol, self.atol)
             return PAUSED
         values, contact = self.workspace.values, self.system.arrays["contact"]
-        self.may_pass = bool((values[contact[:, at.NORMAL_P] + 4] > 0.0).any())
+        self.may_pass = bool((values[contact[:, at.NORMAL_P] + at.JAM] > 0.0).any())
         self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])
         self.clock[step_state.T] = t
         status = int(event_driven.start(self.workspace, t))
@@ -283,7 +283,7 @@ class ImpactRun(Run):
     def _locks(self, t: float) -> bool:
         """True when sliding contacts are about to lock by friction, alone or together: the proof of Painleve's name."""
         mode, contact = self.workspace.mode, self.system.arrays["contact"]
-        rough = self.workspace.values[contact[:, at.NORMAL_P] + 2] > 0.0
+        rough = self.workspace.values[contact[:, at.NORMAL_P] + at.MU] > 0.0
         slides = (((mode == FORWARD) | (mode == BACKWARD)) & rough).any()
         if not slides:
             return False
@@ -302,7 +302,7 @@ class ImpactRun(Run):
         normal = 2 * np.arange(len(closed))
         lines = np.sort(np.concatenate([normal, normal[mode[closed] == complementarity.STICK] + 1]))
         drag = (mode[closed] == FORWARD) * 1.0 - (mode[closed] == BACKWARD)
-        drag *= self.workspace.values[contact[closed, at.NORMAL_P] + 2] * (1.0 if rough else 0.0)
+        drag *= self.workspace.values[contact[closed, at.NORMAL_P] + at.MU] * (1.0 if rough else 0.0)
         matrix = g[:, : 2 * len(closed)].copy()
         matrix[:, normal] += drag * matrix[:, normal + 1]
         return matrix[np.ix_(lines, lines)], closed, lines
@@ -319,7 +319,7 @@ class ImpactRun(Run):
         called = -float(rates[:, -1] @ b)
         force[lines] = math.copysign(1.0, called) * forces[-1]
         pressed, held = force[0::2], np.abs(force[1::2])
-        friction = self.workspace.values[self.system.arrays["contact"][closed, at.NORMAL_P] + 2]
+        friction = self.workspace.values[self.system.arrays["contact"][closed, at.NORMAL_P] + at.MU]
         if sizes[-1] > DEAD * sizes[0] or abs(called) < DEAD * np.abs(b).max():
             return []
         if (pressed < -1e-3 * pressed.max()).any() or (held > friction * pressed + 1e-3 * pressed.max()).any():

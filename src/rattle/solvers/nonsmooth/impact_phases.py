@@ -39,7 +39,7 @@ SWEEPS = 400  # of relaxation, before modes are read from it
 @compiled
 def law_of(m, n):
     """Restitution law of contact n: NEWTON, POISSON or ENERGETIC."""
-    return int(m.values[m.contact[n, at.NORMAL_P] + 3])
+    return int(m.values[m.contact[n, at.NORMAL_P] + at.RESTITUTION_LAW])
 
 
 @compiled

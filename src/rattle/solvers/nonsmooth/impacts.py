@@ -94,9 +94,9 @@ def rates_before(m, count, law):
         n, p = active[k], contact[active[k], at.NORMAL_P]
         memory[n, at.N_1] = max(velocity_scale(m, 2 * k, n), velocity_scale(m, 2 * k + 1, n))
         hits = kinematics[n, at.DGAP] < -STILL * memory[n, at.N_1]
-        bounce[E, 2 * n] = values[p] if memory[n, at.STEPS_IN] == 0.0 else 0.0
+        bounce[E, 2 * n] = values[p + at.RESTITUTION] if memory[n, at.STEPS_IN] == 0.0 else 0.0
         bounce[BEFORE, 2 * n] = kinematics[n, at.DGAP] if hits else 0.0
-        e, e_t = (bounce[E, 2 * n], values[p + 1]) if law == NEWTON and hits else (0.0, 0.0)
+        e, e_t = (bounce[E, 2 * n], values[p + at.TANGENTIAL_RESTITUTION]) if law == NEWTON and hits else (0.0, 0.0)
         side[B, 2 * k], side[B, 2 * k + 1] = (1.0 + e) * kinematics[n, at.DGAP], -(1.0 + e_t) * kinematics[n, at.SLIP]
         slide[k] = 0
         candidate[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
@@ -196,7 +196,7 @@ def low_bounce(m, t, y, count):
         if pull < 0.0 and speed * speed < -2.0 * pull * max(LOW * clearance_of(m, n), least):
             found = True
             if side[F, 2 * k] > 0.0 and came > 0.0:
-                e = values[contact[n, at.NORMAL_P]]
+                e = values[contact[n, at.NORMAL_P] + at.RESTITUTION]
                 if law_of(m, n) != NEWTON:
                     e = min(speed / came, 1.0)
                 memory[n, at.STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)

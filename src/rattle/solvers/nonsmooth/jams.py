@@ -33,7 +33,7 @@ NEARLY = 1e-3  # share by which T may exceed mu N in a lock that is just about t
 @compiled
 def passes_jams(m, n):
     """True when contact n is to go on where friction locks it."""
-    return m.values[m.contact[n, at.NORMAL_P] + 4] > 0.0
+    return m.values[m.contact[n, at.NORMAL_P] + at.JAM] > 0.0
 
 
 @native("f", "h", "f")

@@ -118,13 +118,13 @@ def impact_side(m, count, h):
         pull, bend = along(m, 2 * k, n, acceleration, 0), kinematics[n, at.GAMMA_N]
         least = 2.0 * h * abs(bend - pull)
         hits = kinematics[n, at.DGAP] < -least
-        memory[n, HITS], memory[n, E_T] = 1.0 if hits else 0.0, values[p + 1] if hits else 0.0
+        memory[n, HITS], memory[n, E_T] = 1.0 if hits else 0.0, values[p + at.TANGENTIAL_RESTITUTION] if hits else 0.0
         memory[n, AFTER] = memory[n, SHIFT] = 0.0  # what a jolt left there is of another kind
         if hits:
             when = 0.5 * h - late(h, kinematics[n, at.GAP], -kinematics[n, at.DGAP])  # after the start of the step
             speed = kinematics[n, at.DGAP] - pull * when + bend * (when - 0.5 * h)
-            if -values[p] * speed > least:  # it bounces: free before and after
-                memory[n, AFTER] = -values[p] * speed - bend * (when - 0.5 * h) - pull * (h - when)
+            if -values[p + at.RESTITUTION] * speed > least:  # it bounces: free before and after
+                memory[n, AFTER] = -values[p + at.RESTITUTION] * speed - bend * (when - 0.5 * h) - pull * (h - when)
         side[B, 2 * k] = kinematics[n, at.DGAP] - h * pull - memory[n, AFTER]
         side[B, 2 * k + 1] = -(1.0 + memory[n, E_T]) * kinematics[n, at.SLIP] - h * along(
             m, 2 * k + 1, n, acceleration, 0
