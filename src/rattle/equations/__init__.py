@@ -1,1 +1,1 @@
-"""Everything at one instant."""
+"""The equations at one instant: constraints, forces, accelerations, contact problems."""

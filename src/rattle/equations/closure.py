@@ -1,4 +1,4 @@
-"""Compiled iterations that close positions and rates: damped Newton with least mass-weighted change."""
+"""Compiled iterations that close the joints: damped Newton on positions and rates, with least mass-weighted change."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rattle.jit.functions import native
 
 @native("f", "h", "f", "v", "v")
 def open_by(m, t, q, v):
-    """Largest position residual at a state [m or rad]; leaves its rows in the workspace."""
+    """Largest position residual [m or rad] at a state; the constraint rows remain in the workspace."""
     place(m, q, v)
     drive(m, t)
     constraints(m)
@@ -21,7 +21,7 @@ def open_by(m, t, q, v):
 
 @native("void", "h", "v")
 def place_only(m, q):
-    """Positions alone: rates stay as they are in `body`."""
+    """Copy positions q (3 nb,) [m, rad] into `body`; rates there are unchanged."""
     body = m.body
     for i in range(1, body.shape[0]):
         body[i, at.X] = q[3 * i - 3]
@@ -33,7 +33,7 @@ def place_only(m, q):
 
 @native("f", "h", "v")
 def merit_at(m, q):
-    """Sum of squared position residuals at q."""
+    """Sum of squared position residuals at q [m^2, rad^2]."""
     rows = m.rows
     place_only(m, q)
     constraints(m)
@@ -47,7 +47,7 @@ def merit_at(m, q):
 def close_position(m, t, q, start, tolerance, most):
     """Damped Newton on Phi(q, t) = 0, in place; returns the largest residual [m or rad] and the iterations.
 
-    start: (3 nb,) scratch.  Once below the tolerance two more steps polish the answer.
+    start: (3 nb,) scratch.  tolerance: [m or rad].  Two more steps below the tolerance reduce the residual to rounding.
     """
     change = m.change
     drive(m, t)
@@ -87,7 +87,10 @@ def close_position(m, t, q, start, tolerance, most):
 
 @native("f", "h", "f", "v", "v")
 def close_rate(m, t, q, v):
-    """Bring v onto Phi_q v = nu with the least mass-weighted change, in place; returns the largest residual."""
+    """Project v onto Phi_q v = nu with the least mass-weighted change, in place.
+
+    Returns the largest residual [m/s or rad/s].
+    """
     change = m.change
     open_by(m, t, q, v)
     factorise(m)

@@ -1,15 +1,15 @@
-"""Set-valued contacts at one instant: which forces, or percussions, they take.
+"""Set-valued contacts at one instant: their forces or impulses, by an active set.
 
-    a = G f + b,      G = J M^-1 J^T on the motions that the joints allow, f = (N, T) of every contact
+    a = G f + b,      G = W M^-1 W^T for the motions that the joints allow, f = (N, T) of every contact
     0 <= a_n,  0 <= N,  a_n N = 0,      T in -mu N Sgn(a_t)                     (Coulomb, planar: an exact LCP)
 
-    lasting contact:  a_n = g'',               a_t = -(rate of slip)            f forces
-    impact:           a_n = g'+ + e_N g'-,     a_t = -(u_t+ + e_T u_t-)         f percussions
+    closed contact:   a_n = g'',               a_t = -(rate of slip)            f forces [N], a [m/s^2]
+    impact:           a_n = g'+ + e_N g'-,     a_t = -(u_t+ + e_T u_t-)         f impulses [N s], a [m/s]
 
 Every contact is in one of four modes: off (f = 0), sticking (a_n = a_t = 0), sliding forward (T = mu N) or
-backward (T = -mu N).  For given modes the problem is linear; many contacts are solved as in `network`.  Modes are
-changed where a condition is broken (a Newton iteration on the piecewise linear problem).  Where that does not settle,
-Lemke's path is followed (`following`), and all modes of a few contacts are tried.
+backward (T = -mu N).  For given modes the problem is linear; many contacts are solved as in `contact_network`.  Modes
+are changed where a condition is violated (Newton's method on the piecewise linear problem).  If that does not converge,
+Lemke's path is followed (`lemke`), and all modes of a few contacts are tried.
 
 Source: Glocker, Set-Valued Force Laws (2001), chapters 6 and 8; Leine, Nijmeijer, Dynamics and Bifurcations of
 Non-Smooth Mechanical Systems (2004), chapter 5.
@@ -24,16 +24,16 @@ from rattle.jit.functions import call_problem, compiled, kernel
 OFF, STICK, FORWARD, BACKWARD = range(4)
 B, F, A, OTHER = range(4)  # rows of `side`
 EXACT = 1e-12  # share of the largest value below which a value counts as zero
-LOOSE = 1e3  # times that: where a that ought to vanish does not, because contacts or joints depend on each other
+LOOSE = 1e3  # times that: a does not vanish as it should, because contacts or joints depend on each other
 MOST_TRIED = 5  # contacts up to which all combinations of modes are tried
-FEW = 6  # contacts up to which G is made and solved as a full matrix
+FEW = 6  # contacts up to which G is formed and solved as a full matrix
 # entries of `held`, after those of impact: 1 while G is sparse; how the last search ended; share by which the diagonal
-# of G is raised; size of the terms of the last a = G f + b; smallest share of a pivot, sparse way; 1 + a contact
-# that may press otherwise without any other motion
+# of G is raised; magnitude of the terms of the last a = G f + b; smallest ratio of a pivot to its diagonal (sparse);
+# 1 + a contact whose force may differ without changing the motion
 SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, SHARED = range(2, 8)
 # IMPOSSIBLE: all modes tried; JAMMED: the force that presses contacts together makes them approach
 SOLVED, IMPOSSIBLE, JAMMED, UNDECIDED = 1, 0, -1, -2
-DENSE_WAY = 2  # what the sparse way answers when it cannot do it
+DENSE_WAY = 2  # returned by the sparse solution if the dense one is needed
 ROWS_OF, SEARCH, MODES, NETWORK, FOLLOW, COUNT = range(6)  # places in `problem_table`
 TRY_ALL = 8
 
@@ -46,9 +46,9 @@ def friction_of(m, n):
 
 @kernel("problem")
 def rows_kernel(m, count):
-    """Rows w of the active contacts, and of a few of them what a unit force changes, and G.
+    """Rows of W of the active contacts; if they are few, also the responses to unit forces, and G.
 
-    The geometry in `contact_kinematics` and the factor of S are at hand.
+    `contact_kinematics` and the factor of S must be up to date.
     """
     kinematics, active, w, held = m.contact_kinematics, m.active, m.contact_jacobian, m.held
     for k in range(count):
@@ -67,7 +67,7 @@ def rows_kernel(m, count):
 
 @compiled
 def fill_delassus(m, count):
-    """What a unit force on each line of the active contacts changes, and G; rows w and the factor of S are at hand."""
+    """Responses to a unit force along each row of W, and G [1/kg]; W and the factor of S must be up to date."""
     contact, active, row_body = m.contact, m.active, m.row_body
     w, response, multiplier_response, delassus = (
         m.contact_jacobian,
@@ -136,8 +136,8 @@ def linear(m, count):
 def modes_kernel(m, number):
     """Forces f and a = G f + b for the modes in `candidate`; number is 4 * contacts + 2 * only + rough.
 
-    only = 1: f is enough.  rough = 0 leaves friction of sliding out.
-    Returns the sign of the determinant: +1 as without friction, -1 when friction locks, 0 for dependent contacts.
+    only = 1: a is not needed.  rough = 0: without friction of sliding.
+    Returns the sign of the determinant: +1 as without friction, -1 if friction locks, 0 for dependent contacts.
     """
     count, rough = number // 4, number % 2
     if m.held[SPARSE] == 1.0:
@@ -227,7 +227,7 @@ def eliminate(m, count, rough):
 
 @compiled
 def resolution(m, count):
-    """Values of f and of a that count as zero."""
+    """Magnitudes of f and of a below which they count as zero, in the units of f and a."""
     side, delassus = m.side, m.delassus
     force, rate = 0.0, m.held[SCALE]
     if m.held[SPARSE] == 0.0:
@@ -243,7 +243,7 @@ def resolution(m, count):
 
 @compiled
 def better_mode(m, k, force, rate):
-    """The mode that contact k should have, seen from the solution at hand; its present one if that is right."""
+    """The mode that contact k should have according to the present solution; the present mode if it is consistent."""
     side, candidate, slide = m.side, m.candidate, m.slide
     mu = friction_of(m, m.active[k])
     mode, pressed, held = candidate[k], side[F, 2 * k], side[F, 2 * k + 1]
@@ -268,7 +268,7 @@ def better_mode(m, k, force, rate):
 
 @compiled
 def is_solution(m, count, slack):
-    """Whether the solution meets all conditions of the modes in `candidate`; slack: in units of what is zero."""
+    """True if the solution satisfies all conditions of the modes in `candidate`; slack: multiple of `resolution`."""
     side, candidate = m.side, m.candidate
     force, rate = resolution(m, count)
     for k in range(count):
@@ -281,9 +281,9 @@ def is_solution(m, count, slack):
 
 @compiled
 def change_where_broken(m, count):
-    """Change modes where a condition is broken until none is, from those in `candidate` on; True when that settles."""
+    """Change the modes in `candidate` where a condition is violated, until none is; True if that converges."""
     candidate = m.candidate
-    together = 6 + 2 * min(count, FEW)  # later one at a time, lest it goes round
+    together = 6 + 2 * min(count, FEW)  # then one at a time, to avoid cycling
     for sweep in range(12 + 6 * min(count, FEW)):
         linear(m, count)
         force, rate = resolution(m, count)
@@ -310,7 +310,7 @@ def search_kernel(m, count):
         return SOLVED
     outcome = call_problem(m.problem_table[FOLLOW], (m, count))
     if outcome == SOLVED and not change_where_broken(m, count):
-        # rows that depend on each other, or forces at the limit of rounding: as the path has left it
+        # rows that depend on each other, or forces of rounding size: take the end of the path
         call_problem(m.problem_table[FOLLOW], (m, count))
         linear(m, count)
         outcome = SOLVED if is_solution(m, count, LOOSE) else UNDECIDED

@@ -1,8 +1,8 @@
-"""Compliant contacts at one instant: geometry, normal and friction force, and what they store and lose.
+"""Compliant contacts at one instant: geometry, normal and friction force, stored and lost power.
 
 force on B  = -N n - T t   at the contact point (t = n turned by 90 degrees)
 force on A  = +N n + T t
-power taken from the motion = N ddelta + T u = (stored: F_static ddelta) + (lost: the rest)
+power taken from the motion = N ddelta + T u = (stored: F_static ddelta) + (lost: the remainder)    [W]
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from rattle.jit.functions import call_clearance, call_friction, call_normal, cal
 
 @native("void", "h")
 def locate_contacts(m):
-    """Geometry of every contact at the state in `body`."""
+    """Geometry of every contact at the state in `body`, into `contact_kinematics` [m, m/s]."""
     contact, body, values, kinematics, table = (
         m.contact,
         m.body,
@@ -39,7 +39,7 @@ def locate_contacts(m):
 
 @native("void", "h")
 def press(m):
-    """Forces of all compliant contacts on their bodies, added to Q; N, T and rates go to `contact_kinematics`."""
+    """Add the forces of all compliant contacts to Q [N, N m]; N, T and rates go to `contact_kinematics`."""
     contact, values, kinematics, memory, force = m.contact, m.values, m.contact_kinematics, m.contact_memory, m.force
     static_table, normal_table, friction_table = (
         m.stiffness_table,
@@ -74,7 +74,7 @@ def press(m):
 
 @compiled
 def push(force, kinematics, a, b, n, normal, tangent):
-    """Add the force (normal, tangent) of contact n to both bodies."""
+    """Add the force (normal, tangent) [N] of contact n, and its moment, to both bodies."""
     fx = normal * kinematics[n, at.NX] - tangent * kinematics[n, at.NY]
     fy = normal * kinematics[n, at.NY] + tangent * kinematics[n, at.NX]
     force[a, at.X] += fx

@@ -1,14 +1,14 @@
-"""Contact problems of many contacts: rows of joints and of contacts eliminated together, in a sparse order.
+"""Contact problems of many contacts: rows of joints and contacts are eliminated together, in a sparse order.
 
     R M^-1 C^T (z, f) = (0, -b)     R = (Phi_q, w_N of contacts that press, w_T of those that stick)
                                     C = the same, but w_N +- mu w_T for those that slide
 
-G = J M^-1 J^T of all contacts is full, though rows couple only where they share a moving body.  Left side by side
-with the rows of the joints they keep that pattern: along a chain the work grows with its length.  The pattern holds
-all rows, two for each contact; those that take no part drop out.  Friction of sliding makes the values unsymmetric
-and leaves the pattern: L U without exchange of rows, refined once where its residual says so.
+G = W M^-1 W^T of all contacts is full, although rows couple only if they share a moving body.  Kept together with the
+rows of the joints they preserve this sparsity: along a chain the work grows with its length.  The pattern has
+all rows, two for each contact; inactive ones are left out.  Friction of sliding makes the values unsymmetric
+but not the pattern: L U without pivoting, refined once if the residual is too large.
 
-A pivot that vanishes (rows that depend on each other) or a residual that stays is left to the dense way.
+If a pivot vanishes (rows that depend on each other) or the residual does not decrease, the dense solution is used.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from rattle.equations.complementarity import DENSE_WAY, FORWARD, OFF, RIDGE, SCA
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 
-VANISHED = 1e-11  # share of its diagonal below which a pivot is nothing
+VANISHED = 1e-11  # share of its diagonal below which a pivot counts as zero
 CLEAN = 1e-14  # share of the terms that a residual may have without being refined
-WRONG = 1e-10  # the same, beyond which the solution is not taken
-SOUND = 1e-4  # share of its diagonal above which a pivot loses nothing
+WRONG = 1e-10  # the same, above which the solution is rejected
+SOUND = 1e-4  # share of its diagonal above which a pivot loses no accuracy
 
 
 def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
-    """Pattern of the rows of joints (nr, 2: bodies A, B) and contacts, and room for its numbers."""
+    """Pattern of the rows of joints (nr, 2: bodies A, B) and contacts, and arrays for the values."""
     nr, nc = len(row_body), len(contact)
     bodies = [(int(a), int(b)) for a, b in row_body]
     for one in contact:
@@ -40,7 +40,7 @@ def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
     ]
     pattern = schur.analyse(bodies, blocks)
     place, pairs = pattern.place, pattern.pairs.copy()
-    above = place[pairs[:, 1]] < place[pairs[:, 3]]  # the lower row of the two comes first
+    above = place[pairs[:, 1]] < place[pairs[:, 3]]  # sorted so that the lower row comes first
     pairs[above] = pairs[above][:, [0, 3, 4, 1, 2, 5]]
     pairs[:, [2, 4]] -= at.AX
     size = len(bodies)
@@ -64,7 +64,7 @@ def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
 
 @compiled
 def choose_rows(m, count, rough):
-    """R and M^-1 C^T of the rows that take part with the modes in `candidate`; True when equal but for M."""
+    """R and M^-1 C^T of the rows that are active with the modes in `candidate`; True if C = R (no sliding friction)."""
     on, line, column, size = m.net_on, m.net_line, m.net_column, m.net_size
     rows, row_body, weight, w = m.rows, m.row_body, m.weight, m.contact_jacobian
     contact, active, candidate = m.contact, m.active, m.candidate
@@ -106,7 +106,7 @@ def eliminate(m, ridge, even):
     """Fill and factor R M^-1 C^T in place; returns the sign of its determinant, 0 when a pivot vanishes.
 
     ridge: share by which the diagonal is raised.  even: the matrix is symmetric, its upper half is left out.
-    The smallest share of its diagonal that a pivot has goes to `held`.
+    The smallest ratio of a pivot to its diagonal goes to `held`.
     """
     on, row, line, column = m.net_on, m.net_row, m.net_line, m.net_column
     first, target, pairs, size = m.net_first, m.net_target, m.net_pairs, m.net_size
@@ -212,7 +212,7 @@ def effect_of_rows(m):
 
 @compiled
 def remainder(m, count):
-    """Residual of all rows into line 1 of `net_x`; returns the largest and the size of the terms."""
+    """Residual of all rows into line 1 of `net_x`; returns the largest and the magnitude of its terms."""
     on, place, line, x, dv = m.net_on, m.net_place, m.net_line, m.net_x, m.velocity_change
     contact, row_body, size = m.contact, m.row_body, m.net_size
     active, side = m.active, m.side
@@ -242,9 +242,9 @@ def remainder(m, count):
 
 @compiled
 def solve_rows(m, count, ridge, only):
-    """Solution of the factored rows into line 0 of `net_x`, refined; True when it is good.
+    """Solution of the factored rows into line 0 of `net_x`, refined; True if its residual is small.
 
-    Fills `velocity_change`; only = 1: just the solution, where no pivot is so small that it asks for a second look.
+    Fills `velocity_change`; only = 1: just the solution, if no pivot is so small that the residual must be checked.
     """
     on, place, x, active, side = m.net_on, m.net_place, m.net_x, m.active, m.side
     nr = m.row_body.shape[0]
@@ -272,9 +272,9 @@ def solve_rows(m, count, ridge, only):
 
 @kernel("problem")
 def network_kernel(m, number):
-    """`complementarity.modes_kernel` for many contacts, the sparse way.
+    """`complementarity.modes_kernel` for many contacts, with sparse elimination.
 
-    Returns the sign of the determinant, or DENSE_WAY when the rows depend on each other.
+    Returns the sign of the determinant, or DENSE_WAY if the rows depend on each other.
     """
     count, only, rough = number // 4, number // 2 % 2, number % 2
     w, side, dv, x = m.contact_jacobian, m.side, m.velocity_change, m.net_x

@@ -1,4 +1,4 @@
-"""Constraint rows as a dense matrix, for the few places that want one."""
+"""Constraint rows as a dense matrix, for the few places that need one."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import numpy as np
 from rattle.equations.system import System
 from rattle.jit.workspace import Workspace
 
-LARGE = 400  # rows above which dense linear algebra is avoided and machine code is worth its start
+LARGE = 400  # number of rows above which dense linear algebra is avoided and starting the machine code pays off
 
 
 def dense_rows(system: System, workspace: Workspace) -> np.ndarray:
-    """The Jacobian Phi_q of the rows at hand as a dense array (nr, 3 nb)."""
+    """The Jacobian Phi_q of the rows in the workspace as a dense array (nr, 3 nb), SI units."""
     nr = system.row_count
     full = np.zeros((nr, 3 * (system.body_count + 1)))
     line = np.arange(nr)[:, None]

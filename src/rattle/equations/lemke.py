@@ -1,21 +1,21 @@
-"""Contact problems followed from one that solves itself: Lemke's path through the modes.
+"""Contact problems followed from one with a trivial solution: Lemke's path through the modes.
 
     a = G f + b + theta d,     d_n > mu |d_t|
 
-For large theta all contacts part and f = 0.  Theta then falls to zero while one contact after the other changes its
-mode, each to the one that continues the solution; theta may rise on the way.  For contacts that may stick or slip
-either way the path cannot end but at theta = 0, since f . (G f + b + theta d) <= 0 leaves f = 0 alone at large theta:
-an impact has a solution.  Where slip is given beforehand it may run off to infinity (a ray): then the force that
-presses contacts together makes them approach, which is what Painleve found.  Mostly there is no solution then; other
-paths are tried, and a proof takes all combinations of modes.
+For large theta all contacts separate and f = 0.  Theta then decreases to zero while one contact after the other changes
+its mode, each to the one that continues the solution; theta may increase on the way.  If contacts may stick or slip
+either way, the path can only end at theta = 0, since f . (G f + b + theta d) <= 0 allows only f = 0 at large theta:
+an impact has a solution.  If the directions of slip are prescribed the path may go to infinity (a ray): then the force
+that presses contacts together makes them approach, as Painleve found.  In most cases there is no solution then; other
+paths are tried, and a proof needs all combinations of modes.
 
-For given modes all is linear in theta, so that the path costs two linear solutions for each change of mode, of any
-number of contacts.  d is uneven, so that no two contacts change at once; the diagonal of G is raised by RAISED, so that
-contacts that depend on each other share their forces.
+For given modes everything is linear in theta, so that each change of mode costs two linear solutions, for any
+number of contacts.  The entries of d differ, so that no two contacts change at once; the diagonal of G is raised by
+RAISED, so that contacts that depend on each other share their forces.
 
 Source: Lemke, Bimatrix equilibrium points and mathematical programming, Management Science 11 (1965) 681-689; Cottle,
 Pang, Stone, The Linear Complementarity Problem (1992), section 4.4; Stewart, Trinkle, Int. J. Numer. Methods Eng. 39
-(1996) 2673-2691, why impacts with friction have a solution.
+(1996) 2673-2691 (existence of a solution for impacts with friction).
 """
 
 from __future__ import annotations
@@ -41,15 +41,15 @@ from rattle.jit.functions import compiled, kernel
 
 RAISED = 1e-11
 ATTEMPTS = 4
-GOLDEN = 0.6180339887498949  # its multiples are spread evenly and never meet
+GOLDEN = 0.6180339887498949  # its multiples modulo 1 are evenly spread and never equal
 KEPT_B, UNEVEN, F_RATE, A_RATE = range(4)  # rows of `path`
-# what must stay positive: a_n and N; -a_t, a_t of sliding; what is left of friction when sticking
+# quantities that must stay positive: a_n and N; -a_t, a_t of sliding; the friction reserve when sticking
 PARTING, PRESSING, FORWARDS, BACKWARDS, SHORT_OF_FORWARD, SHORT_OF_BACKWARD = range(6)
 
 
 @compiled
 def margin(m, k, what, theta, slope):
-    """What must stay positive for contact k at theta; with slope = 1 how fast it grows with theta."""
+    """The quantity `what` that must stay positive for contact k at theta; with slope = 1 its derivative by theta."""
     side, path = m.side, m.path
     n, t = 2 * k, 2 * k + 1
     if what in (PARTING, FORWARDS, BACKWARDS):
@@ -65,7 +65,7 @@ def margin(m, k, what, theta, slope):
 
 @compiled
 def margins(m, k):
-    """The two margins of contact k in its mode; the second is the first again where there is only one."""
+    """Which two quantities must stay positive for contact k in its mode; equal if there is only one."""
     mode = m.candidate[k]
     if mode == OFF:
         return PARTING, PARTING
@@ -78,7 +78,7 @@ def margins(m, k):
 
 @compiled
 def cross(m, k, what, theta):
-    """Mode that contact k takes where a margin ends, and the margin that it then starts to have."""
+    """Mode that contact k takes where a margin reaches zero, and the margin that is zero in the new mode."""
     slide = m.slide[k]
     if what == PARTING:
         if slide != 0 or friction_of(m, m.active[k]) == 0.0:
@@ -95,7 +95,7 @@ def cross(m, k, what, theta):
 
 @compiled
 def begin(m, count, attempt):
-    """Keep b, choose d, another one for each attempt, let all contacts part; returns a theta at which they do."""
+    """Store b, choose a d for this attempt, set all contacts to off; returns a theta at which this is a solution."""
     side, path, candidate = m.side, m.path, m.candidate
     size = 0.0
     for r in range(2 * count):
@@ -114,7 +114,7 @@ def begin(m, count, attempt):
 
 @compiled
 def both_parts(m, count):
-    """f, a for b alone into `side`, and for d alone into `path`."""
+    """Solve for b alone, f and a into `side`, and for d alone, into `path`."""
     side, path = m.side, m.path
     for r in range(2 * count):
         side[B, r] = path[UNEVEN, r]
@@ -127,7 +127,7 @@ def both_parts(m, count):
 
 @compiled
 def follow(m, count, attempt):
-    """Follow the path of one d; leaves the modes at its end in `candidate`."""
+    """Follow the path of one d; the modes at its end are in `candidate`.  Returns SOLVED, JAMMED or UNDECIDED."""
     candidate, path = m.candidate, m.path
     theta, sense, who, entered = begin(m, count, attempt), -1.0, -1, -1
     for _ in range(60 + 30 * count):
@@ -161,7 +161,7 @@ def follow(m, count, attempt):
 
 @kernel("problem")
 def follow_kernel(m, count):
-    """Modes of a solution into `candidate`: SOLVED, JAMMED (the path ends in a ray) or UNDECIDED."""
+    """Modes of a solution into `candidate`; returns SOLVED, JAMMED (the path ends in a ray) or UNDECIDED."""
     held, side, path = m.held, m.side, m.path
     found = UNDECIDED
     held[RIDGE] = RAISED

@@ -3,7 +3,7 @@
     M dv + Phi_q^T lambda = Q,     Phi_q dv = gamma        (docs/theory.md, section 3)
     S lambda = Phi_q M^-1 Q - gamma,     S = Phi_q M^-1 Phi_q^T
 
-This is the only caller of kernels, and it names no kind.
+Kernels of joints, drivers and loads are called here only, by address; no kind is named.  All values in SI units.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ OK, NOT_CLOSED, NOT_FINITE, STEP_TOO_SMALL, PAUSED, DONE = range(6)
 
 @compiled
 def place(m, q, v):
-    """Copy positions q and rates v (3 nb each) into `body`, with the cosine and sine of every angle."""
+    """Copy positions q [m, rad] and rates v [m/s, rad/s] (3 nb each) into `body`, with cosine and sine of angles."""
     body = m.body
     for i in range(1, body.shape[0]):
         k = 3 * i - 3
@@ -48,7 +48,7 @@ def place(m, q, v):
 
 @native("void", "h", "f")
 def drive(m, t):
-    """Functions of time: value, first and second derivative of every driver, exactly."""
+    """Functions of time t [s]: value and exact first and second derivative of every driver [m or rad, s]."""
     jet_signal, jet, out = m.jet_signal, m.jet, m.jet_out
     code, const, jets, stack, values = m.code, m.const, m.jets, m.jet_stack, m.values
     for n in range(jet_signal.shape[0]):
@@ -63,10 +63,10 @@ def drive(m, t):
 
 @compiled
 def constraints(m):
-    """Residual, nu, gamma and Jacobian of every row at the state in `body`."""
+    """Residual, nu, gamma and Jacobian of every constraint row at the state in `body`."""
     table, joint, body, values, rows = m.joint_table, m.joint, m.body, m.values, m.rows
     for n in range(joint.shape[0]):
-        if joint[n, at.KERNEL] < 0:  # held by contacts alone
+        if joint[n, at.KERNEL] < 0:  # only contacts act on this joint
             continue
         a, b, p = joint[n, at.END_A], joint[n, at.END_B], joint[n, at.FIRST_P]
         call_joint(table[joint[n, at.KERNEL]], (body, a, b, values, p, joint[n, at.FIRST_ROW], rows))
@@ -74,7 +74,7 @@ def constraints(m):
 
 @native("void", "h", "f")
 def loads(m, t):
-    """Applied forces Q, potential energy, work rate and dissipation at the state in `body`."""
+    """Applied forces Q [N, N m], potential energy [J], work rate and dissipation [W] at the state in `body`."""
     force, body, energy, power = m.force, m.body, m.energy, m.power
     mass, gravity, load, table, values = (
         m.mass,
@@ -105,7 +105,7 @@ def loads(m, t):
         lost += energy[at.DISSIPATED]
         if load[n, at.CHANGES] == 0:
             potential += energy[at.POTENTIAL]
-        else:  # its values change with time: what it stores is not a function of position alone
+        else:  # its values change with time: the stored energy is not a function of position alone
             rate += energy[at.ELASTIC]
     power[0], power[1], power[2] = potential, rate, lost
     if m.contact.shape[0] > 0:
@@ -115,9 +115,9 @@ def loads(m, t):
 
 @compiled
 def correct(m):
-    """change = -M^-1 Phi_q^T S^-1 r: the least mass-weighted change that takes a residual r away.
+    """change = -M^-1 Phi_q^T S^-1 r: the least mass-weighted change that removes a residual r.
 
-    On entry the right side holds r, from `residual` or `rate_residual`, and S is factored.
+    On entry the right-hand side holds r, from `residual` or `rate_residual`, and S is factored.
     """
     solve(m)
     change, rows, weight, x = m.change, m.rows, m.weight, m.solution
@@ -137,7 +137,7 @@ def correct(m):
 
 @compiled
 def residual(m):
-    """Put the position residuals on the right side; returns the largest [m or rad]."""
+    """Write the position residuals to the right-hand side; returns the largest [m or rad]."""
     rows, x, place_of = m.rows, m.solution, m.place
     largest = 0.0
     for r in range(rows.shape[0]):
@@ -150,7 +150,7 @@ def residual(m):
 
 @compiled
 def rate_residual(m):
-    """Put Phi_q v - nu on the right side; returns the largest [m/s or rad/s]."""
+    """Write Phi_q v - nu to the right-hand side; returns the largest [m/s or rad/s]."""
     rows, body, x = m.rows, m.body, m.solution
     place_of, row_body = m.place, m.row_body
     largest = 0.0
@@ -167,7 +167,7 @@ def rate_residual(m):
 
 @native("void", "h")
 def accelerate(m):
-    """Multipliers and accelerations from the rows, the factor and the forces at hand."""
+    """Multipliers [N, N m] and accelerations [m/s^2, rad/s^2] from rows, factor and forces in the workspace."""
     rows, force, weight, x = m.rows, m.force, m.weight, m.solution
     acceleration, multiplier = m.acceleration, m.multiplier
     place_of, row_body = m.place, m.row_body
@@ -201,7 +201,7 @@ def accelerate(m):
 
 @compiled
 def move_freely(m, t, q, v):
-    """See `free_motion`; callers hold a copy."""
+    """The same as `free_motion`, compiled into each caller."""
     place(m, q, v)
     drive(m, t)
     constraints(m)
@@ -213,32 +213,29 @@ def move_freely(m, t, q, v):
 
 @native("i", "h", "f", "v", "v")
 def free_motion(m, t, q, v):
-    """Everything at (t, q, v) as if no set-valued contact lasted. Returns the number of redundant rows."""
+    """The equations at (t, q, v) without the forces of closed contacts. Returns the number of redundant rows."""
     return move_freely(m, t, q, v)
 
 
 @compiled
 def move(m, t, q, v):
-    """See `solve_motion`; callers hold a copy."""
+    """The same as `solve_motion`, compiled into each caller."""
     lost = move_freely(m, t, q, v)
     hold = m.hold_table
-    if len(hold) > 0:  # lasting set-valued contacts
+    if len(hold) > 0:  # closed set-valued contacts
         call_hold(hold[0], (m,))
     return lost
 
 
 @native("i", "h", "f", "v", "v")
 def solve_motion(m, t, q, v):
-    """Everything at (t, q, v): rows, forces, multipliers, accelerations. Returns the number of redundant rows."""
+    """The equations at (t, q, v): rows, forces, multipliers, accelerations. Returns the number of redundant rows."""
     return move(m, t, q, v)
 
 
 @compiled
 def collect(m, v, dy):
-    """dy/dt of y from what has just been solved.
-
-    What stands where in y: see `equations.state`.
-    """
+    """dy/dt of y (layout: `equations.state`) from the solution in the workspace; v: (3 nb,) [m/s, rad/s]."""
     rows, multiplier, acceleration, power = m.rows, m.multiplier, m.acceleration, m.power
     kinematics = m.contact_kinematics
     nq = v.shape[0]
@@ -264,7 +261,7 @@ def collect(m, v, dy):
 
 @native("i", "h", "f", "v", "v")
 def derivative(m, t, y, dy):
-    """dy/dt of y, see `collect`. Returns the number of redundant rows."""
+    """dy/dt of y at t [s], see `equations.state`. Returns the number of redundant rows."""
     nq = m.change.shape[0]
     take_states(m, y)
     lost = move(m, t, y[:nq], y[nq : 2 * nq])

@@ -1,4 +1,4 @@
-"""A mechanism at rest: the forces on it and how they change with position."""
+"""A mechanism with all rates zero: its forces and how they change with position."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rattle.jit.functions import native
 
 @native("void", "h", "f", "v", "v")
 def force_at(m, t, q, out):
-    """Q - Phi_q^T lambda at rest at q, into out (3 nb,); drivers as they stand, lambda as in the workspace."""
+    """Q - Phi_q^T lambda [N, N m] at q with zero rates, into out (3 nb,); drivers and lambda as in the workspace."""
     body, rows, force = m.body, m.rows, m.force
     multiplier, row_body = m.multiplier, m.row_body
     for i in range(1, body.shape[0]):
@@ -33,9 +33,9 @@ def force_at(m, t, q, out):
 
 @native("void", "h", "f", "v", "v", "v", "m")
 def stiffness(m, t, q, step, out, result):
-    """K = -d(Q - Phi_q^T lambda)/dq (3 nb, 3 nb) with lambda held, by differences of fourth order.
+    """K = -d(Q - Phi_q^T lambda)/dq (3 nb, 3 nb) [N/m, N, N m] with lambda fixed, by fourth-order differences.
 
-    step (3 nb,): of every coordinate; out (3 nb,): scratch.  q is left as it was.
+    step (3 nb,): increment of every coordinate [m, rad]; out (3 nb,): scratch.  q is unchanged on return.
     """
     for c in range(q.shape[0]):
         spot = q[c]

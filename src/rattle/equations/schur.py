@@ -1,7 +1,7 @@
 """The Schur complement S = Phi_q M^-1 Phi_q^T: its pattern, a fill-reducing order, sparse L D L^T.
 
-S couples two rows only when they share a moving body.  The pattern is ordered and factored symbolically
-once, on the host; the numbers are then filled in and factored in compiled loops that follow the pattern.
+S couples two rows only if they share a moving body.  The pattern is ordered and factored symbolically
+once, in Python; the values are then filled in and factored in compiled loops that follow the pattern.
 
 Storage: `s` holds the diagonal first (nr, in elimination order), then the columns of L below it.
 """
@@ -17,12 +17,12 @@ import numpy as np
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
-PIVOT = 1e-13  # a pivot below this share of its diagonal is a redundant row
-WEAK = 1e-3  # below this share the solution is refined: S has the square of the condition of Phi_q
+PIVOT = 1e-13  # a pivot below this share of its diagonal belongs to a redundant row
+WEAK = 1e-3  # below this share the solution is refined: the condition number of S is the square of that of Phi_q
 
 
 class Pattern(NamedTuple):
-    """What the compiled loops follow."""
+    """The sparsity pattern that the compiled loops follow."""
 
     place: np.ndarray  # (nr,) position of each row in the elimination order
     first: np.ndarray  # (nr + 1,) first entry of each column of L in `below`
@@ -32,9 +32,9 @@ class Pattern(NamedTuple):
 
 
 def analyse(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> Pattern:
-    """Order the rows and lay out the factor.
+    """Order the rows for little fill-in and lay out the factor.
 
-    row_bodies: bodies (A, B) of every row, 0 = ground.  blocks: the rows of each joint (they stay together).
+    row_bodies: bodies (A, B) of every row, 0 = ground.  blocks: the rows of each joint, which stay together.
     """
     order = [row for block in _minimum_degree(row_bodies, blocks) for row in blocks[block]]
     nr = len(order)
@@ -50,7 +50,7 @@ def analyse(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> P
         places = sorted({int(place[row]) for row, _ in rows})
         for n, column in enumerate(places):
             under[column].update(places[n + 1 :])
-    for column in range(nr):  # fill: the rows below a pivot pass on to the column of the first of them
+    for column in range(nr):  # fill-in: the rows below a pivot are inherited by the column of the first of them
         if under[column]:
             parent = min(under[column])
             under[parent] |= under[column] - {parent}
@@ -76,7 +76,7 @@ def analyse(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> P
 
 
 def _minimum_degree(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> list[int]:
-    """Blocks in the order of least number of neighbours, each elimination joining its neighbours."""
+    """Blocks in minimum-degree order: the one with fewest neighbours is eliminated, which connects its neighbours."""
     of_body: dict[int, list[int]] = {}
     for n, block in enumerate(blocks):
         for body in row_bodies[block[0]] if block else ():
@@ -110,7 +110,7 @@ def factorise(m):
     """Fill S from the rows and factor it in place; returns the number of redundant rows.
 
     inverse[k] becomes 1 / pivot, or 0 for a redundant row: its multiplier is then zero.
-    power[3] falls to the smallest share of its diagonal that a pivot has.
+    power[3] becomes the smallest ratio of a pivot to its diagonal, if it is smaller than before.
     """
     first, target, pairs = m.first, m.target, m.pairs
     weight, rows = m.weight, m.rows

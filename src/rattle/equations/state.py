@@ -1,11 +1,11 @@
-"""The state vector y of a run: what stands where in it.
+"""The state vector y of a run and its layout.
 
     y = [q, v, work, dissipated;  impulse, loss, stored of every contact;  states of elements]
 
-q and v (3 nb each) are x, y, angle of every body in turn and their rates.  The accounts of energies and impulses ride
-along, so that they are integrated as exactly as the motion.  A kind with states of its own, such as a friction law with
-bristles, says how many it has (`states`); the row of the contact then says where they begin among those of all elements
-(`at.FIRST_STATE`, `at.STATES`).  A kernel finds the values in `element_state` and writes their rates to `element_rate`.
+q and v (3 nb each) are x, y [m], angle [rad] of every body in turn and their rates.  Energies and impulses are part of
+y, so that they are integrated as accurately as the motion.  A kind with states of its own, such as a friction law with
+bristles, declares how many it has (`states`); the row of the contact gives their place among those of all elements
+(`at.FIRST_STATE`, `at.STATES`).  A kernel reads the values in `element_state` and writes their rates to `element_rate`.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from rattle.equations.system import System
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 
-ENERGIES = {"work": "J", "dissipated": "J"}  # done on the mechanism; by loads
-ACCOUNTS = {"impulse": "N*s", "loss": "J", "stored": "J"}  # of one contact: of N; energy lost; energy held by the law
+ENERGIES = {"work": "J", "dissipated": "J"}  # work done on the mechanism; energy dissipated by loads
+ACCOUNTS = {"impulse": "N*s", "loss": "J", "stored": "J"}  # of one contact: impulse of N, energy lost, energy stored
 WORK, DISSIPATED = range(len(ENERGIES))
 IMPULSE, LOSS, STORED = range(len(ACCOUNTS))
 PER_CONTACT = len(ACCOUNTS)
@@ -28,25 +28,25 @@ FIRST_ACCOUNT = len(ENERGIES)
 
 @compiled
 def energies_at(m):
-    """Place of the first energy in y."""
+    """Index of the first energy in y."""
     return 2 * m.change.shape[0]
 
 
 @compiled
 def account_at(m, n):
-    """Place of the first account of contact n in y."""
+    """Index of the first account of contact n in y."""
     return energies_at(m) + FIRST_ACCOUNT + PER_CONTACT * n
 
 
 @compiled
 def states_at(m):
-    """Place of the first state of an element in y."""
+    """Index of the first state of an element in y."""
     return account_at(m, m.contact.shape[0])
 
 
 @compiled
 def take_states(m, y):
-    """States of the elements, from y to where kernels read them."""
+    """Copy the states of the elements from y to `element_state`, where kernels read them."""
     states, first = m.element_state, states_at(m)
     for k in range(states.shape[0]):
         states[k] = y[first + k]
@@ -54,7 +54,7 @@ def take_states(m, y):
 
 @compiled
 def clear_states(m, n, y):
-    """The states of contact n begin at zero."""
+    """Set the states of contact n in y to zero."""
     first = states_at(m) + m.contact[n, at.FIRST_STATE]
     for k in range(m.contact[n, at.STATES]):
         y[first + k] = 0.0
@@ -62,7 +62,7 @@ def clear_states(m, n, y):
 
 @dataclass(frozen=True)
 class StateLayout:
-    """Where everything stands in y, by slices, and what it is."""
+    """The layout of y: slices, names and units."""
 
     bodies: tuple[str, ...]
     contacts: tuple[str, ...]  # joint of every contact point
@@ -70,22 +70,22 @@ class StateLayout:
 
     @property
     def motion(self) -> slice:
-        """q and v."""
+        """Slice of q and v."""
         return slice(0, 6 * len(self.bodies))
 
     @property
     def states(self) -> slice:
-        """States of elements."""
+        """Slice of the states of elements."""
         first = self.motion.stop + FIRST_ACCOUNT + PER_CONTACT * len(self.contacts)
         return slice(first, first + len(self.state_owners))
 
     @property
     def size(self) -> int:
-        """Numbers in y."""
+        """Length of y."""
         return int(self.states.stop)
 
     def account(self, n: int) -> slice:
-        """Impulse, loss and stored energy of contact n."""
+        """Slice of impulse [N s], loss [J] and stored energy [J] of contact n."""
         first = self.motion.stop + FIRST_ACCOUNT + PER_CONTACT * n
         return slice(first, first + PER_CONTACT)
 

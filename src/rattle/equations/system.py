@@ -24,7 +24,7 @@ STATE = {"x": 0, "y": 1, "angle": 2, "vx": 3, "vy": 4, "omega": 5}  # columns of
 
 @dataclass(frozen=True)
 class Row:
-    """Whose constraint row it is, and its unit."""
+    """A constraint row: the joint or driver it belongs to, and its unit."""
 
     owner: str
     unit: str
@@ -33,58 +33,58 @@ class Row:
 
 @dataclass(frozen=True)
 class System:
-    """A model made ready to compute: arrays, names and where they stand."""
+    """A model ready for computation: arrays in SI units, names and their places in the arrays."""
 
     model: Model
     arrays: Mapping[str, np.ndarray]  # the first part of the workspace, read-only in a run
     bodies: tuple[str, ...]  # without the ground; body i of the arrays is bodies[i - 1]
     joints: tuple[str, ...]  # joints, then drivers, as in the array `joint`
     rows: tuple[Row, ...]
-    watched: tuple[str, ...]  # joint of every watched row
+    watched: tuple[str, ...]  # joint of every constraint whose multiplier is monitored for zero crossings
     depth: int
     live_names: tuple[str, ...]  # path of every expression evaluated in a run, programs in order
     program_starts: tuple[int, ...]  # first code row of each of them
-    size: float  # a length that is typical of the mechanism [m]
+    size: float  # a typical length of the mechanism [m]
     switches: tuple[Switch, ...] = ()  # of all expressions that the motion depends on
 
     @property
     def body_count(self) -> int:
-        """Moving bodies."""
+        """Number of moving bodies."""
         return len(self.bodies)
 
     @property
     def signals(self) -> Signals:
-        """Programs of all signals."""
+        """Compiled expressions of all signals."""
         rows = [(int(a), int(b), int(k)) for a, b, k in self.arrays["signal"]]
         return Signals(self.arrays["code"], self.arrays["const"], rows)
 
     def first_row(self, name: str) -> int:
-        """Number of the first row of a joint or driver."""
+        """Index of the first constraint row of a joint or driver."""
         return int(self.arrays["joint"][self.joints.index(name), at.FIRST_ROW])
 
     def first_value(self, name: str) -> int:
-        """Where the parameters of a joint or driver begin in `values`."""
+        """Index of the first parameter of a joint or driver in `values`."""
         return int(self.arrays["joint"][self.joints.index(name), at.FIRST_P])
 
     def driver_slot(self, name: str) -> int:
-        """Where the value of a driver's function stands in `values`; its two derivatives stand behind it."""
+        """Index of the value of a driver's function in `values` [m or rad]; its two derivatives follow."""
         return self.first_value(name) + at.POINTS + len(driven_ends(self.model, self.model.drivers[name])[2])
 
     @property
     def row_count(self) -> int:
-        """Constraint rows, drivers included."""
+        """Number of constraint rows, drivers included."""
         return len(self.rows)
 
     @property
     def element_states(self) -> int:
-        """States that elements have of their own, as the bristles of a friction law; see `equations.state`."""
+        """Number of states that belong to elements, such as the bristles of a friction law; see `equations.state`."""
         return int(self.arrays["contact"][:, at.STATES].sum())
 
     def workspace(self, also: Iterable[int] = (), **more: np.ndarray) -> Workspace:
-        """Fresh workspace of one run; also: other joint kernels called; `more` are arrays of the time integration."""
+        """A new workspace for one run.  also: other joint kernels called.  more: arrays of the time integration."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
         nc = self.arrays["contact"].shape[0]
-        machine = functions.jit_runs()  # asked once: another thread may switch to machine code at any moment
+        machine = functions.jit_runs()  # read once: another thread may switch to machine code at any moment
         memory = np.zeros((nc, 13))
         memory[:, at.CLOSED] = at.AUTO
         body = np.zeros((nb, 8))
@@ -102,7 +102,7 @@ class System:
                     if nc
                 },
                 "values": self.arrays["values"].copy(),
-                "code": self.arrays["code"].copy(),  # the sides of switches are those of one run
+                "code": self.arrays["code"].copy(),  # the branches of switches belong to one run
                 "signals": np.zeros(ns),
                 "jets": np.zeros((ns, 3)),
                 "stack": np.zeros(self.depth),
@@ -130,7 +130,7 @@ class System:
 
 
 def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:
-    """The kind whose rows hold this joint, and the values of its fields; None when contacts alone act on it."""
+    """The kind whose constraint rows this joint has, and the values of its fields; None if only contacts act on it."""
     if has_contacts(joint):
         return None, ()
     contact, known = joint.contact, registry.kinds("joint")
@@ -140,18 +140,18 @@ def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:
 
 
 def has_contacts(joint: Joint) -> bool:
-    """True when the joint is open: only contacts with its clearance act on it."""
+    """True if the joint has clearance and no constraint: only contacts act on it."""
     return joint.contact is not None and joint.clearance > 0.0 and joint.contact.acts
 
 
 def is_link(joint: Joint) -> bool:
-    """True when the joint is held by a two-sided link over its clearance."""
+    """True if the joint is a massless (two-sided) link as long as its clearance."""
     kind = joint_rows(joint)[0]
     return kind is not None and kind.name != joint.kind
 
 
 class _Programs:
-    """Collects expressions and where their values go."""
+    """Collects expressions and the places of their values."""
 
     def __init__(self, model: Model, bodies: Mapping[str, int]) -> None:
         self.constants = model.constants
@@ -167,7 +167,7 @@ class _Programs:
 
 
 def compile_system(model: Model) -> System:
-    """Flat arrays, names and the pattern of the Schur complement for one model."""
+    """Flat arrays (SI units), names and the pattern of the Schur complement of one model."""
     bodies = {name: n + 1 for n, name in enumerate(model.bodies)}
     number = {"ground": 0, **bodies}
     programs = _Programs(model, bodies)
@@ -293,7 +293,7 @@ def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, 
 
 
 def _with_mass(choice: Choice, model: Model, joint: Joint) -> Choice:
-    """Fill in the effective mass where a law wants one: that of the two bodies as if they were free."""
+    """Fill in the effective mass [kg] if a law needs one: that of the two bodies as if they were free."""
     if choice.values.get("effective_mass", 1.0) > 0.0:
         return choice
     light = sum(1.0 / model.bodies[name].mass for name in (joint.a.body, joint.b.body) if name in model.bodies)
@@ -322,7 +322,7 @@ def _switches(
     programs: _Programs, code: np.ndarray, const: np.ndarray, first: np.ndarray, drivers: Sequence[int],
     live: Sequence[int], signals: Sequence[int],
 ) -> list[Switch]:  # fmt: skip
-    """Switches of all expressions that the motion depends on."""
+    """Switches of all expressions on which the motion depends."""
     names = programs.names
     rows = [(int(first[n]), int(first[n + 1]), k) for k, n in enumerate(signals)]
     used = [(int(first[n]), int(first[n + 1]), names[n], n in drivers) for n in (*drivers, *live)]
@@ -346,7 +346,7 @@ def _table(entries: Sequence[Sequence[int]], width: int) -> np.ndarray:
 
 
 def _size(model: Model) -> float:
-    """Largest distance of a point from its body's mass centre, or of a ground point from the origin; 1 m if none."""
+    """Largest distance [m] of a point from its body's mass centre, or of a ground point from the origin; 1 if none."""
     points = [p for body in model.bodies.values() for p in body.points.values()] + list(model.ground.values())
     lengths = [abs(x) + abs(y) for x, y in points] + [one.distance for one in model.joints.values()]
     return max([*lengths, 0.0]) or 1.0

@@ -1,7 +1,7 @@
-"""Set-valued contacts as the equations of motion see them: rows, right sides, and the forces of lasting contacts.
+"""Set-valued contacts in the equations of motion: rows of W, right-hand sides, and the forces of closed contacts.
 
-The problem itself is solved in `complementarity`, whose kernels are called by their addresses: what calls them need
-not compile them again.
+The contact problem is solved in `complementarity`, whose kernels are called by address, so that their callers
+do not compile them again.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ EXPAND, TRACE = (
     6,
     7,
 )  # places in `problem_table`, after those of complementarity: see solvers.nonsmooth.impact_phases and paths
-# endings of a run that only set-valued contacts have
+# ends of a run that only occur with set-valued contacts
 NO_SOLUTION, NOT_UNIQUE, LOCKED, CHATTER, NOT_FOUND = range(10, 15)
 
 
 @compiled
 def along(m, r, n, values, column):
-    """w . values for line r of contact n; values (nb + 1, ...) has x, y, phi from `column` on."""
+    """W_r . values for row r (of contact n); values (nb + 1, ...) has x, y, phi from `column` on."""
     contact, w = m.contact, m.contact_jacobian
     a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
     total = 0.0
@@ -50,13 +50,13 @@ def along(m, r, n, values, column):
 
 @compiled
 def velocity_scale(m, r, n):
-    """Size of the terms that make up w . v: what rounding of a contact velocity is measured by [m/s]."""
+    """Magnitude of the terms of W_r . v [m/s], relative to which a contact velocity has rounding."""
     return reach(m, r, n, m.body, at.VX)
 
 
 @compiled
 def reach(m, r, n, values, column):
-    """Size of the terms that make up `along`."""
+    """Magnitude of the terms of `along`, in the same unit."""
     contact, w = m.contact, m.contact_jacobian
     a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
     total = 0.0
@@ -67,7 +67,7 @@ def reach(m, r, n, values, column):
 
 @compiled
 def lasting_side(m, count):
-    """b of lasting contacts: g'' and minus the rate of slip that the motion without contact forces would have."""
+    """b of closed contacts: g'' and minus the rate of slip of the motion without contact forces [m/s^2]."""
     kinematics, active, side, acceleration = m.contact_kinematics, m.active, m.side, m.acceleration
     for k in range(count):
         n = active[k]
@@ -77,19 +77,19 @@ def lasting_side(m, count):
 
 @compiled
 def contact_rows(m, count):
-    """Rows w of the active contacts, what a unit force on each of them changes, and G."""
+    """Rows of W of the active contacts, the responses to unit forces, and G."""
     call_problem(m.problem_table[ROWS_OF], (m, count))
 
 
 @compiled
 def solve_contacts(m, count):
-    """Find modes, f and a of the active contacts, starting from `candidate`; False: none was found, see `ending`."""
+    """Find modes, f and a of the active contacts, starting from `candidate`; False if none was found, see `ending`."""
     return call_problem(m.problem_table[SEARCH], (m, count)) == SOLVED
 
 
 @compiled
 def solve_by_trying(m, count):
-    """Try all modes where `solve_contacts` has found none; True when there is a solution, else see `ending`."""
+    """Try all modes if `solve_contacts` has found none; True if there is a solution, otherwise see `ending`."""
     held = m.held
     if held[OUTCOME] == IMPOSSIBLE:
         return False
@@ -101,7 +101,7 @@ def solve_by_trying(m, count):
 
 @compiled
 def ending(m):
-    """How a run ends whose contact problem was not solved: NOT_FOUND where nothing tells that friction jams."""
+    """How a run ends whose contact problem was not solved: NO_SOLUTION if proved or jammed, otherwise NOT_FOUND."""
     return NOT_FOUND if m.held[OUTCOME] == UNDECIDED else NO_SOLUTION
 
 
@@ -113,16 +113,16 @@ def count_solutions(m, count):
 
 @compiled
 def solve_modes(m, count, rough):
-    """Forces f (not always a) for the modes in `candidate`, rough = 0: without friction of sliding. Returns a sign.
+    """Forces f (a may be left out) for the modes in `candidate`; rough = 0: without friction of sliding.
 
-    See `complementarity.modes_kernel`.
+    Returns the sign of the determinant, see `complementarity.modes_kernel`.
     """
     return call_problem(m.problem_table[MODES], (m, 4 * count + 2 + rough))
 
 
 @compiled
 def is_rough(m, count):
-    """True when a active contact has friction."""
+    """True if an active contact has friction."""
     active = m.active
     for k in range(count):
         if friction_of(m, active[k]) > 0.0:
@@ -132,7 +132,7 @@ def is_rough(m, count):
 
 @compiled
 def add_forces(m, count, acceleration, multiplier):
-    """Add what f changes: acceleration (nb + 1, 3) and multipliers (or rates and percussions of the joints)."""
+    """Add the response to f: accelerations (nb + 1, 3) and multipliers, or rates and impulses of the joints."""
     dv, dlambda = m.velocity_change, m.multiplier_change
     push_all(m, count)
     for i in range(1, acceleration.shape[0]):
@@ -144,7 +144,7 @@ def add_forces(m, count, acceleration, multiplier):
 
 @compiled
 def shift(m, count, values, share):
-    """Add to values (3 nb,) a share of what f changes."""
+    """Add to values (3 nb,) a share of the response to f."""
     dv = m.velocity_change
     push_all(m, count)
     for c in range(values.shape[0]):
@@ -153,7 +153,7 @@ def shift(m, count, values, share):
 
 @compiled
 def push_all(m, count):
-    """What all f change together, M^-1 (W^T f - Phi_q^T z), into `velocity_change`, and z into `multiplier_change`."""
+    """Response to all f, M^-1 (W^T f - Phi_q^T z), into `velocity_change`, and z into `multiplier_change`."""
     side, dv, dlambda = m.side, m.velocity_change, m.multiplier_change
     response, multiplier_response, w, weight = m.velocity_response, m.multiplier_response, m.contact_jacobian, m.weight
     contact, active, sparse = m.contact, m.active, m.held[SPARSE] == 1.0
@@ -183,7 +183,7 @@ def push_all(m, count):
 
 @compiled
 def hold_joints(m):
-    """Take off `velocity_change` what the joints do not allow; their multipliers go to `multiplier_change`."""
+    """Remove from `velocity_change` what the joints prevent; their multipliers go to `multiplier_change`."""
     dv, dlambda, rows, weight = m.velocity_change, m.multiplier_change, m.rows, m.weight
     row_body, place, x = m.row_body, m.place, m.solution
     for row in range(dlambda.shape[0]):
@@ -203,7 +203,7 @@ def hold_joints(m):
 
 @kernel("hold")
 def hold(m):
-    """Forces of lasting contacts in their present modes, on top of the motion without them; N, T go with them."""
+    """Add the response to the forces of closed contacts in their present modes; N, T [N] to `contact_kinematics`."""
     contact, kinematics, mode = m.contact, m.contact_kinematics, m.mode
     active, candidate, side, held = m.active, m.candidate, m.side, m.held
     count = 0
