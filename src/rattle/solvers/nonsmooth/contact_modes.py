@@ -39,17 +39,17 @@ from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, larges
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN = range(5)  # what an event is
-TOGETHER, ALONE, KEPT = range(3)  # a contact lets go: with all that are about to, by itself, or not after all
-CREEP = 1e-7  # share of the largest slip at one instant below which the sense of a slip is not resolved
-AHEAD = 1e-6  # share of a force by which what is called for exceeds friction a little after a contact has broken away
+TOGETHER, ALONE, KEPT = range(3)  # a contact opens: with all that are about to, by itself, or not after all
+CREEP = 1e-7  # share of the largest slip at one instant below which the direction of a slip is not resolved
+AHEAD = 1e-6  # share by which the required friction force exceeds the limit shortly after a breakaway
 CREEPS = 30  # see regroup
-SLIGHT = 1e-7  # share of its largest force at which a contact lets go together with another one
-SLOWLY = 1e-4  # share of the largest acceleration with which it then parts, at most
+SLIGHT = 1e-7  # share of its largest force below which a contact opens together with another one
+SLOWLY = 1e-4  # largest acceleration with which it then opens, as a share of the largest acceleration
 
 
 @compiled
 def goes_along(m, n, apart):
-    """True when lasting contact n presses next to nothing, against its force before, while another one lets go."""
+    """True if closed contact n presses with almost no force, compared with before, while another one opens."""
     return (
         n != apart and m.mode[n] != OFF and m.contact_kinematics[n, at.NORMAL] <= SLIGHT * m.contact_memory[n, at.PEAK]
     )
@@ -57,15 +57,16 @@ def goes_along(m, n, apart):
 
 @compiled
 def leaves(m, n, apart, attempt):
-    """True when contact n is left out of an attempt."""
+    """True if contact n is left out of an attempt."""
     return (n == apart and attempt != KEPT) or (attempt == TOGETHER and goes_along(m, n, apart))
 
 
 @compiled
 def choose_closed(m, apart, kind, attempt, pulling):
-    """Choose the contacts that are closed and do not part, with the sense of their slips, and modes to start from.
+    """Choose the contacts that are closed and do not open, with their directions of slip and initial modes.
 
-    The motion without their forces is at hand; pulling: force along the wall at contact `apart`.  Returns how many.
+    The workspace holds the motion without their forces; pulling: tangential force [N] at contact `apart`.
+    Returns their number.
     """
     contact, mode, body, memory = m.contact, m.mode, m.body, m.contact_memory
     active, candidate, slide = m.active, m.candidate, m.slide
@@ -89,7 +90,7 @@ def choose_closed(m, apart, kind, attempt, pulling):
                 slide[closed] = 1 if u > 0.0 else -1
             if n == apart and kind == BREAK_AWAY:
                 slide[closed] = 1 if pulling > 0.0 else -1
-            elif kind == BREAK_AWAY and kept and mode[n] != STICK:  # it had reached its limit before: goes along
+            elif kind == BREAK_AWAY and kept and mode[n] != STICK:  # it was at its friction limit before
                 slide[closed] = 1 if mode[n] == FORWARD else -1
             candidate[closed] = mode[n]
             if mode[n] == OFF or slide[closed] != 0:
@@ -102,10 +103,10 @@ def choose_closed(m, apart, kind, attempt, pulling):
 
 @compiled
 def part(m, count, apart, attempt):
-    """True when the gaps of all contacts that an attempt leaves out are going to open; the others' forces are at hand.
+    """True if the gaps of all contacts that an attempt leaves out are going to open; the others' forces are known.
 
-    Those that go along have to open slowly, too: a contact that flies off is not one that was about to let go.
-    The motion at hand becomes that with these forces.
+    Those that open together with another one must also open slowly: a contact that flies off was not about to open.
+    The motion in the workspace becomes that with these forces.
     """
     kinematics, acceleration = m.contact_kinematics, m.acceleration
     add_forces(m, count, acceleration, m.multiplier)
@@ -123,9 +124,10 @@ def part(m, count, apart, attempt):
 def update_modes(m, t, y, apart, kind):
     """Modes of all closed contacts from the problem for the accelerations; `apart` is the contact of the event, or -1.
 
-    A contact that has just let go or broken away keeps to that unless the others then press it back; contacts that
-    are about to let go do so with it if all of them part then, so that a block parallel to its wall leaves it parallel.
-    Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE; or CREEPS, when some stick now and it is to be tried anew.
+    A contact that has just opened or broken away stays so unless the others then press it back; contacts that
+    are about to open do so with it if all of them then separate, so that a block parallel to its wall leaves it
+    parallel.  Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE; or CREEPS, if some now stick and the caller must
+    try again.
     """
     kinematics, attempt = m.contact_kinematics, KEPT
     pulling = kinematics[apart, at.TANGENT] if apart >= 0 else 0.0
@@ -160,11 +162,12 @@ def update_modes(m, t, y, apart, kind):
 
 @compiled
 def go_beyond(m, count, apart, pulling):
-    """Modes a little after contact `apart`, one of the active ones, has been pulled away from rest. Returns a status.
+    """Modes shortly after contact `apart`, one of the active ones, has broken away from sticking. Returns a status.
 
-    Where the force that presses it makes it approach when it slides (Painleve), sticking and sliding are solutions up
-    to that instant and neither is one after it: sliding would turn at once.  So b goes on by what calls for a little
-    more along the wall than friction gives, the sense of slip is open, and what solves the problem then is what lasts.
+    If the force that presses it makes it approach when it slides (Painleve), sticking and sliding are both solutions up
+    to that instant and neither is one after it: sliding would reverse at once.  Therefore b is changed so that slightly
+    more tangential force is required than friction can give, the direction of slip is left open, and the solution of
+    this problem is taken.
     """
     as_full_matrix(m, count)
     largest, k = 0.0, 0
@@ -176,7 +179,7 @@ def go_beyond(m, count, apart, pulling):
         m.side[B, r] -= (more if pulling > 0.0 else -more) * m.delassus[r, 2 * k + 1]
     m.slide[k] = 0
     found = call_problem(m.problem_table[TRY_ALL], (m, 2 * count + 1))
-    if found < 0:  # too many to be tried
+    if found < 0:  # too many combinations to be tried
         found = 1 if solve_contacts(m, count) and linear(m, count) > 0 else 2
     m.held[OUTCOME] = SOLVED if found > 0 else IMPOSSIBLE
     return OK if found == 1 else (NOT_UNIQUE if found > 1 else NO_SOLUTION)
@@ -184,11 +187,11 @@ def go_beyond(m, count, apart, pulling):
 
 @compiled
 def end_creep(m, count):
-    """Lasting contacts among the active ones that creep stick from now on; True when there are any.
+    """Active closed contacts that creep stick from now on; True if there are any.
 
-    What an impact sends along a chain of contacts falls off by orders, and leaves slips whose sense a run does not
-    resolve.  Where friction in that sense leaves the problem without solution they are none: friction ends them at
-    once, with no more than CREEP^2 of the energy.
+    The effect of an impact decreases by orders of magnitude along a chain of contacts, and leaves slips whose direction
+    a run does not resolve.  If friction in that direction leaves the problem without solution the slip is not real:
+    friction ends it at once, with no more than CREEP^2 of the energy.
     """
     kinematics, mode, active, slide = m.contact_kinematics, m.mode, m.active, m.slide
     largest, found = 0.0, False
@@ -204,7 +207,7 @@ def end_creep(m, count):
 
 @compiled
 def turning(m, n):
-    """Size of what makes up gamma of contact n, which may cancel: what its rounding is measured by [m/s^2]."""
+    """Magnitude of the terms of gamma of contact n [m/s^2], which may cancel; its rounding is relative to it."""
     contact, kinematics, lever, body = m.contact, m.contact_kinematics, m.lever, m.body
     size = abs(kinematics[n, at.GAMMA_N]) + kinematics[n, at.ACROSS] * kinematics[n, at.ACROSS] / clearance_of(m, n)
     for end in range(2):
@@ -215,14 +218,14 @@ def turning(m, n):
 
 @compiled
 def contact_rows_of_one(m, k, n):
-    """Put contact n after k active ones, with its rows."""
+    """Add contact n after k active ones, with its rows of W."""
     m.active[k] = n
     contact_rows(m, k + 1)
 
 
 @compiled
 def change_modes(m, t, y, count):
-    """Take over the modes in `candidate` of the active contacts (all others are off) and note what has changed."""
+    """Accept the modes in `candidate` for the active contacts (all others are off) and record changes as events."""
     contact, mode, memory = m.contact, m.mode, m.contact_memory
     active, candidate, side = m.active, m.candidate, m.side
     for n in range(contact.shape[0]):

@@ -1,4 +1,4 @@
-"""States with set-valued contacts brought back onto joints and walls; what counts as near and as rest."""
+"""Projection of states with set-valued contacts onto joints and walls; tolerances for contact and for zero slip."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from rattle.solvers.gap_search import clearance_of
 from rattle.solvers.projection import project
 from rattle.solvers.step_audit import LENGTH
 
-NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above what integration leaves
-FAR = 100.0  # times its gap that a contact may move along its wall, and its bodies turn, for it to be put there
-STILL = 1e-12  # share of the terms of a contact velocity that counts as rest
+NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above the integration error
+FAR = 100.0  # how far a contact may move along its wall, in gaps, when it is projected onto the wall
+STILL = 1e-12  # share of its terms below which a contact velocity counts as zero
 
 
 @compiled
 def noise(m, n):
-    """Depth that rounding may give to contact n [m]."""
+    """Penetration of contact n that may be rounding [m]."""
     return 1e-12 * clearance_of(m, n) + 1e-15 * m.held[SIZE]
 
 
 @compiled
 def at_wall(m, n):
-    """True when free contact n is at its wall, its gap being at hand; near ones that hit have been put there."""
+    """True if open contact n is at its wall (its gap must be up to date); near ones that hit are projected there."""
     return m.contact_kinematics[n, at.GAP] <= 100.0 * noise(m, n)
 
 
 @compiled
 def closed_contacts(m):
-    """Choose all contacts that last, with their modes; returns how many there are."""
+    """Choose all closed contacts, with their modes; returns their number."""
     contact, mode, active, candidate = m.contact, m.mode, m.active, m.candidate
     count = 0
     for n in range(contact.shape[0]):
@@ -43,7 +43,7 @@ def closed_contacts(m):
 
 @compiled
 def add_hitting(m, count, who):
-    """Choose contact `who` and all free ones as near, after the `count` lasting ones; returns how many there are."""
+    """Add contact `who` and all open ones equally near after the `count` closed ones; returns their number."""
     contact, mode, kinematics, active = m.contact, m.mode, m.contact_kinematics, m.active
     closed = count
     for n in range(contact.shape[0]):
@@ -57,7 +57,7 @@ def add_hitting(m, count, who):
 
 @compiled
 def goes_far(m, count, gap):
-    """True when the forces at hand, as a shift, move points of contact by more than FAR times a gap."""
+    """True if the present forces, taken as displacements, move contact points by more than FAR times a gap [m]."""
     dv, active = m.velocity_change, m.active
     push_all(m, count)
     for k in range(count):
@@ -68,10 +68,10 @@ def goes_far(m, count, gap):
 
 @native("void", "h", "f", "v", "i")
 def project_on_contacts(m, t, y, who):
-    """Bring y onto the constraints and onto its lasting contacts, positions and rates; leaves rows and factor.
+    """Project y onto the constraints and its closed contacts, positions and rates; rows and factor stay up to date.
 
-    who: a contact that hits now (or -1); it and all that are as near come onto their walls too.  Near ones that would
-    take the bodies far for that, as the other corner of a short block that is tilted, stay where they are.
+    who: a contact that hits now (or -1); it and all that are equally near are put onto their walls too.  Near ones
+    that would move the bodies far, such as the other corner of a short tilted block, stay where they are.
     """
     project(m, t, y)
     locate_contacts(m)
@@ -89,7 +89,7 @@ def project_on_contacts(m, t, y, who):
         for k in range(closed):
             gap = abs(kinematics[active[k], at.GAP])
             worst, bend = max(worst, gap), max(bend, gap * gap / clearance_of(m, active[k]))
-        if worst < exact or left < exact or attempt == 3:  # a correction leaves what walls bend: gap^2 / clearance
+        if worst < exact or left < exact or attempt == 3:  # error by curved walls: gap^2 / clearance
             audit[LENGTH] = max(audit[LENGTH], worst)
             break
         contact_rows(m, closed)
@@ -117,7 +117,7 @@ def project_on_contacts(m, t, y, who):
 
 @compiled
 def motion_without(m, t, y):
-    """Everything at y but without forces of lasting contacts."""
+    """The equations of motion at y without the forces of closed contacts."""
     nq = m.change.shape[0]
     free_motion(m, t, y[:nq], y[nq : 2 * nq])
 
@@ -134,5 +134,6 @@ def largest_acceleration(m):
 
 @compiled
 def at_rest(m, r, n, u, before):
-    """True when the velocity u of line r of contact n is rounding; before: size of its terms before an impact [m/s]."""
+    """True if the velocity u [m/s] of row r of contact n is rounding; before: magnitude of its terms before an impact
+    [m/s]."""
     return abs(u) <= STILL * max(velocity_scale(m, r, n), before) + 1e-14 * m.held[SIZE]

@@ -1,15 +1,15 @@
-"""Event-driven motion with set-valued contacts: smooth stretches between located events.
+"""Event-driven motion with set-valued contacts: smooth motion between located events.
 
-Between events every contact keeps its mode (off, sticking, sliding) and lasting contacts act as constraints whose
+Between events every contact keeps its mode (off, sticking, sliding) and closed contacts act as constraints whose
 forces `equations.unilateral.hold` adds.  Each step is searched on its dense output for the first of
 
     gap = 0                  impact, with all contacts that are closed at that instant in one problem
     N = 0                    release
     |T| = mu N               stick -> slip
-    slip = 0                 slip -> stick, or on in the other sense, as the problem for the accelerations says
+    slip = 0                 slip -> stick, or slip in the other direction, by the problem for the accelerations
 
-How impacts are solved and infinite sequences of bounces closed stands in `impacts`, the choice of modes in
-`contact_modes`, the search in `event_search`.
+Impacts and the end of infinite sequences of bounces are in `impacts`, the choice of modes in `contact_modes`, the
+search in `event_search`.
 
 Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapters 5 to 9.
 """
@@ -61,7 +61,7 @@ CROWDED = 1e-6
 
 @compiled
 def remember(m):
-    """Keep gaps and their rates: the start of the next step."""
+    """Store gaps [m] and their rates [m/s] for the start of the next step."""
     kinematics, memory = m.contact_kinematics, m.contact_memory
     for n in range(kinematics.shape[0]):
         memory[n, at.GAP_0], memory[n, at.DGAP_0] = kinematics[n, at.GAP], kinematics[n, at.DGAP]
@@ -69,7 +69,7 @@ def remember(m):
 
 @compiled
 def count_shift(m):
-    """By how much a located event was beside the joints and walls, from gaps before and after the projection: drift."""
+    """Error of a located event [m], from gaps before and after the projection; it counts as drift."""
     memory, kinematics, audit = m.contact_memory, m.contact_kinematics, m.audit
     for n in range(memory.shape[0]):
         audit[LENGTH] = max(audit[LENGTH], abs(kinematics[n, at.GAP] - memory[n, at.GAP_1]))
@@ -77,7 +77,7 @@ def count_shift(m):
 
 @compiled
 def new_modes(m, t, y, who, what):
-    """New modes at (t, y) after an event, see `update_modes`; leaves y on its constraints. Returns a status."""
+    """New modes at (t, y) after an event, see `update_modes`; y is projected onto its constraints. Returns a status."""
     nq = m.change.shape[0]
     status = update_modes(m, t, y, who, what)
     if status == CREEPS:
@@ -91,9 +91,9 @@ def new_modes(m, t, y, who, what):
 
 @native("i", "h", "f", "v", "i", "i")
 def handle_event(m, t, y, who, what):
-    """Event at (t, y): impact if contacts hit, then new modes; leaves y on its constraints. Returns a status.
+    """Event at (t [s], y): impact if contacts hit, then new modes; y is projected onto its constraints.
 
-    `contact_kinematics` holds the gaps at (t, y).
+    Returns a status.  `contact_kinematics` holds the gaps at (t, y).
     what: HIT, LET_GO, BREAK_AWAY or TURN of contact `who`; or NOTHING: a run starts, `who` hits (-1: none does).
     """
     memory, kinematics = m.contact_memory, m.contact_kinematics
@@ -109,7 +109,7 @@ def handle_event(m, t, y, who, what):
     else:
         nq, mode = m.change.shape[0], m.mode
         old = mode[who] if what == TURN else OFF
-        if what == TURN:  # at the reversal there is no slip; which sign it takes, the accelerations say
+        if what == TURN:  # at the reversal there is no slip; the accelerations decide its sign
             mode[who] = STICK
         project_on_contacts(m, t, y, -1)
         if what == TURN:
@@ -120,7 +120,7 @@ def handle_event(m, t, y, who, what):
 
 @native("i", "h", "f")
 def start(m, t):
-    """Modes at the start of a run: contacts that are closed and hit take their impact at once. Returns a status."""
+    """Modes at the start of a run: closed contacts that approach have their impact at once. Returns a status."""
     contact, kinematics, mode, y = m.contact, m.contact_kinematics, m.mode, m.state
     project(m, t, y)
     locate_contacts(m)
@@ -143,7 +143,7 @@ def start(m, t):
 
 @native("i", "h", "f", "i")
 def go_on(m, t, jolted):
-    """Modes after expressions have switched at t; jolted: rates have jumped, contacts may part. Returns a status."""
+    """Modes after expressions have switched at t; jolted: rates have jumped, contacts may open. Returns a status."""
     y = m.state
     if jolted == 0:
         status = handle_event(m, t, y, -1, NOTHING)
@@ -155,7 +155,8 @@ def go_on(m, t, jolted):
 
 @compiled
 def write_until(m, t, h, t_until, t_out, out):
-    """Outputs of the step from t of length h up to t_until; the dense output is ready. False if a contact escaped."""
+    """Write outputs of the step from t of length h up to t_until [s]; needs the dense output. False if a contact
+    escaped."""
     tally, stage = m.tally, m.stage
     while output_due(m, t_until, t_out):
         k = tally[OUTPUTS]
@@ -171,7 +172,7 @@ def write_until(m, t, h, t_until, t_out, out):
 
 @compiled
 def none_may_hit(m, h):
-    """True when no free contact can reach its wall in the step of length h."""
+    """True if no open contact can reach its wall in the step of length h [s]."""
     contact, mode = m.contact, m.mode
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
@@ -181,7 +182,7 @@ def none_may_hit(m, h):
 
 @compiled
 def try_step(m, t, h, last, rtol, atol, h_max):
-    """Step from t of length h into y_new; OK or TRY_AGAIN, its error, and True when watched forces changed signs."""
+    """Step from t of length h into y_new; OK or TRY_AGAIN, its error, and True if monitored forces changed signs."""
     m.power[3] = 1.0
     m.held[DETERMINANT] = 1.0
     error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, 0))
@@ -196,7 +197,7 @@ def try_step(m, t, h, last, rtol, atol, h_max):
 
 @compiled
 def end_on_contacts(m, t, h, t_new, t_end):
-    """Bring the end of the step onto joints and lasting contacts; a status, and True as in `try_step`."""
+    """Project the end of the step onto joints and closed contacts; a status, and True as in `try_step`."""
     kinematics, memory, y_new = m.contact_kinematics, m.contact_memory, m.state_new
     project_on_contacts(m, t_new, y_new, -1)
     derivative(m, t_new, y_new, m.rate_new)
@@ -212,9 +213,9 @@ def end_on_contacts(m, t, h, t_new, t_end):
 
 @compiled
 def search_step(m, t, h, low, high, calm):
-    """The first event in the step, see `first_event`, of which a calm one has none.
+    """The first event in the step, see `first_event`; calm: there is none.
 
-    Returns its share of the step, the contact (-1: none), what it does, and whether stages have shown all.
+    Returns its share of the step, the contact (-1: none), its kind, and whether the stages have shown all events.
     """
     if calm:
         keep_forces(m)
@@ -224,9 +225,9 @@ def search_step(m, t, h, low, high, calm):
 
 @compiled
 def sum_step(m, t, h, until, met, by_stages):
-    """Peaks and sums of a step with a dense output up to the share `until`; met: an event is there.
+    """Peaks and sums of a step with a dense output up to the share `until`; met: there is an event.
 
-    by_stages: lasting contacts have shown at its stages all that they do.
+    by_stages: the stages have shown all changes of closed contacts.
     """
     if by_stages:
         solved = end_by_stages(m, t, h, until)
@@ -239,7 +240,7 @@ def sum_step(m, t, h, until, met, by_stages):
 def go_to(m, t, h, until, t_until, met, quiet, changed, t_out, out):
     """Signs and outputs up to t_until, the share `until` of the step from t of length h; the state there into y_new.
 
-    met: an event cuts the step there.  quiet: it is the end of a step without dense output, which is not needed.
+    met: an event ends the step there.  quiet: the end of a step that needs no dense output.
     Returns OK, or ESCAPED.
     """
     y_new = m.state_new
@@ -257,7 +258,7 @@ def go_to(m, t, h, until, t_until, met, quiet, changed, t_out, out):
 
 @compiled
 def take_event(m, t, h, t_end, who, what, stuck):
-    """Event of contact `who` at t, in a step of length h; CHATTER where they follow each other without end."""
+    """Event of contact `who` at t, in a step of length h; CHATTER if events follow each other without end."""
     again = t - stuck[0] <= 1e-14 * t_end
     stuck[1] = stuck[1] + 1.0 if again else 0.0
     stuck[3] = stuck[3] + 1.0 if t - stuck[0] <= CROWDED * t_end else 0.0
@@ -273,7 +274,7 @@ def take_event(m, t, h, t_end, who, what, stuck):
 
 @compiled
 def start_next(m, t, met, quiet):
-    """From the end of a step at t, where an event may have been met, to the start of the next."""
+    """Make the end of a step at t, where an event may have occurred, the start of the next."""
     if not quiet:
         derivative(m, t, m.state_new, m.rate_new)
         m.tally[EVALUATIONS] += 1
@@ -289,10 +290,10 @@ def start_next(m, t, met, quiet):
 
 @native("i", "h", "f", "f", "f", "f", "v", "m", "i", "v")
 def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
-    """Take up to `most_steps` steps towards t_end, each to the next event at most; writes outputs on the way.
+    """Take up to `most_steps` steps towards t_end [s], each to the next event at most; writes outputs on the way.
 
-    stuck (4,): time of the last event, events at that time so far, contact of the last event, events in a row that
-    followed each other at once.
+    stuck (4,): time of the last event [s], events at that time so far, contact of the last event, events in a row that
+    followed each other immediately.
     Returns DONE, PAUSED, STEP_TOO_SMALL, ESCAPED, NO_SOLUTION, NOT_FOUND, NOT_UNIQUE, LOCKED, CHATTER,
     UNSOUND, or SLIDES.
     """
@@ -316,7 +317,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             return status
         low, high = doubts(m, error)
         calm = low == LAST and not changed and m.switch.shape[0] == 0 and none_may_hit(m, t_new - t)
-        counted = calm and end_step(m, t, t_new - t, 1.0, DOP853, -1) >= 0  # no force has a peak in it
+        counted = calm and end_step(m, t, t_new - t, 1.0, DOP853, -1) >= 0  # no peak of a force in it
         quiet = counted and not output_due(m, t_new, t_out)
         if not quiet:
             prepare_dense(m, t, t_new - t)
@@ -326,7 +327,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         if status != OK:
             return status
         share, who, what, by_stages = search_step(m, t, t_new - t, low, high, calm)
-        if share > NONE and h > SHORT * (t_end - t):  # events hide in it
+        if share > NONE and h > SHORT * (t_end - t):  # events may be hidden in it
             m.landing[LANDS] = 0.0
             quarter(m, h)
             continue

@@ -1,10 +1,10 @@
 """Events of set-valued contacts inside a step.
 
-Hits of free contacts are found by `searching`; what lasting ones do is noticed at some places of the dense output,
-then located.  The places are few, one of them odd, so that no period of a load fits them all, and where a force or a
-slip may have been below zero between two of them (`glances`) the stretch between them is halved.
-Where the stages of a step show that a contact has broken, its zero is located at once, from where the polynomial
-through them has it; with the look taken there they tell whether anything may have happened before.
+Hits of open contacts are found by `gap_search`; changes of closed ones are detected at sampling points on the dense
+output, then located.  The sampling points are few and not evenly spaced, so that no period of a load fits them all;
+where a force or slip may have been below zero between two of them (`glances`) the interval is halved.
+If the stages of a step show that a contact condition is violated, its zero is located at once, starting from the zero
+of the polynomial through them; with the sample taken there they show whether anything may have happened before.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ from rattle.solvers.peaks.samples import LOOK, gauge
 from rattle.solvers.peaks.stage_polynomial import told, zero_told
 from rattle.solvers.step_state import EVALUATIONS
 
-# places of a step at which it is looked first: even ones, of which peaks make use too, and an odd one
+# first sampling points of a step: evenly spaced ones, which peaks use too, and one that is not
 PLACES = np.array([0.0, 0.057, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0])
 ODD = 1
 LOOKS_KEPT = 64
 MOST_LOOKS = 4000  # in one step
-GUIDED = 6  # tries of a zero where the stages say
-NARROW = 1e-6  # share of a step that is not halved
+GUIDED = 6  # attempts to locate a zero where the stages predict it
+NARROW = 1e-6  # share of a step that is not halved further
 
 
 @compiled
 def at_share(m, t, h, theta):
-    """State and forces at the share theta of the step."""
+    """State and forces at the share theta (0 to 1) of the step from t [s] of length h [s]."""
     stage, nq = m.stage, m.change.shape[0]
     interpolate(m, theta, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
@@ -44,7 +44,10 @@ def at_share(m, t, h, theta):
 
 @compiled
 def indicator(m, n, what):
-    """What must not become negative for contact n: N, mu N - |T|, or slip in its sense; kinematics is at hand."""
+    """Indicator of contact n, not negative while its mode holds: N, mu N - |T| [N], or slip in its direction [m/s].
+
+    `contact_kinematics` must be up to date.
+    """
     kinematics = m.contact_kinematics
     if what == LET_GO:
         return kinematics[n, at.NORMAL]
@@ -55,9 +58,9 @@ def indicator(m, n, what):
 
 @compiled
 def between(low, high, far, f_low, f_high, f_far):
-    """Where f vanishes between low and high as a share of high - low; far: the end that the last point has replaced.
+    """Zero of f between low and high as a share of high - low; far: the end that the last point has replaced.
 
-    Inverse quadratic interpolation where that is safe, else the middle.  Source: Chandrupatla, A new hybrid
+    Inverse quadratic interpolation if that is safe, otherwise the midpoint.  Source: Chandrupatla, A new hybrid
     quadratic/bisection algorithm for finding the zero of a nonlinear function, Adv. Eng. Softw. 28 (1997) 145-149.
     """
     if f_far in (f_low, f_high):
@@ -76,9 +79,9 @@ def between(low, high, far, f_low, f_high, f_far):
 def locate(m, t, h, n, what, low, high, f_low, f_high, column):
     """Share of the step between low and high at which an indicator, with these values there, becomes negative.
 
-    column: of the looks at the stages, which tell where it may be; -1 where they do not.
+    column: of the samples at the stages, which predict the zero; -1 if they do not.
     """
-    # slip that has just turned, or a contact that has just slipped, starts from zero: its sign is that of later places
+    # slip that has just reversed or begun starts from zero: its sign is that of later samples
     share = 0.5 * (high - low)
     while f_low <= 0.0 and share > 1e-9 * (high - low) and share * h > 1e-15 * abs(t):
         at_share(m, t, h, low + share)
@@ -88,7 +91,7 @@ def locate(m, t, h, n, what, low, high, f_low, f_high, column):
         share *= 0.5
     lift = (
         unseen(m, 3 if what == TURN else 0) if f_low <= 0.0 else 0.0
-    )  # of a slip that is rounding: where it is more than that
+    )  # of a slip that is rounding: where it is larger than rounding
     f_low, f_high = f_low + lift, f_high + lift
     if f_low <= 0.0:
         return low
@@ -101,7 +104,7 @@ def locate(m, t, h, n, what, low, high, f_low, f_high, column):
             share = (zero_told(looks, column, low, high, near, shift, tilt) - low) / (high - low)
         else:
             share = 0.5 if turn % 8 == 7 else between(low, high, far, f_low, f_high, f_far)
-        aside = min(0.5, 0.75 * least / ((high - low) * h))  # onto the other side of a zero that is nearly found
+        aside = min(0.5, 0.75 * least / ((high - low) * h))  # to the other side of a zero that is nearly found
         middle = low + min(max(share, aside), 1.0 - aside) * (high - low)
         if middle <= low or middle >= high:
             break
@@ -120,7 +123,7 @@ def locate(m, t, h, n, what, low, high, f_low, f_high, column):
 
 @compiled
 def first_hit(m, h):
-    """Share of the step at which the first free contact closes (NONE if none does, or GAVE_UP), and which."""
+    """Share of the step at which the first open contact closes (NONE if none does, or GAVE_UP), and its index."""
     contact, mode, best, who = m.contact, m.mode, NONE, -1
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
@@ -134,7 +137,7 @@ def first_hit(m, h):
 
 @compiled
 def any_closed(m):
-    """True when a set-valued contact is closed."""
+    """True if a set-valued contact is closed."""
     contact, mode = m.contact, m.mode
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and mode[n] != OFF:
@@ -144,7 +147,7 @@ def any_closed(m):
 
 @compiled
 def look(m, t, h, share, row):
-    """Look at a share of the step: all that must not become negative into a line of `looks`, and the largest force."""
+    """Sample all indicators at a share of the step into a row of `looks`, with the largest force [N]."""
     line = m.looks[row]
     at_share(m, t, h, share)
     line[0] = share
@@ -153,7 +156,7 @@ def look(m, t, h, share, row):
 
 @compiled
 def something_may_dip(m, i, count):
-    """True when something may be below zero between looks i and i + 1, but is not at either of them."""
+    """True if an indicator may be below zero between samples i and i + 1, but is not at either of them."""
     contact, mode, looks = m.contact, m.mode, m.looks
     width = 1 + KINDS * contact.shape[0]
     force = max(looks[i, width], looks[i + 1, width])
@@ -170,7 +173,7 @@ def something_may_dip(m, i, count):
 
 @compiled
 def move_looks(looks, first, last, by):
-    """Lines first..last-1 of `looks` go `by` lines on (or back)."""
+    """Move rows first..last-1 of `looks` by `by` rows."""
     for r in range(last - first):
         k = last - 1 - r if by > 0 else first + r
         for c in range(looks.shape[1]):
@@ -179,7 +182,7 @@ def move_looks(looks, first, last, by):
 
 @compiled
 def seen_at(m, i, n, what):
-    """The indicator of contact n at look i."""
+    """The indicator of contact n at sample i."""
     c, looks = 1 + KINDS * n, m.looks
     if what == BREAK_AWAY:
         return min(looks[i, c + 1], looks[i, c + 2])
@@ -188,9 +191,9 @@ def seen_at(m, i, n, what):
 
 @compiled
 def soonest(m, i):
-    """Contact that is seen at look i + 1 to let go, to break away or to turn, and which: that with the first zero.
+    """Contact that by sample i + 1 has opened, broken away or reversed its slip, and what: the one with the first zero.
 
-    (-1, NOTHING) when none is; the zeros are those of straight lines from look i.
+    (-1, NOTHING) if there is none; zeros are those of straight lines from sample i.
     """
     contact, mode, first, who, what = m.contact, m.mode, 2.0, -1, NOTHING
     for n in range(contact.shape[0]):
@@ -205,7 +208,7 @@ def soonest(m, i):
 
 @compiled
 def column_of(m, i, n, what):
-    """Column of the looks for the indicator of contact n, which is below zero at look i."""
+    """Column of the samples for the indicator of contact n, which is below zero at sample i."""
     c, looks = 1 + KINDS * n, m.looks
     if what == BREAK_AWAY:
         return c + 1 if looks[i, c + 1] < looks[i, c + 2] else c + 2
@@ -214,10 +217,10 @@ def column_of(m, i, n, what):
 
 @compiled
 def first_between(m, t, h, i, best, who, what, guided):
-    """First event between looks i and i + 1 before the share `best`, or (best, who, what) as they are.
+    """First event between samples i and i + 1 before the share `best`, otherwise (best, who, what) unchanged.
 
-    One after the other: what is not broken where another one breaks does so later.  The last look is that at the event.
-    guided: 1 where the stages tell nearly where it is.
+    One after the other: a condition that still holds where another one is violated is violated later.  The last sample
+    is that at the event.  guided: 1 if the stages predict approximately where it is.
     """
     looks, last = m.looks, -1
     for _ in range(KINDS * m.contact.shape[0]):
@@ -239,9 +242,9 @@ def first_between(m, t, h, i, best, who, what, guided):
 
 @compiled
 def first_change(m, t, h, low, high, places, best, who, what):
-    """First event of lasting contacts between two shares of the step, or (best, who, what) as they are.
+    """First event of closed contacts between two shares of the step, otherwise (best, who, what) unchanged.
 
-    places: at how many it is looked first, 4 or all of PLACES; these are the samples of LOOKS in a whole step.
+    places: number of first sampling points, 4 or all of PLACES; these are the samples of LOOKS in a whole step.
     """
     contact, mode, memory, looks = m.contact, m.mode, m.contact_memory, m.looks
     count, placed, i, seen, wide = 0, 0, 0, 0, high - low
@@ -281,7 +284,7 @@ def first_change(m, t, h, low, high, places, best, who, what):
 
 @compiled
 def put_among_stages(m, low, share):
-    """Looks become those of the stages, with the one in line low + 1 put to its share; returns its line."""
+    """Replace the samples by those of the stages, with that of row low + 1 sorted in at its share; returns its row."""
     stages, looks, line = m.glances, m.looks, low + 1
     while line < LAST and stages[line, 0] < share:
         line += 1
@@ -295,7 +298,7 @@ def put_among_stages(m, low, share):
 
 @compiled
 def none_dips(m, low, line):
-    """True when nothing is or may be below zero between looks `low` and `line`, which lie among those of the stages."""
+    """True if no indicator is or may be below zero between samples `low` and `line`, among those of the stages."""
     contact, mode, looks, stages = m.contact, m.mode, m.looks, m.glances
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
@@ -318,8 +321,9 @@ def none_dips(m, low, line):
 
 @compiled
 def first_by_stages(m, t, h, low, high):
-    """First event of lasting contacts between two stages, at the later of which one is broken; (NONE, -1, NOTHING)
-    where the stages and the look at the event do not show that it is the first.
+    """First event of closed contacts between two stages, at the later of which a condition is violated.
+
+    (NONE, -1, NOTHING) if the stages and the sample at the event do not show that it is the first.
     """
     contact, mode, memory = m.contact, m.mode, m.contact_memory
     looks, stages = m.looks, m.glances
@@ -340,11 +344,11 @@ def first_by_stages(m, t, h, low, high):
 
 @compiled
 def first_event(m, t, h, low, high):
-    """First event of the step: share (NONE if there is none, GAVE_UP if that is not known), contact and what it is.
+    """First event of the step: share (NONE if there is none, GAVE_UP if that is not known), contact and kind of event.
 
-    low, high: between which of its stages lasting contacts do something first, if they do.
-    The dense output is ready, gaps and rates at both ends are in `contact_memory`.  The last one returned is True
-    where the stages have told all that lasting contacts do; else the samples of the step may be those of the search.
+    low, high: the stages between which the first change of closed contacts is, if there is one.
+    The dense output must be ready, gaps and rates at both ends in `contact_memory`.  The last value returned is True
+    if the stages have shown all changes of closed contacts; otherwise the samples may be those of the search.
     """
     best, who = first_hit(m, h)
     what = HIT if who >= 0 else NOTHING

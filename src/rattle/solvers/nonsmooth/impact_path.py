@@ -1,16 +1,16 @@
-"""Energetic impacts along their path: rates as functions of growing percussions, friction opposing slip at any moment.
+"""Energetic impacts along their path: rates as functions of growing impulses, friction opposing slip at any moment.
 
     one contact        dT = +-mu dN while it slides, or what keeps it from sliding (Darboux, Keller); compression ends
                        at g' = 0, expansion where the work of N is -e^2 times that in compression (Stronge)
-    several contacts   all approach rates are led to zero together, g'(s) = (1 - s) g'-; then every contact expands,
+    several contacts   all approach rates are reduced to zero together, g'(s) = (1 - s) g'-; then every contact expands,
                        dg'/ds >= e |g'-|, complementary to dN >= 0, until its work is done;
                        contacts without approach keep 0 <= g', dN >= 0, complementary
 
-Percussions grow along straight pieces, from one instant to the next at which slip ends or turns around, a contact
-opens, closes or has done its work; each piece is a contact problem for rates.  Normal percussions take energy while
-g' < 0, as much as e^2 times of that is given back while g' > 0, and friction takes it always: no impact gives energy.
-What a contact gets does not depend on whether others are near that do not take part, nor on how two contacts at the
-same place share the load.
+Impulses grow along straight pieces, from one instant to the next at which slip ends or reverses, a contact
+opens, closes or has done its work; each piece is a contact problem for rates.  Normal impulses remove energy while
+g' < 0 and return at most e^2 times of it while g' > 0, and friction always removes energy: no impact creates energy.
+The impulse of a contact depends neither on inactive contacts nearby, nor on how two contacts at the same place share
+the load.
 
 Source: Stronge, Impact Mechanics (2000), chapters 3 and 8; Darboux, Keller, Impact with friction, J. Appl. Mech. 53
 (1986) 1-4.
@@ -38,7 +38,7 @@ from rattle.jit import layout as at
 from rattle.jit.functions import call_problem, compiled, kernel
 
 # rows of `bounce`, two columns for every contact of the model: restitution e and rate of the gap before the impact
-# (first column), percussions so far, rates now, work of N in this phase (first column) and what it may still become
+# (first column), impulses so far, present rates, work of N in this phase (first column) and the work it may still do
 # in expansion (second column)
 E, BEFORE, SO_FAR, NOW, WORK = range(5)
 ZERO = 1e-13  # share of the largest rate below which a rate is zero
@@ -46,12 +46,12 @@ ZERO = 1e-13  # share of the largest rate below which a rate is zero
 
 @compiled
 def follow_path(m):
-    """Percussions f of the one active contact, from the rates b before; e is in `bounce`."""
+    """Impulses f [N s] of the only active contact, from the rates b [m/s] before the impact; e is in `bounce`."""
     side, g, e = m.side, m.delassus, m.bounce[E, 2 * m.active[0]]
     mu = friction_of(m, m.active[0])
     rate, w = side[B, 0], side[B, 1]  # g' and -slip
     pressed, held, work, target, expands = 0.0, 0.0, 0.0, 0.0, False
-    for _ in range(8):  # slide, stick or turn, before and after the end of compression: four pieces at most
+    for _ in range(8):  # slide, stick or reverse, before and after the end of compression: four pieces at most
         if rate >= 0.0 and not expands:
             break
         if mu <= 0.0 or not g[1, 1] > 0.0:
@@ -87,7 +87,7 @@ def follow_path(m):
 
 @compiled
 def as_full_matrix(m, count):
-    """Make G of the active contacts a full matrix where it is not."""
+    """Form G of the active contacts as a full matrix, if it is not yet."""
     if m.held[SPARSE] == 1.0:
         m.held[SPARSE] = 0.0
         fill_delassus(m, count)
@@ -95,7 +95,10 @@ def as_full_matrix(m, count):
 
 @compiled
 def sort_contacts(m, count, expands):
-    """Chosen contacts that press or may, first; then those that part. Makes their rows; returns how many press."""
+    """Sort the active contacts: first those that press or may press, then those that open. Forms their rows of W.
+
+    Returns the number of the first.
+    """
     active, bounce = m.active, m.bounce
     moving = 0
     for k in range(count):
@@ -110,9 +113,9 @@ def sort_contacts(m, count, expands):
 
 @compiled
 def growth(m, moving, expands, left):
-    """Solve for the rates at which percussions grow; 1 when they do, 0 at the end of a phase, -1 without a solution.
+    """Solve for the rates at which impulses grow; 1 if they grow, 0 at the end of a phase, -1 without a solution.
 
-    left: what is left of compression.
+    left: remaining share of compression.
     """
     active, bounce, side = m.active, m.bounce, m.side
     slide, candidate = m.slide, m.candidate
@@ -139,7 +142,7 @@ def growth(m, moving, expands, left):
 
 @compiled
 def piece_of(m, count, moving, expands, left):
-    """How far percussions grow at these rates until a contact changes; rates of change of all contacts go to a."""
+    """Length of the piece along which impulses grow until a contact changes; rates of change of contacts go to a."""
     active, bounce, side, g = m.active, m.bounce, m.side, m.delassus
     piece = math.inf if expands else left
     for k in range(count):
@@ -165,9 +168,9 @@ def piece_of(m, count, moving, expands, left):
 
 @compiled
 def grow(m, count, moving, expands, piece, zero):
-    """Let percussions grow by a piece; contacts that have done their work are spent.
+    """Let impulses grow by a piece; contacts that have done their work take no further part.
 
-    zero: rates up to that are none.
+    zero: rates [m/s] below this count as zero.
     """
     active, bounce, side = m.active, m.bounce, m.side
     for k in range(count):
@@ -185,7 +188,7 @@ def grow(m, count, moving, expands, piece, zero):
 
 @compiled
 def follow_phase(m, count, expands, zero):
-    """Compression or expansion of several contacts; False when a problem on the way has no solution."""
+    """Compression or expansion of several contacts; False if a problem on the way has no solution."""
     left = 1.0
     for _ in range(20 + 10 * count):
         moving = sort_contacts(m, count, expands)
@@ -204,7 +207,7 @@ def follow_phase(m, count, expands, zero):
 
 @compiled
 def gives_energy(m, count):
-    """True when the percussions of an impact, f in `side`, would give energy; the rates before are at hand."""
+    """True if the impulses of an impact, f in `side`, would create energy; rates before it must be up to date."""
     side, g, kinematics, active = m.side, m.delassus, m.contact_kinematics, m.active
     given, size = 0.0, 0.0
     for r in range(2 * count):
@@ -220,7 +223,7 @@ def gives_energy(m, count):
 
 @kernel("problem")
 def path_kernel(m, count):
-    """Percussions f of an impact under the energetic law, and rates a after it, from the rates in b; 0: none found."""
+    """Impulses f of an impact under the energetic law, and rates a after it, from the rates in b; 0: none found."""
     side, bounce, active, candidate = m.side, m.bounce, m.active, m.candidate
     if count == 1:
         follow_path(m)
@@ -243,7 +246,7 @@ def path_kernel(m, count):
             e = bounce[E, 2 * n]
             bounce[WORK, 2 * n + 1] = -e * e * min(bounce[WORK, 2 * n], 0.0)
             bounce[WORK, 2 * n] = 0.0
-        follow_phase(m, count, True, ZERO * largest)  # wherever it ends, no contact approaches and no energy was made
+        follow_phase(m, count, True, ZERO * largest)  # at its end no contact approaches, no energy was created
         for k in range(count):
             for d in range(2):
                 side[F, 2 * k + d] = bounce[SO_FAR, 2 * active[k] + d]

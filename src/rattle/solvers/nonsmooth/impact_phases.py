@@ -2,18 +2,18 @@
 
     compression    a_C = G f_C + a-,      0 <= g'_C, 0 <= N_C, complementary;        T_C in -mu N_C Sgn(a_Ct)
     expansion      a+  = G f_E + a_C,     0 <= g'+,  s N_C <= N_E, complementary;    T_E in -mu N_E Sgn(a+_t)
-    a = (g', -u) of every contact, f = (N, T) percussions
+    a = (g', -u) of every contact [m/s], f = (N, T) impulses [N s]
 
     poisson      s = e                                                  (Glocker, Pfeiffer 1995)
     energetic    s so that the work of N in expansion is -e^2 times that in compression,
                  N_E (g'_C + g'+)/2 = -e^2 N_C (g'- + g'_C)/2           (Stronge 1990)
 
-Compression takes energy: lost = -f . (a- + a_C)/2 >= f . G f / 2.  With s = 0 expansion does nothing.  So the
-shares s of the energetic law are scaled down together, by bisection, wherever the impact as a whole would give energy
-or the work of any contact in expansion would exceed its bound: no impact gives energy.
+Compression removes energy: lost = -f . (a- + a_C)/2 >= f . G f / 2.  With s = 0 expansion does nothing.  So the
+shares s of the energetic law are scaled down together, by bisection, if the impact as a whole would create energy
+or the work of any contact in expansion would exceed its bound: no impact creates energy.
 
-The energetic law comes here only where `paths` finds no way: both keep the two phases, that module follows friction
-on the way too.
+The energetic law is computed here only if `impact_path` finds no solution: both have the two phases, that module also
+follows friction along the path.
 
 Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 8; Stronge, Impact Mechanics
 (2000), chapter 3.
@@ -29,8 +29,8 @@ from rattle.jit.functions import compiled, kernel
 from rattle.solvers.nonsmooth.impact_path import E, as_full_matrix
 
 NEWTON, POISSON, ENERGETIC = range(3)  # in the order of the choices of the contact table
-# rows of `bounce` after those of `paths` that stay: percussions and rates after compression, least percussion in
-# expansion and its share of that in compression, a copy of percussions; two columns for every active contact
+# rows of `bounce` after those of `impact_path` that stay: impulses and rates after compression, least impulse in
+# expansion and its share of that in compression, a copy of the impulses; two columns for every active contact
 PRESSED, RATES, FLOOR, SHARE, KEPT = range(2, 7)
 LARGEST_SHARE = 4.0
 SWEEPS = 400  # of relaxation, before modes are read from it
@@ -44,7 +44,7 @@ def law_of(m, n):
 
 @compiled
 def rates_of(m, count):
-    """a of the percussions at hand, on top of the rates after compression."""
+    """a of the present impulses, added to the rates after compression [m/s]."""
     side, g, bounce = m.side, m.delassus, m.bounce
     for r in range(2 * count):
         side[A, r] = bounce[RATES, r]
@@ -54,7 +54,7 @@ def rates_of(m, count):
 
 @compiled
 def relax(m, count, sweeps):
-    """Projected Gauss-Seidel on the expansion; returns the last change of a percussion, as a share of the largest."""
+    """Projected Gauss-Seidel on the expansion; returns the last change of an impulse, as a share of the largest."""
     side, g, bounce, active = m.side, m.delassus, m.bounce, m.active
     change, scale = 0.0, 0.0
     for r in range(2 * count):
@@ -83,7 +83,7 @@ def relax(m, count, sweeps):
 
 @compiled
 def eliminate(m, size):
-    """Solve `system` (size equations, right side in column `size`); False when it is singular."""
+    """Solve `system` (size equations, right-hand side in column `size`); False if it is singular."""
     system = m.system
     for c in range(size):
         best = c
@@ -105,9 +105,9 @@ def eliminate(m, size):
 
 @compiled
 def polish(m, count):
-    """Solve the equations of the modes that relaxation has come to, in `candidate`; False when they do not fit.
+    """Solve the equations of the modes that relaxation has reached, in `candidate`; False if they are not consistent.
 
-    OFF: N at its least, and sliding or sticking as T says.
+    OFF: N at its lower bound, and sliding or sticking according to T.
     """
     side, g, bounce, system = m.side, m.delassus, m.bounce, m.system
     active = m.active
@@ -152,7 +152,7 @@ def polish(m, count):
 
 @compiled
 def is_free(m, r):
-    """True when percussion r of relaxation is at none of its bounds; they are in `kept`."""
+    """True if impulse r of the relaxation is at none of its bounds; they are in `kept`."""
     bounce = m.bounce
     n = r - r % 2
     if r == n:
@@ -163,7 +163,7 @@ def is_free(m, r):
 
 @compiled
 def fits(m, count, slack):
-    """True when the percussions and rates at hand meet all conditions of expansion but for a share `slack`."""
+    """True if the present impulses and rates satisfy all conditions of expansion up to a share `slack`."""
     side, g, bounce, active = m.side, m.delassus, m.bounce, m.active
     force, rate = 0.0, 0.0
     for r in range(2 * count):
@@ -190,7 +190,7 @@ def fits(m, count, slack):
 
 @compiled
 def expansion(m, count, scale):
-    """Percussions f of expansion and rates a after it, with `scale` times the shares; False when none are found."""
+    """Impulses f of expansion and rates a after it, with `scale` times the shares; False if none are found."""
     side, bounce = m.side, m.bounce
     for k in range(count):
         bounce[FLOOR, 2 * k] = scale * bounce[SHARE, 2 * k] * bounce[PRESSED, 2 * k]
@@ -208,14 +208,14 @@ def expansion(m, count, scale):
 
 @compiled
 def work_in_expansion(m, k):
-    """Work of N of contact k in expansion."""
+    """Work of N of contact k in expansion [J]."""
     side, bounce = m.side, m.bounce
     return 0.5 * side[F, 2 * k] * (bounce[RATES, 2 * k] + side[A, 2 * k])
 
 
 @compiled
 def most_work(m, k):
-    """Work that N of contact k may do in expansion: e^2 times what it took in compression."""
+    """Work [J] that N of contact k may do in expansion: e^2 times the energy it removed in compression."""
     side, bounce = m.side, m.bounce
     e = bounce[E, 2 * m.active[k]]
     taken = -0.5 * bounce[PRESSED, 2 * k] * (side[B, 2 * k] + bounce[RATES, 2 * k])
@@ -224,7 +224,7 @@ def most_work(m, k):
 
 @compiled
 def takes_energy(m, count):
-    """True when the impact loses energy as a whole and no contact gives back more than its bound."""
+    """True if the impact as a whole loses energy and no contact returns more than its bound."""
     side, bounce = m.side, m.bounce
     lost, size, largest = 0.0, 0.0, 0.0
     for k in range(count):
@@ -241,7 +241,7 @@ def takes_energy(m, count):
 
 @compiled
 def find_shares(m, count):
-    """Shares with which every contact does the work it may in expansion, or less; False when that does not settle."""
+    """Shares with which every contact does its allowed work in expansion, or less; False if that does not converge."""
     bounce, active = m.bounce, m.active
     for k in range(count):
         bounce[SHARE, 2 * k] = bounce[E, 2 * active[k]] if most_work(m, k) > 0.0 else 0.0
@@ -263,9 +263,9 @@ def find_shares(m, count):
 
 @kernel("problem")
 def expand_kernel(m, count):
-    """Percussions of both phases, from f and a of compression in `side` and the rates before it in its b.
+    """Impulses of both phases, from f and a of compression in `side` and the rates before it in its b.
 
-    Leaves f and a of the impact as a whole and modes in `candidate`; returns 0 when no expansion was found.
+    Writes f and a of the whole impact, and modes to `candidate`; returns 0 if no expansion was found.
     """
     side, bounce, active, candidate = m.side, m.bounce, m.active, m.candidate
     energetic = law_of(m, active[0]) == ENERGETIC
@@ -284,7 +284,7 @@ def expand_kernel(m, count):
                     high = middle
             if not (
                 expansion(m, count, low) and takes_energy(m, count)
-            ):  # none at all, then: what compression has left is a solution
+            ):  # no expansion at all: the state after compression is a solution
                 for r in range(2 * count):
                     side[F, r], side[A, r] = 0.0, bounce[RATES, r]
     else:

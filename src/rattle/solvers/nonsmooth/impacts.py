@@ -1,14 +1,13 @@
-"""Impacts of set-valued contacts: percussions, what they lose, and the end of infinite sequences of impacts.
+"""Impacts of set-valued contacts: impulses, energy lost, and the end of infinite sequences of impacts.
 
 A bounce that would rise less than LOW clearances (but never less than the rounding of positions, 4e-15 of the size
-of the mechanism) is not followed: restitution is taken as zero, and the lasting contact that follows is put at the
-end of the geometric series of bounces, t + 2 v / (|g''| (1 - e)).  In a clearance of 1 mm such a bounce has a few
-1e-6 m/s.
+of the mechanism) is not followed: restitution is taken as zero, and the contact counts as closed from the end of the
+geometric series of bounces on, t + 2 v / (|g''| (1 - e)).  In a clearance of 1 mm such a bounce has a few 1e-6 m/s.
 
-The same holds where one contact lifts because another one hits, as under a rocking block: one that would rise less
-is held down, its rate being lost like that of a bounce.  The intervals d between impacts of a contact shrink
-geometrically there too, by a ratio that the last two of them tell, so that the sequence ends at t + d r / (1 - r),
-r = d / (the d before).
+The same holds if one contact lifts because another one hits, as under a rocking block: one that would rise less
+is held down, and its rate is lost like that of a bounce.  The intervals d between impacts of a contact shrink
+geometrically there too, by a ratio that follows from the last two of them, so that the sequence ends at
+t + d r / (1 - r), r = d / (the d before).
 """
 
 from __future__ import annotations
@@ -46,16 +45,15 @@ from rattle.solvers.nonsmooth.impact_path import BEFORE, E
 from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, law_of
 from rattle.solvers.step_state import SERIES
 
-NOTICED = 1e-11  # share of the largest percussion of an impact below which one is rounding and no event
-LOW = 1e-11  # bounces that rise less than this share of the clearance are closed
+NOTICED = 1e-11  # share of the largest impulse of an impact below which one is rounding and no event
+LOW = 1e-11  # bounces that rise less than this share of the clearance are not followed
 
 
 @native("i", "h", "f", "v", "i")
 def collide(m, t, y, who):
-    """Impact at (t, y): contact `who` and all others that are closed, in one problem; rates in y jump.
+    """Impact at (t [s], y): contact `who` and all others that are closed, in one problem; rates in y jump.
 
-    Bounces that are too low to follow are closed (restitution 0).  Returns OK, NO_SOLUTION, NOT_FOUND or
-    NOT_UNIQUE.
+    Bounces that are too low to follow get restitution 0.  Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE.
     """
     contact, mode, memory = m.contact, m.mode, m.contact_memory
     active, nq = m.active, m.change.shape[0]
@@ -80,14 +78,14 @@ def collide(m, t, y, who):
         for c in range(nq):
             v[c] = before[c]
         motion_without(m, t, y)
-    # rows and kinematics belong to the rates before the impact again, to tell what it did
+    # rows and kinematics are those of the rates before the impact again, to compute its impulses and losses
     count_impulses(m, t, y, count, before)
     return OK
 
 
 @compiled
 def rates_before(m, count, law):
-    """b of an impact from the rates in `contact_kinematics`: those before, times 1 + e under Newton's law."""
+    """b of an impact [m/s] from the rates before it in `contact_kinematics`, times 1 + e under Newton's law."""
     contact, kinematics, memory, values = m.contact, m.contact_kinematics, m.contact_memory, m.values
     active, candidate, slide, side, bounce = m.active, m.candidate, m.slide, m.side, m.bounce
     for k in range(count):
@@ -104,7 +102,7 @@ def rates_before(m, count, law):
 
 @compiled
 def percussions(m, count):
-    """Percussions of the active contacts after their law of restitution; returns a status as `collide` does."""
+    """Impulses [N s] of the active contacts by their restitution law; returns a status as `collide` does."""
     law = law_of(m, m.active[0])
     rates_before(m, count, law)
     if law == ENERGETIC:
@@ -122,9 +120,10 @@ def percussions(m, count):
 
 @compiled
 def press_down(m, count):
-    """Add the percussions that take from contacts marked as closed the rates with which they would lift.
+    """Add the impulses that keep contacts marked as closed from lifting.
 
-    Contacts that stay keep their rest meanwhile: the change takes energy, being one onto rates that are zero after it.
+    Contacts that stay closed keep zero rates meanwhile; the change removes energy, because these rates are zero after
+    it.
     """
     memory, active, candidate, side, bounce = m.contact_memory, m.active, m.candidate, m.side, m.bounce
     lifts = False
@@ -151,7 +150,7 @@ def press_down(m, count):
 
 @compiled
 def stay_together(m, count):
-    """Forces of the active contacts that neither rise nor would have to pull, after an impact; see `solve_modes`."""
+    """Forces [N] after an impact of the active contacts that neither open nor would have to pull; see `solve_modes`."""
     kinematics, memory, active = m.contact_kinematics, m.contact_memory, m.active
     candidate, side = m.candidate, m.side
     for k in range(count):
@@ -175,7 +174,7 @@ def stay_together(m, count):
 
 @native("i", "h", "f", "v", "i")
 def low_bounce(m, t, y, count):
-    """Mark contacts that rise after the impact, but too low to follow; True when there is a new one."""
+    """Mark contacts that rise after the impact, but too low to follow; True if there is a new one."""
     kinematics, memory, active, side = m.contact_kinematics, m.contact_memory, m.active, m.side
     values, contact, recent, bounce = m.values, m.contact, m.recent, m.bounce
     found, lifted, end = False, False, t
@@ -224,7 +223,10 @@ def low_bounce(m, t, y, count):
 
 @compiled
 def count_impulses(m, t, y, count, before):
-    """Impulses, losses and work of an impact into y, and its events; v in y is after, `before` (3 nb,) is before."""
+    """Add impulses [N s], losses and work [J] of an impact to y, and record its events.
+
+    y holds the rates after the impact, `before` (3 nb,) [m/s, rad/s] those before it.
+    """
     multiplier, work, rows = m.multiplier, 0.0, m.rows
     rates_of_contacts(m, y, count, before)
     for row in range(multiplier.shape[0]):
@@ -238,7 +240,7 @@ def count_impulses(m, t, y, count, before):
 
 @compiled
 def rates_of_contacts(m, y, count, before):
-    """Keep what the rates `before` (3 nb,) make of gaps and slips, for `book_impulses`; rows belong to them then."""
+    """Store the rates of gaps and slips [m/s] for the rates `before` (3 nb,), for `book_impulses`."""
     kinematics, memory, active, nq = m.contact_kinematics, m.contact_memory, m.active, m.change.shape[0]
     place(m, y[:nq], before[:nq])
     constraints(m)
@@ -250,7 +252,7 @@ def rates_of_contacts(m, y, count, before):
 
 @compiled
 def book_impulses(m, t, y, count):
-    """Impulses and losses of the active contacts into y, and their events; v in y is after, see `rates_of_contacts`."""
+    """Add impulses [N s] and losses [J] of the active contacts to y, and record events; needs `rates_of_contacts`."""
     kinematics, memory, active, side, recent = m.contact_kinematics, m.contact_memory, m.active, m.side, m.recent
     nq, largest = m.change.shape[0], 0.0
     place(m, y[:nq], y[nq : 2 * nq])

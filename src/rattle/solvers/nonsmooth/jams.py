@@ -1,11 +1,11 @@
-"""Friction that locks a contact, and how it is passed: an impact without collision.
+"""Friction that locks a contact (a jam), and how a run passes it: an impact without collision.
 
-A sliding contact needs dg''/dN = G_nn +- mu G_nt > 0: below that the force that presses it together makes it approach
-(Painleve), and no finite force holds it.  Slip then ends at once, by percussions that leave the contact closed:
+A sliding contact needs dg''/dN = G_nn +- mu G_nt > 0: otherwise the force that presses it together makes it approach
+(Painleve), and no finite force holds it.  Slip then ends at once, by impulses that leave the contact closed:
 
     a+ = G f + a-,   a+_n = 0 <= N,  a+_t = 0,  |T| <= mu N           with |T|/N = G_nn/|G_nt| < mu for one contact
 
-They change rates onto rest, so they take energy, f . G f / 2.
+They bring rates to zero, so they remove energy, f . G f / 2.
 
 Source: Genot, Brogliato, New results on Painleve paradoxes, Eur. J. Mech. A 18 (1999) 653-677.
 """
@@ -27,20 +27,20 @@ from rattle.solvers.nonsmooth.contact_projection import (
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 from rattle.solvers.nonsmooth.impacts import count_impulses
 
-NEARLY = 1e-3  # share by which T may exceed mu N in a lock that is just about to come
+NEARLY = 1e-3  # share by which T may exceed mu N if the lock is about to occur
 
 
 @compiled
 def passes_jams(m, n):
-    """True when contact n is to go on where friction locks it."""
+    """True if contact n passes jams (`jam = "impact"`)."""
     return m.values[m.contact[n, at.NORMAL_P] + at.JAM] > 0.0
 
 
 @native("f", "h", "f")
 def lock_share(m, t):
-    """Smallest (G_nn +- mu G_nt) / G_nn of a contact that slides in the state at hand: it locks where that is <= 0.
+    """Smallest (G_nn +- mu G_nt) / G_nn of the contacts that slide in the present state: one locks if it is <= 0.
 
-    Leaves G and b of the closed contacts.
+    G and b of the closed contacts remain in the workspace.
     """
     y, mode, active, delassus = m.state, m.mode, m.active, m.delassus
     project_on_contacts(m, t, y, -1)
@@ -60,7 +60,7 @@ def lock_share(m, t):
 
 @compiled
 def holds(m, count):
-    """True when percussions press and those along the walls stay within friction, or nearly so."""
+    """True if normal impulses press and tangential ones stay within the friction limit, or nearly so."""
     side, active, pressed = m.side, m.active, False
     for k in range(count):
         pressed = pressed or side[F, 2 * k] > 0.0
@@ -72,9 +72,9 @@ def holds(m, count):
 
 @compiled
 def ends_slip(m, count):
-    """True when a contact that slides, and may pass jams, sticks after the percussions at hand.
+    """True if a contact that slides, and may pass jams, sticks after the present impulses.
 
-    Contacts that are closed have another solution, no percussion at all, or next to none: that passes nothing.
+    Closed contacts always have another solution, with no or almost no impulse: it passes no jam.
     """
     kinematics, candidate, active, memory = m.contact_kinematics, m.candidate, m.active, m.contact_memory
     for k in range(count):
@@ -87,9 +87,9 @@ def ends_slip(m, count):
 
 @native("i", "h", "f", "i")
 def pass_jam(m, t, late):
-    """Impact without collision of the closed contacts that may pass a jam; rates jump in the state at hand.
+    """Impact without collision of the closed contacts that may pass a jam; rates jump in the present state.
 
-    late: 1 when the state is that of an event whose new modes were not found.  Returns OK, or LOCKED when sticking at
+    late: 1 if the state is that of an event whose new modes were not found.  Returns OK, or LOCKED if sticking at
     once needs more than friction can give: then nothing is changed.
     """
     contact, kinematics, mode, memory = m.contact, m.contact_kinematics, m.mode, m.contact_memory

@@ -1,10 +1,10 @@
-"""Jolts: drivers that jump in speed make all rates jump at once.
+"""Jolts: if the speed of a driver jumps, all rates jump.
 
     M (v+ - v-) = -Phi_q^T Lambda - W P,    Phi_q v+ = nu+
     0 <= g'+ (+ e g'-, e = 0),  0 <= P_N, complementary, and Coulomb's law for P_T, at closed set-valued contacts
 
-Contacts that close at this instant rest on each other before the jolt or are met by it: restitution is zero.  What
-the drivers do is -Lambda . (nu+ + nu-)/2; contacts lose P times the mean of their velocities before and after.
+Contacts closed at this instant rest on each other before the jolt or close by it: restitution is zero.  The work of
+the drivers is -Lambda . (nu+ + nu-)/2; contacts lose P times the mean of their velocities before and after.
 
 Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 8; Haug, Computer Aided
 Kinematics and Dynamics of Mechanical Systems (1989), section 6.6 (impulsive motion).
@@ -33,12 +33,12 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.nonsmooth.contact_projection import at_wall
 from rattle.solvers.nonsmooth.impacts import book_impulses, rates_of_contacts
 
-ROUNDS = 2  # the second takes what rounding left
+ROUNDS = 2  # the second removes rounding
 
 
 @compiled
 def speeds(m, t, out):
-    """nu of every row at t and the state y into out (nr,), on the sides that hold now."""
+    """nu of every row [m/s or rad/s] at t and the state y into out (nr,), on the present branches of switches."""
     y, nq, rows = m.state, m.change.shape[0], m.rows
     place(m, y[:nq], y[nq : 2 * nq])
     drive(m, t)
@@ -49,9 +49,10 @@ def speeds(m, t, out):
 
 @native("i", "h", "f", "v", "v")
 def jolt(m, t, before, percussion):
-    """Rates in y jump to what the drivers want from t on; work is booked, percussion (nr,) is Lambda.
+    """Let rates in y jump to those that the drivers require from t on; work is added, percussion (nr,) is Lambda.
 
-    before: (nr,) nu at t as it was.  Returns OK, or why the contact problem has no solution.
+    before: (nr,) nu just before t.  Units: Lambda [N s or N m s], nu [m/s or rad/s].  Returns OK, or why the contact
+    problem has no solution.
     """
     y, rows, place_of, x = m.state, m.rows, m.place, m.solution
     change, old = m.change, m.rate_new
@@ -85,7 +86,7 @@ def jolt(m, t, before, percussion):
 
 @compiled
 def with_contacts(m, t, y, old, percussion):
-    """Closed contacts do not let the jolt drive them together: their percussions, in one problem."""
+    """Impulses by which closed contacts prevent penetration in a jolt, in one problem."""
     contact, kinematics, mode, memory = m.contact, m.contact_kinematics, m.mode, m.contact_memory
     active, candidate, slide, side = m.active, m.candidate, m.slide, m.side
     multiplier, nq = m.multiplier, m.change.shape[0]

@@ -1,4 +1,4 @@
-"""Moreau-Jean time stepping: contacts as percussions over a step, no events to locate.
+"""Moreau-Jean time stepping: contact impulses over fixed steps, without locating events.
 
     q_M  = q + h/2 v                                 contacts with g(q_M) <= 0 take part
     v_M  = v + h/2 (change of v in the step before)  for the forces
@@ -6,15 +6,15 @@
     0 <= g'+ + e_N g'-,  0 <= P_N,  complementary;   P_T in -mu P_N Sgn(-(u_t+ + e_T u_t-))
     q+   = q_M + h/2 v+
 
-The contact problem is solved by `unilateral.solve_contacts`, started from the modes of the step before.  A bounce takes
-its approach speed where it hits, at the time that g(q_M) says, and the motion without contact before and after it.
-Then positions are corrected with the least mass-weighted change: a contact that hit at the depth d, having come with
-v- and leaving with v+, by d (1 + v+/v-), which it lost by turning too late; lasting contacts onto the wall; the
-joints.  The force of a contact is its percussion divided by h.
+The contact problem is solved by `unilateral.solve_contacts`, started from the modes of the step before.  The approach
+speed of a bounce is that at its hit, at the time that follows from g(q_M), with free motion before and after it.
+Then positions are corrected with the least mass-weighted change: a contact that hit at the depth d, approaching with
+v- and leaving with v+, by d (1 + v+/v-), the distance lost by reversing too late; closed contacts onto the wall; the
+joints.  The force of a contact is its impulse divided by h.
 
-The order is one where contacts close, and the energy balance closes to O(h).  An approach counts as an impact, with
-restitution and as an event, when it is faster than what two steps of free motion bring about; a contact lasts from
-LASTING pressed steps in a row on and ends with as many free ones.
+The order is one where contacts close, and the energy error is O(h).  An approach counts as an impact, with restitution
+and as an event, if it is faster than two steps of free motion can make it; a contact counts as closed after LASTING
+pressed steps in a row and ends after as many free ones.
 
 Source: Jean, The non-smooth contact dynamics method, Comput. Methods Appl. Mech. Eng. 177 (1999) 235-257; Moreau,
 Unilateral contact and dry friction in finite freedom dynamics (1988); position correction as in Acary, Projected
@@ -56,15 +56,15 @@ from rattle.solvers.step_state import DRIFT_ROW, EVALUATIONS, EVENT_COUNT, FOUND
 
 ACTIVE = 1e-8  # share of the clearance within which a contact takes part
 # columns of `contact_memory` as they are used here: 1 for an impact, its tangential restitution, the rate of the gap
-# that it is to leave with, by how much its gap comes out too small
+# with which it leaves, the error by which its gap is too small
 HITS, E_T, AFTER, SHIFT = at.N_0, at.N_1, at.DGAP_1, at.GAP_1
-KEPT = 1e-4  # the same for one that pressed in the step before: curved paths part by O(h^2) without letting go
-LASTING = 3  # steps in a row after which a contact counts as lasting, or as released
+KEPT = 1e-4  # the same for one that pressed in the step before: on curved paths a gap of O(h^2) is no separation
+LASTING = 3  # steps in a row after which a contact counts as closed, or as released
 
 
 @native("void", "h", "f")
 def start(m, t):
-    """Bring the start onto its constraints."""
+    """Project the start at t [s] onto its constraints."""
     y, sign = m.state, m.sign
     project(m, t, y)
     locate_contacts(m)
@@ -80,7 +80,7 @@ def start(m, t):
 
 @compiled
 def choose_active(m):
-    """Choose the contacts that are closed, starting from the modes of the step before; the others are off."""
+    """Choose the contacts that are closed, with the modes of the step before as a start; the others are off."""
     contact, kinematics, mode, values = m.contact, m.contact_kinematics, m.mode, m.values
     active, candidate, slide = m.active, m.candidate, m.slide
     count = 0
@@ -97,15 +97,15 @@ def choose_active(m):
 
 @compiled
 def late(h, gap, speed):
-    """Time by which the middle of the step is later than the hit [s]: within the step, also where it began inside."""
+    """Time from the hit to the middle of the step [s]: within the step, also if it began inside the wall."""
     return min(max(-gap / speed, -0.5 * h), 0.5 * h)
 
 
 @compiled
 def impact_side(m, count, h):
-    """b of the active contacts, without percussions: g'+ minus the rate a bounce is to have, and -(u_t+ + e_T u_t-).
+    """b of the active contacts without impulses [m/s]: g'+ minus the required rate of a bounce, and -(u_t+ + e_T u_t-).
 
-    Rates are those of the end of the step at the place of its middle.
+    Rates are those at the end of the step, at the position of its middle.
     """
     contact, kinematics, active, side = m.contact, m.contact_kinematics, m.active, m.side
     acceleration, values, memory, body = m.acceleration, m.values, m.contact_memory, m.body
@@ -119,7 +119,7 @@ def impact_side(m, count, h):
         least = 2.0 * h * abs(bend - pull)
         hits = kinematics[n, at.DGAP] < -least
         memory[n, HITS], memory[n, E_T] = 1.0 if hits else 0.0, values[p + at.TANGENTIAL_RESTITUTION] if hits else 0.0
-        memory[n, AFTER] = memory[n, SHIFT] = 0.0  # what a jolt left there is of another kind
+        memory[n, AFTER] = memory[n, SHIFT] = 0.0  # a jolt has left other quantities there
         if hits:
             when = 0.5 * h - late(h, kinematics[n, at.GAP], -kinematics[n, at.DGAP])  # after the start of the step
             speed = kinematics[n, at.DGAP] - pull * when + bend * (when - 0.5 * h)
@@ -133,9 +133,9 @@ def impact_side(m, count, h):
 
 @compiled
 def take_percussions(m, t, count, h, y):
-    """Percussions into rates, multipliers, forces and accounts; y holds q_M and the rates without percussions.
+    """Add the impulses to rates, multipliers, forces and energies; y holds q_M and the rates without impulses.
 
-    Returns True when there was an impact.
+    Returns True if there was an impact.
     """
     contact, kinematics, active, candidate = m.contact, m.contact_kinematics, m.active, m.candidate
     side, dv, dlambda, multiplier = m.side, m.velocity_change, m.multiplier_change, m.multiplier
@@ -182,7 +182,7 @@ def take_percussions(m, t, count, h, y):
 
 @compiled
 def watch_contact(m, n, old, t, h, y):
-    """Count pressed and free steps of contact n; note where it starts or ends to last, sticks or slips."""
+    """Count pressed and free steps of contact n; record when it closes or opens, sticks or slips."""
     mode, memory, kinematics = m.mode, m.contact_memory, m.contact_kinematics
     steps = memory[n, at.STEPS_IN]
     account = account_at(m, n)
@@ -206,7 +206,7 @@ def watch_contact(m, n, old, t, h, y):
 
 @compiled
 def lift(m, count, y):
-    """Move contacts along the joints: bounces to where they belong had they hit in time, lasting ones onto the wall."""
+    """Correct positions: bounces to where they would be had they hit in time, closed contacts onto the wall."""
     kinematics, active, candidate, side = m.contact_kinematics, m.active, m.candidate, m.side
     memory, nq = m.contact_memory, m.change.shape[0]
     deep = False
@@ -229,7 +229,7 @@ def lift(m, count, y):
 
 @compiled
 def close_joints(m, t, y):
-    """One correction of positions and of rates onto the joints."""
+    """One correction of positions and rates onto the joint constraints."""
     change, nq = m.change, m.change.shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
     drive(m, t)
@@ -253,7 +253,7 @@ def close_joints(m, t, y):
 
 @compiled
 def write_until(m, t, h, t_out, out):
-    """Outputs up to t + h: positions between those of both ends, rates of the end, forces of this step."""
+    """Write outputs up to t + h: positions interpolated in the step, rates of its end, forces of this step."""
     tally, y, y_new, stage = m.tally, m.state, m.state_new, m.stage
     acceleration, nq, nc = m.acceleration, m.change.shape[0], m.contact_kinematics.shape[0]
     energies = energies_at(m)
@@ -278,7 +278,7 @@ def write_until(m, t, h, t_out, out):
 
 @native("i", "h", "f", "f", "i", "v", "m", "i")
 def advance(m, t_start, h, count, t_out, out, most_steps):
-    """Take up to `most_steps` of the `count` steps of length h from t_start on; writes outputs on the way.
+    """Take up to `most_steps` of the `count` steps of length h [s] from t_start [s] on; writes outputs on the way.
 
     Returns DONE, PAUSED, NOT_FINITE, NO_SOLUTION, NOT_FOUND, UNSOUND or ESCAPED.
     """

@@ -1,4 +1,4 @@
-"""Whether a contact problem has a solution, and whether it has one only: all modes are tried."""
+"""Existence and uniqueness of the solution of a contact problem: all modes are tried."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from rattle.equations.complementarity import (
 from rattle.jit.functions import call_problem, compiled, kernel
 
 MOST_COMBINED = 2**16  # combinations of modes that are tried
-KEPT_MODES, KEPT_A = 4, 5  # rows of `path`, after those of following
+KEPT_MODES, KEPT_A = 4, 5  # rows of `path`, after those of `lemke`
 
 
 @compiled
 def surely_one(m, count):
-    """True when this friction is too weak for a second solution.
+    """True if friction is too weak for a second solution.
 
-    T = mu sigma N with sigma from -1 to 1.  Of the differences of two solutions e = (dN, dT - mu sigma dN) has
-    e^T G (e + mu sigma (0, dN)) <= 0, since each contact's law is monotone in it.  So there is one only where G, less
-    what friction can take from it, is positive definite.  Where the sense of slip is known it takes what it takes;
-    elsewhere at most mu (g dN^2 + (G_t e)^2 / g) / 2 at each contact, with any g > 0.
+    T = mu sigma N with sigma from -1 to 1.  For the difference of two solutions, e = (dN, dT - mu sigma dN) satisfies
+    e^T G (e + mu sigma (0, dN)) <= 0, since each contact's law is monotone in it.  So there is only one if G, less
+    a bound for the friction term, is positive definite.  If the direction of slip is known that term is exact;
+    otherwise it is at most mu (g dN^2 + (G_t e)^2 / g) / 2 at each contact, with any g > 0.
     """
     system, delassus, active, slide = m.system, m.delassus, m.active, m.slide
     size = 2 * count
@@ -55,7 +55,7 @@ def surely_one(m, count):
             for r in range(size):
                 system[r, n] += 0.5 * mu * slide[k] * delassus[t, r]
                 system[n, r] += 0.5 * mu * slide[k] * delassus[t, r]
-    for k in range(count):  # where the sense of slip is known, or nothing rubs, dT - mu sigma dN = 0
+    for k in range(count):  # if the direction of slip is known, or without friction, dT - mu sigma dN = 0
         if slide[k] != 0 or friction_of(m, active[k]) == 0.0:
             for r in range(size):
                 system[r, 2 * k + 1], system[2 * k + 1, r] = 0.0, 0.0
@@ -72,7 +72,7 @@ def surely_one(m, count):
 
 @compiled
 def is_another(m, count):
-    """True when the path leads to another a than that of the solution at hand, which stays at hand."""
+    """True if the path leads to another a than that of the present solution, which is kept."""
     side, path, candidate = m.side, m.path, m.candidate
     for k in range(count):
         path[KEPT_MODES, k] = candidate[k]
@@ -93,13 +93,13 @@ def is_another(m, count):
 
 @compiled
 def modes_of(m, k):
-    """Number of modes that contact k may have: off or sliding, and sticking and the other sense where it may stick."""
+    """Number of modes that contact k may have: off and sliding; if it may stick, also sticking and sliding back."""
     return 2 if m.slide[k] != 0 or friction_of(m, m.active[k]) == 0.0 else 4
 
 
 @compiled
 def combinations(m, count):
-    """Number of combinations of modes, as far as it is not beyond MOST_COMBINED."""
+    """Number of combinations of modes; counting stops above MOST_COMBINED."""
     total = 1
     for k in range(count):
         total = min(total * modes_of(m, k), 2 * MOST_COMBINED)
@@ -120,7 +120,7 @@ def take_modes(m, count, code):
 
 @compiled
 def try_combinations(m, count, most, slack):
-    """`try_kernel` with solutions that are solutions up to `slack`."""
+    """`try_kernel`, accepting solutions up to a tolerance `slack`."""
     side, active = m.side, m.active
     kept, found, first = m.path[KEPT_A], 0, 0
     for code in range(combinations(m, count)):
@@ -154,9 +154,9 @@ def try_combinations(m, count, most, slack):
 
 @kernel("problem")
 def try_kernel(m, number):
-    """Try all modes; returns the number of solutions with different a, up to `most`, and leaves the first one.
+    """Try all modes; returns the number of solutions with different a, at most `most`, and keeps the first one.
 
-    number is 2 * contacts + most - 1, most being 1 or 2.  -1 where they are too many to be tried.
+    number is 2 * contacts + most - 1, most being 1 or 2.  Returns -1 if there are too many combinations.
     """
     count, most = number // 2, 1 + number % 2
     if combinations(m, count) > MOST_COMBINED:
@@ -169,8 +169,8 @@ def try_kernel(m, number):
 def count_kernel(m, count):
     """Number of different solutions of the problem as far as it is known, at most 2.
 
-    Of more contacts than are tried, the solution at hand tells: one with the wrong sign of the determinant never
-    stands alone, unless contacts that neither press nor part lend it their sign; then another one is looked for.
+    With more contacts than can be tried, the present solution decides: one with the wrong sign of the determinant is
+    never the only one, unless contacts that neither press nor open cause that sign; then another one is searched.
     """
     if count > MOST_TRIED:
         return 2 if linear(m, count) < 0 and is_another(m, count) else 1
