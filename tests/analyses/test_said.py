@@ -5,10 +5,12 @@ import pytest
 from click.testing import CliRunner
 
 import rattle as rt
-from rattle.analyses.dynamics.events import contact_notes, method_notes
+from rattle.analyses.dynamics.events import contact_notes
+from rattle.analyses.dynamics.methods import note_choice
 from rattle.cli.main import main
 from rattle.errors import ModelError
 from rattle.plots.orbit import plot_orbit
+from rattle.registry import kinds
 from rattle.results.event import Event
 
 
@@ -31,10 +33,11 @@ def test_impacts_that_lose_all_or_nothing_raise_no_alarm(name, contact):
 
 @pytest.mark.nojit
 def test_a_method_that_does_not_apply_is_named():
-    assert method_notes(None, "dop853") == ()
-    assert method_notes("event", "event") == ()
-    assert "of which this model has none: dop853 ran" in method_notes("moreau", "dop853")[0]
-    assert "knows no impacts: event ran" in method_notes("rk4", "event")[0]
+    steppers, free = kinds("stepper"), rt.example("double_pendulum").system
+    impacts = rt.example("fourbar").with_contact("impact").system
+    assert note_choice(impacts, "event", steppers["event"]) == ()
+    assert "of which this model has none: dop853 ran" in note_choice(free, "moreau", steppers["dop853"])[0]
+    assert "knows no impacts: event ran" in note_choice(impacts, "rk4", steppers["event"])[0]
 
 
 def test_runs_and_command_line_say_which_method_ran():

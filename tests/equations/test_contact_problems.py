@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.analyses.dynamics.nonsmooth_run import contact_arrays
 from rattle.equations import complementarity, lemke, motion, unilateral
 from rattle.equations.complementarity import BACKWARD, FORWARD, IMPOSSIBLE, JAMMED, SOLVED, STICK, A, B, F
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.solvers.nonsmooth import uniqueness
+from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
 
 MASS, INERTIA, ARM, PLAY, BORE = 0.5, 0.5 * 0.2**2 / 12, 0.1, 1e-3, 0.01
 
@@ -243,16 +243,15 @@ def test_chain_of_loose_pins_goes_on_through_its_impacts(pins, friction, restitu
 
 
 def test_words_about_an_unsolved_problem_name_painleve_only_where_friction_is_shown_to_jam():
-    from rattle.analyses.dynamics.nonsmooth_run import ImpactRun
+    from rattle.analyses.dynamics.event_driven_run import EventDrivenRun
 
-    run = ImpactRun.__new__(ImpactRun)
-    run.method = "event"
+    run = EventDrivenRun.__new__(EventDrivenRun)
     said = {}
     for outcome in (IMPOSSIBLE, JAMMED, complementarity.UNDECIDED):
         workspace, _ = problem(3, 0.1, np.random.default_rng(1))
         workspace.held[complementarity.OUTCOME] = outcome
         run.system, run.workspace, run.clock = chain(3).system, workspace, np.zeros(9)
-        said[outcome] = ImpactRun.trouble(run, unilateral.ending(workspace))
+        said[outcome] = EventDrivenRun.trouble(run, unilateral.ending(workspace))
     assert "has no solution" in said[IMPOSSIBLE]
     assert "Painleve" in said[IMPOSSIBLE]
     assert "has no solution" not in said[JAMMED]

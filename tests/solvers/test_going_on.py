@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.analyses.dynamics import nonsmooth_run
+from rattle.analyses.dynamics.event_driven_run import EventDrivenRun
 from rattle.equations import unilateral
 from rattle.solvers.nonsmooth import event_driven
 
@@ -219,7 +219,7 @@ def test_crowded_events_are_named_as_such(monkeypatch):
         self.stuck[2:] = 0.0, event_driven.MOST_IN_A_ROW + 1.0
         return unilateral.CHATTER
 
-    monkeypatch.setattr(nonsmooth_run.ImpactRun, "advance", crowded)
+    monkeypatch.setattr(EventDrivenRun, "advance", crowded)
     r = rocking().simulate(1.0)
     assert not r.success
     assert "200001 events in a row" in r.message

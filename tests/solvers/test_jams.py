@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.analyses.dynamics.nonsmooth_run import ImpactRun
+from rattle.analyses.dynamics.contact_trouble import firmness, friction_locks
 from rattle.equations.complementarity import BACKWARD, FORWARD, STICK
 from rattle.jit import layout as at
 from rattle.solvers.nonsmooth import jams
@@ -76,22 +76,21 @@ def test_dead_end_that_friction_holds_is_named_with_its_joint():
 
 def test_contacts_that_lock_together_are_told_though_each_alone_would_not(monkeypatch):
     """Each is pushed open by friction of the other alone: (1, -mu; -mu, 1) N is what the forces part them by."""
-    run = ImpactRun.__new__(ImpactRun)
-    run.system = parallelogram(1e-3, 0.3, loose="CD").system
-    contact, lines = run.system.arrays["contact"], np.eye(4)
+    system = parallelogram(1e-3, 0.3, loose="CD").system
+    contact, lines = system.arrays["contact"], np.eye(4)
     lines[0, 3] = lines[3, 0] = lines[1, 2] = lines[2, 1] = -1.0
-    values = run.system.arrays["values"].copy()
+    values = system.arrays["values"].copy()
     arrays = {"mode": np.array([FORWARD, FORWARD]), "active": np.arange(2), "delassus": lines, "values": values}
-    run.workspace = SimpleNamespace(**arrays)
+    workspace = SimpleNamespace(**arrays)
     monkeypatch.setattr(jams, "lock_share", lambda handle, t: 1.0 + lines[0, 1])  # that of each alone: G_nt of its own
     for friction, together in ((0.5, False), (0.999, False), (1.0, True)):
         values[contact[:, at.NORMAL_P] + 2] = friction
-        assert run._firmness() == pytest.approx(1.0 - friction, abs=1e-12)
-        assert run._locks(0.0) == together
-    run.workspace.mode[1] = BACKWARD  # (1, mu; -mu, 1): firm, whatever the friction
-    assert run._firmness() == pytest.approx(math.sqrt(2.0), rel=1e-12)
-    run.workspace.mode[:] = STICK  # nothing slides, nothing locks
-    assert not run._locks(0.0)
+        assert firmness(system, workspace) == pytest.approx(1.0 - friction, abs=1e-12)
+        assert friction_locks(system, workspace, 0.0) == together
+    workspace.mode[1] = BACKWARD  # (1, mu; -mu, 1): firm, whatever the friction
+    assert firmness(system, workspace) == pytest.approx(math.sqrt(2.0), rel=1e-12)
+    workspace.mode[:] = STICK  # nothing slides, nothing locks
+    assert not friction_locks(system, workspace, 0.0)
 
 
 MU, COS, SIN = 1.6, math.cos(math.radians(55)), math.sin(math.radians(55))

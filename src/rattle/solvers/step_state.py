@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from rattle import registry
 from rattle.jit import functions
+from rattle.registry import Kind, kinds
 
 # clock: time, next step, smallest step, time of a failed step, last step with sound pivots, step of
 # free flight, fewest steps in a contact, share of the step at which a contact changes
@@ -44,10 +44,10 @@ def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     }
 
 
-def stepper_arrays(name: str) -> dict[str, np.ndarray]:
+def stepper_arrays(stepper: Kind) -> dict[str, np.ndarray]:
     """What a run by this stepper, or by the one whose kernels it calls, needs of it; nothing where there are none."""
-    kinds = registry.kinds("stepper")
-    one = kinds[kinds[name].leaf.integrates_by or name]
+    by = stepper.leaf.integrates_by
+    one = kinds("stepper")[by] if by else stepper
     if one.kernel is None:
         return {}
     leaf = one.leaf

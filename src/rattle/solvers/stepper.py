@@ -14,7 +14,7 @@ import math
 from typing import ClassVar
 
 from rattle.jit.functions import KernelFunction
-from rattle.registry import Field
+from rattle.registry import Field, kinds
 from rattle.solvers.peaks.samples import CUT
 
 FREE, COMPLIANT, SET_VALUED = "free", "compliant", "impact"  # contacts of a mechanism: none, or their model
@@ -81,3 +81,13 @@ class SetValuedStepper(Stepper):
 
     works_with = (SET_VALUED,)
     unfit = dict.fromkeys((FREE, COMPLIANT), "is for impact contacts, of which this model has none")
+
+
+def usual_stepper(contacts: str) -> str:
+    """Name of the stepper that runs with these contacts where none that works is asked for."""
+    return next(name for name, one in kinds("stepper").items() if contacts in one.leaf.usual_with)
+
+
+def stepper_of(loop: str) -> str:
+    """Name of a stepper whose steps this loop takes."""
+    return next(name for name, one in kinds("stepper").items() if one.leaf.loop == loop)

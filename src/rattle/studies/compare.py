@@ -124,6 +124,7 @@ def compare(
     steel pin in a steel bush of 10 clearances radius, a sphere in its socket, restitution 0.5.
     Raises ModelError when no joint has play.
     """
+    from rattle.solvers.stepper import FREE, SET_VALUED, usual_stepper
     from rattle.studies.poincare import driver_period
 
     loose = [name for name, one in m.model.joints.items() if one.clearance > 0.0]
@@ -146,7 +147,7 @@ def compare(
     models[COMPLIANT] = lambda: compliant
     for model, make in models.items():
         try:
-            method = "event" if model == IMPACT else "dop853"
+            method = usual_stepper(SET_VALUED if model == IMPACT else FREE)
             results[model] = make().simulate(end, t_eval=times, method=method, horizon=True, progress=progress)
             if results[model].interrupted or results[model].stats.get("horizon_interrupted"):
                 skipped.update(dict.fromkeys([one for one in models if one not in results], "stopped by the user"))

@@ -13,6 +13,8 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.assembly.rank import rank
+from rattle.analyses.dynamics.methods import choose_stepper, new_run
+from rattle.analyses.dynamics.run import How
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import DONE, PAUSED
@@ -23,6 +25,7 @@ from rattle.results.display import lines
 from rattle.solvers import step_loop, step_state
 from rattle.solvers.contact_events import pass_on, remember_end
 from rattle.solvers.step_audit import STARTED
+from rattle.solvers.stepper import ATOL, EVENT_DRIVEN, FREE, usual_stepper
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -141,11 +144,10 @@ def _require_mobility(m: Mechanism) -> None:
 
 def _growths(m: Mechanism, span: float, length: float, rtol: float) -> np.ndarray | None:
     """Logarithm of the growth in every stretch; None when one grows beyond linearity."""
-    from rattle.analyses.dynamics.simulate import kind_of_run
-
-    kind, method, _ = kind_of_run(m.system, "dop853", None, span)
+    stepper, _ = choose_stepper(m.system, usual_stepper(FREE), None, span)
+    how = How(stepper, rtol, ATOL * rtol, None)
     none = np.zeros(0)
-    one, two = (kind(m.system, m.start, none, span, method, rtol, 1e-2 * rtol, None) for _ in range(2))
+    one, two = (new_run(m.system, m.start, none, span, how) for _ in range(2))
     nq = 3 * m.system.body_count
     weight = np.concatenate([np.tile([1.0 / m.system.size, 1.0 / m.system.size, 1.0], m.system.body_count)] * 2)
     weight[nq:] *= length
@@ -165,7 +167,7 @@ def _growths(m: Mechanism, span: float, length: float, rtol: float) -> np.ndarra
             now = _distance(one, two, weight)
             if now < LARGEST_GROWTH * APART:
                 break
-            if late == LATE or method != "event":
+            if late == LATE or stepper.leaf.loop != EVENT_DRIVEN:
                 return None
         growth[k] = math.log(now / apart) if now > 0.0 < apart else 0.0
         _renew(one, two, APART / now if now > 0.0 else 1.0)
@@ -193,7 +195,7 @@ def _renew(one: Any, two: Any, share: float = 1.0) -> None:
     speed = np.where(both, memory[:, at.SPEED] + share * (old[:, at.SPEED] - memory[:, at.SPEED]), memory[:, at.SPEED])
     old[:] = memory
     old[:, at.SPEED] = speed
-    if one.method == "event":
+    if one.stepper.leaf.loop == EVENT_DRIVEN:
         two.workspace.mode[:] = one.workspace.mode
         _must(two, two.begin(t))
     else:

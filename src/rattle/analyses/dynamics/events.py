@@ -107,15 +107,6 @@ def _gains(events: Sequence[Event], energy: float) -> list[float]:
     return [gain for t, gain in gained.items() if gain > max(least[t], GAIN * energy)]
 
 
-def method_notes(asked: str | None, ran: str) -> tuple[str, ...]:
-    """What to say where another method ran than the one that was asked for (None: none was)."""
-    if asked in (None, ran):
-        return ()
-    if asked in ("event", "moreau"):
-        return (f"method {asked} is for impact contacts, of which this model has none: {ran} ran",)
-    return (f"method {asked} knows no impacts: {ran} ran",)
-
-
 def contact_notes(system: System, events: Sequence[Event], energy: float) -> tuple[str, ...]:
     """Remarks on contacts: values without use, laws outside their range, laws of the user that give energy back.
 

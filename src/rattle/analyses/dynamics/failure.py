@@ -12,11 +12,13 @@ from rattle.equations.motion import NOT_FINITE
 from rattle.equations.system import System
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
+from rattle.registry import Kind
 from rattle.results.columns import width
 from rattle.solvers import step_state
 from rattle.solvers.gap_search import DEEP, ESCAPED
 from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import LAST, SLIDES, argument, see
+from rattle.solvers.stepper import FREE, usual_stepper
 
 NEAR = 10.0  # shares of the step that failed, within which a contact law is asked what it meets
 GLANCE, SHARE = 1e-6, 1e-3  # how far it is looked back, as a share of the run, and a share of that
@@ -24,10 +26,8 @@ GROWN = 20.0  # growth of a value, by which a pole is told, where the time to it
 TINY = 1e-12  # a contact that wants shorter steps is too stiff [s]
 
 
-def explain(
-    system: System, workspace: Workspace, t_end: float, status: int, method: str = "", rtol: float = 0.0
-) -> str:
-    """One or two sentences on why a run with this method and tolerance stopped at workspace.clock[T]."""
+def explain(system: System, workspace: Workspace, t_end: float, status: int, stepper: Kind, rtol: float) -> str:
+    """One or two sentences on why a run by this stepper and with this tolerance stopped at workspace.clock[T]."""
     clock, nq = workspace.clock, 3 * system.body_count
     t, h = float(clock[step_state.T]), float(clock[step_state.H])
     if status == ESCAPED:
@@ -50,8 +50,9 @@ def explain(
             f"cannot go on at t = {t:.6g} s: the contact of joint '{joint}' is so stiff that it wants steps below"
             f' {TINY:g} s. Lower its stiffness, or use contact = {{ model = "impact" }}'
         )
-    if status == NOT_FINITE and method in ("rk4", "moreau"):
-        return f"the motion ran away at t = {t:.6g} s with the step of {h:.3g} s; try a smaller step or method dop853"
+    if status == NOT_FINITE and not stepper.leaf.adaptive:
+        other = usual_stepper(FREE)
+        return f"the motion ran away at t = {t:.6g} s with the step of {h:.3g} s; try a smaller step or method {other}"
     if status == NOT_FINITE:
         size = np.abs(workspace.acceleration[1:]).max(axis=1)
         body = system.bodies[int(np.argmax(np.where(np.isfinite(size), size, np.inf)))]

@@ -40,9 +40,9 @@ def report(run: Run, reach: Reach | None) -> Result:
         *run.notes,
         *contact_notes(system, contacts, float(curve["kinetic"].max(initial=0.0))),
         *jolt_notes(run.jolts, run.table),
-        *_method_notes(run, contacts),
-        *(() if run.message else remarks(system, run.workspace, run.method)),
-        *loose(run.method, run.rtol),
+        *run.about_peaks(any(event.kind == "impact" for event in contacts)),
+        *(() if run.message else remarks(system, run.workspace, run.stepper.leaf)),
+        *loose(run.stepper.leaf, run.rtol),
         *fast_links(system, data, names),
         *_series_notes(run),
         *run.remarks(),
@@ -51,7 +51,7 @@ def report(run: Run, reach: Reach | None) -> Result:
     return build_result(
         system.model, "simulate", t=run.t_eval[:n], data=data, names=names, units=units,
         trust=_trust(run, reach, contacts, balance, nonunique, notes), stats=_stats(run), message=run.message,
-        settings={"method": run.method, "rtol": run.rtol, "atol": run.atol, "step": run.step},
+        settings={"method": run.stepper.name, "rtol": run.rtol, "atol": run.atol, "step": run.step},
         events=sorted((*contacts, *jolt_events(run.jolts)), key=lambda event: event.t),
         peaks=peak_values(system, run.workspace, reached - run.start.t),
     )  # fmt: skip
@@ -67,15 +67,6 @@ def _nonunique(run: Run) -> tuple[tuple[str, ...], tuple[str, ...]]:
     if nonunique:
         return nonunique, ()
     return (), ("the run passed through a position where the joints lose independence (a singular position)",)
-
-
-def _method_notes(run: Run, contacts: tuple[Event, ...]) -> tuple[str, ...]:
-    """What the forces of Moreau-Jean are."""
-    if run.method != "moreau":
-        return ()
-    impacts = any(event.kind == "impact" for event in contacts)
-    impact = "; in the step of an impact a force is its impulse over the step" if impacts else ""
-    return (f"Moreau-Jean: peaks are the largest of its steps{impact}",)
 
 
 def _series_notes(run: Run) -> tuple[str, ...]:

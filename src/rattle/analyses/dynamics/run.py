@@ -1,20 +1,19 @@
-"""One run from a start to its end: steps, switches on the way, outputs, and why it ended."""
+"""A run from a start to its end: pieces between switches, outputs, and why it ended; each loop has a run of its own."""
 
 from __future__ import annotations
 
 import math
 import threading
 import time
-from typing import Any
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.dynamics.failure import explain
 from rattle.analyses.dynamics.peak_values import peak_arrays
 from rattle.analyses.dynamics.soundness import (
     audit_arrays,
-    set_floor,
     too_slow,
     why_unsound,
 )
@@ -26,8 +25,9 @@ from rattle.equations.system import System
 from rattle.jit import functions
 from rattle.jit.workspace import Workspace
 from rattle.language.switching import SAME
+from rattle.registry import Kind
 from rattle.results.columns import width
-from rattle.solvers import step_loop, step_state
+from rattle.solvers import step_state
 from rattle.solvers.gap_search import ESCAPED
 from rattle.solvers.nonsmooth.jolts import jolt, speeds
 from rattle.solvers.output_row import record
@@ -39,22 +39,23 @@ GLANCE = 1e-6  # share of a run by which it is looked ahead for the side of a sw
 CHUNK = 2000  # steps between two looks at the clock and the keyboard
 
 
-class Run:
-    """One run from start to end with fixed settings."""
+class How(NamedTuple):
+    """How a run takes its steps."""
 
-    def __init__(
-        self,
-        system: System,
-        start: Assembled,
-        t_eval: np.ndarray,
-        t_end: float,
-        method: str,
-        rtol: float,
-        atol: float,
-        step: float | None,
-    ) -> None:
+    stepper: Kind
+    rtol: float
+    atol: float  # [m, rad, m/s, rad/s]
+    step: float | None  # [s]; the largest of an adaptive stepper, None for any
+
+
+class Run(ABC):
+    """One run from start to end with fixed settings, in one piece after the other between switches of time alone."""
+
+    lands_on_instants: ClassVar[bool]  # steps end at switches of the state, and what is written there is of both sides
+
+    def __init__(self, system: System, start: Assembled, t_eval: np.ndarray, t_end: float, how: How) -> None:
         self.system, self.start, self.t_eval, self.t_end = system, start, t_eval, t_end
-        self.method, self.rtol, self.atol, self.step = method, rtol, atol, step
+        self.stepper, self.rtol, self.atol, self.step = how
         self.table = timetable(system, start.t, t_end)
         self.piece = 0  # smooth pieces of the run that are over
         self.jolts: list[Jolt] = []
@@ -70,33 +71,52 @@ class Run:
         self.wall = 0.0
         self.notes: tuple[str, ...] = ()  # what is known before it starts
 
+    # ---------------------------------------------------------------- what a loop brings
+    @abstractmethod
+    def loop_arrays(self) -> dict[str, Any]:
+        """Arrays that this loop needs beside those of every run."""
+
+    @abstractmethod
+    def begin(self, t: float) -> int:
+        """Get ready for steps from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
+
+    @abstractmethod
+    def take_steps(self, t: float, chunk: int, outputs: int) -> int:
+        """Some steps towards the time t [s] on the sides at hand, with the first outputs; returns as `advance`."""
+
+    @abstractmethod
+    def go_on(self, t: float, jolted: bool) -> int:
+        """Get ready to go on from t [s] after expressions have switched there; PAUSED or a trouble."""
+
+    @abstractmethod
+    def remarks(self) -> tuple[str, ...]:
+        """What happened on the way that a result has to say."""
+
+    @abstractmethod
+    def about_peaks(self, impacts: bool) -> tuple[str, ...]:
+        """What a result has to say of its largest forces; impacts: there were some."""
+
+    @abstractmethod
+    def explain(self, status: int) -> str:
+        """Why the run cannot go on, where its steps are sound."""
+
+    # ---------------------------------------------------------------- what all have in common
     def prepare(self) -> Workspace:
         """Workspace of the run."""
         arrays = step_state.step_loop_arrays(start_state(self.system, self.start), len(self.system.watched))
-        arrays |= step_state.stepper_arrays(self.method)
-        return self.system.workspace(**arrays, **audit_arrays(self.system, self.method), **peak_arrays(self.system))
-
-    def begin(self, t: float) -> int:
-        """Get ready for steps from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
-        self.take_sides(t)
-        status = step_loop.begin(self.workspace, t, self.t_end, self.rtol, self.atol, self.step or math.inf)
-        set_floor(self.system, self.workspace, self.rtol, self.atol)
-        self.pace(t)
-        return PAUSED if status == OK else int(status)
+        arrays |= step_state.stepper_arrays(self.stepper)
+        arrays |= audit_arrays(self.system, self.stepper.leaf.energy_limit)
+        return self.system.workspace(**arrays, **self.loop_arrays(), **peak_arrays(self.system))
 
     def take_sides(self, t: float) -> None:
-        """Every switch takes the side that it has from the time t [s] on."""
+        """Every switch takes the side that it has from the time t [s] on.
+
+        Where steps do not land on switches of the state, the values of their functions decide.
+        """
         self.piece = self.table.piece_at(t)
         self.table.take(self.workspace.code, self.piece)
-        if len(self.workspace.switch):
+        if len(self.workspace.switch) and self.lands_on_instants:
             choose_sides(self.workspace, t, GLANCE * (self.t_end - t))
-
-    def pace(self, t: float) -> None:
-        """rk4: equal steps from the time t [s] to the next instant known beforehand."""
-        if self.method == "rk4":
-            ahead = min(self.ahead(), self.t_end) - t
-            if ahead > 0.0:
-                self.clock[step_state.H] = ahead / max(1, math.ceil(ahead / (self.step or math.inf) - 1e-9))
 
     def ahead(self) -> float:
         """The next instant at which an expression of time switches [s]; inf if there is none."""
@@ -120,15 +140,6 @@ class Run:
         """Number of outputs before the time t [s]; what is recorded at an instant is that of the right side."""
         return int(np.searchsorted(self.t_eval, t - SAME * self.t_end))
 
-    def take_steps(self, t: float, chunk: int, outputs: int) -> int:
-        """Some steps towards the time t [s] on the sides at hand, with the first outputs; returns as `advance`."""
-        return int(
-            step_loop.advance(
-                self.workspace, t, self.rtol, self.atol, self.step or math.inf,
-                self.t_eval[:outputs], self.raw, chunk,
-            )
-        )  # fmt: skip
-
     def switch(self, t: float) -> int:
         """Expressions switch at t [s]: sides of the next piece, a jolt where a driver jumps; PAUSED or a trouble."""
         handle, nr = self.workspace, self.system.row_count
@@ -150,31 +161,29 @@ class Run:
         status = self.go_on(t, bool(jumps))
         if status == PAUSED:
             self.record_now(t)
-            self.pace(t)
         return status
 
-    def go_on(self, t: float, jolted: bool) -> int:
-        """Get ready to go on from t [s] after expressions have switched there; PAUSED or a trouble."""
-        step_loop.resume(self.workspace, t)
-        return PAUSED
-
     def record_now(self, t: float) -> None:
-        """Write the outputs at the instant t [s], those of its right side."""
+        """Write the outputs at the instant t [s], those of its right side; else they are those of the step after it."""
+        if not self.lands_on_instants:
+            return
         k = int(self.tally[step_state.OUTPUTS])
         while k < len(self.t_eval) and self.t_eval[k] <= t + SAME * self.t_end:
             record(self.workspace, t, self.workspace.state, self.raw[k])
             k += 1
         self.tally[step_state.OUTPUTS] = k
 
-    def remarks(self) -> tuple[str, ...]:
-        """What happened on the way that a result has to say."""
-        return ()
+    def record_first(self, y: np.ndarray) -> None:
+        """Write the output at the start, if one is wanted, from the state y."""
+        if len(self.t_eval) and self.t_eval[0] <= self.start.t:
+            record(self.workspace, self.start.t, y, self.raw[0])
+            self.tally[step_state.OUTPUTS] = 1
 
     def trouble(self, status: int) -> str:
         """Why the run cannot go on."""
         if status == UNSOUND:
             return why_unsound(self)
-        return explain(self.system, self.workspace, self.t_end, status, self.method, self.rtol)
+        return self.explain(status)
 
     def go(self, progress: bool = False, what: str = "simulate") -> None:
         """Take steps to the end, or to where the run cannot go on (then `message` says why)."""
@@ -186,9 +195,8 @@ class Run:
             status = self.begin(self.start.t)
             mark = (0, self.start.t)
             self.first_sign[:] = m.sign
-            if status == PAUSED and self.method != "moreau" and len(self.t_eval) and self.t_eval[0] <= self.start.t:
-                record(m, self.start.t, m.state, self.raw[0])
-                tally[step_state.OUTPUTS] = 1
+            if status == PAUSED and self.lands_on_instants:
+                self.record_first(m.state)
             while status == PAUSED:
                 if stop.is_set():
                     raise KeyboardInterrupt
@@ -203,12 +211,10 @@ class Run:
                     if self.message:
                         break
             if status not in (DONE, PAUSED):
-                lost = (
-                    self.trouble(status) if status == ESCAPED else ""
-                )  # told by the gaps at hand, which go with outputs
-                if not tally[step_state.OUTPUTS] and len(self.t_eval) and self.t_eval[0] <= self.start.t:
-                    record(m, self.start.t, start_state(self.system, self.start), self.raw[0])
-                    tally[step_state.OUTPUTS] = 1
+                # told by the gaps at hand, which go with outputs
+                lost = self.trouble(status) if status == ESCAPED else ""
+                if not tally[step_state.OUTPUTS]:
+                    self.record_first(start_state(self.system, self.start))
                 self.message = lost or self.trouble(status)
         except KeyboardInterrupt:
             self.interrupted = True

@@ -10,23 +10,23 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.dynamics import nonsmooth_run
-from rattle.analyses.dynamics.events import method_notes, require_workable
+from rattle.analyses.dynamics.events import require_workable
 from rattle.analyses.dynamics.horizon import agreement, tighter
+from rattle.analyses.dynamics.methods import choose_stepper, new_run, note_choice
 from rattle.analyses.dynamics.report import report
-from rattle.analyses.dynamics.run import Run
+from rattle.analyses.dynamics.run import How
 from rattle.analyses.law_check import law_faults
 from rattle.equations.system import System
 from rattle.errors import SolverError
 from rattle.jit import functions
+from rattle.registry import kinds
 from rattle.results.columns import width
 from rattle.results.result import Result
 from rattle.solvers import step_state
+from rattle.solvers.stepper import ATOL, FREE, RTOL, usual_stepper
 
 log = logging.getLogger("rattle")
 
-METHODS = ("dop853", "rk4", "event", "moreau")
-RTOL = 1e-8
 POINTS = 1000  # output intervals when nothing is said
 
 
@@ -40,35 +40,31 @@ def simulate(
     functions.start()
     settings = system.model.settings
     end, times = output_times(settings, t_end, t_eval)
-    wanted, method = method, settings.method if method is None else method
-    if method not in METHODS:
-        raise ValueError(f"unknown method '{method}'; wanted {' or '.join(METHODS)}")
+    asked, steppers = settings.method if method is None else method, kinds("stepper")
+    if asked not in steppers:
+        raise ValueError(f"unknown method '{asked}'; expected {' or '.join(steppers)}")
     rtol = arguments.relative_tolerance(_first_given(rtol, settings.rtol, RTOL))
-    atol = arguments.positive("atol", _first_given(atol, settings.atol, 1e-2 * rtol))
+    atol = arguments.positive("atol", _first_given(atol, settings.atol, ATOL * rtol))
     step = settings.step if step is None else step
     if step is not None:
         arguments.positive("step", step)
     arguments.require_room(len(times), width(system))
-    if method == "rk4" and any(
-        one.contact and one.contact.model == "compliant" for one in system.model.joints.values()
-    ):
-        raise ValueError("rk4 takes fixed steps, which contacts do not allow; use method dop853")
     require_workable(system)
     for fault in law_faults(system.model):
         log.warning(fault)
-    wanted = wanted or (method if method != METHODS[0] else None)
-    one_run, method, step = kind_of_run(system, method, step, end)
-    run = one_run(system, start, times, end, method, rtol, atol, step)
+    stepper, step = choose_stepper(system, asked, step, end)
+    run = new_run(system, start, times, end, How(stepper, rtol, atol, step))
     if most_steps is not None and most_steps < 1:
         raise ValueError(f"most_steps must be at least 1, got {most_steps}")
     run.most_steps = most_steps
-    run.notes = method_notes(wanted, method)
+    if method is not None or asked != usual_stepper(FREE):  # else none was asked for
+        run.notes = note_choice(system, asked, stepper)
     run.go(progress)
     reach, second = None, None
     if horizon and run.tally[step_state.OUTPUTS] > 1 and not run.interrupted:
-        finer = None if step is None else step / 10 ** (1 / {"dop853": 8, "rk4": 4}.get(method, 1))
+        finer = None if step is None else step / stepper.leaf.refinement
         fine = tighter(rtol, RTOL)
-        second = one_run(system, start, times, end, method, fine, atol * fine / rtol, finer)
+        second = new_run(system, start, times, end, How(stepper, fine, atol * fine / rtol, finer))
         second.most_steps = None if most_steps is None else 10 * most_steps
         second.go(progress, "once more, tighter")
         reach = None if second.interrupted else agreement(run, second)
@@ -82,15 +78,6 @@ def simulate(
         if strict:
             raise SolverError(result.message, result)
     return result
-
-
-def kind_of_run(system: System, method: str, step: float | None, span: float) -> tuple[type[Run], str, float | None]:
-    """What runs this model: set-valued contacts have methods of their own, which other models do not need."""
-    if nonsmooth_run.has_impacts(system):
-        return nonsmooth_run.ImpactRun, *nonsmooth_run.choose_method(system, method, step, span)
-    if method not in ("dop853", "rk4"):
-        method = "dop853"
-    return Run, method, min(1e-4, span / POINTS) if method == "rk4" and step is None else step
 
 
 def output_times(

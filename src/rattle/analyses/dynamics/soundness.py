@@ -21,14 +21,15 @@ from rattle.elements.custom import load_law
 from rattle.equations.motion import drive
 from rattle.equations.system import System
 from rattle.jit.workspace import Workspace
+from rattle.registry import Kind
 from rattle.results.columns import width
 from rattle.solvers import step_audit, step_state
 from rattle.solvers.output_row import record
+from rattle.solvers.stepper import Stepper
 
-LIMIT = 1e-3  # share of its measure that drift or energy may be off by
-MOREAU = 0.2  # the same for the energy of Moreau-Jean, whose accounts close in proportion to the step
+LIMIT = 1e-3  # share of its measure that drift may be off by; of energy a stepper says it
 SAID = 1e-6  # share beyond which it is said
-SUNK = 0.01  # share of its clearance by which a contact of Moreau-Jean may be in its wall unsaid
+SUNK = 0.01  # share of its clearance by which a contact that is not located may be in its wall unsaid
 NEARLY = 2e-2  # share of the largest singular value below which a run that ended was about to lose a rank
 LOOSE = 1e-6  # tolerance beyond which short contacts may be missed
 SWIFT = 1000.0  # speed of a massless link, in speeds of the driver, that is out of all reason; a few hundred are usual
@@ -46,7 +47,7 @@ class Running(Protocol):
     clock: np.ndarray
     tally: np.ndarray
     t_end: float
-    method: str
+    stepper: Kind
     rtol: float
     most_steps: int | None
 
@@ -63,11 +64,11 @@ def extent(system: System) -> float:
     return max([*lengths, 0.0]) or system.size
 
 
-def audit_arrays(system: System, method: str) -> dict[str, np.ndarray]:
-    """What a run needs to tell whether its steps stand, see `solvers.step_audit`."""
+def audit_arrays(system: System, energy_limit: float) -> dict[str, np.ndarray]:
+    """What a run needs to tell whether its steps stand, see `solvers.step_audit`; energy_limit is its stepper's."""
     size = extent(system)
     seen = np.zeros(step_audit.SUNK + 1)
-    seen[step_audit.OPEN_LIMIT], seen[step_audit.UNREST_LIMIT] = LIMIT, MOREAU if method == "moreau" else LIMIT
+    seen[step_audit.OPEN_LIMIT], seen[step_audit.UNREST_LIMIT] = LIMIT, energy_limit
     return {"measure": np.array([-1.0 if row.unit == "rad" else 1.0 / size for row in system.rows]), "audit": seen}
 
 
@@ -85,30 +86,30 @@ def set_floor(system: System, workspace: Workspace, rtol: float, atol: float) ->
 
 
 # ---------------------------------------------------------------- what is said
-def remarks(system: System, workspace: Workspace, method: str) -> tuple[str, ...]:
+def remarks(system: System, workspace: Workspace, stepper: type[Stepper]) -> tuple[str, ...]:
     """What to say of a run whose drift or energy is off by more than rounding."""
     seen = workspace.audit
     found = []
     opened = max(float(seen[step_audit.LENGTH]) / extent(system), float(seen[step_audit.ANGLE]))
-    shorter = "a shorter step" if method in ("moreau", "rk4") else "a smaller rtol"
+    shorter = "a smaller rtol" if stepper.adaptive else "a shorter step"
     if opened > SAID:
         found.append(f"joints opened by {opened:.2g} of the mechanism's size (or rad): {shorter} closes them better")
     if seen[step_audit.SUNK] > SUNK:
         found.append(
-            f"contacts sank up to {100 * seen[step_audit.SUNK]:.2g} % of the play into their walls: Moreau-Jean finds"
-            " them only from step to step, a shorter step finds them sooner"
+            f"contacts sank up to {100 * seen[step_audit.SUNK]:.2g} % of the play into their walls: {stepper.title}"
+            " finds them only from step to step, a shorter step finds them sooner"
         )
     share = float(seen[step_audit.SHARE])
-    if share > SAID and method == "moreau":
-        found.append(f"energy is off by {share:.2g} of the largest energy: Moreau-Jean, in proportion to its step")
+    if share > SAID and stepper.title:
+        found.append(f"energy is off by {share:.2g} of the largest energy: {stepper.title}, in proportion to its step")
     elif share > SAID:
         found.append(f"energy is off by {share:.2g} of the largest energy: {shorter} accounts for it better")
     return tuple(found)
 
 
-def loose(method: str, rtol: float) -> tuple[str, ...]:
+def loose(stepper: type[Stepper], rtol: float) -> tuple[str, ...]:
     """What to say of a tolerance that may miss things."""
-    if method not in ("dop853", "event") or rtol <= LOOSE:
+    if not stepper.adaptive or rtol <= LOOSE:
         return ()
     return (f"rtol = {rtol:g} is loose: short contacts may be missed and the horizon may be said too late",)
 
@@ -212,7 +213,7 @@ def _cause(run: Running, t: float, ahead: float) -> str:
             f"the mechanism of {extent(system):.2g} m is {away:.2g} m away from the origin, too few digits are left;"
             " put the origin near it"
         )
-    if run.method in ("rk4", "moreau"):
+    if not run.stepper.leaf.adaptive:
         return f"the step of {ahead - t:.3g} s is far too long for this motion; take a shorter step"
     record(workspace, t, workspace.state, np.zeros(width(system)))
     lost = describe_rank_loss(system, workspace, NEARLY)

@@ -1,0 +1,122 @@
+"""Runs with set-valued contacts from event to event."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, final
+
+import numpy as np
+
+from rattle.analyses.assembly.assembly import Assembled
+from rattle.analyses.dynamics.contact_trouble import closed_joints, contact_trouble, shared_forces
+from rattle.analyses.dynamics.failure import explain
+from rattle.analyses.dynamics.run import How, Run
+from rattle.analyses.dynamics.soundness import set_floor
+from rattle.equations import unilateral
+from rattle.equations.motion import OK, PAUSED, STEP_TOO_SMALL
+from rattle.equations.system import System
+from rattle.jit import layout as at
+from rattle.solvers import step_loop, step_state
+from rattle.solvers.nonsmooth import event_driven, jams
+from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
+from rattle.solvers.stepper import TIME_STEPPING, stepper_of
+
+
+@final
+class EventDrivenRun(Run):
+    """A run in which every impact, release, stick and slip is located; lasting contacts act as constraints."""
+
+    lands_on_instants = True
+    may_pass = False  # jams are passed by an impact without collision
+
+    def __init__(self, system: System, start: Assembled, t_eval: np.ndarray, t_end: float, how: How) -> None:
+        super().__init__(system, start, t_eval, t_end, how)
+        self.jams: list[tuple[float, str]] = []  # times [s] at which friction locked and what was closed there
+        self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])  # see `event_driven.advance`
+
+    def loop_arrays(self) -> dict[str, Any]:
+        """Arrays of set-valued contacts, with forces of lasting ones as part of the motion."""
+        return contact_arrays(self.system, True)
+
+    def begin(self, t: float) -> int:
+        """Closed contacts find their modes and those that hit take their impact; see `Run.begin`."""
+        self.take_sides(t)
+        values, contact = self.workspace.values, self.system.arrays["contact"]
+        self.may_pass = bool((values[contact[:, at.NORMAL_P] + at.JAM] > 0.0).any())
+        self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])
+        self.clock[step_state.T] = t
+        status = int(event_driven.start(self.workspace, t))
+        if status == unilateral.NO_SOLUTION and self.may_pass:
+            status = OK if self.pass_jam(status, late=False) == PAUSED else status
+        if status != OK:
+            return status
+        self.take_sides(t)
+        status = int(step_loop.begin(self.workspace, t, self.t_end, self.rtol, self.atol, self.step or math.inf))
+        set_floor(self.system, self.workspace, self.rtol, self.atol)
+        return PAUSED if status == OK else status
+
+    def take_steps(self, t: float, chunk: int, outputs: int) -> int:
+        """Some steps towards the time t [s]; see `Run.take_steps`."""
+        h_max, out = self.step or math.inf, self.t_eval[:outputs]
+        m = self.workspace
+        status = int(event_driven.advance(m, t, self.rtol, self.atol, h_max, out, self.raw, chunk, self.stuck))
+        if status in (unilateral.NO_SOLUTION, unilateral.LOCKED, STEP_TOO_SMALL) and self.may_pass:
+            return self.pass_jam(status, late=status == unilateral.NO_SOLUTION)
+        return status
+
+    def pass_jam(self, status: int, late: bool) -> int:
+        """Go on by an impact without collision where friction locks; PAUSED, or a trouble.
+
+        late: the state is that of an event whose new modes were not found.
+        """
+        t, handle = float(self.clock[step_state.T]), self.workspace
+        if self.jams and t - self.jams[-1][0] <= 1e-9 * self.t_end:  # once more at the same place: it does not help
+            return status
+        names = ", ".join(closed_joints(self.system, self.workspace))
+        if jams.pass_jam(handle, t, int(late)) != OK:
+            return status
+        self.jams.append((t, names))
+        self.clock[step_state.H] = max(float(self.clock[step_state.H]), 1e-6 * (self.t_end - t))
+        return self.go_on(t, True)
+
+    def go_on(self, t: float, jolted: bool) -> int:
+        """Closed contacts find their modes anew; see `Run.go_on`."""
+        status = int(event_driven.go_on(self.workspace, t, 1 if jolted else 0))
+        if status != OK:
+            return status
+        step_loop.resume(self.workspace, t)
+        return PAUSED
+
+    def remarks(self) -> tuple[str, ...]:
+        """Jams that were passed, and forces that are not unique."""
+        said = shared_forces(self.system, self.workspace)
+        if not self.jams:
+            return said
+        first = f"the first at t = {self.jams[0][0]:.9g} s at {self.jams[0][1]}"
+        number = f"{len(self.jams)} impacts" if len(self.jams) > 1 else "1 impact"
+        return (*said, f"friction locked contacts (Painleve), passed by {number} without collision, {first}")
+
+    def about_peaks(self, impacts: bool) -> tuple[str, ...]:
+        """Nothing: peaks are located within the steps."""
+        return ()
+
+    def explain(self, status: int) -> str:
+        """Why the run cannot go on; contact problems are named."""
+        t = float(self.clock[step_state.T])
+        if status == unilateral.CHATTER:
+            return self.chatter(t)
+        passed = "" if self.may_pass else ', and so does jam = "impact" in the contact'
+        what = contact_trouble(self.system, self.workspace, t, status, passed)
+        return what or explain(self.system, self.workspace, self.t_end, status, self.stepper, self.rtol)
+
+    def chatter(self, t: float) -> str:
+        """That contacts change without end at t [s], and which did so last."""
+        other = f"method {stepper_of(TIME_STEPPING)} goes on"
+        joint = self.system.joints[self.system.arrays["contact"][int(self.stuck[2]), at.OWNER]]
+        if self.stuck[3] > event_driven.MOST_IN_A_ROW:
+            return (
+                f"{self.stuck[3]:.0f} events in a row, each within {event_driven.CROWDED * self.t_end:.2g} s of"
+                f" the one before, up to t = {t:.9g} s, last at joint '{joint}': contacts change faster than a run"
+                f" can follow; a smaller restitution, a compliant contact or {other}"
+            )
+        return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; {other}"

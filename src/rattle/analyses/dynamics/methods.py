@@ -1,0 +1,110 @@
+"""Which stepper runs a mechanism, and by which loop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from rattle import registry
+from rattle.analyses.assembly.assembly import Assembled
+from rattle.analyses.dynamics.event_driven_run import EventDrivenRun
+from rattle.analyses.dynamics.moreau_jean_run import MoreauJeanRun
+from rattle.analyses.dynamics.run import How, Run
+from rattle.analyses.dynamics.smooth_run import SmoothRun
+from rattle.equations.system import System
+from rattle.errors import ModelError, Problem
+from rattle.jit import layout as at
+from rattle.registry import Kind
+from rattle.solvers.stepper import (
+    COMPLIANT,
+    EVENT_DRIVEN,
+    FREE,
+    SET_VALUED,
+    SMOOTH,
+    TIME_STEPPING,
+    Stepper,
+    usual_stepper,
+)  # fmt: skip
+
+LOOPS: Mapping[str, type[Run]] = {
+    SMOOTH: SmoothRun,
+    EVENT_DRIVEN: EventDrivenRun,
+    TIME_STEPPING: MoreauJeanRun,
+}
+
+
+def new_run(system: System, start: Assembled, t_eval: np.ndarray, t_end: float, how: How) -> Run:
+    """A run by the loop of its stepper; t_eval: instants of its outputs up to t_end [s]."""
+    return LOOPS[how.stepper.leaf.loop](system, start, t_eval, t_end, how)
+
+
+def contacts_of(system: System) -> str:
+    """Contacts of the mechanism: FREE (none), COMPLIANT or SET_VALUED (at least one)."""
+    rigid = system.arrays["contact"][:, at.IMPACT] == 1
+    return SET_VALUED if rigid.any() else COMPLIANT if len(rigid) else FREE
+
+
+def choose_stepper(system: System, asked: str, step: float | None, span: float) -> tuple[Kind, float | None]:
+    """The stepper that runs in answer to one that is asked for, and its step [s], over a time `span` [s].
+
+    Where that one does not work with the contacts the usual one runs.  Raises ValueError where it rather refuses, and
+    ModelError for set-valued contacts that no stepper takes.
+    """
+    steppers, contacts = registry.kinds("stepper"), contacts_of(system)
+    one = steppers[asked]
+    if contacts in one.leaf.refuses:
+        raise ValueError(f"{asked} {one.leaf.unfit[contacts]}; use method {usual_stepper(contacts)}")
+    if contacts not in one.leaf.works_with:
+        one = steppers[usual_stepper(contacts)]
+    if contacts == SET_VALUED:
+        require_one_model(system)
+        require_one_law(system, one.leaf)
+    settings = system.model.settings
+    said = steppers[settings.method].leaf
+    if one.leaf.adaptive and not said.adaptive and said.loop != one.leaf.loop and contacts in said.works_with:
+        step = None if step == settings.step else step  # what the model says is the length of all steps of the other
+    if step is None and not one.leaf.adaptive:
+        step = one.leaf.step.default(span)
+    return one, step
+
+
+def note_choice(system: System, asked: str, ran: Kind) -> tuple[str, ...]:
+    """What to say where another stepper ran than the one that was asked for."""
+    if asked == ran.name:
+        return ()
+    why = registry.kinds("stepper")[asked].leaf.unfit[contacts_of(system)]
+    return (f"method {asked} {why}: {ran.name} ran",)
+
+
+def require_one_model(system: System) -> None:
+    """Raise ModelError when impact and compliant contacts are mixed."""
+    rows = system.arrays["contact"]
+    models = {system.joints[row[at.OWNER]]: SET_VALUED if row[at.IMPACT] else COMPLIANT for row in rows}
+    if COMPLIANT in models.values():
+        listed = ", ".join(f"{name}: {model}" for name, model in models.items())
+        said = f"impact and compliant contacts do not go together ({listed}); give all joints one kind"
+        first = next(name for name, model in models.items() if model == COMPLIANT)
+        raise ModelError([Problem(("joints", first, "contact"), said)])
+
+
+def require_one_law(system: System, stepper: type[Stepper]) -> None:
+    """Raise ModelError when joints differ in their restitution law, or the stepper follows others only.
+
+    An impact at several joints is one problem: it has one law.
+    """
+    choices = registry.kinds("contact")["impact"].fields["restitution_law"].choices
+    laws = {
+        system.joints[row[at.OWNER]]: choices[int(system.arrays["values"][row[at.NORMAL_P] + at.RESTITUTION_LAW])]
+        for row in system.arrays["contact"]
+    }
+    first = next(iter(laws))
+    for name, law in laws.items():
+        if law != laws[first]:
+            listed = ", ".join(f"{one}: {which}" for one, which in laws.items())
+            said = f"impacts at several joints are one problem and want one law for all joints (now {listed})"
+            raise ModelError([Problem(("joints", name, "contact", "restitution_law"), said)])
+    if stepper.restitution_laws and laws[first] not in stepper.restitution_laws:
+        has = " or ".join(f'"{law}"' for law in stepper.restitution_laws)
+        said = f'"{laws[first]}" works with method "{usual_stepper(SET_VALUED)}" only; {stepper.title} has {has}'
+        raise ModelError([Problem(("joints", first, "contact", "restitution_law"), said)])

@@ -1,0 +1,41 @@
+"""Arrays of a run with set-valued contacts."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from rattle.equations import complementarity, contact_network, lemke, unilateral
+from rattle.equations.system import System
+from rattle.jit import functions
+from rattle.solvers.nonsmooth import event_search, impact_path, impact_phases, uniqueness
+from rattle.solvers.peaks import glances
+
+
+def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
+    """What set-valued contacts need besides the arrays of one instant; lasting: their forces are part of the motion."""
+    nc, nr, nb = len(system.arrays["contact"]), system.row_count, system.body_count
+    contact, solvers = system.arrays["contact"], (contact_network.KERNEL, lemke.KERNEL, uniqueness.KERNELS[0])
+    laws = (impact_phases.expand_kernel, impact_path.path_kernel, uniqueness.KERNELS[1])
+    return {
+        **(contact_network.arrays(system.arrays["row_body"], contact) if nc > complementarity.FEW else {}),
+        **{name: np.zeros(nc, np.int64) for name in ("mode", "active", "candidate", "slide")},
+        "pivots": np.zeros(2 * nc, np.int64),
+        "contact_jacobian": np.zeros((2 * nc, 6)),
+        "velocity_response": np.zeros((2 * nc, 3 * nb)),
+        "multiplier_response": np.zeros((2 * nc, nr)),
+        "delassus": np.zeros((2 * nc, 2 * nc)),
+        "side": np.zeros((4, 2 * nc)),
+        "system": np.zeros((2 * nc, 2 * nc + 1)),
+        "recent": np.full((nc, 2), -math.inf),
+        "velocity_change": np.zeros((nb + 1, 3)),
+        "multiplier_change": np.zeros(nr),
+        "path": np.zeros((6, 2 * nc)),
+        "bounce": np.zeros((7, 2 * nc)),
+        "looks": np.zeros((event_search.LOOKS_KEPT, glances.KINDS * nc + 2)),
+        "held": np.array([1.0, system.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+        "problem_table": functions.entries((*complementarity.KERNELS, *solvers, *laws)),
+        **({"hold_table": functions.entries([unilateral.hold]), "glances": glances.table(nc)} if lasting else {}),
+    }
