@@ -108,8 +108,8 @@ def test_more_effort_finds_more_and_says_when_it_is_enough():
     short, usual, long = (m.equilibrium(effort=effort) for effort in (0.1, 1.0, 8.0))
     assert short.stopped
     assert usual.stopped
-    assert "effort 10 looks longer" in usual.note
-    assert "effort 1 looks longer" in short.note
+    assert "effort 10 searches longer" in usual.note
+    assert "effort 1 searches longer" in short.note
     assert len(short) < len(usual) < len(long) == 2**7
     assert not long.stopped
     for found in (short, usual, long):
@@ -143,9 +143,9 @@ def test_a_large_effort_finds_no_less_and_is_as_sure_as_the_usual_one():
 def test_the_advice_of_a_search_cut_short_is_an_effort_that_helps():
     m = rt.loads(chain(7))
     for tiny in (1e-300, 1e-3):
-        assert "effort 1 looks longer" in m.equilibrium(effort=tiny).note
+        assert "effort 1 searches longer" in m.equilibrium(effort=tiny).note
     cut = Equilibria([], 1, True, effort=5000.0)
-    assert "effort 10000 looks longer" in cut.note
+    assert "effort 10000 searches longer" in cut.note
     assert "effort" not in Equilibria([], 1, True, effort=1e4).note
 
 
@@ -215,7 +215,7 @@ def test_the_search_is_the_same_every_time():
     ("model", "said"),
     [
         ("balanced_arm", "nothing new"),
-        ("guide_play", "one degree of freedom was walked along"),
+        ("guide_play", "one degree of freedom was searched"),
         ("fourbar", "no degree of freedom"),
     ],
 )

@@ -1,1 +1,1 @@
-"""What play does to accuracy."""
+"""Kinematic accuracy: the effect of clearances on an output."""

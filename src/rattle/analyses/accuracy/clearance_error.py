@@ -1,13 +1,13 @@
-"""What the play of the joints does to the accuracy of an output.
+"""Clearance-induced error of an output (kinematic accuracy).
 
-Every pin with clearance may sit anywhere in its circle |e_i| <= r_i, every guide anywhere between its walls.
+Every pin with clearance may be anywhere in its circle |e_i| <= r_i, every block anywhere between its walls.
 With all other joints closed the output o is a function of these displacements:
 
     Phi_i(q) = e_i,   o(q):     do/de = y,   Phi_q^T y = do/dq     (one linear solve per output)
     |o - o_ideal| <= sum_i r_i |y_i|  to first order: the worst case;  sqrt(sum_i (r_i |y_i|)^2): root sum square
 
-The exact extremes lie on the circles and on the curved sides of the room that a block has, see `extremes`.
-Loads press the pins to one side: e_i = r_i n_i; with one load conjugate to the output this is sum r_i |R_i| / |load|.
+The exact extremes lie on the circles, and for a block on the curved boundary of its displacements, see `extremes`.
+Loads press the pins to one side, e_i = r_i n_i; with one load conjugate to the output: sum r_i |R_i| / |load|.
 """
 
 from __future__ import annotations
@@ -39,43 +39,41 @@ from rattle.solvers.positions import position_sweep as swept
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-RATES = ("vx", "vy", "omega", "ax", "ay", "alpha", "power")  # nothing to compare at rest
+RATES = ("vx", "vy", "omega", "ax", "ay", "alpha", "power")  # quantities that are zero or undefined at rest
 
 
 @dataclass(frozen=True, repr=False)
 class Accuracy:
-    """How far an output may stray, at n instants; SI units."""
+    """How far an output may deviate at n instants, k joints with clearance; the output's SI unit is `unit`."""
 
     of: str  # the name of the output
     unit: str
     t: np.ndarray  # (n,) [s]
-    nominal: np.ndarray  # (n,) the output without play
+    nominal: np.ndarray  # (n,) the output without clearance
     joints: tuple[str, ...]
-    contributions: np.ndarray  # (n, k) first-order worst deviation by each joint
-    low: np.ndarray = field(repr=False)  # (n,) exact least value of the output over all positions of the pins, or nan
-    high: np.ndarray = field(repr=False)  # (n,) exact greatest value, or nan
+    contributions: np.ndarray  # (n, k) largest deviation caused by each joint, to first order
+    low: np.ndarray = field(repr=False)  # (n,) exact minimum of the output over all positions of the pins, or nan
+    high: np.ndarray = field(repr=False)  # (n,) exact maximum, or nan
     loaded: np.ndarray = field(repr=False)  # (n,) deviation in equilibrium under the loads, or nan
     pressed: np.ndarray = field(repr=False)  # (n,) the same to first order: all pins displaced along their reactions
-    rule: np.ndarray = field(
-        repr=False
-    )  # (n,) sum r_i |R_i| / |load| where one load is conjugate to the output, or nan
+    rule: np.ndarray = field(repr=False)  # (n,) sum r_i |R_i| / |load| if one load is conjugate to the output, or nan
     clearances: dict[str, float]  # [m]
     stats: dict[str, Any] = field(repr=False, default_factory=dict)
-    notes: tuple[str, ...] = ()  # what the figures do not cover
+    notes: tuple[str, ...] = ()  # what the numbers do not cover
 
     @property
     def worst(self) -> np.ndarray:
-        """(n,) first-order worst-case half width of the band: all joints at their worst together."""
+        """(n,) half width of the band in the worst case, to first order, in the output's SI unit."""
         return np.asarray(self.contributions.sum(axis=1))
 
     @property
     def rss(self) -> np.ndarray:
-        """(n,) root sum square of the contributions: what is likely when many joints vary independently."""
+        """(n,) root sum square of the contributions in the SI unit: likely if many joints vary independently."""
         return np.asarray(np.sqrt((self.contributions**2).sum(axis=1)))
 
     @property
     def share(self) -> dict[str, float]:
-        """Share of each joint in the worst-case band, where that is widest."""
+        """Share [-] of each joint in the worst case, at the instant where the band is widest."""
         k = int(np.argmax(self.worst))
         total = float(self.worst[k]) or 1.0
         return {name: float(self.contributions[k, n]) / total for n, name in enumerate(self.joints)}
@@ -93,7 +91,7 @@ class Accuracy:
             return f"+-{factor * value:.4g} {unit}".rstrip()
 
         lines = [
-            f"{self.of} with every pin anywhere in its play, {len(self.t)} positions to t = {self.t[-1]:.4g} s:",
+            f"{self.of} with every pin anywhere in its clearance, {len(self.t)} positions to t = {self.t[-1]:.4g} s:",
             f"worst case      {said(self.worst[k])} at t = {self.t[k]:.4g} s, {said(self.worst.mean())} on average",
             f"root sum square {said(self.rss[k])} there",
         ]
@@ -103,7 +101,7 @@ class Accuracy:
         if not np.isnan(self.loaded).all():
             n = int(np.nanargmax(np.abs(self.loaded)))
             rule = "" if math.isnan(self.rule[n]) else f" (rule sum r|R|/|load|: {factor * self.rule[n]:.4g} {unit})"
-            at = f"at rest at t = {self.t[n]:.4g} s"
+            at = f"in equilibrium at t = {self.t[n]:.4g} s"
             lines.append(f"under the loads {factor * self.loaded[n]:+.4g} {unit} at most, {at}{rule}")
         wide = max(len(name) for name in self.joints)
         for name, share in sorted(self.share.items(), key=lambda item: -item[1]):
@@ -111,7 +109,7 @@ class Accuracy:
             lines.append(f"  {name:{wide}s}  {self.clearances[name] * 1e3:8.4g} mm  {mine}  {100 * share:3.0f} %")
         first = self.tighten
         equal = [name for name in self.joints if self.share[name] > 0.99 * self.share[first] and name != first]
-        also = f" (or {' or '.join(equal)}: as much)" if equal else ""
+        also = f" (or {' or '.join(equal)}: equal share)" if equal else ""
         half = self.worst[k] - 0.5 * self.contributions[k, self.joints.index(first)]
         lines.append(f"tighten {first} first{also}: half its clearance makes the worst case {said(half)}")
         return "\n".join([*lines, *self.notes])
@@ -145,7 +143,7 @@ class Accuracy:
 def accuracy(
     system: System, of: str, t_eval: float | Sequence[float] | np.ndarray, *, extremes: bool, loaded: bool
 ) -> Accuracy:
-    """Band of an output; see `Mechanism.accuracy`."""
+    """Band of an output at the times t_eval [s]; see `Mechanism.accuracy`."""
     began = time.perf_counter()
     times = instants(t_eval)
     functions.start()
@@ -156,7 +154,7 @@ def accuracy(
             [
                 Problem(
                     ("joints",),
-                    'no joint has a clearance, so nothing can stray; give one, such as clearance = "0.1 mm"',
+                    'no joint has a clearance, so nothing can deviate; give one, such as clearance = "0.1 mm"',
                 )
             ]
         )
@@ -192,15 +190,15 @@ def accuracy(
 
 
 def _unbounded(joint: Joint, free: Any) -> str:
-    """What to say of a joint whose play nothing bounds."""
+    """Note on a joint whose displacements are not bounded."""
     return (
         f"the {joint.play.borne} of '{joint.name}' {free.unbounded}, so there are no exact"
-        " extremes, and the figures of first order hold for small turns only"
+        " extremes, and the first-order numbers hold for small rotations only"
     )
 
 
 def _node(lead: Sweep) -> np.ndarray:
-    """Position, rates and accelerations the leading sweep has just written, as a node of their own."""
+    """A copy of position, rates and accelerations that the leading sweep has just written, as a node."""
     node = np.zeros_like(lead.node)
     node[: swept.Q_NEW] = lead.node[swept.Q_NEW : swept.Q_OLD]
     return node
@@ -214,7 +212,7 @@ def _loaded(
     nodes: list[np.ndarray],
     slopes: np.ndarray,
 ) -> list[np.ndarray]:
-    """Deviation in equilibrium, its first order, and the virtual-work rule, at every instant."""
+    """Deviation in equilibrium, the same to first order, and the virtual-work rule; each (n,), nan if not known."""
 
     n = len(times)
     found = [np.full(n, math.nan) for _ in range(3)]
@@ -231,7 +229,7 @@ def _loaded(
         force = {pin.name: np.array([one[f"{pin.name}.fx"], one[f"{pin.name}.fy"]]) for pin in pins}
         size = {name: float(np.hypot(*f)) for name, f in force.items()}
         if min(size.values()) <= 1e-9 * max([*size.values(), 1e-9]):
-            continue  # a pin that nothing presses may be anywhere
+            continue  # a pin without load may be anywhere
         e = {pin.name: -pin.clearance / size[pin.name] * force[pin.name] for pin in pins}
         found[1][i] = sum(
             _in_frame(shown, nodes[i], pin, e[pin.name]) @ slopes[i][shown.joints.index(pin)] for pin in pins
@@ -248,7 +246,7 @@ def _loaded(
 
 
 def _in_frame(shown: Displaced, node: np.ndarray, joint: Joint, e: np.ndarray) -> np.ndarray:
-    """A ground vector in the frame of the joint's A."""
+    """The components of a vector e (2,) in the frame of the joint's A, from those in the ground frame."""
     if joint.a.body == "ground":
         return e
     angle = node[swept.Q, 3 * shown.system.bodies.index(joint.a.body) + 2]
@@ -257,7 +255,7 @@ def _in_frame(shown: Displaced, node: np.ndarray, joint: Joint, e: np.ndarray) -
 
 
 def _conjugate(shown: Displaced) -> str:
-    """The load whose virtual work is load times the change of the output, if it is the only thing that acts."""
+    """The only load, if its virtual work is load times change of the output; "" otherwise."""
     model = shown.system.model
     if any(model.gravity) or len(model.loads) != 1:
         return ""

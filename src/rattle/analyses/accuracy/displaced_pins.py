@@ -1,6 +1,6 @@
-"""The mechanism without play, its pins displaced in their bushes: what an output is there, and its slope.
+"""The mechanism with closed joints whose pins are displaced in their bushes: value and slope of an output.
 
-A displacement e_i of a pin moves the bush point of A in A's frame, so that the ordinary rows close the loops:
+A displacement e_i of a pin shifts the bush point of A in A's frame, so that the ordinary constraints close the loops:
 
     Phi_i(q) = e_i,   Phi_q^T y = do/dq,   do/de_i = y_i     (one linear solve for every output of positions)
 """
@@ -26,11 +26,14 @@ from rattle.results.columns import columns, motion, width
 from rattle.results.trust import Trust
 from rattle.solvers.positions import position_sweep as swept
 
-SMALL = 1e-4  # of a clearance: displacement for differences
+SMALL = 1e-4  # displacement for differences, as a share of a clearance
 
 
 class Displaced:
-    """The mechanism without play, with its pins displaced in their bushes by given amounts."""
+    """The mechanism with closed joints, with its pins displaced in their bushes by given amounts.
+
+    Displacements e are (k, 2) for k joints with clearance, [m] ([rad] for rotations), in the frames of their A.
+    """
 
     def __init__(self, system: System, start: Assembled, joints: Sequence[Joint], output: str) -> None:
         self.system, self.start, self.joints, self.output = system, start, joints, output
@@ -42,7 +45,7 @@ class Displaced:
         self.names: list[str] = []
 
     def shift(self, e: np.ndarray) -> None:
-        """Displace joint i by e[i] (in the frame of its A; what its two parts are, its kind of play says)."""
+        """Displace joint i by e[i], in the frame of its A; the kind of clearance defines the two components."""
         for joint, p, change in zip(self.joints, self.place, e, strict=True):
             x, y, others = joint.play.displaced(joint.fields, change)
             self.values[p] = self.base[p] + x
@@ -51,7 +54,7 @@ class Displaced:
                 self.values[n] = self.base[n] + others.get(key, 0.0)
 
     def row(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray:
-        """Everything at t with the pins displaced by e, from a node nearby (nan where it cannot be closed)."""
+        """Output row (width,) [SI] at t [s] with the pins displaced by e, from a node nearby; nan if not closable."""
         self.shift(e)
         sweep = self.sweep
         sweep.node[:] = node
@@ -68,13 +71,13 @@ class Displaced:
         return raw
 
     def value(self, t: float, node: np.ndarray, e: np.ndarray) -> float:
-        """The output with the pins displaced by e. Raises UnknownName."""
+        """The output [SI] at t [s] with the pins displaced by e, nan if it cannot be closed.  Raises UnknownName."""
         raw = self.row(t, node, e)
         owner, _, last = self.output.rpartition(".")
         body, _, point = owner.partition(".")
         if not self.names or body not in self.system.bodies or last not in ("x", "y", "angle"):
             return float(self.read(raw[None])[0])
-        k = 3 * self.system.bodies.index(body)  # a place, the usual case, without the table of all results
+        k = 3 * self.system.bodies.index(body)  # a position, the usual case: without the table of all results
         place = motion(self.system, raw)[0, k : k + 3]
         if not point:
             return float(place[("x", "y", "angle").index(last)])
@@ -83,7 +86,7 @@ class Displaced:
         return float(place[0] + c * x - s * y if last == "x" else place[1] + s * x + c * y)
 
     def read(self, raw: np.ndarray) -> np.ndarray:
-        """The output of raw rows. Raises UnknownName."""
+        """The output (n,) [SI] of output rows (n, width).  Raises UnknownName."""
         data, names, units = columns(self.system, raw)
         t = np.arange(len(raw))
         result = build_result(
@@ -93,7 +96,7 @@ class Displaced:
         return np.asarray(result[self.output])
 
     def gradient(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray:
-        """(k, 2) d output / d e at displacement e: one solve for positions, differences for everything else."""
+        """(k, 2) d output / d e [SI] at t [s]: one linear solve for outputs of positions, differences for others."""
         q_slope = self._slope(t, node, e)
         if q_slope is None:
             return self._differences(t, node, e)
@@ -113,7 +116,7 @@ class Displaced:
         return found
 
     def _slope(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray | None:
-        """(3 nb,) d output / dq, the rows of this place in the workspace; None unless it depends on positions alone."""
+        """(3 nb,) d output / dq [SI], with the rows at e in the workspace; None unless it depends on positions only."""
         owner, _, last = self.output.rpartition(".")
         body, _, point = owner.partition(".")
         bodies = self.system.model.bodies
@@ -146,7 +149,7 @@ class Displaced:
         return slope
 
     def _signal_slopes(self, t: float, q: np.ndarray, v: np.ndarray, slope: np.ndarray) -> bool:
-        """Fill in d signal / dq by differences; True when the signal depends on rates as well."""
+        """Write d signal / dq into `slope` (3 nb,) [SI], by differences; True if the signal depends on rates too."""
         workspace, k = self.sweep.workspace, list(self.system.model.signals).index(self.output)
 
         def at(q: np.ndarray, v: np.ndarray) -> float:
@@ -175,5 +178,5 @@ class Displaced:
 
 
 def free_play(joint: Joint) -> Any:
-    """What the play of a joint leaves free, a `FreePlay`."""
+    """The displacements that the clearance of a joint allows, a `FreePlay` [m, rad]."""
     return joint.play.free_play(joint.clearance, joint.fields, joint.dimensions)

@@ -1,8 +1,8 @@
-"""Exact extremes of an output over all that the play of the joints allows.
+"""Exact extremes of an output over all displacements that the clearances allow.
 
-Every pin may sit anywhere in its circle, every block of a guide anywhere between its walls: what a kind of play leaves
-free it says itself, see `FreePlay`.  The output is followed uphill: pins to the place on their circle that the slope at
-the last place names, guides from tip to tip, and where the slope asks for it along the sides.
+Every pin may be anywhere in its circle, every block of a guide anywhere between its walls; each kind of clearance
+describes its displacements as a `FreePlay`.  The output is followed uphill: pins move to the point of their circle in
+the direction of the last slope, guides from corner to corner of their displacements, and along the sides between.
 """
 
 from __future__ import annotations
@@ -16,12 +16,15 @@ import numpy as np
 from rattle.analyses.accuracy.displaced_pins import Displaced
 
 ROUNDS = 12
-MOST_GUIDES = 3  # up to so many guides all combinations of their kinds of tips are starts
+MOST_GUIDES = 3  # up to so many guides, all combinations of their corners (tips) are starts
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 def extreme(shown: Displaced, t: float, node: np.ndarray, sign: float, slope: np.ndarray) -> float:
-    """Greatest (sign 1) or least (-1) output over all displacements; nan where nothing bounds them."""
+    """Maximum (sign 1) or minimum (-1) of the output [SI] at t [s] over all displacements; nan if they are unbounded.
+
+    node: position nearby, see `Displaced`; slope: (k, 2) d output / d e [SI] without displacement.
+    """
     guides = [k for k, free in enumerate(shown.free) if free.two_tips]
     if any(free.unbounded for free in shown.free):
         return math.nan
@@ -34,7 +37,7 @@ def extreme(shown: Displaced, t: float, node: np.ndarray, sign: float, slope: np
 
 
 def _kinds_of_tips(guides: int) -> Iterator[tuple[bool | None, ...]]:
-    """For every guide whether to start at a tip where it is turned; None: where the slope says."""
+    """For every guide: True to start at a corner with the block rotated, False without; None: as the slope says."""
     if guides <= MOST_GUIDES:
         yield from itertools.product((False, True), repeat=guides)
     else:
@@ -44,7 +47,7 @@ def _kinds_of_tips(guides: int) -> Iterator[tuple[bool | None, ...]]:
 def _climb(
     shown: Displaced, t: float, node: np.ndarray, sign: float, slope: np.ndarray, turned: dict[int, bool | None]
 ) -> float:
-    """The extreme that is reached from one choice of tips."""
+    """The extreme [SI] that is reached from one choice of corners."""
     best, at = math.nan, np.zeros_like(slope)
     for _ in range(ROUNDS):
         places = zip(shown.free, slope, strict=True)
@@ -67,7 +70,7 @@ def _climb(
 def _along_sides(
     shown: Displaced, t: float, node: np.ndarray, sign: float, e: np.ndarray, best: float, guides: list[int]
 ) -> float:
-    """Go on along the curved sides of the guides where the slope at a tip leads there; pins follow."""
+    """The extreme [SI] after moving along the curved sides of the guides if the slope leads there; pins follow."""
     for _ in range(ROUNDS):
         before = best
         slope = shown.gradient(t, node, e)
@@ -95,7 +98,7 @@ def _along_sides(
 def _along_side(
     shown: Displaced, t: float, node: np.ndarray, sign: float, e: np.ndarray, k: int, y: np.ndarray
 ) -> tuple[float, np.ndarray] | None:
-    """The best place on the sides that one guide's place belongs to; None where the slope leads to none of them."""
+    """Best output [SI] and displacements on the sides next to one guide's corner; None if the slope leads to none."""
     side = shown.free[k].side(e[k], y)
     if side is None:
         return None

@@ -1,6 +1,6 @@
-"""One mechanism brought to rest: Q(q) - Phi_q^T lambda = 0, Phi(q, t) = 0.
+"""Equilibrium of one mechanism: Q(q) - Phi_q^T lambda = 0, Phi(q, t) = 0.
 
-Newton on the degrees of freedom that the joints leave, with positions kept closed:
+Newton's method on the degrees of freedom that the joints leave, with the constraints satisfied at every iterate:
 
     Z = null space of Phi_q,   g = Z^T Q,   H = Z^T K Z,   K = -d(Q - Phi_q^T lambda)/dq,   q += Z H^-1 g
 
@@ -33,11 +33,11 @@ from rattle.solvers.positions import equilibrium_newton
 
 MOST_TURN = 0.4  # of a body in one step [rad]
 MOST_TRIALS = 600  # positions tried from one start before it is given up
-CHUNK = 10_000_000  # operations, roughly, between two looks at whether the user wants to stop
+CHUNK = 10_000_000  # operations, roughly, between two checks for Ctrl-C
 
 
 class Room(NamedTuple):
-    """Arrays that `settling` works in; n coordinates, nr rows, k massless links."""
+    """Work arrays of `solvers.positions.equilibrium_newton`; n coordinates, nr rows, k massless links."""
 
     arm: np.ndarray  # (2 k, 2)
     wide: np.ndarray  # (nr, n)
@@ -53,7 +53,7 @@ class Room(NamedTuple):
 
     @classmethod
     def of(cls, n: int, rows: int, links: int) -> Room:
-        """Room for a mechanism of that size."""
+        """Arrays for a mechanism of that size."""
         return cls(
             np.zeros((2 * links, 2)), np.zeros((rows, n)), np.zeros(rows), np.zeros(rows, np.int64),
             np.zeros((2, rows)), np.zeros((n, n)), np.zeros((7, n)), np.zeros((2 * n, n)), np.zeros(10),
@@ -62,25 +62,25 @@ class Room(NamedTuple):
 
 
 class Found(NamedTuple):
-    """An equilibrium as it was found."""
+    """An equilibrium as it was found; the fields of `Equilibrium` and some numbers for the search."""
 
-    q: np.ndarray  # (3 nb,)
-    multiplier: np.ndarray  # (nr,)
-    eigenvalue: float  # [N/m]
-    residual: float  # [N]
-    gap: float  # [m or rad]
+    q: np.ndarray  # (3 nb,) [m, m, rad]
+    multiplier: np.ndarray  # (nr,) [N, N*m]
+    eigenvalue: float  # smallest of the reduced Hessian [N/m]
+    residual: float  # largest unbalanced force [N]
+    gap: float  # largest constraint residual [m or rad]
     iterations: int
     nonunique: tuple[str, ...]
     dof: int
     neutral: int
     falling: int
     potential: float  # energy [J]
-    force: float  # typical of what acts [N]
-    raw: np.ndarray  # output row
+    force: float  # typical size of the acting forces [N]
+    raw: np.ndarray  # (width,) output row [SI]
 
 
 class StaticProblem:
-    """One mechanism to be brought to rest at one position of its drivers."""
+    """The equilibrium problem of one mechanism at one position of its drivers, t in s."""
 
     def __init__(self, system: System, t: float) -> None:
         self.system, self.workspace = system, system.workspace()
@@ -102,25 +102,28 @@ class StaticProblem:
         entries = system.arrays["joint"][np.array([system.joints.index(name) for name in self.links], np.int64)]
         self.pins = np.ascontiguousarray(entries[:, 1:4])
         self.room = Room.of(3 * system.body_count, system.row_count, len(self.links))
-        self.trials = 0  # positions looked at
-        self.arrived = False  # whether the last start led to an equilibrium, known or new
-        self.redundant = False  # whether the rows looked at last depend on each other
+        self.trials = 0  # positions evaluated
+        self.arrived = False  # True: the last start led to an equilibrium, known or new
+        self.redundant = False  # True: the rows evaluated last are dependent
         self.undefined = ""  # what had no finite value where a start was given up, or at a position found
         self.table: Table | None = None
         self.at(t)
 
     def at(self, t: float) -> None:
-        """Set the drivers to time t."""
+        """Set the drivers to time t [s]."""
         self.t = t
         drive(self.workspace, t)
 
     def close(self, q: np.ndarray) -> float:
-        """Put the joints together in place; returns the largest residual."""
+        """Close the joints, q (3 nb,) [m, m, rad] in place; returns the largest residual [m or rad]."""
         gap, _ = close_position(self.workspace, self.t, q, np.empty_like(q), 1e-13 * self.system.size, 60)
         return float(gap)
 
     def reduce(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Reduced force g [N] and the scaled null space Z at q; leaves the least-squares multipliers."""
+        """Reduced force g (dof,) [N] and the scaled null space Z (3 nb, dof) at q (3 nb,).
+
+        The workspace then holds the least-squares multipliers.
+        """
         r, rows_all = self.room, self.system.row_count
         dof = equilibrium_newton.reduce(
             self.workspace, self.t, q, self.scale, r.wide, r.norm, r.order, r.pivot, r.null, r.line
@@ -128,7 +131,7 @@ class StaticProblem:
         self.redundant = dof > len(q) - rows_all
         if not self.redundant:
             return r.line[equilibrium_newton.G, :dof].copy(), r.null[:dof].T.copy()
-        self.workspace.multiplier[:] = 0.0  # of all that hold the balance, those of least size
+        self.workspace.multiplier[:] = 0.0  # of all that balance the loads, the smallest
         force_at(self.workspace, self.t, q, self.out)
         applied = self.out * self.scale
         rows = dense_rows(self.system, self.workspace) * self.scale
@@ -140,7 +143,7 @@ class StaticProblem:
         return null.T @ applied, self.scale[:, None] * null
 
     def hessian(self, q: np.ndarray, null: np.ndarray) -> np.ndarray:
-        """Reduced Hessian H [N/m]; the multipliers of `reduce` are in the workspace."""
+        """Reduced Hessian H (dof, dof) [N/m] at q (3 nb,) with Z = null; call `reduce` first, for the multipliers."""
         room, dof = self.room, null.shape[1]
         room.null[:dof] = null.T
         equilibrium_newton.reduced_stiffness(
@@ -150,7 +153,7 @@ class StaticProblem:
         return room.small[:dof, :dof].T.copy()
 
     def offsets(self, q: np.ndarray) -> np.ndarray:
-        """(k, 2) pin centre minus bush centre of every link, at q."""
+        """(k, 2) pin centre minus bush centre of every massless link [m], at q (3 nb,)."""
         found = []
         for name in self.links:
             joint = self.system.model.joints[name]
@@ -174,11 +177,11 @@ class StaticProblem:
         most: int = MOST_TRIALS,
         turn: float = MOST_TURN,
     ) -> tuple[np.ndarray, int] | None:
-        """An equilibrium near a start, or None; downhill: a stable one.
+        """Position (3 nb,) [m, m, rad] of an equilibrium near a start (3 nb,), and the iterations; or None.
 
-        known (k, 3 nb): equilibria that need not be found once more; None too where the way leads to within
-        `near` of one of them.  most: positions to try before the start is given up; `trials` counts them.
-        turn: how far a body may turn in one step [rad]; a wide one is quick but may leap out of the nearest valley.
+        downhill: find a stable one.  known (k, 3 nb): equilibria found already; the result is also None if the search
+        comes within `near` [m] of one of them.  most: positions to try before the start is given up; `trials` counts
+        them.  turn: largest rotation of a body in one step [rad]; a large one may leave the nearest valley.
         """
         q, room = start.copy(), self.room
         room.state[:] = 0.0
@@ -186,7 +189,7 @@ class StaticProblem:
         known = np.zeros((0, len(q))) if known is None else known
         rounds = max(1, min(equilibrium_newton.ROUNDS, CHUNK // (len(q) ** 3 + 1)))
         status = equilibrium_newton.GOING
-        while status == equilibrium_newton.GOING:  # in pieces, so that the user can stop it
+        while status == equilibrium_newton.GOING:  # in pieces, so that Ctrl-C works
             status = equilibrium_newton.find(
                 self.workspace, self.t, q, self.scale, self.system.size, self.length, downhill, rounds, known,
                 len(known), near, self.pins, *room, float(most),
@@ -198,12 +201,15 @@ class StaticProblem:
         return (q, int(room.state[equilibrium_newton.ITERATION])) if status == equilibrium_newton.FOUND else None
 
     def _say_undefined(self) -> None:
-        """Keep what has no finite value at the position at hand; Ctrl-C in a law is raised again."""
+        """Store what has no finite value at the present position; Ctrl-C in a law is raised again."""
         load_law.complaint(-math.inf)
         self.undefined = self.undefined or undefined(self.system, self.workspace, self.t)
 
     def walk(self, q: np.ndarray, direction: np.ndarray, stride: float) -> tuple[bool, float, float]:
-        """A step along the free motion, in place: whether it could be taken, force along the way, largest force [N]."""
+        """Step of length `stride` [m] along the free motion, q (3 nb,) and direction (3 nb,) in place.
+
+        Returns whether it succeeded, the force along the motion [N] and the largest reduced force [N].
+        """
         r = self.room
         self.trials += 1
         gap, along, most = equilibrium_newton.walk(
@@ -213,25 +219,25 @@ class StaticProblem:
         return gap < math.inf, float(along), float(most)
 
     def displace(self, q: np.ndarray, target: np.ndarray) -> None:
-        """Bring the residuals of all rows to `target` (nr,) by the least change of q, in place."""
+        """Bring the residuals of all rows to `target` (nr,) [m or rad] by the least change of q (3 nb,), in place."""
         r = self.room
         equilibrium_newton.displace(self.workspace, q, target, self.scale, 6, r.wide, r.norm, r.order, r.pivot, r.line)
 
     def force_scale(self) -> float:
-        """A force typical of what acts [N]."""
+        """Typical size of the acting forces [N]."""
         return float(equilibrium_newton.force_size(self.workspace, self.system.size))
 
     def assess(self, q: np.ndarray, iterations: int) -> Found:
-        """What is to be known about an equilibrium; the workspace holds it afterwards."""
+        """Stability, residuals and output row of the equilibrium q (3 nb,); the workspace holds it afterwards."""
         workspace, system = self.workspace, self.system
         g, null = self.reduce(q)
         eigenvalue, neutral, falling = math.inf, 0, 0
         if len(g):
             h = self.hessian(q, null)
             largest = float(np.abs(h).max())
-            even = float(np.abs(h - h.T).max()) <= 1e-9 * largest  # loads that keep energy
+            even = float(np.abs(h - h.T).max()) <= 1e-9 * largest  # conservative loads
             values = np.linalg.eigvalsh(0.5 * (h + h.T)) if even else np.linalg.eigvals(h).real
-            # a soft direction beside a stiff contact is no free one: what counts as nothing is what rounding leaves
+            # only what is within rounding counts as zero: a soft direction beside a stiff contact is not neutral
             tiny = max(1e-8 * self.force_scale() / system.size, 1e-13 * float(np.abs(values).max()))
             neutral, falling = int((np.abs(values) < tiny).sum()), int((values <= -tiny).sum())
             eigenvalue = float(values.min()) if abs(values.min()) >= tiny else 0.0
@@ -280,5 +286,5 @@ class StaticProblem:
         )
 
     def finish(self, q: np.ndarray, iterations: int) -> Equilibrium:
-        """Everything about an equilibrium."""
+        """The equilibrium at q (3 nb,) [m, m, rad] with all its quantities."""
         return self.describe([self.assess(q, iterations)])[0]

@@ -1,13 +1,13 @@
-"""Search for the equilibria of a mechanism: what is tried, in which order, and when it is enough.
+"""Search for the equilibria of a mechanism: the starts that are tried, their order, and when the search ends.
 
-A mechanism with one degree of freedom is walked along it, all around.  With more, ways downhill come first, from
-random positions and from the lowest one found, then Newton from starts of several kinds: bodies of positions found
-turned over, positions along the free motion, random ones; the kind goes on whose equilibria cost least.  The search
-ends when many starts in a row bring nothing new, or when its work is done: it is counted in positions looked at, so
-that the answer is always the same.
+A mechanism with one degree of freedom is moved along all of its motion.  With more, descents of the potential come
+first, from random positions and from the lowest one found; then Newton's method from starts of several kinds: found
+positions with bodies turned over, positions along the free motion, random positions.  The kind whose equilibria cost
+least is continued.  The search ends when many starts in a row bring nothing new, or when its work is used up; work is
+counted in positions evaluated, so that the result is reproducible.
 
-Every clearance pin is a massless link; each equilibrium has partners with the pin on the other side of its bush
-(n and -n).  They are started from the ideal mechanism's equilibrium, pins displaced along its reactions.
+Every pin with clearance is a massless link; each equilibrium has partners with the pin on the other side of its bush
+(n and -n).  They are started from the ideal mechanism's equilibrium with pins displaced along its reactions.
 """
 
 from __future__ import annotations
@@ -35,20 +35,20 @@ from rattle.errors import AssemblyError
 from rattle.jit import functions
 from rattle.solvers.positions import position_sweep
 
-RANDOM_STARTS = 48  # of a mechanism without a degree of freedom, for other ways to put it together
-FEW_STARTS = 12  # of a mechanism with one
+RANDOM_STARTS = 48  # of a mechanism without a degree of freedom, for its other branches
+FEW_STARTS = 12  # of a mechanism with one degree of freedom
 WORK = 36_000.0  # of all starts together, in the units of `price`
-DOWNHILL = 0.5  # share of it that goes into ways downhill
-PRESSED = 0.3  # as much again, to let compliant pins sink in
-QUIET = 20  # starts in a row, and as many for every degree of freedom, that bring nothing new: it is enough
-QUIET_DOWNHILL = (4, 2)  # the same for ways downhill
-TRIALS_EACH = 250  # positions looked at from one start downhill
-TRIALS_NEWTON = 40  # and by Newton: where it arrives it does so in far fewer
-WIDE = 1.0  # turn of a body in one step downhill [rad]: any valley will do
+DOWNHILL = 0.5  # share of it that is used for descents
+PRESSED = 0.3  # additional share, to let compliant pins sink in
+QUIET = 20  # starts in a row without a new equilibrium after which the search ends, plus as many per degree of freedom
+QUIET_DOWNHILL = (4, 2)  # the same for descents
+TRIALS_EACH = 250  # positions evaluated from one start of a descent, at most
+TRIALS_NEWTON = 40  # and of Newton's method, which converges in far fewer if it does
+WIDE = 1.0  # rotation of a body in one step of a descent, at most [rad]: any valley will do
 
 
 def price(problem: StaticProblem, trials: int, found: bool) -> float:
-    """What a start has cost, very roughly in microseconds of one core: of the size of the mechanism."""
+    """Estimated cost of a start for a mechanism of this size, roughly in microseconds of one core."""
     n = 3.0 * problem.system.body_count
     look = 3.0 + 0.05 * n * n + 0.0003 * n * n * n
     weighing = 150.0 + 2.0 * look + (1000.0 if problem.redundant else 0.0)
@@ -56,7 +56,7 @@ def price(problem: StaticProblem, trials: int, found: bool) -> float:
 
 
 def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: float = 1.0) -> Equilibria:
-    """All equilibria found; see `Mechanism.equilibrium`."""
+    """All equilibria found with the drivers at t [s]; see `Mechanism.equilibrium`."""
     if branches not in ("near", "all"):
         raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
     functions.start()
@@ -89,7 +89,7 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
 
 
 def _height(one: Equilibrium) -> tuple[bool, float]:
-    """Stable positions first, then the lowest."""
+    """Sorting key: stable positions first, then by potential energy [J]."""
     return not one.stable, one["energy.potential"]
 
 
@@ -108,7 +108,7 @@ def without_guide_play(system: System) -> System:
 
 
 def rigid_model(system: System) -> System | None:
-    """The mechanism with every open pin held by a massless link; None when no joint has play."""
+    """The mechanism with every pin with clearance on a massless link; None if no joint has clearance."""
     joints = dict(system.model.joints)
     for name, one in joints.items():
         if one.leaf.massless and (has_contacts(one) or is_link(one)):
@@ -118,7 +118,10 @@ def rigid_model(system: System) -> System | None:
 
 
 def position_at(system: System, t: float) -> np.ndarray:
-    """The assembled position at time t; a driven mechanism is led there from t = 0 on its branch."""
+    """The assembled position (3 nb,) [m, m, rad] at time t [s]; a driven mechanism is moved there from t = 0.
+
+    Raises AssemblyError if it cannot be assembled, or cannot reach t.
+    """
     try:
         start = assemble(system)
     except AssemblyError:
@@ -142,15 +145,15 @@ def position_at(system: System, t: float) -> np.ndarray:
 
 
 class Search:
-    """The equilibria of one mechanism found so far, and what has been spent on them."""
+    """The equilibria of one mechanism found so far, and the work spent on them."""
 
     def __init__(self, problem: StaticProblem, effort: float) -> None:
         self.problem, self.effort = problem, effort
         self.found: list[Found] = []
         self.starts = 0
-        self.stopped = False  # before it was enough
+        self.stopped = False  # True: the work was used up before the search was complete
         self.extent = ""  # how far the search went, in words
-        self.arrived = False  # whether the last start led to an equilibrium, known or new
+        self.arrived = False  # True: the last start led to an equilibrium, known or new
         self._work, self._left = 0.0, WORK * effort
         self._known = np.zeros((16, 3 * problem.system.body_count))
         self._count = 0
@@ -158,19 +161,19 @@ class Search:
         self._trials = problem.trials
         self._turning: Turning | None = None
         self._start = np.zeros(3 * problem.system.body_count)
-        self._quiet = 0  # starts in vain since the last that was not
+        self._quiet = 0  # starts since the last one with a new equilibrium
         first = [problem.system.first_row(name) for name in problem.links]
         self._links = np.array(first, np.int64)
 
     def spent(self) -> bool:
-        """Whether there is nothing left for another start; the first is always tried."""
+        """True if the work is used up; the first start is always tried."""
         return self._beyond(self._left)
 
     def _beyond(self, most: float) -> bool:
         return self.starts > 0 and self._work >= most
 
     def try_start(self, start: np.ndarray, downhill: bool) -> bool:
-        """Try one start; True where it led to an equilibrium that is new."""
+        """Try one start (3 nb,) [m, m, rad]; True if it led to a new equilibrium."""
         problem = self.problem
         self.starts += 1
         most, turn = (TRIALS_EACH, WIDE) if downhill else (TRIALS_NEWTON, MOST_TURN)
@@ -189,7 +192,7 @@ class Search:
         return new
 
     def _assessed(self, q: np.ndarray, iterations: int) -> Found:
-        """What is to be known about a position, without whole turns where they make no difference."""
+        """Assess a position, after removing whole turns of bodies if they make no difference."""
         if self._turning is not None:
             same = self._turning.unwound(q, self._start)
             if (same != q).any():
@@ -206,9 +209,9 @@ class Search:
         self._known[self._count] = q
         self._count += 1
 
-    # ------------------------------------------------------------ from nothing
+    # ------------------------------------------------------------ without known equilibria
     def explore(self, start: np.ndarray, everywhere: bool) -> None:
-        """All kinds of starts; everywhere: other ways to put the mechanism together too."""
+        """Try all kinds of starts around `start` (3 nb,) [m, m, rad]; everywhere: search other branches too."""
         turning, random = Turning(self.problem.system), np.random.default_rng(0)
         self._turning, self._start = turning, start
         _, null = self.problem.reduce(start)
@@ -227,16 +230,16 @@ class Search:
                     self.stopped = True
                     return
                 self.try_start(one, downhill)
-        if dof:  # other ways to put it together, as long as some are met
+        if dof:  # other branches, as long as new ones are found
             self._until_quiet({"random": anywhere}, 2 * QUIET, self._left)
         self.extent = (
-            "its one degree of freedom was walked along, end to end"
+            "its one degree of freedom was searched from end to end"
             if dof
             else "joints and drivers leave no degree of freedom"
         )
 
     def _many(self, start: np.ndarray, turning: Turning, random: np.random.Generator, dof: int) -> None:
-        """Ways downhill, then Newton from the kind of starts whose equilibria cost least."""
+        """Descents, then Newton's method from the kind of starts whose equilibria cost least."""
         downhill = {"downhill": self._downhill(start, turning, random)}
         least, each = QUIET_DOWNHILL
         surely = self._until_quiet(downhill, least + each * dof, DOWNHILL * self._left)
@@ -252,7 +255,7 @@ class Search:
         self.extent = f"the last {self._quiet} of {self.starts} starts brought nothing new"
 
     def _until_quiet(self, kinds: Mapping[str, Iterator[np.ndarray]], enough: int, most: float) -> bool:
-        """Starts of these kinds until so many in a row are in vain; False where the work is done before."""
+        """Try starts of these kinds until `enough` in a row bring nothing new; False if the work is used up before."""
         going, spent, brought = dict(kinds), dict.fromkeys(kinds, 0.0), dict.fromkeys(kinds, 1)
         self._quiet = 0
         while going and self._quiet < enough * max(1.0, self.effort):
@@ -271,7 +274,7 @@ class Search:
         return True
 
     def _downhill(self, start: np.ndarray, turning: Turning, random: np.random.Generator) -> Iterator[np.ndarray]:
-        """The position at hand, then random ones and ones near the lowest found, by turns."""
+        """The start, then by turns a random position and one near the lowest equilibrium found."""
         yield start
         while True:
             yield turning.anywhere(start, random)
@@ -279,7 +282,7 @@ class Search:
             yield turning.nearby(start if lowest is None else lowest.q, random)
 
     def _turned(self, turning: Turning, random: np.random.Generator) -> Iterator[np.ndarray]:
-        """Positions found mirrored and with every group of bodies turned over, then with several."""
+        """Found positions mirrored, then with each group of bodies turned over, then with several groups."""
         k, groups = 0, turning.groups
         while groups:
             if k < len(self.found):
@@ -294,9 +297,9 @@ class Search:
             else:
                 return
 
-    # ------------------------------------------------------------ with pins on their sides
+    # ------------------------------------------------------------ pins on either side of their bushes
     def partners(self, starts: Iterable[np.ndarray]) -> None:
-        """Starts that are close to what is sought: downhill only where Newton fails."""
+        """Try starts (3 nb,) that are close to equilibria: Newton's method, and a descent if it fails."""
         for start in starts:
             if self.spent():
                 self.stopped = True
@@ -306,7 +309,7 @@ class Search:
                 self.try_start(start, True)
 
     def pressed(self, system: System, rigid: list[Equilibrium]) -> list[Equilibrium]:
-        """Compliant pins: from the rigid positions that press everywhere, let every pin sink in."""
+        """Equilibria with compliant pins, from rigid ones that press at every pin: each pin is let sink in."""
         play, problem = self.problem, StaticProblem(system, self.problem.t)
         ideal = StaticProblem(compile_system(ideal_model(system.model)), problem.t)
         found: list[Equilibrium] = []
@@ -328,9 +331,10 @@ class Search:
 
 
 def _one_family(one: Found, other: Found, links: np.ndarray, size: float) -> bool:
-    """True where a free motion leads from one equilibrium to the other: it costs no energy.
+    """True if a free motion, without change of energy, leads from one equilibrium to the other.
 
-    links: (k,) rows of the massless links, whose multipliers say on which side their pins are.
+    links: (k,) rows of the massless links; the signs of their multipliers tell the sides of the pins.
+    size: size of the mechanism [m].
     """
     if not one.neutral or (one.neutral, one.falling) != (other.neutral, other.falling):
         return False
@@ -341,19 +345,19 @@ def _one_family(one: Found, other: Found, links: np.ndarray, size: float) -> boo
 
 
 def _tiny(system: System) -> float:
-    """The smallest length that tells positions apart [m]."""
+    """The smallest length of the mechanism [m], against which positions are compared."""
     return min([system.size] + [joint.clearance for joint in system.model.joints.values() if joint.clearance > 0])
 
 
 def _same(system: System, one: np.ndarray, others: np.ndarray) -> bool:
-    """True where a position is one of the others (k, 3 nb)."""
+    """True if a position (3 nb,) is one of the others (k, 3 nb)."""
     if not len(others):
         return False
     return bool(apart(system, one, others).min() < 1e-5 * _tiny(system) + 1e-10 * system.size)
 
 
 def _first_offset(ideal: StaticProblem, rigid: System, start: np.ndarray) -> np.ndarray:
-    """What the pins' offsets at the start, as far as given, change in the ideal position."""
+    """(3 nb,) change [m, m, rad] of the ideal position by the given offsets of pins at the start."""
     given = rigid.model.initial.offsets
     wanted = {
         name: np.array(at)
@@ -376,7 +380,7 @@ def _sorted(found: list[Equilibrium], start: np.ndarray) -> list[Equilibrium]:
 
 
 def static_problem(system: System, one: Equilibrium) -> StaticProblem:
-    """The mechanism as it stands in one of its equilibria: with rigid or with compliant pins."""
+    """The equilibrium problem to which an equilibrium belongs, with rigid or with compliant pins."""
     system = without_guide_play(system)
     rigid = rigid_model(system)
     if rigid is not None and rigid.row_count == len(one.multiplier):

@@ -1,6 +1,6 @@
-"""An equilibrium and what is known about it; the list of those that were found.
+"""An equilibrium with its quantities, and the list of those that were found.
 
-All positions of one search are rows of one table: a `Result` of a single position is made only where it is asked for.
+All positions of one search are rows of one table; a `Result` of a single position is made only on demand.
 """
 
 from __future__ import annotations
@@ -18,45 +18,45 @@ from rattle.results.display import quantity, table
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 
-MORE = 10.0  # times the effort, at least the usual one, that is advised where a search was cut short
+MORE = 10.0  # factor on the effort that is advised after a search was cut short
 
 
 class Table(NamedTuple):
-    """What the equilibria of one mechanism have in common."""
+    """Names, units and geometry that the equilibria of one mechanism share."""
 
-    column: Mapping[str, int]  # of every name
+    column: Mapping[str, int]  # column of every name
     units: Mapping[str, str]
-    pins: tuple[tuple[str, int], ...]  # joints with play, columns of their normal forces
+    pins: tuple[tuple[str, int], ...]  # joints with clearance, and the columns of their normal forces
     geometry: Mapping[str, Any]
     provenance: Mapping[str, Any]
 
 
 @dataclass(repr=False)
 class Equilibrium:
-    """One equilibrium. `E["coupler.angle"]` gives any result name [SI]."""
+    """One equilibrium.  `E["coupler.angle"]` gives the value of any result name [SI]."""
 
-    t: float  # [s], of the drivers' functions
-    q: np.ndarray = field(repr=False)  # (3 nb,)
-    multiplier: np.ndarray = field(repr=False)  # (nr,)
-    eigenvalue: float  # smallest of the reduced Hessian [N/m]; inf where no degree of freedom is left
-    residual: float  # largest force out of balance [N]
+    t: float  # time of the drivers' functions [s]
+    q: np.ndarray = field(repr=False)  # (3 nb,) x, y, angle of every body [m, m, rad]
+    multiplier: np.ndarray = field(repr=False)  # (nr,) of the constraint rows [N, N*m]
+    eigenvalue: float  # smallest of the reduced Hessian [N/m]; inf if no degree of freedom is left
+    residual: float  # largest unbalanced force [N]
     gap: float  # largest constraint residual [m or rad]
     iterations: int
     nonunique: tuple[str, ...]  # joints whose reactions are not unique
-    dof: int  # that the joints and drivers leave
-    neutral: int  # degrees of freedom along which it may be anywhere
-    falling: int  # degrees of freedom along which it is not held
-    row: np.ndarray = field(repr=False)  # (columns of the table,)
+    dof: int  # degrees of freedom that the joints and drivers leave
+    neutral: int  # number of neutral directions (eigenvalue 0)
+    falling: int  # number of unstable directions (negative eigenvalues)
+    row: np.ndarray = field(repr=False)  # (columns of the table,) [SI]
     table: Table = field(repr=False)
 
     def __getitem__(self, name: str) -> float:
-        """Any quantity by its result name, in SI units. Raises UnknownName."""
+        """Any quantity by its result name, in SI units.  Raises UnknownName."""
         k = self.table.column.get(name) if isinstance(name, str) else None
         return float(self.row[k] if k is not None else self.result[name][0])
 
     @cached_property
     def result(self) -> Result:
-        """The same as a result of one instant, which can be drawn and saved."""
+        """The equilibrium as a result of one instant, which can be plotted and saved."""
         return Result(
             t=[self.t], data=self.row[None], names=self.table.column, units=self.table.units,
             geometry=self.table.geometry, stats={"iterations": self.iterations},
@@ -66,16 +66,16 @@ class Equilibrium:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All names that `E[...]` answers to."""
+        """All names that `E[...]` accepts."""
         return self.result.names
 
     def unit(self, name: str) -> str:
-        """SI unit of a quantity."""
+        """SI unit of a quantity, "" for a plain number.  Raises UnknownName."""
         return self.result.unit(name)
 
     @cached_property
     def normals(self) -> dict[str, float]:
-        """Normal force of every clearance pin [N], negative where the bush would have to pull."""
+        """Normal force [N] of every pin with clearance, negative if the bush would have to pull."""
         return {name: float(self.row[k]) for name, k in self.table.pins}
 
     @property
@@ -86,17 +86,17 @@ class Equilibrium:
 
     @property
     def admissible(self) -> bool:
-        """True when no bush would have to pull (all N >= 0)."""
+        """True if no bush would have to pull (all N >= 0)."""
         return not self.pulled
 
     @property
     def stable(self) -> bool:
-        """True when every small displacement is driven back (all eigenvalues positive)."""
+        """True if the mechanism returns after every small displacement (all eigenvalues positive)."""
         return self.eigenvalue > 0.0
 
     @property
     def reactions_unique(self) -> bool:
-        """False where constraints are redundant; `nonunique` names the joints."""
+        """False if constraints are redundant; `nonunique` names the joints."""
         return not self.nonunique
 
     def __repr__(self) -> str:
@@ -140,33 +140,33 @@ class Equilibria(list[Equilibrium]):
         undefined: str = "",
     ) -> None:  # fmt: skip
         super().__init__(found)
-        self.starts = starts  # from which the search went, each to its end
-        self.stopped = stopped  # True where the work was done before the search was enough
-        self.undefined = undefined  # what had no finite value where the search came by, and why; empty if all had
+        self.starts = starts  # number of starts of the search
+        self.stopped = stopped  # True: the work was used up before the search was complete
+        self.undefined = undefined  # what had no finite value during the search, and why; "" if all had
         self._extent, self._effort = extent, effort
 
     @property
     def note(self) -> str:
-        """What to know about the completeness of the list; empty where the search was not cut short.
+        """Note on the completeness of the list; "" if the search was not cut short.
 
-        Where nothing can be found, or no forces, because a load or an expression has no finite value: which and why.
+        If no equilibrium or no forces were found because a load or an expression has no finite value: which, and why.
         """
         lacking = self.undefined if not self or any(math.isnan(one.residual) for one in self) else ""
         if not self.stopped:
             return lacking
         larger = min(max(1.0, MORE * self._effort), MOST_EFFORT)
-        more = f" (effort {larger:g} looks longer)" if larger > self._effort else ""
+        more = f" (effort {larger:g} searches longer)" if larger > self._effort else ""
         cut = f"search stopped after {self.starts} starts; there may be more equilibria{more}"
         return f"{lacking}; {cut}" if lacking else cut
 
     @property
     def extent(self) -> str:
-        """How far the search went."""
+        """How far the search went, in words."""
         said = self.note or self._extent
         return f"{said}; elsewhere {self.undefined}" if self.undefined and self.undefined not in said else said
 
     def first_at(self, t: float) -> Equilibrium:
-        """The first of them.  Raises ValueError, with the reason where it is known, if there is none at t [s]."""
+        """The first equilibrium.  Raises ValueError, with the reason if known, if there is none at t [s]."""
         if self:
             return self[0]
         raise ValueError(f"no equilibrium was found at t = {t:g} s{f': {self.note}' if self.note else ''}")

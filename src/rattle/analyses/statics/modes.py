@@ -1,7 +1,7 @@
 """Small free vibrations about an equilibrium.
 
-Z^T M Z ddz + Z^T C Z dz + Z^T K Z z = 0,     shapes Z z, normed so that the largest displacement is the
-mechanism's size;  K as in `statics`, C = -dQ/dv by differences
+Z^T M Z ddz + Z^T C Z dz + Z^T K Z z = 0,     shapes Z z, scaled so that the largest displacement is the
+mechanism's size;  K as in `balance`, C = -dQ/dv by differences
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ class Modes:
     """Natural frequencies about an equilibrium, lowest first, and their shapes."""
 
     equilibrium: Equilibrium
-    omega: np.ndarray  # (f,) natural circular frequencies [rad/s]; nan where the motion does not swing (see growth)
-    growth: np.ndarray  # (f,) rate at which an unstable mode grows [1/s], 0 for those that swing
-    damping: np.ndarray  # (f,) share of critical damping (of the mode alone)
+    omega: np.ndarray  # (f,) natural circular frequencies [rad/s]; nan for an unstable mode (see growth)
+    growth: np.ndarray  # (f,) rate at which an unstable mode grows [1/s], 0 for stable modes
+    damping: np.ndarray  # (f,) damping ratio of the mode alone [-]
     shapes: np.ndarray  # (f, 3 nb) x, y, angle of every body [m, m, rad] at the largest displacement
     problem: StaticProblem = field(repr=False)
-    note: str = ""  # how far the search for the equilibrium went, where it was given up
+    note: str = ""  # how far the search for the equilibrium went, if it was cut short
 
     @property
     def frequency(self) -> np.ndarray:
@@ -50,7 +50,7 @@ class Modes:
 
     @property
     def time_constants(self) -> np.ndarray:
-        """(f, 2) slow and fast time constant [s] of modes damped beyond the critical; nan for those that swing.
+        """(f, 2) slow and fast time constant [s] of overdamped modes; nan for modes that oscillate.
 
         Roots of s^2 + 2 zeta omega s + omega^2: -omega (zeta -+ sqrt(zeta^2 - 1)) = -1/T.
         """
@@ -67,7 +67,7 @@ class Modes:
         return f"<rattle.Modes: {len(self)} mode{'s' if len(self) != 1 else ''}{': ' if found else ''}{found}{more}>"
 
     def behaviour(self, mode: int, digits: int = 6) -> str:
-        """How a mode (0 = lowest) goes on, in words: frequency [Hz], time constants [s] or growth [1/s]."""
+        """Behaviour of a mode (0 = lowest) in words: frequency [Hz], time constants [s] or growth [1/s]."""
         if math.isnan(self.omega[mode]):
             return f"unstable, grows at {self.growth[mode]:.{digits}g} 1/s"
         if self.damping[mode] >= 1.0:
@@ -76,10 +76,10 @@ class Modes:
         return f"{self.frequency[mode]:.{digits}g} Hz"
 
     def _repr_html_(self) -> str:
-        return table(("mode", "frequency", "damping", "who moves"), self.rows(), f"about: {self.equilibrium}")
+        return table(("mode", "frequency", "damping", "moving bodies"), self.rows(), f"about: {self.equilibrium}")
 
     def rows(self) -> list[tuple[str, str, str, str]]:
-        """Number from 1, frequency, time constants or growth, damping, bodies that move most; one row per mode."""
+        """One row per mode: number from 1, frequency [Hz], time constants or growth, damping, bodies that move most."""
         bodies = self.problem.system.bodies
         found = []
         for k in range(len(self)):
@@ -99,11 +99,11 @@ class Modes:
     def motion(self, mode: int = 0, amplitude: float = 0.1) -> Result:
         """One cycle of a mode (0 = lowest) as a result that can be plotted and animated.
 
-        amplitude: largest displacement as a share of the mechanism's size; every position is put together anew,
-        so that joints stay closed. An unstable mode is shown over one unit of time.
+        amplitude: largest displacement as a share [-] of the mechanism's size; every position is assembled again, so
+        that the joints stay closed.  An unstable mode is shown over 1 s.  Raises ValueError if there is no such mode.
         """
         if not 0 <= mode < len(self):
-            raise ValueError(f"mode {mode}: there are {len(self)} modes, here numbered from 0")
+            raise ValueError(f"mode {mode}: there are {len(self)} modes, numbered from 0")
         problem, q0 = self.problem, self.equilibrium.q
         omega = 2 * math.pi if math.isnan(self.omega[mode]) or self.omega[mode] == 0.0 else self.omega[mode]
         t = np.linspace(0.0, 2 * math.pi / omega, FRAMES)
@@ -112,7 +112,7 @@ class Modes:
         problem.at(self.equilibrium.t)
         steps = 8
         swing = {0: q0.copy()}
-        for sign in (1, -1):  # outwards in small steps, so that clearance pins keep their side
+        for sign in (1, -1):  # outwards in small steps, so that pins with clearance keep their side
             q = q0.copy()
             for n in range(1, steps + 1):
                 q = q + sign * amplitude / steps * self.shapes[mode]
@@ -134,7 +134,10 @@ class Modes:
         )  # fmt: skip
 
     def plot(self, mode: int = 0, amplitude: float = 0.1) -> Figure:
-        """The mechanism at rest and at both ends of a mode's swing; see `rattle.plots.statics.plot_mode`."""
+        """The mechanism in equilibrium and at both ends of the vibration; see `rattle.plots.statics.plot_mode`.
+
+        amplitude: as in `motion`.
+        """
         from rattle.plots.statics import plot_mode
 
         return plot_mode(self, mode, amplitude)
@@ -154,7 +157,7 @@ class Modes:
 
 
 def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
-    """Natural modes about an equilibrium found with `problem`; see `Mechanism.modes`."""
+    """Natural modes [rad/s, 1/s] about an equilibrium found with `problem`; see `Mechanism.modes`."""
     problem.at(one.t)
     g, null = problem.reduce(one.q)
     if not len(g):
@@ -179,7 +182,7 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
 
 
 def _damping(problem: StaticProblem, q: np.ndarray) -> np.ndarray:
-    """C = -dQ/dv at rest (3 nb, 3 nb)."""
+    """C = -dQ/dv (3 nb, 3 nb) [N*s/m, N*m*s] at zero velocity."""
     workspace, n = problem.workspace, len(q)
     result = np.zeros((n, n))
     for k in range(n):

@@ -1,6 +1,6 @@
-"""A quasi-static motion: one equilibrium after the other while the drivers go on.
+"""Quasi-static motion: a sequence of equilibria while the drivers move on.
 
-At each instant equilibrium (see `equilibria`); from it the efforts of the drivers and how much force a unit of
+Each instant has its equilibrium (see `equilibria`), the efforts of the drivers, and the force that a unit of
 effort holds at each load (mechanical advantage), from the linearised balance
 
     [K  Phi_q^T; Phi_q  0] [dq; dlambda] = [dQ; 0]
@@ -34,22 +34,22 @@ from rattle.results.trust import Trust
 log = logging.getLogger("rattle")
 
 SMALLEST = 1e-7  # share of an interval below which no step is tried
-MOST_SNAPS = 5  # in one interval
-MOST_STEPS = 300  # in one interval
-MOST_TRIALS = 20_000  # positions looked at in one interval
+MOST_SNAPS = 5  # snap-throughs in one interval, at most
+MOST_STEPS = 300  # steps in one interval, at most
+MOST_TRIALS = 20_000  # positions evaluated in one interval, at most
 
 
 @dataclass
 class Path:
-    """A path in the making: the last equilibrium and the one before it."""
+    """The path of equilibria so far: the last equilibrium and the one before it."""
 
     problem: StaticProblem
-    ideal: StaticProblem | None  # of the mechanism without play
+    ideal: StaticProblem | None  # of the mechanism without clearance
     last: Equilibrium
     before: Equilibrium | None = None
 
     def step(self, t: float) -> Equilibrium | None:
-        """The equilibrium at t that follows smoothly from the last, or None."""
+        """The equilibrium at t [s] that follows smoothly from the last one, or None."""
         last, before = self.last, self.before
         guesses = [last.q]
         if before is not None and last.t != before.t:
@@ -62,7 +62,7 @@ class Path:
         return None
 
     def _near(self, q: np.ndarray) -> bool:
-        """Whether a position is so close to the last that it belongs to the same branch."""
+        """True if a position (3 nb,) is so close to the last one that it belongs to the same branch."""
         if np.abs((q - self.last.q) / self.problem.scale).max() > 0.3 * self.problem.system.size:
             return False
         one, other = self.problem.offsets(self.last.q), self.problem.offsets(q)
@@ -70,12 +70,12 @@ class Path:
         return bool((cosine > 0.7).all())
 
     def go(self, one: Equilibrium) -> None:
-        """Take a step that was found."""
+        """Append an equilibrium that was found."""
         self.before, self.last = self.last, one
 
 
 def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Result:
-    """Equilibria over the times; see `Mechanism.equilibrium`."""
+    """Equilibria at the times t_eval (n,) [s]; see `Mechanism.equilibrium`."""
     began = time.perf_counter()
     times = instants(t_eval)
     functions.start()
@@ -100,20 +100,20 @@ def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Resu
 
 
 def _on_links(path: Path, start: Equilibrium) -> Equilibrium:
-    """The start with its pins on rigid walls (compliant ones are followed as if they were hard)."""
+    """The start with its pins on rigid walls; compliant pins are followed as if they were rigid."""
     solution = path.problem.find(start.q)
     return path.problem.finish(*solution) if solution is not None else start
 
 
 def _lead(path: Path, t: float, events: list[Event]) -> str:
-    """Go to time t in as many steps as needed; returns why not, if not."""
+    """Continue the path to time t [s] in as many steps as needed; returns "" or why it failed, in words."""
     snaps, steps, before = 0, 0, path.problem.trials
     while path.last.t < t:
         steps += 1
         if steps > MOST_STEPS or path.problem.trials - before > MOST_TRIALS:
             return (
-                f"search stopped at t = {path.last.t:.8g} s after {steps - 1} steps towards t = {t:.8g} s: the position"
-                " of rest changes too fast there; ask for more instants, or for the motion with simulate"
+                f"search stopped at t = {path.last.t:.8g} s after {steps - 1} steps towards t = {t:.8g} s: the"
+                " equilibrium changes too fast there; ask for more instants, or for the motion with simulate"
             )
         whole = t - path.last.t
         share, found = 1.0, None
@@ -138,7 +138,7 @@ def _lead(path: Path, t: float, events: list[Event]) -> str:
 
 
 def _snap(path: Path, t: float) -> Equilibrium | None:
-    """The stable equilibrium downhill of the last one, when that has ceased to exist."""
+    """Snap-through: the stable equilibrium downhill of the last one, which has ceased to exist; or None."""
     ahead = min(t, path.last.t + 1e-3 * (t - path.last.t)) if t - path.last.t > 1e-9 else t
     path.problem.at(ahead)
     solution = path.problem.find(path.last.q, downhill=True)
@@ -146,7 +146,7 @@ def _snap(path: Path, t: float) -> Equilibrium | None:
 
 
 def _change_sides(path: Path, found: Equilibrium, pulled: list[str], events: list[Event]) -> None:
-    """N of some pins went through zero on the way to `found`: locate it, put them on the other side."""
+    """Locate where N of some pins passed zero on the way to `found`, and move these pins to the other side."""
     for name in pulled:
         low, high, n_low, n_high = path.last.t, found.t, path.last[f"{name}.normal"], found[f"{name}.normal"]
         t = high
@@ -176,9 +176,9 @@ def _change_sides(path: Path, found: Equilibrium, pulled: list[str], events: lis
 
 # ---------------------------------------------------------------- mechanical advantage
 def advantage(problem: StaticProblem, one: Equilibrium) -> dict[tuple[str, str], float]:
-    """(load, driver) -> force or moment held at the load per unit of the driver's effort, both with their signs.
+    """(load, driver) -> force or moment held at the load per unit of the driver's effort, signed [-, m or 1/m].
 
-    Loads with a constant direction only (force, torque); inf where no effort is needed (a toggle).
+    Only for loads of constant direction (force, torque); inf if no effort is needed (a toggle).
     """
     system, workspace = problem.system, problem.workspace
     drivers = [name for name in system.joints if name in system.model.drivers]
@@ -205,7 +205,7 @@ def advantage(problem: StaticProblem, one: Equilibrium) -> dict[tuple[str, str],
 
 
 def _direction(problem: StaticProblem, one: Equilibrium, name: str) -> np.ndarray:
-    """(3 nb,) generalised force of one unit of a load in its present direction."""
+    """(3 nb,) generalised force [N, N, N*m] of a load of 1 N or 1 N*m in its present direction."""
     system, workspace = problem.system, problem.workspace
     load = system.model.loads[name]
     unit = np.zeros(3 * system.body_count)

@@ -1,6 +1,7 @@
-"""Where the search for equilibria starts: along the free motion, bodies turned, pins on their sides.
+"""Starts of the search for equilibria: along the free motion, with bodies turned, with pins on either side.
 
-Turned bodies take along what hangs on them, from joint to joint outwards, so that only loops are left to be closed.
+A body that is turned carries the bodies outwards of it along, so that only loops remain to be closed.
+Positions q are (3 nb,) x, y, angle of every body [m, m, rad].
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.description.model import driven_ends
 from rattle.equations.system import System
 
-MOST_STRIDES = 160  # along a degree of freedom that does not close
-STRIDES = 12  # along one of many degrees of freedom, either way
-DIRECTIONS = 4  # of so many
-FAR = 0.3  # shift of what slides or is free, as a share of the mechanism's size
+MOST_STRIDES = 160  # steps along a degree of freedom whose motion does not close, at most
+STRIDES = 12  # steps along one of several degrees of freedom, in either direction
+DIRECTIONS = 4  # degrees of freedom along which starts are made, at most
+FAR = 0.3  # shift of sliding or free bodies, as a share of the mechanism's size
 
 
 class Turning:
-    """Bodies that may turn, one group for those that can only turn together, and who hangs on whom."""
+    """Bodies that can turn, in groups that can only turn together, and the tree by which they carry each other."""
 
     def __init__(self, system: System) -> None:
         model, self.system = system.model, system
@@ -37,14 +38,14 @@ class Turning:
             child, bearer = system.bodies.index(body), -1 if parent == "ground" else system.bodies.index(parent)
             self.edges.append((child, bearer, complex(*one.at), complex(*other.at), axis))
             hung.add(child)
-        self.loose = [k for k in range(system.body_count) if k not in hung]  # held by loads alone
+        self.loose = [k for k in range(system.body_count) if k not in hung]  # not connected by joints
         self.groups = _groups(system)
         self._level = _level(system)
 
     def placed(self, q: np.ndarray, turn: np.ndarray, slide: np.ndarray | None = None) -> np.ndarray:
-        """A position q (3 nb,) with its bodies turned by `turn` (nb,) and shifted to stay on each other.
+        """A position q (3 nb,) with its bodies turned by `turn` (nb,) [rad] and shifted to stay connected.
 
-        slide: (edges,) way along every guide [m].
+        slide: (edges,) displacement along every guide [m].
         """
         at = q[0::3] + 1j * q[1::3]
         before, after = np.exp(1j * q[2::3]), np.exp(1j * (q[2::3] + turn))
@@ -64,7 +65,7 @@ class Turning:
         return moved
 
     def turned(self, q: np.ndarray, groups: Iterable[Sequence[int]], near: np.ndarray) -> np.ndarray:
-        """A position with some groups of bodies turned over, towards `near`; all others keep their angles."""
+        """A position q with some groups of bodies turned over, towards `near`; all others keep their angles."""
         turn = np.zeros(self.system.body_count)
         for group in groups:
             k = 3 * group[0] + 2
@@ -72,9 +73,9 @@ class Turning:
         return self.placed(q, turn)
 
     def mirrored(self, q: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """Bodies turned as in a mirror along the supports that are farthest apart; a lone one: upside down.
+        """A position q mirrored on the line through the two supports that are farthest apart; a single body: inverted.
 
-        A chain that hangs becomes an arch.
+        A hanging chain becomes an arch.
         """
         turn = np.zeros(self.system.body_count)
         for group in self.groups:
@@ -83,7 +84,7 @@ class Turning:
         return self.placed(q, turn)
 
     def unwound(self, q: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The same position with whole turns of its bodies taken back, as far as they are beyond those of `near`."""
+        """The position q with whole turns of its bodies removed, as far as they exceed those of `near`."""
         same = q.copy()
         for group in self.groups:
             k = 3 * group[0] + 2
@@ -91,7 +92,7 @@ class Turning:
         return same
 
     def anywhere(self, q: np.ndarray, random: np.random.Generator) -> np.ndarray:
-        """All bodies that may turn at random angles, what slides or is free at random places."""
+        """A position with all bodies that can turn at random angles, and those that slide or are free displaced."""
         turn = np.zeros(self.system.body_count)
         for group in self.groups:
             turn[group] = random.uniform(-math.pi, math.pi)
@@ -102,7 +103,7 @@ class Turning:
         return moved
 
     def nearby(self, q: np.ndarray, random: np.random.Generator) -> np.ndarray:
-        """One or two groups of bodies at random angles, all others as they are."""
+        """A position q with one or two groups of bodies at random angles."""
         turn = np.zeros(self.system.body_count)
         for n in random.permutation(len(self.groups))[: random.integers(1, 3)]:
             turn[self.groups[n]] = random.uniform(-math.pi, math.pi)
@@ -110,7 +111,7 @@ class Turning:
 
 
 def _level(system: System) -> float:
-    """Angle of the line through the two supports that are farthest apart, across gravity where there is one [rad]."""
+    """Angle [rad] of the line through the two supports that are farthest apart; with a single one, across gravity."""
     ends = [end for joint in system.model.joints.values() for end in (joint.a, joint.b) if end.body == "ground"]
     supports = [complex(*end.at) for end in ends]
     line = max((b - a for a, b in itertools.combinations(supports, 2)), key=abs, default=0j)
@@ -120,7 +121,7 @@ def _level(system: System) -> float:
 
 
 def _groups(system: System) -> list[list[int]]:
-    """Bodies by what fixes their angles to each other; without those whose angle is held."""
+    """Groups of bodies whose angles are fixed to each other, without those whose angle is fixed to the ground."""
     model = system.model
     group = {name: name for name in ["ground", *system.bodies]}
 
@@ -145,7 +146,7 @@ def _groups(system: System) -> list[list[int]]:
 
 # ---------------------------------------------------------------- along degrees of freedom
 def along(problem: StaticProblem, start: np.ndarray) -> Iterator[np.ndarray]:
-    """Positions along some of the degrees of freedom at the start, either way."""
+    """Positions along some of the degrees of freedom at the start, in either direction."""
     _, null = problem.reduce(start)
     for direction in [sign * null[:, k] for k in range(min(null.shape[1], DIRECTIONS)) for sign in (1.0, -1.0)]:
         q = start.copy()
@@ -156,7 +157,10 @@ def along(problem: StaticProblem, start: np.ndarray) -> Iterator[np.ndarray]:
 
 
 def around(problem: StaticProblem, start: np.ndarray, direction: np.ndarray) -> list[np.ndarray]:
-    """Walk along the one free motion, all around where it closes; where the force along it changes its sign."""
+    """Positions along the one free motion next to which the force along it changes sign or is least.
+
+    direction: (3 nb,).  The motion is followed all around if it closes, otherwise to both ends.
+    """
     stride = problem.system.size / 8
     path, force = [start], [float(problem.reduce(start)[0][0])]
     for sign in (1.0, -1.0):
@@ -173,7 +177,7 @@ def around(problem: StaticProblem, start: np.ndarray, direction: np.ndarray) -> 
         if closed:
             break
     nothing = 1e-9 * max(problem.force_scale(), max(map(abs, force)))
-    size = [abs(one) if abs(one) > nothing else math.inf for one in force]  # where nothing acts it may be anywhere
+    size = [abs(one) if abs(one) > nothing else math.inf for one in force]  # without force it may be anywhere
     found = []
     for k in range(1, len(path)):
         if size[k - 1] < math.inf and size[k] < math.inf and force[k - 1] * force[k] < 0.0:
@@ -185,7 +189,7 @@ def around(problem: StaticProblem, start: np.ndarray, direction: np.ndarray) -> 
 
 
 def apart(system: System, one: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """(k,) largest distance [m] of a position from others (k, 3 nb), angles as on a circle of the mechanism's size."""
+    """(k,) largest distance [m] of a position from others (k, 3 nb); angles times the size of the mechanism."""
     distance = one - others
     distance[:, 2::3] = (distance[:, 2::3] + math.pi) % (2 * math.pi) - math.pi
     distance[:, 2::3] *= system.size
@@ -194,7 +198,7 @@ def apart(system: System, one: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 # ---------------------------------------------------------------- pins
 def opened(ideal: StaticProblem, q: np.ndarray, wanted: Mapping[str, np.ndarray]) -> np.ndarray:
-    """The ideal mechanism's position with its pins displaced in their bushes, by least change."""
+    """The ideal mechanism's position q after the least change that displaces its pins by `wanted` (2,) [m]."""
     system = ideal.system
     target = np.zeros(system.row_count)
     for name, offset in wanted.items():
@@ -206,7 +210,7 @@ def opened(ideal: StaticProblem, q: np.ndarray, wanted: Mapping[str, np.ndarray]
 
 
 def sides(ideal: StaticProblem, play: StaticProblem, found: Sequence[Equilibrium]) -> Iterator[np.ndarray]:
-    """Starts with every pin on either side of its bush along the ideal reaction: all that press first, then few not."""
+    """Starts with every pin on either side of its bush along the ideal reaction: first all pressing, then few not."""
     pressed = []
     for one in found:
         directions = np.zeros((len(play.links), 2))
