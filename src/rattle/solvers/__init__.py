@@ -1,1 +1,1 @@
-"""Time steppers: stateless, compiled, one call for many steps."""
+"""Time integration: compiled, without state of its own, one call for many steps."""

@@ -1,9 +1,9 @@
-"""Starts and ends of compliant contacts inside a step: noticed, located on the dense output, remembered.
+"""Starts and ends of compliant contacts inside a step: detected, located on the dense output, stored in contact memory.
 
-A contact has memory: in contact or not, approach speed v0, bristle state.  It changes only here, at the
-located instants, so that each step has one smooth right-hand side.
+The contact memory (closed or open, approach speed v0, bristle state) changes only here, at the located instants, so
+that each step has a smooth right-hand side.
 
-No contact and no release is missed because it is shorter than a step: see `searching`.
+No contact and no release is missed because it is shorter than a step: see `gap_search`.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from rattle.solvers.dense_output import interpolate
 from rattle.solvers.event_rows import note_end
 from rattle.solvers.gap_search import NONE, may_reach, search
 
-LATER = 1e-7  # share of a step after which a contact changes that was on the wrong side at its start by rounding
+LATER = 1e-7  # share of a step at which a contact changes whose gap had the wrong sign at its start by rounding
 
 
 @native("void", "h", "f", "v")
 def start_contacts(m, t, y):
-    """Set the memory of every compliant contact at the start of a run."""
+    """Set the contact memory of every compliant contact at the start of a run, t [s]."""
     contact, kinematics, memory, nq = m.contact, m.contact_kinematics, m.contact_memory, m.change.shape[0]
     place(m, y[:nq], y[nq : 2 * nq])
     locate_contacts(m)
@@ -52,7 +52,7 @@ def shut(m, n, t, y):
 
 @compiled
 def contact_time(m, n):
-    """How long contact n will last, about [s]; 0 if unknown."""
+    """Estimated duration of contact n [s]; 0 if unknown."""
     contact, mass, speed = m.contact, m.mass, m.contact_memory[n, at.SPEED]
     a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
     light = mass[b, 0] if a == 0 else (mass[a, 0] if b == 0 else min(mass[a, 0], mass[b, 0]))
@@ -63,7 +63,7 @@ def contact_time(m, n):
 
 @compiled
 def remember_end(m):
-    """Keep gaps, rates and forces at the end of the step just computed."""
+    """Store gaps [m], rates [m/s] and forces [N] at the end of the step just computed."""
     kinematics, memory = m.contact_kinematics, m.contact_memory
     for n in range(kinematics.shape[0]):
         memory[n, at.GAP_1], memory[n, at.DGAP_1], memory[n, at.N_1] = (
@@ -75,7 +75,7 @@ def remember_end(m):
 
 @compiled
 def pass_on(m):
-    """The end of this step is the start of the next."""
+    """Make the values at the end of this step those at the start of the next."""
     memory = m.contact_memory
     for n in range(memory.shape[0]):
         memory[n, at.GAP_0], memory[n, at.DGAP_0], memory[n, at.N_0] = (
@@ -87,7 +87,7 @@ def pass_on(m):
 
 @compiled
 def may_any_change(m, h):
-    """True when any contact may start or end in the step."""
+    """True if any contact may start or end in the step of length h [s]."""
     contact, memory = m.contact, m.contact_memory
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 0 and may_reach(m, h, n, -1.0 if memory[n, at.CLOSED] == at.SHUT else 1.0):
@@ -97,7 +97,7 @@ def may_any_change(m, h):
 
 @native("fi", "h", "f")
 def first_change(m, h):
-    """Share of the step at which the first contact starts or ends (NONE if none does), and which."""
+    """Share of the step at which the first contact starts or ends (NONE if none does), and its index."""
     contact, memory, best, who = m.contact, m.contact_memory, NONE, -1
     for n in range(contact.shape[0]):
         side = -1.0 if memory[n, at.CLOSED] == at.SHUT else 1.0
@@ -110,7 +110,7 @@ def first_change(m, h):
 
 @compiled
 def near_peak(m):
-    """True when the force of a contact may have its maximum inside the step."""
+    """True if the force of a contact may have its maximum inside the step."""
     memory = m.contact_memory
     for n in range(memory.shape[0]):
         if memory[n, at.CLOSED] == at.SHUT and max(memory[n, at.N_0], memory[n, at.N_1]) > 0.7 * memory[n, at.PEAK]:
@@ -120,7 +120,7 @@ def near_peak(m):
 
 @compiled
 def normal_at(m, theta, n):
-    """Normal force of contact n at the share theta of the step."""
+    """Normal force of contact n [N] at the share theta of the step."""
     kinematics, stage, nq = m.contact_kinematics, m.stage, m.change.shape[0]
     interpolate(m, theta, stage)
     take_states(m, stage)
@@ -132,7 +132,7 @@ def normal_at(m, theta, n):
 
 @native("void", "h", "f", "i")
 def find_peaks(m, until, sampled):
-    """Largest force of every contact up to the share `until` of the step; with `sampled` from the dense output too."""
+    """Largest force [N] of every contact up to the share `until` of the step; sampled: also from the dense output."""
     memory = m.contact_memory
     for n in range(memory.shape[0]):
         if memory[n, at.CLOSED] != at.SHUT:
@@ -160,7 +160,7 @@ def find_peaks(m, until, sampled):
 
 @compiled
 def change_contacts(m, who, t, y):
-    """Contact `who` starts or ends at (t, y), others with it; events are noted."""
+    """Contact `who` starts or ends at (t, y), others with it; events are recorded."""
     contact, kinematics, memory, nq = m.contact, m.contact_kinematics, m.contact_memory, m.change.shape[0]
     place(m, y[:nq], y[nq : 2 * nq])
     locate_contacts(m)
@@ -174,7 +174,7 @@ def change_contacts(m, who, t, y):
         elif n == who and was_shut:
             k = account_at(m, n)
             note_end(m, n, t, y, max(kinematics[n, at.DGAP], 0.0))
-            y[k + LOSS] += y[k + STORED]  # what rounding left stored is lost
+            y[k + LOSS] += y[k + STORED]  # stored energy left by rounding is lost
             y[k + STORED] = 0.0
             clear_states(m, n, y)
             memory[n, at.CLOSED] = at.OPEN

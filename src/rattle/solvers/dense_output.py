@@ -1,4 +1,4 @@
-"""The state inside a step: a polynomial of order 3 through both ends, and what the stepper adds to it.
+"""The state inside a step: the cubic polynomial through both ends, and higher terms of the stepper.
 
 Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.6.
 """
@@ -11,7 +11,7 @@ from rattle.solvers.step_state import DENSE
 
 @compiled
 def prepare_dense(m, t, h):
-    """Make the dense output of the step from (t, y) to (t + h, y_new)."""
+    """Compute the dense output of the step from (t [s], y) to (t + h, y_new)."""
     y, f, y_new, f_new, dense = m.state, m.rate, m.state_new, m.rate_new, m.dense
     for n in range(y.shape[0]):
         jump = y_new[n] - y[n]
@@ -23,7 +23,7 @@ def prepare_dense(m, t, h):
 
 @compiled
 def interpolate(m, theta, out):
-    """State at the share theta of the step into `out`."""
+    """State at the share theta (0 to 1) of the step into `out`, laid out and in the units of y."""
     y, dense = m.state, m.dense
     rest = 1.0 - theta
     for n in range(out.shape[0]):

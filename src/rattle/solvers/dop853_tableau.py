@@ -1,6 +1,6 @@
 """Coefficients of the Dormand-Prince method of order 8(5, 3) with dense output of order 7.
 
-A row lists the stages that it sums up and their coefficients; all others are zero.
+A row lists stages and their coefficients; all other coefficients are zero.
 
 Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.10; code DOP853.
 """
@@ -15,7 +15,7 @@ Row = tuple[tuple[int, ...], tuple[float, ...]]
 
 
 def filled(rows: Sequence[Row], first: int, wide: int) -> np.ndarray:
-    """(first + rows, wide): the rows in full, behind `first` rows of zeros."""
+    """(first + rows, wide): the rows with their zeros, after `first` rows of zeros."""
     full = np.zeros((first + len(rows), wide))
     for n, (stages, coefficients) in enumerate(rows, start=first):
         full[n, list(stages)] = coefficients
@@ -28,7 +28,7 @@ C = np.array([
     0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726, 0.3333333333333333, 0.25,
     0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0, 1.0, 0.1, 0.2, 0.7777777777777778,
 ])
-# stages 1 to 15; those from 13 on serve the dense output
+# stages 1 to 15; those from 13 on are for the dense output
 A = filled((
     ((0,), (0.05260015195876773,)),
     ((0, 1), (0.0197250569845379, 0.0591751709536137)),

@@ -1,4 +1,4 @@
-"""Rows of the array `events`: what contacts did, and when."""
+"""Rows of the array `events`: changes of contacts and their times."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rattle.solvers.step_state import EVENT_COUNT
 
 @compiled
 def note(m, kind, n, t, speed):
-    """Write a row for contact n at t, with its speed along the normal; returns its place, -1 where there is no room."""
+    """Write a row for contact n at t [s], with its normal speed [m/s]; returns its index, -1 if there is no room."""
     tally, events = m.tally, m.events
     k = tally[EVENT_COUNT]
     if k == events.shape[0]:
@@ -25,7 +25,7 @@ def note(m, kind, n, t, speed):
 
 @compiled
 def note_impact(m, n, t, speed, impulse, lost):
-    """Contact n has had an impact at t."""
+    """Record an impact of contact n at t [s]: speed [m/s], impulse [N s], energy lost [J]."""
     k = note(m, at.IMPACT_EVENT, n, t, speed)
     if k >= 0:
         m.events[k, at.EVENT_IMPULSE], m.events[k, at.EVENT_LOSS] = impulse, lost
@@ -33,7 +33,7 @@ def note_impact(m, n, t, speed, impulse, lost):
 
 @compiled
 def note_end(m, n, t, y, speed):
-    """Contact n ends at (t, y) and parts at `speed`: what it was, from its memory, and its release."""
+    """Record the end of contact n at (t, y), which opens at `speed` [m/s]: completes its event, adds its release."""
     memory, events, account = m.contact_memory, m.events, account_at(m, n)
     k = note(m, at.CONTACT_EVENT, n, memory[n, at.SINCE], memory[n, at.SPEED])
     if k >= 0:

@@ -1,18 +1,18 @@
-"""Where a gap reaches its wall inside a step: a search of the dense output that no contact escapes.
+"""Zeros of a gap inside a step: a search of the dense output that misses no contact.
 
-A step may be as long as a free flight, with many turns of its bodies in it, so that looking at some places of it
-proves nothing.  What proves something is a bound on the second derivative of the gap.  With e the offset of the
-joint's point on B from that on A, s_A and s_B the longest arms from the mass centres to what may touch,
+A step may be as long as a free flight, with many turns of its bodies in it, so that sampling it at some places
+proves nothing.  A proof needs a bound on the second derivative of the gap.  With e the offset of the joint's point
+on B from that on A, s_A and s_B the longest lever arms from the mass centres to points that may touch,
 
     |e''| <= |a_B - a_A| + s_B (w_B^2 + |alpha_B|) + s_A (w_A^2 + |alpha_A|) = E
 
-(walls that turn with A, at most D away from its point, add (w_A^2 + |alpha_A|) D + 2 |w_A| |e'|).  Between two looks,
-dt apart, no gap lies deeper than E dt^2 / 8 below the smaller of the two that were seen: |e| is convex and the gap
-of a block is linear in e.  Where this does not decide, three looks and the rates make a cubic, which is wrong by as
-much as it misses the middle one and by what the turning brings, (E + (n')^2 |e|) (W dt)^2 dt^2 / 384; where that does
-not decide either, the time between the looks is halved.  Contacts out of reach cost no look at all.
+(walls that turn with A, at most D away from its point, add (w_A^2 + |alpha_A|) D + 2 |w_A| |e'|).  Between two samples,
+dt apart, no gap is more than E dt^2 / 8 below the smaller of the two: |e| is convex and the gap of a block is linear
+in e.  If this does not decide, three samples and the rates give a cubic, whose error is its deviation from the middle
+sample plus a bound for the rotation, (E + (n')^2 |e|) (W dt)^2 dt^2 / 384; if that does not decide either, the
+interval is halved.  Contacts out of reach need no sample at all.
 
-Accelerations are bounded by those of the stages of the step, with their spread on top.
+Accelerations are bounded by those of the stages of the step plus their spread.
 
 Source: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems (1996), on bounds for the time to
 collision; the remainders of linear and cubic interpolation.
@@ -30,12 +30,12 @@ from rattle.jit.functions import call_clearance, compiled, native
 
 NONE = 2.0  # a share of the step that does not exist
 STAGES = 12  # slopes of a step whose accelerations bound those in it
-WHOLE_TURN = 0.5  # angle [rad] up to which a cubic is looked at
-GAVE_UP = 3.0  # the same, of a search that has come to no end: the step is too long for its dense output to be trusted
+WHOLE_TURN = 0.5  # angle [rad] up to which a cubic is tried
+GAVE_UP = 3.0  # the same, of a search without result: the step is too long for its dense output to be trusted
 MOST_LOOKS = 1_000_000
-FEW_LOOKS = 20_000  # for contacts whose step may be taken once more, shorter
-DEEP = 1e-6  # share of the clearance that a gap may be below zero: what integration and rounding leave is far less
-ESCAPED = 21  # ending of a run: a contact is inside its wall
+FEW_LOOKS = 20_000  # for contacts whose step may be repeated with a shorter length
+DEEP = 1e-6  # share of the clearance that a gap may be below zero: errors of integration and rounding are far smaller
+ESCAPED = 21  # end of a run: a contact is inside its wall
 
 
 @compiled
@@ -46,7 +46,7 @@ def clearance_of(m, n):
 
 @compiled
 def rounding(m, n):
-    """Depth that rounding may give to contact n [m]: coordinates and angles may be large."""
+    """Penetration of contact n that may be rounding [m]: coordinates and angles may be large."""
     contact, lever, y = m.contact, m.lever, m.state
     size = 0.0
     for end in range(2):
@@ -59,7 +59,7 @@ def rounding(m, n):
 
 @compiled
 def largest(m, a, b, q):
-    """Bound on component q of the acceleration of body b less that of body a over the step."""
+    """Bound on component q of the acceleration of body b minus that of body a over the step [m/s^2, rad/s^2]."""
     k, nq = m.slopes, m.change.shape[0]
     first, top, spread = 0.0, 0.0, 0.0
     for s in range(STAGES):
@@ -76,7 +76,7 @@ def largest(m, a, b, q):
 
 @compiled
 def fastest(m, h, i):
-    """Bounds on the rate [rad/s] and the angular acceleration of body i over the step of length h."""
+    """Bounds on the angular velocity [rad/s] and acceleration [rad/s^2] of body i over the step of length h [s]."""
     if i == 0:
         return 0.0, 0.0
     k, alpha = m.change.shape[0] + 3 * i - 1, largest(m, 0, i, 2)
@@ -85,7 +85,7 @@ def fastest(m, h, i):
 
 @compiled
 def apart(m, y, a, b, k):
-    """Distance of two mass centres (k = 0), or speed between them (k = 3 nb), in the state y."""
+    """Distance of two mass centres [m] (k = 0), or their relative speed [m/s] (k = 3 nb), in the state y."""
     x = (y[k + 3 * b - 3] if b > 0 else 0.0) - (y[k + 3 * a - 3] if a > 0 else 0.0)
     z = (y[k + 3 * b - 2] if b > 0 else 0.0) - (y[k + 3 * a - 2] if a > 0 else 0.0)
     return math.sqrt(x * x + z * z)
@@ -93,7 +93,7 @@ def apart(m, y, a, b, k):
 
 @compiled
 def bounds(m, h, n):
-    """E [m/s^2] and the largest rate of turning W [rad/s] of contact n over the step of length h, see above."""
+    """E [m/s^2] and the largest angular velocity W [rad/s] of contact n over the step of length h [s], see above."""
     contact, lever, y, y_new = m.contact, m.lever, m.state, m.state_new
     a, b, s_a, s_b = contact[n, at.A_BODY], contact[n, at.B_BODY], lever[n, at.ARM_A], lever[n, at.ARM_B]
     wa, alpha_a = fastest(m, h, a)
@@ -111,7 +111,7 @@ def bounds(m, h, n):
 
 @compiled
 def sweep(m, n, bend, dt, gap):
-    """How fast the normal of contact n turns by the way of the pin round its bush [rad/s], |e| there [m]."""
+    """Angular velocity of the normal of contact n as the pin moves round its bush [rad/s], and |e| there [m]."""
     c = clearance_of(m, n)
     distance = max(0.25 * c, c - gap)
     if m.lever[n, at.ROUNDED] == 0.0:
@@ -121,7 +121,7 @@ def sweep(m, n, bend, dt, gap):
 
 @native("i", "h", "f", "i", "f")
 def may_reach(m, h, n, side):
-    """True unless the ends of the step prove that side * gap of contact n stays above zero in it."""
+    """True unless the ends of the step (length h [s]) prove that side * gap of contact n stays positive in it."""
     memory = m.contact_memory[n]
     gap, rate = side * memory[at.GAP_0], side * memory[at.DGAP_0]
     end, end_rate = side * memory[at.GAP_1], side * memory[at.DGAP_1]
@@ -139,7 +139,7 @@ def may_reach(m, h, n, side):
 
 @compiled
 def gap_at(m, theta, n):
-    """Gap of contact n and its rate at the share theta of the step (dense output ready)."""
+    """Gap of contact n [m] and its rate [m/s] at the share theta of the step; needs the dense output."""
     contact, kinematics, body, y, dense = m.contact, m.contact_kinematics, m.body, m.state, m.dense
     nq, rest = m.change.shape[0], 1.0 - theta
     for end in range(2):
@@ -171,7 +171,7 @@ def gap_at(m, theta, n):
 
 @compiled
 def lowest(left, slope_left, right, slope_right):
-    """Smallest value on [0, 1] of the cubic with these values and slopes at its ends."""
+    """Smallest value on the interval from 0 to 1 of the cubic with these values and slopes at its ends."""
     low = min(left, right)
     c2 = 3.0 * (right - left) - 2.0 * slope_left - slope_right
     c3 = 2.0 * (left - right) + slope_left + slope_right
@@ -189,9 +189,9 @@ def lowest(left, slope_left, right, slope_right):
 
 @compiled
 def first_below(m, h, n, side, left, gap, rate, right, end):
-    """Share between left and right at which side * gap, which is below zero at the right end, has fallen below it."""
+    """Share between left and right at which side * gap, negative at the right end, becomes negative."""
     t = m.clock[0]
-    if gap <= 0.0 and rate > 0.0:  # it rises from the wall, a little, and comes back: from its top on
+    if gap <= 0.0 and rate > 0.0:  # it leaves the wall briefly and returns: search from the maximum on
         top = right
         for _ in range(60):
             middle = 0.5 * (left + top)
@@ -222,18 +222,17 @@ def first_below(m, h, n, side, left, gap, rate, right, end):
 
 @native("f", "h", "f", "i", "f", "f")
 def search(m, h, n, side, until):
-    """Share of the step, up to `until`, at which side * gap of contact n first falls below zero; NONE if it does not.
+    """Share of the step, up to `until`, at which side * gap of contact n first becomes negative; NONE if it does not.
 
-    GAVE_UP after too many looks.
-
-    side: 1 for a contact that may close, -1 for one that may open.  The dense output is ready, gaps and rates at the
-    start of the step are in `contact_memory`.  A contact that starts below zero (by rounding) has to get deeper.
+    Returns GAVE_UP after too many samples.
+    side: 1 for a contact that may close, -1 for one that may open.  The dense output must be ready, gaps and rates at
+    the start of the step in `contact_memory`.  A gap that starts negative (by rounding) must become more negative.
     """
     memory, t = m.contact_memory[n], m.clock[0]
     bend, turning = bounds(m, h, n)
     slight = rounding(m, n)
     left, gap, rate, right = 0.0, side * memory[at.GAP_0], side * memory[at.DGAP_0], until
-    begin, at_begin, rate_begin = left, gap, rate  # the last look that was above zero, or rising
+    begin, at_begin, rate_begin = left, gap, rate  # the last sample that was positive, or rising
     end, end_rate = gap_at(m, right, n)
     end, end_rate = side * end, side * end_rate
     for _ in range(FEW_LOOKS if m.contact[n, at.IMPACT] == 1 else MOST_LOOKS):
@@ -272,9 +271,9 @@ def search(m, h, n, side, until):
 
 @native("i", "h", "v")
 def escaped(m, y):
-    """True when a contact that is not in contact lies inside its wall in the state y, deeper than DEEP clearances.
+    """True if an open contact is inside its wall in the state y, deeper than DEEP clearances.
 
-    One that came out of the projection inside may be as deep as it was at the start of the step.
+    One that was inside after the projection may be as deep as at the start of the step.
     """
     nq = m.change.shape[0]
     if m.contact.shape[0] == 0:
@@ -286,7 +285,7 @@ def escaped(m, y):
 
 @compiled
 def inside_wall(m):
-    """`escaped` at the state at hand."""
+    """`escaped` at the present state."""
     contact, kinematics, memory = m.contact, m.contact_kinematics, m.contact_memory
     for n in range(contact.shape[0]):
         free = m.mode[n] == OFF if contact[n, at.IMPACT] == 1 else memory[n, at.CLOSED] == at.OPEN
@@ -297,7 +296,7 @@ def inside_wall(m):
 
 @compiled
 def deepest(m):
-    """Largest depth of a contact in its wall, in clearances, from the gaps at hand."""
+    """Largest depth of a contact in its wall, in clearances, from the present gaps."""
     kinematics, worst = m.contact_kinematics, 0.0
     for n in range(kinematics.shape[0]):
         worst = max(worst, -kinematics[n, at.GAP] / clearance_of(m, n))

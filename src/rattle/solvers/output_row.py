@@ -1,4 +1,4 @@
-"""Writing one output row; its columns are declared in `jit.layout`."""
+"""Writing one output row, in SI units; its columns are declared in `jit.layout`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rattle.jit.functions import compiled, native
 
 @native("void", "h", "f", "v", "v")
 def record(m, t, y, row):
-    """Write one output row for the state y; its columns are declared in `jit.layout`."""
+    """Write one output row for the state y at t [s]."""
     nq = m.change.shape[0]
     take_states(m, y)
     solve_motion(m, t, y[:nq], y[nq : 2 * nq])
@@ -24,7 +24,7 @@ def record(m, t, y, row):
 
 @native("void", "h", "f", "f", "v")
 def write(m, work_done, dissipated, row):
-    """Copy what the workspace holds at this instant into one output row."""
+    """Copy the values of this instant from the workspace into one output row; work and dissipated energy [J]."""
     body, signal, signals = m.body, m.signal, m.signals
     mass, acceleration, power = m.mass, m.acceleration, m.power
     c = 0
@@ -48,7 +48,7 @@ def write(m, work_done, dissipated, row):
 
 @native("i", "h", "v", "i")
 def write_joints(m, row, first):
-    """Forces, offsets and efforts of joints and drivers from column `first` on; returns the column behind them."""
+    """Forces, offsets and efforts of joints and drivers from column `first` on; returns the next free column."""
     body, rows, values, joint, multiplier = (
         m.body,
         m.rows,
@@ -85,7 +85,7 @@ def write_joints(m, row, first):
 
 @compiled
 def write_contacts(m, row, first):
-    """Forces of all contacts on their joints' columns, which start at `first`."""
+    """Add the forces of all contacts [N] to the columns of their joints, which start at `first`."""
     contact, kinematics, joint, body, values = m.contact, m.contact_kinematics, m.joint, m.body, m.values
     for n in range(contact.shape[0]):
         c = first + at.PER_JOINT * contact[n, at.OWNER]

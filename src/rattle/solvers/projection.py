@@ -1,4 +1,4 @@
-"""Bringing a state onto the constraints."""
+"""Projection of a state onto the constraints."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from rattle.jit.functions import native
 from rattle.solvers.step_audit import CORRECTION, note_drift, openness
 from rattle.solvers.step_state import DRIFT_ROW, LOST
 
-CLOSE_ENOUGH = 1e-15  # residual below which positions are left alone [m or rad]
-QUADRATIC = 1e-9  # a correction from below this residual needs no second one
+CLOSE_ENOUGH = 1e-15  # residual below which positions are not corrected [m or rad]
+QUADRATIC = 1e-9  # a correction that starts below this residual [m or rad] needs no second one
 
 
 @native("i", "h", "f", "v", "v")
 def project_on_constraints(m, t, y, unused):
-    """Bring y onto Phi = 0 and Phi_q v = nu with the least mass-weighted change; leaves its rows and factor.
+    """Project y onto Phi = 0 and Phi_q v = nu with the least mass-weighted change; rows and factor are up to date then.
 
-    Returns the number of redundant rows.
+    t: [s].  Returns the number of redundant rows.
     """
     change = m.change
     nq = change.shape[0]
@@ -50,7 +50,7 @@ def project_on_constraints(m, t, y, unused):
 
 @native("void", "h", "f", "v")
 def project(m, t, y):
-    """Bring y onto the constraints; the largest drift left and the number of lost rows are remembered."""
+    """Project y onto the constraints; the largest remaining drift and the number of redundant rows are recorded."""
     tally = m.tally
     lost = project_on_constraints(m, t, y, y)
     row = note_drift(m)

@@ -1,4 +1,4 @@
-"""Forces that must not become negative: their changes of sign noticed and located."""
+"""Monitored forces that must not become negative: their zero crossings are detected and located."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.dense_output import interpolate
 from rattle.solvers.step_state import FOUND
 
-SCAN = 8  # parts of a step searched for changes of sign
+SCAN = 8  # parts of a step searched for zero crossings
 
 
 @compiled
 def watched_change(m):
-    """True when a watched force has another sign than at the start of the step."""
+    """True if a monitored force has another sign than at the start of the step."""
     watch, sign, multiplier = m.watch, m.sign, m.multiplier
     for n in range(watch.shape[0]):
         if multiplier[watch[n]] * sign[n] < 0.0:
@@ -22,7 +22,7 @@ def watched_change(m):
 
 @compiled
 def force_at(m, t, h, theta, n):
-    """Watched force n at the share theta of the step."""
+    """Monitored force n [N] at the share theta of the step."""
     stage, multiplier, watch = m.stage, m.multiplier, m.watch
     nq = m.change.shape[0]
     interpolate(m, theta, stage)
@@ -32,7 +32,7 @@ def force_at(m, t, h, theta, n):
 
 @native("void", "h", "f", "f", "f")
 def find_crossings(m, t, h, until):
-    """Locate every change of sign of the watched forces up to the share `until` of the step (dense output ready)."""
+    """Locate every zero crossing of monitored forces up to the share `until` of the step; needs the dense output."""
     sign = m.sign
     for n in range(sign.shape[0]):
         left = 0.0
@@ -54,7 +54,7 @@ def find_crossings(m, t, h, until):
 
 @compiled
 def cross(m, t, n):
-    """Watched force n changes its sign at t."""
+    """Record that monitored force n changes its sign at t [s]."""
     sign, crossings, tally = m.sign, m.crossings, m.tally
     sign[n] = -sign[n]
     k = tally[FOUND]
@@ -65,7 +65,7 @@ def cross(m, t, n):
 
 @compiled
 def cross_at_once(m, t):
-    """Signs of the watched forces at hand are those from t on: after an event they may jump."""
+    """Take the signs of the present monitored forces as those from t on: at an event they may jump."""
     watch, sign, multiplier = m.watch, m.sign, m.multiplier
     for n in range(watch.shape[0]):
         if multiplier[watch[n]] * sign[n] < 0.0:

@@ -1,9 +1,9 @@
-"""Switches of expressions that depend on the state: each smooth piece of a run stays on one side of every one.
+"""Switches of expressions that depend on the state: each smooth piece of a run stays on one branch of every switch.
 
-A step is taken with the sides of its start.  Where it has seen a switching function on the far side the dense output
-is searched for the first change of sign, the step is taken once more up to there, and there the switch changes its
-side: no step straddles a kink.  A stage that has no finite value on the near side (a square root beyond zero) frees
-its switch for one step, whose error control then passes the kink as well as it can.
+A step is taken with the branches of its start.  If a switching function has changed sign in it, the dense output is
+searched for the first zero crossing, the step is repeated up to there, and there the switch changes its branch: no
+step crosses a kink.  If a stage has no finite value on the old branch (a square root beyond zero), the switch is
+released for one step, whose error control then passes the kink as well as it can.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from rattle.language.bytecode import CROSSED, SIDE, evaluate
 from rattle.solvers.dense_output import interpolate
 from rattle.solvers.gap_search import NONE
 
-# landing: 1 + switch at which the step ends (0: none), step to go on with [s], switchings so far, time of the last,
-# switchings since time went on
+# landing: 1 + switch at which the step ends (0: none), next step [s], switchings so far, time of the last [s],
+# switchings without progress in time
 LANDS, GO_ON, TURNS, LAST, AGAIN = range(5)
-ACCEPT, REPEAT, SLIDES = 0, 1, 22  # the step stands; it is taken anew; a switch changes its side without end
+ACCEPT, REPEAT, SLIDES = 0, 1, 22  # the step is accepted; it is repeated; a switch changes its branch without end
 PARTS = 16  # pieces of a step that are searched
 ENDLESS = 200  # switchings without progress in time after which a run stops
 CLOSE = 1e-7  # share of a step that does not count as progress
@@ -25,7 +25,7 @@ CLOSE = 1e-7  # share of a step that does not count as progress
 
 @compiled
 def argument(m, n, t):
-    """Switching function n at the state in `body`, with the signals at hand."""
+    """Switching function n (in its own unit) at the state in `body`; signals must be up to date."""
     switch, stack = m.switch, m.stack
     evaluate(m.code, m.const, switch[n, 0], switch[n, 1], t, m.body, m.signals, stack)
     return stack[0] - stack[1] if switch[n, 3] == 2 else stack[0]
@@ -33,7 +33,7 @@ def argument(m, n, t):
 
 @compiled
 def see(m, t, y):
-    """State y with its signals into the workspace."""
+    """Copy the state y at t [s] with its signals into the workspace."""
     nq, signal, signals = m.change.shape[0], m.signal, m.signals
     place(m, y[:nq], y[nq : 2 * nq])
     for n in range(signal.shape[0]):
@@ -42,7 +42,7 @@ def see(m, t, y):
 
 @compiled
 def take_sides(m, t):
-    """Switches without a side take that of their switching function at the state in `body`."""
+    """Switches without a branch take that of their switching function at the state in `body`."""
     switch, code = m.switch, m.code
     for n in range(switch.shape[0]):
         row = switch[n, 2]
@@ -53,7 +53,7 @@ def take_sides(m, t):
 
 @compiled
 def choose_sides(m, t, ahead):
-    """Sides at the start of a run; where a switching function is zero the side to which it goes in a time `ahead`."""
+    """Branches at the start of a run; if a switching function is zero, the one that it enters within `ahead` [s]."""
     y, f, stage, nq = m.state, m.rate, m.stage, m.change.shape[0]
     switch, code, landing = m.switch, m.code, m.landing
     landing[LANDS], landing[AGAIN] = 0.0, 0.0
@@ -73,7 +73,7 @@ def choose_sides(m, t, ahead):
 
 @native("i", "h")
 def crossed(m):
-    """True when a switching function has been seen on the far side since this was asked last."""
+    """True if a switching function has had the other sign since the last call."""
     switch, code, found = m.switch, m.code, False
     for n in range(switch.shape[0]):
         row = switch[n, 2]
@@ -84,7 +84,7 @@ def crossed(m):
 
 @native("i", "h")
 def release(m):
-    """Free the switches whose switching functions have been seen on the far side; True when there are any."""
+    """Release the switches whose switching functions have had the other sign; True if there are any."""
     switch, code, found = m.switch, m.code, False
     for n in range(switch.shape[0]):
         row = switch[n, 2]
@@ -97,7 +97,7 @@ def release(m):
 
 @compiled
 def argument_at(m, t, h, share, n):
-    """Switching function n at a share of the step."""
+    """Switching function n at a share of the step from t [s] of length h [s]."""
     stage = m.stage
     interpolate(m, share, stage)
     see(m, t + share * h, stage)
@@ -106,7 +106,10 @@ def argument_at(m, t, h, share, n):
 
 @compiled
 def first_switch(m, t, h):
-    """Share of the step at which the first switching function changes its sign (NONE), and which; dense is ready."""
+    """Share of the step at which the first switching function changes its sign (NONE if none does), and its index.
+
+    Needs the dense output.
+    """
     switch, code = m.switch, m.code
     best, who = NONE, -1
     for n in range(switch.shape[0]):
@@ -135,9 +138,9 @@ def first_switch(m, t, h):
 
 @native("if", "h", "f", "f", "f", "f")
 def land(m, t, h, t_end, go_on):
-    """Whether the step from t of length h stands, see ACCEPT; the dense output is ready.
+    """Whether the step from t [s] of length h [s] is accepted, see ACCEPT; needs the dense output.
 
-    Returns that and the length to try next.  go_on: the step that would follow [s].
+    Returns that and the length to try next [s].  go_on: the step that would follow [s].
     """
     landing = m.landing
     share, who = first_switch(m, t, h)
@@ -158,7 +161,7 @@ def land(m, t, h, t_end, go_on):
 
 @compiled
 def turn(m, t, y, who, h):
-    """Switch `who` changes its side at (t, y), and with it all that are found on the far side; h: usual step [s]."""
+    """Switch `who` changes its branch at (t, y), and with it all whose sign has changed; h: usual step [s]."""
     switch, code, landing = m.switch, m.code, m.landing
     see(m, t, y)
     for n in range(switch.shape[0]):
@@ -175,7 +178,7 @@ def turn(m, t, y, who, h):
 
 @native("i", "h", "f", "v", "v", "f")
 def arrive(m, t, y, f, h):
-    """Turn the switch on which the step has ended; True when there was one, with the new derivative in f."""
+    """Change the branch of the switch at which the step has ended; True if there was one, new derivative in f."""
     landing = m.landing
     if landing[LANDS] == 0.0:
         see(m, t, y)

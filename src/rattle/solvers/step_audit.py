@@ -1,11 +1,11 @@
-"""Whether a step may stand: joints closed, energy accounted for.
+"""Whether a step may be accepted: joints closed, energy accounted for.
 
-    openness  max over rows of |Phi|, metres in lengths of the mechanism, radians as they are
-    unrest    |T + V - work + dissipated - (the same at the start)|
-    turnover  max(T, |work|, max V - min V) so far, and a floor: what tolerances alone may leave
+    openness  max over rows of |Phi|, metres relative to the mechanism's size, radians relative to 1
+    unrest    |T + V - work + dissipated - (the same at the start)|                   energy error [J]
+    turnover  max(T, |work|, max V - min V) so far, at least a floor for the error that tolerances allow    [J]
 
-A step with openness or unrest / turnover beyond their limits does not stand; nor does one that the joints had to be
-pulled together after, as behind a driver that jumped (docs/theory.md, section 9, honest ends).
+A step with openness or unrest / turnover beyond their limits is rejected; so is one after which the projection had to
+close a large gap, as after a driver that jumped (docs/theory.md, section 9, limits of drift and energy error).
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from rattle.jit.functions import compiled, native
     OPEN_LIMIT, UNREST_LIMIT, FLOOR, STARTED, TOTAL_0, WORK_0, KINETIC, WORK, LOW, HIGH, SHARE, ANGLE, LENGTH, OPEN,
     OPEN_ROW, UNREST, CORRECTION, SUNK,
 ) = range(18)  # fmt: skip
-UNSOUND = 20  # ending of a run whose next step does not stand
-TOO_FAR = 1e-2  # openness that one step may leave to be corrected
-ROUNDING = 1e-14  # share of the energies themselves that their sum may be off by
+UNSOUND = 20  # end of a run whose next step is not acceptable
+TOO_FAR = 1e-2  # largest openness after a step that the projection may correct
+ROUNDING = 1e-14  # rounding error of the sum of energies, as a share of the energies
 
 
 @compiled
 def openness(m):
-    """The largest residual of the rows at hand, each by its own measure."""
+    """The largest residual of the present rows, relative to the mechanism's size [m] or to 1 [rad]."""
     rows, measure, worst = m.rows, m.measure, 0.0
     for r in range(measure.shape[0]):
         share = abs(rows[r, at.RES] * measure[r])
@@ -39,9 +39,9 @@ def openness(m):
 
 @compiled
 def note_drift(m):
-    """How far the joints are open at the rows at hand; the largest length and angle so far are kept while they stand.
+    """Record the drift of the present rows: the largest length [m] and angle [rad] so far, while it is acceptable.
 
-    Returns the row that is open most, or -1 when none is or it does not stand.
+    Returns the row with the largest residual, or -1 if all are zero or it is not acceptable.
     """
     rows, measure, audit = m.rows, m.measure, m.audit
     worst, which, length, angle = 0.0, 0, 0.0, 0.0
@@ -64,7 +64,7 @@ def note_drift(m):
 
 @native("i", "h", "v")
 def stands(m, y):
-    """True when the state y, whose rates are in `body` and potential in `power`, may stand; then it is remembered."""
+    """True if the state y, with rates in `body` and potential in `power`, is acceptable; then it is recorded."""
     audit, body, mass, power = m.audit, m.body, m.mass, m.power
     energies = energies_at(m)
     kinetic, potential, lost = 0.0, power[0], y[energies + DISSIPATED]

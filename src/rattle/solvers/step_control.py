@@ -1,8 +1,8 @@
-"""Length of a step: the next one, shorter after one that is refused, longer after one that is taken.
+"""Step size control: the next step, shorter after a rejected one, longer after an accepted one.
 
-A stepper tells the error of its step as a share of the tolerance.  Where that grows with the power p of the length h,
-0.9 h error^(-1/p) is the longest step that most likely keeps it.  One with fixed steps tells 0, or inf for a step that
-has left the numbers.  Neither is a step taken that does not stand, see `step_audit`, nor one across a switch.
+A stepper returns the error of its step relative to the tolerance.  If the error grows with the power p of the step h,
+0.9 h error^(-1/p) is the longest step that most likely satisfies it.  A stepper with fixed steps returns 0, or inf if
+the new state is not finite.  Steps that fail `step_audit`, or cross a switch, are rejected too.
 
 Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4.
 """
@@ -30,20 +30,20 @@ from rattle.solvers.step_state import (
     T,
 )  # fmt: skip
 
-TRY_AGAIN = -1  # a step is to be tried again, with what `clock` says
-SHORT = 1e-9  # share of the time ahead down to which a step that does not stand is tried again, shorter
+TRY_AGAIN = -1  # the step must be repeated, with the length in `clock`
+SHORT = 1e-9  # share of the remaining time down to which a step that fails the audit is repeated with a shorter length
 
 
 @compiled
 def has_room(m, steps):
-    """True while fewer than so many steps are taken in all, and there is room for what one more may find."""
+    """True while fewer than `steps` steps are done and there is room for the events of one more."""
     tally, most = m.tally, m.crossings.shape[0] // 2
     return tally[STEPS] < steps and tally[FOUND] < most and tally[EVENT_COUNT] < most
 
 
 @compiled
 def next_step(m, t_end):
-    """Length of the next step, 0 where it would be too short to take, and True for the last one before t_end."""
+    """Length of the next step [s], 0 if it would be too short, and True for the last one before t_end [s]."""
     clock = m.clock
     t, h = clock[T], clock[H]
     last = t + (1.000001 if m.landing[LANDS] == 0.0 else 1.0) * h >= t_end
@@ -56,7 +56,7 @@ def next_step(m, t_end):
 
 @compiled
 def refuse(m, t, h, error):
-    """The step from t of length h is not taken; True when switches were freed, with which it may do the next time."""
+    """Reject the step from t of length h [s]; True if switches were released, so that the next attempt may succeed."""
     m.tally[REJECTED] += m.stepper[ADAPTIVE]
     m.clock[TROUBLE] = t + h
     m.landing[LANDS] = 0.0
@@ -65,13 +65,13 @@ def refuse(m, t, h, error):
 
 @compiled
 def shorten(m, h, error):
-    """Choose a step shorter than h, whose error was too large."""
+    """Choose a step shorter than h [s], whose error (share of the tolerance) was too large."""
     m.clock[H] = h * (max(0.2, 0.9 * error ** (-1.0 / m.stepper[POWER])) if error < math.inf else 0.1)
 
 
 @compiled
 def lengthen(m, h, error, last, h_max):
-    """Choose the step after one of length h; the last one before an instant was cut by it."""
+    """Choose the step after one of length h [s]; last: the step was shortened to end at a given instant."""
     clock = m.clock
     ahead = h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-1.0 / m.stepper[POWER])))
     clock[H] = min(h_max, max(ahead, clock[H] if last else 0.0))
@@ -79,14 +79,14 @@ def lengthen(m, h, error, last, h_max):
 
 @compiled
 def quarter(m, h):
-    """Choose a quarter of the step, which is not taken."""
+    """Choose a quarter of the rejected step h [s]."""
     m.clock[H] = 0.25 * h
     m.tally[REJECTED] += 1
 
 
 @compiled
 def end_stands(m, t, h, t_new, t_end):
-    """OK when the end of the step may stand, see `step_audit`; TRY_AGAIN with a quarter of it, or UNSOUND."""
+    """OK if the end of the step passes `step_audit`; otherwise TRY_AGAIN with a quarter of it, or UNSOUND."""
     if stands(m, m.state_new):
         return OK
     m.clock[TROUBLE] = t_new
@@ -99,9 +99,9 @@ def end_stands(m, t, h, t_new, t_end):
 
 @compiled
 def end_on_switch(m, t, h, t_end, dense):
-    """OK, or TRY_AGAIN with a step that ends on the first switch inside this one, or SLIDES.
+    """OK, or TRY_AGAIN with a step that ends at the first switching instant inside this one, or SLIDES.
 
-    dense: the dense output is there.
+    dense: the dense output is ready.
     """
     clock = m.clock
     if m.switch.shape[0] == 0 or m.landing[LANDS] != 0.0 or not crossed(m):
@@ -119,7 +119,10 @@ def end_on_switch(m, t, h, t_end, dense):
 
 @compiled
 def turn_switch(m, t, located):
-    """Turn the switch on which the step has ended at t, but where an event has cut it; True when there was one."""
+    """Change the branch of the switch at which the step has ended at t; True if there was one.
+
+    located: an event has ended the step before.
+    """
     clock, landing = m.clock, m.landing
     if m.switch.shape[0] == 0:
         return False
@@ -130,7 +133,7 @@ def turn_switch(m, t, located):
 
 @compiled
 def take_over(m, t, located):
-    """The end of the step, at t, is the start of the next; located: an event has cut the step."""
+    """Make the end of the step, at t, the start of the next; located: an event has ended the step."""
     y, f, y_new, f_new, clock = m.state, m.rate, m.state_new, m.rate_new, m.clock
     for n in range(y.shape[0]):
         y[n] = y_new[n]
@@ -142,6 +145,6 @@ def take_over(m, t, located):
 
 @compiled
 def output_due(m, t, t_out):
-    """True when the next output is not after t."""
+    """True if the next output is not after t [s]."""
     k = m.tally[OUTPUTS]
     return k < t_out.shape[0] and t_out[k] <= t

@@ -1,7 +1,7 @@
-"""Time integration loop: steps, projection onto the constraints, outputs and located changes of sign.
+"""Time integration loop: steps, projection onto the constraints, outputs and located zero crossings.
 
-One compiled call takes many steps; it returns when done, when it cannot go on, or after a number of
-steps so that the caller can show progress and be interrupted.
+One compiled call takes many steps; it returns at the end, if it cannot go on, or after a number of
+steps, so that the caller can show progress and be interrupted.
 """
 
 from __future__ import annotations
@@ -77,15 +77,17 @@ from rattle.solvers.step_state import (
     T,
 )  # fmt: skip
 
-LEAP = 0.1  # share of the last sound step below which a step is not cut further at a singular position
-LEAP_ERROR = 1e-8  # error of such a step that is let pass [units of the state]; it doubles with every try
+LEAP = 0.1  # share of the last regular step below which a step is not shortened further at a singular position
+LEAP_ERROR = 1e-8  # error of such a step that is accepted [units of the state]; it doubles with every attempt
 MOST_TRIES = 20
-FIRST_STEP = 0.01  # first step in a contact as a share of how long it will last: its force starts like a broken power
+FIRST_STEP = (
+    0.01  # first step in a contact, as a share of its expected duration: its force starts with a fractional power
+)
 
 
 @native("void", "h", "f")
 def resume(m, t):
-    """Go on from (t, y) where the right-hand side has changed: its derivative, contacts and signs as from now on."""
+    """Continue from (t, y) after the right-hand side has changed: new derivative, contacts and signs."""
     y, f = m.state, m.rate
     derivative(m, t, y, f)
     remember_end(m)
@@ -96,7 +98,7 @@ def resume(m, t):
 
 @native("i", "h", "f", "f", "f", "f", "f")
 def begin(m, t, t_end, rtol, atol, h_max):
-    """Derivative at the start, signs of the watched forces, a first step size."""
+    """Derivative at the start, signs of the monitored forces, first step [s]."""
     y, f, stage, k1 = m.state, m.rate, m.stage, m.slopes[1]
     clock, tally = m.clock, m.tally
     sign, watch, multiplier = m.sign, m.watch, m.multiplier
@@ -149,10 +151,10 @@ def finish_step(m, t, y_new, f_new):
 
 @native("i", "h", "f", "f", "i", "v", "m")
 def search_step_for_events(m, t, h, changed, t_out, out):
-    """Contacts, changes of sign and outputs inside the step from (t, y) to (t + h, y_new).
+    """Contacts, zero crossings and outputs inside the step from (t, y) to (t + h, y_new).
 
     Returns the contact that starts or ends first (-1 if none does); its share of the step goes to clock[SHARE].
-    -2 when a contact is inside its wall at an output though it has not started.
+    -2 if an open contact is inside its wall at an output.
     """
     tally, stage = m.tally, m.stage
     share, who, contacts = NONE, -1, m.contact.shape[0] > 0
@@ -187,7 +189,7 @@ def search_step_for_events(m, t, h, changed, t_out, out):
 
 @native("void", "h", "f", "v", "i")
 def turn_contact(m, t, y, who):
-    """Contact `who` starts or ends at (t, y): change its memory, note the event, choose a step for what follows."""
+    """Contact `who` starts or ends at (t, y): change its memory, record the event, choose the next step."""
     clock, tally, memory = m.clock, m.tally, m.contact_memory
     was_shut = memory[who, at.CLOSED] == at.SHUT
     if was_shut:
@@ -208,7 +210,7 @@ def turn_contact(m, t, y, who):
 
 @compiled
 def try_step(m, t, h, last, rtol, atol, h_max):
-    """Step from t of length h into y_new; OK, TRY_AGAIN or NOT_FINITE, and True when watched forces changed signs."""
+    """Step from t of length h into y_new; OK, TRY_AGAIN or NOT_FINITE, and True if monitored forces changed signs."""
     tally, power, stepper = m.tally, m.power, m.stepper
     power[3] = 1.0
     error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, tally[TAME]))
@@ -231,7 +233,7 @@ def try_step(m, t, h, last, rtol, atol, h_max):
 
 @compiled
 def step_anew(m, t, h, error, weak):
-    """After a step with too large an error: TRY_AGAIN with another that may do, NOT_FINITE where there is no choice."""
+    """After a step with too large an error: TRY_AGAIN with another length, NOT_FINITE if none is left."""
     clock, tally = m.clock, m.tally
     if refuse(m, t, h, error):
         return TRY_AGAIN
@@ -249,7 +251,7 @@ def step_anew(m, t, h, error, weak):
 
 @compiled
 def end_on_constraints(m, t, h, t_new, t_end):
-    """Bring the end of the step onto the constraints; OK, TRY_AGAIN, UNSOUND or SLIDES, and True as in `try_step`."""
+    """Project the end of the step onto the constraints; OK, TRY_AGAIN, UNSOUND or SLIDES, and True as in `try_step`."""
     finish_step(m, t_new, m.state_new, m.rate_new)
     m.tally[EVALUATIONS] += 2
     status = end_stands(m, t, h, t_new, t_end)
@@ -264,7 +266,7 @@ def end_on_constraints(m, t, h, t_new, t_end):
 
 @compiled
 def start_next(m, t, who):
-    """From the end of a step at t, where contact `who` (-1: none) and a switch may turn, to the start of the next."""
+    """Make the end of a step at t the start of the next; contact `who` (-1: none) and a switch may change there."""
     if who >= 0:
         turn_contact(m, t, m.state_new, who)
         gauge(m, START, t)
@@ -279,11 +281,11 @@ def start_next(m, t, who):
 
 @native("i", "h", "f", "f", "f", "f", "v", "m", "i")
 def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
-    """Take up to `most_steps` steps towards t_end; writes every output with t_out <= the time reached.
+    """Take up to `most_steps` steps towards t_end [s]; writes every output with t_out [s] <= the time reached.
 
-    Next to a singular position a stage slightly off the constraints has a wildly wrong acceleration.  There the
-    stages are projected too ("tame" steps).  Cutting the step would only creep closer, so a step well below the
-    last sound one leaps across even if its error is above the tolerance.
+    Next to a singular position a stage slightly off the constraints has a very wrong acceleration.  There the
+    stages are projected too (`tame`).  Shorter steps would only come closer to it, so a step well below the
+    last regular one crosses it even if its error is above the tolerance.
 
     Returns DONE, PAUSED, NOT_FINITE, STEP_TOO_SMALL, ESCAPED, UNSOUND or SLIDES.
     """

@@ -1,4 +1,4 @@
-"""What a run carries from step to step: its clock, its tally, and the arrays of the time integration."""
+"""Values that a run carries from step to step: times, counts, and the arrays of the time integration."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ import numpy as np
 from rattle.jit import functions
 from rattle.registry import Kind, kinds
 
-# clock: time, next step, smallest step, time of a failed step, last step with sound pivots, step of
-# free flight, fewest steps in a contact, share of the step at which a contact changes
+# clock: time, next step, smallest step, time of a failed step, last step with large pivots, step of
+# free flight [s], fewest steps in a contact, share of the step at which a contact changes
 T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, SHARE = range(8)
-# tally; FOUND: crossings, LOST: redundant rows, LEAPS: steps across singular positions, STREAK: tries at
-# one, EVENT_COUNT: contact events waiting, CONTACTS: contacts that started, TAME: stages are projected,
-# SERIES: infinite series of bounces closed
+# tally; FOUND: zero crossings, LOST: redundant rows, LEAPS: steps across singular positions, STREAK: attempts
+# at one, EVENT_COUNT: contact events not yet read, CONTACTS: contacts that started, TAME: stages are projected,
+# SERIES: infinite series of bounces that were ended
 (
     STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK, EVENT_COUNT, CONTACTS, TAME, SERIES,
 ) = range(13)  # fmt: skip
-# stepper: 1 if it chooses the length of its steps, power of that length with which their error grows, evaluations of
-# the right-hand side in a step, where its stages lie (see `peaks.samples`); stepper_table: its kernels
+# stepper: 1 if it is adaptive, power of the step with which the error of a step grows, evaluations of the right-hand
+# side in a step, layout of its stages (see `peaks.samples`); stepper_table: its kernels
 ADAPTIVE, POWER, STAGES, SAMPLES = range(4)
 STEP, DENSE = range(2)
 
 
 def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
-    """What a run that starts at y needs besides the arrays of one instant."""
+    """Arrays of a run that starts at y, besides those of one instant; watched: number of monitored forces."""
     ny = y.shape[0]
     clock = np.zeros(8)
     clock[H_MIN] = math.inf
@@ -45,7 +45,7 @@ def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
 
 
 def stepper_arrays(stepper: Kind) -> dict[str, np.ndarray]:
-    """What a run by this stepper, or by the one whose kernels it calls, needs of it; nothing where there are none."""
+    """Arrays that describe this stepper, or the one whose kernels it calls; empty if it has no kernels."""
     by = stepper.leaf.integrates_by
     one = kinds("stepper")[by] if by else stepper
     if one.kernel is None:

@@ -1,11 +1,11 @@
-"""What a stepper says of itself: reader, schema, help, runs and messages read it here and know no stepper by name.
+"""What a stepper (time integration method) declares: reader, schema, help, runs and messages use no stepper's name.
 
-A leaf in `rattle.solvers.steppers` is one class.  It derives from one of the three below, says its `order` and, if it
-is explicit, brings its kernels:
+A leaf in `rattle.solvers.steppers` is one class.  It derives from one of the three below, declares its `order` and, if
+it is explicit, its kernels:
 
     step           from (t, y), with y' in `rate`, to y_new at t + h; returns its error as a share of the tolerance
                    (0 with fixed steps, inf where y_new is not finite) and whether `watched_change` was true at a stage
-    dense_output   rows 3 to 6 of `dense`: zero where the cubic through both ends will do
+    dense_output   rows 3 to 6 of `dense`: zero if the cubic through both ends is enough
 """
 
 from __future__ import annotations
@@ -19,39 +19,39 @@ from rattle.solvers.peaks.samples import CUT
 
 FREE, COMPLIANT, SET_VALUED = "free", "compliant", "impact"  # contacts of a mechanism: none, or their model
 SMOOTH, EVENT_DRIVEN, TIME_STEPPING = "smooth", "event-driven", "time-stepping"  # loops
-RTOL, ATOL = 1e-8, 1e-2  # relative tolerance, and the absolute one as a share of it, where nothing is said
-LONGEST = 1e-4  # step [s] of steppers with fixed steps, where nothing is said
+RTOL, ATOL = 1e-8, 1e-2  # default relative tolerance, and the absolute one as a share of it
+LONGEST = 1e-4  # default step [s] of steppers with fixed steps
 
 
 def equal_steps(fewest: int) -> Field:
-    """The length of steps that are all equal; fewest: of a run, where it is not given."""
+    """Field for the length of equal steps [s]; fewest: number of steps of a run if the length is not given."""
     said = f"length of all steps; where it is not given 0.1 ms, or 1/{fewest} of the run if that is shorter"
     return Field("s", said, default=lambda span: min(LONGEST, span / fewest), least="positive")
 
 
 class Stepper:
-    """A method of integration in time."""
+    """A time integration method."""
 
-    order: ClassVar[int]  # power of the step with which the error at the end of a smooth motion falls
-    adaptive: ClassVar[bool]  # steps follow the tolerances; else all are as long as `step`
-    loop: ClassVar[str]  # what takes its steps
+    order: ClassVar[int]  # power of the step with which the error at the end of a smooth motion decreases
+    adaptive: ClassVar[bool]  # steps follow the tolerances; otherwise all have the length `step`
+    loop: ClassVar[str]  # the loop that takes its steps
     works_with: ClassVar[tuple[str, ...]]  # contacts
-    usual_with: ClassVar[tuple[str, ...]] = ()  # contacts with which it runs where none that works is asked for
-    refuses: ClassVar[tuple[str, ...]] = ()  # contacts with which nothing runs in its place
-    unfit: ClassVar[dict[str, str]]  # by contacts: why it does not run with them, after its name
-    refinement: ClassVar[float]  # what `step` is divided by for a run that is to be more exact by a digit
+    usual_with: ClassVar[tuple[str, ...]] = ()  # contacts with which it runs unless another is chosen that works
+    refuses: ClassVar[tuple[str, ...]] = ()  # contacts with which no other stepper runs in its place
+    unfit: ClassVar[dict[str, str]]  # by contacts: why it does not run with them, as words that follow its name
+    refinement: ClassVar[float]  # `step` is divided by this for a run that is more accurate by one digit
     step: ClassVar[Field]
     stages: ClassVar[int] = 0  # evaluations of the right-hand side in a step
-    samples: ClassVar[int] = CUT  # where its stages lie, see `peaks.samples`; CUT: the dense output is asked instead
+    samples: ClassVar[int] = CUT  # where its stages lie, see `peaks.samples`; CUT: the dense output is sampled instead
     dense_output: ClassVar[KernelFunction | None] = None
-    integrates_by: ClassVar[str] = ""  # the stepper whose kernels are called, if they are not its own
-    restitution_laws: ClassVar[tuple[str, ...]] = ()  # that it follows at impacts; none: all
+    integrates_by: ClassVar[str] = ""  # the stepper whose kernels are called, if not its own
+    restitution_laws: ClassVar[tuple[str, ...]] = ()  # restitution laws that it can use; empty: all
     energy_limit: ClassVar[float] = 1e-3  # share of the largest energy that may be unaccounted for
-    title: ClassVar[str] = ""  # its name in a sentence about what it does by design
+    title: ClassVar[str] = ""  # its name in messages about its design
 
 
 class AdaptiveStepper(Stepper):
-    """Explicit, with steps that follow the tolerances."""
+    """An explicit method whose steps follow the tolerances."""
 
     adaptive = True
     loop = SMOOTH
@@ -66,7 +66,7 @@ class AdaptiveStepper(Stepper):
 
 
 class FixedStepper(Stepper):
-    """Explicit, with equal steps: for motion without contacts, which want their own instants."""
+    """An explicit method with equal steps, for motion without contacts: contacts need steps that end at events."""
 
     adaptive = False
     loop = SMOOTH
@@ -77,7 +77,7 @@ class FixedStepper(Stepper):
 
 
 class SetValuedStepper(Stepper):
-    """For set-valued contacts alone."""
+    """A method for set-valued contacts only."""
 
     works_with = (SET_VALUED,)
     unfit = dict.fromkeys((FREE, COMPLIANT), "is for impact contacts, of which this model has none")

@@ -1,1 +1,1 @@
-"""Largest values and mean squares of forces, told from what the stages of a step show anyway."""
+"""Largest values and mean squares of forces, from forces that the stages of a step need anyway."""

@@ -1,18 +1,17 @@
-"""What lasting contacts do at the places of a step where their forces are known: may one of them let go between two?
+"""Samples of the forces and slips of closed contacts in a step: may one of them become negative between two samples?
 
-The places are few, and where a force or a slip f may have been below zero between two of them it is looked once more.
-With f[...] the divided differences of neighbouring looks, d apart,
+The samples are few; if a force or slip f may have been negative between two of them, a further sample is taken.
+With f[...] the divided differences of neighbouring samples, d apart,
 
     f >= line through both ends - B (x - x_l) (x_r - x),   B = SAFE max(f[x_k, x_l, x_r], f[x_l, x_r, x_m]) + WARY
                                                                |the difference of these two|
 
-holds where f'' changes by no more than a few times what the looks tell, so that it says where that may be; as f is
-seen more closely B becomes f''/2.  Where the two differ by as much as f itself the looks are too far apart to tell
-anything.
+holds if f'' changes by no more than a few times what the samples show, so that it says where f may be negative; with
+closer samples B tends to f''/2.  If the two differ by as much as f itself, the samples are too far apart to decide.
 
-The first places of a step are its stages, of which all forces are known anyway.  Where forces depend on the state
-alone, which the step resolves, and nothing comes near its limit there, the step needs no looks of its own.  Stages
-are nearly on the motion: by how much they are beside it the last one tells, at whose place the step itself ends.
+The first samples of a step are its stages, at which all forces are known anyway.  If forces depend only on the state,
+which the step resolves, and none comes near its limit there, the step needs no further samples.  Stages are nearly on
+the motion: their deviation is estimated from the last stage, which is at the end of the step.
 
 Source: the remainder of linear interpolation; de Boor, A Practical Guide to Splines (2001), chapter 1.
 """
@@ -27,20 +26,20 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 from rattle.solvers.dop853_tableau import C
 
-KINDS = 4  # what must not become negative: N, mu N - T, mu N + T, slip in its sense; 1 where it does not matter
+KINDS = 4  # indicators, not negative: N, mu N - T, mu N + T, slip in its direction; 1 where one does not apply
 PLACES = np.array([0.0, C[6], C[7], C[5], C[9], C[8], C[10], 1.0, 1.0])  # as the samples of peaks lie; last stage
 END, LAST_STAGE = 7, 8
 SAFE, WARY = 1.5, 2.0
-RESOLVED = 0.3  # change of f[...] d^2 from one look to the next, as a share of f, beyond which looks say nothing yet
+RESOLVED = 0.3  # change of f[...] d^2 between samples, as a share of f, above which samples do not decide
 NOISE = 1e-10  # rounding and drift of a force, as a share of the largest; of a slip
-YOUNG = 0.02  # what starts from zero may be below it by this share of what it soon is
-BESIDE = 10.0  # times what the last stage is beside the end of the step: more than most other stages are
-SLIGHT = 1e-3  # share of a change over the step that stages may be beside it, too
-LEAST_ERROR = 1e-6  # of a step [tolerances]: one with less may be too long to resolve anything
+YOUNG = 0.02  # a quantity that starts from zero may be negative by this share of its next value
+BESIDE = 10.0  # times the deviation of the last stage from the end of the step: more than that of most other stages
+SLIGHT = 1e-3  # deviation of stages from the motion, as a share of the change over the step
+LEAST_ERROR = 1e-6  # of a step [tolerances]: one with a smaller error may be too long to resolve anything
 
 
 def table(contacts: int) -> np.ndarray:
-    """Room for the looks at the stages of a step, (9, 4 contacts + 2)."""
+    """Array for the samples at the stages of a step, (9, 4 contacts + 2)."""
     looks = np.zeros((len(PLACES), KINDS * contacts + 2))
     looks[:, 0] = PLACES
     return looks
@@ -48,7 +47,7 @@ def table(contacts: int) -> np.ndarray:
 
 @compiled
 def write_look(m, line):
-    """All that must not become negative at the state at hand into a line of looks, and the largest force."""
+    """Write all indicators [N, m/s] at the present state to a row of samples, with the largest force [N]."""
     contact, kinematics, mode = m.contact, m.contact_kinematics, m.mode
     largest = 0.0
     for n in range(contact.shape[0]):
@@ -69,21 +68,21 @@ def write_look(m, line):
     for i in range(1, mass.shape[0]):
         largest = max(largest, mass[i, 0] * max(abs(acceleration[i, 0]), abs(acceleration[i, 1])))
     line[1 + KINDS * contact.shape[0]] = largest
-    for n in range(contact.shape[0]):  # where friction is rounding so is its sense
+    for n in range(contact.shape[0]):  # if friction is rounding, so is its direction
         if contact[n, at.IMPACT] == 1 and abs(line[1 + KINDS * n]) <= NOISE * largest:
             line[1 + KINDS * n + 3] = 1.0
 
 
 @compiled
 def second_difference(looks, k, c):
-    """Divided difference of three looks, the middle one in line k, of column c."""
+    """Divided difference of three samples of column c, the middle one in row k."""
     before, after = looks[k, 0] - looks[k - 1, 0], looks[k + 1, 0] - looks[k, 0]
     return ((looks[k + 1, c] - looks[k, c]) / after - (looks[k, c] - looks[k - 1, c]) / before) / (before + after)
 
 
 @compiled
 def may_dip(looks, i, count, c, slack):
-    """True when column c may be below -slack between looks i and i + 1, but is not below zero at either of them."""
+    """True if column c may be below -slack between samples i and i + 1, but is not negative at either of them."""
     one = min(max(i, 1), count - 2)
     two = min(max(i + 1, 1 if i > 0 else 2), count - 2)
     wide, left, right = looks[i + 1, 0] - looks[i, 0], max(looks[i, c], 0.0), looks[i + 1, c]
@@ -105,19 +104,19 @@ def may_dip(looks, i, count, c, slack):
 
 @compiled
 def unseen(m, kind):
-    """By how much what must not become negative may be so by rounding alone: a slip [m/s]."""
+    """How far below zero an indicator of this kind may be by rounding alone: a slip [m/s]."""
     return 1e-13 * m.held[SIZE] if kind == 3 else 0.0
 
 
 @compiled
 def slack_of(m, kind, left, right, force):
-    """By how much rounding may take something below zero between two values; force: the largest of all [N]."""
+    """How far below zero rounding may take an indicator between two values; force: the largest of all [N]."""
     return NOISE * force if kind < 3 else NOISE * (max(left, 0.0) + right) + unseen(m, kind)
 
 
 @compiled
 def matters(m, n, kind):
-    """True where contact n, which is closed, may do what is meant by a kind of look."""
+    """True if an indicator of this kind applies to the closed contact n."""
     if kind == 0:
         return True
     return friction_of(m, n) > 0.0 and (kind < 3) == (m.mode[n] == STICK)
@@ -125,9 +124,9 @@ def matters(m, n, kind):
 
 @compiled
 def doubts(m, error):
-    """Stages between which a lasting contact lets go, breaks away or turns first, if one does; (END, END): none does.
+    """Stages between which a closed contact first opens, breaks away or reverses its slip; (END, END): none does.
 
-    (0, END) where stages do not tell; the second one is END where they do not show it either.
+    (0, END) if the stages do not decide; the second one is END if they do not show the event itself.
     error: of the step [tolerances].
     """
     contact, mode, looks = m.contact, m.mode, m.glances
@@ -146,7 +145,7 @@ def doubts(m, error):
 
 @compiled
 def margin_of(looks, c):
-    """Smallest and largest value of column c at the stages, and by how much these may be beside the motion."""
+    """Smallest and largest value of column c at the stages, and a bound for their deviation from the motion."""
     low, high = looks[0, c], looks[0, c]
     for i in range(1, END + 1):
         low, high = min(low, looks[i, c]), max(high, looks[i, c])
@@ -155,7 +154,7 @@ def margin_of(looks, c):
 
 @compiled
 def doubt(looks, c, first, last, lift):
-    """The same for column c, as far as it is before `first` and `last`; lift: by how much it may be below zero."""
+    """`doubts` for column c, if it is before `first` and `last`; lift: how far below zero it may be."""
     low, high, margin = margin_of(looks, c)
     if low + lift - (high - low) > margin:
         return END, END
@@ -173,7 +172,7 @@ def doubt(looks, c, first, last, lift):
 
 @compiled
 def keep_forces(m):
-    """Remember the largest forces of the lasting contacts at the stages of a step."""
+    """Store the largest forces [N] of the closed contacts at the stages of a step."""
     contact, mode, looks, memory = m.contact, m.mode, m.glances, m.contact_memory
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
@@ -183,7 +182,7 @@ def keep_forces(m):
 
 @compiled
 def pass_look_on(m):
-    """The end of a step is the start of the next."""
+    """Make the sample at the end of a step that at the start of the next."""
     looks = m.glances
     for c in range(1, looks.shape[1]):
         looks[0, c] = looks[END, c]

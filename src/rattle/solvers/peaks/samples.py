@@ -1,14 +1,13 @@
-"""Largest values and mean squares of forces, from within the steps: outputs have no part in them.
+"""Largest values and mean squares of forces, from within the steps: independent of the outputs.
 
-At the stages and the end of a step all forces are solved for anyway.  As the error of a Runge-Kutta step stays below
+At the stages and the end of a step all forces are computed anyway.  As the error of a Runge-Kutta step is below
 the tolerance for any integral along the motion, the weights of its stages give the integral of f^2 to the same
-order.  The stages also say where f may exceed its largest value so far: a parabola through a highest sample and its
-neighbours, with three times its height above that sample.  Only there the dense output is climbed, with every state
-brought onto the joints like an output.  In event mode with closed contacts the search for events solves at eight even
-places of each step: these are the samples then, and a peak is that of the polynomial through them.  A step that an
-event cuts is summed at three Gauss points of its dense output, and one in which f changes faster than the motion does
-in pieces, halved until they resolve it; next to a singular position, where stages say little, only the ends of steps
-count.
+order.  The stages also show where f may exceed its largest value so far: a parabola through the highest sample and its
+neighbours, with three times its height above that sample.  Only there the maximum is searched on the dense output, with
+every state projected onto the joints like an output.  With closed set-valued contacts the search for events samples
+each step at eight evenly spaced points: a peak is then that of the polynomial through them.  A step that an event ends
+is integrated at three Gauss points of its dense output, and one in which f changes faster than the motion in pieces,
+halved until they resolve it; next to a singular position, where stages are inaccurate, only the ends of steps count.
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ SHARES = np.array([
     [0.0, 0.5 - GAUSS, 0.5, 0.5 + GAUSS, 1.0, 0.0, 0.0, 0.0, 0.0],
     np.arange(9) / 8.0,
 ])  # fmt: skip
-BARYCENTRIC = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0])  # of nine even places
+BARYCENTRIC = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0])  # of nine evenly spaced samples
 WEIGHTS = np.array([
     [B[0], B[6], B[7], B[5], B[9], B[8], B[10], 0.0, B[11]],
     [1.0 / 6.0, 0.0, 0.0, 1.0 / 3.0, 1.0 / 3.0, 0.0, 0.0, 0.0, 1.0 / 6.0],
@@ -63,14 +62,14 @@ APART = 1e-2  # share of the mean of f^2 by which two rules may differ
 MATTERS = 1e-4  # share of the integral so far below which they may differ more
 ROUNDING = 1e-9  # share of the largest force below which a force is rounding
 CANCELLED = 1e-13  # share of the largest force times an arm below which a moment is rounding
-SAME = 1e-9  # share of a peak that is not worth a look; a later one within it is the same again: the first is told
-FINE = 1e-8  # share of a peak by which the last try of a climb may exceed the one before
+SAME = 1e-9  # share within which two peaks are equal: the first one is kept
+FINE = 1e-8  # share of a peak by which the last iteration of a search may exceed the one before
 TRIES = 8
 
 
 @compiled
 def value_of(row, kind, c):
-    """One quantity from an output row."""
+    """One quantity from an output row, in its SI unit."""
     if kind == at.OF_VECTOR:
         return math.sqrt(row[c] * row[c] + row[c + 1] * row[c + 1])
     if kind == at.OF_SIZE:
@@ -80,13 +79,13 @@ def value_of(row, kind, c):
 
 @compiled
 def higher(value, best):
-    """True where a value is above the largest so far by more than SAME (`best` starts from minus infinity)."""
+    """True if a value is above the largest so far by more than SAME (`best` starts from minus infinity)."""
     return value - best > SAME * abs(value)
 
 
 @native("void", "h", "i", "f")
 def gauge(m, sample, t):
-    """Put all quantities, as the workspace holds them at t, into a sample; START and PROBE may be peaks."""
+    """Write all quantities of the workspace at t [s] into a sample; START and PROBE may be peaks."""
     quantity, peaks, row = m.quantity, m.peaks, m.peak_row
     if sample < m.glances.shape[0]:
         write_look(m, m.glances[sample])
@@ -102,7 +101,7 @@ def gauge(m, sample, t):
 
 @compiled
 def add_step(m, h):
-    """Count the sample START for a time h: methods whose forces are those of whole steps."""
+    """Count the sample START for a time h [s], for methods with one force per step."""
     peaks = m.peaks
     for n in range(peaks.shape[0]):
         peaks[n, SQUARES] += h * peaks[n, SAMPLE + START] ** 2
@@ -110,7 +109,7 @@ def add_step(m, h):
 
 @compiled
 def summit(samples, layout, i):
-    """Place of the maximum near sample i and its height above it, by a parabola; height 0 where it is no maximum."""
+    """Place of the maximum near sample i and its height above it, by a parabola; height 0 if it is no maximum."""
     last = COUNT[layout] - 1
     x, f = SHARES[layout, i], samples[SAMPLE + ORDER[layout, i]]
     before, after = i - 1, i + 1
@@ -135,7 +134,7 @@ def summit(samples, layout, i):
 
 @compiled
 def through(samples, x):
-    """The polynomial through nine even samples of a step at the share x."""
+    """The polynomial through nine evenly spaced samples of a step at the share x."""
     above, below = 0.0, 0.0
     for k in range(BARYCENTRIC.shape[0]):
         value = samples[SAMPLE + LOOK[k]]
@@ -149,7 +148,7 @@ def through(samples, x):
 
 @compiled
 def crest(samples, low, top, high):
-    """Place and height of the maximum of that polynomial between low and high, by parabolas over shorter stretches."""
+    """Place and height of the maximum of that polynomial between low and high, by successive parabolas."""
     wide, best = 0.25 * (high - low), through(samples, top)
     for _ in range(12):
         left, right = through(samples, max(top - wide, low)), through(samples, min(top + wide, high))
@@ -165,7 +164,7 @@ def crest(samples, low, top, high):
 
 @native("void", "h", "f", "f")
 def crest_all(m, t, h):
-    """New peaks of a step whose samples are those of LOOKS: they are solved for already, nothing more is."""
+    """New peaks of a step whose samples are those of LOOKS, without computing further states."""
     peaks = m.peaks
     for n in range(peaks.shape[0]):
         for i in range(COUNT[LOOKS]):
@@ -178,7 +177,7 @@ def crest_all(m, t, h):
 
 @compiled
 def rises(samples, layout, i):
-    """True when the maximum near sample i may exceed what is known."""
+    """True if the maximum near sample i may exceed the largest value so far."""
     known = max(samples[BEST], samples[SAMPLE + END])
     height = summit(samples, layout, i)[1]
     least = known + SAME * abs(known) + samples[NOTHING]
@@ -187,7 +186,7 @@ def rises(samples, layout, i):
 
 @compiled
 def near_peak(peaks):
-    """True when a quantity could reach its largest value were it to go on as it has changed over the step."""
+    """True if a quantity could reach its largest value by continuing to change as over the step."""
     for n in range(peaks.shape[0]):
         one, two, known = peaks[n, SAMPLE + START], peaks[n, SAMPLE + END], peaks[n, BEST]
         if max(one, two) + abs(one - two) > known + SAME * abs(known):
@@ -197,7 +196,7 @@ def near_peak(peaks):
 
 @compiled
 def may_rise(m, h, layout):
-    """True when the step wants a look at its dense output; the stages of rk4 are too coarse to tell."""
+    """True if the dense output of the step must be searched; the stages of rk4 are too coarse to decide."""
     peaks = m.peaks
     if layout == CUT:
         return peaks.shape[0] > 0
@@ -216,10 +215,10 @@ def may_rise(m, h, layout):
 
 @compiled
 def probe(m, t, h, theta, n):
-    """Measure at the share theta of the step, on its dense output; returns quantity n."""
+    """Compute all quantities at the share theta of the step, on its dense output; returns quantity n."""
     stage, nq = m.stage, m.change.shape[0]
     interpolate(m, theta, stage)
-    if len(m.hold_table) == 0:  # forces of lasting contacts are those of the search for events
+    if len(m.hold_table) == 0:  # forces of closed contacts are those of the search for events
         project_on_constraints(m, t + theta * h, stage, stage)
     take_states(m, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
@@ -229,9 +228,9 @@ def probe(m, t, h, theta, n):
 
 @compiled
 def climb(m, t, h, n, low, top, high, height):
-    """Maximum of quantity n between the shares low and high of the step, from `top` on; returns the tries it took.
+    """Maximum of quantity n between the shares low and high of the step, from `top` on; returns the iterations.
 
-    Successive parabolas: the lowest of three points makes room for the top of the parabola through them.
+    Successive parabolas: the lowest of three points is replaced by the maximum of the parabola through them.
     """
     known = m.peaks[n, BEST]
     fb = probe(m, t, h, top, n)
@@ -264,7 +263,7 @@ def climb(m, t, h, n, low, top, high, height):
 
 @compiled
 def largest_force(m):
-    """Largest force so far [N]; what of each moment is rounding follows from it."""
+    """Largest force so far [N]; the rounding of each moment follows from it."""
     peaks, quantity, largest = m.peaks, m.quantity, 0.0
     for n in range(peaks.shape[0]):
         if quantity[n, 0] == at.OF_VECTOR:
@@ -277,7 +276,7 @@ def largest_force(m):
 
 @native("i", "h", "f", "i")
 def unresolved(m, h, layout):
-    """True when two rules for the mean of f^2 over a stretch differ: a force changes faster than the motion."""
+    """True if two quadrature rules for the mean of f^2 differ: a force changes faster than the motion."""
     peaks, quantity, largest = m.peaks, m.quantity, largest_force(m)
     for n in range(peaks.shape[0]):
         if quantity[n, 0] != at.OF_VECTOR or peaks[n, BEST] < ROUNDING * largest:
@@ -294,7 +293,7 @@ def unresolved(m, h, layout):
 
 @compiled
 def add(m, t, h, layout, sound):
-    """Count the samples of a stretch of length h and its end, which is at t."""
+    """Count the samples of an interval of length h [s] and its end, which is at t [s]."""
     peaks = m.peaks
     for n in range(peaks.shape[0]):
         mean = 0.5 * (peaks[n, SAMPLE + START] ** 2 + peaks[n, SAMPLE + END] ** 2)
@@ -309,7 +308,7 @@ def add(m, t, h, layout, sound):
 
 @native("i", "h", "f", "f", "f", "f", "i")
 def climb_all(m, t, h, low, high, layout):
-    """New peaks between the shares low and high of a step, where the samples are; returns the states solved for."""
+    """New peaks between the shares low and high of a step, to which the samples belong; returns the states computed."""
     peaks, solved, wide = m.peaks, 0, high - low
     for n in range(peaks.shape[0]):
         for i in range(COUNT[layout]):
@@ -322,9 +321,9 @@ def climb_all(m, t, h, low, high, layout):
 
 @native("i", "h", "f", "f", "f", "f", "i")
 def sample_pieces(m, t, h, until, wide, sound):
-    """Count a step up to the share `until` in pieces of its dense output, as short as the forces ask for.
+    """Count a step up to the share `until` in pieces of its dense output, as short as the forces need.
 
-    wide: share of the first piece.  Returns the states solved for.
+    wide: share of the first piece.  Returns the number of states computed.
     """
     peaks, low, solved = m.peaks, 0.0, 0
     while low < until:
@@ -347,7 +346,7 @@ def sample_pieces(m, t, h, until, wide, sound):
 
 @compiled
 def pass_end_on(m):
-    """The end of a stretch is the start of the next."""
+    """Make the sample at the end of an interval that at the start of the next."""
     peaks = m.peaks
     for n in range(peaks.shape[0]):
         peaks[n, SAMPLE + START] = peaks[n, SAMPLE + END]
@@ -355,10 +354,10 @@ def pass_end_on(m):
 
 @native("i", "h", "f", "f", "f", "i", "i")
 def end_step(m, t, h, until, layout, dense):
-    """Peaks and sums of the step from t of length h up to the share `until`; returns the states that were solved for.
+    """Peaks and sums of the step from t [s] of length h [s] up to the share `until`; returns the states computed.
 
-    The samples of the step are those of `layout`, of CUT where it left none; dense: 1 where its dense output is there;
-    -1 to be told by -1 that it is wanted, with nothing counted.  Where until < 1 an event cuts the step: what comes
+    The samples of the step are those of `layout`, of CUT if it left none.  dense: 1 if the dense output is ready; with
+    -1 the function returns -1 if it is needed, and counts nothing.  If until < 1 an event ends the step: the state
     after it is measured as START of the next.
     """
     peaks = m.peaks

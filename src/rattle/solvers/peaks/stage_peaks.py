@@ -1,8 +1,8 @@
-"""Peaks and sums of a step of event mode from its stages, where these tell all forces: up to an event, or entire.
+"""Peaks and sums of an event-driven step from its stages, if these show all forces: up to an event, or to its end.
 
-Where forces depend on the state alone and contacts keep their modes, the stages of a step lie on the forces that its
-dense output gives, also beyond an event that cuts it.  A polynomial through six of them that lie apart gives the
-integral of f^2 up to the event, and says where f may exceed its largest value so far: there f itself is measured.
+If forces depend only on the state and contacts keep their modes, the stages of a step lie on the forces of its
+dense output, also beyond an event that ends it.  A polynomial through six separate stages gives the integral of
+f^2 up to the event, and shows where f may exceed its largest value so far: there f itself is computed.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ from rattle.solvers.peaks.samples import (
 )
 from rattle.solvers.peaks.stage_polynomial import FORMS, NODES, PLACES, through_stages
 
-BESIDE = 10.0  # times what the last stage is beside the end of the step: by how much a crest may be higher
-LEFT_OUT = np.array([2, 4])  # stages that show by how much the polynomial is beside them
+BESIDE = 10.0  # times the deviation of the last stage from the end of the step: how much higher a maximum may be
+LEFT_OUT = np.array([2, 4])  # stages left out, whose deviation shows the error of the polynomial
 PRODUCT = np.array([abs(np.prod(x - PLACES)) for x in SHARES[DOP853, LEFT_OUT]])
-UNSURE = 3.0  # times what follows from them, by which a crest may be higher, too
-MANY = 3  # new peaks in a step beyond which each is not measured on its own
-FINE = 1e-9  # share of a peak that it may lack where it was measured once
-NEXT_TO = 1e-3  # share of a stretch next to its end where no peak is looked for: the end is known
+UNSURE = 3.0  # times that error: how much higher a maximum may be, too
+MANY = 3  # number of new peaks in a step above which they are not computed one by one
+FINE = 1e-9  # allowed error of a peak that was computed once, as a share of it
+NEXT_TO = 1e-3  # share of an interval next to its end where no peak is searched: the end is known
 
 
 @compiled
 def doubt_at(samples, x):
-    """By how much that polynomial of a quantity may be wrong at the share x, as the stages that it leaves out say."""
+    """Error bound of that polynomial of a quantity at the share x, from the stages that it leaves out."""
     most, product = 0.0, 1.0
     for k in range(LEFT_OUT.shape[0]):
         i = LEFT_OUT[k]
@@ -60,7 +60,7 @@ def doubt_at(samples, x):
 
 @compiled
 def crest(samples, low, top, high):
-    """Place and height of the maximum of that polynomial between low and high, by parabolas over shorter stretches."""
+    """Place and height of the maximum of that polynomial between low and high, by successive parabolas."""
     wide, best = 0.25 * (high - low), through_stages(samples, SAMPLE, top)
     for _ in range(10):
         left = through_stages(samples, SAMPLE, max(top - wide, low))
@@ -77,9 +77,9 @@ def crest(samples, low, top, high):
 
 @compiled
 def higher(samples, i, until):
-    """Place next to stage i where a quantity may have a new peak before the share `until`, -1 if none; and how high.
+    """Place next to stage i where a quantity may have a new peak before the share `until`, -1 if none; and its height.
 
-    Returns the place, the height of the polynomial there, and by how much that may be too low.
+    Returns the place, the height of the polynomial there, and a bound for how much that is too low.
     """
     value, known = samples[SAMPLE + i], samples[BEST]
     low, high = SHARES[DOP853, max(i - 1, 0)], min(SHARES[DOP853, min(i + 1, COUNT[DOP853] - 1)], until)
@@ -95,7 +95,7 @@ def higher(samples, i, until):
 
 @compiled
 def measure_crests(m, t, h, until):
-    """Measure the few new peaks of a step where its stages show them; returns the states solved for."""
+    """Compute the few new peaks of a step where its stages show them; returns the number of states computed."""
     peaks, solved = m.peaks, 0
     for n in range(peaks.shape[0]):
         for i in range(COUNT[DOP853]):
@@ -104,7 +104,7 @@ def measure_crests(m, t, h, until):
                 continue
             value, height = probe(m, t, h, top, n), summit(peaks[n], DOP853, i)[1]
             solved += 1
-            # a place beside by as much as values are beside each other lowers what is measured there by its square
+            # an error of the place lowers the value computed there only by its square
             if (value - best) ** 2 > FINE * abs(value) * height:
                 low, high = SHARES[DOP853, max(i - 1, 0)], SHARES[DOP853, min(i + 1, COUNT[DOP853] - 1)]
                 solved += climb(m, t, h, n, low, top, min(high, until), unsure)
@@ -113,7 +113,8 @@ def measure_crests(m, t, h, until):
 
 @compiled
 def measure_evenly(m, t, h, until):
-    """Measure at eight even places up to the share `until`; new peaks are those of the polynomials through them."""
+    """Sample at eight evenly spaced points up to the share `until`; new peaks are those of the polynomials through
+    them."""
     peaks = m.peaks
     for k in range(1, COUNT[LOOKS]):
         probe(m, t, h, until * SHARES[LOOKS, k], 0)
@@ -125,7 +126,7 @@ def measure_evenly(m, t, h, until):
 
 @compiled
 def new_peaks(m, until):
-    """Number of places where quantities may have new peaks, as far as it is not above MANY."""
+    """Number of places where quantities may have new peaks; counting stops above MANY."""
     peaks, found = m.peaks, 0
     for n in range(peaks.shape[0]):
         for i in range(COUNT[DOP853]):
@@ -138,9 +139,9 @@ def new_peaks(m, until):
 
 @native("i", "h", "f", "f", "f")
 def end_by_stages(m, t, h, until):
-    """Peaks and sums of the step from t of length h up to the share `until`, where an event cuts it if that is < 1.
+    """Peaks and sums of the step from t [s] of length h [s] up to the share `until`, where an event ends it if < 1.
 
-    As `samples.end_step` where stages tell all forces; the dense output is there.  Returns the states solved for.
+    As `samples.end_step`, if the stages show all forces; needs the dense output.  Returns the states computed.
     """
     peaks, solved = m.peaks, 0
     if peaks.shape[0] == 0:

@@ -1,8 +1,8 @@
-"""Newton to an equilibrium on the degrees of freedom that the joints leave, as one compiled loop.
+"""Newton's method for an equilibrium in the degrees of freedom that the joints leave, as one compiled loop.
 
     Z = null space of Phi_q,   g = Z^T Q,   H = Z^T K Z,   K = -d(Q - Phi_q^T lambda)/dq,   q += Z H^-1 g
 
-H by differences along the columns of Z alone.  Coordinates are scaled, see `rattle.analyses.statics.balance`.
+H is formed by differences along the columns of Z.  Coordinates are scaled, see `rattle.analyses.statics.balance`.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ from rattle.jit.small_matrices import (
     triangulate,
 )
 
-RANK = 1e-9  # what is left of a row, as a share of the longest, that counts as dependent
-ROUNDS = 150  # Newton steps before a start is given up
+RANK = 1e-9  # remainder of a row, as a share of the longest, below which it counts as dependent
+ROUNDS = 150  # Newton steps after which a start is abandoned
 HALVINGS = 30
 LOST, FOUND, KNOWN, GOING = range(4)
 # rows of `line`
 OUT, G, DZ, MOVE, TRIAL, START, WORK = range(7)
-# entries of `state`; MOST_TURN of a body in one step [rad], shifts as a share of the mechanism's extent
+# entries of `state`; MOST_TURN: largest rotation in one step [rad]; displacements as a share of the mechanism's size
 PHASE, ITERATION, SMALL, FORCE_SIZE, TRIALS, EXTENT, DOF, G_SIZE, G_LENGTH, MOST_TURN = range(10)
 
 
 @compiled
 def scaled_rows(m, scale, wide, norm):
-    """Phi_q of the rows at hand in scaled coordinates into wide (nr, 3 nb), every row of length one."""
+    """Phi_q of the present rows in scaled coordinates into wide (nr, 3 nb), every row normalised to length one."""
     rows, row_body = m.rows, m.row_body
     for r in range(rows.shape[0]):
         line = wide[r]
@@ -59,7 +59,7 @@ def scaled_rows(m, scale, wide, norm):
 
 @compiled
 def reduce(m, t, q, scale, wide, norm, order, pivot, null, line):
-    """Reduced force into line[G], scaled null space into the first lines of `null`; leaves the multipliers.
+    """Reduced force [N] into line[G], scaled null space into the first rows of `null`, multipliers into the workspace.
 
     Returns the number of degrees of freedom.
     """
@@ -91,9 +91,9 @@ def reduce(m, t, q, scale, wide, norm, order, pivot, null, line):
 
 @compiled
 def reduced_stiffness(m, t, q, step, dof, points, null, line, small):
-    """H^T = (Z^T K Z)^T into `small` (a line for each column of H), by differences along Z.
+    """H^T = (Z^T K Z)^T [N/m] into `small` (a row for each column of H), by differences along Z.
 
-    points: 2, exact enough to find the way; 4, of fourth order.
+    points: 2 (second order, enough for a search direction) or 4 (fourth order).
     """
     work, out, n = line[WORK], line[OUT], q.shape[0]
     trial = line[TRIAL]
@@ -121,7 +121,7 @@ def reduced_stiffness(m, t, q, step, dof, points, null, line, small):
 
 @compiled
 def offsets(m, links, first, arm):
-    """Pin centre minus bush centre of every massless link at the state in `body`, into arm from line `first` on."""
+    """Pin centre minus bush centre [m] of every massless link at the state in `body`, into arm from row `first` on."""
     body, values = m.body, m.values
     for n in range(links.shape[0]):
         a, b, p = links[n, 0], links[n, 1], links[n, 2]
@@ -141,7 +141,7 @@ def offsets(m, links, first, arm):
 
 @compiled
 def changed_side(arm, links):
-    """True where a pin has turned by more than 0.8 rad: it may have changed sides."""
+    """True if a pin has moved by more than 0.8 rad in its bush: it may have changed sides."""
     count = links.shape[0]
     for n in range(count):
         x, y, x_new, y_new = arm[n, 0], arm[n, 1], arm[count + n, 0], arm[count + n, 1]
@@ -153,7 +153,7 @@ def changed_side(arm, links):
 
 @compiled
 def force_size(m, size):
-    """A force typical of what acts [N]."""
+    """A typical magnitude of the applied forces [N]; size: of the mechanism [m]."""
     rows, force, multiplier = m.rows, m.force, m.multiplier
     most = 1e-12
     for r in range(rows.shape[0]):
@@ -167,7 +167,7 @@ def force_size(m, size):
 
 @compiled
 def largest_of(x, n):
-    """Largest component; inf where one is not finite."""
+    """Largest magnitude of the first n components, in their unit; inf if one is not finite."""
     most = 0.0
     for k in range(n):
         value = abs(x[k])
@@ -179,7 +179,7 @@ def largest_of(x, n):
 
 @compiled
 def is_known(q, known, count, near, scale):
-    """True where q is within a distance of one of the first `count` positions, angles taken as on a circle."""
+    """True if q is within `near` (scaled [m]) of one of the first `count` positions, angles compared modulo a turn."""
     for n in range(count):
         apart = 0.0
         for k in range(q.shape[0]):
@@ -196,7 +196,7 @@ def is_known(q, known, count, near, scale):
 
 @compiled
 def newton_step(dof, downhill, order, pivot, line, small, null, state, size):
-    """The step dz and its move of all coordinates; returns how far it would go unlimited."""
+    """The step dz and the displacement of all coordinates; returns its length without limits."""
     g, dz, move = line[G], line[DZ], line[MOVE]
     if downhill:
         for i in range(dof):
@@ -228,10 +228,10 @@ def newton_step(dof, downhill, order, pivot, line, small, null, state, size):
 
 @compiled
 def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot, null, line, state, most):
-    """One step along line[MOVE], halved until it is safe and helps; q and the state go there. False when none does."""
+    """One step along line[MOVE], halved until it is safe and an improvement; q and the state move. False if none is."""
     force, n = m.force, q.shape[0]
     move, trial, dof = line[MOVE], line[TRIAL], int(state[DOF])
-    ahead = 0.0  # force along the way, here
+    ahead = 0.0  # force along the step, at its start
     for j in range(dof):
         ahead += line[G, j] * line[DZ, j]
     merit_at(m, q)
@@ -255,7 +255,7 @@ def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot
             for j in range(dof):
                 length += line[G, j] * line[G, j]
             length = math.sqrt(length)
-            if downhill:  # not beyond the point where the force along the way turns round
+            if downhill:  # not beyond the point where the force along the step reverses
                 along = 0.0
                 for k in range(n):
                     along += force[k // 3 + 1, k % 3] * move[k]
@@ -274,7 +274,7 @@ def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot
 
 @compiled
 def begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
-    """Put the joints together at a start and look at it; False where they cannot be."""
+    """Assemble the mechanism at a start and evaluate it; False if it cannot be assembled."""
     gap, _ = close_position(m, t, q, line[START], 1e-13 * size, 60)
     if not gap < 1e-9 * size:
         return False
@@ -297,9 +297,9 @@ def find(
 ):  # fmt: skip
     """From a start q to an equilibrium, in place; to a stable one if `downhill`.
 
-    rounds: after so many the call returns GOING, to be called again; known (k, 3 nb): positions that need not be
-    reached once more, the first `count` of them, to within `near`; most: positions to try.  state[PHASE] is 0 at the
-    start.
+    rounds: Newton steps after which the call returns GOING, to be called again.  known (k, 3 nb) [m, rad]: positions
+    that need not be found again, the first `count` of them, within `near`.  most: number of positions to try.
+    state[PHASE] is 0 at the start.
     """
     if state[PHASE] == 0.0 and not begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
         return LOST
@@ -317,7 +317,7 @@ def find(
         if not far < math.inf:
             return LOST
         rest = before <= 1e-8 * state[FORCE_SIZE]
-        if far < 1e-13 * size:  # where H vanishes there is no step either
+        if far < 1e-13 * size:  # if H vanishes the step is zero too
             return FOUND if rest else LOST
         if before <= 1e-12 * state[FORCE_SIZE] and far < 1e-10 * size:
             return FOUND
@@ -335,9 +335,10 @@ def find(
 
 @compiled
 def walk(m, t, q, scale, size, stride, direction, wide, norm, order, pivot, null, line):
-    """A stride along the degrees of freedom in the direction of the last one; both in place.
+    """A step of length `stride` [m] along the degrees of freedom in the direction of the last one; both in place.
 
-    Returns the gap that is left (inf where there is no way on), the force along the way and the largest reduced one.
+    Returns the remaining gap (inf if there is no continuation), the force along the path and the largest reduced
+    force [N].
     """
     n = q.shape[0]
     dof = reduce(m, t, q, scale, wide, norm, order, pivot, null, line)
@@ -371,7 +372,7 @@ def walk(m, t, q, scale, size, stride, direction, wide, norm, order, pivot, null
 
 @compiled
 def displace(m, q, target, scale, rounds, wide, norm, order, pivot, line):
-    """Bring the rows' residuals to `target` (nr,) by the least change of q, in place."""
+    """Change q [m, rad] by the least amount so that the residuals of the rows are `target` (nr,), in place."""
     rows, change, n = m.rows, line[WORK], q.shape[0]
     for _ in range(rounds):
         merit_at(m, q)

@@ -1,13 +1,13 @@
-"""Sweep of a fully driven mechanism over many positions: no integration, every position stands by itself.
+"""Sweep of a fully driven mechanism over many positions: no integration, every position is solved for itself.
 
 At each instant  Phi(q, t) = 0,  Phi_q v = nu,  Phi_q dv = gamma,  Phi_q^T lambda = Q - M dv.
 
-The last position with its rates and accelerations predicts the next one, Newton closes it.  The branch is kept
-by taking only steps whose correction is small against the distance to the nearest other branch, for which the
-square root of the smallest pivot share stands.  Close to a singular position nothing can be solved well; a step
-leaps across, and what lies inside is the quintic through both sides.
+The last position with its rates and accelerations predicts the next one, which Newton's method corrects.  The branch is
+kept by taking only steps whose correction is small compared with the distance to the nearest other branch, which is
+estimated by the square root of the smallest pivot share.  Close to a singular position the equations are
+ill-conditioned; a step crosses it, and positions inside are interpolated by the quintic through both sides.
 
-The Schur complement is formed with geometric weights (1, 1, 1/radius^2), so that light parts do no harm.
+The Schur complement is formed with geometric weights (1, 1, 1/radius^2), so that light bodies do not disturb it.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from rattle.jit.functions import call_joint, compiled
 from rattle.solvers.output_row import write
 
 Q, V, A, Q_NEW, V_NEW, A_NEW, Q_OLD, V_OLD, A_OLD = range(9)  # rows of `node`
-# clock: time of the node, step allowed, largest gap, root of the node, the one before it, and their times
+# clock: time of the node, allowed step, largest gap, root at the node, the roots before it, and their times
 NOW, FREE, GAP, ROOT, ROOT_BEFORE, T_BEFORE = range(6)
-COUNT, STEPS, FOUND, NEWTON = range(4)  # tally: outputs written, steps, near-singular spots, Newton iterations
+COUNT, STEPS, FOUND, NEWTON = range(4)  # tally: outputs written, steps, near-singular intervals, Newton iterations
 ARRIVED, STUCK = range(2)
-WEAK_ROOT = 4e-3  # closer than this to a singular position nothing is solved there
+WEAK_ROOT = 4e-3  # smallest root at which positions are solved; below it they are too close to a singular position
 CORRECTION = 5e-3  # largest correction of a prediction, as a share of the mechanism's size or in rad
 SHARE = 0.1  # the same as a share of the distance to another branch
 TURN = 0.2  # largest predicted motion in one step [rad, or share of the size]
-DEAD = 1e-11  # a motor that moves the driver by less, as a share of what else it moves, is at a dead centre
-LEAPS = 12  # doublings of a step that tries to get across
+DEAD = 1e-11  # a motor that moves the driver by less, as a share of the rest of its motion, is at a dead centre
+LEAPS = 12  # doublings of a step across a singular position
 
 
 @compiled
 def acceleration_residual(m, a):
-    """Put Phi_q a - gamma on the right side; returns the largest [m/s^2 or rad/s^2]."""
+    """Write Phi_q a - gamma to the right-hand side; returns the largest [m/s^2 or rad/s^2]."""
     rows, x, place_of, row_body = m.rows, m.solution, m.place, m.row_body
     most = 0.0
     for r in range(rows.shape[0]):
@@ -54,7 +54,7 @@ def acceleration_residual(m, a):
 
 @compiled
 def largest(x, size):
-    """Largest component of a motion, lengths as a share of the size."""
+    """Largest component of a motion: angles [rad], lengths as a share of the mechanism's size [m]."""
     most = 0.0
     for k in range(0, x.shape[0], 3):
         value = max(max(abs(x[k]), abs(x[k + 1])) / size, abs(x[k + 2]))
@@ -65,10 +65,10 @@ def largest(x, size):
 
 @compiled
 def closed_at(m, t, node, size):
-    """Close positions, rates and accelerations at t from what the new rows of `node` hold.
+    """Solve positions, rates and accelerations at t [s], starting from the new rows of `node`.
 
-    Returns the size of the correction (inf when it failed), the root of the smallest pivot share, the gap left
-    and the number of Newton iterations.
+    Returns the magnitude of the correction (inf if it failed), the root of the smallest pivot share, the remaining
+    gap [m or rad] and the number of Newton iterations.
     """
     q, v, a = node[Q_NEW], node[V_NEW], node[A_NEW]
     change, power = m.change, m.power
@@ -100,7 +100,7 @@ def closed_at(m, t, node, size):
         before = gap
         gap = residual(m)
         if last <= 1e-12 or (gap >= before and gap < 1e-13 * size):
-            break  # the factor at hand is exact enough
+            break  # the present factor is accurate enough
     if not gap < 1e-12 * size:
         return math.inf, 0.0, gap, rounds
     if not rate_residual(m) < math.inf:
@@ -120,7 +120,7 @@ def closed_at(m, t, node, size):
 
 @compiled
 def predicted(node, h, size):
-    """Put the prediction a time h after the node into the new rows; returns how far it moves."""
+    """Write the prediction a time h [s] after the node to the new rows; returns the largest motion, see `largest`."""
     for k in range(node.shape[1]):
         node[V_NEW, k] = h * node[V, k] + 0.5 * h * h * node[A, k]
     move = largest(node[V_NEW], size)
@@ -133,7 +133,7 @@ def predicted(node, h, size):
 
 @compiled
 def react(m, a):
-    """Multipliers of a motion that is known: Phi_q^T lambda = Q - M a, refined once."""
+    """Multipliers [N, N m] of a known motion: Phi_q^T lambda = Q - M a, refined once."""
     rows, force, weight, mass, x = m.rows, m.force, m.weight, m.mass, m.solution
     multiplier, acceleration = m.multiplier, m.acceleration
     place_of, row_body = m.place, m.row_body
@@ -164,10 +164,11 @@ def react(m, a):
 
 @compiled
 def exchange(m, probe, line, row):
-    """Let a motor elsewhere do the work of a driver: its row h takes the place of the driver's row d.
+    """Let a motor at another joint do the work of a driver: its row h replaces the driver's row d.
 
     h = Phi_q^T y gives  lambda_h = lambda_d / y_d  and  lambda -= y lambda_h.  probe (5,): kernel, A, B, first
-    parameter of the motor, row d; line (1, 9) scratch.  Writes effort and power of the motor into row[0], row[1].
+    parameter of the motor, row d; line (1, 9) scratch.  Writes effort [N or N m] and power [W] of the motor into
+    row[0], row[1].
     """
     table, body, values, rows = m.joint_table, m.body, m.values, m.rows
     weight, x, multiplier = m.weight, m.solution, m.multiplier
@@ -201,7 +202,7 @@ def exchange(m, probe, line, row):
 
 @compiled
 def put(m, t, q, v, a, forces, probe, line, row):
-    """Write one output row for the motion whose rows and factor are in the workspace."""
+    """Write one output row (SI units) for the motion whose rows and factor are in the workspace."""
     body = m.body
     if forces:
         loads(m, t)
@@ -225,7 +226,7 @@ def put(m, t, q, v, a, forces, probe, line, row):
 
 @compiled
 def write_signals(m, row):
-    """Values of all signals."""
+    """Write the values of all signals to an output row, in their SI units."""
     from_ = m.signal
     signals = m.signals
     for n in range(from_.shape[0]):
@@ -234,7 +235,7 @@ def write_signals(m, row):
 
 @compiled
 def between(node, theta, h):
-    """Quintic through the old and the present node at the share theta of the step h, into the new rows."""
+    """Quintic through the old and the present node at the share theta of the step h [s], into the new rows."""
     t2, t3 = theta * theta, theta * theta * theta
     for k in range(node.shape[1]):
         q0, v0, a0 = node[Q_OLD, k], h * node[V_OLD, k], h * h * node[A_OLD, k]
@@ -249,7 +250,7 @@ def between(node, theta, h):
 
 @compiled
 def arrive(node, clock, tally, spots, t, root):
-    """Make the new rows the node; notes where the root has passed a minimum."""
+    """Make the new rows the node at t [s]; records where the root has passed a minimum."""
     for k in range(node.shape[1]):
         for n in range(3):
             node[Q_OLD + n, k] = node[Q + n, k]
@@ -268,7 +269,7 @@ def arrive(node, clock, tally, spots, t, root):
 
 @compiled
 def stride(m, target, node, clock, tally, spots, size):
-    """One step from the node towards the target, across it when it is singular; False when there is no way on."""
+    """One step from the node towards the time `target` [s], across it if it is singular; False if no step succeeds."""
     t = clock[NOW]
     ahead = target - t
     gap, rounds, far = 0.0, 0, 0.0
@@ -287,7 +288,7 @@ def stride(m, target, node, clock, tally, spots, size):
             break
         crossed = False
         if clock[ROOT] >= WEAK_ROOT and correction < math.inf:
-            if predicted(node, 2.0 * h, size) > TURN:  # too far away for a leap
+            if predicted(node, 2.0 * h, size) > TURN:  # too far away to step across
                 clock[FREE] = 0.5 * abs(h)
                 continue
             far = h
@@ -299,7 +300,7 @@ def stride(m, target, node, clock, tally, spots, size):
                 if correction <= min(CORRECTION, SHARE * root) and root >= WEAK_ROOT:
                     crossed = True
                     break
-            if not crossed and fine:  # no other side: go on into the singular position
+            if not crossed and fine:  # no solution on the other side: go on into the singular position
                 predicted(node, h, size)
                 correction, root, gap, rounds = closed_at(m, t + h, node, size)
         if crossed:
@@ -320,15 +321,15 @@ def stride(m, target, node, clock, tally, spots, size):
 
 @compiled
 def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line, onward):
-    """Visit all times (monotone) from the node on and write a row of `raw` for each.
+    """Visit all times [s] (monotone) from the node on and write a row of `raw` for each.
 
     node (9, 3 nb): the position reached with its rates and accelerations, and scratch; clock (6,); tally (4,);
-    spots (n, 2): intervals in which the root of the smallest pivot share has a minimum; size [m];
-    forces: with all reactions (rows as `output_row.write` lays them out, then effort and power for each line of
-    `probe` (k, 5), see `exchange`), else bodies and signals alone; onward: 1 or -1 where these times go on in a
-    sweep that came this way (it may have leapt beyond the first of them), 0 at its start.
+    spots (n, 2): intervals [s] in which the root of the smallest pivot share has a minimum; size [m];
+    forces: with all reactions (rows as `output_row.write` writes them, then effort and power for each row of
+    `probe` (k, 5), see `exchange`), otherwise bodies and signals only; onward: 1 or -1 if these times continue a
+    sweep in this direction (it may have stepped beyond the first of them), 0 at its start.
 
-    Returns ARRIVED, or STUCK when no step leads on from clock[NOW]; tally[COUNT] rows are written.
+    Returns ARRIVED, or STUCK if no step succeeds from clock[NOW]; tally[COUNT] rows are written.
     """
     direction = onward
     if onward == 0.0:
@@ -346,11 +347,11 @@ def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line, o
             for k in range(node.shape[1]):
                 for i in range(3):
                     node[Q_NEW + i, k] = node[Q + i, k]
-        else:  # a step has leapt across it
+        else:  # a step has crossed it
             h = clock[NOW] - clock[T_BEFORE]
             between(node, (target - clock[T_BEFORE]) / h, h)
             stepped = False
-        if not stepped:  # else its rows and factor are in the workspace
+        if not stepped:  # otherwise its rows and factor are in the workspace
             drive(m, target)
             place(m, node[Q_NEW], node[V_NEW])
             constraints(m)

@@ -1,1 +1,1 @@
-"""One explicit method of integration in each file: its step and its dense output."""
+"""Time integration methods, one in each file: step, dense output and what the method declares."""

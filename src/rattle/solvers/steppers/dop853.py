@@ -22,9 +22,9 @@ STAGES = 12
 
 @kernel("stepper")
 def step(m, t, h, rtol, atol, tame):
-    """One step from (t, y) into y_new; with `tame` the stages are brought onto the constraints first.
+    """One step from (t [s], y) of length h [s] into y_new; tame: stages are projected onto the constraints first.
 
-    Returns the error relative to the tolerance, and True when a watched force changed its sign on the way.
+    Returns the error relative to the tolerance, and True if a monitored force changed its sign at a stage.
     """
     y, f, k, stage, y_new = m.state, m.rate, m.slopes, m.stage, m.state_new
     ny = y.shape[0]
@@ -50,7 +50,7 @@ def step(m, t, h, rtol, atol, tame):
         changed |= watched_change(m)
     for n in range(ny):  # rows 13 and 14 are free: the errors of order 3 and 5
         y_new[n], k[13, n], k[14, n] = 0.0, 0.0, 0.0
-    for s in range(STAGES):  # long loops inside
+    for s in range(STAGES):  # the long loop is the inner one
         weight, weight3, weight5 = B[s], E3[s], E5[s]
         for n in range(ny):
             y_new[n] += weight * k[s, n]
@@ -60,7 +60,7 @@ def step(m, t, h, rtol, atol, tame):
     for n in range(ny):
         e3, e5 = k[13, n], k[14, n]
         y_new[n] = y[n] + h * y_new[n]
-        # energies and impulses ride along and do not steer the step; states of elements do
+        # energies and impulses are integrated without error control; states of elements are controlled
         if n < nq or n >= first_state:
             scale = atol + rtol * max(abs(y[n]), abs(y_new[n]))
             error3 += (e3 / scale) ** 2
@@ -100,7 +100,7 @@ def prepare_dense(m, t, h):
 
 @kind("stepper", "dop853", step)
 class Dop853(AdaptiveStepper):
-    """Explicit Runge-Kutta method of order 8 that chooses its steps: the usual one.
+    """Adaptive explicit Runge-Kutta method of order 8, the default without impact contacts.
 
     Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.10.
     """

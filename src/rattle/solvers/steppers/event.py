@@ -1,4 +1,4 @@
-"""Event-driven steps: smooth stretches between located events; the loop stands in `nonsmooth.event_driven`."""
+"""Event-driven integration: smooth motion between located events; its loop is in `nonsmooth.event_driven`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rattle.solvers.stepper import EVENT_DRIVEN, SET_VALUED, AdaptiveStepper, Se
 
 @kind("stepper", "event")
 class Event(SetValuedStepper):
-    """Impact contacts with every impact, release, stick and slip located: the usual one for them, steps by dop853.
+    """Locates every impact, release, stick and slip of impact contacts, with steps of dop853; their default.
 
     Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapters 5 to 9.
     """

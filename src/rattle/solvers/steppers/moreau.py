@@ -1,4 +1,4 @@
-"""Moreau-Jean time stepping; its loop stands in `nonsmooth.moreau_jean`."""
+"""Moreau-Jean time stepping; its loop is in `nonsmooth.moreau_jean`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rattle.solvers.stepper import TIME_STEPPING, SetValuedStepper, equal_steps
 
 @kind("stepper", "moreau")
 class Moreau(SetValuedStepper):
-    """Impact contacts without locating events: percussions over fixed steps, for many contacts at once.
+    """Time stepping for impact contacts without locating events: impulses over fixed steps, for many contacts.
 
     Source: Jean, The non-smooth contact dynamics method, Comput. Methods Appl. Mech. Eng. 177 (1999) 235-257; Moreau,
     Unilateral contact and dry friction in finite freedom dynamics (1988).
@@ -18,7 +18,7 @@ class Moreau(SetValuedStepper):
     adaptive = False
     loop = TIME_STEPPING
     restitution_laws = ("newton",)
-    energy_limit = 0.2  # its accounts close in proportion to the step
+    energy_limit = 0.2  # its energy error is proportional to the step
     title = "Moreau-Jean"
     refinement = 10.0
     step = equal_steps(20_000)

@@ -1,4 +1,4 @@
-"""The classical Runge-Kutta method of order 4 with a fixed step; between steps the cubic of Hermite.
+"""The classical Runge-Kutta method of order 4 with a fixed step; cubic Hermite interpolation within a step.
 
 Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.1. The paper's method.
 """
@@ -17,9 +17,9 @@ from rattle.solvers.stepper import FixedStepper
 
 @kernel("stepper")
 def step(m, t, h, rtol, atol, tame):
-    """One step from (t, y) into y_new, whatever its error.
+    """One step from (t [s], y) of length h [s] into y_new, without error control.
 
-    Returns 0, or inf where y_new is not finite, and True when a watched force changed its sign on the way.
+    Returns 0, or inf if y_new is not finite, and True if a monitored force changed its sign at a stage.
     """
     y, f, k, stage, y_new = m.state, m.rate, m.slopes, m.stage, m.state_new
     ny = y.shape[0]
@@ -42,7 +42,7 @@ def step(m, t, h, rtol, atol, tame):
 
 @kernel("dense output")
 def prepare_dense(m, t, h):
-    """Without the upper rows the dense output is the cubic of Hermite."""
+    """Set the upper rows to zero: the dense output is then the cubic Hermite polynomial."""
     dense = m.dense
     for row in range(3, 7):
         for n in range(dense.shape[1]):
