@@ -68,7 +68,7 @@ def test_a_choice_inside_a_choice_is_what_the_message_advises():
 
 def test_a_value_of_the_wrong_kind_is_blamed_not_its_limits():
     m = rt.loads(MODEL % ("payload", "0"))
-    with pytest.raises(rt.ModelError, match=r"parameters\.r\.value: '2 kg' is a mass; wanted a length"):
+    with pytest.raises(rt.ModelError, match=r"parameters\.r\.value: '2 kg' is a mass; expected a length"):
         m.set(r="2 kg")
     with pytest.raises(rt.ModelError, match=r"min = '50 deg' and max = '75 deg' \(a number without a unit is SI: rad"):
         m.set(alpha=30)

@@ -49,5 +49,5 @@ def test_solver_errors_keep_their_result():
 def test_a_pool_of_processes_hands_a_model_error_on():
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         answer = pool.map_async(rt.loads, ["format = 2"])
-        with pytest.raises(rt.ModelError, match="wanted format = 1"):
+        with pytest.raises(rt.ModelError, match="expected format = 1"):
             answer.get(60)

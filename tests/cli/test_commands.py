@@ -143,7 +143,7 @@ def test_check_refuses_a_model_with_every_fault_its_line_and_a_caret(tmp_path):
     done = run("check", file)
     assert done.exit_code == 2
     lines = file.read_text().splitlines()
-    for word, said in (('"5 kg"', "is not a length"), ("lenght", "did you mean")):
+    for word, said in (('"5 kg"', "is a mass; expected a length in m"), ("lenght", "did you mean")):
         number = next(n for n, line in enumerate(lines, 1) if word in line)
         assert re.search(rf"bad\.toml:{number}: .*{said}", done.stderr), done.stderr
     assert done.stderr.count("^") >= 2

@@ -233,7 +233,7 @@ def test_one_word_in_the_file_changes_the_contact_model(word):
     [
         ("\nstifness = 3", "stifness", "did you mean 'stiffness'"),
         ("\nfriction = { model = 'lugres' }", "friction.model", "did you mean 'lugre'"),
-        ("\nstiffness = '3 kg'", "stiffness", "wanted N/m^1.5"),
+        ("\nstiffness = '3 kg'", "stiffness", "expected a contact stiffness in N/m^1.5"),
         ("\ntangential_restitution = 1.5", "tangential_restitution", "outside [0, 1]"),
         ("\nfriction = { model = 'ambrosio', mu = 0.1, v0 = 1, v1 = 0.1 }", "", "needs v0 < v1"),
     ],

@@ -59,7 +59,7 @@ def test_order_of_writing_is_no_matter(order):
 
 def test_dimensions_pass_through_parameters():
     said = messages(parameters={"l": "1 m", "area": "l**2"}, bodies={"a": {**BAR, "length": "area"}})
-    assert said == ["bodies.a.length: 'area' is not a length; wanted m, got m^2"]
+    assert said == ["bodies.a.length: 'area' is an area; expected a length in m"]
 
 
 def test_plain_numbers_fit_everywhere():
@@ -150,7 +150,7 @@ def test_contact_is_a_massless_link_unless_said():
 
 
 def test_contact_that_does_not_suit_the_joint_says_which_do():
-    with pytest.raises(rt.ModelError, match=r"joints.J.*'massless-link'.*prismatic joint.*wanted.*ideal"):
+    with pytest.raises(rt.ModelError, match=r"joints.J.*'massless-link'.*prismatic joint.*expected.*ideal"):
         two({"type": "prismatic", "clearance": 0.001, "contact": "massless-link"})
 
 
@@ -169,7 +169,7 @@ def test_joints_may_be_written_before_bodies():
         ({"angle": 1}, "needs joint"),
         ({"joint": "J", "body": "a", "angle": 1}, "not both"),
         ({"joint": "J", "coordinate": "x", "angle": 1}, "only a driven body"),
-        ({"body": "a", "position": 1}, "wanted coordinate = one of x, y, angle"),
+        ({"body": "a", "position": 1}, "expected coordinate = one of x, y, angle"),
         ({"body": "a", "coordinate": "z", "position": 1}, "one of x, y, angle, got 'z'"),
         ({"body": "a", "coordinate": "angle", "position": 1}, "driven by 'angle', not by 'position'"),
         ({"body": "ground", "coordinate": "x", "position": 1}, "the ground does not move"),
@@ -198,7 +198,7 @@ def test_driver_of_a_body_takes_a_point_or_the_mass_centre():
 @pytest.mark.parametrize("kind", ["rod", "fixed"])
 def test_joint_without_a_freedom_to_drive(kind):
     fields = {"length": 1} if kind == "rod" else {}
-    with pytest.raises(rt.ModelError, match=f"a {kind} joint has nothing to drive; wanted prismatic or revolute"):
+    with pytest.raises(rt.ModelError, match=f"a {kind} joint has nothing to drive; expected prismatic or revolute"):
         two({"type": kind, **fields}, drivers={"d": {"joint": "J", "angle": 1}})
 
 
@@ -210,7 +210,7 @@ def test_load_values_may_change_and_keep_their_dimension():
     assert names(load.values[3]) == {"a.vy"}
     assert load.values[4] == 1.0
     said = messages(parameters={"k": "3 N/m"}, loads={"f": {"type": "torque", "body": "a", "torque": "k*a.x"}})
-    assert said == ["loads.f.torque: 'k*a.x' is not a moment or energy; wanted N*m, got N"]
+    assert said == ["loads.f.torque: 'k*a.x' is a force; expected a moment or energy in N*m"]
 
 
 def test_load_may_act_at_the_mass_centre_of_a_body():

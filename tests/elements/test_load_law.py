@@ -104,7 +104,7 @@ def test_force_and_work_of_a_law_follow_from_momentum(kind):
 def test_fields_of_a_law_may_change_in_time_and_are_checked():
     r = block().load("w", "wind", body="block", strength="6*t/cos(3*t)", drag=0).simulate(0.4, rtol=1e-10)
     np.testing.assert_allclose(r["block.vx"], 1 + 1.5 * r.t**2, atol=1e-9)
-    with pytest.raises(rt.ModelError, match=r"loads.w.strength: '5 kg' is not a force; wanted N"):
+    with pytest.raises(rt.ModelError, match=r"loads.w.strength: '5 kg' is a mass; expected a force in N"):
         _ = block().load("w", "wind", body="block", strength="5 kg", drag=0).model
     with pytest.raises(rt.ModelError, match=r"loads.w: needs drag"):
         _ = block().load("w", "wind", body="block", strength=1).model

@@ -282,5 +282,5 @@ def test_law_is_kept_in_the_model_file_and_across_contact_models():
     m = struck("energetic", 0.5, 0.3)
     assert rt.loads(m.to_toml()).to_toml() == m.to_toml()
     assert "energetic" in m.with_contact("impact").to_toml()
-    with pytest.raises(rt.ModelError, match="wanted one of newton, poisson, energetic"):
+    with pytest.raises(rt.ModelError, match="expected one of newton, poisson, energetic"):
         m.set({"joints.tip.contact.restitution_law": "stronge"})

@@ -41,7 +41,7 @@ def relative_tolerance(value: Any) -> float:
     """A relative tolerance [-] within the range of double precision.  Raises as `number` does."""
     found = positive("rtol", value)
     if found < TIGHTEST:
-        raise ValueError(f"rtol = {found:g} is below the digits that numbers have; wanted {TIGHTEST:g} or more")
+        raise ValueError(f"rtol = {found:g} is below the digits that numbers have; expected {TIGHTEST:g} or more")
     if found >= 1.0:
         raise ValueError(f"rtol = {found:g} leaves no correct digit; 1e-3 is coarse, 1e-8 the default")
     return found

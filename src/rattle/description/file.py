@@ -222,7 +222,7 @@ def put(table: Any, path: Sequence[str], value: Any) -> None:
 
 def _index(table: list[Any], path: Sequence[str], n: int) -> int:
     if not path[n].isdigit() or int(path[n]) >= len(table):
-        wanted = f"wanted an index from 0 to {len(table) - 1}, got '{path[n]}'"
+        wanted = f"expected an index from 0 to {len(table) - 1}, got '{path[n]}'"
         raise ModelError([Problem(tuple(path), wanted)])
     return int(path[n])
 

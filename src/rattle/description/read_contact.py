@@ -48,12 +48,12 @@ def read_contact(reader: FieldReader, written: Any, joint: str, clearance: float
     here: Path = path if isinstance(written, str) else (*path, "model")
     if model not in known:
         hint = suggest(str(model), known)
-        near = hint if "did you mean" in hint else f"; wanted {', '.join(known)}"
+        near = hint if "did you mean" in hint else f"; expected {', '.join(known)}"
         values.wrong(here, f"unknown contact {said(model)}{near}")
         return None
     if model not in contact_models(joint):
         others = contact_models(joint)
-        wanted = f"; wanted {', '.join(others)}" if others else "; leave the clearance out"
+        wanted = f"; expected {', '.join(others)}" if others else "; leave the clearance out"
         values.wrong(here, f"'{model}' does not work on a {joint} joint{wanted}")
         return None
     if model in registry.kinds("contact"):

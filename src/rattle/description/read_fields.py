@@ -43,7 +43,7 @@ class FieldReader:
             if given[key] in one.choices:
                 return float(one.choices.index(given[key]))
             hint = suggest(str(given[key]), one.choices)
-            self.values.wrong(here, f"wanted one of {', '.join(one.choices)}, got {said(given[key])}{hint}")
+            self.values.wrong(here, f"expected one of {', '.join(one.choices)}, got {said(given[key])}{hint}")
             return math.nan
         if one.shape == "pair":
             return self.values.vector(given[key], one.unit, here, one.live)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle.description.model import Parameter
-from rattle.description.read_values import Path, Values, describe_cycle, in_order, said, wanted
+from rattle.description.read_values import Path, Values, describe_cycle, expected, in_order, said
 from rattle.language.expression import Node, Number
 from rattle.language.units import Dimension, QuantityError, describe, parse_quantity, unit_name
 
@@ -29,7 +29,7 @@ def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Pa
         if "value" in given:
             written[name] = (given["value"], (*path, "value"))
         else:
-            values.wrong(path, "wanted { value = ... }")
+            values.wrong(path, "expected { value = ... }")
             values.broken.add(name)
     dependent: dict[str, Node] = {}
     for name, (given, path) in written.items():
@@ -85,7 +85,7 @@ def _parameter(values: Values, name: str, given: Any) -> Parameter:
     if other is not None:
         said_of = describe(seen) if seen is not None else "a plain number"
         values.wrong(
-            (*path, "value"), f"{said(given['value'])} is {said_of}; wanted {describe(other)}, as min and max are"
+            (*path, "value"), f"{said(given['value'])} is {said_of}; expected {describe(other)}, as min and max are"
         )
         return Parameter(name, values.constants[name], unit)
     limits: dict[str, float | None] = {
@@ -102,7 +102,7 @@ def _parameter(values: Values, name: str, given: Any) -> Parameter:
         values.wrong((*path, "tol"), f"{said(given['tol'])} must not be negative")
     dist = given.get("dist", "")
     if dist not in ("", *DISTRIBUTIONS):
-        values.wrong((*path, "dist"), f"unknown distribution {said(dist)}; wanted {', '.join(DISTRIBUTIONS)}")
+        values.wrong((*path, "dist"), f"unknown distribution {said(dist)}; expected {', '.join(DISTRIBUTIONS)}")
         dist = ""
     return Parameter(name, values.constants[name], unit, low, high, tol, dist)
 
@@ -146,7 +146,7 @@ def _limit(values: Values, given: Any, unit: str, seen: Dimension | None, path: 
         return None if node is None else values.constant(node, path)
     number, dimension = found
     if seen is not None and dimension is not None and dimension != seen:
-        values.wrong(path, f"{said(given)} is not {describe(seen)}; wanted {wanted(unit)}")
+        values.wrong(path, f"{said(given)} is {describe(dimension)}; expected {expected(unit)}")
         return None
     return number
 
@@ -163,7 +163,7 @@ def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str,
         if name in values.constants:
             values.wrong(path, f"'{name}' is already a parameter; choose another name", at_key=True)
         if isinstance(given, bool) or not isinstance(given, int | float | str):
-            values.wrong(path, f"wanted an expression, got {said(given)}")
+            values.wrong(path, f"expected an expression, got {said(given)}")
             continue
         found = _quantity(values, given, path)
         if isinstance(found, tuple):

@@ -77,7 +77,7 @@ class Parts(FieldReader):
         here = (*path, "bar")
         two = isinstance(ends, list | tuple) and len(ends) == 2
         if not two or not all(isinstance(end, str) and end.isidentifier() for end in ends):
-            self.values.wrong(here, f'wanted two end names like ["A", "B"], got {said(ends)}')
+            self.values.wrong(here, f'expected two end names like ["A", "B"], got {said(ends)}')
             self.vague.add(str(path[-1]))
             return {}
         first, second = ends
@@ -90,7 +90,7 @@ class Parts(FieldReader):
     def point(self, given: Any, path: Path, alone: bool = False) -> Point:
         """The point named by "body.point"; with `alone` also by "body" (its mass centre; the origin of the ground)."""
         if not isinstance(given, str):
-            self.values.wrong(path, f'wanted "body.point", got {said(given)}')
+            self.values.wrong(path, f'expected "body.point", got {said(given)}')
             return NOWHERE
         body, dot, point = given.partition(".")
         if body != "ground" and body not in self.bodies:
@@ -104,7 +104,7 @@ class Parts(FieldReader):
         if point not in points:
             hint = suggest(point, points)
             whose = "the ground" if body == "ground" else f"body '{body}'"
-            what = f"no point {said(point)} on {whose}" if point else f'wanted "body.point", got {said(given)}'
+            what = f"no point {said(point)} on {whose}" if point else f'expected "body.point", got {said(given)}'
             self.values.wrong(path, what + hint)
             return NOWHERE
         return Point(body, point, points[point])
@@ -117,11 +117,11 @@ class Parts(FieldReader):
         both = given["connect"]
         here = (*path, "connect")
         if not isinstance(both, list | tuple) or len(both) != 2:
-            self.values.wrong(here, f'wanted ["body.point", "body.point"], got {said(both)}')
+            self.values.wrong(here, f'expected ["body.point", "body.point"], got {said(both)}')
             return NOWHERE, NOWHERE
         a, b = (self.point(one, (*here, k), alone) for k, one in enumerate(both))
         if a.body and a.body == b.body:
-            self.values.wrong(here, f"both ends are on '{a.body}'; wanted two different bodies")
+            self.values.wrong(here, f"both ends are on '{a.body}'; expected two different bodies")
         return a, b
 
     # ------------------------------------------------------------ joints
@@ -207,7 +207,7 @@ class Parts(FieldReader):
         if motor is not None:
             return registry.kinds("driver")[motor.driver], joint, None, f"joint '{joint}'"
         drivable = " or ".join(moved_joints())
-        self.values.wrong(here, f"a {self.joints[joint].kind} joint has nothing to drive; wanted {drivable}")
+        self.values.wrong(here, f"a {self.joints[joint].kind} joint has nothing to drive; expected {drivable}")
         return None
 
     def _driven_body(self, given: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, Point, str] | None:
@@ -219,10 +219,10 @@ class Parts(FieldReader):
         if coordinate not in coordinates:
             where = (*path, "coordinate") if "coordinate" in given else path
             got = f", got {said(coordinate)}" if "coordinate" in given else ""
-            self.values.wrong(where, f"wanted coordinate = one of {', '.join(coordinates)}{got}")
+            self.values.wrong(where, f"expected coordinate = one of {', '.join(coordinates)}{got}")
             return None
         if point.body == "ground":
-            self.values.wrong((*path, "body"), "the ground does not move; wanted a body")
+            self.values.wrong((*path, "body"), "the ground does not move; expected a body")
         if not point.body or point.body == "ground":
             return None
         return known[f"body-{coordinate}"], "", point, f"{coordinate} of '{given['body']}'"
@@ -259,5 +259,5 @@ class Parts(FieldReader):
             return NOWHERE
         place = self.point(given[key], (*path, key), alone=one.shape == "body")
         if one.shape == "body" and place.name:
-            self.values.wrong((*path, key), f"wanted a body, got the point {said(given[key])}")
+            self.values.wrong((*path, key), f"expected a body, got the point {said(given[key])}")
         return place

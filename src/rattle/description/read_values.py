@@ -29,7 +29,6 @@ from rattle.language.units import (
     describe,
     dimension_of,
     parse_quantity,
-    unit_name,
 )
 
 Path = tuple[str | int, ...]
@@ -70,7 +69,7 @@ class Values:
         """A table; an empty one after a problem."""
         if isinstance(given, Mapping):
             return given
-        self.wrong(path, f"wanted a table, got {said(given)}")
+        self.wrong(path, f"expected a table, got {said(given)}")
         return {}
 
     def keys(self, given: Mapping[str, Any], allowed: Iterable[str], path: Path) -> None:
@@ -85,7 +84,7 @@ class Values:
         if not (name.isidentifier() and name.isascii()):
             self.wrong(
                 path,
-                f"{said(name)} is not a name; wanted letters a-z, digits and _, not starting with a digit",
+                f"{said(name)} is not a name; expected letters a-z, digits and _, not starting with a digit",
                 at_key=True,
             )
         elif name in TAKEN:
@@ -133,7 +132,7 @@ class Values:
             elif one not in self.broken:
                 hint = suggest(one, [*self.constants, *(self.live if live else ())])
                 if unit and text.strip() == one and "did you mean" not in hint:
-                    hint = f"; wanted {wanted(unit)}: a quantity like '5 {unit}' or an expression"
+                    hint = f"; expected {expected(unit)}: a quantity like '5 {unit}' or an expression"
                 if one in UNITS and "did you mean" not in hint:
                     hint = f"; {one} is a unit: enter x = '5 {one}' under [parameters] and write x here"
                 elif "." in one and "did you mean" not in hint:
@@ -150,8 +149,7 @@ class Values:
             return False
         if unit is None or seen is None or seen == dimension_of(unit):
             return True
-        got = unit_name(seen) or "a plain number"
-        self.wrong(path, f"{said(text)} is not {describe(dimension_of(unit))}; wanted {wanted(unit)}, got {got}")
+        self.wrong(path, f"{said(text)} is {describe(seen)}; expected {expected(unit)}")
         return False
 
     def dimension(self, node: Node, unit: str | None = None) -> Dimension | None:
@@ -179,7 +177,7 @@ class Values:
         """A float [SI], or a Node if `live` and the value changes during the run; nan after a problem."""
         if isinstance(given, bool) or not isinstance(given, int | float | str):
             like = f" as a number or a text like '5 {unit}'" if unit else ""
-            self.wrong(path, f"wanted {wanted(unit)}{like}, got {said(given)}")
+            self.wrong(path, f"expected {expected(unit)}{like}, got {said(given)}")
             return math.nan
         if isinstance(given, str):
             number = self._text(given, unit, path, live)
@@ -188,7 +186,7 @@ class Values:
         else:
             number = _float(given)
         if not math.isfinite(number):
-            self.wrong(path, f"{said(given)} is not a finite number; wanted {wanted(unit)}")
+            self.wrong(path, f"{said(given)} is not a finite number; expected {expected(unit)}")
             return math.nan
         if least and not LIMITS[least](number):
             self.wrong(
@@ -205,13 +203,13 @@ class Values:
         try:
             quantity = parse_quantity(given)
         except QuantityError as error:
-            self.wrong(path, f"{error}; wanted {wanted(unit)}")
+            self.wrong(path, f"{error}; expected {expected(unit)}")
             return None
         if quantity is not None:
             number, seen = quantity
             if seen is None or seen == dimension_of(unit):
                 return number
-            self.wrong(path, f"{said(given)} is not {describe(dimension_of(unit))}; wanted {wanted(unit)}")
+            self.wrong(path, f"{said(given)} is {describe(seen)}; expected {expected(unit)}")
             return None
         node = self.expression(given, path, unit, live)
         if node is None:
@@ -240,7 +238,7 @@ class Values:
     def vector(self, given: Any, unit: str, path: Path, live: bool = False) -> Any:
         """Two values [SI]; if `live`, each may be a Node."""
         if not isinstance(given, list | tuple) or len(given) != 2:
-            self.wrong(path, f"wanted [x, y] in {unit}, got {said(given)}")
+            self.wrong(path, f"expected [x, y] in {unit}, got {said(given)}")
             return (math.nan, math.nan)
         return tuple(self.value(one, unit, (*path, k), live=live) for k, one in enumerate(given))
 
@@ -251,7 +249,7 @@ class Values:
             if not name.isidentifier():
                 self.wrong(
                     (*path, name),
-                    f"{said(name)} is not a name; wanted letters, digits and _, not starting with a digit",
+                    f"{said(name)} is not a name; expected letters, digits and _, not starting with a digit",
                     at_key=True,
                 )
             found[name] = self.vector(at, "m", (*path, name))
@@ -328,6 +326,9 @@ def _plain(given: Any) -> str:
     return str(given)
 
 
-def wanted(unit: str) -> str:
-    """The unit of a field, for messages."""
-    return unit or "a plain number"
+def expected(unit: str) -> str:
+    """What a field takes, for messages: "a length in m", "a plain number"."""
+    if not unit:
+        return "a plain number"
+    name = describe(dimension_of(unit))
+    return f"a quantity in {unit}" if name.startswith("a quantity in") else f"{name} in {unit}"

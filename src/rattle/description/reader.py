@@ -101,10 +101,10 @@ def _header(document: Mapping[str, Any], values: Values) -> str:
     form = document.get("format")
     if form != 1 or isinstance(form, bool):
         got = f"got {said(form)}" if "format" in document else "it is missing"
-        values.wrong(("format",), f"wanted format = 1, {got}")
+        values.wrong(("format",), f"expected format = 1, {got}")
     title = document.get("name", "")
     if not isinstance(title, str):
-        values.wrong(("name",), f"wanted a text, got {said(title)}")
+        values.wrong(("name",), f"expected a text, got {said(title)}")
     return shown(str(title)).replace("\n", " ").replace("\t", " ")  # shown in terminals and pictures
 
 
@@ -116,7 +116,7 @@ def _named(values: Values, document: Mapping[str, Any], key: str) -> dict[str, M
             values.name(name, (key, name))
             found[name] = entry
         else:
-            values.wrong((key, name), f"wanted a table, got {said(entry)}")
+            values.wrong((key, name), f"expected a table, got {said(entry)}")
     return found
 
 

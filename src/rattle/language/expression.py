@@ -106,7 +106,7 @@ def _combine(part: Apply, given: list[Dimension | None]) -> Dimension | None:
     if name == "sqrt":
         return None if x is None else x.power(0.5)
     if name not in ("sign", "step") and x not in (None, DIMENSIONLESS):
-        raise ExpressionError(f"cannot take {name} of {_word(x)}; wanted a plain number or angle", part.column)
+        raise ExpressionError(f"cannot take {name} of {_word(x)}; expected a plain number or angle", part.column)
     return DIMENSIONLESS
 
 

@@ -36,7 +36,7 @@ class Comparison:
     skipped: Mapping[str, str]  # model -> why there is no result
     joint: str  # the joint that is shown
     curve: str  # the motion that is shown
-    assumed: tuple[str, ...]  # what the model file does not say and the page takes for granted
+    assumed: tuple[str, ...]  # what the model file does not say and the page assumes
 
     @property
     def notes(self) -> dict[str, tuple[str, ...]]:
@@ -120,7 +120,7 @@ def compare(
     position of the last body).  t_end: duration [s] (default: one turn of the driver if it turns steadily, else
     what the model says).  law: the compliant law (default: that of the joint, else "exact").
 
-    What a compliant contact needs and the model does not say is taken for granted and stated in `.assumed`: a
+    What a compliant contact needs and the model does not say is assumed and stated in `.assumed`: a
     steel pin in a steel bush of 10 clearances radius, a sphere in its socket, restitution 0.5.
     Raises ModelError when no joint has play.
     """
@@ -168,7 +168,7 @@ def compare(
 
 
 def _too_soft(m: Mechanism, loose: list[str], r: Result, assumed: list[str]) -> str:
-    """Why a compliant run whose bushes were taken for granted says nothing about this mechanism; "" if it may."""
+    """Why a compliant run with assumed bushes says nothing about this mechanism; "" if it may."""
     if not any("bush radius" in one for one in assumed):
         return ""
     for name in loose:
@@ -176,7 +176,7 @@ def _too_soft(m: Mechanism, loose: list[str], r: Result, assumed: list[str]) -> 
         deep = r.peak(f"{name}.penetration")[0] if f"{name}.penetration" in r else 0.0
         if m.model.joints[name].play.from_materials and deep > play:
             return (
-                f"the bush that was taken for granted, {RADII:g} clearances wide, is too small for these forces: the"
+                f"the assumed bush, {RADII:g} clearances wide, is too small for these forces: the"
                 f" pin of {name} sinks {1e3 * deep:.3g} mm into it, more than its play of {1e3 * play:.3g} mm; give"
                 f" joints.{name}.contact a bush_radius and materials, or a stiffness"
             )
@@ -193,7 +193,7 @@ def _motion(m: Mechanism, ideal: Result) -> str:
 
 
 def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechanism, list[str]]:
-    """The mechanism with compliant contacts, and what had to be taken for granted for them."""
+    """The mechanism with compliant contacts, and what had to be assumed for them."""
     made = m
     assumed: dict[str, list[str]] = {}
     for name in loose:

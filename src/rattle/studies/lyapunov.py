@@ -101,7 +101,7 @@ def lyapunov(
     length = span / 400 if stretch is None else arguments.positive("stretch", stretch)
     rtol = arguments.relative_tolerance(rtol)
     if 2 * BLOCKS * length > span * (1.0 + 1e-9):
-        raise ValueError(f"a stretch of {length:g} s is too long for {span:g} s; wanted at most a {2 * BLOCKS}th of it")
+        raise ValueError(f"a stretch of {length:g} s is too long for {span:g} s; take at most a {2 * BLOCKS}th of it")
     if not 0.0 <= skip < 1.0:
         raise ValueError(f"skip is a share of the run, from 0 to below 1; got {skip}")
     _require_mobility(m)

@@ -77,7 +77,7 @@ class Section:
         names = list(self.values)
         if x is None or y is None:
             if len(names) < 2:
-                raise ValueError(f"a picture of a section wants two curves, this one has {', '.join(names)}")
+                raise ValueError(f"a picture of a section needs two curves, this one has {', '.join(names)}")
             x, y = names[:2]
         return plot_section(self, x, y, ax)
 

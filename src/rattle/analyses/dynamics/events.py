@@ -55,7 +55,7 @@ def require_workable(system: System) -> None:
         if lasting < STEPS_WANTED * SHORTEST:
             said = (
                 f"so stiff that a contact at 1 m/s would last {lasting:.1g} s and steps fall below {SHORTEST:g} s;"
-                ' wanted a smaller stiffness, or contact = "impact" for rigid bodies'
+                ' lower the stiffness, or use contact = "impact" for rigid bodies'
             )
             problems.append(Problem(("joints", name, "contact"), said))
     if problems:

@@ -47,12 +47,12 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
     if len(shut) and h < TINY:
         joint = system.joints[system.arrays["contact"][shut[0], at.OWNER]]
         return (
-            f"cannot go on at t = {t:.6g} s: the contact of joint '{joint}' is so stiff that it wants steps below"
+            f"cannot go on at t = {t:.6g} s: the contact of joint '{joint}' is so stiff that it needs steps below"
             f' {TINY:g} s. Lower its stiffness, or use contact = {{ model = "impact" }}'
         )
     if status == NOT_FINITE and not stepper.leaf.adaptive:
         other = usual_stepper(FREE)
-        return f"the motion ran away at t = {t:.6g} s with the step of {h:.3g} s; try a smaller step or method {other}"
+        return f"the motion diverged at t = {t:.6g} s with the step of {h:.3g} s; try a smaller step or method {other}"
     if status == NOT_FINITE:
         size = np.abs(workspace.acceleration[1:]).max(axis=1)
         body = system.bodies[int(np.argmax(np.where(np.isfinite(size), size, np.inf)))]

@@ -102,7 +102,7 @@ def require_one_law(system: System, stepper: type[Stepper]) -> None:
     for name, law in laws.items():
         if law != laws[first]:
             listed = ", ".join(f"{one}: {which}" for one, which in laws.items())
-            said = f"impacts at several joints are one problem and want one law for all joints (now {listed})"
+            said = f"impacts at several joints are one problem, which needs one law for all joints (now {listed})"
             raise ModelError([Problem(("joints", name, "contact", "restitution_law"), said)])
     if stepper.restitution_laws and laws[first] not in stepper.restitution_laws:
         has = " or ".join(f'"{law}"' for law in stepper.restitution_laws)

@@ -79,7 +79,7 @@ class MoreauJeanRun(Run):
         """Why the run cannot go on; contact problems are named."""
         t = float(self.clock[step_state.T])
         if status == NOT_FINITE:
-            return f"the motion ran away at t = {t:.6g} s with the step of {self.step:.3g} s; try a smaller step"
+            return f"the motion diverged at t = {t:.6g} s with the step of {self.step:.3g} s; try a smaller step"
         if what := contact_trouble(self.system, self.workspace, t, status, ""):
             return what
         what = explain(self.system, self.workspace, self.t_end, status, self.stepper, self.rtol)

@@ -63,7 +63,7 @@ def friction_law(name: str, *, memory: bool = False, states: int = 0, **fields: 
     name, fields: as for `normal_law`.  Raises what `normal_law` raises.
     """
     if states < 0:
-        raise ValueError(f"friction law '{name}': {states} states; wanted 0, 1, 2, ...")
+        raise ValueError(f"friction law '{name}': {states} states; expected 0, 1, 2, ...")
     return _enter("friction", name, fields, max(states, int(memory)))
 
 
