@@ -312,7 +312,7 @@ rod = { x = 0, y = -0.1999, angle = 0, vx = -3, vy = 0, omega = 0 }
     total = r["energy.kinetic"] + r["energy.potential"]
     assert np.diff(total).max() < 1e-6
     stopped = rt.loads(text.replace('jam = "impact"', 'jam = "stop"')).simulate(0.5)
-    assert 'so does jam = "impact"' in stopped.message
+    assert 'or jam = "impact"' in stopped.message
 
 
 # ---------------------------------------------------------------- dead ends

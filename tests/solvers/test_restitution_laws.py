@@ -223,7 +223,7 @@ def test_no_energetic_impact_gives_energy():
         several += int((count > 1).sum())
         size = max(1e-3, float(np.abs(r["energy.kinetic"]).max()))
         assert lost.min(initial=0.0) > -1e-13 * size  # rounding of the sum over contacts
-        assert "gave energy" not in " ".join(r.trust.notes)
+        assert "created energy" not in " ".join(r.trust.notes)
         assert r.trust.energy_balance < 1e-4 * size  # what the events say is what the motion does
     assert several > 100
 

@@ -1,4 +1,4 @@
-"""Why set-valued contacts stop a run, in words: problems without a solution, friction that locks or wedges."""
+"""Failure report of set-valued contacts, in words: problems without a solution, friction that locks or wedges."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from rattle.jit.workspace import Workspace
 from rattle.solvers.nonsmooth import jams
 from rattle.solvers.stepper import TIME_STEPPING, stepper_of
 
-NEARLY_LOCKED = 1e-2  # share of G_nn that friction leaves of it where a run that cannot go on is called locked
-TOGETHER = 1e-6  # the same of the smallest singular value of all contacts together
-DEAD = 1e-8  # the same as a share of the largest one, where contacts that stick hold each other or the joints
+NEARLY_LOCKED = 1e-2  # share of G_nn left by friction, below which a run that cannot go on is called locked
+TOGETHER = 1e-6  # the same for the smallest singular value of all contacts together
+DEAD = 1e-8  # share of the largest singular value below which sticking contacts lock each other or the joints
 
 
 def contact_trouble(system: System, workspace: Workspace, t: float, status: int, passed: str) -> str:
-    """Why contacts stop a run at t [s]; empty where it is not the contacts.
+    """Why contacts stop a run at t [s], in words; "" if they are not the reason.
 
-    passed: what else goes on where friction locks, as the end of a sentence.
+    passed: what else to try when friction locks, as the end of a sentence.
     """
     names = ", ".join(closed_joints(system, workspace)) or "the contacts"
     other = f"method {stepper_of(TIME_STEPPING)}"
@@ -31,35 +31,35 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
         return (
             f"no solution of the contact problem at {names} was found at t = {t:.9g} s: on every path that was"
             " followed the force that presses contacts together makes them approach, as where friction jams a"
-            " joint, though their modes are too many to try all; less friction, or a compliant contact, goes"
-            f" on{passed}"
+            " joint; their modes are too many to try all. Try less friction, or a compliant contact"
+            f"{passed}"
         )
     if status == unilateral.NO_SOLUTION:
         return (
-            f"the contact problem at {names} has no solution at t = {t:.9g} s, whatever its contacts do (Painleve:"
-            f" friction would have to jam the joint); less friction, or a compliant contact, goes on{passed}"
+            f"the contact problem at {names} has no solution at t = {t:.9g} s in any mode of its contacts (Painleve:"
+            f" friction would have to jam the joint); try less friction, or a compliant contact{passed}"
         )
     if status == unilateral.NOT_FOUND:
         return (
             f"no solution of the contact problem at {names} was found at t = {t:.9g} s, which does not mean"
-            f" that there is none: contacts or joints may depend on each other there; {other} or a compliant"
-            " contact may go on"
+            f" that there is none: contacts or joints may depend on each other there; try {other} or a compliant"
+            " contact"
         )
     if status == unilateral.NOT_UNIQUE:
         return (
             f"the contact problem at {names} has several solutions at t = {t:.9g} s (Painleve: rigid bodies with"
-            f" this friction do not say which); less friction, a compliant contact or {other} goes on"
+            f" this friction do not determine which); try less friction, a compliant contact or {other}"
         )
     if status == unilateral.LOCKED or (status == STEP_TOO_SMALL and friction_locks(system, workspace, t)):
         return (
-            f"friction locks {names} at t = {t:.9g} s: the normal force grows beyond all bounds (Painleve); less"
-            f" friction, or a compliant contact, goes on{passed}"
+            f"friction locks {names} at t = {t:.9g} s: the normal force grows without bound (Painleve); try less"
+            f" friction, or a compliant contact{passed}"
         )
     if status == STEP_TOO_SMALL and (wedged := ", ".join(wedged_joints(system, workspace, t))):
         return (
             f"friction holds {wedged} at t = {t:.9g} s while drivers or inertia push on: a dead end, where"
-            " the force stays within friction however large it is, so that nothing slips and no rigid body passes;"
-            " less friction, or a compliant contact, goes on"
+            " the force stays inside the friction cone however large it is, so that nothing slips and no rigid body"
+            " passes; try less friction, or a compliant contact"
         )
     return ""
 
@@ -72,7 +72,7 @@ def closed_joints(system: System, workspace: Workspace) -> list[str]:
 
 
 def friction_locks(system: System, workspace: Workspace, t: float) -> bool:
-    """True when sliding contacts are about to lock by friction, alone or together: the proof of Painleve's name."""
+    """True if sliding contacts are about to lock by friction at t [s], alone or together (Painleve's paradox)."""
     mode, contact = workspace.mode, system.arrays["contact"]
     rough = workspace.values[contact[:, at.NORMAL_P] + at.MU] > 0.0
     slides = (((mode == FORWARD) | (mode == BACKWARD)) & rough).any()
@@ -82,14 +82,14 @@ def friction_locks(system: System, workspace: Workspace, t: float) -> bool:
 
 
 def firmness(system: System, workspace: Workspace) -> float:
-    """Smallest singular value of a_n (a_t where they stick) of the closed contacts by their forces, as a share of
-    that without friction of sliding; their modes and G are at hand."""
+    """Smallest singular value of the matrix from forces to a_n (and a_t if sticking) of the closed contacts, as a
+    share [-] of that without sliding friction; modes and G in the workspace must be up to date."""
     least = [np.linalg.svd(driven(system, workspace, rough)[0], compute_uv=False)[-1] for rough in (True, False)]
     return float(least[0] / least[1]) if least[1] > 0.0 else 1.0
 
 
 def driven(system: System, workspace: Workspace, rough: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """G with friction of sliding, or without, on the lines of closed contacts; these contacts, and the lines."""
+    """G [1/kg] with (rough) or without sliding friction, on the lines of closed contacts; contacts and lines."""
     mode, contact, g = workspace.mode, system.arrays["contact"], workspace.delassus
     closed = workspace.active[: int(((mode != complementarity.OFF) & (contact[:, at.IMPACT] == 1)).sum())]
     normal = 2 * np.arange(len(closed))
@@ -102,8 +102,11 @@ def driven(system: System, workspace: Workspace, rough: bool) -> tuple[np.ndarra
 
 
 def wedged_joints(system: System, workspace: Workspace, t: float) -> list[str]:
-    """Joints whose contacts friction holds where bodies are pushed on: forces in a ratio that changes no motion,
-    which press and stay within friction, and along which b calls for ever more.  None where that is not so."""
+    """Joints locked by friction at t [s] while bodies are pushed on; empty if there are none.
+
+    Their forces have a ratio that does not change the motion, press, and stay inside the friction cone, while b demands
+    ever more of them.
+    """
     jams.lock_share(workspace, t)
     matrix, closed, lines = driven(system, workspace, True)
     if not (workspace.mode[closed] == complementarity.STICK).any() or not np.isfinite(matrix).all():
@@ -123,12 +126,12 @@ def wedged_joints(system: System, workspace: Workspace, t: float) -> list[str]:
 
 
 def shared_forces(system: System, workspace: Workspace) -> tuple[str, ...]:
-    """That contacts which depend on each other could share a force in other ways, where a run has met that."""
+    """Note on contacts that depend on each other and can share a force in several ways, if a run has met such ones."""
     shared = int(workspace.held[complementarity.SHARED])
     if not shared:
         return ()
     joint = system.joints[system.arrays["contact"][shared - 1, at.OWNER]]
     return (
-        f"how contacts that depend on each other share a force at joint '{joint}' is not unique: what is"
-        " listed is one way of several, with the same motion",
+        f"contacts that depend on each other can share a force at joint '{joint}' in several ways: the values"
+        " listed are one of them, with the same motion as all others",
     )

@@ -1,4 +1,4 @@
-"""Runs with set-valued contacts from event to event."""
+"""Event-driven runs with set-valued contacts."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ from rattle.solvers.stepper import TIME_STEPPING, stepper_of
 
 @final
 class EventDrivenRun(Run):
-    """A run in which every impact, release, stick and slip is located; lasting contacts act as constraints."""
+    """A run in which every impact, release, stick and slip is located; closed contacts act as constraints."""
 
     lands_on_instants = True
     may_pass = False  # jams are passed by an impact without collision
 
     def __init__(self, system: System, start: Assembled, t_eval: np.ndarray, t_end: float, how: How) -> None:
         super().__init__(system, start, t_eval, t_end, how)
-        self.jams: list[tuple[float, str]] = []  # times [s] at which friction locked and what was closed there
+        self.jams: list[tuple[float, str]] = []  # times [s] at which friction locked, and the closed contacts
         self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])  # see `event_driven.advance`
 
     def loop_arrays(self) -> dict[str, Any]:
-        """Arrays of set-valued contacts, with forces of lasting ones as part of the motion."""
+        """Arrays of set-valued contacts; forces of closed contacts are part of the equations of motion."""
         return contact_arrays(self.system, True)
 
     def begin(self, t: float) -> int:
-        """Closed contacts find their modes and those that hit take their impact; see `Run.begin`."""
+        """Find the modes of closed contacts and apply impacts at the start t [s]; see `Run.begin`."""
         self.take_sides(t)
         values, contact = self.workspace.values, self.system.arrays["contact"]
         self.may_pass = bool((values[contact[:, at.NORMAL_P] + at.JAM] > 0.0).any())
@@ -56,7 +56,7 @@ class EventDrivenRun(Run):
         return PAUSED if status == OK else status
 
     def take_steps(self, t: float, chunk: int, outputs: int) -> int:
-        """Some steps towards the time t [s]; see `Run.take_steps`."""
+        """Up to `chunk` steps towards the time t [s]; see `Run.take_steps`."""
         h_max, out = self.step or math.inf, self.t_eval[:outputs]
         m = self.workspace
         status = int(event_driven.advance(m, t, self.rtol, self.atol, h_max, out, self.raw, chunk, self.stuck))
@@ -65,12 +65,12 @@ class EventDrivenRun(Run):
         return status
 
     def pass_jam(self, status: int, late: bool) -> int:
-        """Go on by an impact without collision where friction locks; PAUSED, or a trouble.
+        """Pass a position at which friction locks by an impact without collision; PAUSED, or a failure status.
 
         late: the state is that of an event whose new modes were not found.
         """
         t, handle = float(self.clock[step_state.T]), self.workspace
-        if self.jams and t - self.jams[-1][0] <= 1e-9 * self.t_end:  # once more at the same place: it does not help
+        if self.jams and t - self.jams[-1][0] <= 1e-9 * self.t_end:  # again at the same place: it does not help
             return status
         names = ", ".join(closed_joints(self.system, self.workspace))
         if jams.pass_jam(handle, t, int(late)) != OK:
@@ -80,7 +80,7 @@ class EventDrivenRun(Run):
         return self.go_on(t, True)
 
     def go_on(self, t: float, jolted: bool) -> int:
-        """Closed contacts find their modes anew; see `Run.go_on`."""
+        """Find the modes of closed contacts anew at t [s]; see `Run.go_on`."""
         status = int(event_driven.go_on(self.workspace, t, 1 if jolted else 0))
         if status != OK:
             return status
@@ -88,7 +88,7 @@ class EventDrivenRun(Run):
         return PAUSED
 
     def remarks(self) -> tuple[str, ...]:
-        """Jams that were passed, and forces that are not unique."""
+        """Notes on jams that were passed and on forces that are not unique."""
         said = shared_forces(self.system, self.workspace)
         if not self.jams:
             return said
@@ -101,22 +101,22 @@ class EventDrivenRun(Run):
         return ()
 
     def explain(self, status: int) -> str:
-        """Why the run cannot go on; contact problems are named."""
+        """Why the run cannot go on, in words; contact problems are named."""
         t = float(self.clock[step_state.T])
         if status == unilateral.CHATTER:
             return self.chatter(t)
-        passed = "" if self.may_pass else ', and so does jam = "impact" in the contact'
+        passed = "" if self.may_pass else ', or jam = "impact" in the contact'
         what = contact_trouble(self.system, self.workspace, t, status, passed)
         return what or explain(self.system, self.workspace, self.t_end, status, self.stepper, self.rtol)
 
     def chatter(self, t: float) -> str:
-        """That contacts change without end at t [s], and which did so last."""
-        other = f"method {stepper_of(TIME_STEPPING)} goes on"
+        """Message on contacts that change without end at t [s], with the last one."""
+        other = f"method {stepper_of(TIME_STEPPING)}"
         joint = self.system.joints[self.system.arrays["contact"][int(self.stuck[2]), at.OWNER]]
         if self.stuck[3] > event_driven.MOST_IN_A_ROW:
             return (
                 f"{self.stuck[3]:.0f} events in a row, each within {event_driven.CROWDED * self.t_end:.2g} s of"
                 f" the one before, up to t = {t:.9g} s, last at joint '{joint}': contacts change faster than a run"
-                f" can follow; a smaller restitution, a compliant contact or {other}"
+                f" can follow; try a smaller restitution, a compliant contact or {other}"
             )
-        return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; {other}"
+        return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; try {other}"

@@ -1,4 +1,4 @@
-"""Events of a run, from the rows the steppers wrote, and what they say about how far to trust it."""
+"""Events of a run, from the rows that the steppers wrote, and notes on contacts for `Trust`."""
 
 from __future__ import annotations
 
@@ -19,14 +19,17 @@ from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.workspace import Workspace
 from rattle.results.event import Event
 
-SHORTEST = 1e-12  # a step that is taken for impossible [s]
-GAIN = 1e-12  # energy from an impact, as a share of that of the run, below which it is rounding
-STEPS_WANTED = 10  # in the shortest contact
+SHORTEST = 1e-12  # steps below this count as impossible [s]
+GAIN = 1e-12  # energy created by an impact, as a share of that of the run, below which it is rounding
+STEPS_WANTED = 10  # steps that the shortest contact should have
 KINDS = ("contact", "release", "impact", "stick", "slip")  # in the order of their numbers in `plane`
 
 
 def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Workspace, t: float) -> tuple[Event, ...]:
-    """Events in order of time; contacts still going on at the end (time t) come with what they have so far."""
+    """Events in order of time; contacts that last to the end of the run, t [s], are listed with their values so far.
+
+    rows: arrays (n, 8) of the steppers: time [s], contact, kind, then up to five values of `Event` [SI].
+    """
     owner = system.arrays["contact"][:, at.OWNER]
     found = []
     for row in np.concatenate(rows) if rows else np.zeros((0, 8)):
@@ -45,7 +48,7 @@ def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Worksp
 
 
 def require_workable(system: System) -> None:
-    """Refuse contacts so stiff that no step could resolve them; ModelError names the joint."""
+    """Raise ModelError, with the joint, for contacts so stiff that no step could resolve them."""
     problems = []
     for name, joint in system.model.joints.items():
         contact = joint.contact
@@ -63,7 +66,10 @@ def require_workable(system: System) -> None:
 
 
 def _duration(system: System, joint: Joint, contact: Contact, speed: float = 1.0) -> float:
-    """Rough time [s] that an impact of the two bodies at `speed` [m/s] lasts, at the stiffness of a joint's contact."""
+    """Estimated duration [s] of an impact of the two bodies at `speed` [m/s], with the stiffness of a joint's contact.
+
+    Raises ValueError if the joint has no compliant contact.
+    """
     assert contact.static is not None
     inverse = sum(1.0 / system.model.bodies[b].mass for b in (joint.a.body, joint.b.body) if b in system.model.bodies)
     kind = registry.kinds("stiffness")[contact.static.kind]
@@ -72,7 +78,7 @@ def _duration(system: System, joint: Joint, contact: Contact, speed: float = 1.0
 
 
 def contact_counts(system: System, events: Sequence[Event], fewest: float) -> dict[str, Any]:
-    """What `Trust` says of contacts: how many, impacts, steps of the shortest."""
+    """Fields of `Trust` on contacts: number of contacts and impacts, steps of the shortest contact."""
     if not len(system.arrays["contact"]):
         return {}
     return {
@@ -83,7 +89,7 @@ def contact_counts(system: System, events: Sequence[Event], fewest: float) -> di
 
 
 def _unused(model: Model) -> list[str]:
-    """What is written for contact models other than the one a joint has."""
+    """Notes on keys that only other contact models use than the one of the joint."""
     joints: dict[str, list[str]] = {}
     for name, joint in model.joints.items():
         if joint.contact is not None and joint.contact.unused and joint.clearance > 0.0:
@@ -93,9 +99,9 @@ def _unused(model: Model) -> list[str]:
 
 
 def _gains(events: Sequence[Event], energy: float) -> list[float]:
-    """Energy [J] that impacts gave, each with all its contacts together, where it is more than rounding.
+    """Energy [J] created by impacts, each with all its contacts, where it is more than rounding.
 
-    energy: what is large in the run [J].
+    energy: a large energy of the run [J].
     """
     gained: dict[float, float] = {}
     least: dict[float, float] = {}
@@ -108,14 +114,14 @@ def _gains(events: Sequence[Event], energy: float) -> list[float]:
 
 
 def contact_notes(system: System, events: Sequence[Event], energy: float) -> tuple[str, ...]:
-    """Remarks on contacts: values without use, laws outside their range, laws of the user that give energy back.
+    """Notes on contacts: values not used, laws outside their range, laws of the user that create energy.
 
-    energy: what is large in this run [J]; gains beside it are rounding below a share of GAIN.
+    energy: a large energy of this run [J]; gains below the share GAIN of it are rounding.
     """
     found = [*_unused(system.model), *law_faults(system.model)]
     if gains := _gains(events, energy):
         found.append(
-            f"{len(gains)} impact{'s' if len(gains) > 1 else ''} gave energy, {sum(gains):.3g} J in all:"
+            f"{len(gains)} impact{'s' if len(gains) > 1 else ''} created energy, {sum(gains):.3g} J in total:"
             " Newton's and Poisson's restitution with friction can; restitution_law = \"energetic\" cannot"
         )
     for name, joint in system.model.joints.items():

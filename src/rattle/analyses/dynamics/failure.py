@@ -1,4 +1,4 @@
-"""Why a run cannot go on, in words: what, when, where, and what to try."""
+"""Failure report of a run, in words: what happened, when, where, and what to try."""
 
 from __future__ import annotations
 
@@ -20,14 +20,17 @@ from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import LAST, SLIDES, argument, see
 from rattle.solvers.stepper import FREE, usual_stepper
 
-NEAR = 10.0  # shares of the step that failed, within which a contact law is asked what it meets
-GLANCE, SHARE = 1e-6, 1e-3  # how far it is looked back, as a share of the run, and a share of that
-GROWN = 20.0  # growth of a value, by which a pole is told, where the time to it shrinks by SHARE
-TINY = 1e-12  # a contact that wants shorter steps is too stiff [s]
+NEAR = 10.0  # lengths of the failed step within which contact laws are evaluated
+GLANCE, SHARE = 1e-6, 1e-3  # how far to look back, as a share of the run, and a share of that
+GROWN = 20.0  # factor by which a value grows towards a pole when the time to it shrinks by SHARE
+TINY = 1e-12  # a contact that needs shorter steps is too stiff [s]
 
 
 def explain(system: System, workspace: Workspace, t_end: float, status: int, stepper: Kind, rtol: float) -> str:
-    """One or two sentences on why a run by this stepper and with this tolerance stopped at workspace.clock[T]."""
+    """One or two sentences on why a run by this stepper and with rtol [-] stopped at workspace.clock[T] [s].
+
+    t_end: end of the run [s].
+    """
     clock, nq = workspace.clock, 3 * system.body_count
     t, h = float(clock[step_state.T]), float(clock[step_state.H])
     if status == ESCAPED:
@@ -71,26 +74,26 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
 
 
 def _escaped(system: System, workspace: Workspace) -> str:
-    """Which joint's contact is inside its wall, from the gaps at hand, and by how much."""
+    """In words, which contact is inside its wall, and by how much, from the gaps in the workspace."""
     contact = system.arrays["contact"]
     clearance = workspace.values[contact[:, at.SHAPE_P] + at.CLEARANCE]
     rigid = contact[:, at.IMPACT] == 1
     off = np.resize(workspace.mode == OFF, len(contact)) if rigid.any() else rigid
     shares = -workspace.contact_kinematics[:, at.GAP] / clearance
     depth = np.where(np.where(rigid, off, workspace.contact_memory[:, at.CLOSED] == at.OPEN), shares, -np.inf)
-    if not (depth > 0.1 * DEEP).any():  # Moreau-Jean, whose contacts know no modes between steps
+    if not (depth > 0.1 * DEEP).any():  # Moreau-Jean: contacts have no modes between steps
         depth = shares
     n = int(np.argmax(depth))
     joint = system.joints[contact[n, at.OWNER]]
     return (
         f"a contact was missed: at t = {workspace.clock[step_state.TROUBLE]:.9g} s joint '{joint}' is"
-        f" {depth[n] * clearance[n]:.3g} m inside its wall (play {clearance[n]:g} m), though not in contact;"
+        f" {depth[n] * clearance[n]:.3g} m inside its wall (clearance {clearance[n]:g} m), though not in contact;"
         " try a smaller rtol, or a shorter step"
     )
 
 
 def _sliding(system: System, workspace: Workspace) -> str:
-    """Which switch changes its side without end."""
+    """In words, which switch changes its side again and again."""
     t = float(workspace.landing[LAST])
     see(workspace, t, workspace.state)
     sizes = [abs(float(argument(workspace, n, t))) for n in range(len(workspace.switch))]
@@ -98,13 +101,16 @@ def _sliding(system: System, workspace: Workspace) -> str:
     name = next(one.name for one in system.switches if one.row == row)
     return (
         f"cannot go on at t = {t:.6g} s: {name} switches to and fro without end, each of its branches drives the motion"
-        " back to the other. Make the change gradual, as tanh(x/width) for sign(x); dry friction is `friction` of a"
-        " joint with play"
+        " back to the other. Make the change gradual, as tanh(x/width) for sign(x); for dry friction use `friction` of"
+        " a joint with clearance"
     )
 
 
 def not_finite(system: System, workspace: Workspace, t_end: float) -> str:
-    """Which expression has no finite value near the last state, and when; empty if none."""
+    """In words, which expression or law has no finite value near the last state, and when; "" if none.
+
+    t_end: end of the run [s].
+    """
     clock, y, f = workspace.clock, workspace.state, workspace.rate
     start = float(clock[step_state.T])
     reach = max(float(clock[step_state.TROUBLE]) - start, 1e-12)
@@ -121,10 +127,10 @@ def not_finite(system: System, workspace: Workspace, t_end: float) -> str:
 
 
 def _pole(system: System, workspace: Workspace, t_end: float) -> str:
-    """Which expression has grown beyond all bounds towards the last state; empty if none.
+    """In words, which expression grows without bound towards the last state; "" if none.
 
-    Steps that shrink towards a pole never reach it, and behind it values are finite again: what tells it is that the
-    value grows by a factor wherever the time to go shrinks by one.
+    Steps that shrink towards a pole never reach it, and beyond it values are finite again.  A pole is recognised by a
+    value that grows by a constant factor each time the remaining time shrinks by a constant factor.
     """
     t, nq = float(workspace.clock[step_state.T]), 3 * system.body_count
     back = np.zeros_like(workspace.state)
@@ -139,7 +145,7 @@ def _pole(system: System, workspace: Workspace, t_end: float) -> str:
         if 0.0 < GROWN * least < middle and GROWN * middle < last:
             name = system.live_names[system.program_starts.index(first)]
             return (
-                f"{name} has no finite value at t = {t:.6g} s, towards which it grows beyond all bounds"
+                f"{name} has no finite value at t = {t:.6g} s, towards which it grows without bound"
                 f" (to {last:.3g} so far); check its domain (division by zero, logarithm)"
             )
     return ""

@@ -1,4 +1,4 @@
-"""How long two runs agree: the horizon up to which curves can be trusted, and what parts first.
+"""Predictability horizon: the time up to which two runs agree, and the curve that deviates first.
 
 Source: docs/theory.md, section 8.
 """
@@ -14,11 +14,11 @@ from rattle.results.columns import columns, motion
 from rattle.solvers import step_state
 from rattle.solvers.output_row import record
 
-AGREE = 0.01  # share of its range within which a curve agrees
-STILL = 1e-7  # a curve whose range is below this share of the widest of its unit does not move
-NOISE = 10.0  # tolerances by which a state is shaken to see what of a curve is rounding
+AGREE = 0.01  # share of its range within which two curves agree
+STILL = 1e-7  # a curve whose range is below this share of the widest of its unit counts as constant
+NOISE = 10.0  # perturbation of a state, in tolerances, that shows how much of a curve is rounding
 MOST_NOISE = 1e-3  # share of the widest of its unit that may count as rounding
-SHAKEN = 12  # instants at which that is seen
+SHAKEN = 12  # instants at which the state is perturbed
 MOTION = ("m", "rad", "m/s", "rad/s")  # units of positions and rates
 LIKE = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N", "N*m"))
 
@@ -26,21 +26,21 @@ LIKE = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N", "N*m"))
 class Reach(NamedTuple):
     """How long two runs agree."""
 
-    time: float  # every curve [s]
-    first: str  # the curve that parts first; "" if none does
-    motion: float  # all positions and rates [s]
+    time: float  # up to which every curve agrees [s]
+    first: str  # the curve that deviates first; "" if none does
+    motion: float  # up to which all positions and rates agree [s]
 
 
 def tighter(rtol: float, usual: float) -> float:
-    """Tolerance of the second run: a tenth, and where the first is loose no looser than what is usual.
+    """Relative tolerance [-] of the second run: a tenth of the first, and at most the usual one.
 
-    Two loose runs may miss the same contact and agree.
+    Two loose runs might miss the same contact and therefore agree.
     """
     return min(rtol / 10.0, usual) if rtol > usual else rtol / 10.0
 
 
 def agreement(run: Run, second: Run) -> Reach:
-    """Time up to which every curve of two runs agrees within 1 % of its range."""
+    """Time [s] up to which every curve of two runs agrees within 1 % of its range."""
     n = int(min(run.tally[step_state.OUTPUTS], second.tally[step_state.OUTPUTS]))
     one, names, units = columns(run.system, run.raw[:n])
     other, _, _ = columns(second.system, second.raw[:n])
@@ -50,11 +50,11 @@ def agreement(run: Run, second: Run) -> Reach:
     widest: dict[str, float] = {}
     for k, width_ in zip(keep, span, strict=True):
         widest[units[names[k]]] = max(widest.get(units[names[k]], 0.0), float(width_))
-    for linear, angular in LIKE:  # a length at the mechanism's size is worth an angle of one
+    for linear, angular in LIKE:  # a length of the mechanism's size compares with an angle of 1 rad
         arm = 1.0 / run.system.size if angular == "N*m" else run.system.size
         wide = max(widest.get(linear, 0.0), widest.get(angular, 0.0) * arm)
         widest[linear], widest[angular] = wide, wide / arm
-    # a curve that stays put beside others of its unit, or moves less than the tolerance does, has no range of its own
+    # a curve that is constant beside others of its unit, or varies less than the tolerance, has no range of its own
     wide_ = np.array([widest[units[names[k]]] for k in keep])
     signal = np.array([names[k] in run.system.model.signals for k in keep])
     shaken = _rounding(run, n)[keep]
@@ -71,7 +71,7 @@ def agreement(run: Run, second: Run) -> Reach:
 
 
 def _rounding(run: Run, n: int) -> np.ndarray:
-    """(columns,) how far every curve moves when positions and rates are shaken by some tolerances."""
+    """(columns,) change [SI] of every curve when positions and rates are perturbed by NOISE tolerances."""
     nq = 3 * run.system.body_count
     y = np.zeros_like(run.workspace.state)
     random = np.random.default_rng(0)

@@ -1,4 +1,4 @@
-"""Which stepper runs a mechanism, and by which loop."""
+"""Choice of the stepper for a mechanism, and of the kind of run."""
 
 from __future__ import annotations
 
@@ -35,21 +35,21 @@ LOOPS: Mapping[str, type[Run]] = {
 
 
 def new_run(system: System, start: Assembled, t_eval: np.ndarray, t_end: float, how: How) -> Run:
-    """A run by the loop of its stepper; t_eval: instants of its outputs up to t_end [s]."""
+    """A run of the kind that its stepper needs; t_eval: (n,) output times [s] up to t_end [s]."""
     return LOOPS[how.stepper.leaf.loop](system, start, t_eval, t_end, how)
 
 
 def contacts_of(system: System) -> str:
-    """Contacts of the mechanism: FREE (none), COMPLIANT or SET_VALUED (at least one)."""
+    """The contacts of the mechanism: FREE (none), COMPLIANT or SET_VALUED (at least one)."""
     rigid = system.arrays["contact"][:, at.IMPACT] == 1
     return SET_VALUED if rigid.any() else COMPLIANT if len(rigid) else FREE
 
 
 def choose_stepper(system: System, asked: str, step: float | None, span: float) -> tuple[Kind, float | None]:
-    """The stepper that runs in answer to one that is asked for, and its step [s], over a time `span` [s].
+    """The stepper for a request, and its step [s], over a time `span` [s].
 
-    Where that one does not work with the contacts the usual one runs.  Raises ValueError where it rather refuses, and
-    ModelError for set-valued contacts that no stepper takes.
+    If the requested one does not work with the contacts, the usual one is taken.  Raises ValueError if it refuses to be
+    replaced, and ModelError for set-valued contacts that no stepper can treat.
     """
     steppers, contacts = registry.kinds("stepper"), contacts_of(system)
     one = steppers[asked]
@@ -63,35 +63,35 @@ def choose_stepper(system: System, asked: str, step: float | None, span: float) 
     settings = system.model.settings
     said = steppers[settings.method].leaf
     if one.leaf.adaptive and not said.adaptive and said.loop != one.leaf.loop and contacts in said.works_with:
-        step = None if step == settings.step else step  # what the model says is the length of all steps of the other
+        step = None if step == settings.step else step  # the model's step is for the other stepper
     if step is None and not one.leaf.adaptive:
         step = one.leaf.step.default(span)
     return one, step
 
 
 def note_choice(system: System, asked: str, ran: Kind) -> tuple[str, ...]:
-    """What to say where another stepper ran than the one that was asked for."""
+    """Note on a run by another stepper than the one requested."""
     if asked == ran.name:
         return ()
     why = registry.kinds("stepper")[asked].leaf.unfit[contacts_of(system)]
-    return (f"method {asked} {why}: {ran.name} ran",)
+    return (f"method {asked} {why}: {ran.name} was used",)
 
 
 def require_one_model(system: System) -> None:
-    """Raise ModelError when impact and compliant contacts are mixed."""
+    """Raise ModelError if impact and compliant contacts are mixed."""
     rows = system.arrays["contact"]
     models = {system.joints[row[at.OWNER]]: SET_VALUED if row[at.IMPACT] else COMPLIANT for row in rows}
     if COMPLIANT in models.values():
         listed = ", ".join(f"{name}: {model}" for name, model in models.items())
-        said = f"impact and compliant contacts do not go together ({listed}); give all joints one kind"
+        said = f"impact and compliant contacts cannot be combined ({listed}); give all joints the same kind"
         first = next(name for name, model in models.items() if model == COMPLIANT)
         raise ModelError([Problem(("joints", first, "contact"), said)])
 
 
 def require_one_law(system: System, stepper: type[Stepper]) -> None:
-    """Raise ModelError when joints differ in their restitution law, or the stepper follows others only.
+    """Raise ModelError if joints differ in their restitution law, or if the stepper does not have that law.
 
-    An impact at several joints is one problem: it has one law.
+    An impact at several joints is one problem, with one law.
     """
     choices = registry.kinds("contact")["impact"].fields["restitution_law"].choices
     laws = {

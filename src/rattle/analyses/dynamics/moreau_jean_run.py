@@ -21,17 +21,17 @@ from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
 
 
 class Leg(NamedTuple):
-    """Equal steps of Moreau-Jean up to an instant, as if the run had taken such steps from its start on."""
+    """Equal steps of Moreau-Jean up to an instant, counted as if the run had taken such steps from its start."""
 
     start: float  # [s]
     end: float  # [s]
-    h: float  # [s]
-    steps: int  # of the run at the end
+    h: float  # step [s]
+    steps: int  # number of steps of the run at `end`
 
 
 @final
 class MoreauJeanRun(Run):
-    """A run over equal steps, in which contacts act as percussions and nothing is located."""
+    """A run in equal steps, in which contacts act by their impulses over a step and no events are located."""
 
     lands_on_instants = False
 
@@ -44,7 +44,7 @@ class MoreauJeanRun(Run):
         return contact_arrays(self.system, False)
 
     def begin(self, t: float) -> int:
-        """The start on its constraints; see `Run.begin`."""
+        """Project the start at t [s] onto the constraints; see `Run.begin`."""
         self.take_sides(t)
         self.leg = Leg(t, t, 0.0, 0)
         moreau_jean.start(self.workspace, t)
@@ -52,7 +52,7 @@ class MoreauJeanRun(Run):
         return PAUSED
 
     def take_steps(self, t: float, chunk: int, outputs: int) -> int:
-        """Some steps towards the time t [s]; see `Run.take_steps`."""
+        """Up to `chunk` steps towards the time t [s]; see `Run.take_steps`."""
         if t != self.leg.end:
             now, done = self.leg.end, int(self.tally[step_state.STEPS])
             count = max(1, math.ceil((t - now) / (self.step or self.t_end) * (1 - 1e-12)))
@@ -63,20 +63,20 @@ class MoreauJeanRun(Run):
         return int(moreau_jean.advance(m, leg.start, leg.h, leg.steps, out, self.raw, chunk))
 
     def go_on(self, t: float, jolted: bool) -> int:
-        """The next step finds what has changed; see `Run.go_on`."""
+        """Nothing: the next step finds what has changed at t [s]; see `Run.go_on`."""
         return PAUSED
 
     def remarks(self) -> tuple[str, ...]:
-        """Forces that are not unique."""
+        """Notes on forces that are not unique."""
         return shared_forces(self.system, self.workspace)
 
     def about_peaks(self, impacts: bool) -> tuple[str, ...]:
-        """That forces are those of whole steps."""
+        """Note that peaks are those of whole steps."""
         more = "; in the step of an impact a force is its impulse over the step" if impacts else ""
         return (f"{self.stepper.leaf.title}: peaks are the largest of its steps{more}",)
 
     def explain(self, status: int) -> str:
-        """Why the run cannot go on; contact problems are named."""
+        """Why the run cannot go on, in words; contact problems are named."""
         t = float(self.clock[step_state.T])
         if status == NOT_FINITE:
             return f"the motion diverged at t = {t:.6g} s with the step of {self.step:.3g} s; try a smaller step"

@@ -1,4 +1,4 @@
-"""Peaks and mean squares of a run: what is watched within its steps, and what was found."""
+"""Peaks and mean squares of a run: the arrays that watch them within steps, and the values found."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rattle.solvers.peaks import samples
 
 
 def peak_arrays(system: System) -> dict[str, np.ndarray]:
-    """What a run needs to watch its forces for peaks, see `solvers.peaks`."""
+    """Workspace arrays with which a run watches its forces for peaks, see `solvers.peaks`; lengths in m."""
     watched = [(what, column) for _, what, column in quantities(system)]
     table = np.zeros((len(watched), samples.WIDTH))
     table[:, samples.BEST] = -math.inf
@@ -26,7 +26,7 @@ def peak_arrays(system: System) -> dict[str, np.ndarray]:
         if of == "moment":
             row[samples.ARM] = system.size
         elif of == "penetration" and contact is not None and contact.model == "impact":
-            row[samples.NOTHING] = DEEP * system.model.joints[joint].clearance  # a rigid wall gives way by drift alone
+            row[samples.NOTHING] = DEEP * system.model.joints[joint].clearance  # at a rigid wall it is only drift
     return {
         "quantity": np.array(watched, np.int64).reshape(-1, 2),
         "peaks": table,
@@ -35,7 +35,7 @@ def peak_arrays(system: System) -> dict[str, np.ndarray]:
 
 
 def peak_values(system: System, workspace: Workspace, span: float) -> dict[str, Peak]:
-    """Largest size, its time and RMS of every watched quantity over a run of length `span` [s]."""
+    """Largest absolute value [SI], its time [s] and RMS [SI] of every watched quantity, in a run of `span` [s]."""
     found = {}
     for (name, *_), row in zip(quantities(system), workspace.peaks, strict=True):
         best, when, squares = (float(row[k]) for k in (samples.BEST, samples.WHEN, samples.SQUARES))

@@ -26,7 +26,7 @@ from rattle.solvers.state_switches import TURNS
 
 
 def report(run: Run, reach: Reach | None) -> Result:
-    """The result of a run that is over, as far as it got; reach: how far a tighter run agrees."""
+    """The result of a run that has ended; reach: the times [s] up to which a tighter run agrees."""
     system = run.system
     n = int(run.tally[step_state.OUTPUTS])
     data, names, units = columns(system, run.raw[:n])
@@ -58,7 +58,7 @@ def report(run: Run, reach: Reach | None) -> Result:
 
 
 def _nonunique(run: Run) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Joints whose reactions are not unique at the start, or what to say where rows depend later only."""
+    """Joints whose reactions are not unique at the start; otherwise a note if constraints become dependent later."""
     system = run.system
     if not run.tally[step_state.LOST]:
         return (), ()
@@ -66,11 +66,11 @@ def _nonunique(run: Run) -> tuple[tuple[str, ...], tuple[str, ...]]:
     nonunique = nonunique_reactions(system, run.workspace)
     if nonunique:
         return nonunique, ()
-    return (), ("the run passed through a position where the joints lose independence (a singular position)",)
+    return (), ("the run passed a singular position, in which the constraints are not independent",)
 
 
 def _series_notes(run: Run) -> tuple[str, ...]:
-    """What to say of infinite series of bounces."""
+    """Note on infinite series of bounces."""
     series = int(run.tally[step_state.SERIES])
     if not series:
         return ()

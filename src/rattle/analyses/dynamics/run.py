@@ -1,4 +1,4 @@
-"""A run from a start to its end: pieces between switches, outputs, and why it ended; each loop has a run of its own."""
+"""A run from start to end: pieces between switches, outputs, and why it ended; each step loop has its own class."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import choose_sides
 from rattle.solvers.step_audit import UNSOUND
 
-stop = threading.Event()  # set: all runs of the process end where they are, as after Ctrl-C in each of them
-GLANCE = 1e-6  # share of a run by which it is looked ahead for the side of a switching function that is zero
-CHUNK = 2000  # steps between two looks at the clock and the keyboard
+stop = threading.Event()  # when set, all runs of the process end where they are, as after Ctrl-C
+GLANCE = 1e-6  # share of a run to look ahead for the side of a switching function that is zero
+CHUNK = 2000  # steps between two checks of progress and of Ctrl-C
 
 
 class How(NamedTuple):
-    """How a run takes its steps."""
+    """Settings of a run's steps."""
 
     stepper: Kind
     rtol: float
@@ -49,15 +49,15 @@ class How(NamedTuple):
 
 
 class Run(ABC):
-    """One run from start to end with fixed settings, in one piece after the other between switches of time alone."""
+    """One run from start to end with fixed settings, in smooth pieces between the instants of the timetable."""
 
-    lands_on_instants: ClassVar[bool]  # steps end at switches of the state, and what is written there is of both sides
+    lands_on_instants: ClassVar[bool]  # True: steps end where switches of the state change their side
 
     def __init__(self, system: System, start: Assembled, t_eval: np.ndarray, t_end: float, how: How) -> None:
         self.system, self.start, self.t_eval, self.t_end = system, start, t_eval, t_end
         self.stepper, self.rtol, self.atol, self.step = how
         self.table = timetable(system, start.t, t_end)
-        self.piece = 0  # smooth pieces of the run that are over
+        self.piece = 0  # index of the present smooth piece of the run
         self.jolts: list[Jolt] = []
         self.workspace = self.prepare()
         self.clock, self.tally = self.workspace.clock, self.workspace.tally
@@ -69,49 +69,49 @@ class Run(ABC):
         self.most_steps: int | None = None
         self.interrupted = False
         self.wall = 0.0
-        self.notes: tuple[str, ...] = ()  # what is known before it starts
+        self.notes: tuple[str, ...] = ()  # notes known before the run starts
 
-    # ---------------------------------------------------------------- what a loop brings
+    # ---------------------------------------------------------------- what each kind of run defines
     @abstractmethod
     def loop_arrays(self) -> dict[str, Any]:
-        """Arrays that this loop needs beside those of every run."""
+        """Workspace arrays of this step loop, besides those of every run."""
 
     @abstractmethod
     def begin(self, t: float) -> int:
-        """Get ready for steps from the time t [s] and the state at hand; returns PAUSED, or what forbids it."""
+        """Prepare steps from the time t [s] and the state in the workspace; returns PAUSED, or a failure status."""
 
     @abstractmethod
     def take_steps(self, t: float, chunk: int, outputs: int) -> int:
-        """Some steps towards the time t [s] on the sides at hand, with the first outputs; returns as `advance`."""
+        """Up to `chunk` steps towards t [s] without switching, with the first `outputs`; returns as `advance`."""
 
     @abstractmethod
     def go_on(self, t: float, jolted: bool) -> int:
-        """Get ready to go on from t [s] after expressions have switched there; PAUSED or a trouble."""
+        """Prepare further steps from t [s], after expressions have switched there; PAUSED or a failure status."""
 
     @abstractmethod
     def remarks(self) -> tuple[str, ...]:
-        """What happened on the way that a result has to say."""
+        """Notes for the result on what happened during the run."""
 
     @abstractmethod
     def about_peaks(self, impacts: bool) -> tuple[str, ...]:
-        """What a result has to say of its largest forces; impacts: there were some."""
+        """Notes for the result on its largest forces; impacts: True if there were any."""
 
     @abstractmethod
     def explain(self, status: int) -> str:
-        """Why the run cannot go on, where its steps are sound."""
+        """Why the run cannot go on, in words, if its steps are sound."""
 
-    # ---------------------------------------------------------------- what all have in common
+    # ---------------------------------------------------------------- what all runs share
     def prepare(self) -> Workspace:
-        """Workspace of the run."""
+        """The workspace of the run."""
         arrays = step_state.step_loop_arrays(start_state(self.system, self.start), len(self.system.watched))
         arrays |= step_state.stepper_arrays(self.stepper)
         arrays |= audit_arrays(self.system, self.stepper.leaf.energy_limit)
         return self.system.workspace(**arrays, **self.loop_arrays(), **peak_arrays(self.system))
 
     def take_sides(self, t: float) -> None:
-        """Every switch takes the side that it has from the time t [s] on.
+        """Set every switch to the side that it has from the time t [s] on.
 
-        Where steps do not land on switches of the state, the values of their functions decide.
+        If steps do not end at switches of the state, the values of their switching functions decide.
         """
         self.piece = self.table.piece_at(t)
         self.table.take(self.workspace.code, self.piece)
@@ -124,9 +124,9 @@ class Run(ABC):
         return float(instants[self.piece]) if self.piece < len(instants) else math.inf
 
     def advance(self, t: float, chunk: int) -> int:
-        """Some steps towards the time t [s]; returns PAUSED while it is ahead, DONE, or the status of a trouble.
+        """Up to `chunk` steps towards the time t [s]; returns PAUSED before t, DONE at t, or the status of a failure.
 
-        Steps end on the instants at which expressions switch.
+        Steps end at the instants at which expressions switch.
         """
         instant = self.ahead()
         if instant > t:
@@ -137,11 +137,11 @@ class Run(ABC):
         return DONE if status == PAUSED and self.clock[step_state.T] >= t and self.ahead() > t else status
 
     def outputs_before(self, t: float) -> int:
-        """Number of outputs before the time t [s]; what is recorded at an instant is that of the right side."""
+        """Number of outputs before the time t [s]; at an instant the values just after it are recorded."""
         return int(np.searchsorted(self.t_eval, t - SAME * self.t_end))
 
     def switch(self, t: float) -> int:
-        """Expressions switch at t [s]: sides of the next piece, a jolt where a driver jumps; PAUSED or a trouble."""
+        """Switch expressions at t [s]: sides of the next piece, a jolt if a driver jumps; PAUSED or a failure."""
         handle, nr = self.workspace, self.system.row_count
         before, after, percussion = np.zeros((3, nr))
         jumps = [jump for jump in self.table.jumps if jump.t == t]
@@ -164,7 +164,7 @@ class Run(ABC):
         return status
 
     def record_now(self, t: float) -> None:
-        """Write the outputs at the instant t [s], those of its right side; else they are those of the step after it."""
+        """Write the outputs at the instant t [s], with the values just after it, or let the next step write them."""
         if not self.lands_on_instants:
             return
         k = int(self.tally[step_state.OUTPUTS])
@@ -174,19 +174,19 @@ class Run(ABC):
         self.tally[step_state.OUTPUTS] = k
 
     def record_first(self, y: np.ndarray) -> None:
-        """Write the output at the start, if one is wanted, from the state y."""
+        """Write the output at the start, if one is due, from the state y [SI]."""
         if len(self.t_eval) and self.t_eval[0] <= self.start.t:
             record(self.workspace, self.start.t, y, self.raw[0])
             self.tally[step_state.OUTPUTS] = 1
 
     def trouble(self, status: int) -> str:
-        """Why the run cannot go on."""
+        """Why the run cannot go on, in words."""
         if status == UNSOUND:
             return why_unsound(self)
         return self.explain(status)
 
     def go(self, progress: bool = False, what: str = "simulate") -> None:
-        """Take steps to the end, or to where the run cannot go on (then `message` says why)."""
+        """Take steps to the end, or until the run cannot go on; then `message` says why."""
         m, tally = self.workspace, self.tally
         began = time.perf_counter()
         load_law.forget()
@@ -211,7 +211,7 @@ class Run(ABC):
                     if self.message:
                         break
             if status not in (DONE, PAUSED):
-                # told by the gaps at hand, which go with outputs
+                # by the gaps in the workspace, which outputs overwrite
                 lost = self.trouble(status) if status == ESCAPED else ""
                 if not tally[step_state.OUTPUTS]:
                     self.record_first(start_state(self.system, self.start))
@@ -227,13 +227,16 @@ class Run(ABC):
 
 
 def start_state(system: System, start: Assembled) -> np.ndarray:
-    """y at the start, see `equations.state`."""
+    """The state vector y [SI] at the start, see `equations.state`."""
     motion = np.concatenate([start.q, start.v])
     return np.concatenate([motion, np.zeros(state_layout(system).size - len(motion))])
 
 
 def pulls(run: Run, reached: float) -> tuple[dict[str, float], dict[str, float | None], dict[str, np.ndarray]]:
-    """Share of time, first time and intervals with N < 0 for every joint held by a massless link."""
+    """Share of time [-], first time [s] and intervals (n, 2) [s] with N < 0, for every joint with a massless link.
+
+    reached: time at which the run ended [s].
+    """
     crossings = np.concatenate(run.crossings) if run.crossings else np.zeros((0, 3))
     pulled: dict[str, float] = {}
     first: dict[str, float | None] = {}
@@ -254,7 +257,7 @@ def pulls(run: Run, reached: float) -> tuple[dict[str, float], dict[str, float |
 
 
 def progress_bar(t_end: float, what: str = "simulate") -> Any:
-    """A progress bar that appears when a run takes longer than a second."""
+    """A progress bar over the times of a run to t_end [s]; it appears if the run takes longer than a second."""
     from tqdm import tqdm
 
     form = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]"

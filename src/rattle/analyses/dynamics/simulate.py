@@ -1,4 +1,4 @@
-"""Motion in time: a run from a consistent start, with everything a result says about itself."""
+"""Motion in time: a run from a consistent start, and its result with trust, statistics and provenance."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from rattle.solvers.stepper import ATOL, FREE, RTOL, usual_stepper
 
 log = logging.getLogger("rattle")
 
-POINTS = 1000  # output intervals when nothing is said
+POINTS = 1000  # output intervals by default
 
 
 def simulate(
@@ -36,7 +36,7 @@ def simulate(
     atol: float | None = None, step: float | None = None, progress: bool = False, strict: bool = False,
     horizon: bool = False, most_steps: int | None = None,
 ) -> Result:  # fmt: skip
-    """Integrate the equations of motion; see `Mechanism.simulate`."""
+    """Integrate the equations of motion to t_end [s], with steps of at most `step` [s]; see `Mechanism.simulate`."""
     functions.start()
     settings = system.model.settings
     end, times = output_times(settings, t_end, t_eval)
@@ -83,7 +83,10 @@ def simulate(
 def output_times(
     settings: Any, t_end: float | None, t_eval: Sequence[float] | np.ndarray | None
 ) -> tuple[float, np.ndarray]:
-    """End of a run and its output instants, from what was asked and what the model says."""
+    """End of a run [s] and its output times (n,) [s], from the arguments and the model's settings.
+
+    Raises ValueError for times that are not increasing, negative or beyond the end, and for too many outputs.
+    """
     if t_eval is not None:
         times = arguments.instants(t_eval)
         if (

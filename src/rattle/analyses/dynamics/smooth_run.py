@@ -14,16 +14,16 @@ from rattle.solvers import step_loop, step_state
 
 @final
 class SmoothRun(Run):
-    """A run by an explicit stepper: contacts that start and end, and switches, are located on its dense output."""
+    """A run by an explicit stepper; starts and ends of contacts, and switches, are located on its dense output."""
 
     lands_on_instants = True
 
     def loop_arrays(self) -> dict[str, Any]:
-        """None beside those of every run."""
+        """No arrays besides those of every run."""
         return {}
 
     def begin(self, t: float) -> int:
-        """Sides, derivative and first step at t [s]; see `Run.begin`."""
+        """Set the sides of switches, the derivative and the first step at t [s]; see `Run.begin`."""
         self.take_sides(t)
         status = step_loop.begin(self.workspace, t, self.t_end, self.rtol, self.atol, self.step or math.inf)
         set_floor(self.system, self.workspace, self.rtol, self.atol)
@@ -31,25 +31,25 @@ class SmoothRun(Run):
         return PAUSED if status == OK else int(status)
 
     def pace(self, t: float) -> None:
-        """Fixed steps: equal ones from the time t [s] to the next instant known beforehand."""
+        """With fixed steps, choose equal ones from the time t [s] to the next instant of the timetable."""
         if not self.stepper.leaf.adaptive:
             ahead = min(self.ahead(), self.t_end) - t
             if ahead > 0.0:
                 self.clock[step_state.H] = ahead / max(1, math.ceil(ahead / (self.step or math.inf) - 1e-9))
 
     def take_steps(self, t: float, chunk: int, outputs: int) -> int:
-        """Some steps towards the time t [s]; see `Run.take_steps`."""
+        """Up to `chunk` steps towards the time t [s]; see `Run.take_steps`."""
         h_max, out = self.step or math.inf, self.t_eval[:outputs]
         return int(step_loop.advance(self.workspace, t, self.rtol, self.atol, h_max, out, self.raw, chunk))
 
     def go_on(self, t: float, jolted: bool) -> int:
-        """The right-hand side is another from t [s] on; see `Run.go_on`."""
+        """Continue at t [s] with the new right-hand side; see `Run.go_on`."""
         step_loop.resume(self.workspace, t)
         self.pace(t)
         return PAUSED
 
     def remarks(self) -> tuple[str, ...]:
-        """Nothing that trust does not say already."""
+        """Nothing: trust says all."""
         return ()
 
     def about_peaks(self, impacts: bool) -> tuple[str, ...]:
@@ -57,5 +57,5 @@ class SmoothRun(Run):
         return ()
 
     def explain(self, status: int) -> str:
-        """Why the run cannot go on; see `failure.explain`."""
+        """Why the run cannot go on, in words; see `failure.explain`."""
         return explain(self.system, self.workspace, self.t_end, status, self.stepper, self.rtol)

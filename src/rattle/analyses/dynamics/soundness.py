@@ -1,8 +1,8 @@
-"""Whether a run may be believed: what its drift and its energy are measured with, and why it ended where it did.
+"""Whether a run can be trusted: the measures of its drift and its energy error, and why it ended where it did.
 
-Drift in metres is measured with the mechanism's extent, drift in radians with 1, and the energy that is unaccounted
-for with the largest of kinetic energy, work and range of the potential (docs/theory.md, section 9).  Beyond `LIMIT`
-a run ends before the step that would take it there; beyond `SAID` it says so.
+Drift in metres is measured in extents of the mechanism, drift in radians in rad, and the unexplained energy in
+shares of the largest of kinetic energy, work and range of the potential (docs/theory.md, section 9).  A run ends before
+the step that would exceed `LIMIT`; errors above `SAID` are reported.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from rattle.solvers import step_audit, step_state
 from rattle.solvers.output_row import record
 from rattle.solvers.stepper import Stepper
 
-LIMIT = 1e-3  # share of its measure that drift may be off by; of energy a stepper says it
-SAID = 1e-6  # share beyond which it is said
-SUNK = 0.01  # share of its clearance by which a contact that is not located may be in its wall unsaid
-NEARLY = 2e-2  # share of the largest singular value below which a run that ended was about to lose a rank
-LOOSE = 1e-6  # tolerance beyond which short contacts may be missed
-SWIFT = 1000.0  # speed of a massless link, in speeds of the driver, that is out of all reason; a few hundred are usual
-CREEPING = 200_000  # steps that must bring a run further than
-LEAST_GONE = 1e-4  # this share of its time, unless the user says how many steps it may take
-FAR = 1e6  # distance from the origin, in sizes, that leaves too few digits for the motion
+LIMIT = 1e-3  # largest share of its measure for drift; that for the energy error is given by the stepper
+SAID = 1e-6  # share above which an error is reported
+SUNK = 0.01  # penetration of a contact that is not located, as a share of its clearance, above which it is reported
+NEARLY = 2e-2  # share of the largest singular value below which a run that ended was about to lose rank
+LOOSE = 1e-6  # rtol above which short contacts may be missed
+SWIFT = 1000.0  # speed of a massless link, in speeds of the driver, that is not credible; a few hundred are usual
+CREEPING = 200_000  # steps in which a run must advance by more than
+LEAST_GONE = 1e-4  # this share of its time, unless the user limits the number of steps
+FAR = 1e6  # distance from the origin, in sizes, at which too few digits are left for the motion
 
 
 class Running(Protocol):
-    """What of a run is looked at here."""
+    """The attributes of a run that are used here."""
 
     system: System
     workspace: Workspace
@@ -52,9 +52,9 @@ class Running(Protocol):
     most_steps: int | None
 
 
-# ---------------------------------------------------------------- what is measured with what
+# ---------------------------------------------------------------- measures
 def extent(system: System) -> float:
-    """How large the mechanism is [m], wherever it stands: its largest body, or the spread of its ground points."""
+    """Size of the mechanism [m], independent of its position: its largest body, or the spread of its ground points."""
     model = system.model
     lengths = [one.distance for one in model.joints.values()]
     held = {joint.a.at for joint in model.joints.values() if joint.a.body == "ground"}
@@ -65,7 +65,10 @@ def extent(system: System) -> float:
 
 
 def audit_arrays(system: System, energy_limit: float) -> dict[str, np.ndarray]:
-    """What a run needs to tell whether its steps stand, see `solvers.step_audit`; energy_limit is its stepper's."""
+    """Workspace arrays with which a run checks its steps, see `solvers.step_audit`; measures in 1/m, or -1 for rad.
+
+    energy_limit: largest share [-] for the energy error, given by the stepper.
+    """
     size = extent(system)
     seen = np.zeros(step_audit.SUNK + 1)
     seen[step_audit.OPEN_LIMIT], seen[step_audit.UNREST_LIMIT] = LIMIT, energy_limit
@@ -73,10 +76,10 @@ def audit_arrays(system: System, energy_limit: float) -> dict[str, np.ndarray]:
 
 
 def set_floor(system: System, workspace: Workspace, rtol: float, atol: float) -> None:
-    """Energies below which nothing is asked: what the tolerances leave to a mechanism at rest under its loads.
+    """Set the energy [J] below which energy errors are ignored: that of a mechanism at rest, within the tolerances.
 
-    Positions are known to rtol of the size, rates to atol; steps add up, so a hundred (a hundred thousand) times that.
-    The applied forces are those of the start.
+    Positions are known to rtol [-] of the size, rates to atol [m/s, rad/s]; errors of steps add up, hence a hundred (a
+    hundred thousand) times that.  The applied forces are those at the start.
     """
     forces = np.abs(workspace.force[1:])
     moment = float(forces[:, 2].sum() + extent(system) * forces[:, :2].sum())
@@ -85,37 +88,37 @@ def set_floor(system: System, workspace: Workspace, rtol: float, atol: float) ->
     workspace.audit[step_audit.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
 
 
-# ---------------------------------------------------------------- what is said
+# ---------------------------------------------------------------- notes
 def remarks(system: System, workspace: Workspace, stepper: type[Stepper]) -> tuple[str, ...]:
-    """What to say of a run whose drift or energy is off by more than rounding."""
+    """Notes on a run whose drift or energy error is more than rounding."""
     seen = workspace.audit
     found = []
     opened = max(float(seen[step_audit.LENGTH]) / extent(system), float(seen[step_audit.ANGLE]))
     shorter = "a smaller rtol" if stepper.adaptive else "a shorter step"
     if opened > SAID:
-        found.append(f"joints opened by {opened:.2g} of the mechanism's size (or rad): {shorter} closes them better")
+        found.append(f"joints opened by {opened:.2g} of the mechanism's size (or rad): {shorter} reduces this")
     if seen[step_audit.SUNK] > SUNK:
         found.append(
-            f"contacts sank up to {100 * seen[step_audit.SUNK]:.2g} % of the play into their walls: {stepper.title}"
-            " finds them only from step to step, a shorter step finds them sooner"
+            f"contacts sank up to {100 * seen[step_audit.SUNK]:.2g} % of the clearance into their walls:"
+            f" {stepper.title} detects contact only once per step, a shorter step detects it sooner"
         )
     share = float(seen[step_audit.SHARE])
     if share > SAID and stepper.title:
-        found.append(f"energy is off by {share:.2g} of the largest energy: {stepper.title}, in proportion to its step")
+        found.append(f"energy error {share:.2g} of the largest energy: {stepper.title}, in proportion to its step")
     elif share > SAID:
-        found.append(f"energy is off by {share:.2g} of the largest energy: {shorter} accounts for it better")
+        found.append(f"energy error {share:.2g} of the largest energy: {shorter} reduces it")
     return tuple(found)
 
 
 def loose(stepper: type[Stepper], rtol: float) -> tuple[str, ...]:
-    """What to say of a tolerance that may miss things."""
+    """Note on a relative tolerance [-] with which short contacts may be missed."""
     if not stepper.adaptive or rtol <= LOOSE:
         return ()
-    return (f"rtol = {rtol:g} is loose: short contacts may be missed and the horizon may be said too late",)
+    return (f"rtol = {rtol:g} is loose: short contacts may be missed and the horizon may be overestimated",)
 
 
 def fast_links(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[str, ...]:
-    """What to say of massless links that turn out of all reason beside their mechanism (data: (n, len(names)))."""
+    """Notes on massless links that turn incredibly fast for their mechanism; data: (n, len(names)) outputs [SI]."""
     if not len(data) or not system.watched:
         return ()
     curve = dict(zip(names, data.T, strict=True))
@@ -134,14 +137,14 @@ def fast_links(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[
         if fastest > SWIFT * usual > 0.0:
             found.append(
                 f"the massless link of '{name}' turns at up to {fastest:.2g} rad/s, {fastest / usual:.2g} times as fast"
-                f" as {what}: out of all reason, as behind a change point or where the play is tiny; trust an impact or"
-                " compliant contact there instead"
+                f" as {what}: this is not credible; it happens after a change point or with a tiny clearance. Use an"
+                " impact or compliant contact there instead"
             )
     return tuple(found)
 
 
 def _driver_rates(system: System) -> list[float]:
-    """Rates of all drivers at the start [rad/s], those along a line at the mechanism's size."""
+    """Rates of all drivers at the start [rad/s]; speeds along a line are divided by the mechanism's size."""
     workspace = system.workspace()
     drive(workspace, 0.0)
     found = []
@@ -153,7 +156,7 @@ def _driver_rates(system: System) -> list[float]:
 
 
 def _point_rate(curve: Mapping[str, np.ndarray], point: Point) -> tuple[np.ndarray, np.ndarray]:
-    """Velocity of a point over time."""
+    """Velocity (n,), (n,) [m/s] of a point over time."""
     if point.body == "ground":
         return np.zeros(1), np.zeros(1)
     angle, omega = curve[f"{point.body}.angle"], curve[f"{point.body}.omega"]
@@ -163,10 +166,13 @@ def _point_rate(curve: Mapping[str, np.ndarray], point: Point) -> tuple[np.ndarr
 
 
 def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, float]]:
-    """Why a run that gets nowhere is ended ("" while it gets on), and the steps and time [s] to measure from next."""
+    """Why a run without progress is ended ("" if it has progress), and the steps and time [s] from which to count next.
+
+    mark: the steps and time [s] from which to count now.
+    """
     steps, t = int(run.tally[step_state.STEPS]), float(run.clock[step_state.T])
     if run.most_steps is not None:
-        done = f"ended at t = {t:.6g} s after {steps} steps, as most_steps asked"
+        done = f"ended at t = {t:.6g} s after {steps} steps, the limit given by most_steps"
         return (done if steps >= run.most_steps else ""), mark
     if steps - mark[0] < CREEPING:
         return "", mark
@@ -175,13 +181,13 @@ def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, flo
         return "", (steps, t)
     more = (run.t_end - t) / max(gone, 1e-300) * (steps - mark[0])
     return (
-        f"ended at t = {t:.6g} s: the last {steps - mark[0]} steps went {gone:.2g} s, the rest would take {more:.1g}"
-        " more. Look for lengths, masses or stiffnesses out of all proportion; most_steps lets it go on"
+        f"ended at t = {t:.6g} s: the last {steps - mark[0]} steps covered {gone:.2g} s, the rest would take {more:.1g}"
+        " more. Look for lengths, masses or stiffnesses out of proportion; most_steps lets it go on"
     ), mark
 
 
 def why_unsound(run: Running) -> str:
-    """Why a run ended at the last instant that can be believed, in words."""
+    """Why a run ended at the last instant that can be trusted, in words."""
     system, seen = run.system, run.workspace.audit
     t, ahead = float(run.clock[step_state.T]), float(run.clock[step_state.TROUBLE])
     what = []
@@ -192,7 +198,7 @@ def why_unsound(run: Running) -> str:
         measure = "rad" if row.unit == "rad" else "of the mechanism's size"
         what.append(f"'{row.owner}' would open by {opened:.2g} {measure}")
     if not seen[step_audit.UNREST] <= seen[step_audit.UNREST_LIMIT]:
-        what.append(f"the energy would be off by {100 * seen[step_audit.UNREST]:.2g} % of the largest")
+        what.append(f"the energy error would be {100 * seen[step_audit.UNREST]:.2g} % of the largest energy")
     return f"ended at t = {t:.6g} s, before {' and '.join(what)}: {_cause(run, t, ahead)}"
 
 
@@ -210,20 +216,20 @@ def _cause(run: Running, t: float, ahead: float) -> str:
     away = float(np.abs(q.reshape(-1, 3)[:, :2]).max(initial=0.0))
     if away > FAR * extent(system):
         return (
-            f"the mechanism of {extent(system):.2g} m is {away:.2g} m away from the origin, too few digits are left;"
-            " put the origin near it"
+            f"the mechanism of {extent(system):.2g} m is {away:.2g} m away from the origin, too far for the digits of a"
+            " number; put the origin near it"
         )
     if not run.stepper.leaf.adaptive:
-        return f"the step of {ahead - t:.3g} s is far too long for this motion; take a shorter step"
+        return f"the step of {ahead - t:.3g} s is far too long for this motion; choose a shorter step"
     record(workspace, t, workspace.state, np.zeros(width(system)))
     lost = describe_rank_loss(system, workspace, NEARLY)
     if lost:
         return lost
-    return f"the steps are too long for this motion at rtol = {run.rtol:g}; take a smaller rtol or a largest step"
+    return f"the steps are too long for this motion at rtol = {run.rtol:g}; choose a smaller rtol or limit the step"
 
 
 def jump(system: System, start: float, end: float) -> str:
-    """Which driver jumps between two instants [s], in position or in speed, and where; empty when none does."""
+    """In words, which driver jumps between two instants [s], in position or in speed, and when; "" if none."""
     workspace = system.workspace()
 
     def value(t: float, slot: int) -> float:

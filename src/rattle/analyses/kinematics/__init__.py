@@ -1,1 +1,1 @@
-"""Driven motion, position by position, and the forces that go with it."""
+"""Kinematics and inverse dynamics of driven mechanisms, position by position."""

@@ -119,7 +119,7 @@ def analyse(
 
 
 def _without_value(sweep: Sweep, t: np.ndarray, raw: np.ndarray) -> list[str]:
-    """A note where forces are not finite because a load or an expression is not: which, why, and how often."""
+    """A note if forces are not finite because a load or an expression is not: which, why, and how often."""
     system, workspace = sweep.system, sweep.workspace
     lost = ~np.isfinite(raw[:, : width(system)]).all(axis=1)
     if not lost.any():

@@ -1,4 +1,4 @@
-"""Motors in place of drivers: which joint does the work of a driver, and where it cannot."""
+"""Motors in place of drivers: the joint that does the work of a driver, and where it cannot."""
 
 from __future__ import annotations
 
