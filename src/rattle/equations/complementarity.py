@@ -40,7 +40,7 @@ TRY_ALL = 8
 
 @compiled
 def friction_of(m, n):
-    """Coefficient of friction of contact n."""
+    """Coefficient of friction of contact n [-]."""
     return m.values[m.contact[n, at.NORMAL_P] + at.MU]
 
 
@@ -128,13 +128,15 @@ def fill_delassus(m, count):
 
 @compiled
 def linear(m, count):
-    """Forces f and a = G f + b for the modes in `candidate`."""
+    """Forces f [N] and a = G f + b [m/s^2] for the modes in `candidate`; for an impact [N s], [m/s]."""
     return call_problem(m.problem_table[MODES], (m, 4 * count + 1))
 
 
 @kernel("problem")
 def modes_kernel(m, number):
-    """Forces f and a = G f + b for the modes in `candidate`; number is 4 * contacts + 2 * only + rough.
+    """Forces f and a = G f + b, units as of `linear`, for the modes in `candidate`.
+
+    number is 4 * contacts + 2 * only + rough.
 
     only = 1: a is not needed.  rough = 0: without friction of sliding.
     Returns the sign of the determinant: +1 as without friction, -1 if friction locks, 0 for dependent contacts.
@@ -300,7 +302,7 @@ def change_where_broken(m, count):
 
 @kernel("problem")
 def search_kernel(m, count):
-    """Find modes, f and a of the active contacts, starting from those in `candidate`.
+    """Find modes, f and a of the active contacts, units as of `linear`, starting from the modes in `candidate`.
 
     Returns SOLVED, IMPOSSIBLE, JAMMED or UNDECIDED.
     """

@@ -63,7 +63,7 @@ def drive(m, t):
 
 @compiled
 def constraints(m):
-    """Residual, nu, gamma and Jacobian of every constraint row at the state in `body`."""
+    """Residual [m or rad], nu, gamma [per s, s^2] and Jacobian of every constraint row at the state in `body`."""
     table, joint, body, values, rows = m.joint_table, m.joint, m.body, m.values, m.rows
     for n in range(joint.shape[0]):
         if joint[n, at.KERNEL] < 0:  # only contacts act on this joint
@@ -115,7 +115,7 @@ def loads(m, t):
 
 @compiled
 def correct(m):
-    """change = -M^-1 Phi_q^T S^-1 r: the least mass-weighted change that removes a residual r.
+    """change = -M^-1 Phi_q^T S^-1 r [m, rad, or per s]: the least mass-weighted change that removes a residual r.
 
     On entry the right-hand side holds r, from `residual` or `rate_residual`, and S is factored.
     """
@@ -229,7 +229,10 @@ def move(m, t, q, v):
 
 @native("i", "h", "f", "v", "v")
 def solve_motion(m, t, q, v):
-    """The equations at (t, q, v): rows, forces, multipliers, accelerations. Returns the number of redundant rows."""
+    """The equations at (t, q, v): rows, forces and multipliers [N, N m], accelerations [m/s^2, rad/s^2].
+
+    Returns the number of redundant rows.
+    """
     return move(m, t, q, v)
 
 

@@ -113,7 +113,7 @@ def count_solutions(m, count):
 
 @compiled
 def solve_modes(m, count, rough):
-    """Forces f (a may be left out) for the modes in `candidate`; rough = 0: without friction of sliding.
+    """Forces f [N or N s] (a may be left out) for the modes in `candidate`; rough = 0: without friction of sliding.
 
     Returns the sign of the determinant, see `complementarity.modes_kernel`.
     """
@@ -153,7 +153,10 @@ def shift(m, count, values, share):
 
 @compiled
 def push_all(m, count):
-    """Response to all f, M^-1 (W^T f - Phi_q^T z), into `velocity_change`, and z into `multiplier_change`."""
+    """Response to all f, M^-1 (W^T f - Phi_q^T z), into `velocity_change`, and z into `multiplier_change`.
+
+    For forces f [N] accelerations [m/s^2, rad/s^2], for impulses [N s] rates [m/s, rad/s].
+    """
     side, dv, dlambda = m.side, m.velocity_change, m.multiplier_change
     response, multiplier_response, w, weight = m.velocity_response, m.multiplier_response, m.contact_jacobian, m.weight
     contact, active, sparse = m.contact, m.active, m.held[SPARSE] == 1.0

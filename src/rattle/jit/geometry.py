@@ -1,4 +1,4 @@
-"""Points, ends and directions in the plane, as kernels read them, and the row that holds an angle."""
+"""Points, ends and directions in the plane, as kernels need them, and the constraint row of an angle."""
 
 from __future__ import annotations
 

@@ -1,9 +1,11 @@
 """Dense linear algebra of small matrices in scalar loops: rank, null space, least squares, singular values.
 
-    A^T P = Q R   by Householder reflections with pivoting, A (rows, n) kept row by row: row k becomes what row k of
-    A^T P = Q R needs: R above its diagonal, the reflection from there on
+    A^T P = Q R   by Householder reflections with pivoting, A (rows, n) stored by rows: row k is overwritten by
+    column k of R above the diagonal, and by the reflection from there on
 
     H = U S V^T   by rotations of the columns of H that make them orthogonal (one-sided Jacobi)
+
+Numbers are in the units of the caller.
 
 Source: Golub, Van Loan, Matrix Computations (2013), sections 5.4.2 and 8.6.3.
 """
@@ -22,9 +24,9 @@ FINE = 1e-15  # cosine between two columns that counts as a right angle
 def triangulate(wide, rows, order, pivot, share):
     """Reflections that make A^T triangular, in place; returns the rank.
 
-    wide: A in its first lines (rows, n), then reflections and R; order (rows,): which row stands where;
-    pivot (2, rows): diagonal of R, and 2 / |v|^2 of every reflection; share: of the longest row, what is left of a
-    row that counts as dependent.
+    wide: A in its first rows (rows, n), then reflections and R; order (rows,): the permutation of the rows;
+    pivot (2, rows): diagonal of R, and 2 / |v|^2 of every reflection; share: a row counts as dependent if its
+    remainder is below this share of the longest row.
     """
     n = wide.shape[1]
     longest, rank = 0.0, 0
@@ -61,7 +63,7 @@ def triangulate(wide, rows, order, pivot, share):
 
 @compiled
 def reflect_once(line, factor, k, x):
-    """Reflect x in the plane whose normal stands in `line` from place k on."""
+    """Reflect x in the plane whose normal is in `line` from index k on."""
     dot = 0.0
     for c in range(k, x.shape[0]):
         dot += line[c] * x[c]
@@ -110,7 +112,7 @@ def solve_lower(wide, pivot, rank, x):
 def rotate_columns(small, n):
     """Rotate the columns of a matrix H until they are orthogonal.
 
-    small (2 k, k), k >= n: line j holds column j of H, then of U S; line k + j is made column j of V.
+    small (2 k, k), k >= n: row j holds column j of H, then of U S; row k + j becomes column j of V.
     """
     half = small.shape[1]
     for i in range(n):
@@ -127,7 +129,7 @@ def rotate_columns(small, n):
 
 @compiled
 def rotate_pair(one, other, v_one, v_other, n):
-    """Make two columns orthogonal by a rotation, the same for those of V; False where they are so already."""
+    """Make two columns orthogonal by a rotation, applied to those of V too; False if they are orthogonal already."""
     alpha, beta, gamma = 0.0, 0.0, 0.0
     for k in range(n):
         alpha += one[k] * one[k]
@@ -160,9 +162,9 @@ def length(x, n):
 
 @compiled
 def solve_square(small, n, order, pivot, right, share, work, x):
-    """x = H^-1 right, with zeros for what a column of H that depends on the others would add.
+    """x = H^-1 right; the component of a column of H that depends on the others is zero.
 
-    small (k, k), k >= n: line j holds column j of H; changed.  order (k,), pivot (2, k), work (k,): scratch.
+    small (k, k), k >= n: row j holds column j of H; overwritten.  order (k,), pivot (2, k), work (k,): scratch.
     """
     for k in range(n):
         work[k] = right[k]
@@ -178,7 +180,7 @@ def solve_square(small, n, order, pivot, right, share, work, x):
 
 @compiled
 def solve_downhill(small, n, right, share, x):
-    """x = |H|^-1 right for a symmetric H, small values raised to a share of the largest."""
+    """x = |H|^-1 right for a symmetric H, small singular values raised to a share of the largest."""
     half = small.shape[1]
     largest = 0.0
     for j in range(n):

@@ -1,9 +1,9 @@
-"""All arrays of one run: what compiled functions read and write.
+"""Work arrays of a run, addressed by name.
 
 A compiled function takes the workspace `m` and reads its arrays by name, and their columns by the names in
-`rattle.jit.layout`: `m.body[i, at.COS]`.  In machine code a workspace is the place of a table of addresses and
-shapes, so a call passes one argument however many arrays there are (with named tuples of forty arrays the four-bar
-ran 2.5 times as long and compiled 1.5 times as long); in plain Python it holds the arrays themselves.
+`rattle.jit.layout`: `m.body[i, at.COS]`.  In machine code a workspace is a pointer to a table of addresses and
+shapes, so a call passes one argument, whatever the number of arrays (with named tuples of forty arrays the four-bar
+took 2.5 times as long to run and 1.5 times as long to compile); in plain Python it holds the arrays themselves.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Array(NamedTuple):
 
     kind: f float64, i int64, and the number of dimensions; a table of kernels is a vector of addresses.
     shape: nb bodies, nj joints and drivers, nr constraint rows, nl loads, nc contact points, ns signals, np parameters,
-    nw watched forces, ny numbers of a state, nk of a program's code.
+    nw monitored forces, ny numbers of a state, nk rows of program code.
     """
 
     kind: str
@@ -39,10 +39,10 @@ ARRAYS = {
     "load": Array("i2", "nl, 5", "", "kernel, A, B, first parameter, 1 if its values change during the run"),
     "contact": Array("i2", "nc, 15", "", "geometry and laws of every contact point, see `layout`"),
     "lever": Array(
-        "f2", "nc, 4", "m", "longest arms on A and on B to what may touch; 1 if walls turn with A; 1 if one is curved"
+        "f2", "nc, 4", "m", "longest arms on A and B to contact points; 1 if walls turn with A; 1 if one is curved"
     ),
     "code": Array(
-        "i2", "nk, 4", "", "programs of all expressions, one after the other, with the sides of their switches"
+        "i2", "nk, 4", "", "programs of all expressions, one after the other, with the branches of their switches"
     ),
     "const": Array("f1", "numbers", "SI", "numbers in them"),
     "jet": Array("i2", "drivers, 3", "", "first, last code row and parameter of every driver's function"),
@@ -52,7 +52,7 @@ ARRAYS = {
     "switch": Array(
         "i2", "switches, 4", "", "those that depend on the state: first, last row of operands, own row, number"
     ),
-    "watch": Array("i1", "nw", "", "rows whose force must not become negative (two-sided contact)"),
+    "watch": Array("i1", "nw", "", "rows whose force must not become negative (massless links)"),
     "place": Array("i1", "nr", "", "position of each row in the order of elimination, see `schur.Pattern`"),
     "first": Array("i1", "nr + 1", "", "first entry of each column of L in `below`"),
     "below": Array("i1", "entries of L", "", "position of the row of each entry of L"),
@@ -78,11 +78,11 @@ ARRAYS = {
     "rows": Array("f2", "nr, 9", "m or rad", "residual, nu, gamma and Jacobian of every constraint row, see `layout`"),
     "force": Array("f2", "nb + 1, 3", "N, N, N*m", "applied forces Q"),
     "energy": Array("f1", "4", "J, W", "of one load, see `layout`"),
-    "power": Array("f1", "4", "J, W, W, -", "potential, work rate, dissipation, smallest share of a pivot"),
+    "power": Array("f1", "4", "J, W, W, -", "potential, work rate, dissipation, least pivot / its diagonal"),
     "schur": Array("f1", "nr + entries of L", "", "Schur complement and its factor"),
     "inverse": Array("f1", "nr", "", "1 / pivot, in the order of elimination"),
-    "redundant": Array("i1", "nr", "", "1 where a row is redundant, in the order of elimination"),
-    "solution": Array("f1", "nr", "", "right side and solution, in the order of elimination"),
+    "redundant": Array("i1", "nr", "", "1 if a row is redundant, in the order of elimination"),
+    "solution": Array("f1", "nr", "", "right-hand side and solution, in the order of elimination"),
     "multiplier": Array("f1", "nr", "N or N*m", "lambda"),
     "acceleration": Array("f2", "nb + 1, 3", "m/s^2, rad/s^2", "of every body"),
     "change": Array("f1", "3 nb", "m, rad or m/s, rad/s", "a correction of positions or rates"),
@@ -90,26 +90,24 @@ ARRAYS = {
     "contact_memory": Array("f2", "nc, 13", "", "memory of every contact, see `layout`"),
     "element_state": Array("f1", "states of elements", "SI", "of friction laws; see `equations.state`"),
     "element_rate": Array("f1", "states of elements", "SI/s", "their rates"),
-    # set-valued contacts; two lines (normal, tangential) for each contact that takes part
-    "mode": Array("i1", "nc", "", "what each contact does: OFF, STICK, FORWARD, BACKWARD"),
-    "active": Array("i1", "nc", "", "contacts that take part"),
-    "candidate": Array("i1", "nc", "", "their modes while the problem is being solved"),
-    "slide": Array("i1", "nc", "", "sign of their slip where it is known beforehand, else 0"),
+    # set-valued contacts; two rows (normal, tangential) for each active contact
+    "mode": Array("i1", "nc", "", "mode of each contact: OFF, STICK, FORWARD, BACKWARD"),
+    "active": Array("i1", "nc", "", "active contacts"),
+    "candidate": Array("i1", "nc", "", "candidate modes of the active contacts"),
+    "slide": Array("i1", "nc", "", "sign of their slip if it is prescribed, otherwise 0"),
     "pivots": Array("i1", "2 nc", "", "scratch"),
-    "contact_jacobian": Array("f2", "2 nc, 6", "-, -, m", "w: rates of A, then of B, to normal or tangential velocity"),
-    "velocity_response": Array("f2", "2 nc, 3 nb", "", "M^-1 (w - Phi_q^T z): what a unit force changes"),
-    "multiplier_response": Array("f2", "2 nc, nr", "", "z: multipliers that a unit force calls up"),
+    "contact_jacobian": Array("f2", "2 nc, 6", "-, -, m", "W: rates of A, then of B, to normal or tangential velocity"),
+    "velocity_response": Array("f2", "2 nc, 3 nb", "", "M^-1 (w - Phi_q^T z): response to a unit force"),
+    "multiplier_response": Array("f2", "2 nc, nr", "", "z: multipliers caused by a unit force"),
     "delassus": Array("f2", "2 nc, 2 nc", "1/kg", "G, the Delassus matrix"),
     "side": Array("f2", "4, 2 nc", "", "b, f, a of a = G f + b, and another solution"),
     "system": Array("f2", "2 nc, 2 nc + 1", "", "scratch"),
     "recent": Array("f2", "nc, 2", "s", "times of the last impact of each contact and of the one before"),
-    "velocity_change": Array("f2", "nb + 1, 3", "", "M^-1 (W^T f - Phi_q^T z): what all forces f change together"),
-    "multiplier_change": Array("f1", "nr", "", "z: multipliers that they call up"),
-    "path": Array(
-        "f2", "6, 2 nc", "", "b, d, and f, a that d alone would have, see `lemke`; modes, a or f of a solution"
-    ),
+    "velocity_change": Array("f2", "nb + 1, 3", "", "M^-1 (W^T f - Phi_q^T z): response to all forces f"),
+    "multiplier_change": Array("f1", "nr", "", "z: multipliers caused by all forces f"),
+    "path": Array("f2", "6, 2 nc", "", "b, d, and f, a for d alone, see `lemke`; modes, a or f of a solution"),
     "bounce": Array("f2", "7, 2 nc", "", "see `impact_path` and `impact_phases`"),
-    "looks": Array("f2", "looks, 4 nc + 2", "", "places of a step that were looked at, see `event_search`"),
+    "looks": Array("f2", "looks, 4 nc + 2", "", "samples of the indicators in a step, see `event_search`"),
     "glances": Array("f2", "9, 4 nc + 2", "", "the same at the stages of a step, see `glances`"),
     "held": Array("f1", "8", "", "see `unilateral` and `complementarity`"),
     "net_place": Array("i1", "nr + 2 nc", "", "rows of joints and contacts together: order, see `contact_network`"),
@@ -118,18 +116,18 @@ ARRAYS = {
     "net_target": Array("i1", "updates", "", ""),
     "net_pairs": Array("i2", "products, 6", "", ""),
     "net_row": Array("i1", "nr + 2 nc", "", "row at each place"),
-    "net_on": Array("i1", "nr + 2 nc", "", "1 if the row takes part"),
+    "net_on": Array("i1", "nr + 2 nc", "", "1 if the row is active"),
     "net_line": Array("f2", "nr + 2 nc, 6", "", "R"),
     "net_column": Array("f2", "nr + 2 nc, 6", "", "M^-1 C^T"),
     "net_size": Array("f1", "nr + 2 nc", "", "diagonal without friction"),
     "net_lower": Array("f1", "entries", "", "factors"),
     "net_upper": Array("f1", "entries", "", ""),
     "net_x": Array("f2", "2, nr + 2 nc", "", "solution, correction, by place"),
-    "hold_table": Array("i1", "0 or 1", "", "the kernel that adds the forces of lasting contacts, if there may be any"),
+    "hold_table": Array("i1", "0 or 1", "", "the kernel that adds the forces of closed contacts, if there may be any"),
     "problem_table": Array("i1", "parts", "", "kernels that solve contact problems, see `unilateral`"),
     # time integration
     "state": Array("f1", "ny", "SI", "y at clock[T], see `equations.state`"),
-    "stepper": Array("i1", "4", "", "what the stepper of the run says of itself, see `step_state`"),
+    "stepper": Array("i1", "4", "", "properties of the stepper of the run, see `step_state`"),
     "stepper_table": Array("i1", "0 or 2", "", "its kernels: step and dense output"),
     "rate": Array("f1", "ny", "SI/s", "its derivative"),
     "state_new": Array("f1", "ny", "SI", "the same at the end of a step"),
@@ -139,13 +137,13 @@ ARRAYS = {
     "dense": Array("f2", "7, ny", "SI", "coefficients of the dense output"),
     "clock": Array("f1", "8", "s", "see `step_state`"),
     "tally": Array("i1", "13", "", "counts, see `step_state`"),
-    "sign": Array("f1", "nw", "", "sign of every watched force"),
-    "crossings": Array("f2", "n, 3", "s", "time, watched force, new sign"),
+    "sign": Array("f1", "nw", "", "sign of every monitored force"),
+    "crossings": Array("f2", "n, 3", "s", "zero crossings: time, monitored force, new sign"),
     "events": Array("f2", "n, 8", "SI", "see `layout`"),
-    "measure": Array("f1", "nr", "1/m or 1/rad", "what a residual is measured with; negative for angles"),
+    "measure": Array("f1", "nr", "1/m or 1/rad", "scale of every residual; negative for angles"),
     "audit": Array("f1", "18", "", "see `step_audit`"),
     "quantity": Array(
-        "i2", "quantities, 2", "", "what is watched for peaks, and its first column behind those of bodies"
+        "i2", "quantities, 2", "", "how a quantity with peaks is formed, and its first column after those of bodies"
     ),
     "peaks": Array("f2", "quantities, 16", "SI", "largest values, mean squares and samples of the present step"),
     "peak_row": Array("f1", "columns", "SI", "the columns of joints of an output row, scratch"),

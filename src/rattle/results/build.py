@@ -1,4 +1,4 @@
-"""One way to make a result: curves and what was found, with the picture and the provenance of their model."""
+"""The one way to build a result: curves and findings, with the geometry and provenance of their model."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rattle.version import __version__
 
 
 def provenance(model: Model, analysis: str, **settings: Any) -> dict[str, Any]:
-    """What made a result: model and its parameters [SI], program, analysis and its settings."""
+    """Provenance of a result: model and its parameters [SI], program, analysis and its settings."""
     return {
         "model": model.name,
         "program": f"rattle {__version__}",
@@ -31,7 +31,10 @@ def build_result(
     trust: Trust, stats: Mapping[str, Any] | None = None, settings: Mapping[str, Any] | None = None,
     events: Iterable[Event] = (), message: str = "", peaks: Mapping[str, Peak] | None = None,
 ) -> Result:  # fmt: skip
-    """A result of a model; see `Result`.  message: why the analysis stopped early, "" where it did not."""
+    """A result of a model; t (n,) [s], data (n, k) in SI units, the rest as in `Result`.
+
+    message: why the analysis stopped early, "" if it did not.
+    """
     return Result(
         t=t, data=data, names=names, units=units, geometry=geometry(model), trust=trust, stats=stats or {},
         provenance=provenance(model, analysis, **(settings or {})), events=events, success=not message,
