@@ -1,0 +1,50 @@
+"""Pin in a slot: a point of B stays on a line fixed in A; B may turn.
+
+u = direction of the line (fixed in A), n = u turned by 90 degrees, d = (r_B + s_B) - (r_A + s_A)
+Phi   = n . d = 0                                                         [m]
+gamma = n . (s_B w_B^2 - s_A w_A^2) + 2 w_A (u . d') + w_A^2 (n . d)      [m/s^2]
+
+The first row of the prismatic joint alone.  The ends of the slot hold the pin only where it has play.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from rattle.elements.joints import JointKind, Motor
+from rattle.elements.joints.prismatic import on_line
+from rattle.jit.functions import kernel
+from rattle.registry import Field, kind
+
+
+@kernel("joint")
+def slot(body, a, b, p, k, row, rows):
+    on_line(body, a, b, p, k, row, rows)
+
+
+@kind("joint", "slot", slot)
+class Slot(JointKind):
+    """A pin of B slides along a straight slot of A and turns in it.
+
+    Source: Nikravesh, Planar Multibody Dynamics (2018), revolute-translational joint.
+    """
+
+    rows = ("m",)
+    motor = Motor("position", "thrust", "N")
+    drawn_as = "slot"
+    axis = Field("rad", "direction of the slot in A's frame", default=0.0)
+    length = Field(
+        "m", "distance between the centres of its rounded ends, the point of A in the middle", default=math.inf,
+        least="positive",
+    )  # fmt: skip
+
+    @staticmethod
+    def line(fields: Mapping[str, float]) -> float:
+        """As given."""
+        return fields["axis"]
+
+    @staticmethod
+    def travel(fields: Mapping[str, float]) -> float:
+        """Up to the centres of the rounded ends."""
+        return 0.5 * fields["length"]
