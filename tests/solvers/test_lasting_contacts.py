@@ -1,11 +1,13 @@
 """Lasting rigid contacts let go when their force says, however short that is against a step."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import rattle as rt
+from rattle.solvers.nonsmooth import event_search
 
 
 def pressed(share, w):
@@ -166,3 +168,38 @@ def test_friction_that_is_rounding_ends_no_step():
     r = hanging(60, 0.1).simulate(0.1, t_eval=[0.0, 0.1])
     assert r.success
     assert r.stats["steps"] < len(r.events) + 60  # the events, and what a chain of 12 pins takes between them
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize("fine_up_to", np.arange(1, 128) / 128)
+def test_looks_beyond_those_that_are_kept_leave_no_stretch_of_a_step_unseen(fine_up_to, monkeypatch):
+    """Stretches are halved to 1/128 of the step up to some share of it: more looks than there is room for."""
+    stretches = []
+
+    def look(m, t, h, share, row):
+        assert row < event_search.LOOKS_KEPT
+        m.looks[row, 0] = share
+
+    def dip(m, i, count):
+        return m.looks[i + 1, 0] - m.looks[i, 0] > (1 / 128 if m.looks[i, 0] < fine_up_to else 1.0)
+
+    def between(m, t, h, i, best, who, what, guided):
+        stretches.append((m.looks[i, 0], m.looks[i + 1, 0]))
+        return best, who, what
+
+    for name, other in (
+        ("look", look), ("something_may_dip", dip), ("first_between", between), ("gauge", lambda *_: None),
+        ("move_looks", event_search.move_looks.python), ("make_room", event_search.make_room.python),
+    ):  # fmt: skip
+        monkeypatch.setattr(event_search, name, other)
+    m = SimpleNamespace(
+        contact=np.zeros((0, 15), np.int64), mode=np.zeros(0), contact_memory=np.zeros((0, 13)),
+        looks=np.zeros((event_search.LOOKS_KEPT, 2)), tally=np.zeros(20, np.int64),
+    )  # fmt: skip
+    event_search.first_change.python(m, 0.0, 1.0, 0.0, 1.0, len(event_search.PLACES), 1.0, -1, 0)
+    seen = 0.0
+    for left, right in sorted(stretches):
+        assert left <= seen
+        assert right - left <= 1 / 128 or left >= fine_up_to
+        seen = right
+    assert seen == 1.0

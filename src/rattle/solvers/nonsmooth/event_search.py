@@ -181,6 +181,13 @@ def move_looks(looks, first, last, by):
 
 
 @compiled
+def make_room(looks, i, count):
+    """Drop the looks before the one ahead of look i; returns where look i is then, and how many are left."""
+    move_looks(looks, i - 1, count, 1 - i)
+    return 1, count - i + 1
+
+
+@compiled
 def seen_at(m, i, n, what):
     """The indicator of contact n at sample i."""
     c, looks = 1 + KINDS * n, m.looks
@@ -251,6 +258,8 @@ def first_change(m, t, h, low, high, places, best, who, what):
     whole, narrow = places == PLACES.shape[0] and high == 1.0, places < PLACES.shape[0]
     while True:
         while count < max(i + 3, 4) and placed < places:
+            if count == looks.shape[0]:
+                i, count = make_room(looks, i, count)
             look(m, t, h, low + wide * (placed / 3.0 if narrow else PLACES[placed]), count)
             if whole and ODD < placed < PLACES.shape[0] - 1:
                 gauge(m, LOOK[placed - 1], t + PLACES[placed] * h)
@@ -262,9 +271,7 @@ def first_change(m, t, h, low, high, places, best, who, what):
         left, right = looks[i, 0], looks[i + 1, 0]
         if right - left > NARROW * wide and seen < MOST_LOOKS and something_may_dip(m, i, count):
             if count + 2 > looks.shape[0]:
-                move_looks(looks, i - 1, count, 1 - i)
-                count -= i - 1
-                i = 1
+                i, count = make_room(looks, i, count)
             move_looks(looks, i + 1, count, 1)
             look(m, t, h, 0.5 * (left + right), i + 1)
             count += 1
