@@ -268,7 +268,7 @@ def test_times_of_an_exponent_are_checked_before_it_is_measured(given, said):
 
 def test_an_exponent_with_a_large_uncertainty_says_so():
     made = Lyapunov(2.0, 1.0, 100.0, np.zeros(10), 0.1)
-    assert "rough number: uncertain by 50 %" in str(made)
+    assert "rough: uncertain by 50 %" in str(made)
     assert "not determined" in str(made._replace(uncertainty=3.0))
     assert "rough" not in str(made._replace(uncertainty=0.2))
 

@@ -220,7 +220,7 @@ def exponent_by_reflection(amplitude, e, t_end, stretch):
 def test_growth_in_proportion_to_time_is_not_called_chaos():
     found = rt.example("bouncing_pin").lyapunov(2.0)  # slides round for ever, the second pin a little faster or slower
     assert not found.chaotic
-    assert "a longer run tells" in str(found)
+    assert "a longer run shows" in str(found)
 
 
 def test_exponent_with_lasting_set_valued_contacts():

@@ -1,1 +1,1 @@
-"""What runs a mechanism many times."""
+"""Studies: analyses that run a mechanism many times."""

@@ -1,4 +1,4 @@
-"""Bifurcation diagram: what an output does once per turn, over the values of a parameter."""
+"""Bifurcation diagram: an output sampled once per period, over the values of a parameter."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Bifurcation:
     of_unit: str
     points: np.ndarray  # (k, points) of the output [SI]; nan where a run ended early
     rule: str
-    interrupted: bool = False  # the user stopped it; values that were not reached have nan
+    interrupted: bool = False  # stopped by the user; points at values that were not reached are nan
 
     def __repr__(self) -> str:
         first, last = self.values[[0, -1]] if len(self.values) else (0.0, 0.0)
@@ -45,7 +45,7 @@ class Bifurcation:
     @overload
     def plot(self, ax: Axes) -> Axes: ...
     def plot(self, ax: Axes | None = None) -> Figure | Axes:
-        """Points over the parameter, on a new figure; with `ax` there, and `ax` is returned."""
+        """Plot the points over the parameter; returns a new figure, or `ax` if it is given."""
         from rattle.plots.chaos import plot_bifurcation
 
         return plot_bifurcation(self, ax)
@@ -56,18 +56,18 @@ def bifurcation(
     skip: int = 100, points: int = 100, method: str | None = None, rtol: float | None = None,
     atol: float | None = None, step: float | None = None, threads: int | None = None, progress: bool = False,
 ) -> Bifurcation:  # fmt: skip
-    """What an output does once per period, over the values of a parameter: bands, branches, chaos.
+    """Bifurcation diagram: an output once per period, over the values [SI] of a parameter.
 
-    Every run starts as the model says; `skip` periods go by before `points` points are taken.  period: [s] (default:
-    one turn of the driver, anew for every value).  threads: runs at the same time (default: as many as cores);
+    Every run has the start of the model; `skip` periods pass before `points` points are taken.  period: [s] (default:
+    one turn of the driver, for every value anew).  threads: number of runs at the same time (default: number of cores);
     the result does not depend on it.  method, rtol, atol, step: as in `simulate`.
-    Raises ModelError, ValueError, UnknownName.
+    Raises ModelError for a value that the model refuses, ValueError for wrong arguments, UnknownName for an output.
     """
     arguments.whole("skip", skip, 0)
     arguments.whole("points", points, 1)
     given = np.asarray(values, dtype=float)
     if not given.size or given.ndim != 1:
-        raise ValueError("values of the parameter: at least one is needed, in one row")
+        raise ValueError("values of the parameter: expected a one-dimensional array with at least one value")
     changed = [m.set({parameter: float(value)}) for value in given]
 
     def run(one: Mechanism) -> tuple[np.ndarray, str]:
@@ -86,7 +86,7 @@ def bifurcation(
     pool = ThreadPoolExecutor(threads)
     try:
         for k in range(len(changed)):
-            if k == 0:  # compiles what is not compiled yet, alone
+            if k == 0:  # the first run alone, because it compiles
                 row, unit = run(changed[0])
                 waiting = [pool.submit(run, one) for one in changed[1:]]
             else:
@@ -98,7 +98,7 @@ def bifurcation(
         if not rows:
             raise
         interrupted = True
-        stop.set()  # the runs in other threads end now too
+        stop.set()  # ends the runs in the other threads
     finally:
         pool.shutdown(cancel_futures=True)
         if interrupted:

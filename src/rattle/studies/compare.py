@@ -1,4 +1,4 @@
-"""One mechanism under every model of its play, on one page: motion, joint force, orbit, events, energy."""
+"""Comparison of all contact models of one mechanism: motion, joint force, orbit, events, energy."""
 
 from __future__ import annotations
 
@@ -22,25 +22,25 @@ if TYPE_CHECKING:
 
 IDEAL, LINK, IMPACT, COMPLIANT = "ideal", "massless link", "one-sided impact", "compliant"
 DEFAULT_LAW, DEFAULT_RESTITUTION = "exact", 0.5
-RADII = 10.0  # bush radius taken where none is given, in clearances
+RADII = 10.0  # bush radius that is assumed if none is given, in clearances
 POINTS = 4000  # output intervals
-CORNER = 1e9  # stiffness of a guide's corner where none is given [N/m^1.5]
+CORNER = 1e9  # stiffness of a guide's corner that is assumed if none is given [N/m^1.5]
 
 
 @dataclass(frozen=True, repr=False)
 class Comparison:
-    """Results of one mechanism by model of play; `str()` is a table, `figure()` the page."""
+    """Results of one mechanism by contact model; `str()` is a table, `figure()` a page of plots."""
 
     name: str
     results: Mapping[str, Result]  # model -> result
     skipped: Mapping[str, str]  # model -> why there is no result
     joint: str  # the joint that is shown
     curve: str  # the motion that is shown
-    assumed: tuple[str, ...]  # what the model file does not say and the page assumes
+    assumed: tuple[str, ...]  # values that are not in the model file and were assumed
 
     @property
     def notes(self) -> dict[str, tuple[str, ...]]:
-        """What every run has to say about itself: its message where it ended early, and the notes of its trust."""
+        """Notes by model: the message of a run that ended early, and the notes of its trust."""
         said = {
             model: (*([r.message] if r.message else []), *r.trust.notes, *r.trust.coarse())
             for model, r in self.results.items()
@@ -68,15 +68,15 @@ class Comparison:
 
     @property
     def reference(self) -> str:
-        """The model that the others are measured by: the ideal one where it can be put together."""
+        """The model with which the others are compared: the ideal one if it can be assembled."""
         return IDEAL if IDEAL in self.results else next(iter(self.results))
 
     def plot(self) -> Figure:
-        """The page; the same as `figure`."""
+        """The page of plots; the same as `figure`."""
         return self.figure()
 
     def figure(self) -> Figure:
-        """The page."""
+        """The page of plots."""
         from rattle.plots.comparison import page
 
         return page(self)
@@ -85,7 +85,7 @@ class Comparison:
 HEAD = ("model", "peak force", "RMS force", "pressing", "contacts", "impacts", "energy lost", "trusted up to")
 
 
-# forces of rigid impacts are infinite: the peak is that of the contacts, the impulse stands beside the impacts
+# forces of rigid impacts are infinite: the peak is that of the contacts, the impulse is listed with the impacts
 
 
 def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
@@ -106,7 +106,7 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
 
 
 def newton(force: float) -> str:
-    """A force as text, large ones in kN."""
+    """A force [N] as text, in N or kN."""
     return f"{force:.4g} N" if force < 1e4 else f"{force / 1e3:.4g} kN"
 
 
@@ -120,9 +120,9 @@ def compare(
     position of the last body).  t_end: duration [s] (default: one turn of the driver if it turns steadily, else
     what the model says).  law: the compliant law (default: that of the joint, else "exact").
 
-    What a compliant contact needs and the model does not say is assumed and stated in `.assumed`: a
-    steel pin in a steel bush of 10 clearances radius, a sphere in its socket, restitution 0.5.
-    Raises ModelError when no joint has play.
+    Values that a compliant contact needs and the model does not give are assumed, and listed in `.assumed`: a
+    steel pin in a steel bush with a radius of 10 clearances, sphere in socket, restitution 0.5.
+    Raises ModelError if no joint has clearance, or not the one to show, and ValueError for an unknown law.
     """
     from rattle.solvers.stepper import FREE, SET_VALUED, usual_stepper
     from rattle.studies.poincare import driver_period
@@ -168,7 +168,7 @@ def compare(
 
 
 def _too_soft(m: Mechanism, loose: list[str], r: Result, assumed: list[str]) -> str:
-    """Why a compliant run with assumed bushes says nothing about this mechanism; "" if it may."""
+    """Why a compliant run with assumed bushes says nothing about this mechanism, in words; "" if it does."""
     if not any("bush radius" in one for one in assumed):
         return ""
     for name in loose:
@@ -184,7 +184,7 @@ def _too_soft(m: Mechanism, loose: list[str], r: Result, assumed: list[str]) -> 
 
 
 def _motion(m: Mechanism, ideal: Result) -> str:
-    """The angle of the last body, or its position where it does not turn."""
+    """Name of the angle of the last body, or of its larger motion if it does not turn."""
     body = list(m.model.bodies)[-1]
     turned = ideal[f"{body}.angle"]
     if float(turned.max() - turned.min()) > 1e-6:
@@ -193,7 +193,7 @@ def _motion(m: Mechanism, ideal: Result) -> str:
 
 
 def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechanism, list[str]]:
-    """The mechanism with compliant contacts, and what had to be assumed for them."""
+    """The mechanism with compliant contacts, and the assumptions that were needed for them."""
     made = m
     assumed: dict[str, list[str]] = {}
     for name in loose:

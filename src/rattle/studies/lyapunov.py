@@ -1,4 +1,4 @@
-"""Largest Lyapunov exponent: how fast motions that start side by side part.
+"""Largest Lyapunov exponent: the rate at which neighbouring motions separate.
 
 Sources: Wolf, Swift, Swinney, Vastano, Determining Lyapunov exponents from a time series, Physica D 16 (1985)
 285-317; Benettin, Galgani, Strelcyn, Kolmogorov entropy and numerical experiments, Phys. Rev. A 14 (1976) 2338.
@@ -30,33 +30,33 @@ from rattle.solvers.stepper import ATOL, EVENT_DRIVEN, FREE, usual_stepper
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
-APART = 1e-7  # distance at which the second run of a Lyapunov exponent starts anew, positions in mechanism lengths
-LARGEST_GROWTH = 1e4  # of that distance between two renewals; beyond it the growth is no longer linear
-UNSURE = 0.8  # uncertainty, as a share of the exponent, beyond which it is not determined
-ROUGH = 0.3  # the same beyond which it is called rough
-ENOUGH = 100.0  # growth of differences below which motion may be regular yet: there they grow in proportion to time
-LATE = 6  # times that the end of a stretch is put off, where one of two runs has just had an impact
+APART = 1e-7  # distance to which the second run is rescaled, positions in mechanism lengths
+LARGEST_GROWTH = 1e4  # of that distance in a stretch; above it the growth is not linear
+UNSURE = 0.8  # uncertainty, as a share of the exponent, above which the exponent is not determined
+ROUGH = 0.3  # the same above which it is called rough
+ENOUGH = 100.0  # growth of differences below which the motion may be regular: there they grow in proportion to time
+LATE = 6  # how often the end of a stretch is postponed if one of the two runs has just had an impact
 BLOCKS = 10  # parts of the run from whose scatter the uncertainty follows
 SPREAD = 1.2  # variance of the slope of the best line through a random walk, as a share of that of its mean step
 STUDENT = 2.262  # 95 % of Student's t with BLOCKS - 1 degrees of freedom
 
 
 class Lyapunov(NamedTuple):
-    """Largest Lyapunov exponent: small differences grow like exp(exponent t)."""
+    """Largest Lyapunov exponent: small differences grow as exp(exponent t)."""
 
     exponent: float  # [1/s]
     uncertainty: float  # 95 %, from the scatter of 10 parts of the run [1/s]
     span: float  # time over which it was measured [s]
-    growth: np.ndarray  # (n,) logarithm of the growth of every stretch
+    growth: np.ndarray  # (n,) natural logarithm of the growth in every stretch [-]
     stretch: float  # length of a stretch [s]
 
     @property
     def chaotic(self) -> bool:
-        """True where the exponent is positive beyond its uncertainty, and was seen for long enough."""
+        """True if the exponent exceeds its uncertainty and differences grew at least a hundredfold."""
         return self.exponent > self.uncertainty and self.exponent * self.span > math.log(ENOUGH)
 
     def horizon(self, error: float = 1e-9, seen: float = 1e-2) -> float:
-        """Time [s] in which a relative error grows to what is seen; inf without growth."""
+        """Time [s] in which a relative error [-] grows to the size `seen` [-]; inf without growth."""
         return math.log(seen / error) / self.exponent if self.exponent > 0.0 else math.inf
 
     def __repr__(self) -> str:
@@ -71,30 +71,30 @@ class Lyapunov(NamedTuple):
             return f"{said}: not determined, the uncertainty is as large as the exponent; run much longer"
         if self.exponent > self.uncertainty and not self.chaotic:
             seen = math.exp(self.exponent * self.span)
-            return f"{said}: differences grew {seen:.2g}-fold only; a longer run tells whether that goes on"
+            return f"{said}: differences grew only {seen:.2g}-fold; a longer run shows whether the growth continues"
         if not self.chaotic:
             return f"{said}: no exponential growth of errors beyond the uncertainty"
         tenfold = math.log(10.0) / self.exponent
         if self.uncertainty > ROUGH * self.exponent:
-            said += f" (a rough number: uncertain by {100 * self.uncertainty / self.exponent:.0f} %)"
+            said += f" (rough: uncertain by {100 * self.uncertainty / self.exponent:.0f} %)"
         return f"{said}: an error grows tenfold every {tenfold:.2g} s, from 1e-9 to 1 % in {self.horizon():.2g} s"
 
 
 def lyapunov(
     m: Mechanism, t_end: float | None = None, *, stretch: float | None = None, skip: float = 0.2, rtol: float = 1e-10
 ) -> Lyapunov:
-    """Largest Lyapunov exponent, from two runs next to each other.
+    """Largest Lyapunov exponent, from two neighbouring runs.
 
-    The second run starts 1e-7 away in a direction that is the same in every call; after every stretch of time the
-    difference is measured, scaled back to 1e-7 and brought onto the constraints again, contact memory included.
+    The second run starts at a distance of 1e-7 in a direction that is the same in every call.  After every stretch of
+    time the difference is measured, scaled back to 1e-7 and projected onto the constraints, contact memory included.
 
-    t_end: duration [s] (default: what the model says).  stretch: [s] (default: t_end/400, shorter where growth is
-    too fast).  skip: share of the run left out at the start, until the difference has turned to the direction that
-    grows most.  rtol: of both runs.
-    The exponent is the slope of the line that fits the logarithm of the growth best, over time.
-    With set-valued contacts both runs go from event to event; a stretch at whose end one of them has had an impact
-    that the other is about to have lasts a little longer.
-    Raises ValueError where the drivers fix every position (then nothing can grow), or the run cannot go on.
+    t_end: duration [s] (default: that of the model).  stretch: [s] (default: t_end/400, shorter if the growth is
+    too fast).  skip: share [-] of the run left out at the start, until the difference has turned to the direction of
+    largest growth.  rtol: relative tolerance [-] of both runs.
+    The exponent is the slope of the best line through the logarithm of the growth over time.
+    With set-valued contacts both runs are event-driven; a stretch lasts a little longer if at its end one run has had
+    an impact that the other is about to have.
+    Raises ValueError if the drivers determine every position (then nothing can grow), or if a run cannot go on.
     """
     functions.start()
     span = arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
@@ -103,7 +103,7 @@ def lyapunov(
     if 2 * BLOCKS * length > span * (1.0 + 1e-9):
         raise ValueError(f"a stretch of {length:g} s is too long for {span:g} s; take at most a {2 * BLOCKS}th of it")
     if not 0.0 <= skip < 1.0:
-        raise ValueError(f"skip is a share of the run, from 0 to below 1; got {skip}")
+        raise ValueError(f"skip must be a share of the run, from 0 to below 1; got {skip}")
     _require_mobility(m)
     for _ in range(6):
         growth = _growths(m, span, length, rtol)
@@ -119,10 +119,10 @@ def lyapunov(
 
 
 def _slope(growth: np.ndarray) -> float:
-    """Mean growth per stretch: slope of the line that fits the sums of `growth` (n,) best.
+    """Mean growth per stretch [-]: slope of the best line through the sums of `growth` (n,).
 
-    The plain mean knows the two ends alone, and differences that turn as they grow swing: by a bounded amount, which
-    stands in it divided by n, but here divided by n^2.
+    The plain mean depends only on the two ends.  Differences that rotate while they grow oscillate by a bounded amount,
+    which enters the plain mean divided by n, but the slope divided by n^2.
     """
     n = len(growth)
     k = np.arange(1, n + 1)
@@ -130,7 +130,7 @@ def _slope(growth: np.ndarray) -> float:
 
 
 def _require_mobility(m: Mechanism) -> None:
-    """Refuse a mechanism in which nothing is free to grow apart."""
+    """Raise ValueError for a mechanism without a degree of freedom in which motions could separate."""
     system, workspace = m.system, m.system.workspace()
     if len(system.arrays["contact"]) or system.row_count > LARGE:
         return
@@ -138,12 +138,12 @@ def _require_mobility(m: Mechanism) -> None:
     if rank(system, workspace) == 3 * system.body_count:
         raise ValueError(
             "the drivers fix every position: there is no degree of freedom in which errors could grow, so no exponent"
-            " (a joint with play, or a driver less, gives one)"
+            " (a joint with clearance, or one driver less, gives one)"
         )
 
 
 def _growths(m: Mechanism, span: float, length: float, rtol: float) -> np.ndarray | None:
-    """Logarithm of the growth in every stretch; None when one grows beyond linearity."""
+    """(n,) logarithm of the growth in every stretch of `length` [s] over `span` [s]; None if one is not linear."""
     stepper, _ = choose_stepper(m.system, usual_stepper(FREE), None, span)
     how = How(stepper, rtol, ATOL * rtol, None)
     none = np.zeros(0)
@@ -181,11 +181,11 @@ def _distance(one: Any, two: Any, weight: np.ndarray) -> float:
 
 
 def _renew(one: Any, two: Any, share: float = 1.0) -> None:
-    """Bring the second run to a share of its distance, onto its constraints, with the contact memory of the first."""
+    """Scale the distance of the second run by `share`, project it, and give it the contact memory of the first."""
     t = float(one.clock[step_state.T])
     y, other = one.workspace.state, two.workspace.state
     layout = state_layout(one.system)
-    scaled = [layout.motion, layout.states]  # accounts are those of one
+    scaled = [layout.motion, layout.states]  # energies and impulses are those of `one`
     kept = [y[part] + share * (other[part] - y[part]) for part in scaled]
     other[:] = y
     for part, values in zip(scaled, kept, strict=True):

@@ -1,4 +1,4 @@
-"""Poincare section: a motion seen once per turn of its driver, or whenever a curve passes a level."""
+"""Poincare section: a motion sampled once per turn of its driver, or whenever a curve crosses a level."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def driver_period(system: System) -> float | None:
-    """Time of one turn [s] of the first driver that turns a joint at constant rate; None where there is none."""
+    """Time of one turn [s] of the first driver that turns a joint at constant rate; None if there is none."""
     workspace = system.workspace()
     for name in system.model.drivers:
         if system.rows[system.first_row(name)].unit != "rad":
@@ -38,6 +38,7 @@ def driver_period(system: System) -> float | None:
 
 
 def period_of(m: Mechanism, period: float | None) -> float:
+    """The given period [s], or that of the driver.  Raises ValueError if there is none, or if it is not positive."""
     found = period if period is not None else driver_period(m.system)
     if found is None:
         raise ValueError("no driver turns at constant rate; give the period in s, or a crossing")
@@ -51,10 +52,10 @@ class Section:
     """Points of a Poincare section."""
 
     t: np.ndarray  # (n,) [s]
-    values: Mapping[str, np.ndarray]  # name -> (n,)
+    values: Mapping[str, np.ndarray]  # name -> (n,) [SI]
     units: Mapping[str, str]
     rule: str  # when the points were taken
-    interrupted: bool = False  # the user stopped the run
+    interrupted: bool = False  # stopped by the user
     clearances: Mapping[str, float] = field(default_factory=dict)  # of the pins [m]
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -68,16 +69,16 @@ class Section:
     @overload
     def plot(self, x: str | None = None, y: str | None = None, *, ax: Axes) -> Axes: ...
     def plot(self, x: str | None = None, y: str | None = None, ax: Axes | None = None) -> Figure | Axes:
-        """The points of two of the names (default: the first two), coloured by time.
+        """Plot the points of two of the names (default: the first two), coloured by time.
 
-        ax: draw there.  Returns a new figure, or `ax` where it is given.
+        Returns a new figure, or `ax` if it is given.  Raises ValueError for a section with one name.
         """
         from rattle.plots.chaos import plot_section
 
         names = list(self.values)
         if x is None or y is None:
             if len(names) < 2:
-                raise ValueError(f"a picture of a section needs two curves, this one has {', '.join(names)}")
+                raise ValueError(f"a plot of a section needs two curves, this one has {', '.join(names)}")
             x, y = names[:2]
         return plot_section(self, x, y, ax)
 
@@ -87,12 +88,13 @@ def section(
     skip: int = 50, points: int = 500, method: str | None = None, rtol: float | None = None, atol: float | None = None,
     step: float | None = None,
 ) -> Section:  # fmt: skip
-    """Values of some names of a result once per period, or whenever a curve rises through a level.
+    """Values [SI] of some names of a result once per period, or whenever a curve rises through a level.
 
     period: [s] (default: one turn of the driver).  crossing: a name; its rises through `level` [SI] are located on
-    a cubic spline of the output, of which there are then at least 200 per period or mean distance of crossings.
-    skip: points left out at the start.  points: how many are wanted (a crossing may come less often than that).
-    method, rtol, atol, step: as in `simulate`.  Raises ValueError, UnknownName.
+    a cubic spline of the output, with at least 200 outputs per period or mean distance of crossings.
+    skip: points left out at the start.  points: number of points (there may be fewer crossings).
+    method, rtol, atol, step: as in `simulate`.  Raises ValueError for wrong arguments or if there is no point,
+    UnknownName for a name that the result does not have.
     """
     arguments.whole("skip", skip, 0)
     arguments.whole("points", points, 1)
@@ -136,5 +138,5 @@ def pins(m: Mechanism) -> dict[str, float]:
 
 
 def stopped(r: Result) -> str:
-    """What to say of a run that the user ended."""
+    """The end of a title for a run that was stopped by the user; "" for others."""
     return f", stopped by the user at t = {r.trust.t_end:.4g} s" if r.interrupted else ""
