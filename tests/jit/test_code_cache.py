@@ -140,7 +140,7 @@ def scaled(t, y):
 def dispatcher(folder):
     from rattle.jit import compiler
 
-    with compiler.lock, compiler.settings():
+    with compiler.lock:
         return compiler.whole(scaled, ("f", "f", "f"), CodeCache(scaled, lambda: folder))
 
 

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import rattle as rt
+from rattle.equations import motion
 from rattle.jit import folder, functions
 from rattle.jit.functions import native
 
@@ -49,7 +51,7 @@ def test_native_functions_give_what_plain_python_gives():
 @pytest.mark.parametrize("row", [np.arange(8.0)[::2], np.arange(4), np.zeros((2, 2))], ids=["gaps", "whole", "rows"])
 def test_an_array_that_machine_code_would_misread_is_refused(row):
     functions.start()
-    with pytest.raises(TypeError, match="split takes a contiguous array"):
+    with pytest.raises(TypeError, match="split takes a contiguous array|No matching definition"):
         split(row, 1.0)
 
 
@@ -83,17 +85,17 @@ def test_what_stops_the_compiler_on_the_way_stops_the_call_and_nothing_else(monk
     def first(x):
         return middle(x) + 0.5
 
-    def stopped(self):
+    def stopped(self, compiling):
         raise error
 
     functions.start()
     with monkeypatch.context() as patch:
-        patch.setattr(type(needed), "_load", stopped)
+        patch.setattr(type(needed), "_made", stopped)
         with pytest.raises(error):
-            needed(2.0)
+            _ = needed.address
     _ = first.address, middle.address
     with monkeypatch.context() as patch:
-        patch.setattr(type(needed), "_load", stopped)
+        patch.setattr(type(needed), "_made", stopped)
         with pytest.raises(error):
             first(2.0)
     assert first(2.0) == 30.5
@@ -177,3 +179,14 @@ except IndexError as error:
 
 def test_a_wrong_index_is_told_through_all_callers():
     assert in_fresh_process(CHECKED, NUMBA_BOUNDSCHECK="1") == ["IndexError"]
+
+
+@pytest.mark.parametrize("family", ["joint", "load"])
+def test_a_kernel_that_is_not_in_the_table_is_told_and_does_not_end_the_process(family):
+    if not functions.start():
+        pytest.skip("runs without machine code; Python raises by itself")
+    system = rt.example("squeezer").system
+    workspace = system.workspace()
+    getattr(workspace, f"{family}_table")[:] = 0
+    with pytest.raises(RuntimeError, match=f"family '{family}'"):
+        motion.free_motion(workspace, 0.0, np.zeros(3 * system.body_count), np.zeros(3 * system.body_count))

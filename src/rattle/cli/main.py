@@ -57,6 +57,7 @@ HELP = {
 
 
 QUIET = "No progress bar and no log messages, only results."
+VERSION = "Show the version, that of Numba, and how kernels are compiled."
 
 
 class Lazy(click.Group):
@@ -156,6 +157,17 @@ def _quieten(ctx: click.Context, param: click.Parameter, quiet: bool) -> None:
             handler.setLevel(logging.ERROR)
 
 
+def _show_version(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
+    if not wanted:
+        return
+    from rattle.jit import compile_path
+    from rattle.version import __version__
+
+    click.echo(f"rattle, version {__version__}")
+    click.echo(compile_path.described())
+    ctx.exit()
+
+
 class _Colours(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
         text = super().format(record)
@@ -163,7 +175,7 @@ class _Colours(logging.Formatter):
 
 
 @click.group(cls=Lazy, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="rattle")
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_show_version, help=VERSION)
 @click.option("-q", "--quiet", is_flag=True, help=QUIET)
 @click.pass_context
 def main(ctx: click.Context, quiet: bool) -> None:

@@ -105,7 +105,7 @@ def warmup(ctx: click.Context) -> None:
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    from rattle.jit import folder, functions
+    from rattle.jit import compile_path, folder, functions
 
     start = time.perf_counter()
     if not functions.start():
@@ -115,6 +115,7 @@ def warmup(ctx: click.Context) -> None:
         ctx.exit(1)  # the warning has said why
     with ProcessPoolExecutor(WORKERS, mp_context=get_context("spawn")) as pool:
         list(pool.map(_warm, (*SHORT_WORK, *_native_modules())))
+    click.echo(compile_path.described())
     click.echo(f"kernels are ready in {folder.cache_folder()} ({time.perf_counter() - start:.1f} s)")
 
 

@@ -4,30 +4,25 @@ A `Block` lies in memory as Numba's own array does, so that the two change into 
 elements are read and written straight away: no owner is counted, no index is looked at for a negative sign, which
 saves a quarter of the time to run and more of the time to compile.  So a compiled function must not count from the
 end.  With NUMBA_BOUNDSCHECK=1 indices are checked as in other arrays of Numba.
+
+Importing this module changes nothing for others; `register` enters its ways with Numba for the whole process.
 """
 
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
-from llvmlite import ir
 from numba import config, types
 from numba.core import cgutils
 from numba.core.datamodel import models
 from numba.core.typeconv import Conversion
 from numba.core.typing import signature
-from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global
-from numba.extending import (
-    NativeValue,
-    lower_builtin,
-    lower_cast,
-    lower_getattr,
-    lower_getattr_generic,
-    register_model,
-    unbox,
-)
+from numba.core.typing.templates import AbstractTemplate, infer_global
+from numba.extending import lower_builtin, lower_cast, register_model
+
+from rattle.jit.numba_types import ORDINARY
 
 # Numba has no types: its classes and decorators are unknown
 # mypy: disable-error-code="untyped-decorator, misc"
@@ -45,15 +40,11 @@ class Block(types.Array):
 
 
 register_model(Block)(models.ArrayModel)
-HANDLE = types.Array(types.int64, 3, "C")
-VECTOR, MATRIX = Block(types.float64, 1), Block(types.float64, 2)
-WHOLES, WHOLE_ROWS = Block(types.int64, 1), Block(types.int64, 2)
+BLOCKS = {name: Block(kind.dtype, kind.ndim) for name, kind in ORDINARY.items()}
 
 
 def block(kind: Any) -> Any:
     """The block for a contiguous array; any other type as it is."""
-    if is_handle(kind):
-        return WORKSPACE
     if isinstance(kind, types.Array) and kind.layout == "C" and kind.ndim in (1, 2):
         return Block(kind.dtype, kind.ndim)
     return kind
@@ -86,7 +77,6 @@ class _Element(AbstractTemplate):
         return self.how
 
 
-@infer_global(operator.getitem)
 class _Read(_Element):
     how = "read an element of a block"
 
@@ -95,7 +85,6 @@ class _Read(_Element):
         return None if index is None else signature(args[0].dtype, args[0], index)
 
 
-@infer_global(operator.setitem)
 class _Write(_Element):
     how = "write an element of a block"
 
@@ -117,12 +106,10 @@ def _place(context: Any, builder: Any, kind: Any, value: Any, index: Any) -> Any
     return builder.gep(_part(context, builder, kind, value, "data"), [index])
 
 
-@lower_builtin(_Read.how, types.Any, types.Any)
 def _read(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.load(_place(context, builder, sig.args[0], *args))
 
 
-@lower_builtin(_Write.how, types.Any, types.Any, types.Any)
 def _write(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     builder.store(args[2], _place(context, builder, sig.args[0], *args[:2]))
 
@@ -147,13 +134,6 @@ def _common_case(name: str, kinds: tuple[Any, ...], compares: bool) -> None:
     infer_global(key)(type(f"_{name}", (_Alike,), {"key": key, "kinds": kinds, "compares": compares}))
 
 
-for _name in ("add", "sub", "mul", "iadd", "isub", "imul"):
-    _common_case(_name, (types.float64, types.int64), compares=False)
-_common_case("truediv", (types.float64,), compares=False)
-for _name in ("lt", "le", "gt", "ge", "eq", "ne"):
-    _common_case(_name, (types.float64, types.int64), compares=True)
-
-
 class _Extreme(_Element):
     """The largest or the least of several floats, or of several integers."""
 
@@ -165,12 +145,10 @@ class _Extreme(_Element):
         return signature(kind, *(kind,) * len(args))
 
 
-@infer_global(max)
 class _Max(_Extreme):
     how = "the largest"
 
 
-@infer_global(min)
 class _Min(_Extreme):
     how = "the least"
 
@@ -186,87 +164,19 @@ def _extreme(relation: str) -> Callable[..., Any]:
     return lower
 
 
-lower_builtin(_Max.how, types.VarArg(types.Any))(_extreme(">"))
-lower_builtin(_Min.how, types.VarArg(types.Any))(_extreme("<"))
-
-
-# ---------------------------------------------------------------- the workspace: arrays behind a handle
-class _WorkspaceType(types.Type):
-    """A place in memory at which the address and shape of every array of a run stand.
-
-    In Python it is the only array of integers with three dimensions that there is.
-    """
-
-    def __init__(self) -> None:
-        super().__init__("Workspace")
-
-    def can_convert_from(self, typing_context: Any, other: Any) -> Any:
-        """The array with the addresses will do."""
-        return Conversion.safe if is_handle(other) else None
-
-
-def is_handle(kind: Any) -> bool:
-    """True for the type of the array with the addresses."""
-    return isinstance(kind, types.Array) and kind.ndim == 3 and kind.dtype == types.int64
-
-
-WORKSPACE = _WorkspaceType()
-
-
-@register_model(_WorkspaceType)
-class _WorkspaceModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: Any) -> None:
-        super().__init__(manager, kind, ir.IntType(64).as_pointer())
-
-
-@lower_cast(types.Array, _WorkspaceType)
-def _only_the_place(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
-    return _part(context, builder, given, value, "data")
-
-
-@unbox(_WorkspaceType)
-def _from_python(kind: Any, value: Any, c: Any) -> Any:
-    found = c.unbox(HANDLE, value)
-    return NativeValue(_only_the_place(c.context, c.builder, HANDLE, kind, found.value), found.is_error)
-
-
-def attributes(fields: Mapping[str, str]) -> None:
-    """Teach Numba that `m.name` is the array whose address and shape stand in the line of that name of a workspace."""
-    blocks = {"f1": VECTOR, "f2": MATRIX, "i1": WHOLES, "i2": WHOLE_ROWS}
-    place = {name: 3 * n for n, name in enumerate(fields)}
-
-    class Attributes(AttributeTemplate):
-        def generic_resolve(self, kind: Any, name: str) -> Any:
-            known = name in fields and (kind is WORKSPACE or is_handle(kind))
-            return blocks[fields[name]] if known else None
-
-    for key in (_WorkspaceType, types.Array):
-        infer_getattr(type(f"_{key.__name__}Attributes", (Attributes,), {"key": key}))
-
-    def array(context: Any, builder: Any, first: Any, name: str) -> Any:
-        kind, whole = blocks[fields[name]], ir.IntType(64)
-        address, *shape = (builder.load(builder.gep(first, [whole(place[name] + n)])) for n in range(1 + kind.ndim))
-        size = whole(8)
-        made, model = context.get_constant_null(kind), context.data_model_manager[kind]
-        for part, value in (
-            ("nitems", builder.mul(shape[0], shape[1]) if kind.ndim == 2 else shape[0]),
-            ("itemsize", size),
-            ("data", builder.inttoptr(address, made.type.elements[model.get_field_position("data")])),
-            ("shape", cgutils.pack_array(builder, shape)),
-            ("strides", cgutils.pack_array(builder, [builder.mul(one, size) for one in shape[1:]] + [size])),
-        ):
-            made = builder.insert_value(made, value, model.get_field_position(part))
-        return made
-
-    @lower_getattr_generic(_WorkspaceType)
-    def of_workspace(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
-        return array(context, builder, value, name)
-
-    def of_handle(name: str) -> Any:  # by name: Numba has a way of its own for all other names
-        def lower(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-            return array(context, builder, _part(context, builder, kind, value, "data"), name)
-
-        return lower
-
-    for name in fields:
-        lower_getattr(types.Array, name)(of_handle(name))
+# ---------------------------------------------------------------- for the whole process
+def register() -> None:
+    """Enter all this with Numba, which asks it from now on whenever anything is compiled in this process."""
+    infer_global(operator.getitem)(_Read)
+    infer_global(operator.setitem)(_Write)
+    lower_builtin(_Read.how, types.Any, types.Any)(_read)
+    lower_builtin(_Write.how, types.Any, types.Any, types.Any)(_write)
+    for name in ("add", "sub", "mul", "iadd", "isub", "imul"):
+        _common_case(name, (types.float64, types.int64), compares=False)
+    _common_case("truediv", (types.float64,), compares=False)
+    for name in ("lt", "le", "gt", "ge", "eq", "ne"):
+        _common_case(name, (types.float64, types.int64), compares=True)
+    infer_global(max)(_Max)
+    infer_global(min)(_Min)
+    lower_builtin(_Max.how, types.VarArg(types.Any))(_extreme(">"))
+    lower_builtin(_Min.how, types.VarArg(types.Any))(_extreme("<"))

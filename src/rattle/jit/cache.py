@@ -138,6 +138,7 @@ class CodeCache:
     def __init__(self, function: Callable[..., Any], folder: Callable[[], Path | None]) -> None:
         self.name = f"{function.__module__}.{function.__qualname__}"
         self.folder = folder
+        self.missed: Callable[[], None] = lambda: None  # called where something has to be compiled
 
     @property
     def cache_path(self) -> str | None:
@@ -152,9 +153,12 @@ class CodeCache:
         """The compiled function, or None: then it is compiled, and what could not be read is thrown away."""
         target_context.refresh()
         compiler: Any = importlib.import_module("numba.core.compiler")
-        return self._kept(signature, target_context.codegen()).read(
+        found = self._kept(signature, target_context.codegen()).read(
             lambda state: compiler.CompileResult._rebuild(target_context, *state)
         )
+        if found is None:
+            self.missed()
+        return found
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keep a compiled function where that is possible."""

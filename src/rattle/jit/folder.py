@@ -10,15 +10,17 @@ import threading
 from importlib.metadata import version
 from pathlib import Path
 
-from rattle.jit import cache
+from rattle.jit import cache, compile_path
 from rattle.jit.cache import Folder
+
+MAKERS = ("blocks", "calls", "compile_path", "compiler", "functions", "machine", "numba_types", "plain", "workspace")
 
 
 def compiled_sources() -> list[Path]:
     """Files that machine code depends on: those with compiled functions, those that make it, and all they import."""
     here = Path(__file__).parents[1]
     text = {path: path.read_text(encoding="utf-8") for path in here.rglob("*.py")}
-    makers = [here / "jit" / f"{name}.py" for name in ("blocks", "functions", "compiler", "machine", "workspace")]
+    makers = [here / "jit" / f"{name}.py" for name in MAKERS]
     found = {path for path, source in text.items() if _DECORATED.search(source)} | set(makers)
     ahead = list(found)
     while ahead:
@@ -45,11 +47,13 @@ _NAME = re.compile(r"\w+")
 
 
 def code_folder() -> Folder:
-    """Where machine code is kept: one folder for each state of the compiled sources and Numba version."""
+    """Where machine code is kept: one folder for each state of the sources, version of Numba and way to compile."""
     global _code_folder
     if _code_folder is None:
         here = Path(__file__).parents[1]
-        about = [version("numba"), version("llvmlite"), sys.version, str(here), *map(os.environ.get, _NUMBA_READS)]
+        way = "fast" if compile_path.chosen().fast else "plain"
+        about = [way, version("numba"), version("llvmlite"), sys.version, str(here)]
+        about += [os.environ.get(name, "") for name in _NUMBA_READS]
         digest = hashlib.sha256(repr(about).encode())
         for source in compiled_sources():
             digest.update(source.read_bytes())
@@ -58,12 +62,18 @@ def code_folder() -> Folder:
     return _code_folder
 
 
+def forget_folder() -> None:
+    """Choose the folder anew: the way to compile has changed."""
+    global _code_folder
+    _code_folder = None
+
+
 def cache_folder() -> Path | None:
     """The folder of kept machine code; None where there is no place for it."""
     return code_folder().path
 
 
 # what Numba reads that changes machine code
-_NUMBA_READS = ("NUMBA_BOUNDSCHECK", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_ENABLE_AVX")
+_NUMBA_READS = ("NUMBA_BOUNDSCHECK", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_ENABLE_AVX", "NUMBA_OPT")
 _code_folder: Folder | None = None
 _folder_lock = threading.Lock()  # of its own: asked for while others are held

@@ -1,4 +1,4 @@
-"""KernelFunction functions: how they are made, kept, found and called.
+"""Compiled functions: how they are made, kept, found and called.
 
 Numba is imported on first use only: every compiled function is ordinary Python until `start()`.  With
 NUMBA_DISABLE_JIT=1 it stays so.
@@ -12,13 +12,14 @@ import os
 import pickle
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import numpy as np
 
+from rattle.jit import compile_path
 from rattle.jit.cache import CodeCache, KeptFile
-from rattle.jit.folder import cache_folder, compiled_modules
+from rattle.jit.folder import cache_folder, code_folder, compiled_modules, forget_folder
 
 log = logging.getLogger("rattle")
 
@@ -36,11 +37,12 @@ SIGNATURE = {
     "dense output": ("void", "h", "f", "f"),  # m, t, h
     "problem": ("i", "h", "i"),  # m, number of contacts, see rattle.equations.unilateral
 }
+BY_PLACE = ("hold", "problem", "stepper", "dense output")  # tables of our own large functions, made by `entries`
 _lock = threading.RLock()
 _jit = False
 
 
-PLAIN = "plain"  # handle of a workspace that was made before machine code ran: functions that get it stay plain Python
+IN_PYTHON = "Python"  # handle of a workspace made before machine code ran: functions that get it stay plain Python
 
 
 class KernelFunction:
@@ -49,7 +51,9 @@ class KernelFunction:
     letters: types of result and arguments, as in SIGNATURE.  A function that has them is *native*: compiled once and
     only when it is called, and called by others by its address.  One without takes the types of its arguments, and
     machine code that calls it holds a copy of it.
-    ours: follows the rules of `compiling` and `arrays`; a function with anything of the user's in it does not.
+    ours: follows the rules of `blocks`; a function with anything of the user's in it does not.
+
+    All this is the fast way.  On the plain way, see `compile_path`, each has one Numba dispatcher for all callers.
     """
 
     def __init__(
@@ -75,19 +79,25 @@ class KernelFunction:
         if not _jit:
             return self.python(*args)
         handle = getattr(args[0], "handle", None) if args else None
-        if handle is PLAIN:
+        if handle is IN_PYTHON:
             return self.python(*args)
         if handle is not None:
             args = (handle, *args[1:])
         if self._called is None:
-            if self.native:
+            if self._without_numba:
                 self._called = _machine().caller(self.__name__, self.address, self.letters)
             else:
                 with _compiling():
-                    found = self.dispatcher(*args)
-                self._called = self.dispatcher
+                    called = _machine().checked(self.dispatcher)
+                    found = called(*args)
+                self._called = called
                 return found
         return self._called(*args)
+
+    @property
+    def _without_numba(self) -> bool:
+        """True for a function whose machine code is kept so that it runs without Numba."""
+        return self.native and compile_path.chosen().fast
 
     @property
     def dispatcher(self) -> Any:
@@ -112,10 +122,12 @@ class KernelFunction:
 
     @property
     def _numba_type_(self) -> Any:  # what Numba asks for when one compiled function calls another
+        if not self.native and not compile_path.chosen().fast:
+            return self.dispatcher._numba_type_
         if self._type is None:
             with _compiling() as compiling:
                 if self._type is None and self.native:
-                    self._type = compiling.by_place(self.symbol, self.letters)
+                    self._type = _calls().by_place(self.symbol, self.letters, compiling.ARRAY_TYPES)
                 elif self._type is None:
                     self._type = compiling.part(self.python)
         return self._type if self.native else self._type._numba_type_
@@ -123,23 +135,31 @@ class KernelFunction:
     @property
     def address(self) -> int:
         """Native address of a function with fixed types."""
-        if self._address == 0:
+        if self._address == 0 and self._without_numba:
             with _lock:
-                if self._address == 0:
-                    self._address = self._load() if self.native else _compiling_address(self)
+                self._address = self._address or self._read()
+        if self._address == 0:
+            with _compiling() as compiling:
+                self._address = self._address or self._made(compiling)
         return self._address
 
-    def _load(self) -> int:
-        """Put machine code into memory, from the cache or made now."""
+    def _read(self) -> int:
+        """Put kept machine code into memory; 0 where there is none."""
         machine = _announced()
-        kept = KeptFile(cache_folder() if self._is_kept else None, self.symbol, (self.letters, machine.processor()))
-        found = kept.read(lambda code: machine.load(machine.Code(*code)))
-        if found is None:
-            with _compiling() as compiling:
-                code = compiling.native(self.python, self.letters)
-            found = machine.load(code)
-            kept.write(lambda: pickle.dumps(tuple(code)))
+        return int(self._kept(machine).read(lambda code: machine.load(machine.Code(*code))) or 0)
+
+    def _made(self, compiling: Any) -> int:
+        """Compile, put machine code into memory and keep it."""
+        if not self._without_numba:
+            return int(_calls().address(self.dispatcher))
+        machine = _announced()
+        code = compiling.native(self.python, self.letters)
+        found = machine.load(code)
+        self._kept(machine).write(lambda: pickle.dumps(tuple(code)))
         return int(found)
+
+    def _kept(self, machine: Any) -> KeptFile:
+        return KeptFile(cache_folder() if self._is_kept else None, self.symbol, (self.letters, machine.processor()))
 
 
 def natives() -> tuple[KernelFunction, ...]:
@@ -166,15 +186,14 @@ def _machine() -> Any:
     return importlib.import_module("rattle.jit.machine")  # imports llvmlite
 
 
-def _compiling_address(one: KernelFunction) -> int:
-    with _compiling() as compiling:
-        return int(compiling.address(one.dispatcher))
+def _calls() -> Any:
+    return importlib.import_module("rattle.jit.calls")  # imports Numba
 
 
 def users_law(law: Callable[..., Any], count: int) -> tuple[Any, Any]:
     """The same function compiled by Numba, and one that takes its `count` values from parameters: (p, k) -> tuple."""
-    with _compiling() as compiling:
-        found: tuple[Any, Any] = compiling.users_law(law, count)
+    with _compiling():
+        found: tuple[Any, Any] = importlib.import_module("rattle.jit.numba_types").users_law(law, count)
     return found
 
 
@@ -195,14 +214,21 @@ def kernel(family: str) -> Callable[[Callable[..., Any]], KernelFunction]:
 
 @contextmanager
 def _compiling() -> Iterator[Any]:
-    """Our compiler, with its settings; one thread at a time."""
-    with _lock:
-        compiling: Any = importlib.import_module("rattle.jit.compiler")  # imports Numba
+    """What compiles, `compiler` or `plain`; one thread at a time.
+
+    Numba's lock comes first: a thread that compiles something else may need a function of ours on the way.
+    """
+    compiling = _compiler()
+    with compiling.lock, _lock:
         _announced()  # the linker takes a name that it does not know for an address of zero
-        with compiling.lock, compiling.settings():
-            while _lessons:
-                _lessons.pop(0)(compiling)
-            yield compiling
+        while _lessons:
+            _lessons.pop(0)(compiling)
+        yield compiling
+
+
+def _compiler() -> Any:
+    name = "compiler" if compile_path.chosen().fast else "plain"
+    return importlib.import_module(f"rattle.jit.{name}")  # imports Numba
 
 
 def before_compiling(lesson: Callable[[Any], None]) -> Callable[[Any], None]:
@@ -216,9 +242,11 @@ _lessons: list[Callable[[Any], None]] = []
 
 @before_compiling
 def _teach_calls(compiling: Any) -> None:
-    """What compiled code may call besides other functions."""
+    """What compiled code may call besides other functions, and how the fast way reads arrays."""
+    if compile_path.chosen().fast:
+        importlib.import_module("rattle.jit.blocks").register()
     for family, call in _CALLERS.items():
-        compiling.jumps(call, SIGNATURE[family], family in ("hold", "problem", "stepper", "dense output"))
+        _calls().teach(call, family, SIGNATURE[family], compiling.ARRAY_TYPES, family in BY_PLACE)
 
 
 # ---------------------------------------------------------------- tables of kernels
@@ -290,8 +318,30 @@ def start() -> bool:
     """Switch from Python to machine code (no effect with NUMBA_DISABLE_JIT=1); True if it runs now."""
     global _jit
     if not _jit and os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):
+        _check_fast()
         _jit = True
     return _jit
+
+
+def _check_fast() -> None:
+    """Take the plain way where the fast one does not work; asked once for each state of sources and Numba."""
+    if not compile_path.chosen().fast:
+        return
+    folder = code_folder()
+    passed = folder.path / "fast-way-works" if folder.path is not None and folder.lasting else None
+    if passed is not None and passed.exists():
+        return
+    try:
+        compiling = _compiler()
+        with compiling.lock:
+            compiling.check()
+    except Exception as error:  # whatever the inside of an unknown Numba raises, the plain way is the remedy
+        compile_path.give_up_fast(error)
+        forget_folder()
+        return
+    if passed is not None:
+        with suppress(OSError):
+            passed.touch()
 
 
 def entries(functions: Iterable[KernelFunction]) -> Any:

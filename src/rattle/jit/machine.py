@@ -106,7 +106,6 @@ ARRAYS = {
     "m": (np.dtype(np.float64), 2),
     "n": (np.dtype(np.int64), 2),
 }
-TABLE = (np.dtype(np.int64), 3)  # the addresses and shapes behind a workspace
 
 
 def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any]:
@@ -138,9 +137,9 @@ def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any
                 if flat[len(flat) - 1] != one:
                     raise TypeError(f"{name} takes a whole number, got {one}")
             elif kind == "h":
-                if (one.dtype, one.ndim) != TABLE:
-                    raise TypeError(f"{name} takes a workspace, got {one.dtype}, {one.shape}")
-                flat.append(one.__array_interface__["data"][0])
+                if (place := getattr(one, "address", None)) is None:
+                    raise TypeError(f"{name} takes a workspace, got {type(one).__name__}")
+                flat.append(place)
             else:
                 if (one.dtype, one.ndim) != ARRAYS[kind] or not one.flags.c_contiguous:
                     raise TypeError(f"{name} takes a contiguous array of {ARRAYS[kind]}, got {one.dtype}, {one.shape}")
@@ -154,6 +153,18 @@ def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any
         return None if result == "void" else answer.value
 
     call.__name__ = name
+    return call
+
+
+def checked(dispatcher: Callable[..., Any]) -> Callable[..., Any]:
+    """The same function; where it could not call a native one, what was the reason is raised."""
+
+    def call(*args: Any) -> Any:
+        try:
+            return dispatcher(*args)
+        except NotMade:
+            raise reason() from None
+
     return call
 
 

@@ -8,7 +8,7 @@ took 2.5 times as long to run and 1.5 times as long to compile); in plain Python
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -151,8 +151,22 @@ ARRAYS = {
 }
 
 
+class Handle:
+    """What machine code gets for a workspace: the place of a table, three numbers for every array.
+
+    table (arrays, 3): address of the array, length, numbers in a row.
+    """
+
+    __slots__ = ("address", "arrays", "table")
+
+    def __init__(self, arrays: Sequence[np.ndarray]) -> None:
+        self.arrays = arrays  # live as long as their addresses
+        self.table = np.array([(one.ctypes.data, one.shape[0], one.shape[-1]) for one in arrays], np.int64)
+        self.address = self.table.ctypes.data
+
+
 class Workspace:
-    """The arrays of one run: attributes in plain Python; in machine code what `rattle.jit.blocks` makes of `handle`."""
+    """The arrays of one run: attributes in plain Python; in machine code what `numba_types` makes of `handle`."""
 
     def __init__(self, arrays: Mapping[str, Any]) -> None:
         if unknown := set(arrays) - set(ARRAYS):
@@ -164,10 +178,9 @@ class Workspace:
                 if array.dtype != dtype or array.ndim != int(kind[1]) or not array.flags.c_contiguous:
                     raise TypeError(f"array '{name}' is not a contiguous {kind}: {array.dtype}, {array.shape}")
             setattr(self, name, array)
-        self.handle: Any = functions.PLAIN  # in machine code (arrays, 1, 3): address and shape of each
+        self.handle: Any = functions.IN_PYTHON
         if isinstance(self.joint_table, np.ndarray) and functions.jit_runs():
-            every = (getattr(self, name) for name in ARRAYS)
-            self.handle = np.array([[(a.ctypes.data, a.shape[0], a.shape[-1])] for a in every], np.int64)
+            self.handle = Handle([getattr(self, name) for name in ARRAYS])
 
     if TYPE_CHECKING:
 
@@ -180,7 +193,7 @@ def _empty(kind: str) -> np.ndarray:
 
 @functions.before_compiling
 def teach_attributes(compiling: Any) -> None:
-    """Let Numba make arrays of the addresses and shapes in a handle."""
-    from rattle.jit import blocks
+    """Let Numba make arrays of the addresses and shapes behind a handle."""
+    from rattle.jit import numba_types
 
-    blocks.attributes({name: one.kind for name, one in ARRAYS.items()})
+    numba_types.teach_workspace(Handle, {name: one.kind for name, one in ARRAYS.items()}, compiling.ARRAY_TYPES)
