@@ -10,9 +10,10 @@ import pytest
 
 import rattle as rt
 from rattle.equations import motion
-from rattle.jit import folder, functions
+from rattle.jit import compile_path, folder, functions
 from rattle.jit.functions import native
 
+fast_only = pytest.mark.skipif(not compile_path.chosen().fast, reason="the plain way keeps code for Numba")
 SOURCES = str(Path(__file__).parents[2] / "src")
 
 
@@ -51,7 +52,7 @@ def test_native_functions_give_what_plain_python_gives():
 @pytest.mark.parametrize("row", [np.arange(8.0)[::2], np.arange(4), np.zeros((2, 2))], ids=["gaps", "whole", "rows"])
 def test_an_array_that_machine_code_would_misread_is_refused(row):
     functions.start()
-    with pytest.raises(TypeError, match="split takes a contiguous array|No matching definition"):
+    with pytest.raises(TypeError, match=r"split takes a contiguous array|No matching definition"):
         split(row, 1.0)
 
 
@@ -121,6 +122,7 @@ print(repr(float(r["O3.normal"][1:].sum())), "numba" in sys.modules, "scipy" in 
 """
 
 
+@fast_only
 def test_a_run_whose_code_is_kept_does_without_numba():
     before = in_fresh_process(RUN)
     assert in_fresh_process(RUN) == [before[0], "False", "False"]
@@ -139,6 +141,7 @@ def test_functions_that_are_imported_after_a_run_are_found_by_what_calls_them():
     assert in_fresh_process(LATER) == in_fresh_process(LATER) == alone
 
 
+@fast_only
 def test_code_that_needs_what_is_not_there_is_made_anew(tmp_path, monkeypatch):
     from rattle.jit import machine
     from rattle.jit.cache import Folder, KeptFile
