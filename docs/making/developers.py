@@ -109,9 +109,11 @@ def families() -> str:
 
 
 def workspace() -> str:
-    """Arrays of a run by name, kind, shape, unit and meaning."""
-    rows = [
-        (code(name), code(one.kind), one.shape, one.unit, paragraph(one.meaning))
-        for name, one in module_with("Workspace", "ARRAYS").ARRAYS.items()
-    ]
-    return table(("array", "kind", "shape", "unit", "content"), rows) + "\n"
+    """Arrays of a run by name, kind, shape, unit and meaning, and the columns of those that have named ones."""
+    arrays, columns = module_with("Workspace", "ARRAYS").ARRAYS, module_with("COLUMNS", "Column").COLUMNS
+    rows = [(code(name), code(one.kind), one.shape, one.unit, paragraph(one.meaning)) for name, one in arrays.items()]
+    parts = [table(("array", "kind", "shape", "unit", "content"), rows)]
+    for name in (one for one in arrays if one in columns):
+        named = [(code(key), one.unit, paragraph(one.meaning)) for key, one in columns[name].items()]
+        parts += [f"### Columns of {code(name)}", table(("column", "unit", "meaning"), named)]
+    return "\n\n".join(parts) + "\n"

@@ -147,7 +147,7 @@ def test_many_contacts_are_said_to_have_no_solution_only_where_no_modes_of_their
         found = complementarity.search_kernel(workspace, 8) == SOLVED or bool(unilateral.solve_by_trying(workspace, 8))
         assert found == solvable(matrix, b, slide, 2.0)
         assert not found or breach(workspace, matrix, 2.0) < 1e-9
-        ends.append(int(workspace.held[complementarity.OUTCOME]))
+        ends.append(int(workspace.held[at.OUTCOME]))
     assert set(ends) == {SOLVED, IMPOSSIBLE}
 
 
@@ -229,7 +229,7 @@ def test_sparse_solution_is_that_of_the_full_matrix(pins):
     f[lines] = np.linalg.solve((matrix @ pull)[np.ix_(lines, lines)], -workspace.side[B][lines])
     f = pull @ f
     assert workspace.side[F] == pytest.approx(f, abs=1e-11 * np.abs(f).max())
-    assert (workspace.held[complementarity.SPARSE] == 1.0) == (pins > complementarity.FEW)
+    assert (workspace.held[at.SPARSE] == 1.0) == (pins > complementarity.FEW)
 
 
 # ---------------------------------------------------------------- runs
@@ -249,7 +249,7 @@ def test_words_about_an_unsolved_problem_name_painleve_only_where_friction_is_sh
     said = {}
     for outcome in (IMPOSSIBLE, JAMMED, complementarity.UNDECIDED):
         workspace, _ = problem(3, 0.1, np.random.default_rng(1))
-        workspace.held[complementarity.OUTCOME] = outcome
+        workspace.held[at.OUTCOME] = outcome
         run.system, run.workspace, run.clock = chain(3).system, workspace, np.zeros(9)
         said[outcome] = EventDrivenRun.trouble(run, unilateral.ending(workspace))
     assert "has no solution" in said[IMPOSSIBLE]

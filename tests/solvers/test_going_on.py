@@ -8,6 +8,7 @@ import pytest
 import rattle as rt
 from rattle.analyses.dynamics.event_driven_run import EventDrivenRun
 from rattle.equations import unilateral
+from rattle.jit import layout as at
 from rattle.solvers.nonsmooth import event_driven
 
 SLIDER_CRANK = """
@@ -216,7 +217,8 @@ def test_end_of_a_sequence_does_not_depend_on_the_tolerance():
 
 def test_crowded_events_are_named_as_such(monkeypatch):
     def crowded(self, t, chunk):
-        self.stuck[2:] = 0.0, event_driven.MOST_IN_A_ROW + 1.0
+        self.workspace.stuck[at.EVENT_WHO] = 0.0
+        self.workspace.stuck[at.EVENTS_IN_A_ROW] = event_driven.MOST_IN_A_ROW + 1.0
         return unilateral.CHATTER
 
     monkeypatch.setattr(EventDrivenRun, "advance", crowded)

@@ -27,10 +27,6 @@ EXACT = 1e-12  # share of the largest value below which a value counts as zero
 LOOSE = 1e3  # times that: a does not vanish as it should, because contacts or joints depend on each other
 MOST_TRIED = 5  # contacts up to which all combinations of modes are tried
 FEW = 6  # contacts up to which G is formed and solved as a full matrix
-# entries of `held`, after those of impact: 1 while G is sparse; how the last search ended; share by which the diagonal
-# of G is raised; magnitude of the terms of the last a = G f + b; smallest ratio of a pivot to its diagonal (sparse);
-# 1 + a contact whose force may differ without changing the motion
-SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, SHARED = range(2, 8)
 # IMPOSSIBLE: all modes tried; JAMMED: the force that presses contacts together makes them approach
 SOLVED, IMPOSSIBLE, JAMMED, UNDECIDED = 1, 0, -1, -2
 DENSE_WAY = 2  # returned by the sparse solution if the dense one is needed
@@ -59,8 +55,8 @@ def rows_kernel(m, count):
             uy = kinematics[n, at.NY] if d == 0 else kinematics[n, at.NX]
             w[r, 0], w[r, 1], w[r, 2] = -ux, -uy, -(kinematics[n, at.PAX] * uy - kinematics[n, at.PAY] * ux)
             w[r, 3], w[r, 4], w[r, 5] = ux, uy, kinematics[n, at.PBX] * uy - kinematics[n, at.PBY] * ux
-    held[SPARSE] = 1.0 if count > FEW and m.net_first.shape[0] > 0 else 0.0
-    if held[SPARSE] == 0.0:
+    held[at.SPARSE] = 1.0 if count > FEW and m.net_first.shape[0] > 0 else 0.0
+    if held[at.SPARSE] == 0.0:
         fill_delassus(m, count)
     return 0
 
@@ -142,11 +138,11 @@ def modes_kernel(m, number):
     Returns the sign of the determinant: +1 as without friction, -1 if friction locks, 0 for dependent contacts.
     """
     count, rough = number // 4, number % 2
-    if m.held[SPARSE] == 1.0:
+    if m.held[at.SPARSE] == 1.0:
         sign = call_problem(m.problem_table[NETWORK], (m, number))
         if sign != DENSE_WAY:
             return sign
-        m.held[SPARSE] = 0.0
+        m.held[at.SPARSE] = 0.0
         fill_delassus(m, count)
     return eliminate(m, count, rough)
 
@@ -154,7 +150,7 @@ def modes_kernel(m, number):
 @compiled
 def eliminate(m, count, rough):
     """`modes_kernel` with G as a full matrix."""
-    ridge = 1.0 + m.held[RIDGE]
+    ridge = 1.0 + m.held[at.RIDGE]
     delassus, side, system, candidate = m.delassus, m.side, m.system, m.candidate
     active, pivot = m.active, m.pivots
     size = 0
@@ -231,8 +227,8 @@ def eliminate(m, count, rough):
 def resolution(m, count):
     """Magnitudes of f and of a below which they count as zero, in the units of f and a."""
     side, delassus = m.side, m.delassus
-    force, rate = 0.0, m.held[SCALE]
-    if m.held[SPARSE] == 0.0:
+    force, rate = 0.0, m.held[at.SCALE]
+    if m.held[at.SPARSE] == 0.0:
         rate = 0.0
         for r in range(2 * count):
             rate = max(rate, abs(side[B, r]))
@@ -307,7 +303,7 @@ def search_kernel(m, count):
     Returns SOLVED, IMPOSSIBLE, JAMMED or UNDECIDED.
     """
     held = m.held
-    held[OUTCOME] = SOLVED
+    held[at.OUTCOME] = SOLVED
     if change_where_broken(m, count):
         return SOLVED
     outcome = call_problem(m.problem_table[FOLLOW], (m, count))
@@ -318,7 +314,7 @@ def search_kernel(m, count):
         outcome = SOLVED if is_solution(m, count, LOOSE) else UNDECIDED
     if outcome != SOLVED and count <= MOST_TRIED:
         outcome = SOLVED if call_problem(m.problem_table[TRY_ALL], (m, 2 * count)) > 0 else IMPOSSIBLE
-    held[OUTCOME] = outcome
+    held[at.OUTCOME] = outcome
     return outcome
 
 

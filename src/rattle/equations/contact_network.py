@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rattle.equations import schur
-from rattle.equations.complementarity import DENSE_WAY, FORWARD, OFF, RIDGE, SCALE, STICK, WEAKEST, A, B, F, friction_of
+from rattle.equations.complementarity import DENSE_WAY, FORWARD, OFF, STICK, A, B, F, friction_of
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 
@@ -157,7 +157,7 @@ def eliminate(m, ridge, even):
             if even:
                 up[a] = low[a]
             low[a] *= inverse
-    m.held[WEAKEST] = weakest
+    m.held[at.WEAKEST] = weakest
     return sign
 
 
@@ -256,7 +256,7 @@ def solve_rows(m, count, ridge, only):
             if on[i] == 1:
                 x[0, place[i]] = -side[B, 2 * k + d]
     substitute(m, 0)
-    if only == 1 and m.held[WEAKEST] > SOUND:
+    if only == 1 and m.held[at.WEAKEST] > SOUND:
         return True
     effect_of_rows(m)
     worst, scale = remainder(m, count)
@@ -266,7 +266,7 @@ def solve_rows(m, count, ridge, only):
             x[0, i] += x[1, i]
         effect_of_rows(m)
         worst, scale = remainder(m, count)
-    m.held[SCALE] = scale
+    m.held[at.SCALE] = scale
     return worst <= WRONG * scale
 
 
@@ -279,7 +279,7 @@ def network_kernel(m, number):
     count, only, rough = number // 4, number // 2 % 2, number % 2
     w, side, dv, x = m.contact_jacobian, m.side, m.velocity_change, m.net_x
     contact, active, candidate, place = m.contact, m.active, m.candidate, m.net_place
-    nr, ridge = m.row_body.shape[0], m.held[RIDGE]
+    nr, ridge = m.row_body.shape[0], m.held[at.RIDGE]
     even = choose_rows(m, count, rough)
     sign = eliminate(m, ridge, even)
     if sign == 0 or not solve_rows(m, count, ridge, only):

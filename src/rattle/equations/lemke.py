@@ -27,7 +27,6 @@ from rattle.equations.complementarity import (
     FORWARD,
     JAMMED,
     OFF,
-    RIDGE,
     SOLVED,
     STICK,
     UNDECIDED,
@@ -36,7 +35,8 @@ from rattle.equations.complementarity import (
     F,
     friction_of,
     linear,
-)  # fmt: skip
+)
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 
 RAISED = 1e-11
@@ -164,7 +164,7 @@ def follow_kernel(m, count):
     """Modes of a solution into `candidate`; returns SOLVED, JAMMED (the path ends in a ray) or UNDECIDED."""
     held, side, path = m.held, m.side, m.path
     found = UNDECIDED
-    held[RIDGE] = RAISED
+    held[at.RIDGE] = RAISED
     for attempt in range(ATTEMPTS):
         outcome = follow(m, count, attempt)
         for r in range(2 * count):
@@ -172,7 +172,7 @@ def follow_kernel(m, count):
         found = max(found, outcome)
         if found == SOLVED:
             break
-    held[RIDGE] = 0.0
+    held[at.RIDGE] = 0.0
     return found
 
 

@@ -107,7 +107,7 @@ def loads(m, t):
             potential += energy[at.POTENTIAL]
         else:  # its values change with time: the stored energy is not a function of position alone
             rate += energy[at.ELASTIC]
-    power[0], power[1], power[2] = potential, rate, lost
+    power[at.POTENTIAL_ENERGY], power[at.WORK_RATE], power[at.LOSS_RATE] = potential, rate, lost
     if m.contact.shape[0] > 0:
         locate_contacts(m)
         press(m)
@@ -176,7 +176,7 @@ def accelerate(m):
             acceleration[i, k] = weight[i, k] * force[i, k]
     for r in range(rows.shape[0]):
         multiplier[r] = 0.0
-    rounds = 1 if m.power[3] > WEAK else 3  # near a singular position the solution is refined
+    rounds = 1 if m.power[at.PIVOT_SHARE] > WEAK else 3  # near a singular position the solution is refined
     for _ in range(rounds):
         for r in range(rows.shape[0]):
             a, b = row_body[r, 0], row_body[r, 1]
@@ -242,7 +242,7 @@ def collect(m, v, dy):
     rows, multiplier, acceleration, power = m.rows, m.multiplier, m.acceleration, m.power
     kinematics = m.contact_kinematics
     nq = v.shape[0]
-    rate = power[1]
+    rate = power[at.WORK_RATE]
     for r in range(rows.shape[0]):
         rate -= multiplier[r] * rows[r, at.NU]
     for k in range(nq):
@@ -251,7 +251,7 @@ def collect(m, v, dy):
         for k in range(3):
             dy[nq + 3 * i - 3 + k] = acceleration[i, k]
     dy[energies_at(m) + WORK] = rate
-    dy[energies_at(m) + DISSIPATED] = power[2]
+    dy[energies_at(m) + DISSIPATED] = power[at.LOSS_RATE]
     for n in range(kinematics.shape[0]):
         k = account_at(m, n)
         dy[k + IMPULSE] = kinematics[n, at.NORMAL]

@@ -110,7 +110,7 @@ def factorise(m):
     """Fill S from the rows and factor it in place; returns the number of redundant rows.
 
     inverse[k] becomes 1 / pivot, or 0 for a redundant row: its multiplier is then zero.
-    power[3] becomes the smallest ratio of a pivot to its diagonal, if it is smaller than before.
+    power[at.PIVOT_SHARE] becomes the smallest ratio of a pivot to its diagonal, if it is smaller than before.
     """
     first, target, pairs = m.first, m.target, m.pairs
     weight, rows = m.weight, m.rows
@@ -130,7 +130,7 @@ def factorise(m):
     for k in range(nr):
         inverse[k] = s[k]  # the diagonal before elimination, for the pivot test
     lost = 0
-    weakest = m.power[3]
+    weakest = m.power[at.PIVOT_SHARE]
     u = 0
     for k in range(nr):
         pivot = s[k]
@@ -149,7 +149,7 @@ def factorise(m):
                 u += 1
         for a in range(nr + first[k], nr + first[k + 1]):
             s[a] *= inverse[k]
-    m.power[3] = weakest
+    m.power[at.PIVOT_SHARE] = weakest
     return lost
 
 

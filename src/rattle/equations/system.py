@@ -85,10 +85,10 @@ class System:
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
         nc = self.arrays["contact"].shape[0]
         machine = functions.jit_runs()  # read once: another thread may switch to machine code at any moment
-        memory = np.zeros((nc, 13))
+        memory = np.zeros((nc, at.width("contact_memory")))
         memory[:, at.CLOSED] = at.AUTO
-        body = np.zeros((nb, 8))
-        body[0, 6] = 1.0
+        body = np.zeros((nb, at.width("body")))
+        body[0, at.COS] = 1.0
         return Workspace(
             {
                 **self.arrays,
@@ -109,10 +109,10 @@ class System:
                 "jet_stack": np.zeros((self.depth, 3)),
                 "jet_out": np.zeros(3),
                 "body": body,
-                "rows": np.zeros((nr, 9)),
+                "rows": np.zeros((nr, at.width("rows"))),
                 "force": np.zeros((nb, 3)),
-                "energy": np.zeros(4),
-                "power": np.ones(4),
+                "energy": np.zeros(at.width("energy")),
+                "power": np.ones(at.width("power")),
                 "schur": np.zeros(nr + self.arrays["below"].shape[0]),
                 "inverse": np.zeros(nr),
                 "redundant": np.zeros(nr, np.int64),
@@ -120,7 +120,7 @@ class System:
                 "multiplier": np.zeros(nr),
                 "acceleration": np.zeros((nb, 3)),
                 "change": np.zeros(3 * nb - 3),
-                "contact_kinematics": np.zeros((nc, 16)),
+                "contact_kinematics": np.zeros((nc, at.width("contact_kinematics"))),
                 "contact_memory": memory,
                 "element_state": np.zeros(self.element_states),
                 "element_rate": np.zeros(self.element_states),
@@ -205,9 +205,9 @@ def compile_system(model: Model) -> System:
         "mass": mass,
         "weight": weight,
         "gravity": np.array(model.gravity, dtype=float),
-        "joint": _table(joint, 5),
-        "load": _table(load, 5),
-        "contact": _table(contact, 15),
+        "joint": _table(joint, at.width("joint")),
+        "load": _table(load, at.width("load")),
+        "contact": _table(contact, at.width("contact")),
         "lever": np.array(lever, dtype=float).reshape(-1, 4),
         "values": np.array(values, dtype=float),
         "code": code,

@@ -11,24 +11,20 @@ from rattle.equations.complementarity import (
     IMPOSSIBLE,
     MODES,
     OFF,
-    OUTCOME,
     ROWS_OF,
     SEARCH,
-    SHARED,
     SOLVED,
-    SPARSE,
     STICK,
     TRY_ALL,
     UNDECIDED,
     B,
     F,
     friction_of,
-)  # fmt: skip
+)
 from rattle.equations.schur import solve
 from rattle.jit import layout as at
 from rattle.jit.functions import call_problem, compiled, kernel
 
-DETERMINANT, SIZE = range(2)  # entries of `held`; more in complementarity
 EXPAND, TRACE = (
     6,
     7,
@@ -91,18 +87,18 @@ def solve_contacts(m, count):
 def solve_by_trying(m, count):
     """Try all modes if `solve_contacts` has found none; True if there is a solution, otherwise see `ending`."""
     held = m.held
-    if held[OUTCOME] == IMPOSSIBLE:
+    if held[at.OUTCOME] == IMPOSSIBLE:
         return False
     found = call_problem(m.problem_table[TRY_ALL], (m, 2 * count))
     if found >= 0:
-        held[OUTCOME] = SOLVED if found > 0 else IMPOSSIBLE
+        held[at.OUTCOME] = SOLVED if found > 0 else IMPOSSIBLE
     return found > 0
 
 
 @compiled
 def ending(m):
     """How a run ends whose contact problem was not solved: NO_SOLUTION if proved or jammed, otherwise NOT_FOUND."""
-    return NOT_FOUND if m.held[OUTCOME] == UNDECIDED else NO_SOLUTION
+    return NOT_FOUND if m.held[at.OUTCOME] == UNDECIDED else NO_SOLUTION
 
 
 @compiled
@@ -159,7 +155,7 @@ def push_all(m, count):
     """
     side, dv, dlambda = m.side, m.velocity_change, m.multiplier_change
     response, multiplier_response, w, weight = m.velocity_response, m.multiplier_response, m.contact_jacobian, m.weight
-    contact, active, sparse = m.contact, m.active, m.held[SPARSE] == 1.0
+    contact, active, sparse = m.contact, m.active, m.held[at.SPARSE] == 1.0
     for i in range(dv.shape[0]):
         for q in range(3):
             dv[i, q] = 0.0
@@ -221,11 +217,11 @@ def hold(m):
         return
     contact_rows(m, count)
     lasting_side(m, count)
-    held[DETERMINANT] = solve_modes(m, count, 1)
+    held[at.DETERMINANT] = solve_modes(m, count, 1)
     add_forces(m, count, m.acceleration, m.multiplier)
     for k in range(count):
         n = active[k]
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = side[F, 2 * k], side[F, 2 * k + 1]
         kinematics[n, at.LOSS] = 0.0 if mode[n] == STICK else side[F, 2 * k + 1] * kinematics[n, at.SLIP]
-        if side[F, 2 * k] == 0.0 and held[DETERMINANT] == 0.0:
-            held[SHARED] = 1.0 + n
+        if side[F, 2 * k] == 0.0 and held[at.DETERMINANT] == 0.0:
+            held[at.SHARED] = 1.0 + n

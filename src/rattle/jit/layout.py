@@ -1,50 +1,340 @@
-"""Names of the columns of the arrays in a workspace, in the letters of the kernels.
+"""The columns of the arrays of a run, by name: `m.body[i, at.COS]`, with `from rattle.jit import layout as at`.
 
-`body` is an array (nb + 1, 8), one row per body, row 0 the ground; `rows` is an array (nr, 9), one
-row per constraint.  Units are SI, as listed with each array in `rattle.jit.workspace`.
+Each array with columns has a block below: name, unit and meaning of every column in order, one per line.  What follows
+it are the numbers that code uses; a test compares the two.  Points and frames are in the letters of the kernels.
 """
 
 from __future__ import annotations
 
-# columns of `body`: mass centre [m], angle [rad], their rates, cosine and sine of the angle
-X, Y, PHI, VX, VY, W, COS, SIN = range(8)
-# columns of `rows`: residual Phi, nu, gamma, then the Jacobian with respect to x, y, phi of A and of B
-RES, NU, GAMMA, AX, AY, AP, BX, BY, BP = range(9)
-# columns of `energy`: potential [J]; power of the elastic part, power from outside, dissipation [W]
-POTENTIAL, ELASTIC, OUTSIDE, DISSIPATED = range(4)
-# columns of `contact`: kernels and first parameters of its geometry and laws, joint and bodies to which it belongs
-SHAPE, A_BODY, B_BODY, SHAPE_P, CORNER, STATIC, STATIC_P, NORMAL_LAW, NORMAL_P, FRICTION, FRICTION_P, OWNER, IMPACT = (
-    range(13)
+import re
+from typing import NamedTuple
+
+
+class Column(NamedTuple):
+    """One column of an array."""
+
+    unit: str
+    meaning: str
+
+
+COLUMNS: dict[str, dict[str, Column]] = {}  # array -> name -> unit and meaning, in order
+
+
+def _declare(array: str, text: str) -> None:
+    """Enter the columns of an array from lines "NAME [unit] meaning"."""
+    found = (re.fullmatch(r"\s*(\w+) \[(.*?)\] (.+)", line) for line in text.strip().splitlines())
+    COLUMNS[array] = {one[1]: Column(one[2], one[3]) for one in found if one}
+
+
+def width(array: str) -> int:
+    """Number of columns of an array."""
+    return len(COLUMNS[array])
+
+
+# ---------------------------------------------------------------- the mechanism
+_declare(
+    "body",
+    """
+    X [m] mass centre
+    Y [m] mass centre
+    PHI [rad] angle
+    VX [m/s] rate of x
+    VY [m/s] rate of y
+    W [rad/s] rate of the angle
+    COS [] cosine of the angle
+    SIN [] sine of the angle
+""",
 )
-FIRST_STATE, STATES = 13, 14  # of its friction law among the states of elements, and how many
+X, Y, PHI, VX, VY, W, COS, SIN = range(8)
+_declare(
+    "rows",
+    """
+    RES [m or rad] residual Phi
+    NU [m/s or rad/s] right-hand side of Phi_q v = nu
+    GAMMA [m/s^2 or rad/s^2] right-hand side of Phi_q dv = gamma
+    AX [1 or 1/m] Jacobian with respect to x of A
+    AY [1 or 1/m] with respect to y of A
+    AP [m or 1] with respect to the angle of A
+    BX [1 or 1/m] with respect to x of B
+    BY [1 or 1/m] with respect to y of B
+    BP [m or 1] with respect to the angle of B
+""",
+)
+RES, NU, GAMMA, AX, AY, AP, BX, BY, BP = range(9)
+_declare(
+    "energy",
+    """
+    POTENTIAL [J] what the load stores
+    ELASTIC [W] power of its elastic part
+    OUTSIDE [W] power from outside
+    DISSIPATED [W] what it loses
+""",
+)
+POTENTIAL, ELASTIC, OUTSIDE, DISSIPATED = range(4)
+_declare(
+    "power",
+    """
+    POTENTIAL_ENERGY [J] of gravity and loads
+    WORK_RATE [W] power of loads from outside
+    LOSS_RATE [W] what loads dissipate
+    PIVOT_SHARE [] least pivot / its diagonal since it was set to 1
+""",
+)
+POTENTIAL_ENERGY, WORK_RATE, LOSS_RATE, PIVOT_SHARE = range(4)
+_declare(
+    "joint",
+    """
+    KERNEL [] number of its kernel; -1: held by contacts alone
+    END_A [] body A
+    END_B [] body B
+    FIRST_P [] place of its first parameter in `values`
+    FIRST_ROW [] its first constraint row
+""",
+)
+KERNEL, END_A, END_B, FIRST_P, FIRST_ROW = range(5)
+_declare(
+    "load",
+    """
+    KERNEL [] number of its kernel
+    END_A [] body A
+    END_B [] body B
+    FIRST_P [] place of its first parameter in `values`
+    CHANGES [] 1 if its values change during the run
+""",
+)
+CHANGES = 4
+_declare(
+    "contact",
+    """
+    SHAPE [] kernel of its geometry
+    A_BODY [] body A, which bears
+    B_BODY [] body B
+    SHAPE_P [] first parameter of its geometry
+    CORNER [] which corner of a block
+    STATIC [] kernel of the static force
+    STATIC_P [] its first parameter
+    NORMAL_LAW [] kernel of the normal force
+    NORMAL_P [] its first parameter; of an impact contact the first of its fields
+    FRICTION [] kernel of friction; -1: none
+    FRICTION_P [] its first parameter
+    OWNER [] number of its joint
+    IMPACT [] 1 for a set-valued contact, 0 for a compliant one
+    FIRST_STATE [] first state of its friction law among those of all elements
+    STATES [] how many states that law has
+""",
+)
+SHAPE, A_BODY, B_BODY, SHAPE_P, CORNER, STATIC, STATIC_P, NORMAL_LAW, NORMAL_P, FRICTION, FRICTION_P = range(11)
+OWNER, IMPACT, FIRST_STATE, STATES = range(11, 15)
+_declare(
+    "lever",
+    """
+    ARM_A [m] longest arm on A to its contact points
+    ARM_B [m] longest arm on B
+    WALLS_TURN [] 1 if straight walls turn with A
+    ROUNDED [] 1 if a wall is curved
+""",
+)
+ARM_A, ARM_B, WALLS_TURN, ROUNDED = range(4)
 # parameters of a joint, driver or load between two points start with these (x, y each); those of contacts go on with
 # the clearance, the radius of the bush, the fields of the joint and its dimensions
 POINTS = 4
 CLEARANCE, RADIUS, FIELDS = 4, 5, 6
 # parameters of a set-valued contact: the fields of `impact` in their order
 RESTITUTION, TANGENTIAL_RESTITUTION, MU, RESTITUTION_LAW, JAM = range(5)
-# columns of `joint`: kernel, bodies A and B, first parameter, first row; those of `load` differ in the last one: 1 if
-# its values change during the run
-KERNEL, END_A, END_B, FIRST_P, FIRST_ROW = range(5)
-CHANGES = 4
-# columns of `lever`: lever arms on A and B [m]; 1 if straight walls turn with A; 1 if a wall is curved
-ARM_A, ARM_B, WALLS_TURN, ROUNDED = range(4)
-# columns of `contact_kinematics`: gap g (negative: penetration) and its rate; normal n from A outwards (the force on
-# B is -N n - T t, t = n turned by 90 degrees); arms of the contact point from the mass centres of A and B; slip u . t
-# of B's material against A's; gamma of the normal and tangential rows; N, T and the rates they give; speed of a pin's
-# centre along t
+
+# ---------------------------------------------------------------- contacts
+_declare(
+    "contact_kinematics",
+    """
+    GAP [m] gap g; negative: penetration
+    DGAP [m/s] its rate
+    NX [] normal n from A outwards; the force on B is -N n - T t, t = n turned by 90 degrees
+    NY [] the same along y
+    PAX [m] arm of the contact point from the mass centre of A
+    PAY [m] the same along y
+    PBX [m] arm from the mass centre of B
+    PBY [m] the same along y
+    SLIP [m/s] u . t of B's material against A's
+    GAMMA_N [m/s^2] gamma of the normal row
+    GAMMA_T [m/s^2] gamma of the tangential row
+    NORMAL [N] N
+    TANGENT [N] T
+    LOSS [W] what the contact takes from the motion and loses
+    STORE [W] what it takes and stores
+    ACROSS [m/s] speed of a pin's centre along t
+""",
+)
 GAP, DGAP, NX, NY, PAX, PAY, PBX, PBY, SLIP, GAMMA_N, GAMMA_T, NORMAL, TANGENT, LOSS, STORE, ACROSS = range(16)
-# columns of `contact_memory`: state, approach speed, time, impulse and loss at its start, peak force,
-# steps so far; gap, its rate and N at the start and at the end of the present step
+_declare(
+    "contact_memory",
+    """
+    CLOSED [] OPEN, SHUT or AUTO
+    SPEED [m/s] approach speed
+    SINCE [s] start of the contact
+    PEAK [N] largest N so far
+    IMPULSE_0 [N*s] impulse at its start
+    LOSS_0 [J] energy lost at its start
+    STEPS_IN [] steps so far in a compliant contact
+    GAP_0 [m] gap at the start of the step
+    DGAP_0 [m/s] its rate there
+    N_0 [N] N there
+    GAP_1 [m] gap at the end of the step
+    DGAP_1 [m/s] its rate there
+    N_1 [N] N there
+    BOUNCES_END [s] instant at which a series of bounces that is closed ends; 0: none is
+    ROUNDING [m/s] velocity scale before the last impact: what rounding is measured by
+    RATE_BEFORE [m/s] rate of the gap before an impact
+    SLIP_BEFORE [m/s] slip before an impact
+    HITS [] Moreau-Jean: 1 for an impact in this step
+    E_T [] its tangential restitution
+    RATE_AFTER [m/s] rate of the gap that a bounce is to leave with
+    SHIFT [m] by how much its gap comes out too small
+    STEPS_ON [] pressed steps in a row, or free ones with a negative sign
+""",
+)
 CLOSED, SPEED, SINCE, PEAK, IMPULSE_0, LOSS_0, STEPS_IN, GAP_0, DGAP_0, N_0, GAP_1, DGAP_1, N_1 = range(13)
-# columns of `events`: time, contact, kind, normal speed, duration, peak force, impulse, energy lost; the kinds
+BOUNCES_END, ROUNDING, RATE_BEFORE, SLIP_BEFORE, HITS, E_T, RATE_AFTER, SHIFT, STEPS_ON = range(13, 22)
+OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)
+_declare(
+    "recent",
+    """
+    LAST_IMPACT [s] instant of the last impact of a contact
+    IMPACT_BEFORE [s] of the one before
+""",
+)
+LAST_IMPACT, IMPACT_BEFORE = range(2)
+_declare(
+    "held",
+    """
+    DETERMINANT [] sign of that of the contact problem of the motion
+    SIZE [m] a length that is typical of the mechanism
+    SPARSE [] 1 while G is sparse
+    OUTCOME [] how the last search ended
+    RIDGE [] share by which the diagonal of G is raised
+    SCALE [] size of the terms of the last a = G f + b
+    WEAKEST [] smallest share of a pivot, sparse way
+    SHARED [] 1 + a contact that may press otherwise without any other motion
+""",
+)
+DETERMINANT, SIZE, SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, SHARED = range(8)
+_declare(
+    "stuck",
+    """
+    EVENT_AT [s] time of the last event
+    EVENTS_THERE [] events at that time so far
+    EVENT_WHO [] contact of the last event
+    EVENTS_IN_A_ROW [] events, each soon after the one before
+""",
+)
+EVENT_AT, EVENTS_THERE, EVENT_WHO, EVENTS_IN_A_ROW = range(4)
+
+# ---------------------------------------------------------------- a run
+_declare(
+    "clock",
+    """
+    T [s] time of `state`
+    H [s] next step
+    H_MIN [s] smallest step
+    TROUBLE [s] time at which a step failed
+    H_SOUND [s] last step with sound pivots
+    H_FREE [s] step of free flight
+    FEWEST [] fewest steps in a contact
+    CHANGE_AT [] share of the step at which a contact starts or ends
+""",
+)
+T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, CHANGE_AT = range(8)
+_declare(
+    "tally",
+    """
+    STEPS [] steps taken
+    REJECTED [] steps taken again, shorter
+    EVALUATIONS [] of the right-hand side
+    OUTPUTS [] output rows written
+    FOUND [] zero crossings waiting to be collected
+    DRIFT_ROW [] row that is open most
+    LOST_ROWS [] redundant rows
+    LEAPS [] steps across singular positions
+    STREAK [] tries at one
+    EVENT_COUNT [] events waiting to be collected
+    CONTACTS [] contacts that started
+    TAME [] 1 while stages are projected onto the constraints
+    SERIES [] infinite series of bounces closed
+""",
+)
+STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST_ROWS, LEAPS, STREAK, EVENT_COUNT = range(10)
+CONTACTS, TAME, SERIES = range(10, 13)
+_declare(
+    "audit",
+    """
+    OPEN_LIMIT [] openness beyond which a step is rejected
+    UNREST_LIMIT [] share of the turnover beyond which unrest rejects a step
+    FLOOR [J] energy below which unrest is rounding
+    STARTED [] 1 once the energies of the start are known
+    TOTAL_0 [J] all energy at the start
+    WORK_0 [J] work done at the start
+    MOST_KINETIC [J] largest kinetic energy so far
+    MOST_WORK [J] largest work so far
+    LEAST_POTENTIAL [J] smallest potential energy so far
+    MOST_POTENTIAL [J] largest so far
+    MOST_UNREST [] largest unrest so far
+    OPEN_ANGLE [rad] largest angle by which joints were open
+    OPEN_LENGTH [m] largest length
+    OPENNESS [] of the present step: its worst row, by its own measure
+    OPEN_ROW [] which row that is
+    UNREST [] of the present step: energy not accounted for, as a share of the turnover
+    CORRECTION [] openness that was corrected in the present step
+    SUNK [] largest depth of a set-valued contact in its wall [clearances], Moreau-Jean only
+""",
+)
+OPEN_LIMIT, UNREST_LIMIT, FLOOR, STARTED, TOTAL_0, WORK_0, MOST_KINETIC, MOST_WORK, LEAST_POTENTIAL = range(9)
+MOST_POTENTIAL, MOST_UNREST, OPEN_ANGLE, OPEN_LENGTH, OPENNESS, OPEN_ROW, UNREST, CORRECTION, SUNK = range(9, 18)
+_declare(
+    "landing",
+    """
+    LANDS [] 1 + switch at which the step ends; 0: none
+    GO_ON [s] next step
+    TURNS [] switchings so far
+    LAST_TURN [s] time of the last one
+    AGAIN [] switchings without progress in time
+""",
+)
+LANDS, GO_ON, TURNS, LAST_TURN, AGAIN = range(5)
+_declare(
+    "crossings",
+    """
+    CROSSING_T [s] instant
+    CROSSING_FORCE [] number of the monitored force
+    CROSSING_SIGN [] its new sign
+""",
+)
+CROSSING_T, CROSSING_FORCE, CROSSING_SIGN = range(3)
+_declare(
+    "events",
+    """
+    EVENT_T [s] instant
+    EVENT_CONTACT [] number of the contact
+    EVENT_KIND [] what it did
+    EVENT_SPEED [m/s] along the normal
+    EVENT_DURATION [s] of a contact that is over
+    EVENT_PEAK [N] its largest force
+    EVENT_IMPULSE [N*s] impulse
+    EVENT_LOSS [J] energy lost
+""",
+)
 EVENT_T, EVENT_CONTACT, EVENT_KIND, EVENT_SPEED, EVENT_DURATION, EVENT_PEAK, EVENT_IMPULSE, EVENT_LOSS = range(8)
 CONTACT_EVENT, RELEASE_EVENT, IMPACT_EVENT, STICK_EVENT, SLIP_EVENT = 0.0, 1.0, 2.0, 3.0, 4.0
-# how a quantity with peaks is formed from its columns of an output row: length of a vector, magnitude of a number, the
-# number, or its negative
-OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE = range(4)
-# one output row: the columns of every body, then of every joint and driver, the signals, the energies; names as in a
-# result, with their units
+_declare(
+    "quantity",
+    """
+    FORM [] how it is formed from its columns: OF_VECTOR, OF_SIZE, OF_VALUE or OF_NEGATIVE
+    FIRST_COLUMN [] its first column after those of bodies
+""",
+)
+FORM, FIRST_COLUMN = range(2)
+OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE = range(4)  # length of a vector, magnitude, the number, its negative
+
+# ---------------------------------------------------------------- output rows
+# the columns of every body, then of every joint and driver, the signals, the energies; names as in a result, with units
 OUTPUT_BODY = {
     "x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s",
     "ax": "m/s^2", "ay": "m/s^2", "alpha": "rad/s^2",
@@ -60,4 +350,3 @@ PER_BODY, PER_JOINT, ENERGIES = len(OUTPUT_BODY), len(OUTPUT_JOINT), len(OUTPUT_
 PLACE, RATE, RATE_RATE = 0, 3, 6  # of a body: first of x, y, angle, of their rates and of their accelerations
 FX, FY, MOMENT, EX, EY, EFFORT, POWER, JOINT_NORMAL, JOINT_TANGENT, PENETRATION = range(PER_JOINT)
 KINETIC, STORED, WORK, LOST = range(ENERGIES)
-OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)

@@ -5,21 +5,20 @@ from __future__ import annotations
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
-from rattle.solvers.step_state import EVENT_COUNT
 
 
 @compiled
 def note(m, kind, n, t, speed):
     """Write a row for contact n at t [s], with its normal speed [m/s]; returns its index, -1 if there is no room."""
     tally, events = m.tally, m.events
-    k = tally[EVENT_COUNT]
+    k = tally[at.EVENT_COUNT]
     if k == events.shape[0]:
         return -1
     for column in range(events.shape[1]):
         events[k, column] = 0.0
     events[k, at.EVENT_T], events[k, at.EVENT_CONTACT], events[k, at.EVENT_KIND] = t, n, kind
     events[k, at.EVENT_SPEED] = speed
-    tally[EVENT_COUNT] = k + 1
+    tally[at.EVENT_COUNT] = k + 1
     return k
 
 

@@ -18,7 +18,7 @@ def record(m, t, y, row):
     lost = y[energies + DISSIPATED]
     for n in range(m.contact.shape[0]):
         lost += y[account_at(m, n) + LOSS]
-        m.power[0] += y[account_at(m, n) + STORED]
+        m.power[at.POTENTIAL_ENERGY] += y[account_at(m, n) + STORED]
     write(m, y[energies + WORK], lost, row)
 
 
@@ -41,7 +41,7 @@ def write(m, work_done, dissipated, row):
         row[c] = signals[signal[n, 2]]
         c += 1
     row[c + at.KINETIC] = kinetic
-    row[c + at.STORED] = power[0]
+    row[c + at.STORED] = power[at.POTENTIAL_ENERGY]
     row[c + at.WORK] = work_done
     row[c + at.LOST] = dissipated
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from rattle.equations.motion import constraints, correct, drive, place, rate_residual, residual
 from rattle.equations.schur import factorise
+from rattle.jit import layout as at
 from rattle.jit.functions import native
-from rattle.solvers.step_audit import CORRECTION, note_drift, openness
-from rattle.solvers.step_state import DRIFT_ROW, LOST
+from rattle.solvers.step_audit import note_drift, openness
 
 CLOSE_ENOUGH = 1e-15  # residual below which positions are not corrected [m or rad]
 QUADRATIC = 1e-9  # a correction that starts below this residual [m or rad] needs no second one
@@ -26,7 +26,7 @@ def project_on_constraints(m, t, y, unused):
     constraints(m)
     lost = factorise(m)
     drift = residual(m)
-    m.audit[CORRECTION] = openness(m)
+    m.audit[at.CORRECTION] = openness(m)
     if drift > CLOSE_ENOUGH:
         for _ in range(3):
             correct(m)
@@ -55,6 +55,6 @@ def project(m, t, y):
     lost = project_on_constraints(m, t, y, y)
     row = note_drift(m)
     if row >= 0:
-        tally[DRIFT_ROW] = row
-    if lost > tally[LOST]:
-        tally[LOST] = lost
+        tally[at.DRIFT_ROW] = row
+    if lost > tally[at.LOST_ROWS]:
+        tally[at.LOST_ROWS] = lost

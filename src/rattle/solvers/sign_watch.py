@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from rattle.equations.motion import solve_motion
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.dense_output import interpolate
-from rattle.solvers.step_state import FOUND
 
 SCAN = 8  # parts of a step searched for zero crossings
 
@@ -57,10 +57,10 @@ def cross(m, t, n):
     """Record that monitored force n changes its sign at t [s]."""
     sign, crossings, tally = m.sign, m.crossings, m.tally
     sign[n] = -sign[n]
-    k = tally[FOUND]
+    k = tally[at.FOUND]
     if k < crossings.shape[0]:
-        crossings[k, 0], crossings[k, 1], crossings[k, 2] = t, n, sign[n]
-        tally[FOUND] = k + 1
+        crossings[k, at.CROSSING_T], crossings[k, at.CROSSING_FORCE], crossings[k, at.CROSSING_SIGN] = t, n, sign[n]
+        tally[at.FOUND] = k + 1
 
 
 @compiled

@@ -9,14 +9,12 @@ released for one step, whose error control then passes the kink as well as it ca
 from __future__ import annotations
 
 from rattle.equations.motion import derivative, place
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.language.bytecode import CROSSED, SIDE, evaluate
 from rattle.solvers.dense_output import interpolate
 from rattle.solvers.gap_search import NONE
 
-# landing: 1 + switch at which the step ends (0: none), next step [s], switchings so far, time of the last [s],
-# switchings without progress in time
-LANDS, GO_ON, TURNS, LAST, AGAIN = range(5)
 ACCEPT, REPEAT, SLIDES = 0, 1, 22  # the step is accepted; it is repeated; a switch changes its branch without end
 PARTS = 16  # pieces of a step that are searched
 ENDLESS = 200  # switchings without progress in time after which a run stops
@@ -56,7 +54,7 @@ def choose_sides(m, t, ahead):
     """Branches at the start of a run; if a switching function is zero, the one that it enters within `ahead` [s]."""
     y, f, stage, nq = m.state, m.rate, m.stage, m.change.shape[0]
     switch, code, landing = m.switch, m.code, m.landing
-    landing[LANDS], landing[AGAIN] = 0.0, 0.0
+    landing[at.LANDS], landing[at.AGAIN] = 0.0, 0.0
     for n in range(switch.shape[0]):
         code[switch[n, 2], SIDE] = 0
     derivative(m, t, y, f)
@@ -147,13 +145,13 @@ def land(m, t, h, t_end, go_on):
     crossed(m)
     if who < 0:
         return ACCEPT, h
-    landing[GO_ON] = go_on
+    landing[at.GO_ON] = go_on
     if share * h <= 1e-15 * abs(t) + 1e-16 * t_end:  # at once, without a step
         y, f = m.state, m.rate
         turn(m, t, y, who, h)
         derivative(m, t, y, f)
-        return (SLIDES if landing[AGAIN] > ENDLESS else REPEAT), h
-    landing[LANDS] = 1.0 + who
+        return (SLIDES if landing[at.AGAIN] > ENDLESS else REPEAT), h
+    landing[at.LANDS] = 1.0 + who
     if (1.0 - share) * h <= 1e-13 * t_end:
         return ACCEPT, h
     return REPEAT, share * h
@@ -168,23 +166,23 @@ def turn(m, t, y, who, h):
         row = switch[n, 2]
         if n == who or argument(m, n, t) * code[row, SIDE] < 0.0:
             code[row, SIDE] = -code[row, SIDE]
-            landing[TURNS] += 1.0
+            landing[at.TURNS] += 1.0
     take_sides(m, t)
     for n in range(switch.shape[0]):
         code[switch[n, 2], CROSSED] = 0
-    landing[AGAIN] = landing[AGAIN] + 1.0 if t - landing[LAST] <= CLOSE * h else 0.0
-    landing[LAST] = t
+    landing[at.AGAIN] = landing[at.AGAIN] + 1.0 if t - landing[at.LAST_TURN] <= CLOSE * h else 0.0
+    landing[at.LAST_TURN] = t
 
 
 @native("i", "h", "f", "v", "v", "f")
 def arrive(m, t, y, f, h):
     """Change the branch of the switch at which the step has ended; True if there was one, new derivative in f."""
     landing = m.landing
-    if landing[LANDS] == 0.0:
+    if landing[at.LANDS] == 0.0:
         see(m, t, y)
         take_sides(m, t)
         return False
-    turn(m, t, y, int(landing[LANDS]) - 1, h)
-    landing[LANDS] = 0.0
+    turn(m, t, y, int(landing[at.LANDS]) - 1, h)
+    landing[at.LANDS] = 0.0
     derivative(m, t, y, f)
     return True

@@ -10,17 +10,10 @@ close a large gap, as after a driver that jumped (docs/theory.md, section 9, lim
 
 from __future__ import annotations
 
-from rattle.equations.state import DISSIPATED, LOSS, STORED, account_at, energies_at
-from rattle.equations.state import WORK as WORK_DONE
+from rattle.equations.state import DISSIPATED, LOSS, STORED, WORK, account_at, energies_at
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
-# entries of `audit`: limits and floor, set by the host; then the start, what was seen so far, and the present step;
-# SUNK: the largest depth of a set-valued contact in its wall so far, in clearances (Moreau-Jean only)
-(
-    OPEN_LIMIT, UNREST_LIMIT, FLOOR, STARTED, TOTAL_0, WORK_0, KINETIC, WORK, LOW, HIGH, SHARE, ANGLE, LENGTH, OPEN,
-    OPEN_ROW, UNREST, CORRECTION, SUNK,
-) = range(18)  # fmt: skip
 UNSOUND = 20  # end of a run whose next step is not acceptable
 TOO_FAR = 1e-2  # largest openness after a step that the projection may correct
 ROUNDING = 1e-14  # rounding error of the sum of energies, as a share of the energies
@@ -54,11 +47,11 @@ def note_drift(m):
             angle = max(angle, value)
         else:
             length = max(length, value)
-    audit[OPEN], audit[OPEN_ROW] = worst, which
-    if not worst <= audit[OPEN_LIMIT]:
+    audit[at.OPENNESS], audit[at.OPEN_ROW] = worst, which
+    if not worst <= audit[at.OPEN_LIMIT]:
         return -1
-    further = length > audit[LENGTH] or angle > audit[ANGLE]
-    audit[LENGTH], audit[ANGLE] = max(audit[LENGTH], length), max(audit[ANGLE], angle)
+    further = length > audit[at.OPEN_LENGTH] or angle > audit[at.OPEN_ANGLE]
+    audit[at.OPEN_LENGTH], audit[at.OPEN_ANGLE] = max(audit[at.OPEN_LENGTH], length), max(audit[at.OPEN_ANGLE], angle)
     return which if further else -1
 
 
@@ -67,27 +60,41 @@ def stands(m, y):
     """True if the state y, with rates in `body` and potential in `power`, is acceptable; then it is recorded."""
     audit, body, mass, power = m.audit, m.body, m.mass, m.power
     energies = energies_at(m)
-    kinetic, potential, lost = 0.0, power[0], y[energies + DISSIPATED]
+    kinetic, potential, lost = 0.0, power[at.POTENTIAL_ENERGY], y[energies + DISSIPATED]
     for i in range(1, body.shape[0]):
         for k in range(3):
             kinetic += 0.5 * mass[i, k] * body[i, at.VX + k] ** 2
     for n in range(m.contact_kinematics.shape[0]):
         lost += y[account_at(m, n) + LOSS]
         potential += y[account_at(m, n) + STORED]
-    done = y[energies + WORK_DONE]
+    done = y[energies + WORK]
     total = kinetic + potential - done + lost
-    if audit[STARTED] == 0.0:
-        audit[STARTED], audit[TOTAL_0], audit[WORK_0] = 1.0, total, done
-        audit[KINETIC], audit[WORK], audit[LOW], audit[HIGH], audit[SHARE] = kinetic, 0.0, potential, potential, 0.0
-    work = abs(done - audit[WORK_0])
-    low, high = min(audit[LOW], potential), max(audit[HIGH], potential)
-    turnover = max(audit[KINETIC], kinetic, audit[WORK], work, high - low) + audit[FLOOR]
-    unrest = max(0.0, abs(total - audit[TOTAL_0]) - ROUNDING * max(abs(low), abs(high)))
+    if audit[at.STARTED] == 0.0:
+        audit[at.STARTED], audit[at.TOTAL_0], audit[at.WORK_0] = 1.0, total, done
+        (
+            audit[at.MOST_KINETIC],
+            audit[at.MOST_WORK],
+            audit[at.LEAST_POTENTIAL],
+            audit[at.MOST_POTENTIAL],
+            audit[at.MOST_UNREST],
+        ) = kinetic, 0.0, potential, potential, 0.0
+    work = abs(done - audit[at.WORK_0])
+    low, high = min(audit[at.LEAST_POTENTIAL], potential), max(audit[at.MOST_POTENTIAL], potential)
+    turnover = max(audit[at.MOST_KINETIC], kinetic, audit[at.MOST_WORK], work, high - low) + audit[at.FLOOR]
+    unrest = max(0.0, abs(total - audit[at.TOTAL_0]) - ROUNDING * max(abs(low), abs(high)))
     share = unrest / turnover if turnover > 0.0 else unrest
-    audit[UNREST] = share
-    sound = share <= audit[UNREST_LIMIT] and audit[OPEN] <= audit[OPEN_LIMIT] and audit[CORRECTION] <= TOO_FAR
+    audit[at.UNREST] = share
+    sound = (
+        share <= audit[at.UNREST_LIMIT]
+        and audit[at.OPENNESS] <= audit[at.OPEN_LIMIT]
+        and audit[at.CORRECTION] <= TOO_FAR
+    )
     if not sound:
         return False
-    audit[KINETIC], audit[WORK] = max(audit[KINETIC], kinetic), max(audit[WORK], work)
-    audit[LOW], audit[HIGH], audit[SHARE] = low, high, max(audit[SHARE], share)
+    audit[at.MOST_KINETIC], audit[at.MOST_WORK] = max(audit[at.MOST_KINETIC], kinetic), max(audit[at.MOST_WORK], work)
+    audit[at.LEAST_POTENTIAL], audit[at.MOST_POTENTIAL], audit[at.MOST_UNREST] = (
+        low,
+        high,
+        max(audit[at.MOST_UNREST], share),
+    )
     return True

@@ -12,23 +12,12 @@ from __future__ import annotations
 import math
 
 from rattle.equations.motion import OK
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 from rattle.solvers.dense_output import prepare_dense
-from rattle.solvers.state_switches import GO_ON, LANDS, REPEAT, SLIDES, arrive, crossed, land, release
+from rattle.solvers.state_switches import REPEAT, SLIDES, arrive, crossed, land, release
 from rattle.solvers.step_audit import UNSOUND, stands
-from rattle.solvers.step_state import (
-    ADAPTIVE,
-    EVENT_COUNT,
-    FOUND,
-    H_MIN,
-    OUTPUTS,
-    POWER,
-    REJECTED,
-    STEPS,
-    TROUBLE,
-    H,
-    T,
-)  # fmt: skip
+from rattle.solvers.step_state import ADAPTIVE, POWER
 
 TRY_AGAIN = -1  # the step must be repeated, with the length in `clock`
 SHORT = 1e-9  # share of the remaining time down to which a step that fails the audit is repeated with a shorter length
@@ -38,15 +27,15 @@ SHORT = 1e-9  # share of the remaining time down to which a step that fails the 
 def has_room(m, steps):
     """True while fewer than `steps` steps are done and there is room for the events of one more."""
     tally, most = m.tally, m.crossings.shape[0] // 2
-    return tally[STEPS] < steps and tally[FOUND] < most and tally[EVENT_COUNT] < most
+    return tally[at.STEPS] < steps and tally[at.FOUND] < most and tally[at.EVENT_COUNT] < most
 
 
 @compiled
 def next_step(m, t_end):
     """Length of the next step [s], 0 if it would be too short, and True for the last one before t_end [s]."""
     clock = m.clock
-    t, h = clock[T], clock[H]
-    last = t + (1.000001 if m.landing[LANDS] == 0.0 else 1.0) * h >= t_end
+    t, h = clock[at.T], clock[at.H]
+    last = t + (1.000001 if m.landing[at.LANDS] == 0.0 else 1.0) * h >= t_end
     if last:
         h = t_end - t
     if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t:
@@ -57,16 +46,16 @@ def next_step(m, t_end):
 @compiled
 def refuse(m, t, h, error):
     """Reject the step from t of length h [s]; True if switches were released, so that the next attempt may succeed."""
-    m.tally[REJECTED] += m.stepper[ADAPTIVE]
-    m.clock[TROUBLE] = t + h
-    m.landing[LANDS] = 0.0
+    m.tally[at.REJECTED] += m.stepper[ADAPTIVE]
+    m.clock[at.TROUBLE] = t + h
+    m.landing[at.LANDS] = 0.0
     return m.switch.shape[0] > 0 and not error < math.inf and release(m)
 
 
 @compiled
 def shorten(m, h, error):
     """Choose a step shorter than h [s], whose error (share of the tolerance) was too large."""
-    m.clock[H] = h * (max(0.2, 0.9 * error ** (-1.0 / m.stepper[POWER])) if error < math.inf else 0.1)
+    m.clock[at.H] = h * (max(0.2, 0.9 * error ** (-1.0 / m.stepper[POWER])) if error < math.inf else 0.1)
 
 
 @compiled
@@ -74,14 +63,14 @@ def lengthen(m, h, error, last, h_max):
     """Choose the step after one of length h [s]; last: the step was shortened to end at a given instant."""
     clock = m.clock
     ahead = h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-1.0 / m.stepper[POWER])))
-    clock[H] = min(h_max, max(ahead, clock[H] if last else 0.0))
+    clock[at.H] = min(h_max, max(ahead, clock[at.H] if last else 0.0))
 
 
 @compiled
 def quarter(m, h):
     """Choose a quarter of the rejected step h [s]."""
-    m.clock[H] = 0.25 * h
-    m.tally[REJECTED] += 1
+    m.clock[at.H] = 0.25 * h
+    m.tally[at.REJECTED] += 1
 
 
 @compiled
@@ -89,8 +78,8 @@ def end_stands(m, t, h, t_new, t_end):
     """OK if the end of the step passes `step_audit`; otherwise TRY_AGAIN with a quarter of it, or UNSOUND."""
     if stands(m, m.state_new):
         return OK
-    m.clock[TROUBLE] = t_new
-    m.landing[LANDS] = 0.0
+    m.clock[at.TROUBLE] = t_new
+    m.landing[at.LANDS] = 0.0
     if m.stepper[ADAPTIVE] == 1 and h > SHORT * (t_end - t):
         quarter(m, h)
         return TRY_AGAIN
@@ -104,15 +93,15 @@ def end_on_switch(m, t, h, t_end, dense):
     dense: the dense output is ready.
     """
     clock = m.clock
-    if m.switch.shape[0] == 0 or m.landing[LANDS] != 0.0 or not crossed(m):
+    if m.switch.shape[0] == 0 or m.landing[at.LANDS] != 0.0 or not crossed(m):
         return OK
     if not dense:
         prepare_dense(m, t, h)
-    verdict, shorter = land(m, t, h, t_end, clock[H])
+    verdict, shorter = land(m, t, h, t_end, clock[at.H])
     if verdict == SLIDES:
         return SLIDES
     if verdict == REPEAT:
-        clock[H] = shorter
+        clock[at.H] = shorter
         return TRY_AGAIN
     return OK
 
@@ -126,9 +115,9 @@ def turn_switch(m, t, located):
     clock, landing = m.clock, m.landing
     if m.switch.shape[0] == 0:
         return False
-    clock[H] = landing[GO_ON] if landing[LANDS] > 0.0 and not located else clock[H]
-    landing[LANDS] = landing[LANDS] if not located else 0.0
-    return arrive(m, t, m.state_new, m.rate_new, landing[GO_ON])
+    clock[at.H] = landing[at.GO_ON] if landing[at.LANDS] > 0.0 and not located else clock[at.H]
+    landing[at.LANDS] = landing[at.LANDS] if not located else 0.0
+    return arrive(m, t, m.state_new, m.rate_new, landing[at.GO_ON])
 
 
 @compiled
@@ -138,13 +127,13 @@ def take_over(m, t, located):
     for n in range(y.shape[0]):
         y[n] = y_new[n]
         f[n] = f_new[n]
-    clock[H_MIN] = min(clock[H_MIN], t - clock[T]) if not located else clock[H_MIN]
-    clock[T] = t
-    m.tally[STEPS] += 1
+    clock[at.H_MIN] = min(clock[at.H_MIN], t - clock[at.T]) if not located else clock[at.H_MIN]
+    clock[at.T] = t
+    m.tally[at.STEPS] += 1
 
 
 @compiled
 def output_due(m, t, t_out):
     """True if the next output is not after t [s]."""
-    k = m.tally[OUTPUTS]
+    k = m.tally[at.OUTPUTS]
     return k < t_out.shape[0] and t_out[k] <= t

@@ -22,7 +22,6 @@ from rattle.equations.motion import (
 from rattle.equations.schur import WEAK
 from rattle.jit import layout as at
 from rattle.jit.functions import call_stepper, compiled, native
-from rattle.solvers import step_audit
 from rattle.solvers.contact_events import (
     change_contacts,
     contact_time,
@@ -54,28 +53,7 @@ from rattle.solvers.step_control import (
     take_over,
     turn_switch,
 )  # fmt: skip
-from rattle.solvers.step_state import (
-    ADAPTIVE,
-    CONTACTS,
-    EVALUATIONS,
-    FEWEST,
-    H_FREE,
-    H_SOUND,
-    LEAPS,
-    LOST,
-    OUTPUTS,
-    POWER,
-    SAMPLES,
-    SHARE,
-    STAGES,
-    STEP,
-    STEPS,
-    STREAK,
-    TAME,
-    TROUBLE,
-    H,
-    T,
-)  # fmt: skip
+from rattle.solvers.step_state import ADAPTIVE, POWER, SAMPLES, STAGES, STEP
 
 LEAP = 0.1  # share of the last regular step below which a step is not shortened further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is accepted [units of the state]; it doubles with every attempt
@@ -102,10 +80,10 @@ def begin(m, t, t_end, rtol, atol, h_max):
     y, f, stage, k1 = m.state, m.rate, m.stage, m.slopes[1]
     clock, tally = m.clock, m.tally
     sign, watch, multiplier = m.sign, m.watch, m.multiplier
-    clock[T] = t
+    clock[at.T] = t
     if m.contact.shape[0] > 0:
         start_contacts(m, t, y)
-    tally[LOST] = derivative(m, t, y, f)
+    tally[at.LOST_ROWS] = derivative(m, t, y, f)
     gauge(m, START, t)
     remember_end(m)
     pass_on(m)
@@ -119,7 +97,7 @@ def begin(m, t, t_end, rtol, atol, h_max):
         slope += (f[n] / scale) ** 2
     if not slope < math.inf:
         return NOT_FINITE
-    m.audit[step_audit.STARTED] = 0.0
+    m.audit[at.STARTED] = 0.0
     stands(m, y)
     h = 0.01 * math.sqrt(size / slope) if size > 1e-10 and slope > 1e-10 else 1e-6
     h = min(h, h_max, t_end - t)
@@ -133,8 +111,8 @@ def begin(m, t, t_end, rtol, atol, h_max):
     second = max(1e-6, 1e-3 * h)
     if largest > 1e-15 and largest < math.inf:
         second = (0.01 / largest) ** (1.0 / m.stepper[POWER])
-    clock[H] = min(100.0 * h, second, h_max, t_end - t)
-    tally[EVALUATIONS] = 2
+    clock[at.H] = min(100.0 * h, second, h_max, t_end - t)
+    tally[at.EVALUATIONS] = 2
     return OK
 
 
@@ -164,26 +142,26 @@ def search_step_for_events(m, t, h, changed, t_out, out):
     dense = suspect or peak or output_due(m, t + h, t_out) or changed or may_rise(m, h, samples)
     if dense:
         prepare_dense(m, t, h)
-        tally[EVALUATIONS] += 3
+        tally[at.EVALUATIONS] += 3
     if suspect:
         share, who = first_change(m, h)
     until = min(share, 1.0)
     if contacts:
         find_peaks(m, until, peak)
-    tally[EVALUATIONS] += end_step(m, t, h, until, samples, dense)
+    tally[at.EVALUATIONS] += end_step(m, t, h, until, samples, dense)
     if changed:
         find_crossings(m, t, h, until)
     t_until = t + until * h if until < 1.0 else t + h
     while output_due(m, t_until, t_out):
-        k = tally[OUTPUTS]
+        k = tally[at.OUTPUTS]
         interpolate(m, (t_out[k] - t) / h, stage)
         if contacts and escaped(m, stage):
-            m.clock[TROUBLE] = t_out[k]
+            m.clock[at.TROUBLE] = t_out[k]
             return -2
         project(m, t_out[k], stage)
         record(m, t_out[k], stage, out[k])
-        tally[OUTPUTS] = k + 1
-    m.clock[SHARE] = share
+        tally[at.OUTPUTS] = k + 1
+    m.clock[at.CHANGE_AT] = share
     return who
 
 
@@ -193,40 +171,40 @@ def turn_contact(m, t, y, who):
     clock, tally, memory = m.clock, m.tally, m.contact_memory
     was_shut = memory[who, at.CLOSED] == at.SHUT
     if was_shut:
-        clock[FEWEST] = min(clock[FEWEST], memory[who, at.STEPS_IN])
+        clock[at.FEWEST] = min(clock[at.FEWEST], memory[who, at.STEPS_IN])
     else:
-        tally[CONTACTS] += 1
-        clock[H_FREE] = max(clock[H], 0.5 * clock[H_FREE])
+        tally[at.CONTACTS] += 1
+        clock[at.H_FREE] = max(clock[at.H], 0.5 * clock[at.H_FREE])
     change_contacts(m, who, t, y)
     finish_step(m, t, y, m.rate_new)
     remember_end(m)
     if was_shut:
-        clock[H] = max(clock[H], 0.3 * clock[H_FREE])
+        clock[at.H] = max(clock[at.H], 0.3 * clock[at.H_FREE])
     else:
         lasting = contact_time(m, who)
         if lasting > 0.0:
-            clock[H] = min(clock[H], FIRST_STEP * lasting)
+            clock[at.H] = min(clock[at.H], FIRST_STEP * lasting)
 
 
 @compiled
 def try_step(m, t, h, last, rtol, atol, h_max):
     """Step from t of length h into y_new; OK, TRY_AGAIN or NOT_FINITE, and True if monitored forces changed signs."""
     tally, power, stepper = m.tally, m.power, m.stepper
-    power[3] = 1.0
-    error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, tally[TAME]))
-    tally[EVALUATIONS] += stepper[STAGES]
-    weak = power[3] < WEAK and h <= LEAP * m.clock[H_SOUND]
-    if weak and error > 1.0 and error * rtol <= LEAP_ERROR * 2.0 ** tally[STREAK]:
-        tally[LEAPS] += 1
+    power[at.PIVOT_SHARE] = 1.0
+    error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, tally[at.TAME]))
+    tally[at.EVALUATIONS] += stepper[STAGES]
+    weak = power[at.PIVOT_SHARE] < WEAK and h <= LEAP * m.clock[at.H_SOUND]
+    if weak and error > 1.0 and error * rtol <= LEAP_ERROR * 2.0 ** tally[at.STREAK]:
+        tally[at.LEAPS] += 1
         error = 1e-8
     if not error <= 1.0:
         return step_anew(m, t, h, error, weak), changed
     if stepper[ADAPTIVE] == 1:
-        if power[3] > WEAK:
-            tally[TAME] = 0
+        if power[at.PIVOT_SHARE] > WEAK:
+            tally[at.TAME] = 0
         if not weak:
-            tally[STREAK] = 0
-            m.clock[H_SOUND] = max(h, 0.7 * m.clock[H_SOUND])
+            tally[at.STREAK] = 0
+            m.clock[at.H_SOUND] = max(h, 0.7 * m.clock[at.H_SOUND])
         lengthen(m, h, error, last, h_max)
     return OK, changed
 
@@ -239,13 +217,13 @@ def step_anew(m, t, h, error, weak):
         return TRY_AGAIN
     if m.stepper[ADAPTIVE] == 0:
         return NOT_FINITE
-    if m.power[3] < WEAK and tally[TAME] == 0:
-        tally[TAME] = 1
+    if m.power[at.PIVOT_SHARE] < WEAK and tally[at.TAME] == 0:
+        tally[at.TAME] = 1
         return TRY_AGAIN
     shorten(m, h, error)
-    if weak and tally[STREAK] < MOST_TRIES:
-        tally[STREAK] += 1
-        clock[H] = LEAP * clock[H_SOUND] * 0.9 ** tally[STREAK]
+    if weak and tally[at.STREAK] < MOST_TRIES:
+        tally[at.STREAK] += 1
+        clock[at.H] = LEAP * clock[at.H_SOUND] * 0.9 ** tally[at.STREAK]
     return TRY_AGAIN
 
 
@@ -253,7 +231,7 @@ def step_anew(m, t, h, error, weak):
 def end_on_constraints(m, t, h, t_new, t_end):
     """Project the end of the step onto the constraints; OK, TRY_AGAIN, UNSOUND or SLIDES, and True as in `try_step`."""
     finish_step(m, t_new, m.state_new, m.rate_new)
-    m.tally[EVALUATIONS] += 2
+    m.tally[at.EVALUATIONS] += 2
     status = end_stands(m, t, h, t_new, t_end)
     if status != OK:
         return status, False
@@ -290,9 +268,9 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
     Returns DONE, PAUSED, NOT_FINITE, STEP_TOO_SMALL, ESCAPED, UNSOUND or SLIDES.
     """
     clock, y_new = m.clock, m.state_new
-    steps = m.tally[STEPS] + most_steps
+    steps = m.tally[at.STEPS] + most_steps
     while has_room(m, steps):
-        t = clock[T]
+        t = clock[at.T]
         if t >= t_end:
             return DONE
         h, last = next_step(m, t_end)
@@ -311,10 +289,10 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         if who == -2:
             return ESCAPED
         if who >= 0:
-            interpolate(m, clock[SHARE], y_new)
-            t_new = t + clock[SHARE] * (t_new - t)
+            interpolate(m, clock[at.CHANGE_AT], y_new)
+            t_new = t + clock[at.CHANGE_AT] * (t_new - t)
         if m.contact.shape[0] > 0 and escaped(m, y_new):
-            clock[TROUBLE] = t_new
+            clock[at.TROUBLE] = t_new
             return ESCAPED
         start_next(m, t_new, who)
-    return DONE if clock[T] >= t_end else PAUSED
+    return DONE if clock[at.T] >= t_end else PAUSED

@@ -7,17 +7,9 @@ import math
 import numpy as np
 
 from rattle.jit import functions
+from rattle.jit import layout as at
 from rattle.registry import Kind, kinds
 
-# clock: time, next step, smallest step, time of a failed step, last step with large pivots, step of
-# free flight [s], fewest steps in a contact, share of the step at which a contact changes
-T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, SHARE = range(8)
-# tally; FOUND: zero crossings, LOST: redundant rows, LEAPS: steps across singular positions, STREAK: attempts
-# at one, EVENT_COUNT: contact events not yet read, CONTACTS: contacts that started, TAME: stages are projected,
-# SERIES: infinite series of bounces that were ended
-(
-    STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST, LEAPS, STREAK, EVENT_COUNT, CONTACTS, TAME, SERIES,
-) = range(13)  # fmt: skip
 # stepper: 1 if it is adaptive, power of the step with which the error of a step grows, evaluations of the right-hand
 # side in a step, layout of its stages (see `peaks.samples`); stepper_table: its kernels
 ADAPTIVE, POWER, STAGES, SAMPLES = range(4)
@@ -27,20 +19,20 @@ STEP, DENSE = range(2)
 def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     """Arrays of a run that starts at y, besides those of one instant; watched: number of monitored forces."""
     ny = y.shape[0]
-    clock = np.zeros(8)
-    clock[H_MIN] = math.inf
-    clock[FEWEST] = math.inf
+    clock = np.zeros(at.width("clock"))
+    clock[at.H_MIN] = math.inf
+    clock[at.FEWEST] = math.inf
     return {
         "state": y.copy(),
         **{name: np.zeros(ny) for name in ("rate", "state_new", "rate_new", "stage")},
         "slopes": np.zeros((16, ny)),
         "dense": np.zeros((7, ny)),
         "clock": clock,
-        "tally": np.zeros(13, np.int64),
+        "tally": np.zeros(at.width("tally"), np.int64),
         "sign": np.zeros(watched),
-        "crossings": np.zeros((4096, 3)),
-        "events": np.zeros((4096, 8)),
-        "landing": np.zeros(5),
+        "crossings": np.zeros((4096, at.width("crossings"))),
+        "events": np.zeros((4096, at.width("events"))),
+        "landing": np.zeros(at.width("landing")),
     }
 
 

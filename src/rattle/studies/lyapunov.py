@@ -22,9 +22,8 @@ from rattle.equations.state import state_layout
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.results.display import lines
-from rattle.solvers import step_loop, step_state
+from rattle.solvers import step_loop
 from rattle.solvers.contact_events import pass_on, remember_end
-from rattle.solvers.step_audit import STARTED
 from rattle.solvers.stepper import ATOL, EVENT_DRIVEN, FREE, usual_stepper
 
 if TYPE_CHECKING:
@@ -182,7 +181,7 @@ def _distance(one: Any, two: Any, weight: np.ndarray) -> float:
 
 def _renew(one: Any, two: Any, share: float = 1.0) -> None:
     """Scale the distance of the second run by `share`, project it, and give it the contact memory of the first."""
-    t = float(one.clock[step_state.T])
+    t = float(one.clock[at.T])
     y, other = one.workspace.state, two.workspace.state
     layout = state_layout(one.system)
     scaled = [layout.motion, layout.states]  # energies and impulses are those of `one`
@@ -201,7 +200,7 @@ def _renew(one: Any, two: Any, share: float = 1.0) -> None:
     else:
         handle = two.workspace
         step_loop.finish_step(handle, t, other, two.workspace.rate)
-        two.workspace.audit[STARTED] = 0.0  # energies are counted anew
+        two.workspace.audit[at.STARTED] = 0.0  # energies are counted anew
         remember_end(handle)
         pass_on(handle)
     two.clock[:] = one.clock
@@ -211,7 +210,7 @@ def _go(run: Any, t: float) -> None:
     status = PAUSED
     while status == PAUSED:
         status = run.advance(t, 2000)
-        run.tally[step_state.FOUND] = run.tally[step_state.EVENT_COUNT] = 0
+        run.tally[at.FOUND] = run.tally[at.EVENT_COUNT] = 0
     _must(run, status)
 
 

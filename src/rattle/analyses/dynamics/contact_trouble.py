@@ -27,7 +27,7 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
     """
     names = ", ".join(closed_joints(system, workspace)) or "the contacts"
     other = f"method {stepper_of(TIME_STEPPING)}"
-    if status == unilateral.NO_SOLUTION and workspace.held[complementarity.OUTCOME] == complementarity.JAMMED:
+    if status == unilateral.NO_SOLUTION and workspace.held[at.OUTCOME] == complementarity.JAMMED:
         return (
             f"no solution of the contact problem at {names} was found at t = {t:.9g} s: on every path that was"
             " followed the force that presses contacts together makes them approach, as where friction jams a"
@@ -127,7 +127,7 @@ def wedged_joints(system: System, workspace: Workspace, t: float) -> list[str]:
 
 def shared_forces(system: System, workspace: Workspace) -> tuple[str, ...]:
     """Note on contacts that depend on each other and can share a force in several ways, if a run has met such ones."""
-    shared = int(workspace.held[complementarity.SHARED])
+    shared = int(workspace.held[at.SHARED])
     if not shared:
         return ()
     joint = system.joints[system.arrays["contact"][shared - 1, at.OWNER]]

@@ -16,7 +16,7 @@ from rattle.equations import unilateral
 from rattle.equations.motion import OK, PAUSED, STEP_TOO_SMALL
 from rattle.equations.system import System
 from rattle.jit import layout as at
-from rattle.solvers import step_loop, step_state
+from rattle.solvers import step_loop
 from rattle.solvers.nonsmooth import event_driven, jams
 from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
 from rattle.solvers.stepper import TIME_STEPPING, stepper_of
@@ -32,7 +32,6 @@ class EventDrivenRun(Run):
     def __init__(self, system: System, start: Assembled, t_eval: np.ndarray, t_end: float, how: How) -> None:
         super().__init__(system, start, t_eval, t_end, how)
         self.jams: list[tuple[float, str]] = []  # times [s] at which friction locked, and the closed contacts
-        self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])  # see `event_driven.advance`
 
     def loop_arrays(self) -> dict[str, Any]:
         """Arrays of set-valued contacts; forces of closed contacts are part of the equations of motion."""
@@ -43,8 +42,9 @@ class EventDrivenRun(Run):
         self.take_sides(t)
         values, contact = self.workspace.values, self.system.arrays["contact"]
         self.may_pass = bool((values[contact[:, at.NORMAL_P] + at.JAM] > 0.0).any())
-        self.stuck = np.array([-math.inf, 0.0, -1.0, 0.0])
-        self.clock[step_state.T] = t
+        self.workspace.stuck[:] = 0.0
+        self.workspace.stuck[at.EVENT_AT] = -math.inf
+        self.clock[at.T] = t
         status = int(event_driven.start(self.workspace, t))
         if status == unilateral.NO_SOLUTION and self.may_pass:
             status = OK if self.pass_jam(status, late=False) == PAUSED else status
@@ -59,7 +59,7 @@ class EventDrivenRun(Run):
         """Up to `chunk` steps towards the time t [s]; see `Run.take_steps`."""
         h_max, out = self.step or math.inf, self.t_eval[:outputs]
         m = self.workspace
-        status = int(event_driven.advance(m, t, self.rtol, self.atol, h_max, out, self.raw, chunk, self.stuck))
+        status = int(event_driven.advance(m, t, self.rtol, self.atol, h_max, out, self.raw, chunk))
         if status in (unilateral.NO_SOLUTION, unilateral.LOCKED, STEP_TOO_SMALL) and self.may_pass:
             return self.pass_jam(status, late=status == unilateral.NO_SOLUTION)
         return status
@@ -69,14 +69,14 @@ class EventDrivenRun(Run):
 
         late: the state is that of an event whose new modes were not found.
         """
-        t, handle = float(self.clock[step_state.T]), self.workspace
+        t, handle = float(self.clock[at.T]), self.workspace
         if self.jams and t - self.jams[-1][0] <= 1e-9 * self.t_end:  # again at the same place: it does not help
             return status
         names = ", ".join(closed_joints(self.system, self.workspace))
         if jams.pass_jam(handle, t, int(late)) != OK:
             return status
         self.jams.append((t, names))
-        self.clock[step_state.H] = max(float(self.clock[step_state.H]), 1e-6 * (self.t_end - t))
+        self.clock[at.H] = max(float(self.clock[at.H]), 1e-6 * (self.t_end - t))
         return self.go_on(t, True)
 
     def go_on(self, t: float, jolted: bool) -> int:
@@ -102,7 +102,7 @@ class EventDrivenRun(Run):
 
     def explain(self, status: int) -> str:
         """Why the run cannot go on, in words; contact problems are named."""
-        t = float(self.clock[step_state.T])
+        t = float(self.clock[at.T])
         if status == unilateral.CHATTER:
             return self.chatter(t)
         passed = "" if self.may_pass else ', or jam = "impact" in the contact'
@@ -112,11 +112,13 @@ class EventDrivenRun(Run):
     def chatter(self, t: float) -> str:
         """Message on contacts that change without end at t [s], with the last one."""
         other = f"method {stepper_of(TIME_STEPPING)}"
-        joint = self.system.joints[self.system.arrays["contact"][int(self.stuck[2]), at.OWNER]]
-        if self.stuck[3] > event_driven.MOST_IN_A_ROW:
+        stuck = self.workspace.stuck
+        joint = self.system.joints[self.system.arrays["contact"][int(stuck[at.EVENT_WHO]), at.OWNER]]
+        if stuck[at.EVENTS_IN_A_ROW] > event_driven.MOST_IN_A_ROW:
+            row, close = stuck[at.EVENTS_IN_A_ROW], event_driven.CROWDED * self.t_end
             return (
-                f"{self.stuck[3]:.0f} events in a row, each within {event_driven.CROWDED * self.t_end:.2g} s of"
-                f" the one before, up to t = {t:.9g} s, last at joint '{joint}': contacts change faster than a run"
+                f"{row:.0f} events in a row, each within {close:.2g} s of the one before, up to t = {t:.9g} s, last at"
+                f" joint '{joint}': contacts change faster than a run"
                 f" can follow; try a smaller restitution, a compliant contact or {other}"
             )
         return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; try {other}"

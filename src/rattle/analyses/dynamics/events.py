@@ -32,7 +32,7 @@ def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Worksp
     """
     owner = system.arrays["contact"][:, at.OWNER]
     found = []
-    for row in np.concatenate(rows) if rows else np.zeros((0, 8)):
+    for row in np.concatenate(rows) if rows else np.zeros((0, at.width("events"))):
         joint = system.joints[owner[int(row[1])]]
         kind = KINDS[int(row[2])]
         values = row[3:8] if kind in ("contact", "impact") else row[3:4]

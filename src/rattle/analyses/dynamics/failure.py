@@ -14,10 +14,9 @@ from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.registry import Kind
 from rattle.results.columns import width
-from rattle.solvers import step_state
 from rattle.solvers.gap_search import DEEP, ESCAPED
 from rattle.solvers.output_row import record
-from rattle.solvers.state_switches import LAST, SLIDES, argument, see
+from rattle.solvers.state_switches import SLIDES, argument, see
 from rattle.solvers.stepper import FREE, usual_stepper
 
 NEAR = 10.0  # lengths of the failed step within which contact laws are evaluated
@@ -32,7 +31,7 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
     t_end: end of the run [s].
     """
     clock, nq = workspace.clock, 3 * system.body_count
-    t, h = float(clock[step_state.T]), float(clock[step_state.H])
+    t, h = float(clock[at.T]), float(clock[at.H])
     if status == ESCAPED:
         return _escaped(system, workspace)
     what = load_law.complaint(t) or not_finite(system, workspace, t_end)
@@ -86,7 +85,7 @@ def _escaped(system: System, workspace: Workspace) -> str:
     n = int(np.argmax(depth))
     joint = system.joints[contact[n, at.OWNER]]
     return (
-        f"a contact was missed: at t = {workspace.clock[step_state.TROUBLE]:.9g} s joint '{joint}' is"
+        f"a contact was missed: at t = {workspace.clock[at.TROUBLE]:.9g} s joint '{joint}' is"
         f" {depth[n] * clearance[n]:.3g} m inside its wall (clearance {clearance[n]:g} m), though not in contact;"
         " try a smaller rtol, or a shorter step"
     )
@@ -94,7 +93,7 @@ def _escaped(system: System, workspace: Workspace) -> str:
 
 def _sliding(system: System, workspace: Workspace) -> str:
     """In words, which switch changes its side again and again."""
-    t = float(workspace.landing[LAST])
+    t = float(workspace.landing[at.LAST_TURN])
     see(workspace, t, workspace.state)
     sizes = [abs(float(argument(workspace, n, t))) for n in range(len(workspace.switch))]
     row = int(workspace.switch[int(np.argmin(sizes)), 2])
@@ -112,8 +111,8 @@ def not_finite(system: System, workspace: Workspace, t_end: float) -> str:
     t_end: end of the run [s].
     """
     clock, y, f = workspace.clock, workspace.state, workspace.rate
-    start = float(clock[step_state.T])
-    reach = max(float(clock[step_state.TROUBLE]) - start, 1e-12)
+    start = float(clock[at.T])
+    reach = max(float(clock[at.TROUBLE]) - start, 1e-12)
     for share in (0.0, 0.25, 0.5, 1.0, 2.0, 10.0, 1e3, 1e6):
         t = start + share * reach
         if t > t_end * (1 + 1e-12) and share:
@@ -132,7 +131,7 @@ def _pole(system: System, workspace: Workspace, t_end: float) -> str:
     Steps that shrink towards a pole never reach it, and beyond it values are finite again.  A pole is recognised by a
     value that grows by a constant factor each time the remaining time shrinks by a constant factor.
     """
-    t, nq = float(workspace.clock[step_state.T]), 3 * system.body_count
+    t, nq = float(workspace.clock[at.T]), 3 * system.body_count
     back = np.zeros_like(workspace.state)
     back[:nq] = workspace.state[nq : 2 * nq]
     sizes: list[dict[int, float]] = []

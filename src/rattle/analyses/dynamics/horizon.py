@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.dynamics.run import Run
+from rattle.jit import layout as at
 from rattle.results.columns import columns, motion
-from rattle.solvers import step_state
 from rattle.solvers.output_row import record
 
 AGREE = 0.01  # share of its range within which two curves agree
@@ -41,7 +41,7 @@ def tighter(rtol: float, usual: float) -> float:
 
 def agreement(run: Run, second: Run) -> Reach:
     """Time [s] up to which every curve of two runs agrees within 1 % of its range."""
-    n = int(min(run.tally[step_state.OUTPUTS], second.tally[step_state.OUTPUTS]))
+    n = int(min(run.tally[at.OUTPUTS], second.tally[at.OUTPUTS]))
     one, names, units = columns(run.system, run.raw[:n])
     other, _, _ = columns(second.system, second.raw[:n])
     keep = [k for k, name in enumerate(names) if not name.startswith("energy.")]

@@ -14,7 +14,7 @@ from rattle.analyses.dynamics.run import How, Run
 from rattle.analyses.dynamics.soundness import set_floor
 from rattle.equations.motion import NOT_FINITE, PAUSED
 from rattle.equations.system import System
-from rattle.solvers import step_state
+from rattle.jit import layout as at
 from rattle.solvers.gap_search import ESCAPED
 from rattle.solvers.nonsmooth import moreau_jean
 from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
@@ -54,7 +54,7 @@ class MoreauJeanRun(Run):
     def take_steps(self, t: float, chunk: int, outputs: int) -> int:
         """Up to `chunk` steps towards the time t [s]; see `Run.take_steps`."""
         if t != self.leg.end:
-            now, done = self.leg.end, int(self.tally[step_state.STEPS])
+            now, done = self.leg.end, int(self.tally[at.STEPS])
             count = max(1, math.ceil((t - now) / (self.step or self.t_end) * (1 - 1e-12)))
             h = (t - now) / count
             self.leg = Leg(now - done * h, t, h, done + count)
@@ -77,7 +77,7 @@ class MoreauJeanRun(Run):
 
     def explain(self, status: int) -> str:
         """Why the run cannot go on, in words; contact problems are named."""
-        t = float(self.clock[step_state.T])
+        t = float(self.clock[at.T])
         if status == NOT_FINITE:
             return f"the motion diverged at t = {t:.6g} s with the step of {self.step:.3g} s; try a smaller step"
         if what := contact_trouble(self.system, self.workspace, t, status, ""):

@@ -14,24 +14,23 @@ from rattle.analyses.dynamics.peak_values import peak_values
 from rattle.analyses.dynamics.run import Run, pulls, start_state
 from rattle.analyses.dynamics.soundness import fast_links, loose, remarks
 from rattle.analyses.timetable import jolt_events, jolt_notes
+from rattle.jit import layout as at
 from rattle.results.build import build_result
 from rattle.results.columns import columns, width
 from rattle.results.event import Event
 from rattle.results.result import Result
 from rattle.results.trust import Trust
-from rattle.solvers import step_audit, step_state
 from rattle.solvers.nonsmooth.impacts import LOW
 from rattle.solvers.output_row import record
-from rattle.solvers.state_switches import TURNS
 
 
 def report(run: Run, reach: Reach | None) -> Result:
     """The result of a run that has ended; reach: the times [s] up to which a tighter run agrees."""
     system = run.system
-    n = int(run.tally[step_state.OUTPUTS])
+    n = int(run.tally[at.OUTPUTS])
     data, names, units = columns(system, run.raw[:n])
     curve = {name: data[:, names.index(f"energy.{name}")] for name in ("kinetic", "balance")}
-    reached = float(run.clock[step_state.T])
+    reached = float(run.clock[at.T])
     nonunique, singular = _nonunique(run)
     contacts = contact_events(system, run.contacts, run.workspace, reached)
     notes = (
@@ -60,7 +59,7 @@ def report(run: Run, reach: Reach | None) -> Result:
 def _nonunique(run: Run) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Joints whose reactions are not unique at the start; otherwise a note if constraints become dependent later."""
     system = run.system
-    if not run.tally[step_state.LOST]:
+    if not run.tally[at.LOST_ROWS]:
         return (), ()
     record(run.workspace, run.start.t, start_state(system, run.start), np.zeros(width(system)))
     nonunique = nonunique_reactions(system, run.workspace)
@@ -71,7 +70,7 @@ def _nonunique(run: Run) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 def _series_notes(run: Run) -> tuple[str, ...]:
     """Note on infinite series of bounces."""
-    series = int(run.tally[step_state.SERIES])
+    series = int(run.tally[at.SERIES])
     if not series:
         return ()
     one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
@@ -84,14 +83,14 @@ def _trust(
 ) -> Trust:  # fmt: skip
     """How far the result can be trusted; balance: largest unexplained change of energy [J]."""
     system, clock, tally, seen = run.system, run.clock, run.tally, run.workspace.audit
-    pulled, first, intervals = pulls(run, float(clock[step_state.T]))
+    pulled, first, intervals = pulls(run, float(clock[at.T]))
     return Trust(
-        drift=float(seen[step_audit.LENGTH]),
-        drift_angle=float(seen[step_audit.ANGLE]),
-        energy_share=float(seen[step_audit.SHARE]),
-        drift_joint=system.rows[tally[step_state.DRIFT_ROW]].owner if system.rows else "",
+        drift=float(seen[at.OPEN_LENGTH]),
+        drift_angle=float(seen[at.OPEN_ANGLE]),
+        energy_share=float(seen[at.MOST_UNREST]),
+        drift_joint=system.rows[tally[at.DRIFT_ROW]].owner if system.rows else "",
         energy_balance=balance,
-        t_end=float(clock[step_state.T]),
+        t_end=float(clock[at.T]),
         horizon=reach.time if reach else None,
         horizon_motion=reach.motion if reach else None,
         horizon_curve=reach.first if reach else "",
@@ -101,7 +100,7 @@ def _trust(
         intervals=intervals,
         nonunique=nonunique,
         notes=notes,
-        **contact_counts(system, contacts, float(clock[step_state.FEWEST])),
+        **contact_counts(system, contacts, float(clock[at.FEWEST])),
     )
 
 
@@ -109,12 +108,12 @@ def _stats(run: Run) -> dict[str, Any]:
     """What the run took."""
     clock, tally = run.clock, run.tally
     return {
-        "steps": int(tally[step_state.STEPS]),
-        "rejected": int(tally[step_state.REJECTED]),
-        "evaluations": int(tally[step_state.EVALUATIONS]),
-        "smallest_step": float(clock[step_state.H_MIN]) if tally[step_state.STEPS] else 0.0,
+        "steps": int(tally[at.STEPS]),
+        "rejected": int(tally[at.REJECTED]),
+        "evaluations": int(tally[at.EVALUATIONS]),
+        "smallest_step": float(clock[at.H_MIN]) if tally[at.STEPS] else 0.0,
         "wall_time": run.wall,
-        "contacts": int(tally[step_state.CONTACTS]),
-        "switchings": run.piece + int(run.workspace.landing[TURNS]),
-        "singular_positions_leapt": int(tally[step_state.LEAPS]),
+        "contacts": int(tally[at.CONTACTS]),
+        "switchings": run.piece + int(run.workspace.landing[at.TURNS]),
+        "singular_positions_leapt": int(tally[at.LEAPS]),
     }

@@ -23,6 +23,7 @@ from rattle.equations.motion import DONE, OK, PAUSED
 from rattle.equations.state import state_layout
 from rattle.equations.system import System
 from rattle.jit import functions
+from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.language.switching import SAME
 from rattle.registry import Kind
@@ -134,7 +135,7 @@ class Run(ABC):
         status = self.take_steps(instant, chunk, self.outputs_before(instant))
         if status == DONE:
             status = self.switch(instant)
-        return DONE if status == PAUSED and self.clock[step_state.T] >= t and self.ahead() > t else status
+        return DONE if status == PAUSED and self.clock[at.T] >= t and self.ahead() > t else status
 
     def outputs_before(self, t: float) -> int:
         """Number of outputs before the time t [s]; at an instant the values just after it are recorded."""
@@ -167,17 +168,17 @@ class Run(ABC):
         """Write the outputs at the instant t [s], with the values just after it, or let the next step write them."""
         if not self.lands_on_instants:
             return
-        k = int(self.tally[step_state.OUTPUTS])
+        k = int(self.tally[at.OUTPUTS])
         while k < len(self.t_eval) and self.t_eval[k] <= t + SAME * self.t_end:
             record(self.workspace, t, self.workspace.state, self.raw[k])
             k += 1
-        self.tally[step_state.OUTPUTS] = k
+        self.tally[at.OUTPUTS] = k
 
     def record_first(self, y: np.ndarray) -> None:
         """Write the output at the start, if one is due, from the state y [SI]."""
         if len(self.t_eval) and self.t_eval[0] <= self.start.t:
             record(self.workspace, self.start.t, y, self.raw[0])
-            self.tally[step_state.OUTPUTS] = 1
+            self.tally[at.OUTPUTS] = 1
 
     def trouble(self, status: int) -> str:
         """Why the run cannot go on, in words."""
@@ -201,11 +202,11 @@ class Run(ABC):
                 if stop.is_set():
                     raise KeyboardInterrupt
                 status = self.advance(self.t_end, CHUNK if functions.jit_runs() else 20)
-                self.crossings.append(m.crossings[: tally[step_state.FOUND]].copy())
-                self.contacts.append(m.events[: tally[step_state.EVENT_COUNT]].copy())
-                tally[step_state.FOUND] = tally[step_state.EVENT_COUNT] = 0
+                self.crossings.append(m.crossings[: tally[at.FOUND]].copy())
+                self.contacts.append(m.events[: tally[at.EVENT_COUNT]].copy())
+                tally[at.FOUND] = tally[at.EVENT_COUNT] = 0
                 if bar is not None:
-                    bar.update(self.clock[step_state.T] - bar.n)
+                    bar.update(self.clock[at.T] - bar.n)
                 if status == PAUSED:
                     self.message, mark = too_slow(self, mark)
                     if self.message:
@@ -213,12 +214,12 @@ class Run(ABC):
             if status not in (DONE, PAUSED):
                 # by the gaps in the workspace, which outputs overwrite
                 lost = self.trouble(status) if status == ESCAPED else ""
-                if not tally[step_state.OUTPUTS]:
+                if not tally[at.OUTPUTS]:
                     self.record_first(start_state(self.system, self.start))
                 self.message = lost or self.trouble(status)
         except KeyboardInterrupt:
             self.interrupted = True
-            reached = self.clock[step_state.T]
+            reached = self.clock[at.T]
             self.message = f"stopped by the user at t = {reached:.6g} s; the result holds what was computed before"
         finally:
             if bar is not None:
@@ -243,8 +244,8 @@ def pulls(run: Run, reached: float) -> tuple[dict[str, float], dict[str, float |
     intervals = {}
     span = max(reached - run.start.t, 1e-300)
     for n, name in enumerate(run.system.watched):
-        mine = crossings[crossings[:, 1] == n]
-        times = list(mine[:, 0])
+        mine = crossings[crossings[:, at.CROSSING_FORCE] == n]
+        times = list(mine[:, at.CROSSING_T])
         if run.first_sign[n] < 0:
             times.insert(0, run.start.t)
         if len(times) % 2:

@@ -19,10 +19,10 @@ from rattle.analyses.law_check import law_faults
 from rattle.equations.system import System
 from rattle.errors import SolverError
 from rattle.jit import functions
+from rattle.jit import layout as at
 from rattle.registry import kinds
 from rattle.results.columns import width
 from rattle.results.result import Result
-from rattle.solvers import step_state
 from rattle.solvers.stepper import ATOL, FREE, RTOL, usual_stepper
 
 log = logging.getLogger("rattle")
@@ -61,7 +61,7 @@ def simulate(
         run.notes = note_choice(system, asked, stepper)
     run.go(progress)
     reach, second = None, None
-    if horizon and run.tally[step_state.OUTPUTS] > 1 and not run.interrupted:
+    if horizon and run.tally[at.OUTPUTS] > 1 and not run.interrupted:
         finer = None if step is None else step / stepper.leaf.refinement
         fine = tighter(rtol, RTOL)
         second = new_run(system, start, times, end, How(stepper, fine, atol * fine / rtol, finer))

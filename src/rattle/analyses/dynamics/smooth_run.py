@@ -9,7 +9,8 @@ from rattle.analyses.dynamics.failure import explain
 from rattle.analyses.dynamics.run import Run
 from rattle.analyses.dynamics.soundness import set_floor
 from rattle.equations.motion import OK, PAUSED
-from rattle.solvers import step_loop, step_state
+from rattle.jit import layout as at
+from rattle.solvers import step_loop
 
 
 @final
@@ -35,7 +36,7 @@ class SmoothRun(Run):
         if not self.stepper.leaf.adaptive:
             ahead = min(self.ahead(), self.t_end) - t
             if ahead > 0.0:
-                self.clock[step_state.H] = ahead / max(1, math.ceil(ahead / (self.step or math.inf) - 1e-9))
+                self.clock[at.H] = ahead / max(1, math.ceil(ahead / (self.step or math.inf) - 1e-9))
 
     def take_steps(self, t: float, chunk: int, outputs: int) -> int:
         """Up to `chunk` steps towards the time t [s]; see `Run.take_steps`."""

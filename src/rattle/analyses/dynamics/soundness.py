@@ -20,10 +20,11 @@ from rattle.description.model import Point
 from rattle.elements.custom import load_law
 from rattle.equations.motion import drive
 from rattle.equations.system import System
+from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.registry import Kind
 from rattle.results.columns import width
-from rattle.solvers import step_audit, step_state
+from rattle.solvers import step_audit
 from rattle.solvers.output_row import record
 from rattle.solvers.stepper import Stepper
 
@@ -70,8 +71,8 @@ def audit_arrays(system: System, energy_limit: float) -> dict[str, np.ndarray]:
     energy_limit: largest share [-] for the energy error, given by the stepper.
     """
     size = extent(system)
-    seen = np.zeros(step_audit.SUNK + 1)
-    seen[step_audit.OPEN_LIMIT], seen[step_audit.UNREST_LIMIT] = LIMIT, energy_limit
+    seen = np.zeros(at.SUNK + 1)
+    seen[at.OPEN_LIMIT], seen[at.UNREST_LIMIT] = LIMIT, energy_limit
     return {"measure": np.array([-1.0 if row.unit == "rad" else 1.0 / size for row in system.rows]), "audit": seen}
 
 
@@ -85,7 +86,7 @@ def set_floor(system: System, workspace: Workspace, rtol: float, atol: float) ->
     moment = float(forces[:, 2].sum() + extent(system) * forces[:, :2].sum())
     slow = 1e5 * atol * np.array([1.0, 1.0, 1.0 / extent(system)])
     resting = 0.5 * float((system.arrays["mass"][1:] * slow**2).sum())
-    workspace.audit[step_audit.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
+    workspace.audit[at.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
 
 
 # ---------------------------------------------------------------- notes
@@ -93,16 +94,16 @@ def remarks(system: System, workspace: Workspace, stepper: type[Stepper]) -> tup
     """Notes on a run whose drift or energy error is more than rounding."""
     seen = workspace.audit
     found = []
-    opened = max(float(seen[step_audit.LENGTH]) / extent(system), float(seen[step_audit.ANGLE]))
+    opened = max(float(seen[at.OPEN_LENGTH]) / extent(system), float(seen[at.OPEN_ANGLE]))
     shorter = "a smaller rtol" if stepper.adaptive else "a shorter step"
     if opened > SAID:
         found.append(f"joints opened by {opened:.2g} of the mechanism's size (or rad): {shorter} reduces this")
-    if seen[step_audit.SUNK] > SUNK:
+    if seen[at.SUNK] > SUNK:
         found.append(
-            f"contacts sank up to {100 * seen[step_audit.SUNK]:.2g} % of the clearance into their walls:"
+            f"contacts sank up to {100 * seen[at.SUNK]:.2g} % of the clearance into their walls:"
             f" {stepper.title} detects contact only once per step, a shorter step detects it sooner"
         )
-    share = float(seen[step_audit.SHARE])
+    share = float(seen[at.MOST_UNREST])
     if share > SAID and stepper.title:
         found.append(f"energy error {share:.2g} of the largest energy: {stepper.title}, in proportion to its step")
     elif share > SAID:
@@ -170,7 +171,7 @@ def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, flo
 
     mark: the steps and time [s] from which to count now.
     """
-    steps, t = int(run.tally[step_state.STEPS]), float(run.clock[step_state.T])
+    steps, t = int(run.tally[at.STEPS]), float(run.clock[at.T])
     if run.most_steps is not None:
         done = f"ended at t = {t:.6g} s after {steps} steps, the limit given by most_steps"
         return (done if steps >= run.most_steps else ""), mark
@@ -189,16 +190,16 @@ def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, flo
 def why_unsound(run: Running) -> str:
     """Why a run ended at the last instant that can be trusted, in words."""
     system, seen = run.system, run.workspace.audit
-    t, ahead = float(run.clock[step_state.T]), float(run.clock[step_state.TROUBLE])
+    t, ahead = float(run.clock[at.T]), float(run.clock[at.TROUBLE])
     what = []
-    opened = max(float(seen[step_audit.OPEN]), float(seen[step_audit.CORRECTION]))
-    limit = LIMIT if seen[step_audit.OPEN] > LIMIT else step_audit.TOO_FAR
+    opened = max(float(seen[at.OPENNESS]), float(seen[at.CORRECTION]))
+    limit = LIMIT if seen[at.OPENNESS] > LIMIT else step_audit.TOO_FAR
     if not opened <= limit and system.rows:
-        row = system.rows[int(seen[step_audit.OPEN_ROW])]
+        row = system.rows[int(seen[at.OPEN_ROW])]
         measure = "rad" if row.unit == "rad" else "of the mechanism's size"
         what.append(f"'{row.owner}' would open by {opened:.2g} {measure}")
-    if not seen[step_audit.UNREST] <= seen[step_audit.UNREST_LIMIT]:
-        what.append(f"the energy error would be {100 * seen[step_audit.UNREST]:.2g} % of the largest energy")
+    if not seen[at.UNREST] <= seen[at.UNREST_LIMIT]:
+        what.append(f"the energy error would be {100 * seen[at.UNREST]:.2g} % of the largest energy")
     return f"ended at t = {t:.6g} s, before {' and '.join(what)}: {_cause(run, t, ahead)}"
 
 

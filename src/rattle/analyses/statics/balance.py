@@ -253,7 +253,7 @@ class StaticProblem:
         return Found(
             q.copy(), workspace.multiplier.copy(), eigenvalue, residual, gap, iterations,
             nonunique_reactions(system, workspace) if self.redundant else (),
-            len(g), neutral, falling, float(workspace.power[0]), self.force_scale(), raw,
+            len(g), neutral, falling, float(workspace.power[at.POTENTIAL_ENERGY]), self.force_scale(), raw,
         )  # fmt: skip
 
     def describe(self, found: Sequence[Found]) -> list[Equilibrium]:

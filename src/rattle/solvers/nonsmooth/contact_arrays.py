@@ -10,6 +10,7 @@ import numpy as np
 from rattle.equations import complementarity, contact_network, lemke, unilateral
 from rattle.equations.system import System
 from rattle.jit import functions
+from rattle.jit import layout as at
 from rattle.solvers.nonsmooth import event_search, impact_path, impact_phases, uniqueness
 from rattle.solvers.peaks import glances
 
@@ -29,7 +30,8 @@ def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
         "delassus": np.zeros((2 * nc, 2 * nc)),
         "side": np.zeros((4, 2 * nc)),
         "system": np.zeros((2 * nc, 2 * nc + 1)),
-        "recent": np.full((nc, 2), -math.inf),
+        "recent": np.full((nc, at.width("recent")), -math.inf),
+        "stuck": np.zeros(at.width("stuck")),
         "velocity_change": np.zeros((nb + 1, 3)),
         "multiplier_change": np.zeros(nr),
         "path": np.zeros((6, 2 * nc)),

@@ -7,7 +7,6 @@ from rattle.equations.complementarity import (
     FORWARD,
     IMPOSSIBLE,
     OFF,
-    OUTCOME,
     SOLVED,
     STICK,
     TRY_ALL,
@@ -15,7 +14,7 @@ from rattle.equations.complementarity import (
     F,
     friction_of,
     linear,
-)  # fmt: skip
+)
 from rattle.equations.motion import OK
 from rattle.equations.state import IMPULSE, LOSS, account_at
 from rattle.equations.unilateral import (
@@ -81,12 +80,12 @@ def choose_closed(m, apart, kind, attempt, pulling):
     for k in range(count):
         n = active[k]
         kept = mode[n] != OFF and kind != HIT
-        if kept or at_rest(m, 2 * k, n, along(m, 2 * k, n, body, at.VX), memory[n, at.N_1]):
+        if kept or at_rest(m, 2 * k, n, along(m, 2 * k, n, body, at.VX), memory[n, at.ROUNDING]):
             active[closed] = n
             u = along(m, 2 * k + 1, n, body, at.VX)
             slide[closed] = 0
             still = (kept and mode[n] == STICK) or (n == apart and kind == TURN)
-            if not still and not at_rest(m, 2 * k + 1, n, u, memory[n, at.N_1]):
+            if not still and not at_rest(m, 2 * k + 1, n, u, memory[n, at.ROUNDING]):
                 slide[closed] = 1 if u > 0.0 else -1
             if n == apart and kind == BREAK_AWAY:
                 slide[closed] = 1 if pulling > 0.0 else -1
@@ -181,7 +180,7 @@ def go_beyond(m, count, apart, pulling):
     found = call_problem(m.problem_table[TRY_ALL], (m, 2 * count + 1))
     if found < 0:  # too many combinations to be tried
         found = 1 if solve_contacts(m, count) and linear(m, count) > 0 else 2
-    m.held[OUTCOME] = SOLVED if found > 0 else IMPOSSIBLE
+    m.held[at.OUTCOME] = SOLVED if found > 0 else IMPOSSIBLE
     return OK if found == 1 else (NOT_UNIQUE if found > 1 else NO_SOLUTION)
 
 
@@ -240,7 +239,7 @@ def change_modes(m, t, y, count):
         if old == OFF and new != OFF:
             memory[n, at.CLOSED], memory[n, at.SINCE], memory[n, at.PEAK] = (
                 at.SHUT,
-                max(t, memory[n, at.STEPS_IN]),
+                max(t, memory[n, at.BOUNCES_END]),
                 pressed,
             )
             memory[n, at.IMPULSE_0], memory[n, at.LOSS_0] = y[account + IMPULSE], y[account + LOSS]
@@ -253,4 +252,4 @@ def change_modes(m, t, y, count):
             elif old != OFF:
                 note(m, at.SLIP_EVENT, n, t, 0.0)
         mode[n] = new
-        memory[n, at.STEPS_IN] = 0.0
+        memory[n, at.BOUNCES_END] = 0.0

@@ -5,12 +5,11 @@ from __future__ import annotations
 from rattle.equations.complementarity import FORWARD, OFF, STICK, B
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import constraints, free_motion, place
-from rattle.equations.unilateral import SIZE, contact_rows, push_all, reach, shift, solve_modes, velocity_scale
+from rattle.equations.unilateral import contact_rows, push_all, reach, shift, solve_modes, velocity_scale
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.gap_search import clearance_of
 from rattle.solvers.projection import project
-from rattle.solvers.step_audit import LENGTH
 
 NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above the integration error
 FAR = 100.0  # how far a contact may move along its wall, in gaps, when it is projected onto the wall
@@ -20,7 +19,7 @@ STILL = 1e-12  # share of its terms below which a contact velocity counts as zer
 @compiled
 def noise(m, n):
     """Penetration of contact n that may be rounding [m]."""
-    return 1e-12 * clearance_of(m, n) + 1e-15 * m.held[SIZE]
+    return 1e-12 * clearance_of(m, n) + 1e-15 * m.held[at.SIZE]
 
 
 @compiled
@@ -82,7 +81,7 @@ def project_on_contacts(m, t, y, who):
     active, candidate, side, kinematics, audit = m.active, m.candidate, m.side, m.contact_kinematics, m.audit
     nq = m.change.shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
-    exact, bend = 1e-16 * m.held[SIZE], 1.0
+    exact, bend = 1e-16 * m.held[at.SIZE], 1.0
     for attempt in range(4):
         worst, left = 0.0, bend
         bend = 0.0
@@ -90,7 +89,7 @@ def project_on_contacts(m, t, y, who):
             gap = abs(kinematics[active[k], at.GAP])
             worst, bend = max(worst, gap), max(bend, gap * gap / clearance_of(m, active[k]))
         if worst < exact or left < exact or attempt == 3:  # error by curved walls: gap^2 / clearance
-            audit[LENGTH] = max(audit[LENGTH], worst)
+            audit[at.OPEN_LENGTH] = max(audit[at.OPEN_LENGTH], worst)
             break
         contact_rows(m, closed)
         for k in range(closed):
@@ -136,4 +135,4 @@ def largest_acceleration(m):
 def at_rest(m, r, n, u, before):
     """True if the velocity u [m/s] of row r of contact n is rounding; before: magnitude of its terms before an impact
     [m/s]."""
-    return abs(u) <= STILL * max(velocity_scale(m, r, n), before) + 1e-14 * m.held[SIZE]
+    return abs(u) <= STILL * max(velocity_scale(m, r, n), before) + 1e-14 * m.held[at.SIZE]

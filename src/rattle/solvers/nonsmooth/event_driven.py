@@ -19,7 +19,7 @@ from __future__ import annotations
 from rattle.equations.complementarity import OFF, STICK
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
-from rattle.equations.unilateral import CHATTER, DETERMINANT, LOCKED, NOT_FOUND
+from rattle.equations.unilateral import CHATTER, LOCKED, NOT_FOUND
 from rattle.jit import layout as at
 from rattle.jit.functions import call_stepper, compiled, native
 from rattle.solvers.dense_output import interpolate, prepare_dense
@@ -35,8 +35,6 @@ from rattle.solvers.peaks.samples import DOP853, END, LOOKS, START, end_step, ga
 from rattle.solvers.peaks.stage_peaks import end_by_stages
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
-from rattle.solvers.state_switches import LANDS
-from rattle.solvers.step_audit import LENGTH
 from rattle.solvers.step_control import (
     SHORT,
     TRY_AGAIN,
@@ -52,7 +50,7 @@ from rattle.solvers.step_control import (
     take_over,
     turn_switch,
 )  # fmt: skip
-from rattle.solvers.step_state import EVALUATIONS, OUTPUTS, STAGES, STEP, STEPS, TROUBLE, H, T
+from rattle.solvers.step_state import STAGES, STEP
 
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
 MOST_IN_A_ROW = 200_000  # events, each after less than CROWDED of the run, after which it stops too
@@ -72,7 +70,7 @@ def count_shift(m):
     """Error of a located event [m], from gaps before and after the projection; it counts as drift."""
     memory, kinematics, audit = m.contact_memory, m.contact_kinematics, m.audit
     for n in range(memory.shape[0]):
-        audit[LENGTH] = max(audit[LENGTH], abs(kinematics[n, at.GAP] - memory[n, at.GAP_1]))
+        audit[at.OPEN_LENGTH] = max(audit[at.OPEN_LENGTH], abs(kinematics[n, at.GAP] - memory[n, at.GAP_1]))
 
 
 @compiled
@@ -159,14 +157,14 @@ def write_until(m, t, h, t_until, t_out, out):
     escaped."""
     tally, stage = m.tally, m.stage
     while output_due(m, t_until, t_out):
-        k = tally[OUTPUTS]
+        k = tally[at.OUTPUTS]
         interpolate(m, (t_out[k] - t) / h, stage)
         if escaped(m, stage):
-            m.clock[TROUBLE] = t_out[k]
+            m.clock[at.TROUBLE] = t_out[k]
             return False
         project_on_contacts(m, t_out[k], stage, -1)
         record(m, t_out[k], stage, out[k])
-        tally[OUTPUTS] = k + 1
+        tally[at.OUTPUTS] = k + 1
     return True
 
 
@@ -183,10 +181,10 @@ def none_may_hit(m, h):
 @compiled
 def try_step(m, t, h, last, rtol, atol, h_max):
     """Step from t of length h into y_new; OK or TRY_AGAIN, its error, and True if monitored forces changed signs."""
-    m.power[3] = 1.0
-    m.held[DETERMINANT] = 1.0
+    m.power[at.PIVOT_SHARE] = 1.0
+    m.held[at.DETERMINANT] = 1.0
     error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, 0))
-    m.tally[EVALUATIONS] += m.stepper[STAGES]
+    m.tally[at.EVALUATIONS] += m.stepper[STAGES]
     if error <= 1.0:
         lengthen(m, h, error, last, h_max)
         return OK, error, changed
@@ -233,7 +231,7 @@ def sum_step(m, t, h, until, met, by_stages):
         solved = end_by_stages(m, t, h, until)
     else:
         solved = end_step(m, t, h, until, LOOKS if not met and any_closed(m) else DOP853, 1)
-    m.tally[EVALUATIONS] += 3 + solved
+    m.tally[at.EVALUATIONS] += 3 + solved
 
 
 @compiled
@@ -251,24 +249,25 @@ def go_to(m, t, h, until, t_until, met, quiet, changed, t_out, out):
     if not quiet and not write_until(m, t, h, t_until, t_out, out):
         return ESCAPED
     if inside_wall(m) if quiet else escaped(m, y_new):
-        m.clock[TROUBLE] = t_until
+        m.clock[at.TROUBLE] = t_until
         return ESCAPED
     return OK
 
 
 @compiled
-def take_event(m, t, h, t_end, who, what, stuck):
+def take_event(m, t, h, t_end, who, what):
     """Event of contact `who` at t, in a step of length h; CHATTER if events follow each other without end."""
-    again = t - stuck[0] <= 1e-14 * t_end
-    stuck[1] = stuck[1] + 1.0 if again else 0.0
-    stuck[3] = stuck[3] + 1.0 if t - stuck[0] <= CROWDED * t_end else 0.0
-    stuck[0] = stuck[0] if again else t
-    stuck[2] = who
-    if stuck[1] > MOST_AT_ONCE or stuck[3] > MOST_IN_A_ROW:
+    stuck = m.stuck
+    again = t - stuck[at.EVENT_AT] <= 1e-14 * t_end
+    stuck[at.EVENTS_THERE] = stuck[at.EVENTS_THERE] + 1.0 if again else 0.0
+    stuck[at.EVENTS_IN_A_ROW] = stuck[at.EVENTS_IN_A_ROW] + 1.0 if t - stuck[at.EVENT_AT] <= CROWDED * t_end else 0.0
+    stuck[at.EVENT_AT] = stuck[at.EVENT_AT] if again else t
+    stuck[at.EVENT_WHO] = who
+    if stuck[at.EVENTS_THERE] > MOST_AT_ONCE or stuck[at.EVENTS_IN_A_ROW] > MOST_IN_A_ROW:
         return CHATTER
     status = handle_event(m, t, m.state_new, who, what)
     if status == OK:
-        m.clock[H] = max(m.clock[H], h)
+        m.clock[at.H] = max(m.clock[at.H], h)
     return status
 
 
@@ -277,30 +276,28 @@ def start_next(m, t, met, quiet):
     """Make the end of a step at t, where an event may have occurred, the start of the next."""
     if not quiet:
         derivative(m, t, m.state_new, m.rate_new)
-        m.tally[EVALUATIONS] += 1
+        m.tally[at.EVALUATIONS] += 1
         cross_at_once(m, t)
     if met or m.switch.shape[0] > 0:
         gauge(m, START, t)
     else:
         pass_look_on(m)
-    m.tally[EVALUATIONS] += 1
+    m.tally[at.EVALUATIONS] += 1
     remember(m)
     take_over(m, t, met)
 
 
-@native("i", "h", "f", "f", "f", "f", "v", "m", "i", "v")
-def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
+@native("i", "h", "f", "f", "f", "f", "v", "m", "i")
+def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
     """Take up to `most_steps` steps towards t_end [s], each to the next event at most; writes outputs on the way.
 
-    stuck (4,): time of the last event [s], events at that time so far, contact of the last event, events in a row that
-    followed each other immediately.
     Returns DONE, PAUSED, STEP_TOO_SMALL, ESCAPED, NO_SOLUTION, NOT_FOUND, NOT_UNIQUE, LOCKED, CHATTER,
     UNSOUND, or SLIDES.
     """
     clock, y_new = m.clock, m.state_new
-    steps = m.tally[STEPS] + most_steps
+    steps = m.tally[at.STEPS] + most_steps
     while has_room(m, steps):
-        t = clock[T]
+        t = clock[at.T]
         if t >= t_end:
             return DONE
         h, last = next_step(m, t_end)
@@ -328,7 +325,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
             return status
         share, who, what, by_stages = search_step(m, t, t_new - t, low, high, calm)
         if share > NONE and h > SHORT * (t_end - t):  # events may be hidden in it
-            m.landing[LANDS] = 0.0
+            m.landing[at.LANDS] = 0.0
             quarter(m, h)
             continue
         met = who >= 0
@@ -338,13 +335,13 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps, stuck):
         if go_to(m, t, t_new - t, until, t_until, met, quiet, changed, t_out, out) != OK:
             return ESCAPED
         if met:
-            status = take_event(m, t_until, h, t_end, who, what, stuck)
+            status = take_event(m, t_until, h, t_end, who, what)
         if status == OK and turn_switch(m, t_until, met):
             status = handle_event(m, t_until, y_new, -1, NOTHING)
         if status != OK:
-            clock[T] = t_until
+            clock[at.T] = t_until
             return status
         start_next(m, t_until, met, quiet)
-        if m.held[DETERMINANT] < 0.0:
+        if m.held[at.DETERMINANT] < 0.0:
             return LOCKED
-    return DONE if clock[T] >= t_end else PAUSED
+    return DONE if clock[at.T] >= t_end else PAUSED

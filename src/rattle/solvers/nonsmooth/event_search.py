@@ -23,7 +23,6 @@ from rattle.solvers.peaks.glances import KINDS, margin_of, matters, may_dip, sla
 from rattle.solvers.peaks.glances import PLACES as PLACES_OF_STAGES
 from rattle.solvers.peaks.samples import LOOK, gauge
 from rattle.solvers.peaks.stage_polynomial import told, zero_told
-from rattle.solvers.step_state import EVALUATIONS
 
 # first sampling points of a step: evenly spaced ones, which peaks use too, and one that is not
 PLACES = np.array([0.0, 0.057, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0])
@@ -243,7 +242,7 @@ def first_between(m, t, h, i, best, who, what, guided):
         if share <= looks[i, 0]:
             break
         look(m, t, h, share, i + 1)
-        m.tally[EVALUATIONS] += 1
+        m.tally[at.EVALUATIONS] += 1
     return best, who, what
 
 
@@ -285,7 +284,7 @@ def first_change(m, t, h, low, high, places, best, who, what):
         if what > HIT:
             break
         i += 1
-    m.tally[EVALUATIONS] += seen
+    m.tally[at.EVALUATIONS] += seen
     return best, who, what
 
 

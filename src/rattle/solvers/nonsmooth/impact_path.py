@@ -26,14 +26,13 @@ from rattle.equations.complementarity import (
     OFF,
     ROWS_OF,
     SEARCH,
-    SPARSE,
     STICK,
     A,
     B,
     F,
     fill_delassus,
     friction_of,
-)  # fmt: skip
+)
 from rattle.jit import layout as at
 from rattle.jit.functions import call_problem, compiled, kernel
 
@@ -88,8 +87,8 @@ def follow_path(m):
 @compiled
 def as_full_matrix(m, count):
     """Form G of the active contacts as a full matrix, if it is not yet."""
-    if m.held[SPARSE] == 1.0:
-        m.held[SPARSE] = 0.0
+    if m.held[at.SPARSE] == 1.0:
+        m.held[at.SPARSE] = 0.0
         fill_delassus(m, count)
 
 

@@ -22,7 +22,6 @@ from rattle.equations.unilateral import (
     EXPAND,
     NOT_FOUND,
     NOT_UNIQUE,
-    SIZE,
     TRACE,
     add_forces,
     along,
@@ -35,7 +34,7 @@ from rattle.equations.unilateral import (
     solve_contacts,
     solve_modes,
     velocity_scale,
-)  # fmt: skip
+)
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_problem, compiled, native
 from rattle.solvers.event_rows import note_impact
@@ -43,7 +42,6 @@ from rattle.solvers.gap_search import clearance_of
 from rattle.solvers.nonsmooth.contact_projection import STILL, at_rest, at_wall, motion_without
 from rattle.solvers.nonsmooth.impact_path import BEFORE, E
 from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, law_of
-from rattle.solvers.step_state import SERIES
 
 NOTICED = 1e-11  # share of the largest impulse of an impact below which one is rounding and no event
 LOW = 1e-11  # bounces that rise less than this share of the clearance are not followed
@@ -62,7 +60,7 @@ def collide(m, t, y, who):
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and (n == who or mode[n] != OFF or at_wall(m, n)):
             active[count] = n
-            memory[n, at.STEPS_IN], memory[n, at.N_1] = 0.0, 0.0
+            memory[n, at.BOUNCES_END], memory[n, at.ROUNDING] = 0.0, 0.0
             count += 1
     for c in range(nq):
         before[c] = v[c]
@@ -90,9 +88,9 @@ def rates_before(m, count, law):
     active, candidate, slide, side, bounce = m.active, m.candidate, m.slide, m.side, m.bounce
     for k in range(count):
         n, p = active[k], contact[active[k], at.NORMAL_P]
-        memory[n, at.N_1] = max(velocity_scale(m, 2 * k, n), velocity_scale(m, 2 * k + 1, n))
-        hits = kinematics[n, at.DGAP] < -STILL * memory[n, at.N_1]
-        bounce[E, 2 * n] = values[p + at.RESTITUTION] if memory[n, at.STEPS_IN] == 0.0 else 0.0
+        memory[n, at.ROUNDING] = max(velocity_scale(m, 2 * k, n), velocity_scale(m, 2 * k + 1, n))
+        hits = kinematics[n, at.DGAP] < -STILL * memory[n, at.ROUNDING]
+        bounce[E, 2 * n] = values[p + at.RESTITUTION] if memory[n, at.BOUNCES_END] == 0.0 else 0.0
         bounce[BEFORE, 2 * n] = kinematics[n, at.DGAP] if hits else 0.0
         e, e_t = (bounce[E, 2 * n], values[p + at.TANGENTIAL_RESTITUTION]) if law == NEWTON and hits else (0.0, 0.0)
         side[B, 2 * k], side[B, 2 * k + 1] = (1.0 + e) * kinematics[n, at.DGAP], -(1.0 + e_t) * kinematics[n, at.SLIP]
@@ -129,13 +127,13 @@ def press_down(m, count):
     lifts = False
     for k in range(count):
         n = active[k]
-        closed, parts = memory[n, at.STEPS_IN] != 0.0, side[A, 2 * k]
+        closed, parts = memory[n, at.BOUNCES_END] != 0.0, side[A, 2 * k]
         if law_of(m, n) == NEWTON:
             parts -= bounce[E, 2 * n] * bounce[BEFORE, 2 * n]
         lifts = lifts or (closed and parts > 0.0)
         for r in range(2 * k, 2 * k + 2):
             side[OTHER, r] = side[F, r]
-        stays = side[F, 2 * k] > 0.0 and parts <= STILL * memory[n, at.N_1]
+        stays = side[F, 2 * k] > 0.0 and parts <= STILL * memory[n, at.ROUNDING]
         side[B, 2 * k], side[B, 2 * k + 1] = parts if closed else 0.0, 0.0
         if closed or stays:
             candidate[k] = STICK if candidate[k] == STICK and stays else FORWARD
@@ -156,9 +154,9 @@ def stay_together(m, count):
     for k in range(count):
         n = active[k]
         candidate[k] = OFF
-        if at_rest(m, 2 * k, n, kinematics[n, at.DGAP], memory[n, at.N_1]):
+        if at_rest(m, 2 * k, n, kinematics[n, at.DGAP], memory[n, at.ROUNDING]):
             candidate[k] = STICK
-            if friction_of(m, n) == 0.0 or not at_rest(m, 2 * k + 1, n, kinematics[n, at.SLIP], memory[n, at.N_1]):
+            if friction_of(m, n) == 0.0 or not at_rest(m, 2 * k + 1, n, kinematics[n, at.SLIP], memory[n, at.ROUNDING]):
                 candidate[k] = FORWARD if kinematics[n, at.SLIP] >= 0.0 else BACKWARD
     lasting_side(m, count)
     for _ in range(count):
@@ -185,11 +183,11 @@ def low_bounce(m, t, y, count):
     add_forces(m, count, m.acceleration, m.multiplier)
     for r in range(2 * count):
         side[F, r] = side[OTHER, r]
-    least = 4e-15 * m.held[SIZE]
+    least = 4e-15 * m.held[at.SIZE]
     for k in range(count):
         n = active[k]
         speed, came = kinematics[n, at.DGAP], -bounce[BEFORE, 2 * n]
-        if memory[n, at.STEPS_IN] != 0.0 or speed <= STILL * velocity_scale(m, 2 * k, n):
+        if memory[n, at.BOUNCES_END] != 0.0 or speed <= STILL * velocity_scale(m, 2 * k, n):
             continue
         pull = kinematics[n, at.GAMMA_N] - along(m, 2 * k, n, m.acceleration, 0)
         if pull < 0.0 and speed * speed < -2.0 * pull * max(LOW * clearance_of(m, n), least):
@@ -198,26 +196,26 @@ def low_bounce(m, t, y, count):
                 e = values[contact[n, at.NORMAL_P] + at.RESTITUTION]
                 if law_of(m, n) != NEWTON:
                     e = min(speed / came, 1.0)
-                memory[n, at.STEPS_IN] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
-                m.tally[SERIES] += 1 if 0.0 < e < 1.0 else 0
+                memory[n, at.BOUNCES_END] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
+                m.tally[at.SERIES] += 1 if 0.0 < e < 1.0 else 0
             else:
                 lifted = True
                 end = max(end, t - 2.0 * speed / pull)
-                memory[n, at.STEPS_IN] = end
+                memory[n, at.BOUNCES_END] = end
     if not lifted:
         return found
-    m.tally[SERIES] += 1
+    m.tally[at.SERIES] += 1
     for k in range(count):
         n = active[k]
-        last, before = t - recent[n, 0], recent[n, 0] - recent[n, 1]
+        last, before = t - recent[n, at.LAST_IMPACT], recent[n, at.LAST_IMPACT] - recent[n, at.IMPACT_BEFORE]
         if side[F, 2 * k] > 0.0 and last < before < math.inf:
             end = max(end, t + last * last / (before - last))
     for k in range(count):
         n = active[k]
-        if memory[n, at.STEPS_IN] != 0.0 or (
+        if memory[n, at.BOUNCES_END] != 0.0 or (
             side[F, 2 * k] > 0.0 and kinematics[n, at.DGAP] <= STILL * velocity_scale(m, 2 * k, n)
         ):
-            memory[n, at.STEPS_IN] = end
+            memory[n, at.BOUNCES_END] = end
     return found
 
 
@@ -247,7 +245,7 @@ def rates_of_contacts(m, y, count, before):
     locate_contacts(m)
     for k in range(count):
         n = active[k]
-        memory[n, at.GAP_1], memory[n, at.DGAP_1] = kinematics[n, at.DGAP], kinematics[n, at.SLIP]
+        memory[n, at.RATE_BEFORE], memory[n, at.SLIP_BEFORE] = kinematics[n, at.DGAP], kinematics[n, at.SLIP]
 
 
 @compiled
@@ -266,15 +264,15 @@ def book_impulses(m, t, y, count):
         if pressed == 0.0 and held == 0.0:
             continue
         lost = 0.5 * (
-            held * (memory[n, at.DGAP_1] + kinematics[n, at.SLIP])
-            - pressed * (memory[n, at.GAP_1] + kinematics[n, at.DGAP])
+            held * (memory[n, at.SLIP_BEFORE] + kinematics[n, at.SLIP])
+            - pressed * (memory[n, at.RATE_BEFORE] + kinematics[n, at.DGAP])
         )
         account = account_at(m, n)
         y[account + IMPULSE] += pressed
         y[account + LOSS] += lost
         if pressed <= NOTICED * largest:  # held down, or rounding
             continue
-        recent[n, 1] = recent[n, 0]
-        recent[n, 0] = t
-        memory[n, at.SPEED] = max(-memory[n, at.GAP_1], 0.0)
+        recent[n, at.IMPACT_BEFORE] = recent[n, at.LAST_IMPACT]
+        recent[n, at.LAST_IMPACT] = t
+        memory[n, at.SPEED] = max(-memory[n, at.RATE_BEFORE], 0.0)
         note_impact(m, n, t, memory[n, at.SPEED], pressed, lost)

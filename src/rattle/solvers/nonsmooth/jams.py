@@ -79,7 +79,7 @@ def ends_slip(m, count):
     kinematics, candidate, active, memory = m.contact_kinematics, m.candidate, m.active, m.contact_memory
     for k in range(count):
         n = active[k]
-        slides = not at_rest(m, 2 * k + 1, n, kinematics[n, at.SLIP], memory[n, at.N_1])
+        slides = not at_rest(m, 2 * k + 1, n, kinematics[n, at.SLIP], memory[n, at.ROUNDING])
         if slides and candidate[k] == STICK and passes_jams(m, n):
             return True
     return False
@@ -104,7 +104,7 @@ def pass_jam(m, t, late):
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
             active[count] = n
-            memory[n, at.STEPS_IN] = 0.0
+            memory[n, at.BOUNCES_END] = 0.0
             count += 1
     contact_rows(m, count)
     for attempt in range(2):

@@ -102,8 +102,8 @@ def with_contacts(m, t, y, old, percussion):
     contact_rows(m, count)
     for k in range(count):
         n = active[k]
-        memory[n, at.STEPS_IN] = 0.0
-        memory[n, at.N_1] = max(velocity_scale(m, 2 * k, n), velocity_scale(m, 2 * k + 1, n))
+        memory[n, at.BOUNCES_END], memory[n, at.STEPS_ON] = 0.0, 0.0
+        memory[n, at.ROUNDING] = max(velocity_scale(m, 2 * k, n), velocity_scale(m, 2 * k + 1, n))
         side[B, 2 * k], side[B, 2 * k + 1] = kinematics[n, at.DGAP], -kinematics[n, at.SLIP]
         slide[k] = 0
         candidate[k] = STICK if friction_of(m, n) > 0.0 else FORWARD

@@ -51,13 +51,9 @@ from rattle.solvers.output_row import write
 from rattle.solvers.peaks.samples import START, add_step, gauge
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once
-from rattle.solvers.step_audit import STARTED, SUNK, UNSOUND, note_drift, stands
-from rattle.solvers.step_state import DRIFT_ROW, EVALUATIONS, EVENT_COUNT, FOUND, H_MIN, OUTPUTS, STEPS, TROUBLE, H, T
+from rattle.solvers.step_audit import UNSOUND, note_drift, stands
 
 ACTIVE = 1e-8  # share of the clearance within which a contact takes part
-# columns of `contact_memory` as they are used here: 1 for an impact, its tangential restitution, the rate of the gap
-# with which it leaves, the error by which its gap is too small
-HITS, E_T, AFTER, SHIFT = at.N_0, at.N_1, at.DGAP_1, at.GAP_1
 KEPT = 1e-4  # the same for one that pressed in the step before: on curved paths a gap of O(h^2) is no separation
 LASTING = 3  # steps in a row after which a contact counts as closed, or as released
 
@@ -73,9 +69,9 @@ def start(m, t):
     for n in range(m.contact_memory.shape[0]):
         m.contact_memory[n, at.CLOSED] = at.OPEN
     loads(m, t)
-    m.audit[STARTED] = 0.0
+    m.audit[at.STARTED] = 0.0
     stands(m, y)
-    m.clock[T] = t
+    m.clock[at.T] = t
 
 
 @compiled
@@ -118,15 +114,20 @@ def impact_side(m, count, h):
         pull, bend = along(m, 2 * k, n, acceleration, 0), kinematics[n, at.GAMMA_N]
         least = 2.0 * h * abs(bend - pull)
         hits = kinematics[n, at.DGAP] < -least
-        memory[n, HITS], memory[n, E_T] = 1.0 if hits else 0.0, values[p + at.TANGENTIAL_RESTITUTION] if hits else 0.0
-        memory[n, AFTER] = memory[n, SHIFT] = 0.0  # a jolt has left other quantities there
+        memory[n, at.HITS], memory[n, at.E_T] = (
+            1.0 if hits else 0.0,
+            values[p + at.TANGENTIAL_RESTITUTION] if hits else 0.0,
+        )
+        memory[n, at.RATE_AFTER] = memory[n, at.SHIFT] = 0.0  # a jolt has left other quantities there
         if hits:
             when = 0.5 * h - late(h, kinematics[n, at.GAP], -kinematics[n, at.DGAP])  # after the start of the step
             speed = kinematics[n, at.DGAP] - pull * when + bend * (when - 0.5 * h)
             if -values[p + at.RESTITUTION] * speed > least:  # it bounces: free before and after
-                memory[n, AFTER] = -values[p + at.RESTITUTION] * speed - bend * (when - 0.5 * h) - pull * (h - when)
-        side[B, 2 * k] = kinematics[n, at.DGAP] - h * pull - memory[n, AFTER]
-        side[B, 2 * k + 1] = -(1.0 + memory[n, E_T]) * kinematics[n, at.SLIP] - h * along(
+                memory[n, at.RATE_AFTER] = (
+                    -values[p + at.RESTITUTION] * speed - bend * (when - 0.5 * h) - pull * (h - when)
+                )
+        side[B, 2 * k] = kinematics[n, at.DGAP] - h * pull - memory[n, at.RATE_AFTER]
+        side[B, 2 * k + 1] = -(1.0 + memory[n, at.E_T]) * kinematics[n, at.SLIP] - h * along(
             m, 2 * k + 1, n, acceleration, 0
         )
 
@@ -147,8 +148,8 @@ def take_percussions(m, t, count, h, y):
     for row in range(multiplier.shape[0]):
         multiplier[row] -= dlambda[row] / h
     energies = energies_at(m)
-    y[energies + WORK] += h * power[1]
-    y[energies + DISSIPATED] += h * power[2]
+    y[energies + WORK] += h * power[at.WORK_RATE]
+    y[energies + DISSIPATED] += h * power[at.LOSS_RATE]
     for row in range(multiplier.shape[0]):
         y[energies + WORK] -= h * multiplier[row] * rows[row, at.NU]
     k, nc, impact = 0, contact.shape[0], False
@@ -159,8 +160,8 @@ def take_percussions(m, t, count, h, y):
             pressed, held = side[F, 2 * k], side[F, 2 * k + 1]
             if pressed > 0.0:
                 mode[n] = candidate[k]
-                gap_rate = side[A, 2 * k] + memory[n, AFTER]
-                slip = -side[A, 2 * k + 1] - memory[n, E_T] * kinematics[n, at.SLIP]
+                gap_rate = side[A, 2 * k] + memory[n, at.RATE_AFTER]
+                slip = -side[A, 2 * k + 1] - memory[n, at.E_T] * kinematics[n, at.SLIP]
                 if friction_of(m, n) == 0.0:
                     slip = kinematics[n, at.SLIP]
                 lost = 0.5 * (held * (kinematics[n, at.SLIP] + slip) - pressed * (kinematics[n, at.DGAP] + gap_rate))
@@ -168,12 +169,12 @@ def take_percussions(m, t, count, h, y):
                 y[account + IMPULSE] += pressed
                 y[account + LOSS] += lost
                 kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = pressed / h, held / h
-                if old == OFF and memory[n, HITS] == 1.0:
+                if old == OFF and memory[n, at.HITS] == 1.0:
                     speed = -kinematics[n, at.DGAP]
                     when = t + 0.5 * h - late(h, kinematics[n, at.GAP], speed)
                     note_impact(m, n, when, speed, pressed, lost)
                     memory[n, at.SPEED] = speed
-                    memory[n, SHIFT] = gap_rate * late(h, kinematics[n, at.GAP], speed) - kinematics[n, at.GAP]
+                    memory[n, at.SHIFT] = gap_rate * late(h, kinematics[n, at.GAP], speed) - kinematics[n, at.GAP]
                     impact = True
             k += 1
         watch_contact(m, n, old, t, h, y)
@@ -184,7 +185,7 @@ def take_percussions(m, t, count, h, y):
 def watch_contact(m, n, old, t, h, y):
     """Count pressed and free steps of contact n; record when it closes or opens, sticks or slips."""
     mode, memory, kinematics = m.mode, m.contact_memory, m.contact_kinematics
-    steps = memory[n, at.STEPS_IN]
+    steps = memory[n, at.STEPS_ON]
     account = account_at(m, n)
     if mode[n] != OFF:
         steps = max(steps, 0.0) + 1.0
@@ -201,7 +202,7 @@ def watch_contact(m, n, old, t, h, y):
         if memory[n, at.CLOSED] == at.SHUT and steps <= -LASTING:
             note_end(m, n, t + (steps + 1.0) * h, y, 0.0)
             memory[n, at.CLOSED], memory[n, at.SPEED] = at.OPEN, 0.0
-    memory[n, at.STEPS_IN] = steps
+    memory[n, at.STEPS_ON] = steps
 
 
 @compiled
@@ -215,12 +216,12 @@ def lift(m, count, y):
         candidate[k] = OFF
         side[B, 2 * k], side[B, 2 * k + 1] = 0.0, 0.0
         if kinematics[n, at.NORMAL] > 0.0 and (
-            kinematics[n, at.GAP] < 0.0 or memory[n, at.CLOSED] == at.SHUT or memory[n, SHIFT] > 0.0
+            kinematics[n, at.GAP] < 0.0 or memory[n, at.CLOSED] == at.SHUT or memory[n, at.SHIFT] > 0.0
         ):
             candidate[k] = FORWARD
-            side[B, 2 * k] = memory[n, SHIFT] if memory[n, SHIFT] > 0.0 else -kinematics[n, at.GAP]
+            side[B, 2 * k] = memory[n, at.SHIFT] if memory[n, at.SHIFT] > 0.0 else -kinematics[n, at.GAP]
             deep = True
-        memory[n, SHIFT] = 0.0
+        memory[n, at.SHIFT] = 0.0
     if not deep:
         return
     solve_modes(m, count, 0)
@@ -243,7 +244,7 @@ def close_joints(m, t, y):
     constraints(m)
     row = note_drift(m)
     if row >= 0:
-        m.tally[DRIFT_ROW] = row
+        m.tally[at.DRIFT_ROW] = row
     rate_residual(m)
     correct(m)
     for c in range(nq):
@@ -257,8 +258,8 @@ def write_until(m, t, h, t_out, out):
     tally, y, y_new, stage = m.tally, m.state, m.state_new, m.stage
     acceleration, nq, nc = m.acceleration, m.change.shape[0], m.contact_kinematics.shape[0]
     energies = energies_at(m)
-    while tally[OUTPUTS] < t_out.shape[0] and t_out[tally[OUTPUTS]] <= t + 1.0000001 * h:
-        k = tally[OUTPUTS]
+    while tally[at.OUTPUTS] < t_out.shape[0] and t_out[tally[at.OUTPUTS]] <= t + 1.0000001 * h:
+        k = tally[at.OUTPUTS]
         share = min(max((t_out[k] - t) / h, 0.0), 1.0)
         for c in range(y.shape[0]):
             stage[c] = y[c] + share * (y_new[c] - y[c])
@@ -273,7 +274,7 @@ def write_until(m, t, h, t_out, out):
         for n in range(nc):
             lost += stage[account_at(m, n) + LOSS]
         write(m, stage[energies + WORK], lost, out[k])
-        tally[OUTPUTS] = k + 1
+        tally[at.OUTPUTS] = k + 1
 
 
 @native("i", "h", "f", "f", "i", "v", "m", "i")
@@ -284,14 +285,14 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
     """
     y, y_new, clock, tally, body = m.state, m.state_new, m.clock, m.tally, m.body
     acceleration, nq, most_found = m.acceleration, m.change.shape[0], m.events.shape[0] // 2
-    begun, rate, audit = tally[STEPS], m.rate, m.audit
-    clock[H] = clock[H_MIN] = h
+    begun, rate, audit = tally[at.STEPS], m.rate, m.audit
+    clock[at.H] = clock[at.H_MIN] = h
     while (
-        tally[STEPS] < begun + most_steps
-        and tally[STEPS] < count
-        and max(tally[EVENT_COUNT], tally[FOUND]) < most_found
+        tally[at.STEPS] < begun + most_steps
+        and tally[at.STEPS] < count
+        and max(tally[at.EVENT_COUNT], tally[at.FOUND]) < most_found
     ):
-        t = t_start + tally[STEPS] * h
+        t = t_start + tally[at.STEPS] * h
         for c in range(y.shape[0]):
             y_new[c] = y[c]
         for c in range(nq):
@@ -301,7 +302,7 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
         drive(m, t + 0.5 * h)
         constraints(m)
         loads(m, t + 0.5 * h)
-        m.power[3] = 1.0
+        m.power[at.PIVOT_SHARE] = 1.0
         factorise(m)
         accelerate(m)
         active = choose_active(m)
@@ -326,21 +327,21 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
         for i in range(1, body.shape[0]):
             if not abs(y_new[nq + 3 * i - 1]) + abs(y_new[nq + 3 * i - 2]) + abs(y_new[nq + 3 * i - 3]) < math.inf:
                 return NOT_FINITE
-        tally[EVALUATIONS] += 1
+        tally[at.EVALUATIONS] += 1
         gauge(m, START, t + 0.5 * h)
         add_step(m, h)
         loads(m, t + h)
         if not stands(m, y_new):
-            clock[TROUBLE] = t + h
+            clock[at.TROUBLE] = t + h
             return UNSOUND
         locate_contacts(m)
-        audit[SUNK] = max(audit[SUNK], deepest(m))
-        if audit[SUNK] > 1.0:
-            clock[TROUBLE] = t + h
+        audit[at.SUNK] = max(audit[at.SUNK], deepest(m))
+        if audit[at.SUNK] > 1.0:
+            clock[at.TROUBLE] = t + h
             return ESCAPED
         write_until(m, t, h, t_out, out)
         for c in range(y.shape[0]):
             y[c] = y_new[c]
-        tally[STEPS] += 1
-        clock[T] = t_start + tally[STEPS] * h
-    return DONE if tally[STEPS] >= count else PAUSED
+        tally[at.STEPS] += 1
+        clock[at.T] = t_start + tally[at.STEPS] * h
+    return DONE if tally[at.STEPS] >= count else PAUSED

@@ -10,7 +10,6 @@ from rattle.equations.complementarity import (
     MOST_TRIED,
     OFF,
     OTHER,
-    SHARED,
     SOLVED,
     TRY_ALL,
     A,
@@ -19,7 +18,8 @@ from rattle.equations.complementarity import (
     friction_of,
     is_solution,
     linear,
-)  # fmt: skip
+)
+from rattle.jit import layout as at
 from rattle.jit.functions import call_problem, compiled, kernel
 
 MOST_COMBINED = 2**16  # combinations of modes that are tried
@@ -143,7 +143,7 @@ def try_combinations(m, count, most, slack):
         elif found == 1:
             for k in range(count):
                 if abs(side[F, 2 * k] - kept[2 * k]) > 1e-6 * abs(kept[2 * k] + side[F, 2 * k]):
-                    m.held[SHARED] = 1.0 + active[k]
+                    m.held[at.SHARED] = 1.0 + active[k]
         if found >= most:
             break
     if found > 0:

@@ -21,7 +21,6 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.equations.complementarity import FORWARD, OFF, STICK, friction_of
-from rattle.equations.unilateral import SIZE
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 from rattle.solvers.dop853_tableau import C
@@ -105,7 +104,7 @@ def may_dip(looks, i, count, c, slack):
 @compiled
 def unseen(m, kind):
     """How far below zero an indicator of this kind may be by rounding alone: a slip [m/s]."""
-    return 1e-13 * m.held[SIZE] if kind == 3 else 0.0
+    return 1e-13 * m.held[at.SIZE] if kind == 3 else 0.0
 
 
 @compiled

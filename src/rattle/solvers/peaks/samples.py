@@ -93,7 +93,7 @@ def gauge(m, sample, t):
         return
     write_joints(m, row, 0)
     for n in range(quantity.shape[0]):
-        value = value_of(row, quantity[n, 0], quantity[n, 1])
+        value = value_of(row, quantity[n, at.FORM], quantity[n, at.FIRST_COLUMN])
         peaks[n, SAMPLE + sample] = value
         if higher(value, peaks[n, BEST]) and sample in (START, PROBE):
             peaks[n, BEST], peaks[n, WHEN] = value, t
@@ -202,7 +202,7 @@ def may_rise(m, h, layout):
         return peaks.shape[0] > 0
     if layout == RK4:
         return near_peak(peaks)
-    if not m.power[3] > WEAK:
+    if not m.power[at.PIVOT_SHARE] > WEAK:
         return False
     if unresolved(m, h, DOP853):
         return True
@@ -266,7 +266,7 @@ def largest_force(m):
     """Largest force so far [N]; the rounding of each moment follows from it."""
     peaks, quantity, largest = m.peaks, m.quantity, 0.0
     for n in range(peaks.shape[0]):
-        if quantity[n, 0] == at.OF_VECTOR:
+        if quantity[n, at.FORM] == at.OF_VECTOR:
             largest = max(largest, peaks[n, BEST])
     for n in range(peaks.shape[0]):
         if peaks[n, ARM] > 0.0:
@@ -279,7 +279,7 @@ def unresolved(m, h, layout):
     """True if two quadrature rules for the mean of f^2 differ: a force changes faster than the motion."""
     peaks, quantity, largest = m.peaks, m.quantity, largest_force(m)
     for n in range(peaks.shape[0]):
-        if quantity[n, 0] != at.OF_VECTOR or peaks[n, BEST] < ROUNDING * largest:
+        if quantity[n, at.FORM] != at.OF_VECTOR or peaks[n, BEST] < ROUNDING * largest:
             continue
         mean, apart = 0.0, 0.0
         for k in range(9):
@@ -363,7 +363,7 @@ def end_step(m, t, h, until, layout, dense):
     peaks = m.peaks
     if peaks.shape[0] == 0:
         return 0
-    sound, solved = m.power[3] > WEAK, 0
+    sound, solved = m.power[at.PIVOT_SHARE] > WEAK, 0
     if dense < 0:
         if may_rise(m, h, layout):
             return -1

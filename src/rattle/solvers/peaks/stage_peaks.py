@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.equations.schur import WEAK
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.peaks.samples import (
     BEST,
@@ -146,7 +147,7 @@ def end_by_stages(m, t, h, until):
     peaks, solved = m.peaks, 0
     if peaks.shape[0] == 0:
         return 0
-    if not m.power[3] > WEAK or unresolved(m, h, DOP853):
+    if not m.power[at.PIVOT_SHARE] > WEAK or unresolved(m, h, DOP853):
         return end_step(m, t, h, until, DOP853, 1)
     if until < 1.0:
         for k in range(NODES.shape[0]):

@@ -82,9 +82,9 @@ def closed_at(m, t, node, size):
     while rounds < 12:
         if not gap < math.inf:
             return math.inf, 0.0, gap, rounds
-        power[3] = 1.0
+        power[at.PIVOT_SHARE] = 1.0
         if factorise(m) > spare:
-            power[3] = 0.0
+            power[at.PIVOT_SHARE] = 0.0
         if gap <= 1e-16 * size or last <= 1e-10:
             break
         correct(m)
@@ -115,7 +115,7 @@ def closed_at(m, t, node, size):
     correct(m)
     for k in range(q.shape[0]):
         a[k] += change[k]
-    return moved, math.sqrt(power[3]), gap, rounds
+    return moved, math.sqrt(power[at.PIVOT_SHARE]), gap, rounds
 
 
 @compiled

@@ -1,0 +1,32 @@
+"""Columns of the arrays of a run: what the declaration says is what code uses."""
+
+import pytest
+
+import rattle as rt
+from rattle.jit import layout as at
+from rattle.jit.workspace import ARRAYS
+
+pytestmark = pytest.mark.nojit
+
+
+@pytest.mark.parametrize("array", at.COLUMNS)
+def test_columns_are_declared_in_the_order_of_their_numbers(array):
+    assert [getattr(at, name) for name in at.COLUMNS[array]] == list(range(at.width(array)))
+    assert all(one.meaning for one in at.COLUMNS[array].values())
+
+
+@pytest.mark.parametrize("array", at.COLUMNS)
+def test_an_array_is_as_wide_as_its_columns(array):
+    assert ARRAYS[array].shape.rpartition(", ")[2] == str(at.width(array))
+
+
+def test_a_column_has_one_meaning():
+    shared = {"KERNEL", "END_A", "END_B", "FIRST_P"}  # of joints and loads, where they are the same
+    names = [name for columns in at.COLUMNS.values() for name in columns if name not in shared]
+    assert len(names) == len(set(names))
+
+
+def test_arrays_of_a_mechanism_have_the_width_that_is_declared():
+    workspace = rt.example("slider_crank_play").system.workspace()
+    for array in ("body", "rows", "energy", "power", "joint", "load", "contact", "lever", "contact_memory"):
+        assert getattr(workspace, array).shape[-1] == at.width(array), array
