@@ -1,12 +1,12 @@
-"""Registry of families, kinds and their fields; kinds are found by importing the folders where leaves stand.
+"""Registry of families, kinds and their fields; kinds are found by importing the folders of their classes.
 
 A *family* (joint, load ...) has one kernel signature.  A *kind* (revolute, spring ...) is one class in one file: its
 fields say what the user writes, its kernel says what it does.  Kernels are reached through a table of native
 addresses, so one compile serves every mechanism and a new kind recompiles nothing else.
 
-What others need to know about a kind it says itself, by attributes and functions of its class; nobody asks for its
-name or for those of its fields.  What is asked, and what is taken where a kind says nothing, stands in the classes
-`JointKind`, `DriverKind`, `ClearanceKind` and `ContactKind` of the folders of `rattle.elements`.
+What other modules need to know about a kind are attributes and methods of its class; no code tests for the name of a
+kind or of its fields.  The interfaces, with their defaults, are the classes `JointKind`, `DriverKind`, `ClearanceKind`
+and `ContactKind` in the folders of `rattle.elements`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from rattle.jit.functions import KernelFunction, jit_runs
 
 REQUIRED: Any = object()
 ELEMENTS = tuple(f"rattle.elements.{one}" for one in ("joints", "clearances", "contact_laws", "loads"))
-PACKAGES = {"stepper": ("rattle.solvers.steppers",)}  # of families whose leaves stand elsewhere, by family
+PACKAGES = {"stepper": ("rattle.solvers.steppers",)}  # packages of the families that are elsewhere
 _lock = threading.RLock()
 _families: dict[str, dict[str, Kind]] = {}
 _searched: set[str] = set()  # packages
@@ -103,13 +103,13 @@ def kind(family: str, name: str, kernel: KernelFunction | None = None) -> Callab
 
 
 def kinds(family: str) -> Mapping[str, Kind]:
-    """All kinds of one family by name; the packages of its leaves are searched on first use."""
+    """All kinds of one family by name; its packages are searched on first use."""
     discover(PACKAGES.get(family, ELEMENTS))
     return _families.setdefault(family, {})
 
 
 def play_of(joint: str) -> Kind | None:
-    """The kind of play that a kind of joint may have; None where it can have none."""
+    """The kind of clearance of a kind of joint; None if it cannot have clearance."""
     return next((one for one in kinds("clearance").values() if one.leaf.joint == joint), None)
 
 
@@ -120,12 +120,12 @@ def families() -> Iterator[str]:
 
 
 def discover(packages: Sequence[str] = ELEMENTS) -> None:
-    """Search packages for leaves, each once; other threads wait until the registry has all of theirs."""
+    """Import the modules of packages that define kinds, once; other threads wait until the registry has all of them."""
     if _searched.issuperset(packages):
         return
     with _lock:
         for package in packages:
-            if package in _searched or package in _searching:  # a leaf asks for the registry while it is being made
+            if package in _searched or package in _searching:  # a kind uses the registry while it is being filled
                 continue
             _searching.add(package)
             try:

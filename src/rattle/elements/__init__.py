@@ -1,1 +1,1 @@
-"""Leaves: joints, clearances, contact laws and loads, found through the registry and imported by nobody by name."""
+"""Joints, clearances, contact laws and loads, found through the registry; no module imports them by name."""

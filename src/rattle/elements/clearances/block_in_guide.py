@@ -1,12 +1,12 @@
-"""A block in a guide with play: four corners against two walls.
+"""A block in a guide with clearance: four corners against two walls.
 
 The walls lie at +-(b + c) beside the line of direction u through the point of A; the block on B has the
-length 2a and the height 2b and is centred on the point of B.  Contacts 0 and 1 are those with the upper wall
-(n = u turned by +90 degrees), 2 and 3 those with the lower one (n = u turned by -90 degrees), each of one diagonal of
-the block: of its two ends the one that is nearer to the wall.  So a block may turn over.  Ends change where the
-diagonal is parallel to the wall; both are then as far from it as the point of B, and the other diagonal is nearer.
+length 2a and the height 2b and is centred on the point of B.  Contacts 0 and 1 are with the upper wall
+(n = u turned by +90 degrees), 2 and 3 with the lower one (n = u turned by -90 degrees).  Each belongs to one diagonal
+of the block and is at the end nearer to the wall, so that a block may turn over.  The end changes where the
+diagonal is parallel to the wall; then both ends are as far from it as the point of B, and the other diagonal is nearer.
 
-d = corner - point of A, p_A and p_B its arms from the mass centres, r its velocity against A's material there
+d = corner - point of A, p_A and p_B its arms from the mass centres, r its velocity relative to the material of A there
     g = b + c - n . d,  slip = t . r
     n . r = -g'        d/dt = J_n dv - gamma_n
     t . r = slip       d/dt = J_t dv - gamma_t
@@ -31,6 +31,7 @@ Pair = tuple[float, ...]
 
 @kernel("clearance")
 def guide(body, a, b, p, k, corner, row, kinematics):
+    """Write gap [m], its rate [m/s], normal, arms [m], slip [m/s] and gamma [m/s^2] of a contact into its row."""
     c = p[k + at.CLEARANCE]
     f = k + at.FIELDS
     axis, angle = p[f], p[f + 1]
@@ -52,7 +53,7 @@ def guide(body, a, b, p, k, corner, row, kinematics):
     pax = body[b, at.X] + pbx - body[a, at.X]
     pay = body[b, at.Y] + pby - body[a, at.Y]
     wa, wb = body[a, at.W], body[b, at.W]
-    # velocity of the corner against A's material at the same place
+    # velocity of the corner relative to the material of A at the same place
     rx = body[b, at.VX] - wb * pby - body[a, at.VX] + wa * pay
     ry = body[b, at.VY] + wb * pbx - body[a, at.VY] - wa * pax
     along, across = nx * rx + ny * ry, nx * ry - ny * rx
@@ -71,11 +72,11 @@ def guide(body, a, b, p, k, corner, row, kinematics):
 
 
 class BetweenWalls(FreePlay):
-    """Places of a block (length 2a, height 2b, walls at +-(b + c)), moved across by e_0 and turned by e_1:
+    """Displacements of a block (length 2a, height 2b, walls at +-(b + c)): across by e_0 [m], rotation by e_1 [rad].
 
         |e_0| <= room(e_1) = b + c - a |sin e_1| - b |cos e_1|
 
-    A region with four curved sides that bow inwards, tips at (+-c, 0) and (0, +-theta_m), where
+    The region has four sides that curve inwards and corners (tips) at (+-c, 0) and (0, +-theta_m), where
     sin(theta_m + atan(b/a)) = (b + c)/hypot(a, b).  A block whose diagonal fits between the walls can turn over.
     """
 
@@ -88,7 +89,7 @@ class BetweenWalls(FreePlay):
         self.steps = (clearance, clearance / self.a)
 
     def first_order(self, y: np.ndarray) -> tuple[float, np.ndarray]:
-        """Corners |e_0 +- a e_1| <= c: a rhombus, its tips are the extremes."""
+        """Extreme over the rhombus |e_0 +- a e_1| <= c, which is at one of its corners; see `FreePlay.first_order`."""
         c, turn = self.clearance, self.clearance / self.a
         ends = (c * abs(float(y[0])), turn * abs(float(y[1])))
         if ends[0] >= ends[1]:
@@ -97,7 +98,7 @@ class BetweenWalls(FreePlay):
 
     @property
     def largest_turn(self) -> float:
-        """How far the block can turn either way [rad]; inf where it can turn over, 0 without a block."""
+        """Largest rotation of the block in either direction [rad]; inf if it can turn over, 0 without a block."""
         if not self.block:
             return 0.0
         a, b = self.a, self.b
@@ -106,14 +107,14 @@ class BetweenWalls(FreePlay):
         return math.asin((b + self.clearance) / math.hypot(a, b)) - math.atan2(b, a)
 
     def room(self, turn: float) -> float:
-        """How far the block can be moved across, either way, when it is turned [m]."""
+        """Largest displacement across [m], in either direction, of the block rotated by `turn` [rad]."""
         if not self.block:
             return self.clearance
         a, b = self.a, self.b
         return max(b + self.clearance - a * abs(math.sin(turn)) - b * abs(math.cos(turn)), 0.0)
 
     def tip(self, y: np.ndarray, second: bool | None) -> np.ndarray:
-        """Moved across, or (second) turned."""
+        """The corner with a displacement across, or (second) with a rotation; see `FreePlay.tip`."""
         most = self.largest_turn
         if second is None:
             second = most * abs(float(y[1])) > self.clearance * abs(float(y[0]))
@@ -122,7 +123,7 @@ class BetweenWalls(FreePlay):
         return np.array([math.copysign(self.clearance, y[0]), 0.0])
 
     def side(self, e: np.ndarray, y: np.ndarray) -> tuple[float, Callable[[float], np.ndarray]] | None:
-        """The side from tip to tip that e belongs to, where y . e grows along it; the way is the turn."""
+        """The side next to e if y . e grows along it, as a function of the rotation [rad]; see `FreePlay.side`."""
         if not self.block:
             return None
         a, b, most = self.a, self.b, self.largest_turn
@@ -136,7 +137,7 @@ class BetweenWalls(FreePlay):
 
     @property
     def unbounded(self) -> str:
-        """A block whose diagonal fits between the walls turns over."""
+        """Clause for a block that can turn over because its diagonal fits between the walls."""
         if not self.block or self.largest_turn < math.inf:
             return ""
         high = self.block[1] + 2 * self.clearance
@@ -175,11 +176,11 @@ class BlockInGuide(ClearanceKind):
 
     @staticmethod
     def displaced(fields: Mapping[str, float], e: np.ndarray) -> tuple[float, float, Mapping[str, float]]:
-        """Moved across by e_0 [m] and turned by e_1 [rad]."""
+        """Displaced across by e_0 [m] and rotated by e_1 [rad]; see `ClearanceKind.displaced`."""
         axis = fields["axis"]
         return -math.sin(axis) * float(e[0]), math.cos(axis) * float(e[0]), {"angle": float(e[1])}
 
     @staticmethod
     def free_play(clearance: float, fields: Mapping[str, float], dimensions: Mapping[str, Pair]) -> BetweenWalls:
-        """Corners between the walls."""
+        """The displacements with all corners between the walls, clearance in m."""
         return BetweenWalls(clearance, dimensions.get("block"))

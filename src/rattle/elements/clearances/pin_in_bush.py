@@ -1,14 +1,15 @@
-"""A pin in a bush with play: one contact.
+"""A pin in a bush with clearance: one contact.
 
 e = (r_B + s_B) - (r_A + s_A)     pin centre minus bush centre, bush (bore radius R) on A, pin (R - c) on B
 n = e / |e|                       from the bush centre outwards
-g = c - |e|                       gap; the contact points are s_A + R n on A and s_B + (R - c) n on B
+g = c - |e|                       gap; the contact point, midway between the surfaces, is s_A + h n on A and
+                                  s_B + (h - |e|) n on B, h = R - (c - |e|)/2
 
 Relative velocity u of the two material points, t = n turned by 90 degrees:
     n . u = n . e' = -g'                               d/dt = J_n dv - gamma_n
-    t . u = t . e' + w_B (R - c) - w_A R  (slip)       d/dt = J_t dv - gamma_t
+    t . u = t . e' + w_B (h - |e|) - w_A h  (slip)     d/dt = J_t dv - gamma_t
     gamma_n = n . (s_B w_B^2 - s_A w_A^2) - (t . e')^2 / |e|
-    gamma_t = t . (s_B w_B^2 - s_A w_A^2) + (t . e')(n . e') / |e|
+    gamma_t = t . (s_B w_B^2 - s_A w_A^2) + (t . e')(n . e') / |e| + (w_A + w_B)(n . e')/2
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from rattle.registry import kind
 
 @kernel("clearance")
 def pin(body, a, b, p, k, corner, row, kinematics):
+    """Write gap [m], its rate [m/s], normal, arms [m], slip [m/s] and gamma [m/s^2] of the contact into its row."""
     sax, say, sbx, sby, ex, ey, dex, dey = ends(body, a, b, p, k)
     c, bore = p[k + at.CLEARANCE], p[k + at.RADIUS]
     wa, wb = body[a, at.W], body[b, at.W]
@@ -33,7 +35,7 @@ def pin(body, a, b, p, k, corner, row, kinematics):
     ny = ey * inv
     along = nx * dex + ny * dey
     across = nx * dey - ny * dex  # t . e'
-    on_a = bore - 0.5 * (c - e)  # h; from the pin centre it is h - |e|
+    on_a = bore - 0.5 * (c - e)  # h; from the pin centre the arm is h - |e|
     on_b = on_a - e
     turning = across * inv  # rate at which n turns
     rx = sbx * wb * wb - sax * wa * wa

@@ -1,15 +1,15 @@
-"""A pin in a straight slot with rounded ends, with play: one contact.
+"""A pin in a straight slot with rounded ends and clearance: one contact.
 
 The slot (half width R, length L between the centres of its ends, direction u) is centred on the point of A, the pin
-(R - c) on the point of B.  The pin's centre is free within c of the line from end to end:
+(radius R - c) on the point of B.  The centre of the pin is within c of the line from end to end:
 
-d = (r_B + s_B) - (r_A + s_A),  z = u . d limited to +-L/2     the place on that line nearest to the pin's centre
+d = (r_B + s_B) - (r_A + s_A),  z = u . d limited to +-L/2     the point of that line nearest to the centre of the pin
 e = d - z u,  n = e / |e|                                      between the ends n is across: u turned by +-90 degrees
 g = c - |e|                                                    gap; the contact point is p_B = s_B + h n on B,
                                                                h = R - (c + |e|)/2, and the same place p_A on A
 
-r: velocity of the pin's centre against A's material there, t = n turned by 90 degrees; n turns at the rate
-w_n = w_A between the ends, w_A + (t . r)/|e| round them, so that normal and gap rate go on smoothly from wall to end:
+r: velocity of the centre of the pin relative to the material of A there, t = n turned by 90 degrees; n turns at the
+rate w_n = w_A between the ends, w_A + (t . r)/|e| around them, so normal and gap rate are continuous from wall to end:
     n . r = -g'                                    d/dt = J_n dv - gamma_n
     slip = t . r + (w_B - w_A) h                   d/dt = J_t dv - gamma_t
     gamma_n = -w_n slip + t . (w_B p_B' - w_A p_A')
@@ -32,6 +32,7 @@ from rattle.registry import kind
 
 @kernel("clearance")
 def pin_in_slot(body, a, b, p, k, corner, row, kinematics):
+    """Write gap [m], its rate [m/s], normal, arms [m], slip [m/s] and gamma [m/s^2] of the contact into its row."""
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     c, radius = p[k + at.CLEARANCE], p[k + at.RADIUS]
     ux, uy = direction(body, a, p[k + at.FIELDS])
@@ -74,19 +75,19 @@ def pin_in_slot(body, a, b, p, k, corner, row, kinematics):
 
 
 class AcrossSlot(FreePlay):
-    """The pin may be moved across the slot by e_0; e_1 is nothing."""
+    """Displacements of the pin across the slot by e_0 [m]; e_1 is not used."""
 
     def first_order(self, y: np.ndarray) -> tuple[float, np.ndarray]:
-        """On either wall."""
+        """The extreme is on one of the walls; see `FreePlay.first_order`."""
         return self.clearance * abs(float(y[0])), np.array([math.copysign(self.clearance, y[0]), 0.0])
 
 
 @kind("clearance", "pin-in-slot", pin_in_slot)
 class PinInSlot(ClearanceKind):
-    """A pin in a straight slot with rounded ends: one contact, on its walls or round its ends.
+    """A pin in a straight slot with rounded ends: one contact, on a wall or around an end.
 
     Source: Flores, Ambrosio, Revolute joints with clearance in multibody systems, Comput. Struct. 82 (2004) 1359-1369,
-    for the round ends; Flores, Leine, Glocker, Multibody Syst. Dyn. 23 (2010) 165-190, for walls.
+    for the rounded ends; Flores, Leine, Glocker, Multibody Syst. Dyn. 23 (2010) 165-190, for the walls.
     """
 
     joint = "slot"
@@ -95,20 +96,20 @@ class PinInSlot(ClearanceKind):
 
     @staticmethod
     def levers(p: Sequence[float]) -> tuple[float, float]:
-        """Arms [m] of the farther end of the slot, or of its middle where it has none, and of the pin."""
+        """Arms [m] of the farther end of the slot (of its middle if it has no ends) and of the pin."""
         half = 0.5 * p[at.FIELDS + 1]
         end = half if half < math.inf else 0.0
         return math.hypot(p[0], p[1]) + end, math.hypot(p[2], p[3])
 
     @staticmethod
     def play_along(fields: Mapping[str, float], along: np.ndarray) -> np.ndarray:
-        """What is beyond the centres of the ends."""
+        """The part (n,) [m] of the displacement beyond the centres of the ends."""
         half = 0.5 * fields["length"]
         return np.asarray(along - np.clip(along, -half, half))
 
     @staticmethod
     def displaced(fields: Mapping[str, float], e: np.ndarray) -> tuple[float, float, Mapping[str, float]]:
-        """Moved across by e_0 [m]."""
+        """Displaced across by e_0 [m]; see `ClearanceKind.displaced`."""
         axis = fields["axis"]
         return -math.sin(axis) * float(e[0]), math.cos(axis) * float(e[0]), {}
 
@@ -116,5 +117,5 @@ class PinInSlot(ClearanceKind):
     def free_play(
         clearance: float, fields: Mapping[str, float], dimensions: Mapping[str, tuple[float, ...]]
     ) -> FreePlay:
-        """From wall to wall."""
+        """The displacements from wall to wall, clearance in m."""
         return AcrossSlot(clearance)

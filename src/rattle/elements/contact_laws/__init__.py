@@ -1,4 +1,4 @@
-"""Contact laws, and the models of contact that stand in `contact` beside the compliant ones."""
+"""Contact laws, and the contact models besides the compliant ones."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import ClassVar
 
 
 class ContactKind:
-    """What a model of contact says about itself; what is left out is that of a joint whose play is ignored."""
+    """Interface of the contact models; the defaults are those of a joint whose clearance is ignored."""
 
-    contacts: ClassVar[bool] = False  # contacts with the clearance act in place of the joint's rows
-    link: ClassVar[bool] = False  # the rows of a massless link do, on joints that know one
+    contacts: ClassVar[bool] = False  # True: contacts replace the rows of the joint
+    link: ClassVar[bool] = False  # True: the row of a massless link replaces them, on joints that have one

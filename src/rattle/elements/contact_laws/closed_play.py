@@ -1,4 +1,4 @@
-"""Models without contacts: the play is ignored, or a pin never leaves its bush."""
+"""Models without contacts: the clearance is ignored, or the pin always touches its bush."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rattle.registry import kind
 
 @kind("contact", "ideal")
 class Ideal(ContactKind):
-    """The clearance is ignored: the joint is the plain one.
+    """The clearance is ignored: an ideal joint.
 
     Source: definition.
     """
@@ -16,9 +16,9 @@ class Ideal(ContactKind):
 
 @kind("contact", "massless-link")
 class MasslessLink(ContactKind):
-    """The pin stays on the bush wall: a massless rigid link of length = clearance, two-sided.
+    """The pin stays on the wall of the bush: a massless rigid link of length = clearance, which can push and pull.
 
-    Its force N is positive when the pin presses on the wall; N < 0 means that the wall would have to
+    Its force N is positive if the pin presses on the wall; N < 0 means that the wall would have to
     pull, and every such interval is reported.
 
     Source: Grigore et al., Application to the motion and equilibrium of planar kinematic chains, section 1.

@@ -13,7 +13,7 @@ from rattle.registry import Field, kind
 
 @kind("contact", "impact")
 class Impact(ContactKind):
-    """No penetration; restitution at impacts, Coulomb friction that truly holds; three modes: flight, impact, contact.
+    """No penetration; restitution at impacts, Coulomb friction with true sticking; modes: flight, impact, contact.
 
     Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996); Leine, Nijmeijer, Dynamics and
     Bifurcations of Non-Smooth Mechanical Systems (2004).
@@ -25,14 +25,14 @@ class Impact(ContactKind):
     friction = Field("", "coefficient of friction mu", default=0.0, least="not negative")
     restitution_law = Field(
         "",
-        "what restitution compares: velocities (newton), impulses (poisson) or work (energetic: never gives energy)",
+        "ratio of velocities (newton), of impulses (poisson) or of work (energetic: never creates energy)",
         default="newton",
         shape="choice",
         choices=("newton", "poisson", "energetic"),
     )
     jam = Field(
         "",
-        "where friction locks (Painleve): stop, or go on by an impact without collision (impact)",
+        "if friction locks (Painleve): stop the run, or continue by an impact without collision (impact)",
         default="stop",
         shape="choice",
         choices=("stop", "impact"),

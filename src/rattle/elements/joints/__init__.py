@@ -1,6 +1,6 @@
-"""Ideal joints and drivers: one kind per file, each a few constraint rows; and what the program asks of them.
+"""Ideal joints and drivers: one kind per file, each with a few constraint rows; and the interface of these kinds.
 
-Nobody asks for the name of a joint or of its fields: a kind says here what others need to know about it.
+No code tests for the name of a joint or of its fields: what it needs to know is an attribute or method of the kind.
 """
 
 from __future__ import annotations
@@ -10,49 +10,49 @@ from typing import ClassVar, NamedTuple
 
 
 class Motor(NamedTuple):
-    """What moves the coordinate that a joint leaves free."""
+    """The motor of the coordinate that a joint leaves free."""
 
     driver: str  # kind of driver
-    effort: str  # its force or torque, as a motor in the joint is asked for it
-    unit: str
+    effort: str  # name of its force or torque
+    unit: str  # of the effort: N or N*m
 
 
 class JointKind:
-    """What a kind of joint says about itself; what is left out is that of a pin which both bodies share."""
+    """Interface of the kinds of joint; the defaults are those of a pin that both bodies share."""
 
     rows: ClassVar[tuple[str, ...]]  # unit of every row, m or rad
     rows_in_ground: ClassVar[bool] = False  # rows are along the axes of the ground, not of A
-    moment: ClassVar[bool] = False  # a moment passes from body to body
+    moment: ClassVar[bool] = False  # True: the joint transmits a moment
     motor: ClassVar[Motor | None] = None  # None: no coordinate that a driver could move
-    massless: ClassVar[str] = ""  # joint that holds the play as a massless link; its one field is the clearance
+    massless: ClassVar[str] = ""  # kind of joint for the clearance as a massless link; its one field is the clearance
     drawn_as: ClassVar[str] = ""  # pin | rod | guide | slot | "" (not drawn)
 
     @staticmethod
     def kept_angle(fields: Mapping[str, float]) -> float | None:
-        """Angle of B relative to A [rad] that the joint keeps; None where B may turn."""
+        """Angle of B relative to A [rad] that the joint enforces; None if B can turn."""
         return None
 
     @staticmethod
     def line(fields: Mapping[str, float]) -> float | None:
-        """Direction in A's frame [rad] of the line through A's point on which B's point stays; None: no such line."""
+        """Direction in A's frame [rad] of the line through A's point on which B's point moves; None if no such line."""
         return None
 
     @staticmethod
     def travel(fields: Mapping[str, float]) -> float:
-        """How far B's point may go along the line to either side of A's point [m]."""
+        """Largest distance [m] of B's point along the line from A's point, in either direction."""
         return float("inf")
 
     @staticmethod
     def distance(fields: Mapping[str, float]) -> float:
-        """Distance of the two points [m] that the joint keeps."""
+        """Distance of the two points [m] that the joint enforces."""
         return 0.0
 
 
 class DriverKind:
-    """What a kind of driver says about itself."""
+    """Interface of the kinds of driver."""
 
     rows: ClassVar[tuple[str, ...]]  # unit of every row, m or rad
-    drives: ClassVar[str]  # joint (those whose motor it is) | body
-    effort: ClassVar[tuple[str, str]]  # name and unit of what it exerts on B
+    drives: ClassVar[str]  # "joint" (those whose motor it is) or "body"
+    effort: ClassVar[tuple[str, str]]  # name and unit of the force or moment on B
     sets_angle: ClassVar[bool] = False  # its function is the angle of B relative to A
     along_line: ClassVar[bool] = False  # its parameters begin with the direction of the joint's line

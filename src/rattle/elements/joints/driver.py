@@ -9,8 +9,8 @@
               nu = f',  gamma = f'' + i . s_B w_B^2
     body angle: as angle, A the ground                                                       [rad]
 
-Parameters: the two points, the direction of the joint's line in A where it has one, then f, f', f'' (evaluated exactly
-before the rows are).
+Parameters: the two points [m], the direction of the joint's line in A [rad] if it has one, then f, f', f'', which are
+evaluated exactly before the rows.
 """
 
 from __future__ import annotations
@@ -24,11 +24,13 @@ from rattle.registry import Field, kind
 
 @kernel("joint")
 def driver_angle(body, a, b, p, k, row, rows):
+    """Write the row of a driven angle [rad]; p[k + 4:] = f, f', f''."""
     angle_row(body, a, b, p[k + 4], p[k + 5], p[k + 6], row, rows)
 
 
 @kernel("joint")
 def driver_position(body, a, b, p, k, row, rows):
+    """Write the row of a driven position [m]; p[k + 4:] = direction of the line [rad], f, f', f''."""
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     ux, uy = direction(body, a, p[k + 4])
     nx, ny = -uy, ux
@@ -49,6 +51,7 @@ def driver_position(body, a, b, p, k, row, rows):
 
 @kernel("joint")
 def driver_x(body, a, b, p, k, row, rows):
+    """Write the row of a driven x coordinate of a body [m]; p[k + 4:] = f, f', f''."""
     sbx = turn_x(body, b, p[k + 2], p[k + 3])
     sby = turn_y(body, b, p[k + 2], p[k + 3])
     rows[row, at.RES] = body[b, at.X] + sbx - p[k + 4]
@@ -60,6 +63,7 @@ def driver_x(body, a, b, p, k, row, rows):
 
 @kernel("joint")
 def driver_y(body, a, b, p, k, row, rows):
+    """Write the row of a driven y coordinate of a body [m]; p[k + 4:] = f, f', f''."""
     sbx = turn_x(body, b, p[k + 2], p[k + 3])
     sby = turn_y(body, b, p[k + 2], p[k + 3])
     rows[row, at.RES] = body[b, at.Y] + sby - p[k + 4]

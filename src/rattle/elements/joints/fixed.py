@@ -1,4 +1,4 @@
-"""Fixed joint: two bodies share a point and keep their angle, as if welded.
+"""Fixed joint: two bodies share a point and keep their relative angle, as if welded.
 
 d     = (r_B + s_B) - (r_A + s_A)
 Phi   = d, phi_B - phi_A - angle = 0            [m, m, rad]
@@ -18,13 +18,14 @@ from rattle.registry import Field, kind
 
 @kernel("joint")
 def fixed(body, a, b, p, k, row, rows):
+    """Write the three rows of the joint [m, m, rad]; p[k + 4] = angle [rad]."""
     revolute(body, a, b, p, k, row, rows)
     angle_row(body, a, b, p[k + 4], 0.0, 0.0, row + 2, rows)
 
 
 @kind("joint", "fixed", fixed)
 class Fixed(JointKind):
-    """Two bodies share a point and keep their angle, as if welded.
+    """Two bodies share a point and keep their relative angle, as if welded.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.2.
     """
@@ -36,5 +37,5 @@ class Fixed(JointKind):
 
     @staticmethod
     def kept_angle(fields: Mapping[str, float]) -> float:
-        """As given."""
+        """The given angle [rad]."""
         return fields["angle"]

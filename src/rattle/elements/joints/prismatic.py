@@ -1,4 +1,4 @@
-"""Prismatic joint: a point of B slides along a line fixed in A; B keeps its angle to A.
+"""Prismatic joint: a point of B slides along a line fixed in A; B keeps its angle relative to A.
 
 u = direction of the line (fixed in A), n = u turned by 90 degrees, d = (r_B + s_B) - (r_A + s_A)
 Phi_1   = n . d = 0                                                         [m]
@@ -20,7 +20,7 @@ from rattle.registry import Field, kind
 
 @compiled
 def on_line(body, a, b, p, k, row, rows):
-    """The row n . d = 0: the point of B lies on the line through the point of A at the angle p[k + 4]."""
+    """Write the row n . d = 0 [m]: the point of B is on the line through the point of A; p[k + 4] = axis [rad]."""
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     ux, uy = direction(body, a, p[k + 4])
     nx, ny = -uy, ux
@@ -40,13 +40,14 @@ def on_line(body, a, b, p, k, row, rows):
 
 @kernel("joint")
 def prismatic(body, a, b, p, k, row, rows):
+    """Write the two rows of the joint [m, rad]; p[k + 4:] = axis, angle [rad]."""
     on_line(body, a, b, p, k, row, rows)
     angle_row(body, a, b, p[k + 5], 0.0, 0.0, row + 1, rows)
 
 
 @kind("joint", "prismatic", prismatic)
 class Prismatic(JointKind):
-    """A point of B slides along a line fixed in A; B keeps its angle to A.
+    """A point of B slides along a line fixed in A; B keeps its angle relative to A.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.3.
     """
@@ -60,10 +61,10 @@ class Prismatic(JointKind):
 
     @staticmethod
     def kept_angle(fields: Mapping[str, float]) -> float:
-        """As given."""
+        """The given angle [rad]."""
         return fields["angle"]
 
     @staticmethod
     def line(fields: Mapping[str, float]) -> float:
-        """As given."""
+        """The given angle [rad]."""
         return fields["axis"]

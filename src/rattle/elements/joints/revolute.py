@@ -16,6 +16,7 @@ from rattle.registry import kind
 
 @kernel("joint")
 def revolute(body, a, b, p, k, row, rows):
+    """Write the two rows of the joint [m, m]."""
     sax, say, sbx, sby, dx, dy, _, _ = ends(body, a, b, p, k)
     wa = body[a, at.W] * body[a, at.W]
     wb = body[b, at.W] * body[b, at.W]

@@ -21,10 +21,11 @@ from rattle.registry import Field, kind
 
 @kernel("joint")
 def rod(body, a, b, p, k, row, rows):
+    """Write the row of the rod [m]; p[k + 4] = length [m]."""
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     wa, wb = body[a, at.W], body[b, at.W]
     d = math.sqrt(dx * dx + dy * dy)
-    # coincident ends have no direction: any will do, the residual -L then drives them apart
+    # coincident ends have no direction: any one does, and the residual -L then moves them apart
     inv = 1.0 / d if d > 1e-150 else 0.0
     nx = dx * inv if d > 1e-150 else 1.0
     ny = dy * inv
@@ -52,5 +53,5 @@ class Rod(JointKind):
 
     @staticmethod
     def distance(fields: Mapping[str, float]) -> float:
-        """As given."""
+        """The given length [m]."""
         return fields["length"]

@@ -1,10 +1,10 @@
-"""Pin in a slot: a point of B stays on a line fixed in A; B may turn.
+"""Pin in a slot: a point of B stays on a line fixed in A; B can turn.
 
 u = direction of the line (fixed in A), n = u turned by 90 degrees, d = (r_B + s_B) - (r_A + s_A)
 Phi   = n . d = 0                                                         [m]
 gamma = n . (s_B w_B^2 - s_A w_A^2) + 2 w_A (u . d') + w_A^2 (n . d)      [m/s^2]
 
-The first row of the prismatic joint alone.  The ends of the slot hold the pin only where it has play.
+This is the first row of the prismatic joint.  The ends of the slot stop the pin only in a joint with clearance.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from rattle.registry import Field, kind
 
 @kernel("joint")
 def slot(body, a, b, p, k, row, rows):
+    """Write the row of the joint [m]; p[k + 4] = axis [rad]."""
     on_line(body, a, b, p, k, row, rows)
 
 
@@ -41,10 +42,10 @@ class Slot(JointKind):
 
     @staticmethod
     def line(fields: Mapping[str, float]) -> float:
-        """As given."""
+        """The given angle [rad]."""
         return fields["axis"]
 
     @staticmethod
     def travel(fields: Mapping[str, float]) -> float:
-        """Up to the centres of the rounded ends."""
+        """Half the length [m]: up to the centres of the rounded ends."""
         return 0.5 * fields["length"]

@@ -1,6 +1,6 @@
 """Spring and damper along the line between two points.
 
-F = stiffness (l - free_length) + damping l'      pulls the points together when positive
+F = stiffness (l - free_length) + damping l'      pulls the points together if positive      [N]
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from rattle.registry import Field, kind
 
 @kernel("load")
 def spring(t, body, a, b, p, k, force, energy):
+    """Add F [N] on both bodies, the energy stored [J] and dissipated [W]; p[k:] = two points [m], then the fields."""
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     stiffness, free_length, damping = p[k + 4], p[k + 5], p[k + 6]
     length = math.sqrt(dx * dx + dy * dy)
@@ -43,6 +44,6 @@ class Spring:
     """
 
     connect = Field("", "its two ends", shape="connect")
-    stiffness = Field("N/m", "force per stretch", live=True)
+    stiffness = Field("N/m", "force per elongation", live=True)
     free_length = Field("m", "length without force", default=0.0, least="not negative", live=True)
-    damping = Field("N*s/m", "force per rate of stretch", default=0.0, live=True)
+    damping = Field("N*s/m", "force per rate of elongation", default=0.0, live=True)
