@@ -148,11 +148,10 @@ def modes_kernel(m, number):
 
 
 @compiled
-def eliminate(m, count, rough):
-    """`modes_kernel` with G as a full matrix."""
+def fill_rows(m, count, rough):
+    """The equations G f = -b of the candidate modes into `system`; their number, and the largest diagonal entry."""
     ridge = 1.0 + m.held[at.RIDGE]
-    delassus, side, system, candidate = m.delassus, m.side, m.system, m.candidate
-    active, pivot = m.active, m.pivots
+    delassus, side, system, candidate, active = m.delassus, m.side, m.system, m.candidate, m.active
     size = 0
     for k in range(count):
         size += 0 if candidate[k] == OFF else (2 if candidate[k] == STICK else 1)
@@ -177,6 +176,16 @@ def eliminate(m, count, rough):
             system[row, size] = -side[B, 2 * k + d]
             scale = max(scale, delassus[2 * k + d, 2 * k + d])
             row += 1
+    return size, scale
+
+
+@compiled
+def diagonalise(system, pivot, size, scale):
+    """Gauss-Jordan elimination with row exchange, in place; returns the sign of the determinant, 0 if it is singular.
+
+    system: (size, size + 1), the right-hand side last; pivot[c]: row of column c, -1 where nothing larger than
+    rounding of `scale` is left.
+    """
     sign = 1
     top = 0
     for c in range(size):
@@ -201,6 +210,13 @@ def eliminate(m, count, rough):
                     system[r, j] -= factor * system[top, j]
         pivot[c] = top
         top += 1
+    return sign
+
+
+@compiled
+def take_solution(m, count, size, rough):
+    """Forces f of all contacts from the diagonal equations, and the rates a = b + G f."""
+    delassus, side, system, candidate, pivot = m.delassus, m.side, m.system, m.candidate, m.pivots
     column = 0
     for k in range(count):
         side[F, 2 * k], side[F, 2 * k + 1] = 0.0, 0.0
@@ -213,13 +229,21 @@ def eliminate(m, count, rough):
         if candidate[k] == STICK:
             continue
         if rough == 1:
-            mu = friction_of(m, active[k])
+            mu = friction_of(m, m.active[k])
             side[F, 2 * k + 1] = (mu if candidate[k] == FORWARD else -mu) * side[F, 2 * k]
     for r in range(2 * count):
         value = side[B, r]
         for s in range(2 * count):
             value += delassus[r, s] * side[F, s]
         side[A, r] = value
+
+
+@compiled
+def eliminate(m, count, rough):
+    """`modes_kernel` with G as a full matrix."""
+    size, scale = fill_rows(m, count, rough)
+    sign = diagonalise(m.system, m.pivots, size, scale)
+    take_solution(m, count, size, rough)
     return sign
 
 

@@ -25,7 +25,8 @@ from rattle.equations.state import (
 )
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_hold, call_joint, call_load, compiled, native
-from rattle.language.bytecode import evaluate, evaluate_jet
+from rattle.language.bytecode import evaluate
+from rattle.language.jets import evaluate_jet
 
 OK, NOT_CLOSED, NOT_FINITE, STEP_TOO_SMALL, PAUSED, DONE = range(6)
 

@@ -1,0 +1,248 @@
+"""Jets: the programs of `language.bytecode` run on values with their first and second time derivative.
+
+For z = f(x):
+
+    dz  = f' dx
+    ddz = f'' dx**2 + f' ddx
+
+At a switch with side 0 and s = 0 the derivatives are one-sided, those of the side that s enters next.
+
+Source: Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), ch. 13 (Taylor arithmetic).
+"""
+
+from __future__ import annotations
+
+from rattle.jit.functions import compiled
+from rattle.language.bytecode import (
+    ABS,
+    ADD,
+    ASIN,
+    AT_MOST,
+    ATAN,
+    ATAN2,
+    CONST,
+    COS,
+    DIV,
+    EXP,
+    HYPOT,
+    INF,
+    LESS,
+    LOG,
+    MIN,
+    MUL,
+    NAN,
+    NEG,
+    POW,
+    SIDE,
+    SIGN,
+    SIGNAL,
+    SIN,
+    SQRT,
+    SQUARE,
+    STATE,
+    STEP,
+    SUB,
+    TAN,
+    TANH,
+    TIME,
+    binary,
+    branch,
+    holds,
+    power,
+    quotient,
+    unary,
+)
+
+
+@compiled
+def heading(s, ds, dds):
+    """Side of a switching function s with time derivatives ds, dds: the sign of the first of them that is not zero.
+
+    At s = 0 this is the side that s enters next; 0 if it stays at zero or is nan.
+    """
+    for n in range(3):
+        value = s if n == 0 else (ds if n == 1 else dds)
+        if value > 0.0:
+            return 1
+        if value < 0.0:
+            return -1
+        if value != value:
+            return 0
+    return 0
+
+
+@compiled
+def slopes(op, x, f):
+    """First and second derivative of the function `op` at x [SI], where its value is f."""
+    if op == NEG:
+        return -1.0, 0.0
+    if op == SQUARE:
+        return 2.0 * x, 2.0
+    if op == ABS:
+        return (1.0 if x >= 0.0 else -1.0), 0.0
+    if op in (SIGN, STEP):
+        return 0.0, 0.0
+    if op == SQRT:
+        f1 = quotient(0.5, f)
+        return f1, -quotient(0.5 * f1, x)
+    if op == EXP:
+        return f, f
+    if op == LOG:
+        f1 = quotient(1.0, x) if x >= 0.0 else NAN
+        return f1, -f1 * f1
+    if op == SIN:
+        return unary(COS, x), -f
+    if op == COS:
+        return -unary(SIN, x), -f
+    if op == TAN:
+        f1 = 1.0 + f * f
+        return f1, 2.0 * f * f1
+    if op == TANH:
+        f1 = (1.0 - f) * (1.0 + f)
+        return f1, -2.0 * f * f1
+    if op == ATAN:
+        f1 = 1.0 / (1.0 + x * x)
+        return f1, -2.0 * x * f1 * f1
+    rest = (1.0 - x) * (1.0 + x)
+    f1 = quotient(1.0, unary(SQRT, rest))
+    f2 = quotient(x * f1, rest)
+    return (f1, f2) if op == ASIN else (-f1, -f2)
+
+
+@compiled
+def unary_jet(op, side, x, dx, ddx):
+    """A function of one operand in jet arithmetic: value, first and second time derivative [SI, 1/s, 1/s^2]."""
+    if op == ABS and side == 0:
+        side = heading(x, dx, ddx)
+    if side == 0:
+        f = unary(op, x)
+        f1, f2 = slopes(op, x, f)
+    else:
+        f = branch(op, side, x, 0.0)
+        f1, f2 = (float(side) if op == ABS else 0.0), 0.0
+    return f, f1 * dx, f2 * dx * dx + f1 * ddx
+
+
+@compiled
+def power_jet(x, dx, ddx, y, dy, ddy, z):
+    """First and second time derivative [1/s, 1/s^2] of z = x ** y."""
+    if dy == 0.0 and ddy == 0.0:
+        if x != 0.0:
+            z1 = quotient(y * z, x)
+            z2 = quotient((y - 1.0) * z1, x)
+        else:
+            z1 = y * power(x, y - 1.0) if y != 0.0 else 0.0
+            z2 = y * (y - 1.0) * power(x, y - 2.0) if y != 0.0 and y != 1.0 else 0.0
+        return z1 * dx, z2 * dx * dx + z1 * ddx
+    # z = exp(y log x)
+    log_x = unary(LOG, x)
+    u = quotient(dx, x)
+    rate = dy * log_x + y * u
+    drate = ddy * log_x + 2.0 * dy * u + y * (quotient(ddx, x) - u * u)
+    return z * rate, z * (rate * rate + drate)
+
+
+@compiled
+def binary_jet(op, side, x, dx, ddx, y, dy, ddy):
+    """A function of two operands in jet arithmetic: value, first and second time derivative [SI, 1/s, 1/s^2]."""
+    if op >= MIN:
+        if side == 0:
+            side = heading(x - y, dx - dy, ddx - ddy)
+        if side != 0:
+            if (side < 0) == (op == MIN):
+                return x, dx, ddx
+            return y, dy, ddy
+    z = binary(op, x, y)
+    dz = NAN
+    ddz = NAN
+    if op == ADD:
+        dz = dx + dy
+        ddz = ddx + ddy
+    elif op == SUB:
+        dz = dx - dy
+        ddz = ddx - ddy
+    elif op == MUL:
+        dz = dx * y + x * dy
+        ddz = ddx * y + 2.0 * dx * dy + x * ddy
+    elif op == DIV:
+        dz = quotient(dx - z * dy, y)
+        ddz = quotient(ddx - 2.0 * dz * dy - z * ddy, y)
+    elif op == POW:
+        dz, ddz = power_jet(x, dx, ddx, y, dy, ddy, z)
+    elif op == ATAN2:  # angle of the vector (y, x): the first operand is the ordinate
+        size = x * x + y * y
+        dz = quotient(y * dx - x * dy, size)
+        ddz = quotient(y * ddx - x * ddy - 2.0 * dz * (x * dx + y * dy), size)
+    elif op == HYPOT:
+        dz = quotient(x * dx + y * dy, z)
+        ddz = quotient(dx * dx + x * ddx + dy * dy + y * ddy - dz * dz, z)
+    elif (x <= y) == (op == MIN) or (x == y):  # MIN or MAX
+        dz = dx
+        ddz = ddx
+    else:
+        dz = dy
+        ddz = ddy
+    return z, dz, ddz
+
+
+@compiled
+def evaluate_jet(code, const, first, last, t, jets, stack, out):
+    """Value, first and second time derivative [SI] of the program in rows first..last-1 at time t [s], into out (3,).
+
+    jets: (ns, 3) signals with their time derivatives [SI]; stack: (depth, 3) scratch.  A program that uses the state
+    gives nan.
+    """
+    top = -1
+    for row in range(first, last):
+        op = code[row, 0]
+        k = code[row, 1]
+        if op <= STATE:
+            top += 1
+            stack[top, 0] = const[k] if op == CONST else (t if op == TIME else NAN)
+            stack[top, 1] = NAN if op == STATE else (1.0 if op == TIME else 0.0)
+            stack[top, 2] = NAN if op == STATE else 0.0
+        elif op == SIGNAL:
+            top += 1
+            for n in range(3):
+                stack[top, n] = jets[k, n]
+        elif op < ADD:
+            z, dz, ddz = unary_jet(
+                op, code[row, SIDE], float(stack[top, 0]), float(stack[top, 1]), float(stack[top, 2])
+            )
+            stack[top, 0] = z
+            stack[top, 1] = dz
+            stack[top, 2] = ddz
+        elif op < LESS:
+            top -= 1
+            z, dz, ddz = binary_jet(
+                op,
+                code[row, SIDE],
+                float(stack[top, 0]),
+                float(stack[top, 1]),
+                float(stack[top, 2]),
+                float(stack[top + 1, 0]),
+                float(stack[top + 1, 1]),
+                float(stack[top + 1, 2]),
+            )
+            stack[top, 0] = z
+            stack[top, 1] = dz
+            stack[top, 2] = ddz
+        else:
+            top -= 3
+            side = code[row, SIDE]
+            s = float(stack[top, 0]) - float(stack[top + 1, 0])
+            if side == 0:
+                side = heading(
+                    s,
+                    float(stack[top, 1]) - float(stack[top + 1, 1]),
+                    float(stack[top, 2]) - float(stack[top + 1, 2]),
+                )
+            taken = top + 2 if holds(op, stack[top, 0], stack[top + 1, 0]) else top + 3
+            if side != 0:
+                far = top + 2 if (side < 0) == (op <= AT_MOST) else top + 3
+                if s != 0.0 or abs(stack[far, 0]) + abs(stack[far, 1]) + abs(stack[far, 2]) < INF:
+                    taken = far
+            for n in range(3):
+                stack[top, n] = stack[taken, n]
+    for n in range(3):
+        out[n] = stack[0, n]
