@@ -11,7 +11,10 @@ from making.tree import PACKAGE, definition, module_with, source_of, sources, tr
 STEPS = (  # one function of each stage of a run, in the order in which they are called
     ("The command line reads its arguments", ("run", "warmup")),
     ("Text becomes a document with the line of every entry", ("parse", "point_out")),
-    ("The document is checked, all problems at once, and becomes a frozen model in SI units", ("read", "METHODS")),
+    (
+        "The document is checked, all problems at once, and becomes a frozen model in SI units",
+        ("read", "SETTING_UNITS"),
+    ),
     ("The model becomes flat arrays", ("compile_system",)),
     ("The mechanism is assembled: positions, then rates", ("assemble",)),
     ("The analysis makes the workspace of a run and integrates interval by interval", ("simulate", "output_times")),

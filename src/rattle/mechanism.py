@@ -208,10 +208,11 @@ class Mechanism(Building):
 
         t_end: end of the run [s].  t_eval: output instants [s] (default: the model's output interval, or 1000
         outputs).  Every time may also be a text: t_end="20 ms".
-        method: "dop853" (adaptive) or "rk4" (fixed step); for impact contacts "event" (default) or "moreau".
-        rtol, atol: relative and absolute tolerance per step of dop853 and event on positions and rates
+        method: a stepper (`rattle kinds stepper`); default: as in the model, otherwise "dop853", for impact contacts
+        "event".
+        rtol, atol: relative and absolute tolerance per step of an adaptive stepper on positions and rates
         [m, rad, m/s, rad/s].
-        step: step of rk4 and moreau, largest step of dop853 [s].
+        step: step of one with fixed steps, largest step of an adaptive one [s].
         progress: show a progress bar.  horizon: run once more with a ten times tighter tolerance (1e-8 where rtol is
         looser than 1e-7) and report how long both agree within 1 % of every curve's range.
         most_steps: the run ends after this many steps (default: when 200 000 steps advance it by less than 1e-4 of

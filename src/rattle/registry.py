@@ -113,6 +113,15 @@ def play_of(joint: str) -> Kind | None:
     return next((one for one in kinds("clearance").values() if one.leaf.joint == joint), None)
 
 
+def names(family: str) -> tuple[str, ...]:
+    """Names of all kinds of one family; leaves in PACKAGES have files of their names and are not imported for that."""
+    if family not in PACKAGES:
+        return tuple(kinds(family))
+    folders = [importlib.import_module(package).__path__ for package in PACKAGES[family]]
+    files = [module.name for folder in folders for module in pkgutil.iter_modules(folder)]
+    return tuple(dict.fromkeys([*files, *_families.get(family, {})]))
+
+
 def families() -> Iterator[str]:
     """Names of all families that have at least one kind."""
     discover((*ELEMENTS, *(one for packages in PACKAGES.values() for one in packages)))

@@ -24,6 +24,19 @@ def time(value: str | float) -> float:
         raise click.BadParameter(str(error).removeprefix("time: ")) from None
 
 
+class LateOption(click.Option):
+    """An option whose help is made when it is shown, so that what it takes is not imported before."""
+
+    def __init__(self, *args: Any, words: Callable[[], str], **more: Any) -> None:
+        super().__init__(*args, **more)
+        self.words = words
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        """The option as it is written, and its help."""
+        self.help = self.words()
+        return super().get_help_record(ctx)
+
+
 def _leave_out(ctx: click.Context, param: click.Parameter, paths: tuple[str, ...]) -> None:
     ctx.meta["rattle.without"] = paths
 

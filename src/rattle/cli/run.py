@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rattle.cli.options import model_options, read_model, time
+from rattle.cli.options import LateOption, model_options, read_model, time
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_results, finish, keep, save_options
 
@@ -22,20 +22,26 @@ if TYPE_CHECKING:
 @click.option(
     "--method",
     metavar="NAME",
-    help="Integrator: dop853 (adaptive) or rk4 (fixed --step); with impact contacts event (adaptive) or "
-    "moreau (fixed --step).",
+    cls=LateOption,
+    words=lambda: f"Integrator: {_methods(impacts=False)}; with impact contacts {_methods(impacts=True)}.",
 )
 @click.option(
     "--rtol",
     type=float,
-    help="Relative tolerance per step of dop853 and event; default: as in the model, otherwise 1e-8.",
+    cls=LateOption,
+    words=lambda: f"Relative tolerance per step of {_steppers(True)}; default: as in the model, otherwise 1e-8.",
 )
 @click.option(
     "--atol",
     type=float,
     help="Absolute tolerance per step [m, rad, m/s, rad/s]; default: a hundredth of --rtol.",
 )
-@click.option("--step", type=time, help="Step of rk4 and moreau, largest step of the others, in s or as '10 us'.")
+@click.option(
+    "--step",
+    type=time,
+    cls=LateOption,
+    words=lambda: f"Step of {_steppers(False)}, largest step of the others, in s or as '10 us'.",
+)
 @click.option("--most-steps", type=int, help="End the run after this many steps; default: when it makes no progress.")
 @click.option(
     "--horizon/--no-horizon",
@@ -82,6 +88,22 @@ def run(
         click.echo(joint_table(result))
         click.echo(str(result.trust))
     finish(ctx, result, kept)
+
+
+def _methods(impacts: bool) -> str:
+    """Steppers for models with or without impact contacts, and how long their steps are."""
+    from rattle.registry import kinds
+    from rattle.solvers.stepper import FREE, SET_VALUED
+
+    wanted = SET_VALUED if impacts else FREE
+    able = {name: one.leaf for name, one in kinds("stepper").items() if wanted in one.leaf.works_with}
+    return " or ".join(f"{name} ({'adaptive' if one.adaptive else 'fixed --step'})" for name, one in able.items())
+
+
+def _steppers(adaptive: bool) -> str:
+    from rattle.description.schema import steppers
+
+    return steppers(adaptive)
 
 
 def _peaks(result: Result) -> dict[str, dict[str, float | str]]:
@@ -140,6 +162,8 @@ def _warm(what: str) -> None:
     from rattle.jit import functions
     from rattle.language import bytecode
     from rattle.mechanism import example
+    from rattle.registry import kinds
+    from rattle.solvers.stepper import SET_VALUED
 
     functions.start()
     if what == "motion":
@@ -149,8 +173,9 @@ def _warm(what: str) -> None:
         bytecode.quotient(1.0, 2.0), bytecode.power(2.0, 0.5)  # by which numbers in quotes are computed
     elif what == "impacts":
         impact = example("bouncing_pin")
-        impact.simulate(1e-3, method="event")
-        impact.simulate(1e-3, method="moreau", step=1e-4)
+        for stepper in kinds("stepper").values():
+            if SET_VALUED in stepper.leaf.works_with:
+                impact.simulate(1e-3, method=stepper.name, step=None if stepper.leaf.adaptive else 1e-4)
         example("woodpecker").simulate(1e-4)  # velocities are driven
     elif what == "statics":
         example("fourbar").modes()

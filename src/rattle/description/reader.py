@@ -16,7 +16,6 @@ from rattle.language.units import dimension_of
 
 STATE_UNITS = {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 SETTING_UNITS = {"t_end": "s", "rtol": "", "atol": "", "step": "s", "output": "s"}
-METHODS = ("dop853", "rk4", "event", "moreau")
 NAMED = ("bodies", "joints", "drivers", "loads")
 TABLES = (
     "format", "name", "gravity", "parameters", "signals", "ground", "bodies", "joints", "drivers", "loads", "initial",
@@ -167,9 +166,9 @@ def _settings(values: Values, document: Mapping[str, Any]) -> Settings:
         if key in table
     }
     if "method" in table:
-        found["method"] = table["method"]
-        if found["method"] not in METHODS:
-            hint = suggest(str(table["method"]), METHODS)
+        found["method"], steppers = table["method"], registry.names("stepper")
+        if found["method"] not in steppers:
+            hint = suggest(str(table["method"]), steppers)
             values.wrong((*path, "method"), f"unknown method {said(table['method'])}{hint}")
     return Settings(**found)
 

@@ -15,7 +15,7 @@ from typing import Any
 from rattle import registry
 from rattle.description.read_parameters import DISTRIBUTIONS
 from rattle.description.read_parts import moved_joints
-from rattle.description.reader import METHODS, SETTING_UNITS, STATE_UNITS
+from rattle.description.reader import SETTING_UNITS, STATE_UNITS
 from rattle.registry import REQUIRED, Field, Kind
 
 Schema = dict[str, Any]
@@ -245,13 +245,19 @@ def _offset() -> Schema:
     return _object({"offset": _vector("m", "pin centre minus bush centre")}, meaning="start of a clearance joint")
 
 
+def steppers(adaptive: bool) -> str:
+    """Names of the steppers that choose their steps, or of those whose steps are all equal: "rk4 and moreau"."""
+    return " and ".join(name for name, one in registry.kinds("stepper").items() if one.leaf.adaptive == adaptive)
+
+
 def _settings() -> Schema:
     meanings = {
         "t_end": "duration",
-        "rtol": "relative tolerance",
-        "atol": "absolute tolerance",
-        "step": "step, or largest step",
+        "rtol": f"relative error allowed per step of {steppers(True)}",
+        "atol": f"error per step that is always allowed to {steppers(True)}",
+        "step": f"length of all steps of {steppers(False)}, of the longest one of {steppers(True)}",
         "output": "interval between outputs",
     }
     numbers = {key: _number(unit, meanings[key], "positive") for key, unit in SETTING_UNITS.items()}
-    return _object({**numbers, "method": {"enum": list(METHODS), "description": "time integration method"}})
+    methods = "; ".join(f"{name}: {one.summary.removesuffix('.')}" for name, one in registry.kinds("stepper").items())
+    return _object({**numbers, "method": {"enum": list(registry.kinds("stepper")), "description": methods}})

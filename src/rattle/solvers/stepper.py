@@ -32,7 +32,7 @@ def equal_steps(fewest: int) -> Field:
 class Stepper:
     """A time integration method."""
 
-    order: ClassVar[int]  # power of the step with which the error at the end of a smooth motion decreases
+    order: ClassVar[int]  # power of the step with which the error decreases, at least
     adaptive: ClassVar[bool]  # steps follow the tolerances; otherwise all have the length `step`
     loop: ClassVar[str]  # the loop that takes its steps
     works_with: ClassVar[tuple[str, ...]]  # contacts
