@@ -7,7 +7,8 @@ import pytest
 
 import rattle as rt
 from rattle import registry
-from rattle.analyses.dynamics.run import Run
+from rattle.analyses.dynamics.run import How
+from rattle.analyses.dynamics.smooth_run import SmoothRun
 from rattle.elements.custom.contact_law import friction_law
 from rattle.equations.state import ACCOUNTS, ENERGIES, state_layout
 
@@ -69,7 +70,7 @@ def test_a_law_with_two_states_moves_a_block_as_its_closed_form_says(worn_spring
 def test_states_of_a_law_are_the_way_and_the_path_of_its_contact(worn_spring):
     m = block(worn_spring)
     t_eval = np.linspace(0.0, 0.1, 2001)
-    run = Run(m.system, m.start, t_eval, 0.1, "dop853", 1e-9, 1e-12, None)
+    run = SmoothRun(m.system, m.start, t_eval, 0.1, How(registry.kinds("stepper")["dop853"], 1e-9, 1e-12, None))
     run.go()
     layout = state_layout(m.system)
     assert layout.size == 6 + len(ENERGIES) + 4 * len(ACCOUNTS) + 4 * 2 == len(run.workspace.state)
