@@ -31,7 +31,7 @@ def parameters(family, kind, rng, f):
 
 
 def evaluate(kind, q, v, p):
-    rows = np.zeros((len(kind.leaf.rows) + 1, 9))
+    rows = np.zeros((len(kind.leaf.rows) + 1, at.width("rows")))
     kind.kernel(body_at(q, v), A, B, p, 0, 1, rows)
     assert not rows[0].any(), "a kernel writes its own rows only"
     return rows[1:]

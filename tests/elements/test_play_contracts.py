@@ -58,7 +58,7 @@ class Played:
         q[B] = q[A] + 0.1
         q[B, :2] += turned(q[A, 2], points[:2]) - turned(q[B, 2], points[2:])
         for _ in range(30):
-            rows = np.zeros((len(self.joint.leaf.rows), 9))
+            rows = np.zeros((len(self.joint.leaf.rows), at.width("rows")))
             self.joint.kernel(body_at(q, none), A, B, p, 0, 0, rows)
             q[B] -= np.linalg.lstsq(rows[:, at.BX :], rows[:, at.RES], rcond=None)[0]
         assert np.abs(rows[:, at.RES]).max() < 1e-13

@@ -53,12 +53,12 @@ def drive(m, t):
     jet_signal, jet, out = m.jet_signal, m.jet, m.jet_out
     code, const, jets, stack, values = m.code, m.const, m.jets, m.jet_stack, m.values
     for n in range(jet_signal.shape[0]):
-        evaluate_jet(code, const, jet_signal[n, 0], jet_signal[n, 1], t, jets, stack, out)
-        k = jet_signal[n, 2]
+        evaluate_jet(code, const, jet_signal[n, at.FIRST_CODE], jet_signal[n, at.END_CODE], t, jets, stack, out)
+        k = jet_signal[n, at.TARGET]
         jets[k, 0], jets[k, 1], jets[k, 2] = out[0], out[1], out[2]
     for n in range(jet.shape[0]):
-        evaluate_jet(code, const, jet[n, 0], jet[n, 1], t, jets, stack, out)
-        k = jet[n, 2]
+        evaluate_jet(code, const, jet[n, at.FIRST_CODE], jet[n, at.END_CODE], t, jets, stack, out)
+        k = jet[n, at.TARGET]
         values[k], values[k + 1], values[k + 2] = out[0], out[1], out[2]
 
 
@@ -88,9 +88,13 @@ def loads(m, t):
     code, const, stack = m.code, m.const, m.stack
     potential, rate, lost = 0.0, 0.0, 0.0
     for n in range(signal.shape[0]):
-        signals[signal[n, 2]] = evaluate(code, const, signal[n, 0], signal[n, 1], t, body, signals, stack)
+        signals[signal[n, at.TARGET]] = evaluate(
+            code, const, signal[n, at.FIRST_CODE], signal[n, at.END_CODE], t, body, signals, stack
+        )
     for n in range(live.shape[0]):
-        values[live[n, 2]] = evaluate(code, const, live[n, 0], live[n, 1], t, body, signals, stack)
+        values[live[n, at.TARGET]] = evaluate(
+            code, const, live[n, at.FIRST_CODE], live[n, at.END_CODE], t, body, signals, stack
+        )
     gx, gy = gravity[0], gravity[1]
     for i in range(body.shape[0]):
         force[i, 0] = mass[i, 0] * gx

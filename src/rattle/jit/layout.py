@@ -141,6 +141,27 @@ POINTS = 4
 CLEARANCE, RADIUS, FIELDS = 4, 5, 6
 # parameters of a set-valued contact: the fields of `impact` in their order
 RESTITUTION, TANGENTIAL_RESTITUTION, MU, RESTITUTION_LAW, JAM = range(5)
+_declare(
+    "signal",
+    """
+    FIRST_CODE [] first row of its program in `code`
+    END_CODE [] row after the last one
+    TARGET [] where its value goes: number of the signal, or place in `values`
+""",
+)
+for _other in ("jet", "jet_signal", "live"):
+    COLUMNS[_other] = COLUMNS["signal"]
+FIRST_CODE, END_CODE, TARGET = range(3)
+_declare(
+    "switch",
+    """
+    FIRST_CODE [] first row of the program of its operands in `code`
+    END_CODE [] row after the last one
+    OWN_CODE [] row of the switch itself
+    OPERANDS [] number of operands: the switching function is one, or the difference of two
+""",
+)
+OWN_CODE, OPERANDS = 2, 3
 
 # ---------------------------------------------------------------- contacts
 _declare(

@@ -45,13 +45,11 @@ ARRAYS = {
         "i2", "nk, 4", "", "programs of all expressions, one after the other, with the branches of their switches"
     ),
     "const": Array("f1", "numbers", "SI", "numbers in them"),
-    "jet": Array("i2", "drivers, 3", "", "first, last code row and parameter of every driver's function"),
-    "jet_signal": Array("i2", "signals, 3", "", "first, last code row and number of every signal a driver uses"),
-    "signal": Array("i2", "ns, 3", "", "first, last code row and number of every signal"),
-    "live": Array("i2", "values, 3", "", "first, last code row and parameter of every changing value of a load"),
-    "switch": Array(
-        "i2", "switches, 4", "", "those that depend on the state: first, last row of operands, own row, number"
-    ),
+    "jet": Array("i2", "drivers, 3", "", "program of every driver's function"),
+    "jet_signal": Array("i2", "signals, 3", "", "program of every signal that a driver uses"),
+    "signal": Array("i2", "ns, 3", "", "program of every signal"),
+    "live": Array("i2", "values, 3", "", "program of every changing value of a load"),
+    "switch": Array("i2", "switches, 4", "", "switches of expressions that depend on the state"),
     "watch": Array("i1", "nw", "", "rows whose force must not become negative (massless links)"),
     "place": Array("i1", "nr", "", "position of each row in the order of elimination, see `schur.Pattern`"),
     "first": Array("i1", "nr + 1", "", "first entry of each column of L in `below`"),

@@ -38,7 +38,7 @@ def write(m, work_done, dissipated, row):
         c += at.PER_BODY
     c = write_joints(m, row, c)
     for n in range(signal.shape[0]):
-        row[c] = signals[signal[n, 2]]
+        row[c] = signals[signal[n, at.TARGET]]
         c += 1
     row[c + at.KINETIC] = kinetic
     row[c + at.STORED] = power[at.POTENTIAL_ENERGY]

@@ -25,8 +25,8 @@ CLOSE = 1e-7  # share of a step that does not count as progress
 def argument(m, n, t):
     """Switching function n (in its own unit) at the state in `body`; signals must be up to date."""
     switch, stack = m.switch, m.stack
-    evaluate(m.code, m.const, switch[n, 0], switch[n, 1], t, m.body, m.signals, stack)
-    return stack[0] - stack[1] if switch[n, 3] == 2 else stack[0]
+    evaluate(m.code, m.const, switch[n, at.FIRST_CODE], switch[n, at.END_CODE], t, m.body, m.signals, stack)
+    return stack[0] - stack[1] if switch[n, at.OPERANDS] == 2 else stack[0]
 
 
 @compiled
@@ -35,7 +35,9 @@ def see(m, t, y):
     nq, signal, signals = m.change.shape[0], m.signal, m.signals
     place(m, y[:nq], y[nq : 2 * nq])
     for n in range(signal.shape[0]):
-        signals[signal[n, 2]] = evaluate(m.code, m.const, signal[n, 0], signal[n, 1], t, m.body, signals, m.stack)
+        signals[signal[n, at.TARGET]] = evaluate(
+            m.code, m.const, signal[n, at.FIRST_CODE], signal[n, at.END_CODE], t, m.body, signals, m.stack
+        )
 
 
 @compiled
@@ -43,7 +45,7 @@ def take_sides(m, t):
     """Switches without a branch take that of their switching function at the state in `body`."""
     switch, code = m.switch, m.code
     for n in range(switch.shape[0]):
-        row = switch[n, 2]
+        row = switch[n, at.OWN_CODE]
         if code[row, SIDE] == 0:
             s = argument(m, n, t)
             code[row, SIDE] = 1 if s > 0.0 else (-1 if s < 0.0 else 0)
@@ -56,7 +58,7 @@ def choose_sides(m, t, ahead):
     switch, code, landing = m.switch, m.code, m.landing
     landing[at.LANDS], landing[at.AGAIN] = 0.0, 0.0
     for n in range(switch.shape[0]):
-        code[switch[n, 2], SIDE] = 0
+        code[switch[n, at.OWN_CODE], SIDE] = 0
     derivative(m, t, y, f)
     see(m, t, y)
     take_sides(m, t)
@@ -66,7 +68,7 @@ def choose_sides(m, t, ahead):
     see(m, t + ahead, stage)
     take_sides(m, t + ahead)
     for n in range(switch.shape[0]):
-        code[switch[n, 2], CROSSED] = 0
+        code[switch[n, at.OWN_CODE], CROSSED] = 0
 
 
 @native("i", "h")
@@ -74,7 +76,7 @@ def crossed(m):
     """True if a switching function has had the other sign since the last call."""
     switch, code, found = m.switch, m.code, False
     for n in range(switch.shape[0]):
-        row = switch[n, 2]
+        row = switch[n, at.OWN_CODE]
         found = found or (code[row, CROSSED] == 1 and code[row, SIDE] != 0)
         code[row, CROSSED] = 0
     return found
@@ -85,7 +87,7 @@ def release(m):
     """Release the switches whose switching functions have had the other sign; True if there are any."""
     switch, code, found = m.switch, m.code, False
     for n in range(switch.shape[0]):
-        row = switch[n, 2]
+        row = switch[n, at.OWN_CODE]
         if code[row, CROSSED] == 1 and code[row, SIDE] != 0:
             code[row, SIDE] = 0
             found = True
@@ -111,7 +113,7 @@ def first_switch(m, t, h):
     switch, code = m.switch, m.code
     best, who = NONE, -1
     for n in range(switch.shape[0]):
-        side = code[switch[n, 2], SIDE]
+        side = code[switch[n, at.OWN_CODE], SIDE]
         left = 0.0
         for part in range(1, PARTS + 1):
             right = part / PARTS
@@ -163,13 +165,13 @@ def turn(m, t, y, who, h):
     switch, code, landing = m.switch, m.code, m.landing
     see(m, t, y)
     for n in range(switch.shape[0]):
-        row = switch[n, 2]
+        row = switch[n, at.OWN_CODE]
         if n == who or argument(m, n, t) * code[row, SIDE] < 0.0:
             code[row, SIDE] = -code[row, SIDE]
             landing[at.TURNS] += 1.0
     take_sides(m, t)
     for n in range(switch.shape[0]):
-        code[switch[n, 2], CROSSED] = 0
+        code[switch[n, at.OWN_CODE], CROSSED] = 0
     landing[at.AGAIN] = landing[at.AGAIN] + 1.0 if t - landing[at.LAST_TURN] <= CLOSE * h else 0.0
     landing[at.LAST_TURN] = t
 

@@ -96,7 +96,7 @@ def _sliding(system: System, workspace: Workspace) -> str:
     t = float(workspace.landing[at.LAST_TURN])
     see(workspace, t, workspace.state)
     sizes = [abs(float(argument(workspace, n, t))) for n in range(len(workspace.switch))]
-    row = int(workspace.switch[int(np.argmin(sizes)), 2])
+    row = int(workspace.switch[int(np.argmin(sizes)), at.OWN_CODE])
     name = next(one.name for one in system.switches if one.row == row)
     return (
         f"cannot go on at t = {t:.6g} s: {name} switches to and fro without end, each of its branches drives the motion"

@@ -227,10 +227,9 @@ def put(m, t, q, v, a, forces, probe, line, row):
 @compiled
 def write_signals(m, row):
     """Write the values of all signals to an output row, in their SI units."""
-    from_ = m.signal
-    signals = m.signals
-    for n in range(from_.shape[0]):
-        row[n] = signals[from_[n, 2]]
+    signal, signals = m.signal, m.signals
+    for n in range(signal.shape[0]):
+        row[n] = signals[signal[n, at.TARGET]]
 
 
 @compiled
