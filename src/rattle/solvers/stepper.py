@@ -4,7 +4,7 @@ A leaf in `rattle.solvers.steppers` is one class.  It derives from one of the th
 it is explicit, its kernels:
 
     step           from (t, y), with y' in `rate`, to y_new at t + h; returns its error as a share of the tolerance
-                   (0 with fixed steps, inf where y_new is not finite) and whether `watched_change` was true at a stage
+                   (0 with fixed steps, inf if y_new is not finite) and whether `watched_change` was true at a stage
     dense_output   rows 3 to 6 of `dense`: zero if the cubic through both ends is enough
 """
 
@@ -25,7 +25,7 @@ LONGEST = 1e-4  # default step [s] of steppers with fixed steps
 
 def equal_steps(fewest: int) -> Field:
     """Field for the length of equal steps [s]; fewest: number of steps of a run if the length is not given."""
-    said = f"length of all steps; where it is not given 0.1 ms, or 1/{fewest} of the run if that is shorter"
+    said = f"length of all steps; if not given 0.1 ms, or 1/{fewest} of the run if that is shorter"
     return Field("s", said, default=lambda span: min(LONGEST, span / fewest), least="positive")
 
 
@@ -57,9 +57,9 @@ class AdaptiveStepper(Stepper):
     loop = SMOOTH
     works_with = (FREE, COMPLIANT)
     unfit = {SET_VALUED: "knows no impacts"}
-    rtol = Field("", "error allowed per step, as a share of each position and rate", default=RTOL, least="positive")
+    rtol = Field("", "relative tolerance per step on positions and rates", default=RTOL, least="positive")
     atol = Field(
-        "m, rad, m/s, rad/s", "error per step that is always allowed; where it is not given a hundredth of rtol",
+        "m, rad, m/s, rad/s", "absolute tolerance per step; if not given a hundredth of rtol",
         default=lambda rtol: ATOL * rtol, least="positive",
     )  # fmt: skip
     step = Field("s", "largest step", default=math.inf, least="positive")
@@ -84,10 +84,10 @@ class SetValuedStepper(Stepper):
 
 
 def usual_stepper(contacts: str) -> str:
-    """Name of the stepper that runs with these contacts where none that works is asked for."""
+    """Name of the stepper that runs with these contacts unless another that works is chosen."""
     return next(name for name, one in kinds("stepper").items() if contacts in one.leaf.usual_with)
 
 
 def stepper_of(loop: str) -> str:
-    """Name of a stepper whose steps this loop takes."""
+    """Name of a stepper that belongs to this loop."""
     return next(name for name, one in kinds("stepper").items() if one.leaf.loop == loop)

@@ -16,7 +16,10 @@ from rattle.solvers.peaks import glances
 
 
 def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
-    """What set-valued contacts need besides the arrays of one instant; lasting: their forces are part of the motion."""
+    """Arrays for set-valued contacts besides those of one instant.
+
+    lasting: closed contacts are constraints, whose forces are part of the equations of motion.
+    """
     nc, nr, nb = len(system.arrays["contact"]), system.row_count, system.body_count
     contact, solvers = system.arrays["contact"], (contact_network.KERNEL, lemke.KERNEL, uniqueness.KERNELS[0])
     laws = (impact_phases.expand_kernel, impact_path.path_kernel, uniqueness.KERNELS[1])
