@@ -349,11 +349,11 @@ class Mechanism(Building):
         Returns a list: admissible (no bush has to pull) and stable ones first, then by their distance from the
         initial guess.  A pin with clearance is a massless link; equilibria with the pin on the other side of its bush
         (n and -n at every pin) are in the list too.  A compliant pin sinks in by its law, an impact pin is rigid;
-        friction is left out.  branches: "near" keeps the branch in which the mechanism is assembled, "all" searches
-        the others too.
+        friction is left out.
         The search is limited: it minimises the potential first, so that stable ones are found before all others, and
         ends within about a tenth of a second for ten bodies; `.extent` of the list says how far it went, `.note` that
-        it was cut short.  effort: 10 lets it do ten times the work; at most 10 000.
+        it was cut short.  branches: "near" keeps the branch in which the mechanism is assembled, "all" searches the
+        others too.  effort: 10 allows ten times the work; at most 10 000.
 
         With an array of times [s]: the quasi-static motion over them as a Result, with the drivers' efforts, the
         mechanical advantage `<load>.advantage` (force or moment held at the load per unit of effort),
@@ -378,10 +378,9 @@ class Mechanism(Building):
     def modes(self, t: Seconds = 0.0, equilibrium: Equilibrium | None = None, *, effort: float = 1.0) -> Modes:
         """Natural frequencies [Hz], damping ratios and shapes about an equilibrium.
 
-        equilibrium: default the first of `equilibrium(t)`, t in [s].
-
-        effort: as of `equilibrium`.
-        Clearance pins are massless links that press.  Raises ValueError when there is no equilibrium.
+        Pins with clearance are massless links that press.
+        t: time of the drivers [s].  equilibrium: default the first of `equilibrium(t)`.  effort: as of `equilibrium`.
+        Raises ValueError if there is no equilibrium.
         """
         from rattle.analyses.statics.equilibria import static_problem
         from rattle.analyses.statics.modes import modes

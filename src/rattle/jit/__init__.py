@@ -1,1 +1,1 @@
-"""Machine code: the only room that imports Numba."""
+"""Compilation to machine code: the only room that imports Numba."""

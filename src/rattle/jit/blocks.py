@@ -1,11 +1,11 @@
-"""Arrays as our compiled functions see them: a place in memory and a shape, with nothing around them.
+"""Unowned views of contiguous arrays, as our compiled functions use them: an address and a shape.
 
-A `Block` lies in memory as Numba's own array does, so that the two change into each other for nothing.  But its
-elements are read and written straight away: no owner is counted, no index is looked at for a negative sign, which
-saves a quarter of the time to run and more of the time to compile.  So a compiled function must not count from the
-end.  With NUMBA_BOUNDSCHECK=1 indices are checked as in other arrays of Numba.
+A `Block` has the same memory layout as Numba's own array, so that conversions cost nothing.  But its elements are read
+and written directly, without reference counting and without a test for negative indices, which saves a quarter of the
+time to run and more of the time to compile.  So a compiled function must not count from the end of an array.  With
+NUMBA_BOUNDSCHECK=1 indices are checked as in other arrays of Numba.
 
-Importing this module changes nothing for others; `register` enters its ways with Numba for the whole process.
+Importing this module changes nothing for others; `register` registers these types with Numba for the whole process.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ from rattle.jit.numba_types import ORDINARY
 
 
 class Block(types.Array):
-    """C-contiguous array of numbers that somebody else keeps alive."""
+    """C-contiguous array of numbers; its memory is owned by others."""
 
     def __init__(self, element: Any, dimensions: int) -> None:
         super().__init__(element, dimensions, "C", name=f"Block({element}, {dimensions})")
 
     def can_convert_from(self, typing_context: Any, other: Any) -> Any:
-        """Any contiguous array of these numbers will do."""
+        """Any contiguous array of numbers of this type can be converted."""
         return Conversion.safe if block(other) == self else None
 
 
@@ -44,7 +44,7 @@ BLOCKS = {name: Block(kind.dtype, kind.ndim) for name, kind in ORDINARY.items()}
 
 
 def block(kind: Any) -> Any:
-    """The block for a contiguous array; any other type as it is."""
+    """The block type for a contiguous array; any other type unchanged."""
     if isinstance(kind, types.Array) and kind.layout == "C" and kind.ndim in (1, 2):
         return Block(kind.dtype, kind.ndim)
     return kind
@@ -58,7 +58,7 @@ def _as_it_is(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -
 
 # ---------------------------------------------------------------- elements
 def _index(array: Any, index: Any) -> Any:
-    """Type of an index that names one element, else None."""
+    """Type of an index to a single element, otherwise None."""
     if not isinstance(array, Block) or config.BOUNDSCHECK:
         return None
     if array.ndim == 1:
@@ -68,7 +68,7 @@ def _index(array: Any, index: Any) -> Any:
 
 
 class _Element(AbstractTemplate):
-    """How an element is found; asked before Numba's own ways, being for one target only."""
+    """Typing of access to an element; tried before Numba's own, because it is for one target only."""
 
     metadata = {"target": "cpu"}
     how = ""  # key of the code that does it
@@ -94,7 +94,7 @@ class _Write(_Element):
 
 
 def _part(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
-    """A part of an array, straight from its value: no copy in memory that the optimiser would have to take away."""
+    """A part of an array, taken from its value: no copy in memory that the optimiser would have to remove."""
     return builder.extract_value(value, context.data_model_manager[kind].get_field_position(name))
 
 
@@ -116,7 +116,7 @@ def _write(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 # ---------------------------------------------------------------- two numbers alike
 class _Alike(AbstractTemplate):
-    """Two floats, or two integers, in arithmetic: the common case first, before Numba rates all its ways."""
+    """Arithmetic of two floats or two integers: the common case first, before Numba compares all its overloads."""
 
     metadata = {"target": "cpu"}
     kinds: tuple[Any, ...] = ()
@@ -135,7 +135,7 @@ def _common_case(name: str, kinds: tuple[Any, ...], compares: bool) -> None:
 
 
 class _Extreme(_Element):
-    """The largest or the least of several floats, or of several integers."""
+    """The largest or the smallest of several floats, or of several integers."""
 
     def generic(self, args: Any, kws: Any) -> Any:
         kinds = {types.unliteral(one) for one in args}
@@ -166,7 +166,7 @@ def _extreme(relation: str) -> Callable[..., Any]:
 
 # ---------------------------------------------------------------- for the whole process
 def register() -> None:
-    """Enter all this with Numba, which asks it from now on whenever anything is compiled in this process."""
+    """Register all this with Numba, which uses it from now on for everything compiled in this process."""
     infer_global(operator.getitem)(_Read)
     infer_global(operator.setitem)(_Write)
     lower_builtin(_Read.how, types.Any, types.Any)(_read)

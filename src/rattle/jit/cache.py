@@ -1,7 +1,7 @@
-"""Machine code kept on disk: in a folder that nobody else can write, and never needed.
+"""Machine code kept on disk, in a folder that nobody else can write; rattle also works without it.
 
-What is read back is run, so the folder must be the user's own.  A file that is damaged or missing is compiled
-again; a folder that is full or gone costs time, never a result.
+Code read from the folder is executed, so the folder must be the user's own.  If a file is damaged or missing it is
+compiled again; a folder that is full or missing costs time, never a result.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ OTHERS = stat.S_IWGRP | stat.S_IWOTH
 
 
 class Folder(NamedTuple):
-    """Where machine code is kept; None where there is no place at all."""
+    """A folder for machine code; its path is None if there is none at all."""
 
     path: Path | None
-    lasting: bool  # False: gone at the end of the process
-    why_not: str = ""  # why it is not the folder that was meant
+    lasting: bool  # False: removed at the end of the process
+    why_not: str = ""  # why it is not the usual folder
 
 
 def code_folder(name: str) -> Folder:
-    """The folder `name` of machine code: below RATTLE_CACHE, else ~/.cache/rattle.
+    """The folder `name` of machine code: below RATTLE_CACHE, otherwise ~/.cache/rattle.
 
-    One that belongs to somebody else, that others may write, that is a link or cannot be written is not used; a
-    private temporary folder takes its place for this process.
+    A folder is not used if it belongs to another user, if others can write it, if it is a link or cannot be written;
+    a private temporary folder then replaces it for this process.
     """
     try:
         root = _root()
@@ -51,7 +51,7 @@ def code_folder(name: str) -> Folder:
         return Folder(folder, True)
     except (OSError, RuntimeError, ValueError) as error:
         why = _reason(error)
-    log.warning(f"machine code is compiled anew in every process: {why}; set RATTLE_CACHE to a folder of your own")
+    log.warning(f"machine code is compiled again in every process: {why}; set RATTLE_CACHE to a folder of your own")
     try:
         private = Path(tempfile.mkdtemp(prefix="rattle-"))
     except OSError:
@@ -67,20 +67,20 @@ def _reason(error: Exception) -> str:
 
 
 def _root() -> Path:
-    """The folder that the environment names.  Raises RuntimeError where there is no home."""
+    """The folder that the environment names.  Raises RuntimeError if there is no home folder."""
     given = os.environ.get("RATTLE_CACHE", "")
     return Path(given).expanduser().absolute() if given else Path.home() / ".cache" / "rattle"
 
 
 def _require_private(root: Path, folder: Path) -> None:
-    """Refuse a folder into which somebody else could put code.  Raises PermissionError with an explanation."""
+    """Refuse a folder into which another user could put code.  Raises PermissionError with an explanation."""
     if not hasattr(os, "getuid"):  # on Windows the profile's folders are the user's own
         return
     for path in (folder, root):
         seen = path.lstat()
         shared = path == root and bool(seen.st_mode & stat.S_ISVTX)  # as /tmp: entries belong to who made them
         if not stat.S_ISDIR(seen.st_mode):
-            raise PermissionError(f"{path} is a link or no folder, and is not used")
+            raise PermissionError(f"{path} is a link or not a folder, and is not used")
         if seen.st_uid != os.getuid() and not shared:
             raise PermissionError(f"{path} belongs to another user, and is not used")
         if seen.st_mode & OTHERS and not shared:
@@ -93,14 +93,14 @@ def _require_private(root: Path, folder: Path) -> None:
 
 # ---------------------------------------------------------------- one file per function and signature
 class KeptFile:
-    """One kept thing: SHA-256 of what follows, and the pickled thing.  The folder's name stands for all sources."""
+    """One kept object: SHA-256 of what follows, and the pickled object.  The folder's name identifies the sources."""
 
     def __init__(self, folder: Path | None, name: str, key: Any) -> None:
         short = DIGEST(repr((name, key)).encode()).hexdigest()[:16]
         self.file = None if folder is None else folder / f"{name}-{short}.code"
 
     def read(self, use: Callable[[Any], Any] = lambda thing: thing) -> Any:
-        """What `use` makes of the thing; None where there is none, and what could not be used is thrown away."""
+        """The result of `use` for the kept object; None if there is none; a file that cannot be used is deleted."""
         if self.file is None:
             return None
         try:
@@ -111,13 +111,13 @@ class KeptFile:
             return use(pickle.loads(thing))
         except FileNotFoundError:
             return None
-        except Exception as error:  # whatever is wrong with a kept file, compiling is the remedy
+        except Exception as error:  # whatever is wrong with a kept file, it can be compiled again
             log.debug(f"{self.file} is compiled again: {error}")
             _drop(self.file)
             return None
 
     def write(self, pickled: Callable[[], bytes]) -> None:
-        """Keep a pickled thing where that is possible."""
+        """Keep a pickled object if possible."""
         if self.file is None:
             return
         temporary = self.file.with_name(f".{secrets.token_hex(8)}")
@@ -125,7 +125,7 @@ class KeptFile:
             thing = pickled()
             temporary.write_bytes(DIGEST(thing).digest() + thing)
             os.replace(temporary, self.file)
-        except Exception as error:  # a full disk, a folder that is gone: the next process compiles again
+        except Exception as error:  # full disk, missing folder: the next process compiles again
             log.debug(f"{self.file} was not kept: {error}")
         finally:
             with suppress(OSError):
@@ -133,16 +133,16 @@ class KeptFile:
 
 
 class CodeCache:
-    """What a Numba dispatcher asks for compiled code; stands in for `numba.core.caching.FunctionCache`."""
+    """The cache that a Numba dispatcher uses for compiled code, in place of `numba.core.caching.FunctionCache`."""
 
     def __init__(self, function: Callable[..., Any], folder: Callable[[], Path | None]) -> None:
         self.name = f"{function.__module__}.{function.__qualname__}"
         self.folder = folder
-        self.missed: Callable[[], None] = lambda: None  # called where something has to be compiled
+        self.missed: Callable[[], None] = lambda: None  # called when something has to be compiled
 
     @property
     def cache_path(self) -> str | None:
-        """The folder, as Numba's statistics show it."""
+        """The folder, for Numba's statistics."""
         folder = self.folder()
         return None if folder is None else str(folder)
 
@@ -150,7 +150,7 @@ class CodeCache:
         return KeptFile(self.folder(), self.name, (str(signature), codegen.magic_tuple()))
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
-        """The compiled function, or None: then it is compiled, and what could not be read is thrown away."""
+        """The compiled function, or None: then it is compiled; a file that cannot be read is deleted."""
         target_context.refresh()
         compiler: Any = importlib.import_module("numba.core.compiler")
         found = self._kept(signature, target_context.codegen()).read(
@@ -161,24 +161,24 @@ class CodeCache:
         return found
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        """Keep a compiled function where that is possible."""
+        """Keep a compiled function if possible."""
         if result.library.has_dynamic_globals or any(not one.can_cache for one in result.lifted):
             return
         serialize: Any = importlib.import_module("numba.core.serialize")
         self._kept(signature, result.codegen).write(lambda: serialize.dumps(result._reduce()))
 
     def enable(self) -> None:
-        """Numba's own switch; kept code is always used."""
+        """Numba's switch, without effect: kept code is always used."""
 
     def disable(self) -> None:
-        """Numba's own switch; kept code is always used."""
+        """Numba's switch, without effect: kept code is always used."""
 
     def flush(self) -> None:
-        """Forget nothing: files are thrown away one by one, when they turn out to be damaged."""
+        """Do nothing: files are deleted one by one, when they turn out to be damaged."""
 
 
 def _drop(file: Path) -> None:
-    """Take away what stands in place of a file of code."""
+    """Remove the file, link or folder at the place of a code file."""
     with suppress(OSError):
         if file.is_dir() and not file.is_symlink():
             shutil.rmtree(file)

@@ -1,9 +1,9 @@
-"""Calls of machine code by its address, whichever way it was compiled.
+"""Calls of machine code by address, for both ways of compiling.
 
-A function with fixed types stands in memory once, and others call it where it stands, with Numba's convention for
-calls: what it raises goes on to whoever called.  Its address is found at a place that has a name, see `machine`, or in
-a table of kernels.  A tuple of first-class functions as argument would cost 60 us per function and call to unbox
-(Numba 0.68); an address in an integer array costs nothing.
+A function with fixed types is in memory once, and others call it by its address, with Numba's calling convention:
+exceptions are passed on to the caller.  The address is read from a named place, see `machine`, or from a table of
+kernels.  A tuple of first-class functions as argument would cost 60 us per function and call to unbox (Numba 0.68);
+an address in an integer array costs nothing.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def by_place(name: str, letters: Sequence[str], arrays: ArrayTypes) -> Any:
     wanted = signature(letters, arrays)
 
     def call() -> None:
-        """The key of the code that does it."""
+        """The key under which Numba finds the code of the call."""
 
     def jump(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         place = builder.module.globals.get(name) or ir.GlobalVariable(builder.module, WHOLE_NUMBER, name)
@@ -48,7 +48,7 @@ def by_place(name: str, letters: Sequence[str], arrays: ArrayTypes) -> Any:
 
 
 def _found(context: Any, builder: Any, place: Any) -> Any:
-    """The address that stands at a place; asked for where there is none yet."""
+    """The address at a place; it is requested if there is none yet."""
     known, before = builder.load(place), builder.block
     with cgutils.if_unlikely(builder, builder.icmp_unsigned("==", known, WHOLE_NUMBER(0))):
         asked = ir.FunctionType(WHOLE_NUMBER, [WHOLE_NUMBER])
@@ -64,7 +64,7 @@ def _found(context: Any, builder: Any, place: Any) -> Any:
 
 
 def _jump_to(context: Any, builder: Any, address: Any, wanted: Any, args: Sequence[Any], fails: bool) -> Any:
-    """Call the function at an address; what it raises is raised, or with `fails` false forgotten."""
+    """Call the function at an address; its exceptions are passed on, or ignored if `fails` is false."""
     convention = context.call_conv
     pointer = convention.get_function_type(wanted.return_type, wanted.args).as_pointer()
     target = builder.inttoptr(address, pointer)
@@ -78,8 +78,8 @@ def _jump_to(context: Any, builder: Any, address: Any, wanted: Any, args: Sequen
 def teach(call: Callable[..., Any], family: str, letters: Sequence[str], arrays: ArrayTypes, by_place: bool) -> None:
     """Teach Numba that `call(address, arguments)` calls the kernel of a family at an address from its table.
 
-    by_place: the table says where the address stands, see `machine`, and what the kernel raises is raised; else that
-    is forgotten, as with a law of the user's.  An address of zero raises RuntimeError.
+    by_place: the table holds places of addresses, see `machine`, and exceptions of the kernel are passed on; otherwise
+    they are ignored, as with a law of the user.  An address of zero raises RuntimeError.
     """
     wanted = signature(letters, arrays)
 
@@ -99,6 +99,6 @@ def teach(call: Callable[..., Any], family: str, letters: Sequence[str], arrays:
             address = _found(context, builder, builder.inttoptr(address, WHOLE_NUMBER.as_pointer()))
         else:
             with cgutils.if_unlikely(builder, builder.icmp_unsigned("==", address, WHOLE_NUMBER(0))):
-                said = f"a kernel of the family '{family}' was called that is not in the table of this workspace"
+                said = f"a kernel of the family '{family}' was called, but it is not in the table of this workspace"
                 context.call_conv.return_user_exc(builder, RuntimeError, (said,))
         return _jump_to(context, builder, address, wanted, parts, fails=by_place)

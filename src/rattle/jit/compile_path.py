@@ -1,8 +1,8 @@
 """Which of two ways functions are compiled: the fast one, or the plain one, which works with any version of Numba.
 
-The fast way (`compiler`, `blocks`) builds on the inside of Numba, so it is taken for versions that it is known to work
-with, once it has passed a small check of its own.  The plain way (`plain`) is what Numba documents: it compiles
-several times as long and gives the same numbers.  RATTLE_JIT=plain or RATTLE_JIT=fast in the environment chooses.
+The fast way (`compiler`, `blocks`) uses internals of Numba, so it is taken only for versions with which it is known to
+work, and after a small check.  The plain way (`plain`) uses documented functions of Numba: compiling takes several
+times as long, the numbers are the same.  RATTLE_JIT=plain or RATTLE_JIT=fast in the environment selects one.
 """
 
 from __future__ import annotations
@@ -12,11 +12,20 @@ from functools import cache
 from importlib.metadata import version
 from typing import NamedTuple
 
-KNOWN = ("0.61", "0.62", "0.63", "0.64", "0.65", "0.66", "0.67", "0.68")  # a new one enters when the tests pass with it
+KNOWN = (
+    "0.61",
+    "0.62",
+    "0.63",
+    "0.64",
+    "0.65",
+    "0.66",
+    "0.67",
+    "0.68",
+)  # more are added when the tests pass
 
 
 class Choice(NamedTuple):
-    """The way taken in this process, and in plain words why it is the plain one."""
+    """The way taken in this process, and the reason if it is the plain one."""
 
     fast: bool
     why: str = ""
@@ -24,7 +33,7 @@ class Choice(NamedTuple):
 
 @cache
 def _by_version() -> Choice:
-    """What the environment and the version of Numba say.  Raises ValueError for a way that there is not."""
+    """The way by environment and version of Numba.  Raises ValueError for an unknown way."""
     wanted = os.environ.get("RATTLE_JIT", "")
     if wanted not in ("", "fast", "plain"):
         raise ValueError(f"RATTLE_JIT is '{wanted}'; expected fast or plain, or nothing")
@@ -42,12 +51,12 @@ _failed: list[Choice] = []
 
 
 def chosen() -> Choice:
-    """The way that functions are compiled.  Raises ValueError for a RATTLE_JIT that names none."""
+    """The way in which functions are compiled.  Raises ValueError for an unknown value of RATTLE_JIT."""
     return _failed[0] if _failed else _by_version()
 
 
 def give_up_fast(error: Exception) -> None:
-    """From now on take the plain way: the check of the fast one has raised this error."""
+    """Use the plain way from now on, because the check of the fast one has raised this error."""
     first = next(iter(str(error).splitlines()), "")
     said = f"Numba {version('numba')} does not do what fast compiling needs ({type(error).__name__}: {first})"
     _failed.append(Choice(False, said))

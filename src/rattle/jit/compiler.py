@@ -1,12 +1,11 @@
-"""The fast way to machine code.  Imports Numba: only to be imported once machine code is wanted.
+"""The fast way to machine code.  It imports Numba, so it is imported only when machine code is needed.
 
-Numba compiles every function by itself and puts the finished code of all functions it calls into it once more, down
-to the last.  Here a function that is called by another compiled function stays a *part*, intermediate code that
-nobody optimises; a *whole*, called from Python or by its address, is linked with all parts it needs and made into
-machine code once.  With `blocks` this brings the time to compile what a run of the four-bar needs from 21 s, the plain
-way, to 8 s.
+Numba compiles every function separately and includes the finished code of all functions it calls, at every level.
+Here a function that is called by another compiled function remains a *part*, intermediate code that is not optimised;
+a *whole*, called from Python or by its address, is linked with all parts it needs and compiled to machine code once.
+With `blocks` this reduces the time to compile what a run of the four-bar needs from 21 s, the plain way, to 8 s.
 
-Written against the inside of Numba (`CompilerBase`, `CodeLibrary`): for the versions in `compile_path` alone.
+Uses internals of Numba (`CompilerBase`, `CodeLibrary`): only for the versions in `compile_path`.
 """
 
 from __future__ import annotations
@@ -36,12 +35,12 @@ from rattle.jit.numba_types import OPTIONS, signature
 log = logging.getLogger("rattle")
 lock = global_compiler_lock
 ARRAY_TYPES = BLOCKS
-OURS = {**OPTIONS, "no_cfunc_wrapper": True, "_nrt": False}  # our functions make no arrays: nothing to count
+OURS = {**OPTIONS, "no_cfunc_wrapper": True, "_nrt": False}  # our functions allocate no arrays: no reference counting
 
 
 # ---------------------------------------------------------------- code libraries
 class _Library(JITCodeLibrary):
-    """Code as it comes from a function; optimised once it is linked."""
+    """Code of a function, optimised after it is linked."""
 
     def _optimize_functions(self, module: Any) -> None:
         module.data_layout = self._codegen._data_layout
@@ -62,9 +61,9 @@ class _Whole(_Library):
     """Machine code of one function with all its parts."""
 
     def _optimize_final_module(self) -> None:
-        """Level 1 compiles a tenth faster than Numba's two rounds, at 0 and 3, to code that runs as fast."""
+        """Optimise at level 1: a tenth faster than Numba's two rounds, at 0 and 3, and the code runs as fast."""
         made = self._codegen._module_pass_manager(opt=1)
-        manager, *builder = made if isinstance(made, tuple) else (made,)  # in old versions the manager alone
+        manager, *builder = made if isinstance(made, tuple) else (made,)  # in old versions only the manager
         manager.run(self._final_module, *builder)
 
     def finalize(self) -> None:
@@ -80,7 +79,7 @@ class _Whole(_Library):
 
 
 class _Object(_Whole):
-    """The same as an object file, which is not put into memory."""
+    """The same as an object file, which is not loaded into memory."""
 
     def _finalize_final_module(self) -> None:
         options = {"opt": 1}
@@ -95,14 +94,14 @@ _said: list[str] = []
 
 
 def _say_once() -> None:
-    """Tell the user, once, that something is compiled and not just read from the cache."""
+    """Tell the user, once, that something is being compiled and not just read from the cache."""
     if not _said:
         _said.append("compiling kernels (once)")
         log.info(_said[0])
 
 
 def _lower_to(library: type[_Library]) -> Any:
-    """The pass that makes intermediate code, as a library of this class."""
+    """The compiler pass that produces intermediate code, as a library of this class."""
 
     @register_pass(mutates_CFG=True, analysis_only=False)
     class Lower(typed_passes.NativeLowering):
@@ -117,7 +116,7 @@ def _lower_to(library: type[_Library]) -> Any:
 
 
 class _Compiler(CompilerBase):
-    """Numba's own pipeline less what our functions have no use for: closures, array expressions, literals."""
+    """Numba's pipeline without passes that our functions do not need: closures, array expressions, literals."""
 
     lower: Any
 
@@ -158,7 +157,7 @@ class _ObjectCompiler(_PartCompiler):
 
 
 def part(function: Callable[..., Any]) -> Any:
-    """A dispatcher for calls from compiled functions: one version for the types of arguments, whatever their values."""
+    """A dispatcher for calls from compiled functions: one version for given argument types, not for their values."""
     dispatcher = numba.njit(pipeline_class=_PartCompiler, no_cpython_wrapper=True, **OURS)(function)
     made: dict[Any, Any] = {}
 
@@ -191,7 +190,7 @@ def whole(function: Callable[..., Any], letters: Sequence[str], cache: CodeCache
 
 
 def foreign(function: Callable[..., Any], letters: Sequence[str]) -> Any:
-    """A dispatcher for a function of the user's, with all that Numba can do; compiled now."""
+    """A dispatcher for a function of the user, with all features of Numba; compiled at once."""
     return numba.njit(signature(letters), **OPTIONS)(function)
 
 
@@ -214,7 +213,7 @@ def _symbols(module: Any) -> Iterator[Any]:
 
 
 def check() -> None:
-    """Compile two small functions, one of which calls the other.  Raises whatever this Numba raises in doing so."""
+    """Compile two small functions, one of which calls the other.  Raises whatever this version of Numba raises."""
     double = part(_double)
 
     def next_to(table: Any, k: int) -> Any:

@@ -1,4 +1,4 @@
-"""The folder of machine code for the sources as they are: anything that machine code depends on is in its name."""
+"""The folder of machine code for the present sources: its name depends on everything that machine code depends on."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MAKERS = ("blocks", "calls", "compile_path", "compiler", "functions", "machine",
 
 
 def compiled_sources() -> list[Path]:
-    """Files that machine code depends on: those with compiled functions, those that make it, and all they import."""
+    """Files on which machine code depends: those with compiled functions, those that compile, and all they import."""
     here = Path(__file__).parents[1]
     text = {path: path.read_text(encoding="utf-8") for path in here.rglob("*.py")}
     makers = [here / "jit" / f"{name}.py" for name in MAKERS]
@@ -47,7 +47,7 @@ _NAME = re.compile(r"\w+")
 
 
 def code_folder() -> Folder:
-    """Where machine code is kept: one folder for each state of the sources, version of Numba and way to compile."""
+    """The folder of machine code: one for each state of the sources, version of Numba and way of compiling."""
     global _code_folder
     if _code_folder is None:
         here = Path(__file__).parents[1]
@@ -63,17 +63,17 @@ def code_folder() -> Folder:
 
 
 def forget_folder() -> None:
-    """Choose the folder anew: the way to compile has changed."""
+    """Choose the folder again after the way of compiling has changed."""
     global _code_folder
     _code_folder = None
 
 
 def cache_folder() -> Path | None:
-    """The folder of kept machine code; None where there is no place for it."""
+    """The folder of kept machine code; None if there is none."""
     return code_folder().path
 
 
-# what Numba reads that changes machine code
+# settings of Numba that change machine code
 _NUMBA_READS = ("NUMBA_BOUNDSCHECK", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_ENABLE_AVX", "NUMBA_OPT")
 _code_folder: Folder | None = None
-_folder_lock = threading.Lock()  # of its own: asked for while others are held
+_folder_lock = threading.Lock()  # a separate lock: it is taken while others are held

@@ -1,7 +1,7 @@
-"""Compiled functions: how they are made, kept, found and called.
+"""Compiled functions: how they are compiled, kept, found and called.
 
-Numba is imported on first use only: every compiled function is ordinary Python until `start()`.  With
-NUMBA_DISABLE_JIT=1 it stays so.
+Numba is imported on first use only: every compiled function is ordinary Python until `start()`, and remains so with
+NUMBA_DISABLE_JIT=1.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _lock = threading.RLock()
 _jit = False
 
 
-IN_PYTHON = "Python"  # handle of a workspace made before machine code ran: functions that get it stay plain Python
+IN_PYTHON = "Python"  # handle of a workspace made before `start()`: functions that get it run as plain Python
 
 
 class KernelFunction:
@@ -50,8 +50,8 @@ class KernelFunction:
 
     letters: types of result and arguments, as in SIGNATURE.  A function that has them is *native*: compiled once and
     only when it is called, and called by others by its address.  One without takes the types of its arguments, and
-    machine code that calls it holds a copy of it.
-    ours: follows the rules of `blocks`; a function with anything of the user's in it does not.
+    machine code that calls it contains a copy of it.
+    ours: follows the rules of `blocks`; a function that contains a law of the user does not.
 
     All this is the fast way.  On the plain way, see `compile_path`, each has one Numba dispatcher for all callers.
     """
@@ -66,7 +66,7 @@ class KernelFunction:
         self.native = ours and bool(self.letters)
         self._whole: Any = None
         self._type: Any = None
-        self._called: Any = None  # what calls its machine code from Python
+        self._called: Any = None  # the Python function that calls its machine code
         self._address = 0
         self._place: Any = None
         self.__doc__ = function.__doc__
@@ -96,12 +96,12 @@ class KernelFunction:
 
     @property
     def _without_numba(self) -> bool:
-        """True for a function whose machine code is kept so that it runs without Numba."""
+        """True for a function whose machine code is kept in a form that runs without Numba."""
         return self.native and compile_path.chosen().fast
 
     @property
     def dispatcher(self) -> Any:
-        """The Numba dispatcher for calls from outside, made when first asked for."""
+        """The Numba dispatcher for calls from outside, made at first use."""
         if self._whole is None:
             with _compiling() as compiling:
                 if self._whole is None and self.ours:
@@ -144,12 +144,12 @@ class KernelFunction:
         return self._address
 
     def _read(self) -> int:
-        """Put kept machine code into memory; 0 where there is none."""
+        """Load kept machine code into memory; returns its address, 0 if there is none."""
         machine = _announced()
         return int(self._kept(machine).read(lambda code: machine.load(machine.Code(*code))) or 0)
 
     def _made(self, compiling: Any) -> int:
-        """Compile, put machine code into memory and keep it."""
+        """Compile, load the machine code into memory and keep it on disk; returns its address."""
         if not self._without_numba:
             return int(_calls().address(self.dispatcher))
         machine = _announced()
@@ -174,7 +174,7 @@ _places: dict[KernelFunction, Any] = {}  # of the first of them
 
 
 def _announced() -> Any:
-    """The module `machine`, which knows the places of all native functions that machine code may call."""
+    """The module `machine`, which knows the addresses of all native functions that machine code may call."""
     machine = _machine()
     with _lock:
         for one in _natives[len(_places) :]:
@@ -214,13 +214,13 @@ def kernel(family: str) -> Callable[[Callable[..., Any]], KernelFunction]:
 
 @contextmanager
 def _compiling() -> Iterator[Any]:
-    """What compiles, `compiler` or `plain`; one thread at a time.
+    """The module that compiles, `compiler` or `plain`; one thread at a time.
 
-    Numba's lock comes first: a thread that compiles something else may need a function of ours on the way.
+    Numba's lock is taken first: a thread that compiles something else may need one of our functions meanwhile.
     """
     compiling = _compiler()
     with compiling.lock, _lock:
-        _announced()  # the linker takes a name that it does not know for an address of zero
+        _announced()  # the linker gives an unknown name the address zero
         while _lessons:
             _lessons.pop(0)(compiling)
         yield compiling
@@ -232,7 +232,8 @@ def _compiler() -> Any:
 
 
 def before_compiling(lesson: Callable[[Any], None]) -> Callable[[Any], None]:
-    """Decorator for what Numba has to be told before anything else is compiled; it gets the module `compiler`."""
+    """Decorator for a function that registers something with Numba before anything is compiled; its argument is the
+    module that compiles."""
     _lessons.append(lesson)
     return lesson
 
@@ -242,7 +243,7 @@ _lessons: list[Callable[[Any], None]] = []
 
 @before_compiling
 def _teach_calls(compiling: Any) -> None:
-    """What compiled code may call besides other functions, and how the fast way reads arrays."""
+    """Register the calls that compiled code may make besides other functions, and the array access of the fast way."""
     if compile_path.chosen().fast:
         importlib.import_module("rattle.jit.blocks").register()
     for family, call in _CALLERS.items():
@@ -281,17 +282,17 @@ def call_friction(entry: Any, arguments: Any) -> Any:
 
 
 def call_stepper(entry: Any, arguments: Any) -> Any:
-    """Take a step: its error as a share of the tolerance, and 1 if watched forces have changed their signs."""
+    """Take a step; returns its error as a share of the tolerance, and 1 if monitored forces have changed signs."""
     return entry(*arguments)
 
 
 def call_dense_output(entry: Any, arguments: Any) -> None:
-    """Make what the stepper of a run adds to the dense output of a step."""
+    """Compute the terms that the stepper of a run adds to the dense output of a step."""
     entry(*arguments)
 
 
 def call_hold(entry: Any, arguments: Any) -> None:
-    """Call the kernel that adds the forces of lasting set-valued contacts."""
+    """Call the kernel that adds the forces of closed set-valued contacts."""
     entry(*arguments)
 
 
@@ -324,7 +325,7 @@ def start() -> bool:
 
 
 def _check_fast() -> None:
-    """Take the plain way where the fast one does not work; asked once for each state of sources and Numba."""
+    """Use the plain way if the fast one does not work; tested once for each state of sources and Numba."""
     if not compile_path.chosen().fast:
         return
     folder = code_folder()
@@ -335,7 +336,7 @@ def _check_fast() -> None:
         compiling = _compiler()
         with compiling.lock:
             compiling.check()
-    except Exception as error:  # whatever the inside of an unknown Numba raises, the plain way is the remedy
+    except Exception as error:  # whatever an unknown Numba raises internally, the plain way still works
         compile_path.give_up_fast(error)
         forget_folder()
         return
@@ -345,7 +346,7 @@ def _check_fast() -> None:
 
 
 def entries(functions: Iterable[KernelFunction]) -> Any:
-    """Functions by number, for those who cannot import them: places of their addresses, see `machine`."""
+    """A table of functions by number, for modules that cannot import them: places of their addresses, see `machine`."""
     if _jit:
         machine = _announced()
         return np.array([machine.where(_places[one]) for one in functions], dtype=np.int64)

@@ -1,7 +1,7 @@
 """The columns of the arrays of a run, by name: `m.body[i, at.COS]`, with `from rattle.jit import layout as at`.
 
-Each array with columns has a block below: name, unit and meaning of every column in order, one per line.  What follows
-it are the numbers that code uses; a test compares the two.  Points and frames are in the letters of the kernels.
+Each array with columns has a block below: name, unit and meaning of every column in order, one per line.  It is
+followed by the numbers that code uses; a test compares the two.  Letters are those of the kernels.
 """
 
 from __future__ import annotations
@@ -64,10 +64,10 @@ RES, NU, GAMMA, AX, AY, AP, BX, BY, BP = range(9)
 _declare(
     "energy",
     """
-    POTENTIAL [J] what the load stores
+    POTENTIAL [J] energy stored by the load
     ELASTIC [W] power of its elastic part
     OUTSIDE [W] power from outside
-    DISSIPATED [W] what it loses
+    DISSIPATED [W] power lost
 """,
 )
 POTENTIAL, ELASTIC, OUTSIDE, DISSIPATED = range(4)
@@ -76,7 +76,7 @@ _declare(
     """
     POTENTIAL_ENERGY [J] of gravity and loads
     WORK_RATE [W] power of loads from outside
-    LOSS_RATE [W] what loads dissipate
+    LOSS_RATE [W] power dissipated by loads
     PIVOT_SHARE [] least pivot / its diagonal since it was set to 1
 """,
 )
@@ -84,10 +84,10 @@ POTENTIAL_ENERGY, WORK_RATE, LOSS_RATE, PIVOT_SHARE = range(4)
 _declare(
     "joint",
     """
-    KERNEL [] number of its kernel; -1: held by contacts alone
+    KERNEL [] number of its kernel; -1: only contacts act on it
     END_A [] body A
     END_B [] body B
-    FIRST_P [] place of its first parameter in `values`
+    FIRST_P [] index of its first parameter in `values`
     FIRST_ROW [] its first constraint row
 """,
 )
@@ -98,7 +98,7 @@ _declare(
     KERNEL [] number of its kernel
     END_A [] body A
     END_B [] body B
-    FIRST_P [] place of its first parameter in `values`
+    FIRST_P [] index of its first parameter in `values`
     CHANGES [] 1 if its values change during the run
 """,
 )
@@ -120,7 +120,7 @@ _declare(
     OWNER [] number of its joint
     IMPACT [] 1 for a set-valued contact, 0 for a compliant one
     FIRST_STATE [] first state of its friction law among those of all elements
-    STATES [] how many states that law has
+    STATES [] number of states of that law
 """,
 )
 SHAPE, A_BODY, B_BODY, SHAPE_P, CORNER, STATIC, STATIC_P, NORMAL_LAW, NORMAL_P, FRICTION, FRICTION_P = range(11)
@@ -180,8 +180,8 @@ _declare(
     GAMMA_T [m/s^2] gamma of the tangential row
     NORMAL [N] N
     TANGENT [N] T
-    LOSS [W] what the contact takes from the motion and loses
-    STORE [W] what it takes and stores
+    LOSS [W] power taken from the motion and lost
+    STORE [W] power taken from the motion and stored
     ACROSS [m/s] speed of a pin's centre along t
 """,
 )
@@ -202,14 +202,14 @@ _declare(
     GAP_1 [m] gap at the end of the step
     DGAP_1 [m/s] its rate there
     N_1 [N] N there
-    BOUNCES_END [s] instant at which a series of bounces that is closed ends; 0: none is
-    ROUNDING [m/s] velocity scale before the last impact: what rounding is measured by
+    BOUNCES_END [s] end of a series of bounces that is not followed further; 0: none
+    ROUNDING [m/s] velocity scale before the last impact, relative to which rounding is judged
     RATE_BEFORE [m/s] rate of the gap before an impact
     SLIP_BEFORE [m/s] slip before an impact
     HITS [] Moreau-Jean: 1 for an impact in this step
     E_T [] its tangential restitution
-    RATE_AFTER [m/s] rate of the gap that a bounce is to leave with
-    SHIFT [m] by how much its gap comes out too small
+    RATE_AFTER [m/s] rate of the gap with which a bounce leaves
+    SHIFT [m] error by which its gap is too small
     STEPS_ON [] pressed steps in a row, or free ones with a negative sign
 """,
 )
@@ -227,14 +227,14 @@ LAST_IMPACT, IMPACT_BEFORE = range(2)
 _declare(
     "held",
     """
-    DETERMINANT [] sign of that of the contact problem of the motion
-    SIZE [m] a length that is typical of the mechanism
+    DETERMINANT [] sign of the determinant of the contact problem of the motion
+    SIZE [m] typical length of the mechanism
     SPARSE [] 1 while G is sparse
     OUTCOME [] how the last search ended
     RIDGE [] share by which the diagonal of G is raised
-    SCALE [] size of the terms of the last a = G f + b
-    WEAKEST [] smallest share of a pivot, sparse way
-    SHARED [] 1 + a contact that may press otherwise without any other motion
+    SCALE [] magnitude of the terms of the last a = G f + b
+    WEAKEST [] smallest pivot / its diagonal, sparse solution
+    SHARED [] 1 + a contact whose force may differ without changing the motion
 """,
 )
 DETERMINANT, SIZE, SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, SHARED = range(8)
@@ -257,7 +257,7 @@ _declare(
     H [s] next step
     H_MIN [s] smallest step
     TROUBLE [s] time at which a step failed
-    H_SOUND [s] last step with sound pivots
+    H_SOUND [s] last step with large pivots
     H_FREE [s] step of free flight
     FEWEST [] fewest steps in a contact
     CHANGE_AT [] share of the step at which a contact starts or ends
@@ -268,18 +268,18 @@ _declare(
     "tally",
     """
     STEPS [] steps taken
-    REJECTED [] steps taken again, shorter
+    REJECTED [] steps repeated with a shorter length
     EVALUATIONS [] of the right-hand side
     OUTPUTS [] output rows written
     FOUND [] zero crossings waiting to be collected
-    DRIFT_ROW [] row that is open most
+    DRIFT_ROW [] row with the largest residual
     LOST_ROWS [] redundant rows
     LEAPS [] steps across singular positions
-    STREAK [] tries at one
+    STREAK [] attempts at one
     EVENT_COUNT [] events waiting to be collected
     CONTACTS [] contacts that started
     TAME [] 1 while stages are projected onto the constraints
-    SERIES [] infinite series of bounces closed
+    SERIES [] infinite series of bounces that were ended
 """,
 )
 STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST_ROWS, LEAPS, STREAK, EVENT_COUNT = range(10)
@@ -300,9 +300,9 @@ _declare(
     MOST_UNREST [] largest unrest so far
     OPEN_ANGLE [rad] largest angle by which joints were open
     OPEN_LENGTH [m] largest length
-    OPENNESS [] of the present step: its worst row, by its own measure
-    OPEN_ROW [] which row that is
-    UNREST [] of the present step: energy not accounted for, as a share of the turnover
+    OPENNESS [] of the present step: largest residual, relative to the mechanism's size or 1 rad
+    OPEN_ROW [] the row with that residual
+    UNREST [] of the present step: energy error as a share of the turnover
     CORRECTION [] openness that was corrected in the present step
     SUNK [] largest depth of a set-valued contact in its wall [clearances], Moreau-Jean only
 """,
@@ -334,9 +334,9 @@ _declare(
     """
     EVENT_T [s] instant
     EVENT_CONTACT [] number of the contact
-    EVENT_KIND [] what it did
+    EVENT_KIND [] kind of event
     EVENT_SPEED [m/s] along the normal
-    EVENT_DURATION [s] of a contact that is over
+    EVENT_DURATION [s] of a contact that has ended
     EVENT_PEAK [N] its largest force
     EVENT_IMPULSE [N*s] impulse
     EVENT_LOSS [J] energy lost

@@ -1,9 +1,9 @@
-"""Machine code in this process: where it is put, how Python calls it, and how one function finds another.
+"""Machine code in this process: loading it, calling it from Python, and calls between functions.
 
-A *native* function has fixed types.  It is made or read from the cache when it is first called, and stands in memory
-once.  Machine code that calls it holds no copy of it: it reads its address from a *place*, eight bytes known to the
-linker by name, and asks for it while there is none.  So a run makes and reads the functions it goes through and no
-others.  What is in the cache runs without Numba, whose import and start take longer than a short run.
+A *native* function has fixed types.  It is compiled, or read from the cache, when it is first called, and is in memory
+once.  Machine code that calls it contains no copy of it: it reads its address from a *place*, eight bytes known to the
+linker by name, and requests it while there is none.  So a run compiles and reads only the functions that it calls.
+Code in the cache runs without Numba, whose import and start take longer than a short run.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from typing import Any, NamedTuple
 import llvmlite.binding as llvm
 import numpy as np
 
-FIND = "rattle.find"  # symbol of what gives an address where there is none yet
+FIND = "rattle.find"  # symbol of the function that provides a missing address
 FINE = (0, -2)  # a function has returned a value, or None (numba.core.callconv)
 _makers: dict[int, Callable[[], int]] = {}  # by place
 _raised = threading.local()
 
 
 class Code(NamedTuple):
-    """Machine code of one function: its symbol, the object file, and symbols that others have to define."""
+    """Machine code of one function: its symbol, the object file, and the symbols that it needs from others."""
 
     symbol: str
     object: bytes
@@ -33,13 +33,13 @@ class Code(NamedTuple):
 
 
 class NotMade(RuntimeError):
-    """Machine code could not call a native function; what was raised on the way is told by `reason`."""
+    """Machine code could not call a native function; `reason` returns the exception that caused it."""
 
 
 # ---------------------------------------------------------------- loading
 @cache
 def _engine() -> Any:
-    """What links object files."""
+    """The linker of object files."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
@@ -48,13 +48,13 @@ def _engine() -> Any:
 
 @cache
 def processor() -> tuple[str, str, str]:
-    """What machine code is made for: triple, processor, its features."""
+    """The target of machine code: triple, processor, its features."""
     return llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
 
 
 def load(code: Code) -> int:
-    """Put a function into memory; returns its address.  Raises LookupError where a symbol it needs is unknown."""
-    for name in code.needs:  # the linker would end the process
+    """Load a function into memory; returns its address.  Raises LookupError if a symbol that it needs is unknown."""
+    for name in code.needs:  # with an unknown symbol the linker would end the process
         if llvm.address_of_symbol(name) is None:
             raise LookupError(f"{code.symbol} needs {name}")
     engine = _engine()
@@ -65,7 +65,7 @@ def load(code: Code) -> int:
 
 # ---------------------------------------------------------------- places
 def announce(name: str, make: Callable[[], int]) -> Any:
-    """A new place, known to the linker by name; `make` gives the address for it."""
+    """A new place, known to the linker by name; `make` returns the address for it."""
     place = ctypes.c_int64(0)
     at = ctypes.addressof(place)
     _makers[at] = make
@@ -83,7 +83,7 @@ def _find(at: int) -> int:
         address = _makers[at]()
         ctypes.c_int64.from_address(at).value = address
         return address
-    except BaseException as error:  # nothing may pass through machine code, not even Ctrl-C
+    except BaseException as error:  # no exception may pass through machine code, not even Ctrl-C
         _raised.error = error
         return 0
 
@@ -93,7 +93,7 @@ llvm.add_symbol(FIND, ctypes.cast(_FIND, ctypes.c_void_p).value)
 
 
 def reason() -> BaseException:
-    """What was raised when this thread asked for a native function in vain; Ctrl-C where nothing was noted."""
+    """The exception raised when this thread requested a native function; KeyboardInterrupt if none was recorded."""
     error = getattr(_raised, "error", None) or KeyboardInterrupt()
     _raised.error = None
     return error
@@ -111,7 +111,7 @@ ARRAYS = {
 def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any]:
     """A Python function that calls the one at this address, with Numba's convention.
 
-    letters: result and arguments.  Raises TypeError for an array that is not contiguous or of other numbers.
+    letters: result and arguments.  It raises TypeError for an array that is not contiguous or of another type.
     """
     result, *kinds = letters
     types: list[Any] = [ctypes.c_void_p, ctypes.c_void_p]
@@ -157,7 +157,7 @@ def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any
 
 
 def checked(dispatcher: Callable[..., Any]) -> Callable[..., Any]:
-    """The same function; where it could not call a native one, what was the reason is raised."""
+    """The same function; if it could not call a native one, it raises the reason."""
 
     def call(*args: Any) -> Any:
         try:
@@ -169,13 +169,13 @@ def checked(dispatcher: Callable[..., Any]) -> Callable[..., Any]:
 
 
 class _Raised(ctypes.Structure):
-    """What Numba keeps of an exception: a pickle of its class and arguments, and how those known late are found."""
+    """Numba's record of an exception: a pickle of its class and arguments, and a function for arguments known later."""
 
     _fields_ = (("pickle", ctypes.c_void_p), ("size", ctypes.c_int32), ("late", ctypes.c_void_p))
 
 
 def _error(exception: ctypes.c_void_p) -> BaseException:
-    """What machine code has raised, such as IndexError with NUMBA_BOUNDSCHECK=1."""
+    """The exception that machine code has raised, such as IndexError with NUMBA_BOUNDSCHECK=1."""
     if exception.value:
         raised = _Raised.from_address(exception.value)
         kind, arguments, _ = pickle.loads(ctypes.string_at(raised.pickle, raised.size))

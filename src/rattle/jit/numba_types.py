@@ -1,6 +1,6 @@
-"""What Numba is told of our functions, whichever way they are compiled: types of arguments, and the workspace.
+"""Types for Numba, for both ways of compiling: types of arguments, and the workspace.
 
-Numba's documented ways to extend it are used, and nothing is registered for types that are not ours.
+Only Numba's documented extension interface is used, and nothing is registered for types that are not ours.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ ORDINARY = {f"{e}{n}": types.Array(kind, n, "C") for e, kind in ELEMENTS.items()
 
 
 class WorkspaceType(types.Type):
-    """A place in memory at which the address and shape of every array of a run stand."""
+    """Numba's type of a workspace: the address of a table with address and shape of every array of a run."""
 
     def __init__(self) -> None:
         super().__init__("Workspace")
@@ -69,9 +69,9 @@ def signature(letters: Sequence[str], arrays: ArrayTypes = ORDINARY) -> Any:
 
 
 def teach_workspace(handle: type, fields: Mapping[str, str], arrays: ArrayTypes) -> None:
-    """Teach Numba that `m.name` is the array whose address and shape stand in the line of that name of a workspace.
+    """Teach Numba that `m.name` is the array whose address and shape are in the row of that name of a workspace.
 
-    handle: class of what Python hands over.  fields: kind of every array, "f2" and so on.
+    handle: class of the object passed from Python.  fields: kind of every array, "f2" and so on.
     """
     place = {name: 3 * n for n, name in enumerate(fields)}
     typeof_impl.register(handle)(lambda value, context: WORKSPACE)
@@ -103,7 +103,7 @@ def teach_workspace(handle: type, fields: Mapping[str, str], arrays: ArrayTypes)
 
 
 def users_law(law: Callable[..., Any], count: int) -> tuple[Any, Any]:
-    """A function of the user's, compiled, and one that takes its `count` values from parameters: (p, k) -> tuple."""
+    """The user's function, compiled, and a function that takes its `count` values from parameters: (p, k) -> tuple."""
     if not isinstance(law, numba.core.dispatcher.Dispatcher):
         law = numba.njit(**OPTIONS)(law)
     values = "".join(f"p[k + {n}], " for n in range(count))

@@ -1,7 +1,7 @@
-"""The plain way to machine code: Numba's own `njit` and its own arrays, for a Numba that the fast way does not know.
+"""The plain way to machine code: Numba's own `njit` and arrays, for versions of Numba that the fast way does not know.
 
-Nothing is changed for others and no part of Numba is replaced.  What is not documented by Numba is met in `calls`,
-`numba_types` and `cache` alone: how a function is called by its address, and how code is kept; old and small parts.
+Nothing is changed for others and no part of Numba is replaced.  Undocumented functions of Numba are used only in
+`calls`, `numba_types` and `cache`, to call a function by its address and to keep code; these parts are old and small.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ _said: list[str] = []
 
 
 def _say_once() -> None:
-    """Tell the user, once, that something is compiled and not just read from the cache."""
+    """Tell the user, once, that something is being compiled and not just read from the cache."""
     if not _said:
         _said.append(f"compiling kernels (once); {compile_path.described()}")
         log.info(_said[0])
 
 
 def foreign(function: Callable[..., Any], letters: Sequence[str]) -> Any:
-    """A dispatcher for a function of the user's; compiled now."""
+    """A dispatcher for a function of the user; compiled at once."""
     return numba.njit(signature(letters), **OPTIONS)(function)
