@@ -12,6 +12,7 @@ from typing import Any
 from rattle import registry
 from rattle.language.expression import Node
 
+DEFAULT_CONTACT = "massless-link"  # of a joint that says its clearance only
 Vector = tuple[float, float]
 Value = float | Node  # a number [SI], or an expression in t, state and signals
 
@@ -64,6 +65,11 @@ class Contact:
         """True where contacts act; else rows hold the joint."""
         known = registry.kinds("contact")
         return self.model not in known or bool(known[self.model].leaf.contacts)
+
+    @property
+    def rigid(self) -> bool:
+        """True where contacts act that nothing can penetrate."""
+        return self.acts and self.normal is None
 
     @property
     def closed(self) -> bool:

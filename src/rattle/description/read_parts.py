@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle import registry
-from rattle.description.model import Body, Contact, Driver, Joint, Load, Point, Vector
+from rattle.description.model import DEFAULT_CONTACT, Body, Contact, Driver, Joint, Load, Point, Vector
 from rattle.description.read_contact import read_contact
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Path, Values, said
@@ -17,7 +17,6 @@ from rattle.registry import Field
 BODY = ("points", "center", "mass", "inertia")  # keys of a body
 BAR = ("bar", "length", "points", "mass", "inertia")
 JOINT = ("type", "connect", "clearance", "contact")  # and the fields of its kind
-DEFAULT_CONTACT = "massless-link"
 NOWHERE = Point("", "", (math.nan, math.nan))
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle import registry
+from rattle.description.model import DEFAULT_CONTACT
 from rattle.errors import ModelError, Problem, suggest
 
 ELASTIC = ("stiffness", "exponent", "bush_material", "pin_material", "length", "geometry")
@@ -19,7 +20,7 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
     """
     old: Mapping[str, Any] = written if isinstance(written, Mapping) else {"model": written}
     plain, laws = registry.kinds("contact"), registry.kinds("normal")
-    if model in plain and not getattr(plain[model].leaf, "contacts", False):
+    if model in plain and not plain[model].leaf.contacts:
         return model
     keys = ["bush_radius", "friction"]
     keys += [*plain[model].fields] if model in plain else [*ELASTIC, *(laws[model].fields if model in laws else ())]
@@ -39,5 +40,5 @@ def contact_of(document: Mapping[str, Any], joint: str) -> dict[str, Any]:
         raise ModelError([Problem(("joints", str(joint)), f"is not there{suggest(str(joint), joints)}")])
     if "clearance" not in joints[joint]:
         raise ModelError([Problem(("joints", joint), "has no clearance, so no contact")])
-    written = joints[joint].get("contact", "massless-link")
+    written = joints[joint].get("contact", DEFAULT_CONTACT)
     return {"model": written} if isinstance(written, str) else dict(written)

@@ -277,7 +277,7 @@ def _contacts(
             )
         own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
         for corner in range(shape.leaf.contacts):
-            found.append((shape.tag, a, b, place, corner, *laws, n, int(contact.normal is None), states, own))
+            found.append((shape.tag, a, b, place, corner, *laws, n, int(contact.rigid), states, own))
             states += own
             levers.append(lever)
     return found, levers

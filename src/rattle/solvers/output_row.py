@@ -6,6 +6,7 @@ from rattle.equations.motion import solve_motion
 from rattle.equations.state import DISSIPATED, LOSS, STORED, WORK, account_at, energies_at, take_states
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
+from rattle.jit.geometry import ends, turn_x, turn_y
 
 
 @native("void", "h", "f", "v", "v")
@@ -66,15 +67,11 @@ def write_joints(m, row, first):
             fy -= rows[k, at.BY] * multiplier[k]
             moment -= rows[k, at.BP] * multiplier[k]
             effort_power -= rows[k, at.NU] * multiplier[k]
-        sax = body[a, at.COS] * values[p] - body[a, at.SIN] * values[p + 1]
-        say = body[a, at.SIN] * values[p] + body[a, at.COS] * values[p + 1]
-        sbx = body[b, at.COS] * values[p + 2] - body[b, at.SIN] * values[p + 3]
-        sby = body[b, at.SIN] * values[p + 2] + body[b, at.COS] * values[p + 3]
+        _, _, sbx, sby, dx, dy, _, _ = ends(body, a, b, values, p)
         row[c + at.FX] = fx
         row[c + at.FY] = fy
         row[c + at.MOMENT] = moment - sbx * fy + sby * fx
-        row[c + at.EX] = body[b, at.X] + sbx - body[a, at.X] - sax
-        row[c + at.EY] = body[b, at.Y] + sby - body[a, at.Y] - say
+        row[c + at.EX], row[c + at.EY] = dx, dy
         row[c + at.EFFORT] = -multiplier[r] if end > r else 0.0
         row[c + at.POWER] = effort_power
         row[c + at.JOINT_NORMAL], row[c + at.JOINT_TANGENT], row[c + at.PENETRATION] = 0.0, 0.0, 0.0
@@ -89,12 +86,11 @@ def write_contacts(m, row, first):
     contact, kinematics, joint, body, values = m.contact, m.contact_kinematics, m.joint, m.body, m.values
     for n in range(contact.shape[0]):
         c = first + at.PER_JOINT * contact[n, at.OWNER]
-        b, p = contact[n, at.B_BODY], joint[contact[n, at.OWNER], 3]
+        b, p = contact[n, at.B_BODY], joint[contact[n, at.OWNER], at.FIRST_P]
         normal, tangent = kinematics[n, at.NORMAL], kinematics[n, at.TANGENT]
         fx = -normal * kinematics[n, at.NX] + tangent * kinematics[n, at.NY]
         fy = -normal * kinematics[n, at.NY] - tangent * kinematics[n, at.NX]
-        sbx = body[b, at.COS] * values[p + 2] - body[b, at.SIN] * values[p + 3]
-        sby = body[b, at.SIN] * values[p + 2] + body[b, at.COS] * values[p + 3]
+        sbx, sby = turn_x(body, b, values[p + 2], values[p + 3]), turn_y(body, b, values[p + 2], values[p + 3])
         row[c + at.FX] += fx
         row[c + at.FY] += fy
         row[c + at.MOMENT] += (kinematics[n, at.PBX] - sbx) * fy - (kinematics[n, at.PBY] - sby) * fx

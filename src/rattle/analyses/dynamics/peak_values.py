@@ -25,7 +25,7 @@ def peak_arrays(system: System) -> dict[str, np.ndarray]:
         contact = system.model.joints[joint].contact if joint in system.model.joints else None
         if of == "moment":
             row[samples.ARM] = system.size
-        elif of == "penetration" and contact is not None and contact.model == "impact":
+        elif of == "penetration" and contact is not None and contact.rigid:
             row[samples.NOTHING] = DEEP * system.model.joints[joint].clearance  # at a rigid wall it is only drift
     return {
         "quantity": np.array(watched, np.int64).reshape(-1, 2),
