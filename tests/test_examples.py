@@ -31,8 +31,8 @@ def runs() -> dict[str, Result]:
 @pytest.mark.nojit
 def test_these_examples_are_shipped():
     assert set(ALL) >= NAMES | {
-        "balanced_arm", "bouncing_pin", "fourbar_onesided", "guide_play", "path_generator", "three_plays",
-        "toggle_clamp", "woodpecker",
+        "balanced_arm", "bouncing_pin", "fourbar_onesided", "guide_play", "path_generator", "scotch_yoke",
+        "three_plays", "toggle_clamp", "woodpecker",
     }  # fmt: skip
 
 
@@ -350,3 +350,20 @@ def test_toggle_snaps_through_under_too_strong_a_spring():
     r = rt.example("toggle").set(stiffness="1 kN/m").simulate()
     assert r["arm.angle"][-1] < 0
     assert r["grip"][-1] == 0.0
+
+
+# ---------------------------------------------------------------- Scotch yoke
+def test_scotch_yoke_knocks_once_it_has_flown_across_the_play_of_its_slot():
+    """Free at 90 degrees with the speed r w; the pin is across when phi - sin phi = 2 c / r, at r w (1 - cos phi)."""
+    m = rt.example("scotch_yoke").set({"joints.slot.contact.friction": 0.0})
+    r = m.simulate(0.1, rtol=1e-10)
+    play, w, radius = 5e-5, 100.0, 0.05
+    phi = brentq(lambda p: p - math.sin(p) - 2 * play / radius, 1e-3, 1.0, xtol=1e-15)
+    contacts = [one for one in r.events if one.kind == "contact"]
+    assert contacts[0].t == 0.0
+    assert contacts[0].duration == pytest.approx(math.pi / 2 / w, rel=1e-9)  # pressed until the force changes sign
+    knocks = [one for one in r.events if one.kind == "impact" and one.normal_speed > 0.1]
+    assert [w * one.t for one in knocks] == pytest.approx([(n + 0.5) * math.pi + phi for n in range(3)], abs=1e-9)
+    assert [one.normal_speed for one in knocks] == pytest.approx([radius * w * (1 - math.cos(phi))] * 3, rel=1e-9)
+    assert r["slot.normal"][r["slot.normal"] > 0.0].max() == pytest.approx(500.0, rel=1e-3)  # m r w^2
+    assert np.hypot(r["slot.ex"], r["slot.ey"]).max() == pytest.approx(play, rel=1e-9)
