@@ -57,5 +57,11 @@ class Path:
         return [math.sin(1.3 * t), 1.3 * math.cos(1.3 * t), -1.69 * math.sin(1.3 * t)]
 
 
+def turned(angle, point):
+    """A vector turned by an angle [rad]."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * point[0] - s * point[1], s * point[0] + c * point[1]])
+
+
 def body_at(q, v):
     return np.ascontiguousarray(np.column_stack([q, v, np.cos(q[:, 2]), np.sin(q[:, 2])]))

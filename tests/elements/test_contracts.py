@@ -5,10 +5,12 @@ A load: its power is accounted for, its elastic force is the slope of its potent
 action and reaction.  All in plain Python and in machine code.
 """
 
+import math
+
 import numpy as np
 import pytest
 
-from moving_bodies import FIRST, SECOND, A, B, H, Path, body_at, field_values, rng_for
+from moving_bodies import FIRST, SECOND, A, B, H, Path, body_at, field_values, rng_for, turned
 from rattle import registry
 from rattle.elements.custom.load_law import LawKernel
 from rattle.jit import layout as at
@@ -85,6 +87,40 @@ def test_force_of_a_joint_does_no_work_on_rigid_motion_of_both_bodies(family, na
     turning = np.array([-q[A, 1], q[A, 0], 1.0, -q[B, 1], q[B, 0], 1.0])
     if family == "driver" or not kind.leaf.rows_in_ground:  # rows in the frame of A, or of no frame
         np.testing.assert_allclose(rows[:, 3:9] @ turning, 0.0, atol=1e-13)
+
+
+def joint_of(name):
+    """A kind of joint, its points of A and B, and values of its fields."""
+    kind, rng = registry.kinds("joint")[name], rng_for(name, "declared")
+    return kind, rng.uniform(-1, 1, (2, 2)), dict(zip(kind.fields, field_values(kind, rng), strict=True))
+
+
+@pytest.mark.parametrize("name", registry.kinds("joint"))
+def test_bodies_placed_as_a_joint_declares_close_its_rows(name):
+    """The first guess knows no more of a joint than this."""
+    kind, (at_a, at_b), fields = joint_of(name)
+    q = Path(rng_for(name)).q(0.3)
+    kept, line = kind.leaf.kept_angle(fields), kind.leaf.line(fields)
+    if kept is not None:
+        q[B, 2] = q[A, 2] + kept
+    way = 0.7 * min(kind.leaf.travel(fields), 1.0) if line is not None else kind.leaf.distance(fields)
+    apart = way * turned(q[A, 2], (math.cos(line or 0.4), math.sin(line or 0.4)))
+    q[B, :2] = q[A, :2] + turned(q[A, 2], at_a) + apart - turned(q[B, 2], at_b)
+    rows = evaluate(kind, q, np.zeros((3, 3)), np.array([*at_a, *at_b, *fields.values()]))
+    np.testing.assert_allclose(rows[:, at.RES], 0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("name", [name for name, one in registry.kinds("joint").items() if one.leaf.motor])
+def test_motor_of_a_joint_moves_what_the_joint_leaves_free(name):
+    kind, points, fields = joint_of(name)
+    q, none = Path(rng_for(name)).q(0.3), np.zeros((3, 3))
+    driver = registry.kinds("driver")[kind.leaf.motor.driver]
+    line = [kind.leaf.line(fields)] if driver.leaf.along_line else []
+    rows = evaluate(kind, q, none, np.array([*points.ravel(), *fields.values()]))
+    driven = evaluate(driver, q, none, np.array([*points.ravel(), *line, 0.0, 0.0, 0.0]))
+    both = np.vstack([rows, driven])[:, at.AX :]
+    assert driver.leaf.drives == "joint"
+    assert np.linalg.matrix_rank(both) == len(both)
 
 
 # ---------------------------------------------------------------- loads

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from moving_bodies import FIRST, A, B, H, Path, body_at, field_values, rng_for
+from moving_bodies import FIRST, A, B, H, Path, body_at, field_values, rng_for, turned
 from rattle import registry
 from rattle.jit import layout as at
 
@@ -63,11 +63,6 @@ class Played:
             q[B] -= np.linalg.lstsq(rows[:, at.BX :], rows[:, at.RES], rcond=None)[0]
         assert np.abs(rows[:, at.RES]).max() < 1e-13
         return q
-
-
-def turned(angle, point):
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([c * point[0] - s * point[1], s * point[0] + c * point[1]])
 
 
 @pytest.fixture(params=[(name, place) for name in PLAYS for place in PLACES], ids=lambda one: f"{one[0]}-{one[1]}")
