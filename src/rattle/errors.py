@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import islice
 from typing import Any
 
-MOST = 50  # problems reported at once; nobody reads more, and a broken file of megabytes stays cheap
+MOST = 50  # problems reported together, at most; more would not be read, and cost time with a broken file of megabytes
 LONGEST = 80  # characters of a name that a message quotes
 CANDIDATES = 1000  # names that a misspelt one is compared with
 

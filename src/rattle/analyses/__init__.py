@@ -1,1 +1,1 @@
-"""What can be asked of a mechanism."""
+"""Analyses of a mechanism: assembly, kinematics, dynamics, statics, accuracy, checks."""

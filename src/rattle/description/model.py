@@ -62,7 +62,7 @@ class Contact:
 
     @property
     def acts(self) -> bool:
-        """True where contacts act; else rows hold the joint."""
+        """True if contacts act; otherwise constraints hold the joint."""
         known = registry.kinds("contact")
         return self.model not in known or bool(known[self.model].leaf.contacts)
 
@@ -73,7 +73,7 @@ class Contact:
 
     @property
     def closed(self) -> bool:
-        """True where the play is ignored."""
+        """True if the clearance is ignored."""
         return not self.acts and not registry.kinds("contact")[self.model].leaf.link
 
     @property
@@ -93,7 +93,7 @@ class Joint:
     fields: Mapping[str, float]
     clearance: float = 0.0  # radial [m]
     contact: Contact | None = None
-    dimensions: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # tables of its kind of play [m]
+    dimensions: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # tables of its kind of clearance [m]
 
     @property
     def leaf(self) -> Any:
@@ -102,28 +102,28 @@ class Joint:
 
     @property
     def play(self) -> Any:
-        """The class of its kind of play, a `ClearanceKind`; None where it can have none."""
+        """The class of its kind of clearance, a `ClearanceKind`; None if the joint cannot have clearance."""
         found = registry.play_of(self.kind)
         return found.leaf if found else None
 
     @property
     def kept_angle(self) -> float | None:
-        """Angle of B relative to A that it keeps [rad]."""
+        """Angle of B relative to A [rad] that the joint enforces; None if B can turn."""
         return self.leaf.kept_angle(self.fields)  # type: ignore[no-any-return]
 
     @property
     def line(self) -> float | None:
-        """Direction in A's frame of the line on which the point of B stays [rad]."""
+        """Direction in A's frame [rad] of the line on which the point of B moves; None if there is none."""
         return self.leaf.line(self.fields)  # type: ignore[no-any-return]
 
     @property
     def distance(self) -> float:
-        """Distance of its points that it keeps [m]."""
+        """Distance of the two points [m] that the joint enforces."""
         return self.leaf.distance(self.fields)  # type: ignore[no-any-return]
 
     @property
     def is_hinge(self) -> bool:
-        """True where, without play, both bodies share a point and turn about it."""
+        """True if both bodies share a point and turn about it, apart from the clearance."""
         return self.line is None and self.distance == 0.0 and self.kept_angle is None
 
 
@@ -139,7 +139,7 @@ class Driver:
 
     @property
     def sets_angle(self) -> bool:
-        """True where its function is the angle of B relative to A."""
+        """True if its function is the angle of B relative to A."""
         return bool(registry.kinds("driver")[self.kind].leaf.sets_angle)
 
     @property
@@ -226,5 +226,5 @@ def driven_ends(model: Model, driver: Driver) -> tuple[Point, Point, tuple[float
 
 
 def before_function(joint: Joint, driver: registry.Kind) -> tuple[float, ...]:
-    """What a kind of driver wants to know of the joint that it moves."""
+    """Numbers of a joint that the kernel of its driver takes before the function: the direction of its line [rad]."""
     return (joint.line or 0.0,) if driver.leaf.along_line else ()

@@ -30,9 +30,9 @@ def contact_models(joint: str = "") -> list[str]:
 
 
 def _play(joint: str) -> Any:
-    """What the kind of play of a kind of joint says about itself."""
+    """The class of the kind of clearance of a kind of joint, a `ClearanceKind`."""
     found = registry.play_of(joint)
-    assert found is not None, "asked for joints with a contact only"
+    assert found is not None, "called only for joints with a contact"
     return found.leaf
 
 

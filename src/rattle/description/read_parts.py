@@ -21,7 +21,7 @@ NOWHERE = Point("", "", (math.nan, math.nan))
 
 
 def moved_joints(driver: str = "") -> list[str]:
-    """Kinds of joints that a kind of driver moves, or that any does."""
+    """Kinds of joints that a kind of driver moves; all that can be driven if `driver` is ""."""
     found = registry.kinds("joint").items()
     return sorted(name for name, one in found if one.leaf.motor and driver in ("", one.leaf.motor.driver))
 
@@ -142,20 +142,20 @@ class Parts(FieldReader):
             clearance = values.value(given["clearance"], "m", (*path, "clearance"), "not negative")
             contact = self._contact(given, found.name, clearance, path)
         elif "contact" in given:
-            values.wrong((*path, "contact"), "needs a clearance: the radial clearance of the joint in m", at_key=True)
+            values.wrong((*path, "contact"), "needs a clearance of the joint (radial, in m)", at_key=True)
         dimensions = {}
         for key, wanted in tables.items():
             if key in given:
                 dimensions[key] = self._dimensions(wanted, given[key], (*path, key))
             elif contact is not None and not contact.closed and play is not None:
                 inside = ", ".join(wanted)
-                values.wrong(path, f"a {play.leaf.bearer} with play needs {key} = {{ {inside} }} in m")
+                values.wrong(path, f"a {play.leaf.bearer} with clearance needs {key} = {{ {inside} }} in m")
         self.joints[name] = Joint(name, found.name, a, b, fields, clearance, contact, dimensions)
         if len(values.problems) > before:
             self.broken_joints.add(name)
 
     def _dimensions(self, wanted: Mapping[str, Field], given: Any, path: Path) -> tuple[float, ...]:
-        """A table of lengths that a joint with play has."""
+        """The lengths [m] in a table of dimensions of a joint with clearance."""
         table = self.values.table(given, path)
         self.values.keys(table, wanted, path)
         return tuple(float(self.field(one, key, table, {}, path)) for key, one in wanted.items())

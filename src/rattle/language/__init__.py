@@ -1,1 +1,1 @@
-"""What may stand in quotes in a model file: units, expressions, materials."""
+"""The content of quoted values in a model file: units, expressions, materials."""

@@ -35,7 +35,7 @@ LARGEST = 709.78  # exp of more than this is inf
 
 @compiled
 def quotient(x, y):
-    """x / y; inf or nan for y = 0."""
+    """x / y [SI]; inf or nan for y = 0."""
     if y != 0.0:
         return x / y
     if x == 0.0 or x != x:
@@ -45,7 +45,7 @@ def quotient(x, y):
 
 @compiled
 def power(x, y):
-    """x ** y; nan for a negative x with an exponent that is not an integer."""
+    """x ** y [SI]; nan for a negative x with an exponent that is not an integer."""
     if y == 0.0 or x == 1.0:
         return 1.0
     if x != x or y != y:

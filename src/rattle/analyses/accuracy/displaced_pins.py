@@ -45,7 +45,7 @@ class Displaced:
         self.names: list[str] = []
 
     def shift(self, e: np.ndarray) -> None:
-        """Displace joint i by e[i], in the frame of its A; the kind of clearance defines the two components."""
+        """Displace joint i by e[i] [m, rad], in the frame of its A; the kind of clearance defines both components."""
         for joint, p, change in zip(self.joints, self.place, e, strict=True):
             x, y, others = joint.play.displaced(joint.fields, change)
             self.values[p] = self.base[p] + x

@@ -82,6 +82,10 @@ def passed_angles(model: Model, functions: dict[str, float]) -> tuple[dict[str, 
 def place_positions(
     system: System, angles: dict[str, float], offsets: dict[str, Any], functions: dict[str, float]
 ) -> np.ndarray:
+    """Positions (3 nb,) [m, m, rad] with given angles [rad] and offsets of joints [m], from the ground outwards.
+
+    functions: value of every driver's function [rad or m].  Given x and y of bodies are kept.
+    """
     model = system.model
     at: dict[str, np.ndarray] = {"ground": np.zeros(2)}
     driven = {driver.joint: name for name, driver in model.drivers.items() if driver.joint}

@@ -57,7 +57,7 @@ def simulate(
     if most_steps is not None and most_steps < 1:
         raise ValueError(f"most_steps must be at least 1, got {most_steps}")
     run.most_steps = most_steps
-    if method is not None or asked != usual_stepper(FREE):  # else none was asked for
+    if method is not None or asked != usual_stepper(FREE):  # otherwise none was requested
         run.notes = note_choice(system, asked, stepper)
     run.go(progress)
     reach, second = None, None

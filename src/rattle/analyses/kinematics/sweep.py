@@ -1,4 +1,4 @@
-"""A sweep over the positions of a driven mechanism: where it stands, and how it begins."""
+"""A sweep over the positions of a driven mechanism: its state, and its start."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ PIECE = 40_000  # rows times positions that are computed between two checks for 
 
 @dataclass
 class Sweep:
-    """The state of one sweep over the positions: where it stands, and what it has met."""
+    """The state of one sweep over the positions [SI], and the singular positions that it has met."""
 
     system: System
     workspace: Workspace
-    node: np.ndarray  # (9, 3 nb), see solvers.position_sweep
+    node: np.ndarray  # (9, 3 nb), see solvers.positions.position_sweep, as clock, tally and line
     clock: np.ndarray
     tally: np.ndarray
-    spots: np.ndarray
-    probe: np.ndarray  # (k, 5) motors whose effort replaces that of a driver
+    spots: np.ndarray  # (SPOTS, 2) intervals of time [s] with a singular position
+    probe: np.ndarray  # (k, 5) motors whose effort is computed in place of that of a driver
     line: np.ndarray
 
     def go(self, times: np.ndarray, forces: bool) -> np.ndarray:
@@ -64,7 +64,7 @@ class Sweep:
 def begin(
     system: System, start: Assembled, motors: Sequence[tuple[int, str]] = (), shift: np.ndarray | None = None
 ) -> Sweep:
-    """A sweep that stands at an assembled start.
+    """A sweep that begins at an assembled start.
 
     motors: (constraint row of a driver, joint whose motor does its work).  shift: (n,) parameters [SI] to be used
     instead of the system's.  Raises ModelError if degrees of freedom are left.

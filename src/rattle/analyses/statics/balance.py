@@ -228,7 +228,7 @@ class StaticProblem:
         return float(equilibrium_newton.force_size(self.workspace, self.system.size))
 
     def assess(self, q: np.ndarray, iterations: int) -> Found:
-        """Stability, residuals and output row of the equilibrium q (3 nb,); the workspace holds it afterwards."""
+        """Stability, residuals and output row of the equilibrium q (3 nb,) [m, m, rad], left in the workspace."""
         workspace, system = self.workspace, self.system
         g, null = self.reduce(q)
         eigenvalue, neutral, falling = math.inf, 0, 0

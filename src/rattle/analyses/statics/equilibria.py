@@ -48,7 +48,7 @@ WIDE = 1.0  # rotation of a body in one step of a descent, at most [rad]: any va
 
 
 def price(problem: StaticProblem, trials: int, found: bool) -> float:
-    """Estimated cost of a start for a mechanism of this size, roughly in microseconds of one core."""
+    """Estimated cost of a start for a mechanism of this size, roughly in microseconds of one core [1e-6 s]."""
     n = 3.0 * problem.system.body_count
     look = 3.0 + 0.05 * n * n + 0.0003 * n * n * n
     weighing = 150.0 + 2.0 * look + (1000.0 if problem.redundant else 0.0)
@@ -299,7 +299,7 @@ class Search:
 
     # ------------------------------------------------------------ pins on either side of their bushes
     def partners(self, starts: Iterable[np.ndarray]) -> None:
-        """Try starts (3 nb,) that are close to equilibria: Newton's method, and a descent if it fails."""
+        """Try starts (3 nb,) [m, m, rad] close to equilibria: by Newton's method, and by a descent if it fails."""
         for start in starts:
             if self.spent():
                 self.stopped = True

@@ -65,7 +65,7 @@ class Turning:
         return moved
 
     def turned(self, q: np.ndarray, groups: Iterable[Sequence[int]], near: np.ndarray) -> np.ndarray:
-        """A position q with some groups of bodies turned over, towards `near`; all others keep their angles."""
+        """A position q [m, m, rad] with some groups of bodies turned over, towards `near`; others keep their angles."""
         turn = np.zeros(self.system.body_count)
         for group in groups:
             k = 3 * group[0] + 2
@@ -73,9 +73,9 @@ class Turning:
         return self.placed(q, turn)
 
     def mirrored(self, q: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """A position q mirrored on the line through the two supports that are farthest apart; a single body: inverted.
+        """A position q [m, m, rad] mirrored on the line through the two supports that are farthest apart.
 
-        A hanging chain becomes an arch.
+        A hanging chain becomes an arch; a single body is inverted.
         """
         turn = np.zeros(self.system.body_count)
         for group in self.groups:
@@ -84,7 +84,7 @@ class Turning:
         return self.placed(q, turn)
 
     def unwound(self, q: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The position q with whole turns of its bodies removed, as far as they exceed those of `near`."""
+        """The position q [m, m, rad] with whole turns of bodies removed, as far as they exceed those of `near`."""
         same = q.copy()
         for group in self.groups:
             k = 3 * group[0] + 2
@@ -92,7 +92,7 @@ class Turning:
         return same
 
     def anywhere(self, q: np.ndarray, random: np.random.Generator) -> np.ndarray:
-        """A position with all bodies that can turn at random angles, and those that slide or are free displaced."""
+        """A position [m, m, rad] with random angles of bodies that can turn; those that slide or are free are moved."""
         turn = np.zeros(self.system.body_count)
         for group in self.groups:
             turn[group] = random.uniform(-math.pi, math.pi)
@@ -103,7 +103,7 @@ class Turning:
         return moved
 
     def nearby(self, q: np.ndarray, random: np.random.Generator) -> np.ndarray:
-        """A position q with one or two groups of bodies at random angles."""
+        """A position q [m, m, rad] with one or two groups of bodies at random angles."""
         turn = np.zeros(self.system.body_count)
         for n in random.permutation(len(self.groups))[: random.integers(1, 3)]:
             turn[self.groups[n]] = random.uniform(-math.pi, math.pi)
@@ -146,7 +146,7 @@ def _groups(system: System) -> list[list[int]]:
 
 # ---------------------------------------------------------------- along degrees of freedom
 def along(problem: StaticProblem, start: np.ndarray) -> Iterator[np.ndarray]:
-    """Positions along some of the degrees of freedom at the start, in either direction."""
+    """Positions (3 nb,) [m, m, rad] along some of the degrees of freedom at the start, in either direction."""
     _, null = problem.reduce(start)
     for direction in [sign * null[:, k] for k in range(min(null.shape[1], DIRECTIONS)) for sign in (1.0, -1.0)]:
         q = start.copy()
@@ -157,7 +157,7 @@ def along(problem: StaticProblem, start: np.ndarray) -> Iterator[np.ndarray]:
 
 
 def around(problem: StaticProblem, start: np.ndarray, direction: np.ndarray) -> list[np.ndarray]:
-    """Positions along the one free motion next to which the force along it changes sign or is least.
+    """Positions (3 nb,) [m, m, rad] along the one free motion next to which the force changes sign or is least.
 
     direction: (3 nb,).  The motion is followed all around if it closes, otherwise to both ends.
     """
@@ -210,7 +210,7 @@ def opened(ideal: StaticProblem, q: np.ndarray, wanted: Mapping[str, np.ndarray]
 
 
 def sides(ideal: StaticProblem, play: StaticProblem, found: Sequence[Equilibrium]) -> Iterator[np.ndarray]:
-    """Starts with every pin on either side of its bush along the ideal reaction: first all pressing, then few not."""
+    """Starts [m, m, rad] with every pin on either side of its bush along the ideal reaction: first all pressing."""
     pressed = []
     for one in found:
         directions = np.zeros((len(play.links), 2))

@@ -31,16 +31,19 @@ class FreePlay:
         self.steps = (clearance, clearance)  # scales of the components of e
 
     def first_order(self, y: np.ndarray) -> tuple[float, np.ndarray]:
-        """Largest y . e to first order in the clearance, and the e (2,) at which it is reached."""
+        """Largest y . e [unit of the output] to first order in the clearance, and the e (2,) [m, rad] that reaches it.
+
+        y: (2,) derivative of an output with respect to e.
+        """
         size = float(np.hypot(*y))
         return self.clearance * size, (self.clearance / size * y if size > 0.0 else np.zeros(2))
 
     def tip(self, y: np.ndarray, second: bool | None) -> np.ndarray:
-        """The e (2,) with the largest y . e; second: True or False chooses the kind of corner, None the better one."""
+        """The e (2,) [m, rad] with the largest y . e; second: the kind of corner, None for the better one."""
         return self.first_order(y)[1]
 
     def side(self, e: np.ndarray, y: np.ndarray) -> tuple[float, Callable[[float], np.ndarray]] | None:
-        """A curved side of the region on which y . e grows from e: its length, and e (2,) as a function of the arc."""
+        """A curved side of the region on which y . e grows from e: its length [m or rad], and e (2,) along it."""
         return None
 
     @property
