@@ -1,0 +1,49 @@
+"""Short runs that go through every loop of the package, and numbers that they lead to."""
+
+import numpy as np
+
+import rattle as rt
+
+
+def compliant():
+    """The adaptive steps of dop853 with compliant contacts, from contact to contact."""
+    r = rt.example("fourbar").simulate(0.03, horizon=False)
+    return [r.t[-1], *(r[name][-1] for name in ("crank.angle", "rocker.omega", "O3.normal", "energy.kinetic"))]
+
+
+def fixed_steps():
+    """Steps of rk4 and rows of ideal joints, of loads and of a motor."""
+    r = rt.example("squeezer").simulate(2e-3, method="rk4", step=2e-5, horizon=False)
+    return [float(r[name][-1]) for name in r.names if name.endswith((".angle", ".omega", ".fx"))]
+
+
+def events():
+    """Impacts, forces of lasting contacts and the search for events."""
+    r = rt.example("bouncing_pin").simulate(0.12, method="event", horizon=False)
+    return [float(len(r.events)), *(r[name][-1] for name in r.names if name.endswith((".x", ".y", ".vx", ".vy")))]
+
+
+def fixed_impacts():
+    """The time steps of Moreau and Jean."""
+    r = rt.example("bouncing_pin").simulate(0.4, method="moreau", step=1e-3, horizon=False)
+    return [r[name][-1] for name in r.names if name.endswith((".x", ".y", ".vx", ".vy"))]
+
+
+def positions():
+    """The sweep over positions, with all reactions."""
+    r = rt.example("slider_crank").inverse_dynamics(np.linspace(0.0, 0.02, 21))
+    return [float(r[name][-1]) for name in r.names if name.endswith((".angle", ".omega", ".alpha", ".fx", ".fy"))]
+
+
+def equilibria():
+    """The search for equilibria."""
+    found = rt.example("balanced_arm").equilibrium()
+    return [float(len(found)), *(float(number) for one in found for number in one.q)]
+
+
+LOOPS = (compliant, fixed_steps, events, fixed_impacts, positions, equilibria)
+
+
+def numbers():
+    """All of them by name of the loop."""
+    return {one.__name__: [float(number) for number in one()] for one in LOOPS}
