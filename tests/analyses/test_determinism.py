@@ -13,7 +13,12 @@ import rattle as rt
 from rattle.results.result import Result
 
 NAMES = ("chain", "fourbar", "quick_return", "squeezer", "windows")
-CONTACTS = ("slider_crank_play", "bouncing_pin")  # compliant, and impacts from event to event
+CONTACTS = (
+    ("slider_crank_play", None),
+    ("bouncing_pin", "event"),
+    ("fourbar_onesided", "event"),
+    ("three_plays", "moreau"),
+)
 
 
 def bits(r: Result) -> bytes:
@@ -36,14 +41,16 @@ def test_the_same_input_gives_the_same_bits(alone, name):
     assert bits(m.simulate()) == bits(m.simulate()) == alone[name]
 
 
-@pytest.mark.parametrize("name", CONTACTS)
-def test_contacts_give_the_same_bits_alone_and_in_threads(name):
+@pytest.mark.parametrize(("name", "method"), CONTACTS)
+def test_contacts_give_the_same_bits_alone_and_in_threads(name, method):
+    """Compliant contacts, impacts from event to event, and time stepping over them."""
     m = rt.example(name)
-    first = m.simulate(0.02)
+    first = m.simulate(0.02, method=method)
     assert first.events
     with ThreadPoolExecutor(2) as pool:
-        together = list(pool.map(lambda one: bits(one.simulate(0.02)), [m, rt.example(name), m]))
-    assert together == [bits(first)] * 3
+        together = list(pool.map(lambda one: one.simulate(0.02, method=method), [m, rt.example(name), m]))
+    assert [bits(one) for one in together] == [bits(first)] * 3
+    assert [one.events for one in together] == [first.events] * 3
 
 
 @pytest.mark.nojit
@@ -72,8 +79,13 @@ def test_two_threads_may_share_one_mechanism(alone):
 
 def test_a_new_process_gives_the_same_bits(alone, tmp_path):
     code = (
-        "import sys, hashlib, numpy as np, rattle as rt; r = rt.example('fourbar').simulate();"
-        "print(hashlib.sha256(b''.join(np.ascontiguousarray(r[n]).tobytes() for n in r.stored)).hexdigest())"
+        "import hashlib, numpy as np, rattle as rt\n"
+        "for name, method in (('fourbar', None), *%r):\n"
+        "    r = rt.example(name).simulate(None if name == 'fourbar' else 0.02, method=method)\n"
+        "    print(hashlib.sha256(b''.join(np.ascontiguousarray(r[n]).tobytes() for n in r.stored)).hexdigest())"
     )
-    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path).stdout
-    assert out.strip() == hashlib.sha256(alone["fourbar"]).hexdigest()
+    out = subprocess.run(
+        [sys.executable, "-c", code % (CONTACTS,)], capture_output=True, text=True, check=True, cwd=tmp_path
+    ).stdout
+    here = [bits(rt.example(name).simulate(0.02, method=method)) for name, method in CONTACTS]
+    assert out.split() == [hashlib.sha256(one).hexdigest() for one in (alone["fourbar"], *here)]

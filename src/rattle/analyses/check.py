@@ -15,6 +15,7 @@ from rattle.analyses.timetable import jump_lines, timetable
 from rattle.description.model import Model
 from rattle.equations.closure import close_position, open_by
 from rattle.equations.dense import LARGE
+from rattle.equations.placement import point_at
 from rattle.equations.system import System, compile_system, is_link
 from rattle.jit.workspace import Workspace
 from rattle.results.display import table
@@ -113,13 +114,7 @@ def _branches(system: System, start: Assembled) -> list[str]:
     model = system.model
     if system.row_count > LARGE:
         return []
-    at = {}
-    for name, joint in model.joints.items():
-        x, y, phi = (
-            (0.0, 0.0, 0.0) if joint.a.body == "ground" else start.q[3 * system.bodies.index(joint.a.body) :][:3]
-        )
-        c, s = math.cos(phi), math.sin(phi)
-        at[name] = np.array([x + c * joint.a.at[0] - s * joint.a.at[1], y + s * joint.a.at[0] + c * joint.a.at[1]])
+    at = {name: point_at(system, start.q, joint.a) for name, joint in model.joints.items()}
     driven = {driver.joint for driver in model.drivers.values()}
     found = []
     for joint, path in loops(model):

@@ -19,7 +19,9 @@ from rattle.description.model import Joint
 from rattle.equations.closure import open_by
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import loads
+from rattle.equations.placement import turned
 from rattle.equations.system import System
+from rattle.jit import layout as at
 from rattle.jit.layout import POINTS
 from rattle.results.build import build_result
 from rattle.results.columns import columns, motion, width
@@ -108,11 +110,8 @@ class Displaced:
             first, count = self.system.first_row(joint.name), len(joint.leaf.rows)
             found[k, :count] = y[first : first + count]
             if joint.leaf.rows_in_ground:  # and e is in the frame of A
-                angle = (
-                    0.0 if joint.a.body == "ground" else workspace.body[1 + self.system.bodies.index(joint.a.body), 2]
-                )
-                c, s = math.cos(angle), math.sin(angle)
-                found[k] = c * found[k, 0] + s * found[k, 1], -s * found[k, 0] + c * found[k, 1]
+                row = 0 if joint.a.body == "ground" else 1 + self.system.bodies.index(joint.a.body)
+                found[k] = turned(-workspace.body[row, at.PHI], found[k])
         return found
 
     def _slope(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray | None:

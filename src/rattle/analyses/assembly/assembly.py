@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle.analyses.assembly.first_guess import outward, passed_angles, place_positions, place_rates, turned
+from rattle.analyses.assembly.first_guess import outward, passed_angles, place_positions, place_rates
 from rattle.analyses.assembly.start_values import given_values, keep_places, keep_positions, keep_rates, start_notes
 from rattle.analyses.assembly.unclosed import why_open, without_value
 from rattle.description.model import Contact, Joint, Model
@@ -22,6 +22,7 @@ from rattle.equations.closure import close_position, close_rate, open_by, place_
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.dense import LARGE, dense_rows
 from rattle.equations.motion import constraints, drive, solve_motion
+from rattle.equations.placement import pose, turned
 from rattle.equations.system import System, compile_system, has_contacts, is_link
 from rattle.errors import AssemblyError
 from rattle.jit import layout as at
@@ -152,8 +153,7 @@ def _hold_offsets(system: System, t: float, offsets: dict[str, Any], ideal: Asse
         joints = dict(model.joints)
         for name, offset in offsets.items():
             joint = joints[name]
-            angle = 0.0 if joint.a.body == "ground" else float(q[3 * system.bodies.index(joint.a.body) + 2])
-            shift = turned(-angle, offset)
+            shift = turned(-pose(system, q, joint.a.body)[2], offset)
             spot = (joint.a.at[0] + float(shift[0]), joint.a.at[1] + float(shift[1]))
             joints[name] = replace(joint, a=replace(joint.a, at=spot), contact=None)
         shifted = compile_system(replace(model, joints=joints))

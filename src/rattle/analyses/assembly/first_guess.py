@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from rattle.description.model import Joint, Model, driven_ends
+from rattle.equations.placement import turned
 from rattle.equations.system import System
 
 
@@ -46,12 +47,6 @@ def outward(model: Model) -> list[tuple[str, str, Joint]]:
 def _leaves_place(joint: Joint) -> bool:
     """True if the joint, even without clearance, does not determine the position of its B on its A."""
     return joint.line is not None or joint.distance > 0.0
-
-
-def turned(angle: float, at: tuple[float, float]) -> np.ndarray:
-    """The vector `at` (2,) rotated by an angle [rad]."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([c * at[0] - s * at[1], s * at[0] + c * at[1]])
 
 
 def passed_angles(model: Model, functions: dict[str, float]) -> tuple[dict[str, float], list[str]]:

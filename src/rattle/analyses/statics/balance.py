@@ -23,6 +23,7 @@ from rattle.elements.custom import load_law
 from rattle.equations.closure import close_position
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import drive
+from rattle.equations.placement import point_at
 from rattle.equations.rest_force import force_at
 from rattle.equations.system import System, has_contacts, is_link
 from rattle.jit import layout as at
@@ -157,15 +158,7 @@ class StaticProblem:
         found = []
         for name in self.links:
             joint = self.system.model.joints[name]
-            ends = []
-            for point in (joint.a, joint.b):
-                if point.body == "ground":
-                    ends.append(np.array(point.at))
-                    continue
-                x, y, phi = q[3 * self.system.bodies.index(point.body) :][:3]
-                c, s = math.cos(phi), math.sin(phi)
-                ends.append(np.array([x + c * point.at[0] - s * point.at[1], y + s * point.at[0] + c * point.at[1]]))
-            found.append(ends[1] - ends[0])
+            found.append(point_at(self.system, q, joint.b) - point_at(self.system, q, joint.a))
         return np.array(found).reshape(-1, 2)
 
     def find(

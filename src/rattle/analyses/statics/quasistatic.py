@@ -23,6 +23,7 @@ from rattle.analyses.statics.equilibria import equilibria, rigid_model, without_
 from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.analyses.statics.starts import opened
 from rattle.equations.dense import dense_rows
+from rattle.equations.placement import turned
 from rattle.equations.rest_force import stiffness
 from rattle.equations.system import System, compile_system
 from rattle.jit import functions
@@ -217,13 +218,14 @@ def _direction(problem: StaticProblem, one: Equilibrium, name: str) -> np.ndarra
         return unit
     at = int(system.arrays["load"][list(system.model.loads).index(name), 3])
     px, py, fx, fy, turning = workspace.values[at : at + 5]
-    c, s = math.cos(one.q[k + 2]), math.sin(one.q[k + 2])
+    angle = float(one.q[k + 2])
     if turning == 1.0:
-        fx, fy = c * fx - s * fy, s * fx + c * fy
+        fx, fy = turned(angle, (fx, fy))
     size = math.hypot(fx, fy)
     if size > 0.0:
         fx, fy = fx / size, fy / size
-        unit[k : k + 3] = fx, fy, (c * px - s * py) * fy - (s * px + c * py) * fx
+        arm_x, arm_y = turned(angle, (px, py))
+        unit[k : k + 3] = fx, fy, arm_x * fy - arm_y * fx
     return unit
 
 
