@@ -30,6 +30,7 @@ from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import (
     DONE,
     NOT_FINITE,
+    OK,
     PAUSED,
     accelerate,
     constraints,
@@ -52,6 +53,7 @@ from rattle.solvers.peaks.samples import START, add_step, gauge
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once
 from rattle.solvers.step_audit import UNSOUND, note_drift, stands
+from rattle.solvers.step_control import has_room
 
 ACTIVE = 1e-8  # share of the clearance within which a contact takes part
 KEPT = 1e-4  # the same for one that pressed in the step before: on curved paths a gap of O(h^2) is no separation
@@ -277,68 +279,100 @@ def write_until(m, t, h, t_out, out):
         tally[at.OUTPUTS] = k + 1
 
 
+@compiled
+def move_free(m, t, h):
+    """Half the step from (t, y): positions of its middle into y_new, with accelerations there as without contacts."""
+    y, y_new, rate, nq = m.state, m.state_new, m.rate, m.change.shape[0]
+    for c in range(y.shape[0]):
+        y_new[c] = y[c]
+    for c in range(nq):
+        y_new[c] += 0.5 * h * y[nq + c]
+        y_new[nq + c] += 0.5 * h * rate[c]
+    place(m, y_new[:nq], y_new[nq : 2 * nq])
+    drive(m, t + 0.5 * h)
+    constraints(m)
+    loads(m, t + 0.5 * h)
+    m.power[at.PIVOT_SHARE] = 1.0
+    factorise(m)
+    accelerate(m)
+
+
+@compiled
+def solve_step(m, h):
+    """Contacts that take part and their percussions, at the positions of the middle; rates of a free step into y_new.
+
+    Returns how many there are, or -1 where no solution was found.
+    """
+    y, y_new, acceleration, nq = m.state, m.state_new, m.acceleration, m.change.shape[0]
+    active = choose_active(m)
+    contact_rows(m, active)
+    place(m, y_new[:nq], y[nq : 2 * nq])
+    impact_side(m, active, h)
+    for c in range(nq):
+        y_new[nq + c] = y[nq + c] + h * acceleration[1 + c // 3, c % 3]
+    if active > 0 and not solve_contacts(m, active):
+        return -1
+    return active
+
+
+@compiled
+def end_step(m, t, h, active):
+    """Percussions into rates, the second half of the step with these, positions onto walls and joints."""
+    y, y_new, rate, nq = m.state, m.state_new, m.rate, m.change.shape[0]
+    impact = take_percussions(m, t, active, h, y_new)
+    cross_at_once(m, t)
+    for c in range(nq):
+        rate[c] = m.acceleration[1 + c // 3, c % 3] if impact else (y_new[nq + c] - y[nq + c]) / h
+        y_new[c] += 0.5 * h * y_new[nq + c]
+    place(m, y_new[:nq], y_new[nq : 2 * nq])
+    if active > 0:
+        locate_contacts(m)
+        lift(m, active, y_new)
+        place(m, y_new[:nq], y_new[nq : 2 * nq])
+    close_joints(m, t + h, y_new)
+
+
+@compiled
+def end_stands(m, t, h):
+    """OK when the end of the step may stand and no contact is inside its wall; else NOT_FINITE, UNSOUND or ESCAPED."""
+    y_new, audit, nq = m.state_new, m.audit, m.change.shape[0]
+    for i in range(1, m.body.shape[0]):
+        if not abs(y_new[nq + 3 * i - 1]) + abs(y_new[nq + 3 * i - 2]) + abs(y_new[nq + 3 * i - 3]) < math.inf:
+            return NOT_FINITE
+    m.tally[at.EVALUATIONS] += 1
+    gauge(m, START, t + 0.5 * h)
+    add_step(m, h)
+    loads(m, t + h)
+    if not stands(m, y_new):
+        m.clock[at.TROUBLE] = t + h
+        return UNSOUND
+    locate_contacts(m)
+    audit[at.SUNK] = max(audit[at.SUNK], deepest(m))
+    if audit[at.SUNK] > 1.0:
+        m.clock[at.TROUBLE] = t + h
+        return ESCAPED
+    return OK
+
+
 @native("i", "h", "f", "f", "i", "v", "m", "i")
 def advance(m, t_start, h, count, t_out, out, most_steps):
     """Take up to `most_steps` of the `count` steps of length h [s] from t_start [s] on; writes outputs on the way.
 
     Returns DONE, PAUSED, NOT_FINITE, NO_SOLUTION, NOT_FOUND, UNSOUND or ESCAPED.
     """
-    y, y_new, clock, tally, body = m.state, m.state_new, m.clock, m.tally, m.body
-    acceleration, nq, most_found = m.acceleration, m.change.shape[0], m.events.shape[0] // 2
-    begun, rate, audit = tally[at.STEPS], m.rate, m.audit
+    y, y_new, clock, tally = m.state, m.state_new, m.clock, m.tally
+    steps = min(tally[at.STEPS] + most_steps, count)
     clock[at.H] = clock[at.H_MIN] = h
-    while (
-        tally[at.STEPS] < begun + most_steps
-        and tally[at.STEPS] < count
-        and max(tally[at.EVENT_COUNT], tally[at.FOUND]) < most_found
-    ):
+    while has_room(m, steps):
         t = t_start + tally[at.STEPS] * h
-        for c in range(y.shape[0]):
-            y_new[c] = y[c]
-        for c in range(nq):
-            y_new[c] += 0.5 * h * y[nq + c]
-            y_new[nq + c] += 0.5 * h * rate[c]
-        place(m, y_new[:nq], y_new[nq : 2 * nq])
-        drive(m, t + 0.5 * h)
-        constraints(m)
-        loads(m, t + 0.5 * h)
-        m.power[at.PIVOT_SHARE] = 1.0
-        factorise(m)
-        accelerate(m)
-        active = choose_active(m)
-        contact_rows(m, active)
-        place(m, y_new[:nq], y[nq : 2 * nq])
-        impact_side(m, active, h)
-        for c in range(nq):
-            y_new[nq + c] = y[nq + c] + h * acceleration[1 + c // 3, c % 3]
-        if active > 0 and not solve_contacts(m, active):
+        move_free(m, t, h)
+        active = solve_step(m, h)
+        if active < 0:
             return ending(m)
-        impact = take_percussions(m, t, active, h, y_new)
-        cross_at_once(m, t)
-        for c in range(nq):
-            rate[c] = acceleration[1 + c // 3, c % 3] if impact else (y_new[nq + c] - y[nq + c]) / h
-            y_new[c] += 0.5 * h * y_new[nq + c]
-        place(m, y_new[:nq], y_new[nq : 2 * nq])
-        if active > 0:
-            locate_contacts(m)
-            lift(m, active, y_new)
-            place(m, y_new[:nq], y_new[nq : 2 * nq])
-        close_joints(m, t + h, y_new)
-        for i in range(1, body.shape[0]):
-            if not abs(y_new[nq + 3 * i - 1]) + abs(y_new[nq + 3 * i - 2]) + abs(y_new[nq + 3 * i - 3]) < math.inf:
-                return NOT_FINITE
-        tally[at.EVALUATIONS] += 1
-        gauge(m, START, t + 0.5 * h)
-        add_step(m, h)
-        loads(m, t + h)
-        if not stands(m, y_new):
-            clock[at.TROUBLE] = t + h
-            return UNSOUND
-        locate_contacts(m)
-        audit[at.SUNK] = max(audit[at.SUNK], deepest(m))
-        if audit[at.SUNK] > 1.0:
-            clock[at.TROUBLE] = t + h
-            return ESCAPED
+        end_step(m, t, h, active)
+        status = end_stands(m, t, h)
+        if status != OK:
+            return status
         write_until(m, t, h, t_out, out)
         for c in range(y.shape[0]):
             y[c] = y_new[c]
