@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 import rattle as rt
 from rattle.jit import functions
 from rattle.jit.functions import KernelFunction
-from rattle.solvers import gap_search
+from rattle.solvers.contacts import gap_search
 
 IMPACT = '{ model = "impact", restitution = 0.5, friction = 0.1, bush_radius = 0.01 }'
 HERTZ = '{ model = "hunt-crossley", restitution = 0.5, stiffness = 1e9, bush_radius = 0.01 }'

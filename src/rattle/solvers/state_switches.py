@@ -12,8 +12,8 @@ from rattle.equations.motion import derivative, place
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.language.bytecode import CROSSED, SIDE, evaluate
+from rattle.solvers.contacts.gap_search import NONE
 from rattle.solvers.dense_output import interpolate
-from rattle.solvers.gap_search import NONE
 
 ACCEPT, REPEAT, SLIDES = 0, 1, 22  # the step is accepted; it is repeated; a switch changes its branch without end
 PARTS = 16  # pieces of a step that are searched

@@ -22,7 +22,7 @@ from rattle.equations.motion import (
 from rattle.equations.schur import WEAK
 from rattle.jit import layout as at
 from rattle.jit.functions import call_stepper, compiled, native
-from rattle.solvers.contact_events import (
+from rattle.solvers.contacts.contact_events import (
     change_contacts,
     contact_time,
     find_peaks,
@@ -33,8 +33,9 @@ from rattle.solvers.contact_events import (
     remember_end,
     start_contacts,
 )
+from rattle.solvers.contacts.gap_search import NONE
+from rattle.solvers.contacts.penetration import ESCAPED, escaped
 from rattle.solvers.dense_output import interpolate, prepare_dense
-from rattle.solvers.gap_search import ESCAPED, NONE, escaped
 from rattle.solvers.output_row import record
 from rattle.solvers.peaks.samples import END, START, end_step, gauge, may_rise
 from rattle.solvers.projection import project

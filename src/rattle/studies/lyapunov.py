@@ -23,7 +23,7 @@ from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.results.display import lines
 from rattle.solvers import step_loop
-from rattle.solvers.contact_events import pass_on, remember_end
+from rattle.solvers.contacts.contact_events import pass_on, remember_end
 from rattle.solvers.stepper import ATOL, EVENT_DRIVEN, FREE, usual_stepper
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.registry import Kind
 from rattle.results.columns import width
-from rattle.solvers.gap_search import DEEP, ESCAPED
+from rattle.solvers.contacts.penetration import DEEP, ESCAPED
 from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import SLIDES, argument, see
 from rattle.solvers.stepper import FREE, usual_stepper

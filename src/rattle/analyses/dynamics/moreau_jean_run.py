@@ -15,7 +15,7 @@ from rattle.analyses.dynamics.soundness import set_floor
 from rattle.equations.motion import NOT_FINITE, PAUSED
 from rattle.equations.system import System
 from rattle.jit import layout as at
-from rattle.solvers.gap_search import ESCAPED
+from rattle.solvers.contacts.penetration import ESCAPED
 from rattle.solvers.nonsmooth import moreau_jean
 from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
 

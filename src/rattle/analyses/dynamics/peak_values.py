@@ -11,7 +11,7 @@ from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.results.columns import quantities
 from rattle.results.event import Peak
-from rattle.solvers.gap_search import DEEP
+from rattle.solvers.contacts.penetration import DEEP
 from rattle.solvers.peaks import samples
 
 

@@ -29,7 +29,7 @@ from rattle.language.switching import SAME
 from rattle.registry import Kind
 from rattle.results.columns import width
 from rattle.solvers import step_state
-from rattle.solvers.gap_search import ESCAPED
+from rattle.solvers.contacts.penetration import ESCAPED
 from rattle.solvers.nonsmooth.jolts import jolt, speeds
 from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import choose_sides

@@ -32,8 +32,8 @@ from rattle.equations.unilateral import (
 )  # fmt: skip
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_problem, compiled, native
-from rattle.solvers.event_rows import note, note_end
-from rattle.solvers.gap_search import clearance_of
+from rattle.solvers.contacts.event_rows import note, note_end
+from rattle.solvers.contacts.penetration import clearance_of
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 

@@ -8,7 +8,7 @@ from rattle.equations.motion import constraints, free_motion, place
 from rattle.equations.unilateral import contact_rows, push_all, reach, shift, solve_modes, velocity_scale
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.gap_search import clearance_of
+from rattle.solvers.contacts.penetration import clearance_of
 from rattle.solvers.projection import project
 
 NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above the integration error

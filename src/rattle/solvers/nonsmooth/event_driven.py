@@ -22,8 +22,9 @@ from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative
 from rattle.equations.unilateral import CHATTER, LOCKED, NOT_FOUND
 from rattle.jit import layout as at
 from rattle.jit.functions import call_stepper, compiled, native
+from rattle.solvers.contacts.gap_search import NONE, may_reach
+from rattle.solvers.contacts.penetration import ESCAPED, clearance_of, escaped, inside_wall
 from rattle.solvers.dense_output import interpolate, prepare_dense
-from rattle.solvers.gap_search import ESCAPED, NONE, clearance_of, escaped, inside_wall, may_reach
 from rattle.solvers.nonsmooth.contact_modes import CREEPS, HIT, NOTHING, TURN, update_modes
 from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, project_on_contacts
 from rattle.solvers.nonsmooth.event_search import any_closed, first_event

@@ -15,8 +15,8 @@ from rattle.equations.complementarity import FORWARD, OFF, friction_of
 from rattle.equations.motion import solve_motion
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
+from rattle.solvers.contacts.gap_search import NONE, may_reach, search
 from rattle.solvers.dense_output import interpolate
-from rattle.solvers.gap_search import NONE, may_reach, search
 from rattle.solvers.nonsmooth.contact_modes import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
 from rattle.solvers.peaks.glances import END as LAST
 from rattle.solvers.peaks.glances import KINDS, margin_of, matters, may_dip, slack_of, unseen, write_look

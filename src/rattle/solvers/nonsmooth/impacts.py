@@ -37,8 +37,8 @@ from rattle.equations.unilateral import (
 )
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_problem, compiled, native
-from rattle.solvers.event_rows import note_impact
-from rattle.solvers.gap_search import clearance_of
+from rattle.solvers.contacts.event_rows import note_impact
+from rattle.solvers.contacts.penetration import clearance_of
 from rattle.solvers.nonsmooth.contact_projection import STILL, at_rest, at_wall, motion_without
 from rattle.solvers.nonsmooth.impact_path import BEFORE, E
 from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, law_of

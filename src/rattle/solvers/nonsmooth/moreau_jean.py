@@ -46,8 +46,8 @@ from rattle.equations.state import DISSIPATED, IMPULSE, LOSS, WORK, account_at, 
 from rattle.equations.unilateral import along, contact_rows, ending, push_all, shift, solve_contacts, solve_modes
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
-from rattle.solvers.event_rows import note, note_end, note_impact
-from rattle.solvers.gap_search import ESCAPED, deepest
+from rattle.solvers.contacts.event_rows import note, note_end, note_impact
+from rattle.solvers.contacts.penetration import ESCAPED, deepest
 from rattle.solvers.output_row import write
 from rattle.solvers.peaks.samples import START, add_step, gauge
 from rattle.solvers.projection import project

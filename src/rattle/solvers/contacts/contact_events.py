@@ -13,9 +13,9 @@ from rattle.equations.motion import place
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
+from rattle.solvers.contacts.event_rows import note_end
+from rattle.solvers.contacts.gap_search import NONE, may_reach, search
 from rattle.solvers.dense_output import interpolate
-from rattle.solvers.event_rows import note_end
-from rattle.solvers.gap_search import NONE, may_reach, search
 
 LATER = 1e-7  # share of a step at which a contact changes whose gap had the wrong sign at its start by rounding
 

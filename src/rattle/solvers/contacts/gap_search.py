@@ -22,11 +22,9 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.complementarity import OFF
-from rattle.equations.compliant import locate_contacts
-from rattle.equations.motion import place
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_clearance, compiled, native
+from rattle.solvers.contacts.penetration import clearance_of
 
 NONE = 2.0  # a share of the step that does not exist
 STAGES = 12  # slopes of a step whose accelerations bound those in it
@@ -34,14 +32,6 @@ WHOLE_TURN = 0.5  # angle [rad] up to which a cubic is tried
 GAVE_UP = 3.0  # the same, of a search without result: the step is too long for its dense output to be trusted
 MOST_LOOKS = 1_000_000
 FEW_LOOKS = 20_000  # for contacts whose step may be repeated with a shorter length
-DEEP = 1e-6  # share of the clearance that a gap may be below zero: errors of integration and rounding are far smaller
-ESCAPED = 21  # end of a run: a contact is inside its wall
-
-
-@compiled
-def clearance_of(m, n):
-    """Clearance of contact n [m]."""
-    return m.values[m.contact[n, at.SHAPE_P] + at.CLEARANCE]
 
 
 @compiled
@@ -267,37 +257,3 @@ def search(m, h, n, side, until):
         end, end_rate = gap_at(m, right, n)
         end, end_rate = side * end, side * end_rate
     return GAVE_UP
-
-
-@native("i", "h", "v")
-def escaped(m, y):
-    """True if an open contact is inside its wall in the state y, deeper than DEEP clearances.
-
-    One that was inside after the projection may be as deep as at the start of the step.
-    """
-    nq = m.change.shape[0]
-    if m.contact.shape[0] == 0:
-        return False
-    place(m, y[:nq], y[nq : 2 * nq])
-    locate_contacts(m)
-    return inside_wall(m)
-
-
-@compiled
-def inside_wall(m):
-    """`escaped` at the present state."""
-    contact, kinematics, memory = m.contact, m.contact_kinematics, m.contact_memory
-    for n in range(contact.shape[0]):
-        free = m.mode[n] == OFF if contact[n, at.IMPACT] == 1 else memory[n, at.CLOSED] == at.OPEN
-        if free and not kinematics[n, at.GAP] >= min(memory[n, at.GAP_0], 0.0) - DEEP * clearance_of(m, n):
-            return True
-    return False
-
-
-@compiled
-def deepest(m):
-    """Largest depth of a contact in its wall, in clearances, from the present gaps."""
-    kinematics, worst = m.contact_kinematics, 0.0
-    for n in range(kinematics.shape[0]):
-        worst = max(worst, -kinematics[n, at.GAP] / clearance_of(m, n))
-    return worst
