@@ -37,7 +37,8 @@ from rattle.solvers.contacts.gap_search import NONE
 from rattle.solvers.contacts.penetration import ESCAPED, escaped
 from rattle.solvers.dense_output import interpolate, prepare_dense
 from rattle.solvers.output_row import record
-from rattle.solvers.peaks.samples import END, START, end_step, gauge, may_rise
+from rattle.solvers.peaks.climb import end_step
+from rattle.solvers.peaks.samples import END, START, gauge, may_rise
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
 from rattle.solvers.step_audit import stands

@@ -30,7 +30,7 @@ from rattle.jit import layout as at
 from rattle.results.build import provenance
 from rattle.results.columns import columns, geometry, width
 from rattle.solvers.output_row import write
-from rattle.solvers.positions import equilibrium_newton
+from rattle.solvers.positions import equilibrium_newton, reduced_forces
 
 MOST_TURN = 0.4  # of a body in one step [rad]
 MOST_TRIALS = 600  # positions tried from one start before it is given up
@@ -126,12 +126,12 @@ class StaticProblem:
         The workspace then holds the least-squares multipliers.
         """
         r, rows_all = self.room, self.system.row_count
-        dof = equilibrium_newton.reduce(
+        dof = reduced_forces.reduce(
             self.workspace, self.t, q, self.scale, r.wide, r.norm, r.order, r.pivot, r.null, r.line
         )
         self.redundant = dof > len(q) - rows_all
         if not self.redundant:
-            return r.line[equilibrium_newton.G, :dof].copy(), r.null[:dof].T.copy()
+            return r.line[reduced_forces.G, :dof].copy(), r.null[:dof].T.copy()
         self.workspace.multiplier[:] = 0.0  # of all that balance the loads, the smallest
         force_at(self.workspace, self.t, q, self.out)
         applied = self.out * self.scale
@@ -147,7 +147,7 @@ class StaticProblem:
         """Reduced Hessian H (dof, dof) [N/m] at q (3 nb,) with Z = null; call `reduce` first, for the multipliers."""
         room, dof = self.room, null.shape[1]
         room.null[:dof] = null.T
-        equilibrium_newton.reduced_stiffness(
+        reduced_forces.reduced_stiffness(
             self.workspace, self.t, q, self.length, dof, 4, room.null, room.line, room.small
         )
         force_at(self.workspace, self.t, q, self.out)
@@ -218,7 +218,7 @@ class StaticProblem:
 
     def force_scale(self) -> float:
         """Typical size of the acting forces [N]."""
-        return float(equilibrium_newton.force_size(self.workspace, self.system.size))
+        return float(reduced_forces.force_size(self.workspace, self.system.size))
 
     def assess(self, q: np.ndarray, iterations: int) -> Found:
         """Stability, residuals and output row of the equilibrium q (3 nb,) [m, m, rad], left in the workspace."""

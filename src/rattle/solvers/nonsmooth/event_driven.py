@@ -30,9 +30,10 @@ from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, project_on_
 from rattle.solvers.nonsmooth.event_search import any_closed, first_event
 from rattle.solvers.nonsmooth.impacts import collide
 from rattle.solvers.output_row import record
+from rattle.solvers.peaks.climb import end_step
 from rattle.solvers.peaks.glances import END as LAST
 from rattle.solvers.peaks.glances import doubts, keep_forces, pass_look_on
-from rattle.solvers.peaks.samples import DOP853, END, LOOKS, START, end_step, gauge
+from rattle.solvers.peaks.samples import DOP853, END, LOOKS, START, gauge
 from rattle.solvers.peaks.stage_peaks import end_by_stages
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change

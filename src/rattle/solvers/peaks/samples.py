@@ -1,13 +1,10 @@
-"""Largest values and mean squares of forces, from within the steps: independent of the outputs.
+"""Samples of forces at the stages of a step: their sums, and whether there may be a peak between them.
 
 At the stages and the end of a step all forces are computed anyway.  As the error of a Runge-Kutta step is below
 the tolerance for any integral along the motion, the weights of its stages give the integral of f^2 to the same
 order.  The stages also show where f may exceed its largest value so far: a parabola through the highest sample and its
-neighbours, with three times its height above that sample.  Only there the maximum is searched on the dense output, with
-every state projected onto the joints like an output.  With closed set-valued contacts the search for events samples
-each step at eight evenly spaced points: a peak is then that of the polynomial through them.  A step that an event ends
-is integrated at three Gauss points of its dense output, and one in which f changes faster than the motion in pieces,
-halved until they resolve it; next to a singular position, where stages are inaccurate, only the ends of steps count.
+neighbours, with three times its height above that sample.  Next to a singular position, where stages are inaccurate,
+only the ends of steps count.
 """
 
 from __future__ import annotations
@@ -16,16 +13,12 @@ import math
 
 import numpy as np
 
-from rattle.equations.motion import solve_motion
 from rattle.equations.schur import WEAK
-from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.dense_output import interpolate
 from rattle.solvers.dop853_tableau import B, C
 from rattle.solvers.output_row import write_joints
 from rattle.solvers.peaks.glances import write_look
-from rattle.solvers.projection import project_on_constraints
 
 # columns of `peaks`: largest value so far, its time, integral of the square; size up to which the quantity is rounding
 # or drift, and an arm that says so for moments [m]; then the samples of the present step
@@ -46,7 +39,6 @@ SHARES = np.array([
     [0.0, 0.5 - GAUSS, 0.5, 0.5 + GAUSS, 1.0, 0.0, 0.0, 0.0, 0.0],
     np.arange(9) / 8.0,
 ])  # fmt: skip
-BARYCENTRIC = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0])  # of nine evenly spaced samples
 WEIGHTS = np.array([
     [B[0], B[6], B[7], B[5], B[9], B[8], B[10], 0.0, B[11]],
     [1.0 / 6.0, 0.0, 0.0, 1.0 / 3.0, 1.0 / 3.0, 0.0, 0.0, 0.0, 1.0 / 6.0],
@@ -57,14 +49,11 @@ FEW = np.array([0, 1, 4, 6, 7])  # samples of dop853 for a second rule, of order
 COARSE = np.zeros((4, 9))
 COARSE[DOP853, FEW] = np.linalg.solve(np.vander(SHARES[DOP853, FEW], increasing=True).T, 1.0 / np.arange(1.0, 6.0))
 COARSE[CUT, [0, 2, 7]] = 1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0
-SHORTEST = 1.0 / 1024.0  # share of a step that is not halved again
 APART = 1e-2  # share of the mean of f^2 by which two rules may differ
 MATTERS = 1e-4  # share of the integral so far below which they may differ more
 ROUNDING = 1e-9  # share of the largest force below which a force is rounding
 CANCELLED = 1e-13  # share of the largest force times an arm below which a moment is rounding
 SAME = 1e-9  # share within which two peaks are equal: the first one is kept
-FINE = 1e-8  # share of a peak by which the last iteration of a search may exceed the one before
-TRIES = 8
 
 
 @compiled
@@ -133,49 +122,6 @@ def summit(samples, layout, i):
 
 
 @compiled
-def through(samples, x):
-    """The polynomial through nine evenly spaced samples of a step at the share x."""
-    above, below = 0.0, 0.0
-    for k in range(BARYCENTRIC.shape[0]):
-        value = samples[SAMPLE + LOOK[k]]
-        if x == k / 8.0:
-            return value
-        weight = BARYCENTRIC[k] / (x - k / 8.0)
-        above += weight * value
-        below += weight
-    return above / below
-
-
-@compiled
-def crest(samples, low, top, high):
-    """Place and height of the maximum of that polynomial between low and high, by successive parabolas."""
-    wide, best = 0.25 * (high - low), through(samples, top)
-    for _ in range(12):
-        left, right = through(samples, max(top - wide, low)), through(samples, min(top + wide, high))
-        bend = left - 2.0 * best + right
-        shift = 0.5 * (left - right) / bend if bend < 0.0 else (1.0 if right > left else -1.0)
-        there = min(max(top + wide * min(max(shift, -1.0), 1.0), low), high)
-        value = through(samples, there)
-        if value > best:
-            top, best = there, value
-        wide *= 0.5
-    return top, best
-
-
-@native("void", "h", "f", "f")
-def crest_all(m, t, h):
-    """New peaks of a step whose samples are those of LOOKS, without computing further states."""
-    peaks = m.peaks
-    for n in range(peaks.shape[0]):
-        for i in range(COUNT[LOOKS]):
-            if rises(peaks[n], LOOKS, i):
-                low, high = SHARES[LOOKS, max(i - 1, 0)], SHARES[LOOKS, min(i + 1, COUNT[LOOKS] - 1)]
-                top, best = crest(peaks[n], low, SHARES[LOOKS, i], high)
-                if higher(best, peaks[n, BEST]):
-                    peaks[n, BEST], peaks[n, WHEN] = best, t + top * h
-
-
-@compiled
 def rises(samples, layout, i):
     """True if the maximum near sample i may exceed the largest value so far."""
     known = max(samples[BEST], samples[SAMPLE + END])
@@ -211,54 +157,6 @@ def may_rise(m, h, layout):
             if rises(peaks[n], layout, i):
                 return True
     return False
-
-
-@compiled
-def probe(m, t, h, theta, n):
-    """Compute all quantities at the share theta of the step, on its dense output; returns quantity n."""
-    stage, nq = m.stage, m.change.shape[0]
-    interpolate(m, theta, stage)
-    if len(m.hold_table) == 0:  # forces of closed contacts are those of the search for events
-        project_on_constraints(m, t + theta * h, stage, stage)
-    take_states(m, stage)
-    solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
-    gauge(m, PROBE, t + theta * h)
-    return m.peaks[n, SAMPLE + PROBE]
-
-
-@compiled
-def climb(m, t, h, n, low, top, high, height):
-    """Maximum of quantity n between the shares low and high of the step, from `top` on; returns the iterations.
-
-    Successive parabolas: the lowest of three points is replaced by the maximum of the parabola through them.
-    """
-    known = m.peaks[n, BEST]
-    fb = probe(m, t, h, top, n)
-    if not fb + height > known:
-        return 1
-    b, wide = top, 0.3 * max(top - low, high - top)
-    a, c = max(low, b - wide), min(high, b + wide)
-    fa, fc = probe(m, t, h, a, n), probe(m, t, h, c, n)
-    for tried in range(TRIES):
-        best = max(fa, fb, fc)
-        bend = ((fa - fb) / (a - b) - (fc - fb) / (c - b)) / (a - c)
-        if bend < 0.0:
-            x = b - 0.5 * ((fa - fb) / (a - b) - bend * (a - b)) / bend
-        else:
-            x = low if fa > fc else high
-        x = min(max(x, low), high)
-        if min(abs(x - a), abs(x - b), abs(x - c)) <= 1e-6 * (high - low):
-            return tried + 3
-        f = probe(m, t, h, x, n)
-        if not f - best > FINE * abs(best) and tried > 0:
-            return tried + 4
-        if fa <= fb and fa <= fc:
-            a, fa = x, f
-        elif fc <= fb:
-            c, fc = x, f
-        else:
-            b, fb = x, f
-    return TRIES + 3
 
 
 @compiled
@@ -306,82 +204,9 @@ def add(m, t, h, layout, sound):
             peaks[n, BEST], peaks[n, WHEN] = peaks[n, SAMPLE + END], t
 
 
-@native("i", "h", "f", "f", "f", "f", "i")
-def climb_all(m, t, h, low, high, layout):
-    """New peaks between the shares low and high of a step, to which the samples belong; returns the states computed."""
-    peaks, solved, wide = m.peaks, 0, high - low
-    for n in range(peaks.shape[0]):
-        for i in range(COUNT[layout]):
-            if rises(peaks[n], layout, i):
-                top, height = summit(peaks[n], layout, i)
-                left, right = SHARES[layout, max(i - 1, 0)], SHARES[layout, min(i + 1, COUNT[layout] - 1)]
-                solved += climb(m, t, h, n, low + wide * left, low + wide * top, low + wide * right, height)
-    return solved
-
-
-@native("i", "h", "f", "f", "f", "f", "i")
-def sample_pieces(m, t, h, until, wide, sound):
-    """Count a step up to the share `until` in pieces of its dense output, as short as the forces need.
-
-    wide: share of the first piece.  Returns the number of states computed.
-    """
-    peaks, low, solved = m.peaks, 0.0, 0
-    while low < until:
-        high = low + wide if low + 1.001 * wide < until else until
-        for k in range(1, COUNT[CUT]):
-            probe(m, t, h, low + (high - low) * SHARES[CUT, k], 0)
-            for n in range(peaks.shape[0]):
-                peaks[n, SAMPLE + ORDER[CUT, k]] = peaks[n, SAMPLE + PROBE]
-        solved += COUNT[CUT] - 1
-        if sound and wide > SHORTEST and unresolved(m, (high - low) * h, CUT):
-            wide = 0.5 * (high - low)
-            continue
-        add(m, t + high * h, (high - low) * h, CUT, sound)
-        if sound:
-            solved += climb_all(m, t, h, low, high, CUT)
-        pass_end_on(m)
-        low, wide = high, 2.0 * wide
-    return solved
-
-
 @compiled
 def pass_end_on(m):
     """Make the sample at the end of an interval that at the start of the next."""
     peaks = m.peaks
     for n in range(peaks.shape[0]):
         peaks[n, SAMPLE + START] = peaks[n, SAMPLE + END]
-
-
-@native("i", "h", "f", "f", "f", "i", "i")
-def end_step(m, t, h, until, layout, dense):
-    """Peaks and sums of the step from t [s] of length h [s] up to the share `until`; returns the states computed.
-
-    The samples of the step are those of `layout`, of CUT if it left none.  dense: 1 if the dense output is ready; with
-    -1 the function returns -1 if it is needed, and counts nothing.  If until < 1 an event ends the step: the state
-    after it is measured as START of the next.
-    """
-    peaks = m.peaks
-    if peaks.shape[0] == 0:
-        return 0
-    sound, solved = m.power[at.PIVOT_SHARE] > WEAK, 0
-    if dense < 0:
-        if may_rise(m, h, layout):
-            return -1
-        dense = 0
-    if until < 1.0 or layout == CUT:
-        return sample_pieces(m, t, h, until, until, sound)
-    if layout == DOP853 and dense and sound and unresolved(m, h, DOP853):
-        return sample_pieces(m, t, h, 1.0, 0.125, sound)
-    add(m, t + h, h, layout, sound)
-    if layout == RK4 and dense:
-        dense = 1 if near_peak(peaks) else 0
-        if dense:
-            probe(m, t, h, 0.5, 0)
-            for n in range(peaks.shape[0]):
-                peaks[n, SAMPLE + ORDER[RK4, 1]] = peaks[n, SAMPLE + PROBE]
-    if layout == LOOKS:
-        crest_all(m, t, h)
-    elif dense and sound:
-        solved += climb_all(m, t, h, 0.0, 1.0, layout)
-    pass_end_on(m)
-    return solved
