@@ -25,7 +25,7 @@ def time(value: str | float) -> float:
 
 
 class LateOption(click.Option):
-    """An option whose help is made when it is shown, so that what it takes is not imported before."""
+    """An option whose help text is made when it is shown, so that the modules it needs are not imported before."""
 
     def __init__(self, *args: Any, words: Callable[[], str], **more: Any) -> None:
         super().__init__(*args, **more)

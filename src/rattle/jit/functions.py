@@ -117,7 +117,7 @@ class KernelFunction:
 
     @property
     def symbol(self) -> str:
-        """Name of the place where the address of a native function stands, for the linker."""
+        """Name of the place that holds the address of a native function, for the linker."""
         return f"rattle.place.{self.__module__}.{self.__name__}"
 
     @property

@@ -72,7 +72,7 @@ def animate(
 def scene(
     result: Result, frames: int = 120, trace: Iterable[str] = (), *, fps: int = 20, names: bool = False
 ) -> tuple[Figure, Update, int]:
-    """The figure, the function that moves it to frame k, and the number of frames; arguments as of `animate`."""
+    """The figure, the function that changes it to frame k, and the number of frames; arguments as of `animate`."""
     if not len(result.t):
         raise ValueError("the result has no instant to show")
     if frames < 1:

@@ -248,7 +248,7 @@ def _orbit(ax: Axes, found: Comparison, model: str) -> None:
 
 
 def _walls(ax: Axes, form: Mapping[str, Any], c: float, limit: float) -> None:
-    """The two walls of a guide that is fixed to the ground, with what the play leaves free between them."""
+    """The two walls of a guide that is fixed to the ground, with the free width between them."""
     if form["bodies"][0] != "ground":
         return
     cos, sin = math.cos(form["axis"]), math.sin(form["axis"])

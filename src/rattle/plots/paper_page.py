@@ -102,7 +102,7 @@ def _head(figure: Figure, play: Result) -> None:
     size = ", ".join(f"{form['clearance'] * 1e3:g} mm in {joint}" for joint, form in pins.items())
     keys: list[Line2D | Patch] = [
         Line2D([], [], color=BLUE, label="with play"),
-        Line2D([], [], color=BLACK, linestyle=(0, (5, 2)), label="without play (11, 12: magnitude of reaction)"),
+        Line2D([], [], color=BLACK, linestyle=(0, (5, 2)), label="without play (11, 12: |reaction|)"),
         Line2D([], [], color=RED, label="N = 0: below it the bush would have to pull"),
     ]
     horizon = play.trust.horizon

@@ -258,7 +258,7 @@ def draw_guides(ax: Axes, stage: Scene, colours: Sequence[str] = BODIES) -> list
 
 
 def draw_slots(ax: Axes, stage: Scene) -> list[Update]:
-    """Slots with rounded ends in A as long as they are, else as the pin of B comes along, and this pin."""
+    """Slots with rounded ends in A, of their given length or else as far as the pin of B moves, and this pin."""
     updates = []
     turns = np.linspace(-np.pi / 2, np.pi / 2, 19)
     for form in stage.result.geometry["joints"].values():

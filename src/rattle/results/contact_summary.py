@@ -140,7 +140,7 @@ def _pressing(result: Curves, joint: str) -> float:
 
 
 def pressing_spans(events: list[Event]) -> list[tuple[float, float]]:
-    """Intervals (start, end) [s] in which any contact of one joint presses: the union of its lasting contacts."""
+    """Intervals (start, end) [s] in which any contact of one joint presses: the union of its closed contacts."""
     found: list[tuple[float, float]] = []
     for a, b in sorted((event.t, event.t + event.duration) for event in events if event.kind == "contact"):
         if found and a <= found[-1][1]:
