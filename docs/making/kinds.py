@@ -20,7 +20,7 @@ FAMILIES = {
     "driver": ("Drivers", "`[drivers.NAME]`: a degree of freedom that follows a function of time."),
     "clearance": (
         "Joints with clearance",
-        "What a joint becomes with `clearance`: a pin (journal) in a bush (bushing, bearing), a block in a guide.",
+        "What a joint becomes with `clearance`: pin (journal) in bush (bushing, bearing), block in guide, pin in slot.",
     ),
     "contact": ("Contact models", "`contact = NAME` or `contact = { model = NAME, ... }` of a joint with clearance."),
     "normal": ("Normal force laws", "Also a `model` of `contact`: elastic pin and bush."),
