@@ -101,7 +101,7 @@ def fill_delassus(m, count):
                 for row in range(rows.shape[0]):
                     z = x[place_of[row]]
                     multiplier_response[r, row] = z
-                    i, j = row_body[row, 0], row_body[row, 1]
+                    i, j = row_body[row, at.ROW_A], row_body[row, at.ROW_B]
                     for q in range(3):
                         if i > 0:
                             response[r, 3 * i - 3 + q] -= weight[i, q] * rows[row, at.AX + q] * z

@@ -38,7 +38,7 @@ def locate_contacts(m):
 
 
 @native("void", "h")
-def press(m):
+def add_contact_forces(m):
     """Add the forces of all compliant contacts to Q [N, N m]; N, T and rates go to `contact_kinematics`."""
     contact, values, kinematics, memory, force = m.contact, m.values, m.contact_kinematics, m.contact_memory, m.force
     static_table, normal_table, friction_table = (
@@ -69,11 +69,11 @@ def press(m):
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = normal, tangent
         kinematics[n, at.STORE] = static * ddelta
         kinematics[n, at.LOSS] = (normal - static) * ddelta + tangent * kinematics[n, at.SLIP]
-        push(force, kinematics, contact[n, at.A_BODY], contact[n, at.B_BODY], n, normal, tangent)
+        add_contact_force(force, kinematics, contact[n, at.A_BODY], contact[n, at.B_BODY], n, normal, tangent)
 
 
 @compiled
-def push(force, kinematics, a, b, n, normal, tangent):
+def add_contact_force(force, kinematics, a, b, n, normal, tangent):
     """Add the force (normal, tangent) [N] of contact n, and its moment, to both bodies."""
     fx = normal * kinematics[n, at.NX] - tangent * kinematics[n, at.NY]
     fy = normal * kinematics[n, at.NY] + tangent * kinematics[n, at.NX]

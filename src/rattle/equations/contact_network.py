@@ -40,7 +40,7 @@ def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
     ]
     pattern = schur.analyse(bodies, blocks)
     place, pairs = pattern.place, pattern.pairs.copy()
-    above = place[pairs[:, 1]] < place[pairs[:, 3]]  # sorted so that the lower row comes first
+    above = place[pairs[:, at.PAIR_ROW]] < place[pairs[:, at.OTHER_ROW]]  # sorted so that the lower row comes first
     pairs[above] = pairs[above][:, [0, 3, 4, 1, 2, 5]]
     pairs[:, [2, 4]] -= at.AX
     size = len(bodies)
@@ -203,8 +203,8 @@ def effect_of_rows(m):
         if on[i] == 0:
             continue
         force = x[0, place[i]]
-        a = row_body[i, 0] if i < nr else contact[(i - nr) // 2, at.A_BODY]
-        b = row_body[i, 1] if i < nr else contact[(i - nr) // 2, at.B_BODY]
+        a = row_body[i, at.ROW_A] if i < nr else contact[(i - nr) // 2, at.A_BODY]
+        b = row_body[i, at.ROW_B] if i < nr else contact[(i - nr) // 2, at.B_BODY]
         for q in range(3):
             dv[a, q] += column[i, q] * force
             dv[b, q] += column[i, 3 + q] * force
@@ -229,8 +229,8 @@ def remainder(m, count):
     for i in range(on.shape[0]):
         if on[i] == 0:
             continue
-        a = row_body[i, 0] if i < nr else contact[(i - nr) // 2, at.A_BODY]
-        b = row_body[i, 1] if i < nr else contact[(i - nr) // 2, at.B_BODY]
+        a = row_body[i, at.ROW_A] if i < nr else contact[(i - nr) // 2, at.A_BODY]
+        b = row_body[i, at.ROW_B] if i < nr else contact[(i - nr) // 2, at.B_BODY]
         value = x[1, place[i]]
         for q in range(3):
             value -= line[i, q] * dv[a, q] + line[i, 3 + q] * dv[b, q]

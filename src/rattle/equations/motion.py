@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.compliant import locate_contacts, press
+from rattle.equations.compliant import add_contact_forces, locate_contacts
 from rattle.equations.schur import WEAK, factorise, solve
 from rattle.equations.state import (
     DISSIPATED,
@@ -115,7 +115,7 @@ def loads(m, t):
     power[at.POTENTIAL_ENERGY], power[at.WORK_RATE], power[at.LOSS_RATE] = potential, rate, lost
     if m.contact.shape[0] > 0:
         locate_contacts(m)
-        press(m)
+        add_contact_forces(m)
 
 
 @compiled
@@ -131,7 +131,7 @@ def correct(m):
         change[k] = 0.0
     for r in range(rows.shape[0]):
         force = x[place_of[r]]
-        a, b = row_body[r, 0], row_body[r, 1]
+        a, b = row_body[r, at.ROW_A], row_body[r, at.ROW_B]
         if a > 0:
             for k in range(3):
                 change[3 * a - 3 + k] -= weight[a, k] * rows[r, at.AX + k] * force
@@ -160,7 +160,7 @@ def rate_residual(m):
     place_of, row_body = m.place, m.row_body
     largest = 0.0
     for r in range(rows.shape[0]):
-        a, b = row_body[r, 0], row_body[r, 1]
+        a, b = row_body[r, at.ROW_A], row_body[r, at.ROW_B]
         value = -rows[r, at.NU]
         for k in range(3):
             value += rows[r, at.AX + k] * body[a, at.VX + k] + rows[r, at.BX + k] * body[b, at.VX + k]
@@ -184,7 +184,7 @@ def accelerate(m):
     rounds = 1 if m.power[at.PIVOT_SHARE] > WEAK else 3  # near a singular position the solution is refined
     for _ in range(rounds):
         for r in range(rows.shape[0]):
-            a, b = row_body[r, 0], row_body[r, 1]
+            a, b = row_body[r, at.ROW_A], row_body[r, at.ROW_B]
             x[place_of[r]] = (
                 rows[r, at.AX] * acceleration[a, 0]
                 + rows[r, at.AX + 1] * acceleration[a, 1]
@@ -198,7 +198,7 @@ def accelerate(m):
         for r in range(rows.shape[0]):
             value = x[place_of[r]]
             multiplier[r] += value
-            a, b = row_body[r, 0], row_body[r, 1]
+            a, b = row_body[r, at.ROW_A], row_body[r, at.ROW_B]
             for k in range(3):
                 acceleration[a, k] -= weight[a, k] * rows[r, at.AX + k] * value
                 acceleration[b, k] -= weight[b, k] * rows[r, at.BX + k] * value

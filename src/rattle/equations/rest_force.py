@@ -23,7 +23,7 @@ def force_at(m, t, q, out):
         for k in range(3):
             out[3 * i - 3 + k] = force[i, k]
     for r in range(rows.shape[0]):
-        i, j = 3 * row_body[r, 0] - 3, 3 * row_body[r, 1] - 3
+        i, j = 3 * row_body[r, at.ROW_A] - 3, 3 * row_body[r, at.ROW_B] - 3
         for k in range(3):
             if i >= 0:
                 out[i + k] -= rows[r, at.AX + k] * multiplier[r]

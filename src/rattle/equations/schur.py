@@ -119,10 +119,10 @@ def factorise(m):
     for n in range(s.shape[0]):
         s[n] = 0.0
     for n in range(pairs.shape[0]):
-        r, c = pairs[n, 1], pairs[n, 2]
-        o, d = pairs[n, 3], pairs[n, 4]
-        i = pairs[n, 5]
-        s[pairs[n, 0]] += (
+        r, c = pairs[n, at.PAIR_ROW], pairs[n, at.PAIR_COLUMN]
+        o, d = pairs[n, at.OTHER_ROW], pairs[n, at.OTHER_COLUMN]
+        i = pairs[n, at.PAIR_BODY]
+        s[pairs[n, at.PAIR_ENTRY]] += (
             rows[r, c] * weight[i, 0] * rows[o, d]
             + rows[r, c + 1] * weight[i, 1] * rows[o, d + 1]
             + rows[r, c + 2] * weight[i, 2] * rows[o, d + 2]

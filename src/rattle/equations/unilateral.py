@@ -186,14 +186,14 @@ def hold_joints(m):
     dv, dlambda, rows, weight = m.velocity_change, m.multiplier_change, m.rows, m.weight
     row_body, place, x = m.row_body, m.place, m.solution
     for row in range(dlambda.shape[0]):
-        a, b = row_body[row, 0], row_body[row, 1]
+        a, b = row_body[row, at.ROW_A], row_body[row, at.ROW_B]
         value = 0.0
         for q in range(3):
             value += rows[row, at.AX + q] * dv[a, q] + rows[row, at.BX + q] * dv[b, q]
         x[place[row]] = value
     solve(m)
     for row in range(dlambda.shape[0]):
-        a, b = row_body[row, 0], row_body[row, 1]
+        a, b = row_body[row, at.ROW_A], row_body[row, at.ROW_B]
         dlambda[row] = x[place[row]]
         for q in range(3):
             dv[a, q] -= weight[a, q] * rows[row, at.AX + q] * dlambda[row]

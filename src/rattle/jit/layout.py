@@ -31,10 +31,9 @@ def width(array: str) -> int:
     return len(COLUMNS[array])
 
 
+# fmt: off
 # ---------------------------------------------------------------- the mechanism
-_declare(
-    "body",
-    """
+_declare("body", """
     X [m] mass centre
     Y [m] mass centre
     PHI [rad] angle
@@ -43,12 +42,9 @@ _declare(
     W [rad/s] rate of the angle
     COS [] cosine of the angle
     SIN [] sine of the angle
-""",
-)
+""")
 X, Y, PHI, VX, VY, W, COS, SIN = range(8)
-_declare(
-    "rows",
-    """
+_declare("rows", """
     RES [m or rad] residual Phi
     NU [m/s or rad/s] right-hand side of Phi_q v = nu
     GAMMA [m/s^2 or rad/s^2] right-hand side of Phi_q dv = gamma
@@ -58,54 +54,53 @@ _declare(
     BX [1 or 1/m] with respect to x of B
     BY [1 or 1/m] with respect to y of B
     BP [m or 1] with respect to the angle of B
-""",
-)
+""")
 RES, NU, GAMMA, AX, AY, AP, BX, BY, BP = range(9)
-_declare(
-    "energy",
-    """
+_declare("row_body", """
+    ROW_A [] body A of the row
+    ROW_B [] body B
+""")
+ROW_A, ROW_B = range(2)
+_declare("pairs", """
+    PAIR_ENTRY [] entry of `schur`
+    PAIR_ROW [] row
+    PAIR_COLUMN [] its first column for the body
+    OTHER_ROW [] other row
+    OTHER_COLUMN [] its first column for the body
+    PAIR_BODY [] the body that they share
+""")
+PAIR_ENTRY, PAIR_ROW, PAIR_COLUMN, OTHER_ROW, OTHER_COLUMN, PAIR_BODY = range(6)
+_declare("energy", """
     POTENTIAL [J] energy stored by the load
     ELASTIC [W] power of its elastic part
     OUTSIDE [W] power from outside
     DISSIPATED [W] power lost
-""",
-)
+""")
 POTENTIAL, ELASTIC, OUTSIDE, DISSIPATED = range(4)
-_declare(
-    "power",
-    """
+_declare("power", """
     POTENTIAL_ENERGY [J] of gravity and loads
     WORK_RATE [W] power of loads from outside
     LOSS_RATE [W] power dissipated by loads
     PIVOT_SHARE [] least pivot / its diagonal since it was set to 1
-""",
-)
+""")
 POTENTIAL_ENERGY, WORK_RATE, LOSS_RATE, PIVOT_SHARE = range(4)
-_declare(
-    "joint",
-    """
+_declare("joint", """
     KERNEL [] number of its kernel; -1: only contacts act on it
     END_A [] body A
     END_B [] body B
     FIRST_P [] index of its first parameter in `values`
     FIRST_ROW [] its first constraint row
-""",
-)
+""")
 KERNEL, END_A, END_B, FIRST_P, FIRST_ROW = range(5)
-_declare(
-    "load",
-    """
+_declare("load", """
     KERNEL [] number of its kernel
     END_A [] body A
     END_B [] body B
     FIRST_P [] index of its first parameter in `values`
     CHANGES [] 1 if its values change during the run
-""",
-)
+""")
 CHANGES = 4
-_declare(
-    "contact",
-    """
+_declare("contact", """
     SHAPE [] kernel of its geometry
     A_BODY [] body A, which bears
     B_BODY [] body B
@@ -121,19 +116,15 @@ _declare(
     IMPACT [] 1 for a set-valued contact, 0 for a compliant one
     FIRST_STATE [] first state of its friction law among those of all elements
     STATES [] number of states of that law
-""",
-)
+""")
 SHAPE, A_BODY, B_BODY, SHAPE_P, CORNER, STATIC, STATIC_P, NORMAL_LAW, NORMAL_P, FRICTION, FRICTION_P = range(11)
 OWNER, IMPACT, FIRST_STATE, STATES = range(11, 15)
-_declare(
-    "lever",
-    """
+_declare("lever", """
     ARM_A [m] longest arm on A to its contact points
     ARM_B [m] longest arm on B
     WALLS_TURN [] 1 if straight walls turn with A
     ROUNDED [] 1 if a wall is curved
-""",
-)
+""")
 ARM_A, ARM_B, WALLS_TURN, ROUNDED = range(4)
 # parameters of a joint, driver or load between two points start with these (x, y each); those of contacts go on with
 # the clearance, the radius of the bush, the fields of the joint and its dimensions
@@ -141,32 +132,24 @@ POINTS = 4
 CLEARANCE, RADIUS, FIELDS = 4, 5, 6
 # parameters of a set-valued contact: the fields of `impact` in their order
 RESTITUTION, TANGENTIAL_RESTITUTION, MU, RESTITUTION_LAW, JAM = range(5)
-_declare(
-    "signal",
-    """
+_declare("signal", """
     FIRST_CODE [] first row of its program in `code`
     END_CODE [] row after the last one
     TARGET [] where its value goes: number of the signal, or place in `values`
-""",
-)
+""")
 for _other in ("jet", "jet_signal", "live"):
     COLUMNS[_other] = COLUMNS["signal"]
 FIRST_CODE, END_CODE, TARGET = range(3)
-_declare(
-    "switch",
-    """
+_declare("switch", """
     FIRST_CODE [] first row of the program of its operands in `code`
     END_CODE [] row after the last one
     OWN_CODE [] row of the switch itself
     OPERANDS [] number of operands: the switching function is one, or the difference of two
-""",
-)
+""")
 OWN_CODE, OPERANDS = 2, 3
 
 # ---------------------------------------------------------------- contacts
-_declare(
-    "contact_kinematics",
-    """
+_declare("contact_kinematics", """
     GAP [m] gap g; negative: penetration
     DGAP [m/s] its rate
     NX [] normal n from A outwards; the force on B is -N n - T t, t = n turned by 90 degrees
@@ -183,12 +166,9 @@ _declare(
     LOSS [W] power taken from the motion and lost
     STORE [W] power taken from the motion and stored
     ACROSS [m/s] speed of a pin's centre along t
-""",
-)
+""")
 GAP, DGAP, NX, NY, PAX, PAY, PBX, PBY, SLIP, GAMMA_N, GAMMA_T, NORMAL, TANGENT, LOSS, STORE, ACROSS = range(16)
-_declare(
-    "contact_memory",
-    """
+_declare("contact_memory", """
     CLOSED [] OPEN, SHUT or AUTO
     SPEED [m/s] approach speed
     SINCE [s] start of the contact
@@ -211,22 +191,16 @@ _declare(
     RATE_AFTER [m/s] rate of the gap with which a bounce leaves
     SHIFT [m] error by which its gap is too small
     STEPS_ON [] pressed steps in a row, or free ones with a negative sign
-""",
-)
+""")
 CLOSED, SPEED, SINCE, PEAK, IMPULSE_0, LOSS_0, STEPS_IN, GAP_0, DGAP_0, N_0, GAP_1, DGAP_1, N_1 = range(13)
 BOUNCES_END, ROUNDING, RATE_BEFORE, SLIP_BEFORE, HITS, E_T, RATE_AFTER, SHIFT, STEPS_ON = range(13, 22)
 OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)
-_declare(
-    "recent",
-    """
+_declare("recent", """
     LAST_IMPACT [s] instant of the last impact of a contact
     IMPACT_BEFORE [s] of the one before
-""",
-)
+""")
 LAST_IMPACT, IMPACT_BEFORE = range(2)
-_declare(
-    "held",
-    """
+_declare("held", """
     DETERMINANT [] sign of the determinant of the contact problem of the motion
     SIZE [m] typical length of the mechanism
     SPARSE [] 1 while G is sparse
@@ -235,24 +209,20 @@ _declare(
     SCALE [] magnitude of the terms of the last a = G f + b
     WEAKEST [] smallest pivot / its diagonal, sparse solution
     SHARED [] 1 + a contact whose force may differ without changing the motion
-""",
-)
+""")
 DETERMINANT, SIZE, SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, SHARED = range(8)
-_declare(
-    "stuck",
-    """
+_declare("stuck", """
     EVENT_AT [s] time of the last event
     EVENTS_THERE [] events at that time so far
     EVENT_WHO [] contact of the last event
     EVENTS_IN_A_ROW [] events, each soon after the one before
-""",
-)
+""")
 EVENT_AT, EVENTS_THERE, EVENT_WHO, EVENTS_IN_A_ROW = range(4)
 
+LOOK_SHARE = 0  # of `looks` and `glances`: share of the step; then four indicators of every contact, the largest force
+
 # ---------------------------------------------------------------- a run
-_declare(
-    "clock",
-    """
+_declare("clock", """
     T [s] time of `state`
     H [s] next step
     H_MIN [s] smallest step
@@ -261,12 +231,9 @@ _declare(
     H_FREE [s] step of free flight
     FEWEST [] fewest steps in a contact
     CHANGE_AT [] share of the step at which a contact starts or ends
-""",
-)
+""")
 T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, CHANGE_AT = range(8)
-_declare(
-    "tally",
-    """
+_declare("tally", """
     STEPS [] steps taken
     REJECTED [] steps repeated with a shorter length
     EVALUATIONS [] of the right-hand side
@@ -280,13 +247,10 @@ _declare(
     CONTACTS [] contacts that started
     TAME [] 1 while stages are projected onto the constraints
     SERIES [] infinite series of bounces that were ended
-""",
-)
+""")
 STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST_ROWS, LEAPS, STREAK, EVENT_COUNT = range(10)
 CONTACTS, TAME, SERIES = range(10, 13)
-_declare(
-    "audit",
-    """
+_declare("audit", """
     OPEN_LIMIT [] openness beyond which a step is rejected
     UNREST_LIMIT [] share of the turnover beyond which unrest rejects a step
     FLOOR [J] energy below which unrest is rounding
@@ -305,33 +269,24 @@ _declare(
     UNREST [] of the present step: energy error as a share of the turnover
     CORRECTION [] openness that was corrected in the present step
     SUNK [] largest depth of a set-valued contact in its wall [clearances], Moreau-Jean only
-""",
-)
+""")
 OPEN_LIMIT, UNREST_LIMIT, FLOOR, STARTED, TOTAL_0, WORK_0, MOST_KINETIC, MOST_WORK, LEAST_POTENTIAL = range(9)
 MOST_POTENTIAL, MOST_UNREST, OPEN_ANGLE, OPEN_LENGTH, OPENNESS, OPEN_ROW, UNREST, CORRECTION, SUNK = range(9, 18)
-_declare(
-    "landing",
-    """
+_declare("landing", """
     LANDS [] 1 + switch at which the step ends; 0: none
     GO_ON [s] next step
     TURNS [] switchings so far
     LAST_TURN [s] time of the last one
     AGAIN [] switchings without progress in time
-""",
-)
+""")
 LANDS, GO_ON, TURNS, LAST_TURN, AGAIN = range(5)
-_declare(
-    "crossings",
-    """
+_declare("crossings", """
     CROSSING_T [s] instant
     CROSSING_FORCE [] number of the monitored force
     CROSSING_SIGN [] its new sign
-""",
-)
+""")
 CROSSING_T, CROSSING_FORCE, CROSSING_SIGN = range(3)
-_declare(
-    "events",
-    """
+_declare("events", """
     EVENT_T [s] instant
     EVENT_CONTACT [] number of the contact
     EVENT_KIND [] kind of event
@@ -340,17 +295,13 @@ _declare(
     EVENT_PEAK [N] its largest force
     EVENT_IMPULSE [N*s] impulse
     EVENT_LOSS [J] energy lost
-""",
-)
+""")
 EVENT_T, EVENT_CONTACT, EVENT_KIND, EVENT_SPEED, EVENT_DURATION, EVENT_PEAK, EVENT_IMPULSE, EVENT_LOSS = range(8)
 CONTACT_EVENT, RELEASE_EVENT, IMPACT_EVENT, STICK_EVENT, SLIP_EVENT = 0.0, 1.0, 2.0, 3.0, 4.0
-_declare(
-    "quantity",
-    """
+_declare("quantity", """
     FORM [] how it is formed from its columns: OF_VECTOR, OF_SIZE, OF_VALUE or OF_NEGATIVE
     FIRST_COLUMN [] its first column after those of bodies
-""",
-)
+""")
 FORM, FIRST_COLUMN = range(2)
 OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE = range(4)  # length of a vector, magnitude, the number, its negative
 
@@ -359,13 +310,13 @@ OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE = range(4)  # length of a vector, magn
 OUTPUT_BODY = {
     "x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s",
     "ax": "m/s^2", "ay": "m/s^2", "alpha": "rad/s^2",
-}  # fmt: skip
+}
 # force on B, its moment about the joint's point on B, offset of that point from the one on A; minus the multiplier of
 # the first row, work rate of the rows; N, T and penetration of the contacts
 OUTPUT_JOINT = {
     "fx": "N", "fy": "N", "moment": "N*m", "ex": "m", "ey": "m", "effort": "N or N*m", "power": "W",
     "normal": "N", "tangential": "N", "penetration": "m",
-}  # fmt: skip
+}
 OUTPUT_ENERGY = {"kinetic": "J", "potential": "J", "work": "J", "dissipated": "J"}
 PER_BODY, PER_JOINT, ENERGIES = len(OUTPUT_BODY), len(OUTPUT_JOINT), len(OUTPUT_ENERGY)
 PLACE, RATE, RATE_RATE = 0, 3, 6  # of a body: first of x, y, angle, of their rates and of their accelerations

@@ -55,9 +55,7 @@ ARRAYS = {
     "first": Array("i1", "nr + 1", "", "first entry of each column of L in `below`"),
     "below": Array("i1", "entries of L", "", "position of the row of each entry of L"),
     "target": Array("i1", "updates", "", "entry of `schur` that each update of the elimination changes"),
-    "pairs": Array(
-        "i2", "products, 6", "", "entry of `schur`, row, its first column, other row, its first column, body"
-    ),
+    "pairs": Array("i2", "products, 6", "", "products of two rows at a body that make up `schur`"),
     "row_body": Array("i2", "nr, 2", "", "bodies A, B of every row"),
     "joint_table": Array("i1", "kinds", "", "kernels of joints and drivers"),
     "load_table": Array("i1", "kinds", "", "kernels of loads"),

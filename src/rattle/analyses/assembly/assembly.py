@@ -225,7 +225,7 @@ def _without_drivers(system: System, workspace: Workspace, t: float) -> None:
     constraints(workspace)
     _refuse_two_drivers(system, workspace)
     for name, row in drivers_without_dof(system, workspace):
-        off = abs(float(workspace.rows[row, 0]))
+        off = abs(float(workspace.rows[row, at.RES]))
         raise AssemblyError(
             f"driver '{name}' asks for a position {off:.4g} {system.rows[row].unit} away from the one that the joints"
             " enforce: they leave its degree of freedom no motion (one driver too many); remove it, or free a joint"
@@ -289,7 +289,7 @@ def _least_open(system: System, workspace: Workspace, t: float, q: np.ndarray) -
     def rows_at(q: np.ndarray) -> np.ndarray:
         place_only(workspace, q)
         constraints(workspace)
-        return workspace.rows[:, 0].copy()
+        return workspace.rows[:, at.RES].copy()
 
     drive(workspace, t)
     phi = rows_at(q)

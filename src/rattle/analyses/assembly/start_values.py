@@ -92,7 +92,7 @@ def keep_positions(system: System, workspace: Workspace, t: float, q: np.ndarray
         open_by(workspace, t, made, still)
         jacobian = dense_rows(system, workspace)
         there = np.where(known, given - made, 0.0)
-        wanted = -workspace.rows[:, 0] - jacobian @ there
+        wanted = -workspace.rows[:, at.RES] - jacobian @ there
         noise = NOISE * (np.abs(jacobian) @ np.abs(made) + system.size)
         step = there + least_change(system, jacobian, wanted, known, noise)
         step *= min(1.0, 0.5 / max(float(np.abs(step / size).max()), 1e-300))

@@ -7,6 +7,7 @@ import math
 from rattle.analyses.assembly.loops import describe_loop, tree_path
 from rattle.analyses.assembly.rank import unlike_masses
 from rattle.equations.system import System
+from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
 TAKES_PART = 0.05  # share of the widest gap above which a joint is named
@@ -20,7 +21,7 @@ def why_open(system: System, workspace: Workspace, t: float) -> str:
     if nothing:
         return nothing
     gaps = dict.fromkeys(model.joints, 0.0)
-    for row, value in zip(system.rows, workspace.rows[:, 0], strict=True):
+    for row, value in zip(system.rows, workspace.rows[:, at.RES], strict=True):
         name = (model.drivers[row.owner].joint or row.owner) if row.driver else row.owner
         gaps[name] = math.hypot(gaps.get(name, 0.0), float(value))
     worst = max(gaps, key=lambda name: gaps[name])

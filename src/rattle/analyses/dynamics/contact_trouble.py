@@ -67,7 +67,7 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
 def closed_joints(system: System, workspace: Workspace) -> list[str]:
     """Names of the joints whose contacts are closed, in quotes."""
     owner, mode = system.arrays["contact"][:, at.OWNER], workspace.mode
-    touching = (mode != complementarity.OFF) | (workspace.contact_kinematics[:, 0] < 1e-6 * system.size)
+    touching = (mode != complementarity.OFF) | (workspace.contact_kinematics[:, at.GAP] < 1e-6 * system.size)
     return [f"'{name}'" for name in dict.fromkeys(system.joints[n] for n in owner[touching])]
 
 

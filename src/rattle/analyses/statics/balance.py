@@ -235,12 +235,12 @@ class StaticProblem:
             neutral, falling = int((np.abs(values) < tiny).sum()), int((values <= -tiny).sum())
             eigenvalue = float(values.min()) if abs(values.min()) >= tiny else 0.0
         force_at(workspace, self.t, q, self.out)
-        gap = float(np.abs(workspace.rows[:, 0]).max(initial=0.0))
+        gap = float(np.abs(workspace.rows[:, at.RES]).max(initial=0.0))
         residual = float(np.abs(self.out * self.scale).max(initial=0.0))
         if not residual < math.inf:
             self._say_undefined()
         workspace.acceleration[:] = 0.0
-        workspace.rows[:, 1] = 0.0  # at rest
+        workspace.rows[:, at.NU] = 0.0  # at rest
         raw = np.zeros(width(system))
         write(workspace, 0.0, 0.0, raw)
         return Found(

@@ -8,7 +8,7 @@ No contact and no release is missed because it is shorter than a step: see `gap_
 
 from __future__ import annotations
 
-from rattle.equations.compliant import contact_duration, locate_contacts, press
+from rattle.equations.compliant import add_contact_forces, contact_duration, locate_contacts
 from rattle.equations.motion import place
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
 from rattle.jit import layout as at  # fmt: skip
@@ -126,7 +126,7 @@ def normal_at(m, theta, n):
     take_states(m, stage)
     place(m, stage[:nq], stage[nq : 2 * nq])
     locate_contacts(m)
-    press(m)
+    add_contact_forces(m)
     return kinematics[n, at.NORMAL]
 
 

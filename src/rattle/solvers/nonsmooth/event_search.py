@@ -236,10 +236,10 @@ def first_between(m, t, h, i, best, who, what, guided):
         last = KINDS * n + kind
         column = column_of(m, i + 1, n, kind) if guided == 1 else -1
         left, right = seen_at(m, i, n, kind), seen_at(m, i + 1, n, kind)
-        share = locate(m, t, h, n, kind, looks[i, 0], looks[i + 1, 0], left, right, column)
+        share = locate(m, t, h, n, kind, looks[i, at.LOOK_SHARE], looks[i + 1, at.LOOK_SHARE], left, right, column)
         if share < best:
             best, who, what = share, n, kind
-        if share <= looks[i, 0]:
+        if share <= looks[i, at.LOOK_SHARE]:
             break
         look(m, t, h, share, i + 1)
         m.tally[at.EVALUATIONS] += 1
@@ -267,7 +267,7 @@ def first_change(m, t, h, low, high, places, best, who, what):
             seen += 1
         if i + 1 >= count:
             break
-        left, right = looks[i, 0], looks[i + 1, 0]
+        left, right = looks[i, at.LOOK_SHARE], looks[i + 1, at.LOOK_SHARE]
         if right - left > NARROW * wide and seen < MOST_LOOKS and something_may_dip(m, i, count):
             if count + 2 > looks.shape[0]:
                 i, count = make_room(looks, i, count)
@@ -292,7 +292,7 @@ def first_change(m, t, h, low, high, places, best, who, what):
 def put_among_stages(m, low, share):
     """Replace the samples by those of the stages, with that of row low + 1 sorted in at its share; returns its row."""
     stages, looks, line = m.glances, m.looks, low + 1
-    while line < LAST and stages[line, 0] < share:
+    while line < LAST and stages[line, at.LOOK_SHARE] < share:
         line += 1
     move_looks(looks, low + 1, low + 2, line - low - 1)
     for k in range(LAST + 1):
@@ -336,7 +336,7 @@ def first_by_stages(m, t, h, low, high):
     for c in range(looks.shape[1]):
         looks[low, c], looks[low + 1, c] = stages[low, c], stages[high, c]
     share, who, what = first_between(m, t, h, low, NONE, -1, NOTHING, 1)
-    if who < 0 or share <= looks[low, 0]:
+    if who < 0 or share <= looks[low, at.LOOK_SHARE]:
         return NONE, -1, NOTHING
     line = put_among_stages(m, low, share)
     if not none_dips(m, low, line):

@@ -40,7 +40,7 @@ LEAST_ERROR = 1e-6  # of a step [tolerances]: one with a smaller error may be to
 def table(contacts: int) -> np.ndarray:
     """Array for the samples at the stages of a step, (9, 4 contacts + 2)."""
     looks = np.zeros((len(PLACES), KINDS * contacts + 2))
-    looks[:, 0] = PLACES
+    looks[:, at.LOOK_SHARE] = PLACES
     return looks
 
 
@@ -75,7 +75,10 @@ def write_look(m, line):
 @compiled
 def second_difference(looks, k, c):
     """Divided difference of three samples of column c, the middle one in row k."""
-    before, after = looks[k, 0] - looks[k - 1, 0], looks[k + 1, 0] - looks[k, 0]
+    before, after = (
+        looks[k, at.LOOK_SHARE] - looks[k - 1, at.LOOK_SHARE],
+        looks[k + 1, at.LOOK_SHARE] - looks[k, at.LOOK_SHARE],
+    )
     return ((looks[k + 1, c] - looks[k, c]) / after - (looks[k, c] - looks[k - 1, c]) / before) / (before + after)
 
 
@@ -84,7 +87,7 @@ def may_dip(looks, i, count, c, slack):
     """True if column c may be below -slack between samples i and i + 1, but is not negative at either of them."""
     one = min(max(i, 1), count - 2)
     two = min(max(i + 1, 1 if i > 0 else 2), count - 2)
-    wide, left, right = looks[i + 1, 0] - looks[i, 0], max(looks[i, c], 0.0), looks[i + 1, c]
+    wide, left, right = looks[i + 1, at.LOOK_SHARE] - looks[i, at.LOOK_SHARE], max(looks[i, c], 0.0), looks[i + 1, c]
     if right < 0.0:
         return False
     bend, other = second_difference(looks, one, c), second_difference(looks, two, c)
@@ -92,7 +95,7 @@ def may_dip(looks, i, count, c, slack):
     unlike = abs(bend - other) * wide * wide
     if unlike > RESOLVED * largest and unlike > slack:
         return True
-    young = looks[i, 0] == 0.0 and left <= YOUNG * right
+    young = looks[i, at.LOOK_SHARE] == 0.0 and left <= YOUNG * right
     bend = (1.0 if young else SAFE) * max(bend, other) * wide * wide + WARY * unlike
     if not abs(right - left) < bend:
         return False

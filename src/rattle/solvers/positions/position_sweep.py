@@ -39,7 +39,7 @@ def acceleration_residual(m, a):
     rows, x, place_of, row_body = m.rows, m.solution, m.place, m.row_body
     most = 0.0
     for r in range(rows.shape[0]):
-        i, j = 3 * row_body[r, 0] - 3, 3 * row_body[r, 1] - 3
+        i, j = 3 * row_body[r, at.ROW_A] - 3, 3 * row_body[r, at.ROW_B] - 3
         value = -rows[r, at.GAMMA]
         for k in range(3):
             if i >= 0:
@@ -145,7 +145,7 @@ def react(m, a):
         multiplier[r] = 0.0
     for _ in range(2):
         for r in range(rows.shape[0]):
-            i, j = row_body[r, 0], row_body[r, 1]
+            i, j = row_body[r, at.ROW_A], row_body[r, at.ROW_B]
             value = 0.0
             for k in range(3):
                 value += (
@@ -156,7 +156,7 @@ def react(m, a):
         for r in range(rows.shape[0]):
             value = x[place_of[r]]
             multiplier[r] += value
-            i, j = row_body[r, 0], row_body[r, 1]
+            i, j = row_body[r, at.ROW_A], row_body[r, at.ROW_B]
             for k in range(3):
                 force[i, k] -= rows[r, at.AX + k] * value
                 force[j, k] -= rows[r, at.BX + k] * value

@@ -25,7 +25,7 @@ def scaled_rows(m, scale, wide, norm):
         line = wide[r]
         for c in range(line.shape[0]):
             line[c] = 0.0
-        i, j = 3 * row_body[r, 0] - 3, 3 * row_body[r, 1] - 3
+        i, j = 3 * row_body[r, at.ROW_A] - 3, 3 * row_body[r, at.ROW_B] - 3
         for k in range(3):
             if i >= 0:
                 line[i + k] += rows[r, at.AX + k] * scale[i + k]
