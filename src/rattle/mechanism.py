@@ -6,13 +6,12 @@ import os
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, overload
 
 from rattle.analyses import arguments
 from rattle.description import file as model_file
-from rattle.description.builder import Building
-from rattle.description.model import Model
-from rattle.errors import ModelError, Problem, suggest
+from rattle.description.written_model import WrittenModel
+from rattle.errors import ModelError, suggest
 from rattle.language.units import Seconds, seconds, seconds_or_none, times
 
 if TYPE_CHECKING:
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from rattle.studies.poincare import Section
 
 
-class Mechanism(Building):
+class Mechanism(WrittenModel):
     """A planar mechanism: read from a model file, or built in code.
 
         m = rt.load("fourbar.toml")
@@ -43,16 +42,6 @@ class Mechanism(Building):
     Numbers are in SI units; texts are quantities ("5 mm") or expressions over parameters, as in a model file.
     Every analysis checks the model first and raises ModelError with all problems at once.
     """
-
-    @classmethod
-    def from_text(cls, text: str, file: str = "") -> Mechanism:
-        """Read model text (TOML or JSON). Raises ModelError."""
-        made = cls()
-        made._document = model_file.parse(text, file)
-        made._text = text
-        made._file = file
-        _ = made.model
-        return made
 
     def __repr__(self) -> str:
         counts = []
@@ -80,17 +69,6 @@ class Mechanism(Building):
         parts = [table(("joint", "type", "between", "clearance", "contact"), joints, repr(self)[1:-1])]
         return "".join([*parts, table(("parameter", "value"), named)] if named else parts)
 
-    # ------------------------------------------------------------ the model
-    @cached_property
-    def model(self) -> Model:
-        """The checked model, all values in SI units. Raises ModelError."""
-        from rattle.description.reader import read
-
-        try:
-            return read(self._document, self._file)
-        except ModelError as error:
-            raise (model_file.point_out(error, self._text) if self._text else error) from None
-
     @cached_property
     def system(self) -> System:
         """The model as flat arrays, in SI units. Raises ModelError."""
@@ -104,90 +82,6 @@ class Mechanism(Building):
         from rattle.analyses.assembly.assembly import assemble
 
         return assemble(self.system)
-
-    @property
-    def name(self) -> str:
-        """Title of the model."""
-        return self.model.name
-
-    @property
-    def parameters(self) -> dict[str, float]:
-        """Values of all parameters by name [SI]."""
-        return {name: one.value for name, one in self.model.parameters.items()}
-
-    def to_toml(self) -> str:
-        """The model as TOML text; comments of the original text are kept."""
-        return model_file.dump(self._document, self._text, self._changes)
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the model file, completely or not at all. Raises OSError that says why."""
-        model_file.save(path, self.to_toml())
-
-    def set(self, values: Mapping[str, Any] | None = None, /, **parameters: Any) -> Mechanism:
-        """A new mechanism with some values changed; numbers are in SI units, texts may have units.
-
-        Names are parameters, or paths as in the model file: `m.set(r3="2 mm")`,
-        `m.set({"joints.O3.contact.restitution": 0.5})`; None removes an entry: `m.set({"loads.M": None})`.
-        Raises ModelError for an unknown name or a bad value.
-        """
-        made = Mechanism()
-        made._document, made._text, made._file = self._document, self._text, self._file
-        made._changes = list(self._changes)
-        for name, value in {**(values or {}), **parameters}.items():
-            if not isinstance(name, str):
-                raise TypeError(f"expected the name of a parameter or entry, as in {{'r3': '2 mm'}}; got {name!r:.60}")
-            path = self._path_of(name, made._document)
-            made._document = model_file.with_change(made._document, path, value)
-            made._changes.append((path, value))
-        try:
-            _ = made.model
-        except ModelError as error:
-            for one in error.problems:  # the line in the old text would mislead if its value was changed
-                if any(one.path[: len(path)] == path for path, _ in made._changes):
-                    one.line, one.caret = None, ""
-            raise ModelError(error.problems, error.file) from None
-        return made
-
-    def _path_of(self, name: str, document: Mapping[str, Any]) -> tuple[str, ...]:
-        table = document.get("parameters", {})
-        if name in table:
-            value = table[name]
-            return ("parameters", name, "value") if isinstance(value, Mapping) else ("parameters", name)
-        if "." in name or name in document or name in ("gravity", "name"):
-            return tuple(name.split("."))
-        raise ModelError(
-            [Problem((), f"no parameter '{name}'{suggest(name, table)}, and not a path like joints.O3.clearance")]
-        )
-
-    def ideal(self) -> Mechanism:
-        """The same mechanism with all clearances set to zero; lengths of the bodies are unchanged."""
-        if not any("clearance" in one for one in self._document.get("joints", {}).values()):
-            return self.set()
-        return self.with_contact("ideal")
-
-    def with_contact(self, model: str, joint: str | None = None) -> Mechanism:
-        """The same mechanism with another contact model in every joint with clearance, or in one joint.
-
-        model: a name of `rattle kinds`, such as "massless-link", "impact" or "exact".  Values of the old model that
-        the new one uses are kept: restitution, friction, bush radius, stiffness or materials.
-        Raises ModelError if a value is missing (a compliant model needs a stiffness) or no joint has a clearance.
-        """
-        from rattle.description.switch_contact import recontact
-
-        joints = self._document.get("joints", {})
-        loose = [name for name, one in joints.items() if "clearance" in one and joint in (None, name)]
-        if joint is not None and not loose:
-            what = "has no clearance" if joint in joints else f"is not there{suggest(joint, joints)}"
-            raise ModelError([Problem(("joints", joint), what)])
-        if not loose:
-            raise ModelError([Problem(("joints",), f"no joint has a clearance, so contact '{model}' applies to none")])
-        return self.set({f"joints.{name}.contact": recontact(joints[name].get("contact"), model) for name in loose})
-
-    def contact_of(self, joint: str) -> dict[str, Any]:
-        """The contact of a joint as it is written in the model, as a table. Raises ModelError if it has none."""
-        from rattle.description.switch_contact import contact_of
-
-        return contact_of(self._document, joint)
 
     # ------------------------------------------------------------ analyses
     def check(self) -> Check:
