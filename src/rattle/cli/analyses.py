@@ -116,6 +116,14 @@ def _record(result: Result) -> str:
     return to_json(record)
 
 
+at_option = click.option(
+    "--at",
+    "t",
+    type=time,
+    default=0.0,
+    show_default=True,
+    help="Time at which the drivers are held, in s or as '20 ms'.",
+)
 effort_option = click.option(
     "--effort",
     type=click.FloatRange(0.0, min_open=True),
@@ -195,14 +203,7 @@ def inverse_dynamics(
 
 @click.command()
 @model_options
-@click.option(
-    "--at",
-    "t",
-    type=time,
-    default=0.0,
-    show_default=True,
-    help="Time at which the drivers are held, in s or as '20 ms'.",
-)
+@at_option
 @click.option(
     "--branches",
     type=click.Choice(["near", "all"]),
@@ -268,14 +269,7 @@ def equilibrium(
 
 @click.command()
 @model_options
-@click.option(
-    "--at",
-    "t",
-    type=time,
-    default=0.0,
-    show_default=True,
-    help="Time at which the drivers are held, in s or as '20 ms'.",
-)
+@at_option
 @effort_option
 @click.option(
     "--mode", type=click.IntRange(1), default=1, show_default=True,
