@@ -138,7 +138,7 @@ def scaled(t, y):
 
 
 def dispatcher(folder):
-    from rattle.jit import compiler
+    from rattle.jit.compiling import compiler
 
     with compiler.lock:
         return compiler.whole(scaled, ("f", "f", "f"), CodeCache(scaled, lambda: folder))

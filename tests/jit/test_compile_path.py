@@ -116,7 +116,7 @@ print("answer", twice(np.ones(3), 1), compile_path.chosen().fast, compile_path.d
     ("break_it", "said"),
     [
         ("del numba.core.codegen.JITCodeLibrary", "JITCodeLibrary"),
-        ("import rattle.jit.compiler as c; c._double = lambda row, k: 3.0 * row[k]", "wrong number"),
+        ("import rattle.jit.compiling.compiler as c; c._double = lambda row, k: 3.0 * row[k]", "wrong number"),
     ],
 )
 def test_a_numba_without_what_the_fast_way_needs_is_used_the_plain_way(tmp_path, break_it, said):
@@ -164,7 +164,7 @@ rt.example("double_pendulum").simulate(1e-3, horizon=False)
 stopped.set()
 thread.join()
 templates = [one for _, kind in builtin_registry.globals for one in getattr(kind, "templates", ())]
-ours = [one for one in templates if any(part.__module__ == "rattle.jit.blocks" for part in one.__mro__)]
+ours = [one for one in templates if any(part.__module__ == "rattle.jit.compiling.blocks" for part in one.__mro__)]
 print(seen == {levels}, len(templates) > 100, bool(ours))
 """
 

@@ -13,14 +13,14 @@ from pathlib import Path
 from rattle.jit import cache, compile_path
 from rattle.jit.cache import Folder
 
-MAKERS = ("blocks", "calls", "compile_path", "compiler", "functions", "machine", "numba_types", "plain", "workspace")
+MAKERS = ("compile_path", "functions", "machine", "workspace")  # and the folder `compiling`
 
 
 def compiled_sources() -> list[Path]:
     """Files on which machine code depends: those with compiled functions, those that compile, and all they import."""
     here = Path(__file__).parents[1]
     text = {path: path.read_text(encoding="utf-8") for path in here.rglob("*.py")}
-    makers = [here / "jit" / f"{name}.py" for name in MAKERS]
+    makers = [*(here / "jit" / f"{name}.py" for name in MAKERS), *(here / "jit" / "compiling").glob("*.py")]
     found = {path for path, source in text.items() if _DECORATED.search(source)} | set(makers)
     ahead = list(found)
     while ahead:

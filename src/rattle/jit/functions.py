@@ -187,13 +187,13 @@ def _machine() -> Any:
 
 
 def _calls() -> Any:
-    return importlib.import_module("rattle.jit.calls")  # imports Numba
+    return importlib.import_module("rattle.jit.compiling.calls")  # imports Numba
 
 
 def users_law(law: Callable[..., Any], count: int) -> tuple[Any, Any]:
     """The same function compiled by Numba, and one that takes its `count` values from parameters: (p, k) -> tuple."""
     with _compiling():
-        found: tuple[Any, Any] = importlib.import_module("rattle.jit.numba_types").users_law(law, count)
+        found: tuple[Any, Any] = importlib.import_module("rattle.jit.compiling.numba_types").users_law(law, count)
     return found
 
 
@@ -228,7 +228,7 @@ def _compiling() -> Iterator[Any]:
 
 def _compiler() -> Any:
     name = "compiler" if compile_path.chosen().fast else "plain"
-    return importlib.import_module(f"rattle.jit.{name}")  # imports Numba
+    return importlib.import_module(f"rattle.jit.compiling.{name}")  # imports Numba
 
 
 def before_compiling(lesson: Callable[[Any], None]) -> Callable[[Any], None]:
@@ -245,7 +245,7 @@ _lessons: list[Callable[[Any], None]] = []
 def _teach_calls(compiling: Any) -> None:
     """Register the calls that compiled code may make besides other functions, and the array access of the fast way."""
     if compile_path.chosen().fast:
-        importlib.import_module("rattle.jit.blocks").register()
+        importlib.import_module("rattle.jit.compiling.blocks").register()
     for family, call in _CALLERS.items():
         _calls().teach(call, family, SIGNATURE[family], compiling.ARRAY_TYPES, family in BY_PLACE)
 

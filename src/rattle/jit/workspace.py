@@ -191,6 +191,6 @@ def _empty(kind: str) -> np.ndarray:
 @functions.before_compiling
 def teach_attributes(compiling: Any) -> None:
     """Let Numba make arrays of the addresses and shapes behind a handle."""
-    from rattle.jit import numba_types
+    from rattle.jit.compiling import numba_types
 
     numba_types.teach_workspace(Handle, {name: one.kind for name, one in ARRAYS.items()}, compiling.ARRAY_TYPES)

@@ -22,7 +22,7 @@ from numba.core.typing import signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.extending import lower_builtin, lower_cast, register_model
 
-from rattle.jit.numba_types import ORDINARY
+from rattle.jit.compiling.numba_types import ORDINARY
 
 # Numba has no types: its classes and decorators are unknown
 # mypy: disable-error-code="untyped-decorator, misc"

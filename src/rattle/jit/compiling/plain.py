@@ -15,7 +15,7 @@ from numba.core.compiler_lock import global_compiler_lock
 
 from rattle.jit import compile_path
 from rattle.jit.cache import CodeCache
-from rattle.jit.numba_types import OPTIONS, ORDINARY, signature
+from rattle.jit.compiling.numba_types import OPTIONS, ORDINARY, signature
 
 log = logging.getLogger("rattle")
 lock = global_compiler_lock

@@ -25,9 +25,9 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import PassManager, register_pass
 
 from rattle.jit import machine
-from rattle.jit.blocks import BLOCKS, block
 from rattle.jit.cache import CodeCache
-from rattle.jit.numba_types import OPTIONS, signature
+from rattle.jit.compiling.blocks import BLOCKS, block
+from rattle.jit.compiling.numba_types import OPTIONS, signature
 
 # Numba has no types: its classes and decorators are unknown
 # mypy: disable-error-code="untyped-decorator, misc"

@@ -19,7 +19,7 @@ from numba.core.typing.templates import ConcreteTemplate
 from numba.extending import lower_builtin, type_callable
 
 from rattle.jit import machine
-from rattle.jit.numba_types import WHOLE_NUMBER, ArrayTypes, signature
+from rattle.jit.compiling.numba_types import WHOLE_NUMBER, ArrayTypes, signature
 
 # Numba has no types: its classes and decorators are unknown
 # mypy: disable-error-code="untyped-decorator, misc"
