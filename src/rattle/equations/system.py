@@ -19,7 +19,7 @@ from rattle.language.switching import Signals, Switch, find_switches
 
 # families of kernels that contacts call, and the columns of `contact` that name them
 CONTACT_FAMILIES = {"clearance": at.SHAPE, "stiffness": at.STATIC, "normal": at.NORMAL_LAW, "friction": at.FRICTION}
-STATE = {"x": 0, "y": 1, "angle": 2, "vx": 3, "vy": 4, "omega": 5}  # columns of `body`
+STATE = {"x": at.X, "y": at.Y, "angle": at.PHI, "vx": at.VX, "vy": at.VY, "omega": at.W}  # columns of `body`
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,11 @@ class _Programs:
 
     def __init__(self, model: Model, bodies: Mapping[str, int]) -> None:
         self.constants = model.constants
-        self.state = {f"{name}.{key}": 8 * i + column for name, i in bodies.items() for key, column in STATE.items()}
+        self.state = {
+            f"{name}.{key}": at.width("body") * i + column
+            for name, i in bodies.items()
+            for key, column in STATE.items()
+        }
         self.signals = {name: n for n, name in enumerate(model.signals)}
         self.programs: list[Any] = []
         self.names: list[str] = []
