@@ -24,7 +24,7 @@ from rattle.equations.state import (
     take_states,
 )
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.functions import call_hold, call_joint, call_load, compiled, native
+from rattle.jit.functions import call_closed_contacts, call_joint, call_load, compiled, native
 from rattle.language.bytecode import evaluate
 from rattle.language.jets import evaluate_jet
 
@@ -226,9 +226,9 @@ def free_motion(m, t, q, v):
 def move(m, t, q, v):
     """The same as `solve_motion`, compiled into each caller."""
     lost = move_freely(m, t, q, v)
-    hold = m.hold_table
-    if len(hold) > 0:  # closed set-valued contacts
-        call_hold(hold[0], (m,))
+    closed = m.closed_contacts_table
+    if len(closed) > 0:  # closed set-valued contacts
+        call_closed_contacts(closed[0], (m,))
     return lost
 
 

@@ -177,11 +177,11 @@ def push_all(m, count):
         for row in range(dlambda.shape[0]):
             dlambda[row] += multiplier_response[r, row] * f
     if sparse and dlambda.shape[0] > 0:
-        hold_joints(m)
+        correct_for_joints(m)
 
 
 @compiled
-def hold_joints(m):
+def correct_for_joints(m):
     """Remove from `velocity_change` what the joints prevent; their multipliers go to `multiplier_change`."""
     dv, dlambda, rows, weight = m.velocity_change, m.multiplier_change, m.rows, m.weight
     row_body, place, x = m.row_body, m.place, m.solution
@@ -200,8 +200,8 @@ def hold_joints(m):
             dv[b, q] -= weight[b, q] * rows[row, at.BX + q] * dlambda[row]
 
 
-@kernel("hold")
-def hold(m):
+@kernel("closed contacts")
+def closed_contacts(m):
     """Add the response to the forces of closed contacts in their present modes; N, T [N] to `contact_kinematics`."""
     contact, kinematics, mode = m.contact, m.contact_kinematics, m.mode
     active, candidate, side, held = m.active, m.candidate, m.side, m.held

@@ -32,12 +32,17 @@ SIGNATURE = {
     "stiffness": ("f", "f", "v", "i"),  # delta, p, k -> F
     "normal": ("f", "f", "f", "f", "f", "v", "i"),  # F_static, delta, ddelta, v0, p, k -> F
     "friction": ("f", "f", "f", "v", "v", "i", "v"),  # u, N, z, p, k, dz -> T
-    "hold": ("void", "h"),  # m, see rattle.equations.unilateral
+    "closed contacts": ("void", "h"),  # m, see rattle.equations.unilateral
     "stepper": ("fi", "h", "f", "f", "f", "f", "i"),  # m, t, h, rtol, atol, 1 to project stages -> error, signs change
     "dense output": ("void", "h", "f", "f"),  # m, t, h
     "problem": ("i", "h", "i"),  # m, number of contacts, see rattle.equations.unilateral
 }
-BY_PLACE = ("hold", "problem", "stepper", "dense output")  # tables of our own large functions, made by `entries`
+BY_PLACE = (
+    "closed contacts",
+    "problem",
+    "stepper",
+    "dense output",
+)  # tables of our own large functions, made by `entries`
 _lock = threading.RLock()
 _jit = False
 
@@ -291,7 +296,7 @@ def call_dense_output(entry: Any, arguments: Any) -> None:
     entry(*arguments)
 
 
-def call_hold(entry: Any, arguments: Any) -> None:
+def call_closed_contacts(entry: Any, arguments: Any) -> None:
     """Call the kernel that adds the forces of closed set-valued contacts."""
     entry(*arguments)
 
@@ -310,7 +315,7 @@ _CALLERS: dict[str, Callable[..., Any]] = {
     "friction": call_friction,
     "stepper": call_stepper,
     "dense output": call_dense_output,
-    "hold": call_hold,
+    "closed contacts": call_closed_contacts,
     "problem": call_problem,
 }
 

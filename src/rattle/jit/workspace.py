@@ -120,7 +120,9 @@ ARRAYS = {
     "net_lower": Array("f1", "entries", "", "factors"),
     "net_upper": Array("f1", "entries", "", ""),
     "net_x": Array("f2", "2, nr + 2 nc", "", "solution, correction, by place"),
-    "hold_table": Array("i1", "0 or 1", "", "the kernel that adds the forces of closed contacts, if there may be any"),
+    "closed_contacts_table": Array(
+        "i1", "0 or 1", "", "the kernel that adds the forces of closed contacts, if there may be any"
+    ),
     "problem_table": Array("i1", "parts", "", "kernels that solve contact problems, see `unilateral`"),
     # time integration
     "state": Array("f1", "ny", "SI", "y at clock[T], see `equations.state`"),

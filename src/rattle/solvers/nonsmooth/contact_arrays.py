@@ -42,5 +42,9 @@ def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
         "looks": np.zeros((event_search.LOOKS_KEPT, glances.KINDS * nc + 2)),
         "held": np.array([1.0, system.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
         "problem_table": functions.entries((*complementarity.KERNELS, *solvers, *laws)),
-        **({"hold_table": functions.entries([unilateral.hold]), "glances": glances.table(nc)} if lasting else {}),
+        **(
+            {"closed_contacts_table": functions.entries([unilateral.closed_contacts]), "glances": glances.table(nc)}
+            if lasting
+            else {}
+        ),
     }

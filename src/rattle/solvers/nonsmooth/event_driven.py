@@ -1,7 +1,7 @@
 """Event-driven motion with set-valued contacts: smooth motion between located events.
 
 Between events every contact keeps its mode (off, sticking, sliding) and closed contacts act as constraints whose
-forces `equations.unilateral.hold` adds.  Each step is searched on its dense output for the first of
+forces `equations.unilateral.closed_contacts` adds.  Each step is searched on its dense output for the first of
 
     gap = 0                  impact, with all contacts that are closed at that instant in one problem
     N = 0                    release

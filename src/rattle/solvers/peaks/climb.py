@@ -96,7 +96,7 @@ def probe(m, t, h, theta, n):
     """Compute all quantities at the share theta of the step, on its dense output; returns quantity n."""
     stage, nq = m.stage, m.change.shape[0]
     interpolate(m, theta, stage)
-    if len(m.hold_table) == 0:  # forces of closed contacts are those of the search for events
+    if len(m.closed_contacts_table) == 0:  # forces of closed contacts are those of the search for events
         project_on_constraints(m, t + theta * h, stage, stage)
     take_states(m, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
