@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 SOURCES = Path(rt.__file__).parent
 PLAIN = {  # what is not to be read -> what is
     r"\bwant(s|ed)\b": "expected, or needs",
-    r"(?<!\bof )\bfreedoms?\b": "degrees of freedom",
+    r"(?<!\bof )(?<!\bfinite )\bfreedoms?\b": "degrees of freedom",  # "finite freedom dynamics" is a title
     r"\b(positions? of rest|resting position)": "equilibrium",
     r"\bslow motion": "quasi-static",
     r"\b(taken|takes?) for granted": "assumed",

@@ -156,7 +156,7 @@ def raises(t, state, p):
     return 0.0, 0.0, p.c
 
 
-@rt.load_law("raises in Python", compiled=False, c="N*m")
+@rt.load_law("raises in python", compiled=False, c="N*m")
 def raises_in_python(t, state, p):
     raise ValueError("too deep")
 
@@ -175,7 +175,7 @@ def rod_with(law):
 
 
 @nojit
-@pytest.mark.parametrize("law", ["raises near the ground", "raises in Python"])
+@pytest.mark.parametrize("law", ["raises near the ground", "raises in python"])
 def test_what_a_law_raised_is_the_reason_why_no_equilibrium_was_found(law):
     m, why = rod_with(law), f"loads.L: load law '{law}' raised ValueError: too deep at t = 0 s"
     found = m.equilibrium()
