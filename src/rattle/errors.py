@@ -91,6 +91,10 @@ class AssemblyError(RuntimeError):
     """The mechanism cannot be assembled, or cannot take the position asked for."""
 
 
+class TraceError(RuntimeError):
+    """A calculation cannot be written as straight-line code; the message says what stands in the way."""
+
+
 class SolverError(RuntimeError):
     """A run stopped early (raised only with `strict=True`); `.result` holds what was computed until then."""
 

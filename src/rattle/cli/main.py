@@ -31,6 +31,7 @@ COMMANDS = {
     "plot": "show",
     "animate": "show",
     "export": "files",
+    "code": "code",
     "kinds": "files",
     "schema": "files",
     "warmup": "run",
@@ -50,6 +51,7 @@ HELP = {
     "plot": "Plot curves, paths of points or pin orbits of a saved result.",
     "animate": "Animate a saved result (GIF or MP4).",
     "export": "Write a saved result as CSV, or in the other result format.",
+    "code": "Write a mechanism without contacts as a C program.",
     "kinds": "Reference: every joint, driver, contact and load with its fields; units, functions, materials.",
     "schema": "JSON Schema of model files, for editors.",
     "warmup": "Compile all kernels now, so that the first run is quick.",
@@ -132,9 +134,9 @@ def _open_streams() -> None:
 
 def _is_answer(error: Exception) -> bool:
     """True for an error that tells the user what is wrong; an error in rattle itself keeps its traceback."""
-    from rattle.errors import AssemblyError, MissingPackage, MissingProgram, ModelError
+    from rattle.errors import AssemblyError, MissingPackage, MissingProgram, ModelError, TraceError
 
-    if isinstance(error, ModelError | AssemblyError | MissingPackage | MissingProgram | OSError):
+    if isinstance(error, ModelError | AssemblyError | TraceError | MissingPackage | MissingProgram | OSError):
         return True
     return isinstance(error, ValueError | KeyError) and type(error) is not KeyError and _said_by_us(error)
 

@@ -24,6 +24,7 @@ from rattle.equations.state import (
     take_states,
 )
 from rattle.jit import layout as at  # fmt: skip
+from rattle.jit.choices import assume, select
 from rattle.jit.functions import call_closed_contacts, call_joint, call_load, compiled, native
 from rattle.language.bytecode import evaluate
 from rattle.language.jets import evaluate_jet
@@ -148,8 +149,7 @@ def residual(m):
     for r in range(rows.shape[0]):
         value = rows[r, at.RES]
         x[place_of[r]] = value
-        if not abs(value) <= largest:  # also catches nan
-            largest = abs(value)
+        largest = select(abs(value) <= largest, largest, abs(value))  # nan stays
     return largest
 
 
@@ -165,8 +165,7 @@ def rate_residual(m):
         for k in range(3):
             value += rows[r, at.AX + k] * body[a, at.VX + k] + rows[r, at.BX + k] * body[b, at.VX + k]
         x[place_of[r]] = value
-        if not abs(value) <= largest:
-            largest = abs(value)
+        largest = select(abs(value) <= largest, largest, abs(value))
     return largest
 
 
@@ -181,7 +180,7 @@ def accelerate(m):
             acceleration[i, k] = weight[i, k] * force[i, k]
     for r in range(rows.shape[0]):
         multiplier[r] = 0.0
-    rounds = 1 if m.power[at.PIVOT_SHARE] > WEAK else 3  # near a singular position the solution is refined
+    rounds = 1 if assume(m.power[at.PIVOT_SHARE] > WEAK) else 3  # near a singular position the solution is refined
     for _ in range(rounds):
         for r in range(rows.shape[0]):
             a, b = row_body[r, at.ROW_A], row_body[r, at.ROW_B]

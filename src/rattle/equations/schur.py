@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.jit import layout as at
+from rattle.jit.choices import assume
 from rattle.jit.functions import compiled, native
 
 PIVOT = 1e-13  # a pivot below this share of its diagonal belongs to a redundant row
@@ -134,7 +135,7 @@ def factorise(m):
     u = 0
     for k in range(nr):
         pivot = s[k]
-        if pivot > PIVOT * inverse[k]:
+        if assume(pivot > PIVOT * inverse[k]):
             weakest = min(weakest, pivot / inverse[k])
             inverse[k] = 1.0 / pivot
             redundant[k] = 0

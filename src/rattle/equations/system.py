@@ -82,9 +82,16 @@ class System:
 
     def workspace(self, also: Iterable[int] = (), **more: np.ndarray) -> Workspace:
         """A new workspace for one run.  also: other joint kernels called.  more: arrays of the time integration."""
+        machine = functions.jit_runs()  # read once: another thread may switch to machine code at any moment
+        return self._workspace(machine, also, more)
+
+    def plain_workspace(self) -> Workspace:
+        """A new workspace for kernels that run as plain Python, whether or not machine code runs."""
+        return self._workspace(False, (), {})
+
+    def _workspace(self, machine: bool, also: Iterable[int], more: Mapping[str, np.ndarray]) -> Workspace:
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
         nc = self.arrays["contact"].shape[0]
-        machine = functions.jit_runs()  # read once: another thread may switch to machine code at any moment
         memory = np.zeros((nc, at.width("contact_memory")))
         memory[:, at.CLOSED] = at.AUTO
         body = np.zeros((nb, at.width("body")))

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 
+from rattle.jit.choices import select
 from rattle.jit.functions import compiled, native
 
 # operands, then functions of one operand, of two, and choices: the loops rely on this order
@@ -203,13 +204,13 @@ def evaluate(code, const, first, last, t, body, signals, stack):
         else:
             top -= 3
             side = code[row, SIDE]
-            s = stack[top] - stack[top + 1]
-            taken = top + 2 if holds(op, stack[top], stack[top + 1]) else top + 3
+            value = select(holds(op, stack[top], stack[top + 1]), stack[top + 2], stack[top + 3])
             if side != 0:
+                s = stack[top] - stack[top + 1]
                 far = top + 2 if (side < 0) == (op <= AT_MOST) else top + 3
                 if s != 0.0 or abs(stack[far]) < INF:
-                    taken = far
+                    value = stack[far]
                 if s * side < 0.0:
                     code[row, CROSSED] = 1
-            stack[top] = stack[taken]
+            stack[top] = value
     return float(stack[0])

@@ -12,6 +12,7 @@ Source: Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), ch. 13 (Ta
 
 from __future__ import annotations
 
+from rattle.jit.choices import select
 from rattle.jit.functions import compiled
 from rattle.language.bytecode import (
     ABS,
@@ -79,7 +80,7 @@ def slopes(op, x, f):
     if op == SQUARE:
         return 2.0 * x, 2.0
     if op == ABS:
-        return (1.0 if x >= 0.0 else -1.0), 0.0
+        return select(x >= 0.0, 1.0, -1.0), 0.0
     if op in (SIGN, STEP):
         return 0.0, 0.0
     if op == SQRT:
@@ -88,7 +89,7 @@ def slopes(op, x, f):
     if op == EXP:
         return f, f
     if op == LOG:
-        f1 = quotient(1.0, x) if x >= 0.0 else NAN
+        f1 = select(x >= 0.0, quotient(1.0, x), NAN)
         return f1, -f1 * f1
     if op == SIN:
         return unary(COS, x), -f
@@ -127,12 +128,9 @@ def unary_jet(op, side, x, dx, ddx):
 def power_jet(x, dx, ddx, y, dy, ddy, z):
     """First and second time derivative [1/s, 1/s^2] of z = x ** y."""
     if dy == 0.0 and ddy == 0.0:
-        if x != 0.0:
-            z1 = quotient(y * z, x)
-            z2 = quotient((y - 1.0) * z1, x)
-        else:
-            z1 = y * power(x, y - 1.0) if y != 0.0 else 0.0
-            z2 = y * (y - 1.0) * power(x, y - 2.0) if y != 0.0 and y != 1.0 else 0.0
+        z1 = select(x != 0.0, quotient(y * z, x), select(y != 0.0, y * power(x, y - 1.0), 0.0))
+        bent = select((y != 0.0) & (y != 1.0), y * (y - 1.0) * power(x, y - 2.0), 0.0)
+        z2 = select(x != 0.0, quotient((y - 1.0) * z1, x), bent)
         return z1 * dx, z2 * dx * dx + z1 * ddx
     # z = exp(y log x)
     log_x = unary(LOG, x)
@@ -176,12 +174,10 @@ def binary_jet(op, side, x, dx, ddx, y, dy, ddy):
     elif op == HYPOT:
         dz = quotient(x * dx + y * dy, z)
         ddz = quotient(dx * dx + x * ddx + dy * dy + y * ddy - dz * dz, z)
-    elif (x <= y) == (op == MIN) or (x == y):  # MIN or MAX
-        dz = dx
-        ddz = ddx
-    else:
-        dz = dy
-        ddz = ddy
+    else:  # MIN or MAX
+        first = (x <= y) if op == MIN else (x >= y) | (x != x)
+        dz = select(first, dx, dy)
+        ddz = select(first, ddx, ddy)
     return z, dz, ddz
 
 
@@ -237,12 +233,15 @@ def evaluate_jet(code, const, first, last, t, jets, stack, out):
                     float(stack[top, 1]) - float(stack[top + 1, 1]),
                     float(stack[top, 2]) - float(stack[top + 1, 2]),
                 )
-            taken = top + 2 if holds(op, stack[top, 0], stack[top + 1, 0]) else top + 3
+            taken, yes = -1, holds(op, stack[top, 0], stack[top + 1, 0])
             if side != 0:
-                far = top + 2 if (side < 0) == (op <= AT_MOST) else top + 3
-                if s != 0.0 or abs(stack[far, 0]) + abs(stack[far, 1]) + abs(stack[far, 2]) < INF:
-                    taken = far
+                taken = top + 2 if (side < 0) == (op <= AT_MOST) else top + 3
+                if s == 0.0 and not abs(stack[taken, 0]) + abs(stack[taken, 1]) + abs(stack[taken, 2]) < INF:
+                    taken = -1
             for n in range(3):
-                stack[top, n] = stack[taken, n]
+                if taken >= 0:
+                    stack[top, n] = stack[taken, n]
+                else:
+                    stack[top, n] = select(yes, stack[top + 2, n], stack[top + 3, n])
     for n in range(3):
         out[n] = stack[0, n]

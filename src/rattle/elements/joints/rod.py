@@ -14,6 +14,7 @@ from collections.abc import Mapping
 
 from rattle.elements.joints import JointKind
 from rattle.jit import layout as at
+from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
 from rattle.registry import Field, kind
@@ -26,8 +27,9 @@ def rod(body, a, b, p, k, row, rows):
     wa, wb = body[a, at.W], body[b, at.W]
     d = math.sqrt(dx * dx + dy * dy)
     # coincident ends have no direction: any one does, and the residual -L then moves them apart
-    inv = 1.0 / d if d > 1e-150 else 0.0
-    nx = dx * inv if d > 1e-150 else 1.0
+    apart = assume(d > 1e-150)
+    inv = 1.0 / d if apart else 0.0
+    nx = dx * inv if apart else 1.0
     ny = dy * inv
     slip = nx * ddy - ny * ddx
 

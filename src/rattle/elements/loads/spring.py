@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from rattle.jit import layout as at
+from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
 from rattle.registry import Field, kind
@@ -19,7 +20,7 @@ def spring(t, body, a, b, p, k, force, energy):
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     stiffness, free_length, damping = p[k + 4], p[k + 5], p[k + 6]
     length = math.sqrt(dx * dx + dy * dy)
-    inv = 1.0 / length if length > 1e-150 else 0.0  # coincident ends: no direction, no force
+    inv = 1.0 / length if assume(length > 1e-150) else 0.0  # coincident ends: no direction, no force
     nx, ny = dx * inv, dy * inv
     rate = nx * ddx + ny * ddy
     stretch = length - free_length

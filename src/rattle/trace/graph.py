@@ -1,0 +1,356 @@
+"""Operations as a graph: what a calculation does, recorded by running it once on symbols.
+
+A `Symbol` stands for one number of the calculation.  Arithmetic with symbols adds operations to its `Graph`; equal
+operations are shared, and exact ones on numbers alone are folded.  Operations are exact as IEEE 754 says (+ - * /,
+square root, floor, comparisons, choices, exponents) or functions (sin, exp ...), which `elementary.lower` takes apart
+into exact operations.  So every target computes the same bits: nothing is reassociated and nothing contracted.
+
+A symbol has no truth value: a calculation that branches on one cannot be recorded, and says where it does.
+Zero times a symbol is folded to zero, as if the symbol were finite.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rattle.errors import TraceError
+
+# exact operations: number of operands
+EXACT = {
+    "add": 2, "sub": 2, "mul": 2, "div": 2, "neg": 1, "abs": 1, "sqrt": 1, "floor": 1,
+    "less": 2, "at_most": 2, "equal": 2, "both": 2, "either": 2, "not": 1, "select": 3,
+    "power_of_two": 1, "exponent": 1, "mantissa": 1,
+}  # fmt: skip
+# functions, see `elementary`
+FUNCTIONS = {
+    "sin": 1, "cos": 1, "tan": 1, "exp": 1, "log": 1, "asin": 1, "acos": 1, "atan": 1, "tanh": 1,
+    "atan2": 2, "hypot": 2, "pow": 2, "copysign": 2,
+}  # fmt: skip
+FLAGS = frozenset(("less", "at_most", "equal", "both", "either", "not"))  # their results are true or false
+COMMUTE = frozenset(("add", "mul", "equal", "both", "either"))
+ROUND = 6755399441055744.0  # 1.5 * 2^52: added to |x| < 2^51 it leaves the nearest integer in the lowest bits
+
+
+class Symbol:
+    """One number (or flag) of a recorded calculation: operation number `place` of its graph."""
+
+    __slots__ = ("graph", "place")
+    __array_priority__ = 1000.0  # numbers of NumPy leave the operation to the symbol
+
+    def __init__(self, graph: Graph, place: int) -> None:
+        self.graph, self.place = graph, place
+
+    @property
+    def op(self) -> str:
+        """Name of the operation."""
+        return self.graph.ops[self.place]
+
+    def __bool__(self) -> bool:
+        raise TraceError(f"{_where()}: a branch on a value that is not known when the trace is made; write select(...)")
+
+    def __float__(self) -> float:
+        raise TraceError(f"{_where()}: expected a number, but its value is not known when the trace is made")
+
+    __int__ = __index__ = __float__  # all three refuse
+
+    def __repr__(self) -> str:
+        return f"<Symbol {self.place}: {self.op}>"
+
+    def __add__(self, other: Any) -> Any:
+        return self.graph.apply("add", self, other)
+
+    def __radd__(self, other: Any) -> Any:
+        return self.graph.apply("add", other, self)
+
+    def __sub__(self, other: Any) -> Any:
+        return self.graph.apply("sub", self, other)
+
+    def __rsub__(self, other: Any) -> Any:
+        return self.graph.apply("sub", other, self)
+
+    def __mul__(self, other: Any) -> Any:
+        return self.graph.apply("mul", self, other)
+
+    def __rmul__(self, other: Any) -> Any:
+        return self.graph.apply("mul", other, self)
+
+    def __truediv__(self, other: Any) -> Any:
+        return self.graph.apply("div", self, other)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return self.graph.apply("div", other, self)
+
+    def __neg__(self) -> Any:
+        return self.graph.apply("neg", self)
+
+    def __pos__(self) -> Any:
+        return self
+
+    def __abs__(self) -> Any:
+        return self.graph.apply("abs", self)
+
+    def __pow__(self, other: Any) -> Any:
+        if isinstance(other, int) and 0 < other <= 4:
+            product: Any = self
+            for _ in range(other - 1):
+                product = product * self
+            return product
+        return self.graph.apply("pow", self, other)
+
+    def __rpow__(self, other: Any) -> Any:
+        return self.graph.apply("pow", other, self)
+
+    def __mod__(self, other: Any) -> Any:
+        return self - other * self.graph.apply("floor", self / other)
+
+    def __lt__(self, other: Any) -> Any:
+        return self.graph.apply("less", self, other)
+
+    def __le__(self, other: Any) -> Any:
+        return self.graph.apply("at_most", self, other)
+
+    def __gt__(self, other: Any) -> Any:
+        return self.graph.apply("less", other, self)
+
+    def __ge__(self, other: Any) -> Any:
+        return self.graph.apply("at_most", other, self)
+
+    def __and__(self, other: Any) -> Any:
+        return self.graph.apply("both", self, other)
+
+    def __rand__(self, other: Any) -> Any:
+        return self.graph.apply("both", other, self)
+
+    def __or__(self, other: Any) -> Any:
+        return self.graph.apply("either", self, other)
+
+    def __ror__(self, other: Any) -> Any:
+        return self.graph.apply("either", other, self)
+
+    def __invert__(self) -> Any:
+        return self.graph.apply("not", self)
+
+    def __eq__(self, other: Any) -> Any:
+        return self.graph.apply("equal", self, other)
+
+    def __ne__(self, other: Any) -> Any:
+        return self.graph.apply("not", self.graph.apply("equal", self, other))
+
+    __hash__ = None  # type: ignore[assignment]  # places are what dictionaries hold
+
+
+def select(condition: Any, yes: Any, no: Any) -> Any:
+    """`yes` where the condition holds, `no` elsewhere; both are computed."""
+    if isinstance(condition, Symbol):
+        return condition.graph.apply("select", condition, yes, no)
+    return yes if condition else no
+
+
+class Graph:
+    """A recorded calculation: operations in an order in which they can be done."""
+
+    def __init__(self) -> None:
+        self.ops: list[str] = []
+        self.operands: list[tuple[int, ...]] = []
+        self.numbers: dict[int, float] = {}  # of the operations that are numbers
+        self.inputs: list[int] = []  # places of the inputs, in order
+        self._known: dict[Any, int] = {}
+
+    def __len__(self) -> int:
+        return len(self.ops)
+
+    def input(self) -> Symbol:
+        """A new input."""
+        place = self._put("input", ())
+        self.inputs.append(place)
+        return Symbol(self, place)
+
+    def _put(self, op: str, operands: tuple[int, ...]) -> int:
+        self.ops.append(op)
+        self.operands.append(operands)
+        return len(self.ops) - 1
+
+    def number(self, value: float) -> int:
+        """Place of a number; -0.0 and 0.0 are two, all nan are one."""
+        value = float(value)
+        key = ("number", value, math.copysign(1.0, value)) if value == value else ("number", "nan")
+        place = self._known.get(key)
+        if place is None:
+            place = self._known[key] = self._put("number", ())
+            self.numbers[place] = value
+        return place
+
+    def place(self, x: Any) -> int:
+        """Place of a symbol or number."""
+        if isinstance(x, Symbol):
+            if x.graph is not self:
+                raise TraceError("symbols of two traces were mixed")
+            return x.place
+        return self.number(x)
+
+    def apply(self, op: str, *given: Any) -> Any:
+        """The result of an operation: a number if it is known, the operand it leaves as it is, or a symbol."""
+        given = tuple(self.numbers.get(x.place, x) if isinstance(x, Symbol) else x for x in given)
+        if op in EXACT and not any(isinstance(x, Symbol) for x in given):
+            return fold(op, *given)
+        simple = _simplify(self, op, given)
+        if simple is not None:
+            return simple
+        places = tuple(self.place(x) for x in given)
+        if op in COMMUTE and places[0] > places[1]:
+            places = places[::-1]
+        key = (op, places)
+        place = self._known.get(key)
+        if place is None:
+            place = self._known[key] = self._put(op, places)
+        return Symbol(self, place)
+
+    def live(self, outputs: Iterable[Any]) -> list[int]:
+        """Places that the outputs depend on, in order; inputs among them only if they are used."""
+        seen: set[int] = set()
+        ahead = [self.place(x) for x in outputs]
+        while ahead:
+            place = ahead.pop()
+            if place not in seen:
+                seen.add(place)
+                ahead += self.operands[place]
+        return sorted(seen)
+
+    def count(self, outputs: Iterable[Any]) -> int:
+        """Number of operations that the outputs take."""
+        return sum(self.ops[place] not in ("input", "number") for place in self.live(outputs))
+
+    def evaluate(self, outputs: Sequence[Any], inputs: Any) -> np.ndarray:
+        """Outputs (n_out, n) for inputs (n_in, n), by NumPy: the reference for every target; flags are 0 or 1.
+
+        The graph must be of exact operations alone, see `elementary.lower`.
+        """
+        given = np.asarray(inputs, dtype=float)
+        if given.ndim != 2 or given.shape[0] != len(self.inputs):
+            raise ValueError(f"inputs: an array ({len(self.inputs)}, n) expected, not {given.shape}")
+        rank = {place: n for n, place in enumerate(self.inputs)}
+        values: dict[int, Any] = {}
+        with np.errstate(all="ignore"):
+            for place in self.live(outputs):
+                op = self.ops[place]
+                if op == "input":
+                    values[place] = given[rank[place]]
+                elif op == "number":
+                    values[place] = np.float64(self.numbers[place])
+                else:
+                    values[place] = NUMPY[op](*(values[k] for k in self.operands[place]))
+        result = np.empty((len(outputs), given.shape[1]))
+        for n, x in enumerate(outputs):
+            result[n] = values[self.place(x)]
+        return result
+
+
+def copy_into(graph: Graph, source: Graph, outputs: Sequence[Any], change: Callable[..., Any]) -> list[Any]:
+    """The operations that the outputs need, made anew in another graph with the same inputs; returns the outputs.
+
+    change(graph, op, *operands) makes one operation there.
+    """
+    made: dict[int, Any] = {place: graph.input() for place in source.inputs}
+    for place in source.live(outputs):
+        op = source.ops[place]
+        if op == "number":
+            made[place] = source.numbers[place]
+        elif op != "input":
+            made[place] = change(graph, op, *(made[k] for k in source.operands[place]))
+    return [made[source.place(x)] for x in outputs]
+
+
+# ---------------------------------------------------------------- numbers alone
+def _bits(x: Any) -> Any:
+    return np.asarray(x, dtype=np.float64).view(np.int64)
+
+
+def _power_of_two(n: Any) -> Any:
+    """2^n for a whole n from -1022 to 1023, by its bits."""
+    return ((_bits(np.asarray(n + (ROUND + 1023.0))) & 0xFFF) << 52).view(np.float64)
+
+
+NUMPY: dict[str, Callable[..., Any]] = {
+    "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative, "abs": np.abs,
+    "sqrt": np.sqrt, "floor": np.floor, "less": np.less, "at_most": np.less_equal, "equal": np.equal,
+    "both": np.logical_and, "either": np.logical_or, "not": np.logical_not, "select": np.where,
+    "power_of_two": _power_of_two,
+    "exponent": lambda x: ((_bits(x) >> 52) & 0x7FF).astype(np.float64) - 1023.0,
+    "mantissa": lambda x: ((_bits(x) & 0xFFFFFFFFFFFFF) | 0x3FF0000000000000).view(np.float64),
+}  # fmt: skip
+
+
+def fold(op: str, *given: Any) -> Any:
+    """An exact operation on numbers."""
+    with np.errstate(all="ignore"):
+        result = NUMPY[op](*(x if isinstance(x, bool) else np.float64(x) for x in given))
+    return bool(result) if op in FLAGS else float(result)
+
+
+def _is(x: Any, value: float) -> bool:
+    return not isinstance(x, Symbol) and x == value
+
+
+def _simplify(graph: Graph, op: str, given: tuple[Any, ...]) -> Any:
+    """The result where it takes no operation (or a simpler one), else None."""
+    a, b = given[0], given[1] if len(given) > 1 else None
+    if op == "add":
+        if _is(a, 0.0):
+            return b
+        if _is(b, 0.0):
+            return a
+        for one, other in ((a, b), (b, a)):
+            if isinstance(one, Symbol) and one.op == "neg":
+                return graph.apply("sub", other, Symbol(graph, graph.operands[one.place][0]))
+    elif op == "sub":
+        if _is(b, 0.0):
+            return a
+        if _is(a, 0.0):
+            return graph.apply("neg", b)
+        if isinstance(b, Symbol) and b.op == "neg":
+            return graph.apply("add", a, Symbol(graph, graph.operands[b.place][0]))
+    elif op == "mul":
+        for one, other in ((a, b), (b, a)):
+            if _is(one, 0.0):
+                return 0.0
+            if _is(one, 1.0):
+                return other
+            if _is(one, -1.0):
+                return graph.apply("neg", other)
+    elif op == "div":
+        if _is(b, 1.0):
+            return a
+        if _is(a, 0.0):
+            return 0.0
+    elif (op == "neg" and a.op == "neg") or (op == "not" and a.op == "not"):
+        return Symbol(graph, graph.operands[a.place][0])
+    elif op in ("both", "either"):
+        stays = op == "both"  # True and x is x; False or x is x
+        for one, other in ((a, b), (b, a)):
+            if not isinstance(one, Symbol):
+                return other if bool(one) == stays else not stays
+    elif op == "select":
+        if not isinstance(a, Symbol):
+            return b if a else given[2]
+        if graph.place(b) == graph.place(given[2]):
+            return b
+    return None
+
+
+def _where() -> str:
+    """File, line and text of the calculation that cannot be recorded: the nearest frame outside this room."""
+    frame = sys._getframe(1)
+    here = str(Path(__file__).parent)
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(here):
+        frame = frame.f_back
+    name, line = frame.f_code.co_filename, frame.f_lineno
+    import linecache
+
+    text = linecache.getline(name, line).strip()
+    return f'{Path(name).name}, line {line} ({frame.f_code.co_name}): "{text}"'
