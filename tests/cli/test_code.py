@@ -53,7 +53,7 @@ def test_the_program_moves_as_the_same_method_in_the_package(example, span, step
 def test_the_program_says_what_it_takes_and_where_it_cannot_go_on(tmp_path):
     assert written(tmp_path, "double_pendulum").exit_code == 0
     motion(tmp_path, "0.1")
-    for words in (["-1"], ["0.1", "0"], ["x"]):
+    for words in (["-1"], ["0.1", "0"], ["x"], ["20ms"], ["inf", "inf"], ["0.1", "1e-4", "3"]):
         done = subprocess.run([tmp_path / "model", *words], capture_output=True, text=True, timeout=60)
         assert done.returncode == 2
         assert "t_end" in done.stderr
@@ -80,8 +80,48 @@ def test_what_has_no_straight_line_is_refused_with_the_reason(tmp_path):
 
 
 @pytest.mark.nojit
+@pytest.mark.parametrize("example", ["scotch_yoke", "guide_play", "slider_crank_play", "bouncing_pin", "three_plays"])
+def test_with_its_play_closed_a_mechanism_with_contacts_is_written(example, tmp_path):
+    done = written(tmp_path, example, "--ideal")
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "model.c").stat().st_size > 5_000
+
+
+@pytest.mark.nojit
 def test_the_head_of_the_file_names_every_column_with_its_unit(tmp_path):
     assert written(tmp_path, "slider_crank").exit_code == 0
     text = (tmp_path / "model.c").read_text()
     for name in ("crank.omega [rad/s]", "O.fx [N]", "energy.kinetic [J]", "motor.torque [N*m]"):
         assert f"     {name}\n" in text
+
+
+FREE = """
+format = 1
+[bodies.a]
+points = { P = [0.2, 0] }
+mass = 1
+inertia = 0.1
+[initial]
+a = { vx = 1, omega = 2 }
+[ground.points]
+O = [0, 0]
+[loads.m]
+"""
+
+
+@needs_cc
+@pytest.mark.parametrize(
+    ("load", "times", "why"),
+    [
+        ('type = "torque"\nbody = "a"\ntorque = "sqrt(0.1 - t)"', ["0.2", "0.002"], "no finite value"),
+        ('type = "spring"\nconnect = ["ground.O", "a.P"]\nstiffness = 5e5', ["0.2", "0.002"], "energy error"),
+    ],
+)
+def test_the_program_stops_where_a_run_does(load, times, why, tmp_path):
+    (tmp_path / "free.toml").write_text(FREE + load)
+    assert written(tmp_path, str(tmp_path / "free.toml")).exit_code == 0
+    motion(tmp_path, "0.0001", "0.00001")
+    done = subprocess.run([tmp_path / "model", *times], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    assert why in done.stderr
+    assert "nan" not in done.stdout

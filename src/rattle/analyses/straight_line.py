@@ -87,18 +87,18 @@ def _require_same(system: System, t: float, y: np.ndarray, graph: Graph, made: l
     record.python(workspace, t, y.copy(), row)
     table, _, _ = columns(system, row[None])
     found = graph.evaluate(made, np.concatenate([[t], y])[:, None])[:, 0]
+    if not (found[len(y)] and found[-1]):
+        raise TraceError(
+            "the start is next to a singular position, or points coincide: straight-line code cannot pass it"
+        )
     for name, want, got in (
         ("right-hand side", rate, found[: len(y)]),
         ("result columns", table[0], found[len(y) + 1 : -1]),
     ):
-        if not np.abs(want - got).max() <= SAME * np.abs(want).max():
-            raise TraceError(
-                f"the recorded {name} differ from those of the kernels at the start; this is a fault of rattle"
-            )
-    if not (found[len(y)] and found[-1]):
-        raise TraceError(
-            "the start is a singular position, or points coincide there, which straight-line code cannot pass"
-        )
+        if not np.isfinite(want).all():
+            raise TraceError("a load, driver or signal has no finite value at the start")
+        if not np.abs(want - got).max() <= SAME * max(1e-12, np.abs(want).max()):
+            raise TraceError(f"the recorded {name} differ from the kernels' at the start; this is a fault of rattle")
 
 
 def c_program(made: StraightLine, title: str, t_end: float, step: float) -> str:

@@ -72,6 +72,17 @@ enum {{ NY = {ny}, NO = {no} }};
 static const char *const names[NO] = {{{names}}};
 static const double start[NY] = {{{start}}};
 
+/* stops where a load or driver has no finite value, or the motion diverges */
+static void require_finite(double t, const double *y) {{
+    int i;
+    for (i = 0; i < NY; i++) {{
+        if (!(fabs(y[i]) < INFINITY)) {{
+            fprintf(stderr, "t = %g s: no finite value (a load outside its domain, or a diverging motion)\\n", t);
+            exit(1);
+        }}
+    }}
+}}
+
 /* dy/dt; stops where an assumption of the code does not hold */
 static void rate(double t, const double *y, double *dy) {{
     double in[NY + 1], out[NY + 1];
@@ -79,9 +90,10 @@ static void rate(double t, const double *y, double *dy) {{
     memcpy(in + 1, y, sizeof(double) * NY);
     derivative(in, out);
     if (out[NY] == 0.0) {{
-        fprintf(stderr, "t = %g s: a singular position or coincident points, which this code cannot pass\\n", t);
+        fprintf(stderr, "t = %g s: near a singular position or coincident points, which this code cannot pass\\n", t);
         exit(1);
     }}
+    require_finite(t, out);
     memcpy(dy, out, sizeof(double) * NY);
 }}
 
@@ -104,27 +116,49 @@ static void advance(double t, double h, double *y) {{
         exit(1);
     }}
     memcpy(y, out, sizeof(double) * NY);
+    require_finite(t + h, y);
 }}
 
+/* one line of CSV; stops where the energy error is above 0.1 % of the largest energy: the last columns are kinetic and
+   potential energy, work done, energy dissipated, balance */
 static void print(double t, const double *y) {{
-    double in[NY + 1], out[NO + 1];
+    static double kinetic = 0.0, work = 0.0, lowest = INFINITY, highest = -INFINITY;
+    double in[NY + 1], out[NO + 1], largest, rounding;
     int i;
     in[0] = t;
     memcpy(in + 1, y, sizeof(double) * NY);
     outputs(in, out);
+    kinetic = fmax(kinetic, out[NO - 5]);
+    lowest = fmin(lowest, out[NO - 4]);
+    highest = fmax(highest, out[NO - 4]);
+    work = fmax(work, fabs(out[NO - 3]));
+    largest = fmax(fmax(kinetic, work), highest - lowest);
+    rounding = 1e-12 * (kinetic + work + fmax(fabs(lowest), fabs(highest)));
+    if (out[NO] == 0.0 || !(fabs(out[NO - 1]) <= 1e-3 * largest + rounding)) {{
+        fprintf(stderr, "t = %g s: energy error %g J, above 0.1 %% of the largest energy: choose a shorter step\\n",
+                t, fabs(out[NO - 1]));
+        exit(1);
+    }}
     printf("%.17g", t);
     for (i = 0; i < NO; i++) printf(",%.17g", out[i]);
     printf("\\n");
 }}
 
+/* a time given as a number of seconds, -1 for anything else */
+static double seconds(const char *text) {{
+    char *end;
+    const double value = strtod(text, &end);
+    return end != text && *end == 0 ? value : -1.0;
+}}
+
 /* usage: model [t_end [step]], both in s; CSV in SI units, about {rows} lines */
 int main(int argc, char **argv) {{
-    const double t_end = argc > 1 ? atof(argv[1]) : {t_end};
-    const double longest = argc > 2 ? atof(argv[2]) : {step};
+    const double t_end = argc > 1 ? seconds(argv[1]) : {t_end};
+    const double longest = argc > 2 ? seconds(argv[2]) : {step};
     double y[NY], h;
     long n, k, every;
     int i;
-    if (!(t_end > 0.0) || !(longest > 0.0) || t_end / longest > 1e9) {{
+    if (argc > 3 || !(t_end > 0.0) || !(longest > 0.0) || !(t_end / longest <= 1e9)) {{
         fprintf(stderr, "usage: %s [t_end [step]], both in s and positive, at most 1e9 steps\\n", argv[0]);
         return 2;
     }}
@@ -156,13 +190,14 @@ def program(
     header: lines of the comment on top; start: y at t = 0 [SI]; t_end, step: what the program does when not told [s].
     """
     columns = "\n".join(f"     {name} [{unit or '-'}]" for name, unit in zip(names, units, strict=True))
-    comment = "\n   ".join(header).replace("*/", "* /")
+    comment = "\n   ".join(header).replace("*/", "* /").replace("/*", "/ *")
     top = f"""/* {comment}
 
    cc -std=c99 -O2 model.c -lm && ./a.out [t_end [step]]
 
    The functions take t [s], then the state y [SI]: positions x, y, angle of every body in turn, their rates, work done
-   and energy dissipated.  The last number that each returns is 1 where it can be trusted, 0 where it cannot.
+   and energy dissipated.  The last number that each returns is 0 where it holds for no reason:
+   next to a singular position, or where points coincide.
    Result columns:
 {columns}
 */

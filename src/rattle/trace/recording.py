@@ -72,16 +72,18 @@ class Recorder:
             )
             for name in _names(function.__code__):
                 if name in function.__globals__:
-                    names[name] = self._stand_in(function.__globals__[name])
+                    names[name] = self._stand_in(function.__globals__[name], function.__module__)
         return made
 
-    def _stand_in(self, thing: Any) -> Any:
+    def _stand_in(self, thing: Any, module: str) -> Any:
         if thing is math:
             return self._math
         if thing is np:
             return _arrays(self.graph)
         if isinstance(thing, KernelFunction):
             return self.recorded(thing.python)
+        if isinstance(thing, FunctionType) and thing.__module__ == module:
+            return self.recorded(thing)
         return thing
 
     def workspace(self, system: System) -> SimpleNamespace:
@@ -140,6 +142,10 @@ class Column:
 
     def __getitem__(self, part: slice) -> Column:
         return Column(self.values[part])
+
+    def clip(self, low: float, high: float) -> Column:
+        """Values outside of the bounds become the bounds."""
+        return self.each(lambda x: select(x < low, low, select(x > high, high, x)), self)
 
     def __neg__(self) -> Column:
         return self.each(operator.neg, self)

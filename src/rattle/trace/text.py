@@ -1,4 +1,4 @@
-"""Straight-line code as text: one exact operation per statement, so that no compiler joins two roundings into one."""
+"""Straight-line code as text: one exact operation per statement; compilers that keep to IEEE 754 give the same bits."""
 
 from __future__ import annotations
 

@@ -105,7 +105,8 @@ class PinInSlot(ClearanceKind):
     def play_along(fields: Mapping[str, float], along: np.ndarray) -> np.ndarray:
         """The part (n,) [m] of the displacement beyond the centres of the ends."""
         half = 0.5 * fields["length"]
-        return np.asarray(along - np.clip(along, -half, half))
+        outside: np.ndarray = along - along.clip(-half, half)
+        return outside
 
     @staticmethod
     def displaced(fields: Mapping[str, float], e: np.ndarray) -> tuple[float, float, Mapping[str, float]]:
