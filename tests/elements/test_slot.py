@@ -340,3 +340,19 @@ def test_slot_is_compared_saved_and_drawn_with_its_walls_and_its_pin(tmp_path):
     (pin,) = [one for one in outlines if np.ptp(one[:, 1]) < 0.02]
     assert np.ptp(pin, axis=0).max() == pytest.approx(2 * (5e-3 - 1e-4), rel=0.02)  # a polygon
     plt.close(figure)
+
+
+def test_a_slot_without_contacts_says_where_the_pin_leaves_it():
+    """The pin of the yoke goes to +-50 mm; the slot is 60 mm long between the centres of its ends."""
+    run = scotch_yoke(with_play(length=0.06)).simulate(0.06)
+    (note,) = [one for one in run.trust.notes if "beyond its ends" in one]
+    assert "joint 'slot' goes beyond its ends, by up to 0.02 m" in note
+    first = float(note.split("t = ")[1].split(" s")[0])
+    assert first == pytest.approx(math.asin(0.6) / 100, abs=1e-4)
+    assert not [one for one in scotch_yoke(with_play(length=0.12)).simulate(0.06).trust.notes if "ends" in one]
+
+
+def test_an_equilibrium_says_that_the_ends_of_a_slot_are_left_out():
+    found = scotch_yoke(with_play(length=0.06)).equilibrium()
+    assert "the ends of 'slot' and the play there are left out" in found.note
+    assert "ends" not in scotch_yoke().equilibrium().note

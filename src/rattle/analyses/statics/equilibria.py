@@ -26,6 +26,7 @@ from rattle.analyses.kinematics.sweep import begin
 from rattle.analyses.statics.balance import MOST_TURN, Found, StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
 from rattle.analyses.statics.starts import Turning, along, apart, around, opened, sides
+from rattle.analyses.travel import left_out
 from rattle.description.model import Contact
 from rattle.elements.custom import load_law
 from rattle.equations.closure import merit_at
@@ -61,6 +62,7 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
         raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
     functions.start()
     load_law.forget()
+    ends = left_out(system.model)
     system = without_guide_play(system)
     rigid = rigid_model(system)
     ideal_system = compile_system(ideal_model(system.model)) if rigid is not None else system
@@ -71,7 +73,7 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
     found = problem.describe(search.found)
     if rigid is None:
         return Equilibria(
-            _sorted(found, start), search.starts, search.stopped, search.extent, effort, problem.undefined
+            _sorted(found, start), search.starts, search.stopped, search.extent, effort, problem.undefined, ends
         )
     play = StaticProblem(rigid, t)
     partners = Search(play, 0.5 * effort)
@@ -85,7 +87,7 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
     stopped = search.stopped or partners.stopped
     extent = f"without play {search.extent}; every pin was put on either side of its bush" if search.extent else ""
     starts, undefined = search.starts + partners.starts, problem.undefined or play.undefined
-    return Equilibria(_sorted(pressing, reference), starts, stopped, extent, effort, undefined)
+    return Equilibria(_sorted(pressing, reference), starts, stopped, extent, effort, undefined, ends)
 
 
 def _height(one: Equilibrium) -> tuple[bool, float]:

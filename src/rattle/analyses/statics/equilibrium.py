@@ -137,9 +137,10 @@ class Equilibria(list[Equilibrium]):
 
     def __init__(
         self, found: Iterable[Equilibrium], starts: int, stopped: bool, extent: str = "", effort: float = 1.0,
-        undefined: str = "",
+        undefined: str = "", left_out: str = "",
     ) -> None:  # fmt: skip
         super().__init__(found)
+        self.left_out = left_out  # what of the model an equilibrium does not contain; "" if it contains all
         self.starts = starts  # number of starts of the search
         self.stopped = stopped  # True: the work was used up before the search was complete
         self.undefined = undefined  # what had no finite value during the search, and why; "" if all had
@@ -147,11 +148,12 @@ class Equilibria(list[Equilibrium]):
 
     @property
     def note(self) -> str:
-        """Note on the completeness of the list; "" if the search was not cut short.
+        """Note on the completeness of the list and on what it leaves out; "" if there is nothing to say.
 
         If no equilibrium or no forces were found because a load or an expression has no finite value: which, and why.
         """
         lacking = self.undefined if not self or any(math.isnan(one.residual) for one in self) else ""
+        lacking = "; ".join(part for part in (lacking, self.left_out) if part)
         if not self.stopped:
             return lacking
         larger = min(max(1.0, MORE * self._effort), MOST_EFFORT)
