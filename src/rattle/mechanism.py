@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rattle.analyses.check import Check
     from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
     from rattle.analyses.statics.modes import Modes
+    from rattle.analyses.straight_line.recorded_model import RecordedModel
     from rattle.equations.system import System
     from rattle.results.result import Result
     from rattle.studies.bifurcation import Bifurcation
@@ -82,6 +83,15 @@ class Mechanism(WrittenModel):
         from rattle.analyses.assembly.assembly import assemble
 
         return assemble(self.system)
+
+    def recorded(self, parameters: Sequence[str] = ()) -> RecordedModel:
+        """The model as a graph whose inputs are time, state and these parameters.
+
+        Raises TraceError, with the reason, if it has contacts or cannot be recorded; UnknownName.
+        """
+        from rattle.analyses.straight_line.recorded_model import record_model
+
+        return record_model(self._document, self.system, self.start, parameters)
 
     # ------------------------------------------------------------ analyses
     def check(self) -> Check:

@@ -227,4 +227,4 @@ def driven_ends(model: Model, driver: Driver) -> tuple[Point, Point, tuple[float
 
 def before_function(joint: Joint, driver: registry.Kind) -> tuple[float, ...]:
     """Numbers of a joint that the kernel of its driver takes before the function: the direction of its line [rad]."""
-    return (joint.line or 0.0,) if driver.leaf.along_line else ()
+    return (0.0 if joint.line is None else joint.line,) if driver.leaf.along_line else ()

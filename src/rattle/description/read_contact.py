@@ -76,7 +76,7 @@ def _radius(
                 path, f"needs bush_radius in m: {needed} depends on it (pin radius = bush_radius - clearance)"
             )
         return 0.0
-    radius = float(reader.values.value(table["bush_radius"], "m", (*path, "bush_radius"), "positive"))
+    radius: float = reader.values.value(table["bush_radius"], "m", (*path, "bush_radius"), "positive")
     if not math.isnan(radius) and not radius > clearance:
         reader.values.wrong((*path, "bush_radius"), f"must be larger than the clearance of {clearance:g} m")
     return radius

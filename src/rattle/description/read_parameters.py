@@ -35,7 +35,7 @@ def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Pa
     for name, (given, path) in written.items():
         quantity = _quantity(values, given, path)
         if isinstance(quantity, tuple):
-            values.constants[name], values.dimensions[name] = quantity
+            values.set_constant(name, *quantity)
         elif quantity is not None:
             dependent[name] = quantity
         else:
@@ -71,7 +71,7 @@ def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, 
         if number is None:
             values.broken.add(name)
         else:
-            values.constants[name], values.dimensions[name] = number, values.dimension(node)
+            values.set_constant(name, number, values.dimension(node))
 
 
 def _parameter(values: Values, name: str, given: Any) -> Parameter:

@@ -65,9 +65,9 @@ class Parts(FieldReader):
                 values.wrong(path, "needs an inertia about its mass centre in kg*m^2 (only a bar has a default)")
         self.bodies[name] = Body(name, mass, inertia, points, bar)
 
-    def _needed(self, given: Mapping[str, Any], key: str, unit: str, path: Path, otherwise: str) -> float:
+    def _needed(self, given: Mapping[str, Any], key: str, unit: str, path: Path, otherwise: str) -> Any:
         if key in given:
-            return float(self.values.value(given[key], unit, (*path, key), "positive"))
+            return self.values.value(given[key], unit, (*path, key), "positive")
         self.values.wrong(path, otherwise)
         return math.nan
 
@@ -158,7 +158,7 @@ class Parts(FieldReader):
         """The lengths [m] in a table of dimensions of a joint with clearance."""
         table = self.values.table(given, path)
         self.values.keys(table, wanted, path)
-        return tuple(float(self.field(one, key, table, {}, path)) for key, one in wanted.items())
+        return tuple(self.field(one, key, table, {}, path) for key, one in wanted.items())
 
     def _contact(self, given: Mapping[str, Any], joint: str, clearance: float, path: Path) -> Contact | None:
         here: Path = (*path, "contact") if "contact" in given else path

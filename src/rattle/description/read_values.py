@@ -32,6 +32,7 @@ from rattle.language.units import (
 )
 
 Path = tuple[str | int, ...]
+Chosen = Callable[[float], float]  # makes of the value of a parameter [SI] the number that stands for it
 
 MOST_CHARACTERS = 600_000  # of all expressions of a model, at most: two seconds of reading
 LONGEST_CYCLE = 10  # names that a message shows, at most
@@ -49,7 +50,8 @@ class Values:
     A reading method that finds a problem adds it to the list and returns nan (or None), so that reading continues.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, chosen: Mapping[str, Chosen] | None = None) -> None:
+        self.chosen = chosen or {}
         self.problems: list[Problem] = []
         self.remarks: list[str] = []  # on values that may be mistakes
         self.characters = 0  # of the expressions read so far
@@ -63,6 +65,11 @@ class Values:
         self.problems.append(Problem(path, message, at_key, column))
         if len(self.problems) >= MOST:
             raise TooManyProblems
+
+    def set_constant(self, name: str, number: float, dimension: Dimension | None) -> None:
+        """Enter a parameter with its value [SI]."""
+        self.constants[name] = self.chosen[name](number) if name in self.chosen else number
+        self.dimensions[name] = dimension
 
     # ------------------------------------------------------------ tables and names
     def table(self, given: Any, path: Path) -> Mapping[str, Any]:
@@ -193,7 +200,7 @@ class Values:
                 path, f"{said(given)} must {'' if least == 'positive' else 'not '}be {least.removeprefix('not ')}"
             )
             return math.nan
-        if unit == "rad" and abs(number) > 2.0 * math.pi and _is_bare(given):
+        if unit == "rad" and abs(float(number)) > 2.0 * math.pi and _is_bare(given):
             key = ".".join(str(part) for part in path)
             self.remarks.append(f'{key} = {number:g} is {number:g} rad; write "{number:g} deg" if degrees are meant')
         return number

@@ -9,7 +9,7 @@ from rattle import registry
 from rattle.description.model import Driver, Initial, Model, Settings, Vector
 from rattle.description.read_parameters import read_parameters, read_signals
 from rattle.description.read_parts import Parts
-from rattle.description.read_values import Path, TooManyProblems, Values, said
+from rattle.description.read_values import Chosen, Path, TooManyProblems, Values, said
 from rattle.errors import ModelError, shown, suggest
 from rattle.language.expression import Node, names
 from rattle.language.units import dimension_of
@@ -24,12 +24,13 @@ TABLES = (
 DEEPEST = 10  # nested tables and lists
 
 
-def read(document: Mapping[str, Any], file: str = "") -> Model:
+def read(document: Mapping[str, Any], file: str = "", chosen: Mapping[str, Chosen] | None = None) -> Model:
     """Check a document and turn it into a `Model`.
 
+    chosen: what stands for the values of some parameters, such as numbers that record what is computed with them.
     Raises ModelError with all problems, in the order of the document's tables.
     """
-    values = Values()
+    values = Values(chosen)
     model = None
     try:
         if _is_plain(document, values):

@@ -15,6 +15,7 @@ from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.language.expression import Node, compile_program, concatenate
+from rattle.language.recorded import array_of
 from rattle.language.switching import Signals, Switch, find_switches
 
 # families of kernels that contacts call, and the columns of `contact` that name them
@@ -209,18 +210,18 @@ def compile_system(model: Model) -> System:
     ends = [*(entry[4] for entry in joint[1:]), len(rows)]
     blocks = [range(entry[4], end) for entry, end in zip(joint, ends, strict=False) if end > entry[4]]
     pattern = schur.analyse(row_body, blocks)
-    mass = np.array([[0.0] * 3] + [[one.mass, one.mass, one.inertia] for one in model.bodies.values()])
+    mass = array_of([[0.0] * 3] + [[one.mass, one.mass, one.inertia] for one in model.bodies.values()])
     weight = np.zeros_like(mass)
     weight[1:] = 1.0 / mass[1:]
     arrays = {
         "mass": mass,
         "weight": weight,
-        "gravity": np.array(model.gravity, dtype=float),
+        "gravity": array_of(model.gravity),
         "joint": _table(joint, at.width("joint")),
         "load": _table(load, at.width("load")),
         "contact": _table(contact, at.width("contact")),
-        "lever": np.array(lever, dtype=float).reshape(-1, 4),
-        "values": np.array(values, dtype=float),
+        "lever": array_of(lever).reshape(-1, 4),
+        "values": array_of(values),
         "code": code,
         "const": const,
         "jet": _table([(first[n], first[n + 1], slot) for n, slot in jets], 3),
@@ -321,7 +322,7 @@ def _loads(
         start, before = len(values), len(live)
         for n, value in enumerate(one.values):
             if isinstance(value, float | int):
-                values.append(float(value))
+                values.append(value)
             else:
                 live.append((programs.add(value, f"loads.{name} (value {n + 1})"), len(values)))
                 values.append(0.0)
@@ -337,7 +338,7 @@ def _switches(
     names = programs.names
     rows = [(int(first[n]), int(first[n + 1]), k) for k, n in enumerate(signals)]
     used = [(int(first[n]), int(first[n + 1]), names[n], n in drivers) for n in (*drivers, *live)]
-    return find_switches(Signals(code, const, rows, [names[n] for n in signals]), used)
+    return find_switches(Signals(code, const.astype(float), rows, [names[n] for n in signals]), used)
 
 
 def _needed_by_drivers(programs: _Programs, jets: Sequence[int], signals: Sequence[int]) -> list[int]:
@@ -359,5 +360,6 @@ def _table(entries: Sequence[Sequence[int]], width: int) -> np.ndarray:
 def _size(model: Model) -> float:
     """Largest distance [m] of a point from its body's mass centre, or of a ground point from the origin; 1 if none."""
     points = [p for body in model.bodies.values() for p in body.points.values()] + list(model.ground.values())
-    lengths = [abs(x) + abs(y) for x, y in points] + [one.distance for one in model.joints.values()]
+    lengths = [abs(float(x)) + abs(float(y)) for x, y in points]
+    lengths += [float(one.distance) for one in model.joints.values()]
     return max([*lengths, 0.0]) or 1.0

@@ -16,6 +16,7 @@ import numpy as np
 
 from rattle.errors import suggest
 from rattle.language import bytecode
+from rattle.language.recorded import Recorded, array_of, operate
 from rattle.language.syntax import (
     FUNCTIONS,
     RESERVED,
@@ -179,13 +180,12 @@ def concatenate(parts: Sequence[Program]) -> tuple[np.ndarray, np.ndarray, np.nd
     first = np.zeros(len(parts) + 1, dtype=np.int64)
     first[1:] = np.cumsum([len(part.code) for part in parts])
     code = np.zeros((int(first[-1]), 4), dtype=np.int64)
-    const = np.zeros(sum(len(part.const) for part in parts))
+    const = array_of([number for part in parts for number in part.const])
     offset = 0
     for part, start in zip(parts, first, strict=False):
         rows = code[start : start + len(part.code)]
         rows[:] = part.code
         rows[rows[:, 0] == bytecode.CONST, 1] += offset
-        const[offset : offset + len(part.const)] = part.const
         offset += len(part.const)
     return code, const, first, max((part.depth for part in parts), default=1)
 
@@ -223,7 +223,7 @@ class _Assembler:
         code[:, :2] = self.code
         return Program(
             code=code,
-            const=np.array(self.const, dtype=np.float64),
+            const=array_of(self.const),
             depth=self.depth,
             uses_state=bool((code[:, 0] == bytecode.STATE).any()),
             uses_time=bool((code[:, 0] == bytecode.TIME).any()),
@@ -232,7 +232,7 @@ class _Assembler:
 
     def constant(self, number: float, column: int) -> None:
         self.code.append((bytecode.CONST, len(self.const)))
-        self.const.append(float(number))
+        self.const.append(number if isinstance(number, Recorded) else float(number))
         self.columns.append(column)
         self.folded.append(True)
 
@@ -272,7 +272,7 @@ class _Assembler:
 def _fold(op: int, given: list[float]) -> float:
     """Value of one operation on constants, computed by the functions that the kernels use."""
     if len(given) == 1:
-        return float(bytecode.unary.python(op, *given))
+        return operate(op, float(bytecode.unary.python(op, *map(float, given))), *given)
     if len(given) == 2:
-        return float(bytecode.binary.python(op, *given))
+        return operate(op, float(bytecode.binary.python(op, *map(float, given))), *given)
     return given[2] if bytecode.holds.python(op, *given[:2]) else given[3]

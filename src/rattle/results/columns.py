@@ -133,7 +133,7 @@ def _play(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The play in an offset (n,) [m] from a line: its component across, and along it only what the ends leave."""
     turned = 0.0 if joint.a.body == "ground" else raw[:, at.PER_BODY * system.bodies.index(joint.a.body) + at.PLACE + 2]
-    axis = turned + (joint.line or 0.0)
+    axis = turned + (0.0 if joint.line is None else joint.line)
     along = ex * np.cos(axis) + ey * np.sin(axis)
     along = along - joint.play.play_along(joint.fields, along)
     return ex - along * np.cos(axis), ey - along * np.sin(axis)

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from rattle.errors import TraceError
+from rattle.language.recorded import Recorded, symbol_of
 
 # exact operations: number of operands
 EXACT = {
@@ -152,6 +153,14 @@ def select(condition: Any, yes: Any, no: Any) -> Any:
     return yes if condition else no
 
 
+def both(graph: Graph, flags: Iterable[Any]) -> Any:
+    """A flag: all of these are true."""
+    result: Any = True
+    for one in flags:
+        result = graph.apply("both", result, one)
+    return result
+
+
 class Graph:
     """A recorded calculation: operations in an order in which they can be done."""
 
@@ -188,6 +197,8 @@ class Graph:
 
     def place(self, x: Any) -> int:
         """Place of a symbol or number."""
+        if isinstance(x, Recorded):
+            x = symbol_of(x)
         if isinstance(x, Symbol):
             if x.graph is not self:
                 raise TraceError("symbols of two traces were mixed")
@@ -196,6 +207,7 @@ class Graph:
 
     def apply(self, op: str, *given: Any) -> Any:
         """The result of an operation: a number if it is known, the operand it leaves as it is, or a symbol."""
+        given = tuple(symbol_of(x) if isinstance(x, Recorded) else x for x in given)
         given = tuple(self.numbers.get(x.place, x) if isinstance(x, Symbol) else x for x in given)
         if op in EXACT and not any(isinstance(x, Symbol) for x in given):
             return fold(op, *given)

@@ -13,12 +13,13 @@ import builtins
 import math
 import operator
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from types import CodeType, FunctionType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from rattle.equations import motion, schur, state
+from rattle.equations import motion, schur
 from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import choices, layout
@@ -26,28 +27,52 @@ from rattle.jit.functions import KernelFunction
 from rattle.jit.workspace import ARRAYS
 from rattle.language import bytecode as code
 from rattle.language import jets
-from rattle.trace.graph import FUNCTIONS, Graph, Symbol, fold, select
+from rattle.language.recorded import Recorded, symbol_of
+from rattle.trace.graph import FUNCTIONS, Graph, Symbol, both, fold, select
 
 CLOSED = 1e-9  # residual that a projection may leave [m or rad, times the size of the mechanism where that is larger]
 CONSTANT = frozenset(("mass", "weight", "gravity", "lever", "const"))  # float arrays that a run only reads
 
 
 class Recorder:
-    """Runs functions of the compiled layer on symbols of one graph."""
+    """Runs functions of the compiled layer on symbols of one graph; the journal of numbers that are recorded."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
         self.guards: list[Symbol] = []
+        self.assumed: dict[int, Symbol] = {}  # by place: what reading the model has found true of its parameters
+        self._language = _language(graph)
         self._made: dict[Any, Callable[..., Any]] = {
             choices.select.python: select,
             choices.assume.python: self._assume,
-            **{one.python: own for one, own in _language(graph).items()},
+            **{one.python: own for one, own in self._language.items()},
         }
         self._math = SimpleNamespace(**{name: getattr(math, name) for name in dir(math)})
         for name in (*FUNCTIONS, "sqrt", "floor"):
             if hasattr(math, name):
                 setattr(self._math, name, self._function(name, getattr(math, name)))
         self._builtins = {**vars(builtins), "float": _as_it_is, "min": _smaller, "max": _larger}
+
+    def number(self, value: float, symbol: Symbol) -> Recorded:
+        """A number of a model that stands for a symbol and is `value` [SI] where the record is made."""
+        return Recorded(value, symbol, self)
+
+    def operation(self, op: int, *given: Any) -> Any:
+        """Symbol of an operation of `language.bytecode` on constants of a model."""
+        return self._language[code.unary if len(given) == 1 else code.binary](op, *given)
+
+    def assume(self, condition: Any, holds: bool) -> None:
+        """Keep what reading the model has found to be true, or false, of its parameters."""
+        if isinstance(condition, Symbol):
+            found = condition if holds else ~condition
+            self.assumed[found.place] = found
+
+    def largest(self, values: Sequence[Any]) -> Any:
+        """The largest of some symbols and numbers; nan if one of them is."""
+        result: Any = 0.0
+        for one in values:
+            result = select(one <= result, result, one)
+        return result
 
     def _assume(self, condition: Any) -> Any:
         if isinstance(condition, Symbol):
@@ -57,7 +82,8 @@ class Recorder:
 
     def _function(self, op: str, plain: Callable[..., Any]) -> Callable[..., Any]:
         def call(*given: Any) -> Any:
-            return self.graph.apply(op, *given) if any(isinstance(x, Symbol) for x in given) else plain(*given)
+            recorded = any(isinstance(x, Symbol | Recorded) for x in given)
+            return self.graph.apply(op, *given) if recorded else plain(*given)
 
         return call
 
@@ -88,12 +114,16 @@ class Recorder:
 
     def workspace(self, system: System) -> SimpleNamespace:
         """A workspace for recorded functions."""
-        plain = system.plain_workspace()
+        recorded = {name: array for name, array in system.arrays.items() if array.dtype == object}
+        floats = {name: array.astype(float) for name, array in recorded.items()}
+        plain = replace(system, arrays={**system.arrays, **floats}).plain_workspace()
         held: dict[str, Any] = {}
         for name in ARRAYS:
             array = getattr(plain, name)
             if isinstance(array, tuple):  # a table of kernels
                 array = tuple(self.recorded(one) for one in array)
+            elif name in recorded:
+                array = _symbols(recorded[name])
             elif array.dtype == np.float64 and name not in CONSTANT:
                 array = array.astype(object)
             held[name] = array
@@ -107,6 +137,13 @@ def _names(found: CodeType) -> set[str]:
         if isinstance(one, CodeType):
             names |= _names(one)
     return names
+
+
+def _symbols(array: np.ndarray) -> np.ndarray:
+    """Numbers of which some are recorded, as symbols and floats."""
+    made = np.empty(array.shape, dtype=object)
+    made.ravel()[:] = [symbol_of(x) for x in array.ravel()]
+    return made
 
 
 def _as_it_is(x: Any) -> Any:
@@ -255,32 +292,25 @@ def _language(graph: Graph) -> dict[KernelFunction, Callable[..., Any]]:
 
 # ---------------------------------------------------------------- one model
 class Recording:
-    """One model on symbols: the inputs t and y, and what its kernels make of them.
+    """Calculations of one model on symbols.
 
-    Everything stands in one graph, whose inputs are t, then y.  A recording says nothing about states in which the flag
-    of a calculation, see `guarded`, is not true.
+    A recording says nothing about states in which the flag of a calculation, see `guarded`, is not true.
     """
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, recorder: Recorder) -> None:
         if len(system.arrays["contact"]):
             owners = system.arrays["contact"][:, layout.OWNER]
             joints = ", ".join(dict.fromkeys(system.joints[n] for n in owners))
             raise TraceError(f"contacts begin and end, which straight-line code cannot follow (joints {joints})")
-        self.system = system
-        self.graph = Graph()
-        self._recorder = Recorder(self.graph)
-        self.t = self.graph.input()
-        self.y = np.array([self.graph.input() for _ in range(state.state_layout(system).size)], dtype=object)
+        self.system, self.graph = system, recorder.graph
+        self._recorder = recorder
 
     def guarded(self, calculation: Callable[[], Any]) -> tuple[Any, Any]:
         """What a calculation on symbols returns, and a flag: everything that it assumes is true."""
         guards = self._recorder.guards
         guards.clear()
         made = calculation()
-        flag: Any = True
-        for one in guards:
-            flag = self.graph.apply("both", flag, one)
-        return made, flag
+        return made, both(self.graph, guards)
 
     def run(self, function: KernelFunction, *arguments: Any) -> SimpleNamespace:
         """Run a kernel (m, *arguments) on symbols; returns the workspace that it leaves."""
@@ -292,43 +322,76 @@ class Recording:
         """A copy of a function over NumPy arrays that takes arrays of symbols."""
         return self._recorder.recorded(function)
 
-    def derivative(self) -> list[Any]:
+    def derivative(self, t: Any, y: np.ndarray) -> list[Any]:
         """dy/dt [SI/s], (ny,)."""
-        rate = np.zeros(len(self.y), dtype=object)
-        self.run(motion.derivative, self.t, self.y, rate)
+        rate = np.zeros(len(y), dtype=object)
+        self.run(motion.derivative, t, y, rate)
         return list(rate)
 
-    def projection(self) -> list[Any]:
+    def projection(self, t: Any, y: np.ndarray) -> list[Any]:
         """y brought onto the constraints, (ny,): two corrections of positions and one of rates.
 
         The corrections are those of `solvers.projection` next to the constraints, where it takes at most two.  A guard
         asks for what is left of the residuals.
         """
-        y, workspace = self.y.copy(), self._recorder.workspace(self.system)
-        nq = workspace.change.shape[0]
+        y, closing = y.copy(), self.closing(t)
+        nq = 3 * self.system.body_count
         q, v = y[:nq], y[nq : 2 * nq]
-        place, constraints, factorise, residual, rate_residual, correct, drive = (
-            self._recorder.recorded(one.python)
-            for one in (
-                motion.place, motion.constraints, schur.factorise, motion.residual, motion.rate_residual,
-                motion.correct, motion.drive,
-            )
-        )  # fmt: skip
-        place(workspace, q, v)
-        drive(workspace, self.t)
-        constraints(workspace)
-        factorise(workspace)
-        for _ in range(2):
-            residual(workspace)
-            correct(workspace)
-            q += workspace.change
-            place(workspace, q, v)
-            constraints(workspace)
-        left = residual(workspace)
+        closing.begin(q, v)
+        closing.correct(q, v)
+        closing.correct(q, v)
+        left = closing.gap()
         if isinstance(left, Symbol):
             self._recorder.guards.append(left < CLOSED * max(1.0, self.system.size))
-        factorise(workspace)
-        rate_residual(workspace)
-        correct(workspace)
-        v += workspace.change
+        closing.close_rates(v)
         return list(y)
+
+    def closing(self, t: Any, prepare: Callable[[Any], None] = lambda workspace: None) -> Closing:
+        """What brings positions and rates onto the constraints at the time t."""
+        return Closing(self.system, self._recorder, t, prepare)
+
+
+class Closing:
+    """Corrections of positions q and rates v, (3 nb,) symbols each, at one time: those of `equations.motion`.
+
+    prepare: changes values of joints in the workspace once the bodies are placed.
+    """
+
+    def __init__(
+        self, system: System, recorder: Recorder, t: Any, prepare: Callable[[Any], None] = lambda workspace: None
+    ) -> None:
+        self.workspace, self._recorder = recorder.workspace(system), recorder
+        self._t, self._prepare = t, prepare
+
+    def _run(self, function: KernelFunction, *arguments: Any) -> Any:
+        return self._recorder.recorded(function.python)(self.workspace, *arguments)
+
+    def place(self, q: np.ndarray, v: np.ndarray) -> None:
+        """Constraint rows at a state."""
+        self._run(motion.place, q, v)
+        self._prepare(self.workspace)
+        self._run(motion.constraints)
+
+    def begin(self, q: np.ndarray, v: np.ndarray) -> None:
+        """Constraint rows and their factor at a state."""
+        self._run(motion.drive, self._t)
+        self.place(q, v)
+        self._run(schur.factorise)
+
+    def correct(self, q: np.ndarray, v: np.ndarray) -> None:
+        """One correction of the positions, in place, with the factor at hand."""
+        self.gap()
+        self._run(motion.correct)
+        q += self.workspace.change
+        self.place(q, v)
+
+    def gap(self) -> Any:
+        """The largest residual [m or rad]."""
+        return self._run(motion.residual)
+
+    def close_rates(self, v: np.ndarray) -> None:
+        """Correct the rates in place, with a factor at the present positions."""
+        self._run(schur.factorise)
+        self._run(motion.rate_residual)
+        self._run(motion.correct)
+        v += self.workspace.change

@@ -1,0 +1,1 @@
+"""A model as straight-line code: recorded once, then integrated for many samples, differentiated, or written out."""

@@ -1,0 +1,179 @@
+"""A model as a graph: what its kernels do at one instant, and how its start follows from chosen parameters.
+
+Inputs of the graph are t [s], the state y [SI], then the chosen parameters p [SI], through every expression of the
+model file that uses them.  See `rattle.trace`.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rattle.analyses.assembly.assembly import Assembled
+from rattle.analyses.dynamics.run import start_state
+from rattle.analyses.straight_line.recorded_start import RecordedStart, record_start
+from rattle.description.model import Model
+from rattle.description.reader import read
+from rattle.equations.motion import derivative
+from rattle.equations.state import state_layout
+from rattle.equations.system import System, compile_system
+from rattle.errors import ModelError, TraceError, suggest
+from rattle.results.columns import columns, width
+from rattle.results.result import UnknownName
+from rattle.solvers.output_row import record
+from rattle.trace.elementary import lower
+from rattle.trace.graph import Graph, both
+from rattle.trace.recording import Recorder, Recording, Table
+
+SAME = 1e-9  # share of the largest number by which a recording may differ from the kernels: rounding, well amplified
+NUDGES = (1e-4, -1e-4, 1e-7, -1e-7)  # changes of a parameter, in shares of it, at which the record is checked
+
+
+@dataclass(frozen=True)
+class RecordedModel:
+    """Recorded functions of one model.  A flag is true where what was computed stands on sound assumptions."""
+
+    document: Mapping[str, Any]  # the tables of the model file
+    system: System
+    start: Assembled
+    parameters: dict[str, float]  # the chosen ones [SI], in the order of the inputs
+    graph: Graph  # with functions; `elementary.lower` takes them apart
+    derivative: list[Any]  # (ny,) dy/dt [SI/s], then a flag
+    projection: list[Any]  # (ny,) y on the constraints [SI], then a flag
+    curves: dict[str, Any]  # result columns by name [SI]; energy.balance without the energy at the start
+    sound_curves: Any  # their flag
+    units: dict[str, str]
+    readable: Any  # flag of the parameters alone: the model has the same parts and forms as the one recorded
+    first: RecordedStart | None  # how the start follows from the parameters; None if only the assembly knows
+
+    @property
+    def state_size(self) -> int:
+        """ny."""
+        return int(state_layout(self.system).size)
+
+    @property
+    def start_state(self) -> np.ndarray:
+        """(ny,) y at t = 0 [SI]."""
+        return start_state(self.system, self.start)
+
+
+def record_model(
+    document: Mapping[str, Any], system: System, start: Assembled, names: Sequence[str] = ()
+) -> RecordedModel:
+    """Record a model.  names: parameters that become inputs.
+
+    document: the tables of the model file, of which `system` was made.
+    Raises TraceError, with the reason, where it cannot be straight-line code; UnknownName.
+    """
+    require_parameters(system, names)
+    _require_smooth(system)
+    graph = Graph()
+    recorder = Recorder(graph)
+    t = graph.input()
+    y = np.array([graph.input() for _ in range(state_layout(system).size)], dtype=object)
+    inputs = [graph.input() for _ in names]
+    chosen = {name: functools.partial(recorder.number, symbol=one) for name, one in zip(names, inputs, strict=True)}
+    recorded = compile_system(read(document, chosen=chosen)) if names else system
+    recording = Recording(recorded, recorder)
+    row = np.zeros(width(system), dtype=object)
+    rate, sound_rate = recording.guarded(lambda: recording.derivative(t, y))
+    closed, sound_closed = recording.guarded(lambda: recording.projection(t, y))
+    _, sound_row = recording.guarded(lambda: recording.run(record, t, y, row))
+    table, titles, units = recording.plain(columns)(recorded, Table([[0.0] * len(row), list(row)]))
+    first = record_start(system, start, recorded, recorder, y) if names else None
+    made = RecordedModel(
+        document, system, start, {name: system.model.parameters[name].value for name in names}, graph,
+        [*rate, sound_rate], [*closed, sound_closed],
+        dict(zip(titles, (one[1] for one in table), strict=True)), sound_row, units,
+        both(graph, recorder.assumed.values()), first,
+    )  # fmt: skip
+    _require_same(made)
+    return made
+
+
+def require_parameters(system: System, names: Sequence[str]) -> None:
+    """Raise UnknownName for a name that is not a parameter of the model."""
+    known = system.model.parameters
+    for name in names:
+        if name not in known:
+            raise UnknownName(f"no parameter '{name}'{suggest(name, known)}")
+
+
+def _require_smooth(system: System) -> None:
+    """Raise TraceError for what a calculation without branches and events cannot follow."""
+    for name, load in system.model.loads.items():
+        if load.law is not None:
+            raise TraceError(
+                f"the load '{name}' is a Python function; only loads of model files can be written as code"
+            )
+    driving = sorted({one.name for one in system.switches if one.driving})
+    if driving:
+        raise TraceError(
+            f"{', '.join(driving)} switches (abs, sign, min, max, if): code would step over the jumps of a driver;"
+            " use a smooth function of t"
+        )
+
+
+def _require_same(made: RecordedModel) -> None:
+    """Compare the recorded functions with the kernels, at the start and at changed parameters.
+
+    Raises TraceError where they differ.
+    """
+    flags = [made.derivative[-1], made.projection[-1], made.sound_curves, made.readable]
+    functions = lower(made.graph, [*flags, *made.derivative[:-1], *made.curves.values()])
+    y, given = made.start_state, made.parameters
+    found = _at(made, functions, made.start.t, y, given)
+    if not found[:4].all():
+        raise TraceError(
+            "the start is next to a singular position, or points coincide: straight-line code cannot pass it"
+        )
+    _require_equal(made.system, made.start.t, y, found[4:], "at the start; this is a fault of rattle")
+    random = np.random.default_rng(0)
+    for name, value in given.items():
+        for nudge in NUDGES:
+            changed = {**given, name: value * (1.0 + nudge) + (nudge if value == 0.0 else 0.0)}
+            try:
+                other = compile_system(read_at(made, changed))
+            except ModelError:  # outside of the limits of the parameter
+                continue
+            moved = y + 1e-3 * random.standard_normal(len(y))
+            found = _at(made, functions, made.start.t, moved, changed)
+            if found[3]:
+                _require_equal(other, made.start.t, moved, found[4:], f"where '{name}' is changed")
+                break
+
+
+def read_at(model: RecordedModel, values: Mapping[str, float]) -> Model:
+    """The model with other values of parameters [SI].  Raises ModelError."""
+
+    def just(x: float) -> Callable[[float], float]:
+        return lambda _: x
+
+    return read(model.document, chosen={name: just(x) for name, x in values.items()})
+
+
+def _at(
+    made: RecordedModel, functions: tuple[Graph, list[Any]], t: float, y: np.ndarray, given: Mapping[str, float]
+) -> np.ndarray:
+    graph, outputs = functions
+    return graph.evaluate(outputs, np.concatenate([[t], y, list(given.values())])[:, None])[:, 0]
+
+
+def _require_equal(system: System, t: float, y: np.ndarray, found: np.ndarray, where: str) -> None:
+    rate, row = np.zeros_like(y), np.zeros(width(system))
+    workspace = system.plain_workspace()
+    derivative.python(workspace, t, y.copy(), rate)
+    record.python(workspace, t, y.copy(), row)
+    table, _, _ = columns(system, np.array([np.zeros_like(row), row]))
+    for title, want, got in (
+        ("right-hand side", rate, found[: len(y)]),
+        ("result columns", table[1], found[len(y) :]),
+    ):
+        if not np.isfinite(want).all():
+            raise TraceError("a load, driver or signal has no finite value at the start")
+        if want.shape != got.shape or not np.abs(want - got).max() <= SAME * max(1e-12, np.abs(want).max()):
+            raise TraceError(f"the recorded {title} differ from the kernels' {where}")

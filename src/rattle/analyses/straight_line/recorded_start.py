@@ -1,0 +1,228 @@
+"""How the start of a run follows from chosen parameters: equations that hold there, solved by Newton's method.
+
+Assembly keeps what is given where it can.  Where joints, kept coordinates and kept offsets of pins together determine
+all positions, these are the solution of Phi = 0, q_k = given_k, e = offset near the positions that were assembled,
+whatever the way there; likewise the rates.  Kept coordinates enter as drivers of bodies, kept pins as hinges at their
+offsets, so that the package's own kernels solve for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rattle.analyses.assembly.assembly import Assembled
+from rattle.analyses.assembly.first_guess import outward
+from rattle.analyses.assembly.start_values import KEYS, given_values
+from rattle.description.model import Driver, Model, Point
+from rattle.equations.dense import dense_rows
+from rattle.equations.motion import constraints, drive, place
+from rattle.equations.system import System, compile_system, is_link
+from rattle.jit import layout as at
+from rattle.language.recorded import symbol_of
+from rattle.trace.recording import Recorder, Recording
+
+KEPT = 1e-9  # share of its size by which a given value may be missed and yet count as kept
+RANK = 1e-8  # share of its length that a row adds to others, at least, where it is independent of them
+Shift = Callable[[Any], None]
+
+
+@dataclass(frozen=True)
+class RecordedStart:
+    """Functions of the start, on the inputs of a recorded model; its y holds the positions to start from."""
+
+    correction: list[Any]  # (3 nb,) positions after a step of Newton's method, what is left open [m or rad], a flag
+    rates: list[Any]  # (3 nb,) rates at closed positions, by how much given ones are missed [m/s or rad/s], a flag
+
+
+class Kept(NamedTuple):
+    """What of the given values determines the start."""
+
+    pins: list[str]  # joints that are hinges at the offset of their pin
+    needed: list[int]  # coordinates whose given values complete the constraint rows
+    also: list[int]  # coordinates whose given values hold as well
+
+
+def record_start(
+    system: System, start: Assembled, recorded: System, recorder: Recorder, y: np.ndarray
+) -> RecordedStart | None:
+    """Record how the start follows from the parameters; None where given values and joints do not determine it.
+
+    system: the model at the parameters' values; recorded: the same with recorded numbers; y: (ny,) symbols.
+    """
+    kept = _kept(system, start, _pins_at_offsets(system, start), 0)
+    kept_rates = _kept(system, start, _pins_at_rest(system, start), 1)
+    if kept is None or kept_rates is None:
+        return None
+    q = y[: 3 * system.body_count]
+    correction, sound_correction = _positions(recorded, recorder, kept, q)
+    rates, sound_rates = _rates(recorded, recorder, kept_rates, q)
+    return RecordedStart([*correction, sound_correction], [*rates, sound_rates])
+
+
+# ---------------------------------------------------------------- what is kept
+def _pins_at_offsets(system: System, start: Assembled) -> list[str]:
+    """Massless links whose pins start at their given offsets."""
+    model, found = system.model, []
+    for name, offset in model.initial.offsets.items():
+        if is_link(model.joints[name]):
+            now = _pin(system, start, name)[:2]
+            if np.abs(now - offset).max() <= KEPT * system.size:
+                found.append(name)
+    return found
+
+
+def _pins_at_rest(system: System, start: Assembled) -> list[str]:
+    """Massless links that place a body, whose pins start without a rate relative to their bushes."""
+    scale = max(1.0, float(np.abs(start.v).max(initial=0.0)))
+    return [
+        joint.name
+        for _, _, joint in outward(system.model)
+        if is_link(joint) and np.abs(_pin(system, start, joint.name)[2:]).max() <= KEPT * scale
+    ]
+
+
+def _pin(system: System, start: Assembled, name: str) -> np.ndarray:
+    """(4,) place of the pin relative to its bush [m] and its rate [m/s], in ground axes."""
+    joint, found = system.model.joints[name], np.zeros(4)
+    for point, sign in ((joint.b, 1.0), (joint.a, -1.0)):
+        x = y = angle = vx = vy = omega = 0.0
+        if point.body != "ground":
+            k = 3 * system.bodies.index(point.body)
+            (x, y, angle), (vx, vy, omega) = start.q[k : k + 3], start.v[k : k + 3]
+        sx = np.cos(angle) * point.at[0] - np.sin(angle) * point.at[1]
+        sy = np.sin(angle) * point.at[0] + np.cos(angle) * point.at[1]
+        found += sign * np.array([x + sx, y + sy, vx - omega * sy, vy + omega * sx])
+    return found
+
+
+def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept | None:
+    """What is kept of the given positions (turn 0) or rates (turn 1); None if it does not determine all of them.
+
+    Rates of which none is given are the least that the constraints allow: no coordinate is needed for them.
+    """
+    given, now = given_values(system, turn), (start.q, start.v)[turn]
+    if turn == 1 and np.isnan(given).all() and not system.watched:
+        return Kept([], [], [])
+    size = np.tile([system.size, system.size, 1.0], system.body_count)
+    joints: list[np.ndarray] = []
+    for row in _rows(system, start) * size:
+        _add(joints, row)
+    basis: list[np.ndarray] = []
+    for row in _rows(_held(system.model, pins, []), start, pins) * size:
+        _add(basis, row)
+    found = Kept(pins, [], [])
+    scale = max(1.0, float(np.abs(now / size).max(initial=0.0)))
+    for k in np.flatnonzero(np.abs(now - given) <= KEPT * scale * size):
+        unit = np.zeros(len(given))
+        unit[k] = 1.0
+        if _add(basis, unit):
+            found.needed.append(int(k))
+        elif _add(list(joints), unit):
+            found.also.append(int(k))
+    return found if len(basis) == len(given) else None
+
+
+def _rows(system: System, start: Assembled, pins: Sequence[str] = ()) -> np.ndarray:
+    """(nr, 3 nb) constraint rows at the start, of joints that are hinges at the offsets of these pins."""
+    workspace = system.plain_workspace()
+    drive.python(workspace, start.t)
+    place.python(workspace, start.q, start.v)
+    _hinges(system, pins)(workspace)
+    constraints.python(workspace)
+    return dense_rows(system, workspace)
+
+
+def _add(basis: list[np.ndarray], row: np.ndarray) -> bool:
+    """Add a row to an orthonormal basis if it is independent of it."""
+    length = float(np.linalg.norm(row))
+    for _ in range(2):
+        for one in basis:
+            row = row - (one @ row) * one
+    rest = float(np.linalg.norm(row))
+    if not rest > RANK * length:
+        return False
+    basis.append(row / rest)
+    return True
+
+
+# ---------------------------------------------------------------- the mechanism with what is kept
+def _held(model: Model, pins: Sequence[str], coordinates: Sequence[int]) -> System:
+    """The model with some pins as hinges and some coordinates driven; those drivers come last, in this order."""
+    bodies, drivers = list(model.bodies), dict(model.drivers)
+    for k in coordinates:
+        body, key = bodies[k // 3], KEYS[0][k % 3]
+        name = f"start of {body}.{key}"
+        value = model.initial.bodies[body].get(key, 0.0)  # where only the rate is given, only the rate counts
+        drivers[name] = Driver(name, f"body-{key}", "", value, Point(body, "", (0.0, 0.0)))
+    joints = {name: replace(one, contact=None) if name in pins else one for name, one in model.joints.items()}
+    return compile_system(replace(model, joints=joints, drivers=drivers))
+
+
+def _hinges(system: System, pins: Sequence[str], offsets: Mapping[str, Any] | None = None) -> Shift:
+    """What moves the bush of a hinge to where its pin is, or to the pin's offset [m] in ground axes, if it is given."""
+
+    def move(workspace: Any) -> None:
+        body, values = workspace.body, workspace.values
+        for name in pins:
+            a, b, k = (system.arrays["joint"][system.joints.index(name), c] for c in (at.END_A, at.END_B, at.FIRST_P))
+            joint = system.model.joints[name]
+            (ax, ay), (bx, by) = ([symbol_of(x) for x in point.at] for point in (joint.a, joint.b))
+            cos_a, sin_a, cos_b, sin_b = body[a, at.COS], body[a, at.SIN], body[b, at.COS], body[b, at.SIN]
+            if offsets is not None:
+                ex, ey = (symbol_of(x) for x in offsets[name])
+                values[k], values[k + 1] = ax + cos_a * ex + sin_a * ey, ay - sin_a * ex + cos_a * ey
+            else:
+                dx = body[b, at.X] + cos_b * bx - sin_b * by - body[a, at.X]
+                dy = body[b, at.Y] + sin_b * bx + cos_b * by - body[a, at.Y]
+                values[k], values[k + 1] = cos_a * dx + sin_a * dy, cos_a * dy - sin_a * dx
+
+    return move
+
+
+# ---------------------------------------------------------------- recording
+def _positions(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> tuple[list[Any], Any]:
+    held = Recording(_held(recorded.model, kept.pins, kept.needed), recorder)
+    offsets = recorded.model.initial.offsets
+    links = [recorded.model.joints[name] for name in kept.pins]
+
+    def correct() -> list[Any]:
+        closing = held.closing(0.0, _hinges(held.system, kept.pins, offsets))
+        made, still = q.copy(), np.zeros(len(q), dtype=object)
+        closing.begin(made, still)
+        closing.correct(made, still)
+        gaps = [abs(made[k] - symbol_of(_given(recorded, k, 0))) for k in kept.also]
+        for joint in links:
+            length = recorder.graph.apply("hypot", *map(symbol_of, offsets[joint.name]))
+            gaps.append(abs(length - symbol_of(joint.clearance)))
+        return [*made, recorder.largest([closing.gap(), *gaps])]
+
+    return held.guarded(correct)
+
+
+def _rates(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> tuple[list[Any], Any]:
+    """Rates from zero: two corrections, the second against rounding."""
+    system = _held(recorded.model, kept.pins, kept.needed)
+    values = system.arrays["values"].astype(object)
+    for k, driver in zip(kept.needed, list(system.model.drivers)[len(recorded.model.drivers) :], strict=True):
+        values[system.driver_slot(driver) + 1] = _given(recorded, k, 1)
+    held = Recording(replace(system, arrays={**system.arrays, "values": values}), recorder)
+
+    def close() -> list[Any]:
+        closing, v = held.closing(0.0, _hinges(held.system, kept.pins)), np.zeros(len(q), dtype=object)
+        for _ in range(2):
+            closing.begin(q, v)
+            closing.close_rates(v)
+        gaps = [abs(v[k] - symbol_of(_given(recorded, k, 1))) for k in kept.also]
+        return [*v, recorder.largest(gaps)]
+
+    return held.guarded(close)
+
+
+def _given(recorded: System, k: int, turn: int) -> Any:
+    """The given value of a coordinate [SI]."""
+    bodies = list(recorded.model.bodies)
+    return recorded.model.initial.bodies[bodies[k // 3]][KEYS[turn][k % 3]]

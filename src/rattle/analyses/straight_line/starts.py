@@ -1,0 +1,97 @@
+"""Starts of many samples of a recorded model: by the recorded equations where they hold, else by assembly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rattle.analyses.assembly.assembly import Assembled, assemble
+from rattle.analyses.dynamics.run import start_state
+from rattle.analyses.straight_line.recorded_model import RecordedModel, read_at
+from rattle.equations.system import System, compile_system
+from rattle.errors import AssemblyError, ModelError
+from rattle.trace.elementary import lower
+from rattle.trace.graph import Graph
+
+CLOSED = 1e-11  # share of the mechanism's size by which a start may stay open
+MISSED = 1e-8  # share of the largest rate by which a rate that the user gave may be missed
+FAR = 0.5  # largest change from the start of the model itself [rad, sizes of the mechanism]; beyond, assembly decides
+ROUNDS = 30  # of Newton's method
+SMALL = 1e-14  # its last step [rad, sizes of the mechanism]
+Columns = Callable[[np.ndarray], np.ndarray]  # a function of columns: (n_in, n) -> (n_out, n)
+Compile = Callable[[Graph, Sequence[Any]], Columns]
+
+
+class Begun(NamedTuple):
+    """Starts of k samples."""
+
+    y: np.ndarray  # (ny, k) states [SI]; nan where there is none
+    messages: dict[int, str]  # by sample: why it cannot be put together
+    assembled: np.ndarray  # (k,) True: not by the recorded equations
+
+
+class Starts:
+    """Makes starts of a recorded model."""
+
+    def __init__(self, model: RecordedModel, compile_columns: Compile) -> None:
+        self.model = model
+        readable, *functions = _lowered(model)
+        self._readable = compile_columns(*readable)
+        self._first = [compile_columns(*one) for one in functions]
+
+    def begin(self, values: np.ndarray) -> Begun:
+        """Starts at values (np, k) of the chosen parameters [SI]."""
+        count = values.shape[1]
+        y = np.repeat(self.model.start_state[:, None], count, axis=1)
+        good = np.isfinite(values).all(axis=0)
+        if self._first:
+            good &= self._solve(y, np.where(good, values, 1.0))
+        else:
+            good[:] = False
+        messages: dict[int, str] = {}
+        for n in np.flatnonzero(~good):
+            try:
+                y[:, n] = start_state(*self.assemble(values[:, n]))
+            except (ModelError, AssemblyError) as error:
+                y[:, n], messages[int(n)] = np.nan, str(error)
+        return Begun(y, messages, ~good)
+
+    def assemble(self, values: np.ndarray) -> tuple[System, Assembled]:
+        """The model with values (np,) of the chosen parameters [SI], assembled.  Raises ModelError, AssemblyError."""
+        system = compile_system(read_at(self.model, dict(zip(self.model.parameters, values.tolist(), strict=True))))
+        return system, assemble(system)
+
+    def _solve(self, y: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Positions and rates by the recorded equations, into y; (k,) True where they hold."""
+        system, (correct, close_rates) = self.model.system, self._first
+        nq = 3 * system.body_count
+        size = np.tile([system.size, system.size, 1.0], system.body_count)[:, None]
+        inputs = np.concatenate([np.zeros((1, y.shape[1])), y, values])
+        q = inputs[1 : nq + 1]
+        began, left = q.copy(), np.full(y.shape[1], np.inf)
+        moving, good = np.ones((2, y.shape[1]), dtype=bool)
+        with np.errstate(invalid="ignore", over="ignore"):
+            for _ in range(ROUNDS):  # a sample's own steps decide when it ends, so that others do not change it
+                found = correct(inputs)
+                step = np.abs((found[:nq] - q) / size).max(axis=0)
+                q[:, moving], left[moving] = found[:nq, moving], found[nq, moving]
+                good[moving] = found[nq + 1, moving] == 1.0
+                moving &= step > SMALL
+                if not moving.any():
+                    break
+            *_, missed, sound_rates = rates = close_rates(inputs)
+            good &= (left <= CLOSED * system.size) & (sound_rates == 1.0)
+            good &= np.abs((q - began) / size).max(axis=0) <= FAR
+            good &= missed <= MISSED * np.maximum(1.0, np.abs(rates[:nq]).max(axis=0))
+            good &= self._readable(inputs)[0] == 1.0
+        y[:nq], y[nq : 2 * nq] = q, rates[:nq]
+        return good
+
+
+def _lowered(model: RecordedModel) -> list[tuple[Graph, list[Any]]]:
+    parts = [[model.readable]]
+    if model.first is not None:
+        parts += [model.first.correction, model.first.rates]
+    return [lower(model.graph, one) for one in parts]

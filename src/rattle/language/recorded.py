@@ -1,0 +1,119 @@
+"""Numbers of a model that remember how they follow from chosen parameters.
+
+A `Recorded` is a float that also holds its symbol in a graph (`rattle.trace.graph`).  Reading a model whose chosen
+parameters are such numbers gives a model of such numbers: its arithmetic is recorded, its checks and comparisons go
+as for the numbers at hand, and what they found is kept as an assumption about other values of the parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, Protocol
+
+import numpy as np
+
+
+class Journal(Protocol):
+    """What keeps the record."""
+
+    def operation(self, op: int, *given: Any) -> Any:
+        """Symbol of an operation of `language.bytecode` on symbols and numbers."""
+
+    def assume(self, condition: Any, holds: bool) -> None:
+        """Keep that a condition between symbols and numbers was true or false."""
+
+
+class Recorded(float):
+    """A number [SI] and its symbol."""
+
+    __slots__ = ("journal", "symbol")
+    symbol: Any
+    journal: Journal
+
+    def __new__(cls, value: float, symbol: Any, journal: Journal) -> Recorded:
+        made = super().__new__(cls, value)
+        made.symbol, made.journal = symbol, journal
+        return made
+
+    def __reduce__(self) -> Any:
+        return float, (float(self),)
+
+    def _made(self, value: float, symbol: Any) -> Any:
+        return Recorded(value, symbol, self.journal)
+
+    def _kept(self, condition: Any, holds: bool) -> bool:
+        self.journal.assume(condition, holds)
+        return holds
+
+    def __add__(self, other: Any) -> Any:
+        return self._made(float(self) + float(other), self.symbol + symbol_of(other))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Any:
+        return self._made(float(self) - float(other), self.symbol - symbol_of(other))
+
+    def __rsub__(self, other: Any) -> Any:
+        return self._made(float(other) - float(self), symbol_of(other) - self.symbol)
+
+    def __mul__(self, other: Any) -> Any:
+        return self._made(float(self) * float(other), self.symbol * symbol_of(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Any:
+        return self._made(float(self) / float(other), self.symbol / symbol_of(other))
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return self._made(float(other) / float(self), symbol_of(other) / self.symbol)
+
+    def __neg__(self) -> Any:
+        return self._made(-float(self), -self.symbol)
+
+    def __abs__(self) -> Any:
+        return self._made(abs(float(self)), abs(self.symbol))
+
+    def __lt__(self, other: Any) -> bool:
+        return self._kept(self.symbol < symbol_of(other), float(self) < float(other))
+
+    def __le__(self, other: Any) -> bool:
+        return self._kept(self.symbol <= symbol_of(other), float(self) <= float(other))
+
+    def __gt__(self, other: Any) -> bool:
+        return self._kept(self.symbol > symbol_of(other), float(self) > float(other))
+
+    def __ge__(self, other: Any) -> bool:
+        return self._kept(self.symbol >= symbol_of(other), float(self) >= float(other))
+
+    def __eq__(self, other: Any) -> bool:
+        if not isinstance(other, int | float):
+            return False
+        return self._kept(self.symbol == symbol_of(other), float(self) == float(other))
+
+    def __ne__(self, other: Any) -> bool:
+        return not self == other
+
+    def __bool__(self) -> bool:
+        return self != 0.0
+
+    __hash__ = float.__hash__
+
+
+def symbol_of(x: Any) -> Any:
+    """The symbol of a recorded number; any other number as it is."""
+    return x.symbol if isinstance(x, Recorded) else float(x)
+
+
+def operate(op: int, value: float, *given: Any) -> float:
+    """`value`, found by an operation of `language.bytecode`, with its record if an operand has one."""
+    for one in given:
+        if isinstance(one, Recorded):
+            return Recorded(value, one.journal.operation(op, *map(symbol_of, given)), one.journal)
+    return value
+
+
+def array_of(numbers: Iterable[Any]) -> np.ndarray:
+    """An array of numbers (nested as they are); of objects if any of them is recorded."""
+    made = np.array(numbers, dtype=object)
+    recorded = any(isinstance(x, Recorded) for x in made.ravel())
+    return made if recorded else made.astype(float)

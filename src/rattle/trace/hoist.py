@@ -1,0 +1,44 @@
+"""What a calculation does with some of its inputs alone, taken out of it: done once per sample, not at every step."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import Any, NamedTuple
+
+from rattle.trace.graph import FLAGS, Graph
+
+
+class Hoisted(NamedTuple):
+    """A calculation in two parts, both of exact operations."""
+
+    early: Graph  # all inputs of the whole, of which it uses the early ones
+    prepared: list[Any]  # its results
+    late: Graph  # the other inputs of the whole in order, then one input for each result of the first part
+    outputs: list[Any]
+
+
+def hoist(graph: Graph, outputs: Sequence[Any], early: Collection[int]) -> Hoisted:
+    """Split a calculation of exact operations.
+
+    early: places of the inputs that are known first.  The operations and their order stay, so bits do too.
+    """
+    live = graph.live(outputs)
+    late = {place for place in graph.inputs if place not in early}
+    for place in live:
+        if any(k in late for k in graph.operands[place]):
+            late.add(place)
+    used = {k for place in live if place in late for k in graph.operands[place]} | {graph.place(x) for x in outputs}
+    passed = [place for place in live if place in used and place not in late and graph.ops[place] != "number"]
+    first, second = Graph(), Graph()
+    made: dict[int, Any] = {place: first.input() for place in graph.inputs}
+    again: dict[int, Any] = {place: second.input() for place in graph.inputs if place not in early}
+    for place in passed:
+        again[place] = second.input() != 0.0 if graph.ops[place] in FLAGS else second.input()
+    for place in live:
+        op = graph.ops[place]
+        if op == "number":
+            made[place] = again[place] = graph.numbers[place]
+        elif op != "input":
+            target, known = (second, again) if place in late else (first, made)
+            known[place] = target.apply(op, *(known[k] for k in graph.operands[place]))
+    return Hoisted(first, [made[place] for place in passed], second, [again[graph.place(x)] for x in outputs])

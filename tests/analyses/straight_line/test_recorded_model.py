@@ -1,0 +1,166 @@
+"""Models recorded with parameters as inputs: the same numbers as reading, compiling and assembling them anew."""
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from rattle.analyses.dynamics.run import start_state
+from rattle.analyses.straight_line.recorded_model import read_at
+from rattle.analyses.straight_line.starts import Starts
+from rattle.equations.motion import derivative
+from rattle.equations.system import compile_system
+from rattle.errors import TraceError
+from rattle.results.columns import columns, width
+from rattle.solvers.output_row import record
+from rattle.trace.elementary import lower
+
+pytestmark = pytest.mark.nojit
+SMOOTH = (
+    "balanced_arm", "chain", "double_pendulum", "five_bar", "fourbar", "path_generator", "quick_return", "slider_crank",
+    "squeezer", "toggle", "toggle_clamp", "windows",
+)  # fmt: skip
+ASSEMBLED = {  # whose start only the assembly knows
+    "path_generator": "the reactions of the mechanism without play place the pins",
+    "squeezer": "its given angles contradict each other at other parameters",
+}
+PENDULUM = """
+format = 1
+gravity = [0, "-g"]
+[parameters]
+l = "0.5 m"
+g = "9.81 m/s^2"
+m = "2*l*kg_per_m"
+kg_per_m = "1.5 kg/m"
+start = "30 deg"
+[ground.points]
+O = [0, 0]
+[bodies.arm]
+bar = ["A", "B"]
+length = "l"
+mass = "m"
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "arm.A"]
+[loads.push]
+type = "torque"
+body = "arm"
+torque = "0.1*m*g*l*sin(3*t) - 0.01*arm.omega"
+[initial]
+arm = { angle = "start", omega = "sqrt(g/l)" }
+"""
+
+
+def evaluate(graph, outputs):
+    return lambda columns: graph.evaluate(outputs, columns)
+
+
+def changed(model, random, spread, count):
+    nominal = np.array(list(model.parameters.values()))
+    values = nominal[:, None] * (1.0 + spread * random.standard_normal((len(nominal), count)))
+    names = list(model.parameters)
+    if "l2" in names and "l3" in names:  # the four-bar starts stretched: only with equal lengths can it be put together
+        values[names.index("l3")] = values[names.index("l2")]
+    return values
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_right_hand_side_and_curves_follow_the_parameters(name):
+    m = rt.example(name)
+    model = m.recorded(list(m.parameters))
+    graph, outputs = lower(model.graph, [model.readable, *model.derivative, *model.curves.values()])
+    random = np.random.default_rng(1)
+    ny = model.state_size
+    for values in changed(model, random, 1e-2, 3).T:
+        try:
+            system = compile_system(read_at(model, dict(zip(model.parameters, values, strict=True))))
+        except rt.ModelError:
+            continue
+        y = model.start_state + 1e-2 * random.standard_normal(ny)
+        t = 0.03
+        workspace, rate, row = system.plain_workspace(), np.zeros(ny), np.zeros(width(system))
+        derivative.python(workspace, t, y.copy(), rate)
+        record.python(workspace, t, y.copy(), row)
+        table, _, _ = columns(system, np.array([np.zeros_like(row), row]))
+        found = graph.evaluate(outputs, np.concatenate([[t], y, values])[:, None])[:, 0]
+        if not (found[0] and found[ny + 1]):  # another form of the model, or next to a singular position
+            continue
+        forces = np.abs(table[1]).max() / min(one.mass for one in system.model.bodies.values())  # they nearly cancel
+        scale = max(np.abs(rate).max(), forces)
+        np.testing.assert_allclose(found[1 : ny + 1], rate, rtol=1e-11, atol=1e-12 * scale)
+        np.testing.assert_allclose(found[ny + 2 :], table[1], rtol=1e-10, atol=1e-12 * np.abs(table[1]).max())
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_starts_are_those_of_the_assembly(name):
+    m = rt.example(name)
+    starts = Starts(m.recorded(list(m.parameters)), evaluate)
+    values = changed(starts.model, np.random.default_rng(2), np.array([0.0, 1e-6, 1e-3, 1e-2]), 4)
+    begun = starts.begin(values)
+    assert begun.assembled[1:].all() == (name in ASSEMBLED)
+    for n, column in enumerate(values.T):
+        want = start_state(*starts.assemble(column))
+        np.testing.assert_allclose(begun.y[:, n], want, rtol=0.0, atol=2e-13 * max(1.0, np.abs(want).max()))
+
+
+def test_a_parameter_reaches_masses_gravity_drivers_loads_and_the_start_through_expressions():
+    m = rt.loads(PENDULUM)
+    starts = Starts(m.recorded(["l", "g", "start"]), evaluate)
+    l, g, start = 0.6, 9.5, 0.4
+    other = m.set(l=l, g=g, start=start)
+    begun = starts.begin(np.array([[l], [g], [start]]))
+    assert not begun.assembled.any()
+    y = begun.y[:, 0]
+    np.testing.assert_allclose(y[:6], [*other.start.q, *other.start.v], rtol=1e-14)
+    assert y[5] == pytest.approx(np.sqrt(g / l), rel=1e-15)
+    model = starts.model
+    graph, outputs = lower(model.graph, [model.derivative[5]])
+    got = graph.evaluate(outputs, np.concatenate([[0.2], y, [l, g, start]])[:, None])[0, 0]
+    mass = 2 * l * 1.5
+    torque = 0.1 * mass * g * l * np.sin(0.6) - 0.01 * y[5]
+    want = (torque - mass * g * l / 2 * np.cos(start)) / (mass * l * l / 3)
+    assert got == pytest.approx(want, rel=1e-13)
+
+
+def test_samples_that_cannot_be_put_together_have_a_message_and_leave_others_alone():
+    m = rt.example("fourbar")
+    starts = Starts(m.recorded(["l2", "l3"]), evaluate)
+    good = starts.begin(np.array([[0.61], [0.61]])).y[:, 0]
+    begun = starts.begin(np.array([[0.61, 0.05, np.nan, 0.61, -1.0], [0.61, 0.6, 0.6, 0.61, 0.6]]))
+    assert list(begun.messages) == [1, 2, 4]
+    assert "not a finite number" in begun.messages[2]
+    assert "positive" in begun.messages[4]
+    np.testing.assert_array_equal(begun.y[:, 0], good)
+    np.testing.assert_array_equal(begun.y[:, 3], good)
+    assert np.isnan(begun.y[:, [1, 2, 4]]).all()
+
+
+def test_what_reading_assumes_of_a_parameter_is_a_flag():
+    m = rt.loads(PENDULUM.replace('torque = "0.1*m', 'torque = "max(l - 0.4, 0.0)*m'))
+    model = m.recorded(["l"])
+    graph, outputs = lower(model.graph, [model.readable])
+    y = np.zeros(model.state_size)
+
+    def readable(l):
+        return graph.evaluate(outputs, np.concatenate([[0.0], y, [l]])[:, None])[0, 0]
+
+    assert readable(0.5)
+    assert readable(0.45)
+    assert not readable(-0.5)  # a length must be positive
+
+
+def test_a_number_that_no_expression_follows_is_found(monkeypatch):
+    from rattle.elements.loads import torque
+
+    m = rt.example("fourbar")
+    assert m.recorded(["M"]).parameters == {"M": pytest.approx(m.parameters["M"])}
+    from rattle.equations import system
+
+    monkeypatch.setattr(system, "array_of", lambda numbers: np.array(numbers, dtype=float))  # loses the record
+    with pytest.raises(TraceError, match="differ from the kernels' where 'M' is changed"):
+        m.recorded(["M"])
+    assert torque
+
+
+def test_unknown_parameters_are_named():
+    with pytest.raises(KeyError, match="no parameter 'l22'; did you mean 'l2'"):
+        rt.example("fourbar").recorded(["l22"])
