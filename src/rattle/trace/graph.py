@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -276,6 +276,19 @@ def copy_into(graph: Graph, source: Graph, outputs: Sequence[Any], change: Calla
         elif op != "input":
             made[place] = change(graph, op, *(made[k] for k in source.operands[place]))
     return [made[source.place(x)] for x in outputs]
+
+
+def bind(graph: Graph, outputs: Sequence[Any], known: Mapping[int, float]) -> tuple[Graph, list[Any]]:
+    """The calculation with numbers for some of its inputs, by place; the others stay, in order."""
+    bound = Graph()
+    made: dict[int, Any] = {place: known[place] if place in known else bound.input() for place in graph.inputs}
+    for place in graph.live(outputs):
+        op = graph.ops[place]
+        if op == "number":
+            made[place] = graph.numbers[place]
+        elif op != "input":
+            made[place] = bound.apply(op, *(made[k] for k in graph.operands[place]))
+    return bound, [made[graph.place(x)] for x in outputs]
 
 
 # ---------------------------------------------------------------- numbers alone

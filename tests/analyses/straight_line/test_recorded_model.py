@@ -81,7 +81,7 @@ def test_right_hand_side_and_curves_follow_the_parameters(name):
         derivative.python(workspace, t, y.copy(), rate)
         record.python(workspace, t, y.copy(), row)
         table, _, _ = columns(system, np.array([np.zeros_like(row), row]))
-        found = graph.evaluate(outputs, np.concatenate([[t], y, values])[:, None])[:, 0]
+        found = graph.evaluate(outputs, np.concatenate([[t], y, values, [0.0]])[:, None])[:, 0]
         if not (found[0] and found[ny + 1]):  # another form of the model, or next to a singular position
             continue
         forces = np.abs(table[1]).max() / min(one.mass for one in system.model.bodies.values())  # they nearly cancel
@@ -114,7 +114,7 @@ def test_a_parameter_reaches_masses_gravity_drivers_loads_and_the_start_through_
     assert y[5] == pytest.approx(np.sqrt(g / l), rel=1e-15)
     model = starts.model
     graph, outputs = lower(model.graph, [model.derivative[5]])
-    got = graph.evaluate(outputs, np.concatenate([[0.2], y, [l, g, start]])[:, None])[0, 0]
+    got = graph.evaluate(outputs, np.concatenate([[0.2], y, [l, g, start, 0.0]])[:, None])[0, 0]
     mass = 2 * l * 1.5
     torque = 0.1 * mass * g * l * np.sin(0.6) - 0.01 * y[5]
     want = (torque - mass * g * l / 2 * np.cos(start)) / (mass * l * l / 3)
@@ -141,7 +141,7 @@ def test_what_reading_assumes_of_a_parameter_is_a_flag():
     y = np.zeros(model.state_size)
 
     def readable(l):
-        return graph.evaluate(outputs, np.concatenate([[0.0], y, [l]])[:, None])[0, 0]
+        return graph.evaluate(outputs, np.concatenate([[0.0], y, [l, 0.0]])[:, None])[0, 0]
 
     assert readable(0.5)
     assert readable(0.45)

@@ -11,7 +11,7 @@ from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.solvers.stepper import LONGEST
 from rattle.trace import c
 from rattle.trace.elementary import lower
-from rattle.trace.graph import Graph
+from rattle.trace.graph import Graph, bind
 from rattle.version import __version__
 
 __all__ = ["LONGEST", "c_program"]
@@ -27,13 +27,12 @@ class _Functions(NamedTuple):
 
 
 def _functions(model: RecordedModel) -> _Functions:
-    """Functions of t and y at the model's own parameters; the energy balance counts from the start."""
-    curves = dict(model.curves)
-    graph, whole = lower(model.graph, [curves["energy.balance"]])
-    at_start = np.concatenate([[model.start.t], model.start_state])[:, None]
-    curves["energy.balance"] = curves["energy.balance"] - float(graph.evaluate(whole, at_start)[0, 0])
-    parts = [model.derivative, model.projection, [*curves.values(), model.sound_curves]]
+    """Functions of t and y, for a model recorded without parameters."""
+    parts = [model.derivative, model.projection, [*model.curves.values(), model.sound_curves]]
     graph, every = lower(model.graph, [x for part in parts for x in part])
+    at_start = np.concatenate([[model.start.t], model.start_state, [0.0]])[:, None]
+    energy = graph.evaluate([every[-2]], at_start)[0, 0]
+    graph, every = bind(graph, every, {graph.inputs[-1]: float(energy)})
     ends = np.cumsum([0, *map(len, parts)])
     return _Functions(graph, *(every[one:other] for one, other in itertools.pairwise(ends)))
 

@@ -1,7 +1,7 @@
 """A model as a graph: what its kernels do at one instant, and how its start follows from chosen parameters.
 
-Inputs of the graph are t [s], the state y [SI], then the chosen parameters p [SI], through every expression of the
-model file that uses them.  See `rattle.trace`.
+Inputs of the graph are t [s], the state y [SI], the chosen parameters p [SI], through every expression of the model
+file that uses them, and the energy E_0 at the start [J], from which the balance counts.  See `rattle.trace`.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class RecordedModel:
     graph: Graph  # with functions; `elementary.lower` takes them apart
     derivative: list[Any]  # (ny,) dy/dt [SI/s], then a flag
     projection: list[Any]  # (ny,) y on the constraints [SI], then a flag
-    curves: dict[str, Any]  # result columns by name [SI]; energy.balance without the energy at the start
+    curves: dict[str, Any]  # result columns by name [SI]
     sound_curves: Any  # their flag
     units: dict[str, str]
     readable: Any  # flag of the parameters alone: the model has the same parts and forms as the one recorded
@@ -84,11 +84,13 @@ def record_model(
     closed, sound_closed = recording.guarded(lambda: recording.projection(t, y))
     _, sound_row = recording.guarded(lambda: recording.run(record, t, y, row))
     table, titles, units = recording.plain(columns)(recorded, Table([[0.0] * len(row), list(row)]))
+    curves = dict(zip(titles, (one[1] for one in table), strict=True))
+    curves["energy.balance"] = curves["energy.balance"] - graph.input()
     first = record_start(system, start, recorded, recorder, y) if names else None
     made = RecordedModel(
         document, system, start, {name: system.model.parameters[name].value for name in names}, graph,
         [*rate, sound_rate], [*closed, sound_closed],
-        dict(zip(titles, (one[1] for one in table), strict=True)), sound_row, units,
+        curves, sound_row, units,
         both(graph, recorder.assumed.values()), first,
     )  # fmt: skip
     _require_same(made)
@@ -160,7 +162,7 @@ def _at(
     made: RecordedModel, functions: tuple[Graph, list[Any]], t: float, y: np.ndarray, given: Mapping[str, float]
 ) -> np.ndarray:
     graph, outputs = functions
-    return graph.evaluate(outputs, np.concatenate([[t], y, list(given.values())])[:, None])[:, 0]
+    return graph.evaluate(outputs, np.concatenate([[t], y, list(given.values()), [0.0]])[:, None])[:, 0]
 
 
 def _require_equal(system: System, t: float, y: np.ndarray, found: np.ndarray, where: str) -> None:

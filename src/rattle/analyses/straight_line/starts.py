@@ -68,7 +68,7 @@ class Starts:
         system, (correct, close_rates) = self.model.system, self._first
         nq = 3 * system.body_count
         size = np.tile([system.size, system.size, 1.0], system.body_count)[:, None]
-        inputs = np.concatenate([np.zeros((1, y.shape[1])), y, values])
+        inputs = np.concatenate([np.zeros((1, y.shape[1])), y, values, np.zeros((1, y.shape[1]))])
         q = inputs[1 : nq + 1]
         began, left = q.copy(), np.full(y.shape[1], np.inf)
         moving, good = np.ones((2, y.shape[1]), dtype=bool)
