@@ -174,7 +174,7 @@ class Batch:
             self.program.inside(inside, moved)
             state[0] = t + h * theta
             model.outputs(state, curves)
-            return curves[curve].copy()
+            return np.array(curves[curve])
 
         return bracketed(value, a, b, ga, gb)[:count]
 

@@ -1,4 +1,4 @@
-"""What lanes calculate: the functions of a model, and those of the method and the reductions made ready to be called."""
+"""What lanes calculate: functions of a model, of a method and of reductions, ready to be called."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ Function = Callable[[np.ndarray, np.ndarray], None]
 Compile = Callable[[Graph, Sequence[Any]], Function]  # of a graph of exact operations
 ENERGY_LIMIT = 1e-3  # share of the largest energy that may be unaccounted for
 MOST_STEPS = 1_000_000
+USUAL = Tolerances(1e-8, 1e-10)
 
 
 class Status(IntEnum):
@@ -71,7 +72,7 @@ class Program:
 
     def __init__(
         self, model: Model, compile: Compile, method: Method, reductions: Sequence[Reduction], t_end: float, *,
-        tolerances: Tolerances = Tolerances(1e-8, 1e-10), step: float = math.inf,
+        tolerances: Tolerances = USUAL, step: float = math.inf,
         energy_limit: float = ENERGY_LIMIT, most_steps: int = MOST_STEPS,
     ) -> None:  # fmt: skip
         """step: the longest one of a method with equal steps [s]; tolerances: of the others.

@@ -54,7 +54,9 @@ class _Work:
             self._next = min(self.count, first + most)
             return range(first, self._next)
 
-    def finish(self, samples: np.ndarray, status: np.ndarray, steps: np.ndarray | int, values: np.ndarray | None) -> None:
+    def finish(
+        self, samples: np.ndarray, status: np.ndarray, steps: np.ndarray | int, values: np.ndarray | None
+    ) -> None:
         """Note how samples ended; values: of those that are done, in order."""
         self.outcome.status[samples], self.outcome.steps[samples] = status, steps
         if values is not None:
