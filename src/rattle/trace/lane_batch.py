@@ -1,7 +1,7 @@
 """A batch of lanes: arrays in whose columns samples take their steps.
 
 Rows that a function reads or writes stand next to each other, so that no row is gathered: a state is t, y, constants;
-slopes follow y; a flag that a function writes after its slopes is read at once, as the next slopes take its place.
+slopes follow y.  What all lanes calculate in a step is one chain of calls on arrays that stay where they are.
 """
 
 from __future__ import annotations
@@ -22,42 +22,72 @@ class Batch:
 
     def __init__(self, program: Program, n: int) -> None:
         model, method, ledger = program.model, program.method, program.ledger
-        ny, wide = model.ny, model.curves + 1
+        ny, wide, parts = model.ny, model.curves + 1, ledger.parts
         self.program, self.n = program, n
         self.sample = np.full(n, -1)
         self.steps, self.tries, self._stop = (np.zeros(n, dtype=np.int64) for _ in range(3))
-        # end, step, y, slopes: a row of blocks has one component in a column
-        blocks = 3 + len(method.a)
-        self._blocks = np.zeros((blocks * ny + 1, n))
-        self._flat = self._blocks[:-1].reshape(blocks, ny * n)
-        self._end, self._h, self._y = (self._blocks[k * ny : (k + 1) * ny] for k in range(3))
-        self._slopes = [self._blocks[(3 + s) * ny : (4 + s) * ny + 1] for s in range(len(method.a))]
+        # end, step, y, slopes: blocks of ny rows and a flag; seen flat, a block is one row of components
+        self._blocks = np.zeros((3 + len(method.a), ny + 1, n))
+        self._flat = self._blocks.reshape(len(self._blocks), -1)[:, : ny * n]
+        self._end, self._h, self._y, *self._slopes = self._blocks[:, :ny]
         self._state = np.zeros((1 + ny + model.nc, n))
-        self._moved, self._moved_flat = self._state[1 : 1 + ny], self._state[1 : 1 + ny].reshape(1, ny * n)
         # end of the step and squares of errors, then the plan
-        parts = 3 if method.adaptive else 1
-        self._errors = np.zeros((parts * ny + len(PLAN) + len(PLANNED), n))
-        self._errors_flat = self._errors[: parts * ny].reshape(parts, ny * n)
-        self._plan = self._errors[parts * ny : parts * ny + len(PLAN)]
-        self._planned = self._errors[parts * ny + len(PLAN) :]
+        self._errors = np.zeros(((3 if method.adaptive else 1) * ny + len(PLAN) + len(PLANNED), n))
+        self._plan, self._planned = self._errors[-len(PLAN + PLANNED) : -len(PLANNED)], self._errors[-len(PLANNED) :]
         self._verdict = np.zeros((2, n))
-        self._closed = np.zeros((ny + 1, n))
-        # share of the step, y, dense output
-        self._inside = np.zeros((5 + len(method.upper), ny * n))
+        self._times = np.zeros((len(method.c) + parts - 1, n))
+        # share of the step, y, dense output, states between parts
+        self._inside = np.zeros((5 + len(method.upper) + parts - 1, ny * n))
         # step, crossings, curves, rows
         self._report = np.zeros((ledger.step_rows, n))
         first = 4 + 2 * len(ledger.conditions)
         self._crossings = self._report[4:first]
-        ends = first + wide * (ledger.parts + 1)
-        self._curves = self._report[first:ends].reshape(ledger.parts + 1, wide, n)
+        ends = first + wide * (parts + 1)
+        self._curves = self._report[first:ends].reshape(parts + 1, wide, n)
         self._rows, self._rows_new = self._report[ends:], np.zeros((ledger.rows, n))
         self.values = np.zeros((len(ledger.reductions), n))
-        self._sound = np.zeros(n, dtype=bool)
+        self._calculate = program.chain(self._calls())
+
+    def _calls(self) -> list[tuple[Function, np.ndarray, np.ndarray]]:
+        """What a step takes: stages, end, projection, curves; slopes and flags go to the blocks."""
+        program, model, stages = self.program, self.program.model, self.program.method.stages
+        ny, n, flat, blocks = model.ny, self.n, self._flat, self._blocks
+        state, copy = self._state, program.copy
+        now, moved = state[:1], state[1 : 1 + ny].reshape(1, ny * n)
+        plan = self._errors[-len(PLAN + PLANNED) :]
+
+        def stage(s: int) -> list[tuple[Function, np.ndarray, np.ndarray]]:
+            return [
+                (copy, self._times[s : s + 1], now),
+                (program.stages[s], flat[1 : 3 + s], moved),
+                (model.rate, state, blocks[3 + s]),
+            ]
+
+        squares = self._errors[: -len(plan)].reshape(-1, ny * n)
+        calls = [
+            (program.plan, self._plan, self._planned), (program.spread, self._planned[:1], self._h),
+            (program.times, plan, self._times), *(call for s in range(1, stages) for call in stage(s)),
+            (program.end, flat[1 : 3 + stages], squares), (program.judge, self._errors[ny:], self._verdict),
+            (copy, self._planned[1:2], now), (copy, squares[:1], moved), (model.project, state, blocks[0]),
+            (copy, flat[:1], moved), (model.rate, state, blocks[3 + stages]), (model.outputs, state, self._curves[-1]),
+        ]  # fmt: skip
+        if not program.ledger.sampled:
+            return calls
+        calls += [call for s in program.later for call in stage(s)]
+        calls.append((program.dense, flat, self._inside[1:]))
+        between = 5 + len(program.method.upper)
+        for k in range(1, program.ledger.parts):
+            at, row = len(program.method.c) + k - 1, between + k - 1
+            calls += [
+                (copy, self._times[at : at + 1], now), (copy, self._inside[row : row + 1], moved),
+                (model.outputs, state, self._curves[k]),
+            ]  # fmt: skip
+        return calls
 
     def take(self, lanes: np.ndarray, stock: Stock, columns: np.ndarray, samples: np.ndarray) -> None:
         """Put samples that stand in columns of a stock into lanes."""
         self.sample[lanes], self.steps[lanes], self.tries[lanes], self._stop[lanes] = samples, 0, 0, 0
-        self._y[:, lanes], self._slopes[0][:-1, lanes] = stock.y[:, columns], stock.rate[:, columns]
+        self._y[:, lanes], self._slopes[0][:, lanes] = stock.y[:, columns], stock.rate[:, columns]
         self._state[1 + self.program.model.ny :, lanes] = stock.constants[:, columns]
         self._curves[0][:, lanes], self._rows[:, lanes] = stock.curves[:, columns], stock.rows[:, columns]
         program = self.program
@@ -68,76 +98,30 @@ class Batch:
 
     def step(self) -> np.ndarray:
         """One step of every lane, accepted or not.  Returns the `Status` of the lanes that are through, else -1."""
-        program, plan, planned = self.program, self._plan, self._planned
-        program.plan(plan, planned)
-        self._h[:] = planned[0]
-        self._sound[:] = True
-        for s in range(1, program.method.stages):
-            self._evaluate(s)
-        program.end(self._flat[1 : 3 + program.method.stages], self._errors_flat)
-        program.judge(self._errors[self.program.model.ny :], self._verdict)
+        program, planned, stages = self.program, self._planned, self.program.method.stages
+        self._calculate()
         active = self.sample >= 0
         accepted = active & (self._verdict[1] != 0.0)
-        kept = self._sound.copy()
-        self._arrive()
-        finite = np.isfinite(self._closed[:-1]).all(0) & np.isfinite(self._slopes[program.method.stages][:-1]).all(0)
-        if program.ledger.sampled:
-            self._sample()
-            self._cross(accepted & self._sound & finite)
+        flags = self._blocks[:, -1] != 0.0
+        kept = flags[4 : 3 + stages].all(0)
+        later = 3 + stages + 1 + len(program.later)  # blocks in use
+        sound = flags[0] & flags[3 + stages : later].all(0) & (self._curves[1:, -1] != 0.0).all(0)
+        finite = np.isfinite(self._end).all(0) & np.isfinite(self._slopes[stages]).all(0)
         finite &= np.isfinite(self._curves[1:]).all((0, 1))
-        self._report[0], self._report[1], self._report[2] = planned[0], plan[0], self._stop
+        self._cross(accepted & sound & finite)
+        self._report[0], self._report[1], self._report[2] = planned[0], self._plan[0], self._stop
         self._report[3] = planned[2]
         program.step(self._report, self._rows_new)
         held = program.ledger.sound_row
         accounted = np.ones(self.n, dtype=bool) if held is None else self._rows_new[held] != 0.0
-        status = np.select(
-            [
-                ~active, planned[3] != 0.0, ~kept, accepted & ~finite, accepted & ~self._sound, accepted & ~accounted,
-                self.tries >= program.most_steps,
-            ],
-            [
-                -1, Status.STEP_TOO_SMALL, Status.ASSUMPTION, Status.NOT_FINITE, Status.ASSUMPTION, Status.ENERGY,
-                Status.TOO_MANY_STEPS,
-            ],
-            -1,
-        )  # fmt: skip
+        status = np.full(self.n, -1)
+        for fails, why in (  # the last one that holds counts
+            (self.tries >= program.most_steps, Status.TOO_MANY_STEPS), (accepted & ~accounted, Status.ENERGY),
+            (accepted & ~sound, Status.ASSUMPTION), (accepted & ~finite, Status.NOT_FINITE),
+            (~kept, Status.ASSUMPTION), (planned[3] != 0.0, Status.STEP_TOO_SMALL), (~active, -1),
+        ):  # fmt: skip
+            np.copyto(status, int(why), where=fails)
         return self._go_on(active, accepted & (status < 0), status)
-
-    def _evaluate(self, s: int) -> None:
-        """The right-hand side at stage s."""
-        program = self.program
-        program.stages[s](self._flat[1 : 3 + s], self._moved_flat)
-        np.multiply(self._planned[0], program.method.c[s], out=self._state[0])
-        self._state[0] += self._plan[0]
-        self._call(program.model.rate, self._slopes[s])
-
-    def _call(self, function: Function, out: np.ndarray) -> None:
-        """A function of the present state; its flag counts."""
-        function(self._state, out)
-        np.logical_and(self._sound, out[-1], out=self._sound)
-
-    def _arrive(self) -> None:
-        """The end of the step, brought onto the constraints; right-hand side and curves there."""
-        program, ny = self.program, self.program.model.ny
-        self._state[0], self._moved[:] = self._planned[1], self._errors[:ny]
-        self._call(program.model.project, self._closed)
-        self._moved[:] = self._closed[:-1]
-        self._end[:] = self._closed[:-1]
-        self._call(program.model.rate, self._slopes[program.method.stages])
-        self._call(program.model.outputs, self._curves[-1])
-
-    def _sample(self) -> None:
-        """Curves at equal parts of the step."""
-        program, parts = self.program, self.program.ledger.parts
-        for s in program.later:
-            self._evaluate(s)
-        program.dense(self._flat, self._inside[1:])
-        for k in range(1, parts):
-            self._inside[0] = k / parts
-            program.inside(self._inside, self._moved_flat)
-            np.multiply(self._planned[0], k / parts, out=self._state[0])
-            self._state[0] += self._plan[0]
-            self._call(program.model.outputs, self._curves[k])
 
     def _cross(self, lanes: np.ndarray) -> None:
         """Where in the step conditions begin and end; lanes (n,): those that ask."""
@@ -163,8 +147,8 @@ class Batch:
         model, ny, count = self.program.model, self.program.model.ny, len(lanes)
         fill = np.minimum(np.arange(-(-count // EIGHT) * EIGHT), count - 1)
         a, b, ga, gb = (one[fill] for one in (a, b, ga, gb))
-        lanes, k = lanes[fill], len(fill)
-        inside = np.take(self._inside.reshape(-1, ny, self.n), lanes, axis=2).reshape(-1, ny * k)
+        lanes, k, dense = lanes[fill], len(fill), 5 + len(self.program.method.upper)
+        inside = np.take(self._inside[:dense].reshape(dense, ny, self.n), lanes, axis=2).reshape(dense, ny * k)
         state, curves = np.take(self._state, lanes, axis=1), np.empty((model.curves + 1, k))
         t, h = self._plan[0, lanes], self._planned[0, lanes]
         moved = state[1 : 1 + ny].reshape(1, ny * k)
@@ -182,7 +166,7 @@ class Batch:
         """Make the end of the step the start of the next where it is good; returns the status."""
         program, plan = self.program, self._plan
         np.copyto(self._y, self._end, where=good)
-        np.copyto(self._slopes[0][:-1], self._slopes[program.method.stages][:-1], where=good)
+        np.copyto(self._slopes[0], self._slopes[program.method.stages], where=good)
         np.copyto(plan[0], self._planned[1], where=good)
         np.copyto(plan[1], self._verdict[0], where=active)
         np.copyto(self._curves[0], self._curves[-1], where=good)

@@ -107,22 +107,40 @@ def end(method: Method, tolerances: Tolerances) -> Recorded:
     return graph, [y_new, *((weighted(e, k) / scale) ** 2 for e in method.errors)]
 
 
-def dense(method: Method) -> Recorded:
-    """y at the end, h, y, all slopes: y and the rows of the dense output."""
+def dense(method: Method, parts: int) -> Recorded:
+    """y at the end, h, y, all slopes: y, rows of the dense output, states between equal parts of the step."""
     graph, (y_new, h, y, *k) = inputs(3 + len(method.a))
     jump = y_new - y
     rows = [jump, h * k[0] - jump, 2.0 * jump - h * (k[method.stages] + k[0])]
-    return graph, [y, *rows, *(h * weighted(d, k) for d in method.upper)]
+    rows += [h * weighted(d, k) for d in method.upper]
+    return graph, [y, *rows, *(_inside(n / parts, y, rows) for n in range(1, parts))]
 
 
 def inside(method: Method) -> Recorded:
     """Share theta of the step, y, rows of the dense output: the state at theta."""
-    graph, (theta, y, *d) = inputs(5 + len(method.upper))
+    graph, (theta, y, *rows) = inputs(5 + len(method.upper))
+    return graph, [_inside(theta, y, rows)]
+
+
+def _inside(theta: Any, y: Any, rows: Sequence[Any]) -> Any:
     rest = 1.0 - theta
     value: Any = 0.0
-    for n in reversed(range(len(d))):  # factors theta and 1 - theta in turn
-        value = (d[n] + value) * (theta if n % 2 == 0 else rest)
-    return graph, [y + value]
+    for n in reversed(range(len(rows))):  # factors theta and 1 - theta in turn
+        value = (rows[n] + value) * (theta if n % 2 == 0 else rest)
+    return y + value
+
+
+# ---------------------------------------------------------------- rows as they are
+def spread(count: int) -> Recorded:
+    """One row, as many times."""
+    graph, (row,) = inputs(1)
+    return graph, [row] * count
+
+
+def times(shares: Sequence[float]) -> Recorded:
+    """PLAN, PLANNED: instants at shares of the step."""
+    graph, row = inputs(len(PLAN) + len(PLANNED))
+    return graph, [row[0] + row[len(PLAN)] * share for share in shares]
 
 
 # ---------------------------------------------------------------- steps

@@ -14,10 +14,25 @@ from rattle.trace.graph import Graph
 from rattle.trace.lane_methods import Method, Tolerances
 from rattle.trace.reductions import Energies, Ledger, Reduction
 
-# f(rows in (n_in, n), rows out (n_out, n)): column by column, for any n that is a multiple of the width of a batch;
-# arrays are float64 and C-contiguous, and do not overlap
+# f(rows in (n_in, n), rows out (n_out, n)): column by column, for any n that is a multiple of 8 or of the width of a
+# batch; arrays are float64, do not overlap, and each row is without gaps, at any distance from the next
 Function = Callable[[np.ndarray, np.ndarray], None]
 Compile = Callable[[Graph, Sequence[Any]], Function]  # of a graph of exact operations
+Calls = Sequence[tuple[Function, np.ndarray, np.ndarray]]  # functions, each with its rows in and out
+Chain = Callable[[Calls], Callable[[], None]]  # makes one call of many, on arrays that stay where they are
+
+
+def one_by_one(calls: Calls) -> Callable[[], None]:
+    """The chain that Python makes: one function after the other."""
+    given = tuple(calls)
+
+    def call() -> None:
+        for function, rows, out in given:
+            function(rows, out)
+
+    return call
+
+
 ENERGY_LIMIT = 1e-3  # share of the largest energy that may be unaccounted for
 MOST_STEPS = 1_000_000
 USUAL = Tolerances(1e-8, 1e-10)
@@ -72,7 +87,7 @@ class Program:
 
     def __init__(
         self, model: Model, compile: Compile, method: Method, reductions: Sequence[Reduction], t_end: float, *,
-        tolerances: Tolerances = USUAL, step: float = math.inf,
+        tolerances: Tolerances = USUAL, step: float = math.inf, chain: Chain = one_by_one,
         energy_limit: float = ENERGY_LIMIT, most_steps: int = MOST_STEPS,
     ) -> None:  # fmt: skip
         """step: the longest one of a method with equal steps [s]; tolerances: of the others.
@@ -84,6 +99,7 @@ class Program:
                 raise ValueError(f"{one}: an instant from 0 to {t_end} s expected")
         inner = {float(one.t) for one in reductions if one.kind == "at" and 0.0 < one.t < t_end}
         self.model, self.method, self.t_end, self.most_steps = model, method, t_end, most_steps
+        self.chain = chain
         self.stops = np.array([*sorted(inner), t_end])
         energies = None if model.energies is None else Energies(model.energies, energy_limit)
         self.ledger = ledger = Ledger(reductions, model.curves, self.stops.tolist(), method.samples, energies)
@@ -96,7 +112,9 @@ class Program:
         self.plan = compile(*methods.plan(method, t_end))
         self.end = compile(*methods.end(method, tolerances))
         self.judge = compile(*methods.judge(method, tolerances, model.ny, model.controlled, model.motion))
-        self.dense, self.inside = compile(*methods.dense(method)), compile(*methods.inside(method))
+        self.dense, self.inside = compile(*methods.dense(method, ledger.parts)), compile(*methods.inside(method))
+        self.copy, self.spread = compile(*methods.spread(1)), compile(*methods.spread(model.ny))
+        self.times = compile(*methods.times([*method.c, *(k / ledger.parts for k in range(1, ledger.parts))]))
         if method.adaptive:
             self.first_try = compile(*methods.first_try(tolerances, model.ny, model.motion, t_end))
             self.first_step = compile(*methods.first_step(tolerances, model.ny, model.motion, t_end))
