@@ -179,7 +179,9 @@ class _Found:
         task = self.task
         places = {f"#{k}": row for k, row in enumerate(rows)}
         parameters = {**task.mechanism.parameters, **task.samples}
-        made = arrays.evaluate(task.outputs[output].outer, lambda name: places[name] if name in places else parameters[name])
+        made = arrays.evaluate(
+            task.outputs[output].outer, lambda name: places[name] if name in places else parameters[name]
+        )
         self.values[output] = np.broadcast_to(made, task.count)
 
     def result(self, why: str) -> Many:

@@ -1,7 +1,7 @@
 """Straight-line code as machine code, for W samples side by side, by LLVM.
 
-A function `void name(double *in, double *out)` reads rows of W samples, in[k][sample], and writes such rows.  Every
-operation is one instruction without fast-math flags, and LLVM contracts nothing that is not marked for it, so each
+A function `void name(double *in, double *out, int64 n)` reads rows of n samples, in[k][sample], and writes such rows, W
+samples at a time.  Every operation is one instruction without fast-math flags, and LLVM contracts nothing that is not marked for it, so each
 sample has the bits of `Graph.evaluate`, whatever W and the processor are.  The graph is shared and folded already, so
 none of LLVM's passes over its intermediate form run: they took as long as all the rest and changed no speed.
 
@@ -69,8 +69,15 @@ FORMS = {
 }
 AS_NUMBER = "{r} = select {B} {0}, {V} {one}, {V} {zero}"
 AS_FLAG = "{r} = fcmp une {V} {0}, {zero}"
-READ = "{r}.p = getelementptr double, ptr %in, i64 {0}\n{r} = load {V}, ptr {r}.p, align 8"
-WRITE = "{r}.p = getelementptr double, ptr %out, i64 {1}\nstore {V} {0}, ptr {r}.p, align 8"
+# row {0} or {1}, at the present samples
+READ = """{r}.k = mul i64 %n, {0}
+{r}.i = add i64 {r}.k, %i
+{r}.p = getelementptr double, ptr %in, i64 {r}.i
+{r} = load {V}, ptr {r}.p, align 8"""
+WRITE = """{r}.k = mul i64 %n, {1}
+{r}.i = add i64 {r}.k, %i
+{r}.p = getelementptr double, ptr %out, i64 {r}.i
+store {V} {0}, ptr {r}.p, align 8"""
 DECLARED = re.compile(r"call ((?:<\d+ x )?double>?) (@llvm\.(?:fabs|sqrt|floor)\.\w+)\(")
 
 
@@ -144,7 +151,7 @@ class _Body:
         if op == "number":
             self._numbers[place] = self.width.number(self.graph.numbers[place])
         elif op == "input":
-            self._numbers[place] = self.put("read", f"%x{place}", self.rank[place] * self.width.width)
+            self._numbers[place] = self.put("read", f"%x{place}", self.rank[place])
         else:
             logical = {"both": 2, "either": 2, "not": 1, "select": 1}.get(op, 0)  # operands that are flags
             given = [self.flag(k) if n < logical else self.number(k) for n, k in enumerate(operands)]
@@ -183,17 +190,19 @@ def _function(graph: Graph, name: str, outputs: Sequence[Any], width: _Width) ->
     for place in _used(graph, graph.live(outputs)):
         body.add(place)
         for n in rows.get(place, ()):
-            body.put("write", f"%out{n}", body.number(place), n * width.width)
-    head = f"define void @{name}(ptr noalias readonly %in, ptr noalias %out) nounwind {{"
-    return "\n".join([head, *body.lines, "ret void", "}\n"])
+            body.put("write", f"%out{n}", body.number(place), n)
+    head = f"define void @{name}(ptr noalias readonly %in, ptr noalias %out, i64 %n) nounwind {{"
+    begin = ["br label %next", "next:", "%i = phi i64 [0, %0], [%j, %next]"]
+    end = [f"%j = add i64 %i, {width.width}", "%more = icmp ult i64 %j, %n", "br i1 %more, label %next, label %done"]
+    return "\n".join([head, *begin, *body.lines, *end, "done:", "ret void", "}\n"])
 
 
 def functions_text(graph: Graph, functions: Mapping[str, Sequence[Any]], width: int) -> str:
     """LLVM's intermediate form of functions of a graph of exact operations, for `compile`, by name.
 
-    Each is `void name(ptr in, ptr out)`: `in` holds the inputs of the graph as rows (n_in, width) of doubles without
-    gaps, `out` takes the outputs (n_out, width); flags come out as 1 or 0.  The two must not overlap.  They may stand
-    at any multiple of 8 bytes; multiples of 64 are fastest.  Other functions may be written after these.
+    Each is `void name(ptr in, ptr out, i64 n)`: `in` holds the inputs of the graph as rows (n_in, n) of doubles without
+    gaps, `out` takes the outputs (n_out, n); flags come out as 1 or 0.  n is a positive multiple of the width.  The two
+    must not overlap.  They may stand at any multiple of 8 bytes; multiples of 64 are fastest.
     """
     written = _Width(width)
     return "\n".join(_function(graph, name, outputs, written) for name, outputs in functions.items())
@@ -211,11 +220,11 @@ class MachineCode:
             raise ValueError(f"machine code without {', '.join(missing)}")
 
     def function(self, name: str, *kinds: Any) -> Callable[..., None]:
-        """A void function to be called from Python, which keeps the code alive; without kinds (in, out) by address.
+        """A void function to be called from Python, which keeps the code alive; in and out by address, and n.
 
         Other threads run while it does.
         """
-        types = kinds or (ctypes.c_void_p, ctypes.c_void_p)
+        types = kinds or (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
         return functools.partial(self._call, ctypes.CFUNCTYPE(None, *types)(self.addresses[name]))
 
     def _call(self, entry: Callable[..., None], *given: Any) -> None:
