@@ -67,6 +67,7 @@ FORMS = {
 {r}.c = or {I} {r}.b, {bits_of_1}
 {r} = bitcast {I} {r}.c to {V}""",
 }
+LOGICAL = {"both": 2, "either": 2, "not": 1, "select": 1}  # how many operands, from the first, are flags
 AS_NUMBER = "{r} = select {B} {0}, {V} {one}, {V} {zero}"
 AS_FLAG = "{r} = fcmp une {V} {0}, {zero}"
 READ = "{r}.p = getelementptr double, ptr %in, i64 {0}\n{r} = load {V}, ptr {r}.p, align 8"
@@ -146,8 +147,8 @@ class _Body:
         elif op == "input":
             self._numbers[place] = self.put("read", f"%x{place}", self.rank[place] * self.width.width)
         else:
-            logical = {"both": 2, "either": 2, "not": 1, "select": 1}.get(op, 0)  # operands that are flags
-            given = [self.flag(k) if n < logical else self.number(k) for n, k in enumerate(operands)]
+            flags = LOGICAL.get(op, 0)
+            given = [*map(self.flag, operands[:flags]), *map(self.number, operands[flags:])]
             (self._flags if op in FLAGS else self._numbers)[place] = self.put(op, f"%x{place}", *given)
 
     def number(self, place: int) -> str:
