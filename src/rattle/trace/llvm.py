@@ -3,7 +3,7 @@
 A function `void name(double *in, double *out)` reads rows of W samples, in[k][sample], and writes such rows.  Every
 operation is one instruction without fast-math flags, and LLVM contracts nothing that is not marked for it, so each
 sample has the bits of `Graph.evaluate`, whatever W and the processor are.  The graph is shared and folded already, so
-none of LLVM's passes over its intermediate form run: they took as long as all the rest and changed no speed.
+none of LLVM's passes over its intermediate form run: they made compiling half as long again and no code faster.
 
 Code is kept in the cache folder, see `rattle.jit.cache`.  Nothing here imports Numba; LLVM is imported when needed.
 """
@@ -29,7 +29,7 @@ from rattle.jit.cache import KeptFile, code_folder
 from rattle.trace.graph import FLAGS, ROUND, Graph
 
 WIDTHS = (1, 2, 4, 8)
-LEVEL = 1  # of LLVM's code generator: 2 and 3 took 10 to 40 % longer and made no faster code
+LEVEL = 1  # of LLVM's code generator: 2 took 15 to 30 % longer and made no faster code
 MOST = 100_000_000  # bytes of kept code; beyond, the files that were not used for longest go, down to half of it
 FOLDER = "straight_line"  # name of the folder of kept code
 
