@@ -73,13 +73,10 @@ class Many:
         return self.units[output]
 
     def __str__(self) -> str:
-        return "\n".join(
-            [
-                f"{len(self)} samples of {', '.join(self.samples)}; {len(self.messages)} failed",
-                self.stats["how"],
-                *(f"{self.outputs[n]} [{self.units[self.outputs[n]] or '-'}]: {_span(row)}" for n, row in enumerate(self.values)),
-            ]
-        )  # fmt: skip
+        said = [f"{len(self)} samples of {', '.join(self.samples)}; {len(self.messages)} failed", self.stats["how"]]
+        for output, row in zip(self.outputs, self.values, strict=True):
+            said.append(f"{output} [{self.units[output] or '-'}]: {_span(row)}")
+        return "\n".join(said)
 
 
 def _span(row: np.ndarray) -> str:

@@ -1,8 +1,7 @@
 """Straight-line code as machine code, for W samples side by side, by LLVM.
 
-A function `void name(double *in, int64 a, double *out, int64 b, int64 n)` reads rows of n samples, in[k a + sample], and
-writes such rows, out[k b + sample], W samples at a time.  Every
-operation is one instruction without fast-math flags, and LLVM contracts nothing that is not marked for it, so each
+A function `void name(double *in, int64 a, double *out, int64 b, int64 n)` reads rows of n samples, in[k a + sample],
+and writes such rows, out[k b + sample], W samples at a time.  Every operation is one instruction without fast-math flags, and LLVM contracts nothing that is not marked for it, so each
 sample has the bits of `Graph.evaluate`, whatever W and the processor are.  The graph is shared and folded already, so
 none of LLVM's passes over its intermediate form run: they took as long as all the rest and changed no speed.
 
@@ -30,7 +29,7 @@ from rattle.jit.cache import KeptFile, code_folder
 from rattle.trace.graph import FLAGS, ROUND, Graph
 
 WIDTHS = (1, 2, 4, 8)
-LEVEL = 1  # of LLVM's code generator: 2 and 3 took 10 to 40 % longer and made no faster code
+LEVEL = 1  # of LLVM's code generator: 2 took 15 to 30 % longer and made no faster code
 MOST = 100_000_000  # bytes of kept code; beyond, the files that were not used for longest go, down to half of it
 FOLDER = "straight_line"  # name of the folder of kept code
 
@@ -68,6 +67,7 @@ FORMS = {
 {r}.c = or {I} {r}.b, {bits_of_1}
 {r} = bitcast {I} {r}.c to {V}""",
 }
+LOGICAL = {"both": 2, "either": 2, "not": 1, "select": 1}  # how many operands, from the first, are flags
 PARAMETERS = "ptr noalias readonly %in, i64 %a, ptr noalias %out, i64 %b, i64 %n"
 CHAIN = """define void @chain(ptr %calls, i64 %count) nounwind {
 br label %next
@@ -179,8 +179,8 @@ class _Body:
         elif op == "input":
             self._numbers[place] = self.put("read", f"%x{place}", self.rank[place])
         else:
-            logical = {"both": 2, "either": 2, "not": 1, "select": 1}.get(op, 0)  # operands that are flags
-            given = [self.flag(k) if n < logical else self.number(k) for n, k in enumerate(operands)]
+            flags = LOGICAL.get(op, 0)
+            given = [*map(self.flag, operands[:flags]), *map(self.number, operands[flags:])]
             (self._flags if op in FLAGS else self._numbers)[place] = self.put(op, f"%x{place}", *given)
 
     def number(self, place: int) -> str:
@@ -227,8 +227,8 @@ def functions_text(graph: Graph, functions: Mapping[str, Sequence[Any]], width: 
     """LLVM's intermediate form of functions of a graph of exact operations, for `compile`, by name.
 
     Each is `void name(ptr in, i64 a, ptr out, i64 b, i64 n)`: `in` holds the inputs of the graph as rows (n_in, n) of
-    doubles, whose starts are `a` doubles apart, `out` takes the outputs (n_out, n), `b` apart; flags come out as 1 or 0.
-    n is a positive multiple of the width.  The two must not overlap.  They may stand at any multiple of 8 bytes;
+    doubles, whose starts are `a` doubles apart, `out` takes the outputs (n_out, n), `b` apart; flags come out as 1 or
+    0.  n is a positive multiple of the width.  The two must not overlap.  They may stand at any multiple of 8 bytes;
     multiples of 64 are fastest.
     """
     written = _Width(width)

@@ -63,5 +63,6 @@ class MachineFunctions:
 
 def _places(rows_in: np.ndarray, rows_out: np.ndarray) -> tuple[int, int, int, int, int]:
     """Arguments of a function, see `llvm.functions_text`."""
+    assert rows_in.strides[1] == rows_out.strides[1] == 8
     a, b = rows_in.strides[0] // 8, rows_out.strides[0] // 8
     return rows_in.ctypes.data, a, rows_out.ctypes.data, b, rows_in.shape[1]
