@@ -282,14 +282,26 @@ def test_the_four_bar_moves_as_the_package_simulates_it():
     tight = Tolerances(1e-10, 1e-12)
     made = values(recorded(m, names), reductions, np.zeros((1, 2)), t_end=t_end, width=8, tolerances=tight)
     assert (made[:, 0] == made[:, 1]).all()
-    run = m.simulate(t_eval=np.linspace(0.0, t_end, 501), rtol=1e-10)
+    motion = m.simulate(t_eval=np.linspace(0.0, t_end, 501), rtol=1e-10)
     simpson = np.array([1.0, *[4.0, 2.0] * 249, 4.0, 1.0]) / 1500.0
     for n, name in enumerate(names):
-        curve = run[name]
+        curve = motion[name]
         scale, got = np.abs(curve).max(), made[5 * n : 5 * n + 5, 0]
         assert got[:2] == pytest.approx([curve[150], curve[-1]], abs=1e-8 * scale), name
         assert got[2:4] == pytest.approx([top(curve), -top(-curve)], abs=1e-5 * scale), name
         assert got[4] == pytest.approx(simpson @ curve, abs=1e-6 * scale), name
+
+
+def test_the_four_bar_takes_the_steps_of_the_package():
+    """Errors, projections and step lengths follow the same rules; rounding may turn one decision."""
+    m, t_end = rt.example("fourbar"), 0.005
+    model = recorded(m, ["crank.angle"])
+    outcome = run(Program(model, lowered, DOP853, [Reduction("final", 0)], t_end), np.zeros((1, 1)))
+    stats = m.simulate(t_eval=[0.0, t_end], rtol=1e-8).stats
+    tries = (outcome.evaluations - 2) / 12
+    assert abs(int(outcome.steps[0]) - stats["steps"]) <= 1
+    assert abs(tries - outcome.steps[0] - stats["rejected"]) <= 1
+    assert stats["rejected"] > 0
 
 
 # ---------------------------------------------------------------- independence
