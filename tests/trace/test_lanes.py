@@ -194,18 +194,22 @@ def test_a_kink_raises_no_maximum():
     assert np.abs(made[1] - top).max() < 1e-6
 
 
-def test_many_crossings_in_few_steps_are_all_found():
-    """sin(9 w t) > 0 while the motion, sampled 8 times per step, is slow; a kink of the condition does no harm."""
+def test_conditions_with_many_crossings_and_kinks_are_timed_to_rounding():
+    """sin 9t < 0 and |sin 9t| > 1/2: up to two crossings in a step of the slow motion, kinks between them."""
 
     def curves(x, v, w, t):
         wave = t.graph.apply("sin", 9.0 * t)
-        return [wave, (wave + 0.5) * (wave > -0.25) + 0.25 * (wave <= -0.25) * -1.0]
+        return [-wave, abs(wave) - 0.5]
 
-    model = oscillator(curves=curves)
-    made = values(model, [Reduction("share", 0), Reduction("first", 0), Reduction("share", 1)], [[1.0, 2.0]])
+    kinds = [Reduction(kind, n) for n in (0, 1) for kind in ("share", "first")]
+    made = values(oscillator(curves=curves), kinds, [[1.0, 2.0]])
     turns, rest = divmod(9.0 * T, 2 * math.pi)
-    assert made[0] == pytest.approx((turns * math.pi + min(rest, math.pi)) / (9.0 * T), abs=1e-10)
-    assert made[1] == pytest.approx(0.0, abs=1e-9)
+    below = turns * math.pi + max(rest - math.pi, 0.0)
+    halves, rest = divmod(9.0 * T, math.pi)
+    outside = halves * 2 * math.pi / 3 + min(max(rest - math.pi / 6, 0.0), 2 * math.pi / 3)
+    true = [below / (9.0 * T), math.pi / 9.0, outside / (9.0 * T), math.pi / 54.0]
+    for got, want in zip(made, true, strict=True):
+        assert got == pytest.approx(want, abs=1e-10)
 
 
 def test_a_condition_that_never_or_always_holds():
