@@ -85,8 +85,10 @@ def analyse(
             start = assemble(system, float(times[0]))
         except AssemblyError as error:
             loose = _loose(system)
-            hint = f" There is clearance in {loose}: close it with ideal() or --ideal." if loose else ""
-            raise AssemblyError(f"{error}{hint}") from None
+            if not loose:
+                raise
+            said = str(error).removesuffix(".")
+            raise AssemblyError(f"{said}. There is clearance in {loose}: close it with ideal() or --ideal.") from None
     if system.row_count <= LARGE:
         require_driven(system, start, what)
     jumps = timetable(system, min(start.t, float(times[0])), float(times[-1])).jumps
@@ -138,9 +140,6 @@ def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
     if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise ValueError("t_eval must be one time or increasing finite times in s")
     return times
-
-
-# ---------------------------------------------------------------- what happened
 
 
 # ---------------------------------------------------------------- the result
