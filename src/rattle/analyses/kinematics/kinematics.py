@@ -16,6 +16,7 @@ from rattle.analyses.kinematics.motors import motors_at, without_effort
 from rattle.analyses.kinematics.singular_positions import blocking, branch_points, why_stuck
 from rattle.analyses.kinematics.sweep import Sweep, begin
 from rattle.analyses.timetable import jump_notes, timetable
+from rattle.analyses.travel import past_ends, places
 from rattle.analyses.undefined import undefined
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
@@ -106,6 +107,7 @@ def analyse(
     message = why_stuck(sweep) if len(raw) < len(times) else ""
     events, notes = branch_points(first, sweep, times, raw, bool(message))
     notes = [*start.notes, *notes, *without_effort(sweep, reached, raw, motors)]
+    notes += past_ends(system, reached, places(system, raw))
     if forces:
         notes += _without_value(sweep, reached, raw)
     if message:
