@@ -4,7 +4,7 @@ Numba compiles every function separately and includes the finished code of all f
 Here a function that is called by another compiled function remains a *part*, intermediate code that is not optimised;
 a *whole*, called from Python or by its address, is linked with all parts it needs and compiled to machine code once.
 With `blocks` and `passes` this reduces the time to compile what a run of the four-bar needs from 21 s, the plain way,
-to 7 s.
+to 6 s.
 
 Uses internals of Numba (`CompilerBase`, `CodeLibrary`): only for the versions in `compile_path`.
 """
@@ -135,7 +135,7 @@ class _Compiler(CompilerBase):
             untyped_passes.FixupArgs,
             passes.Simplify,
             passes.AssignOnce,
-            typed_passes.NopythonTypeInference,
+            passes.Types,
             passes.StripPhis,
             self.lower,
             typed_passes.NoPythonBackend,

@@ -8,15 +8,18 @@ columns are constants, so none of this is needed: with 0.4 times as many stateme
 from __future__ import annotations
 
 import operator
-from types import ModuleType
+from types import BuiltinFunctionType, ModuleType
 from typing import Any
 
+from numba import types
 from numba.core import cgutils, ir, lowering, typed_passes
 from numba.core.compiler_machinery import FunctionPass, register_pass
+from numba.core.errors import NumbaWarning, WarningsFixer  # type: ignore[attr-defined]
 from numba.core.ir_utils import build_definitions
 from numba.core.rewrites import rewrite_registry
 from numba.core.ssa import reconstruct_ssa
 from numba.core.transforms import canonicalize_cfg
+from numba.core.typeinfer import TypeInferer
 
 # Numba has no types: its classes and decorators are unknown
 # mypy: disable-error-code="untyped-decorator, misc"
@@ -116,6 +119,47 @@ class AssignOnce(FunctionPass):
     def run_pass(self, state: Any) -> Any:
         state.func_ir = reconstruct_ssa(state.func_ir)
         state.func_ir._definitions = build_definitions(state.func_ir.blocks)
+        return True
+
+
+# ---------------------------------------------------------------- types
+class _Inference(TypeInferer):
+    """Numba's type inference, which looks up a call with the same types only once."""
+
+    def resolve_call(self, function: Any, given: Any, named: Any) -> Any:
+        """The signature of a call."""
+        if named or not isinstance(function, types.Function | BuiltinFunctionType):
+            return super().resolve_call(function, given, named)
+        key = function, tuple(given)
+        if key not in _signatures:
+            _signatures[key] = super().resolve_call(function, given, named)
+        return _signatures[key]
+
+
+_signatures: dict[Any, Any] = {}
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class Types(FunctionPass):
+    """Find the types of all variables and the signatures of all calls."""
+
+    _name = "rattle_types"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> Any:
+        warnings = WarningsFixer(NumbaWarning)
+        inference = _Inference(state.typingctx, state.func_ir, warnings)
+        called = (state.targetctx.target, inference, state.func_id, state.args)
+        with state.typingctx.callstack.register(*called), warnings:
+            for number, (name, kind) in enumerate(zip(state.func_ir.arg_names, state.args, strict=True)):
+                inference.seed_argument(name, number, kind)
+            if state.return_type is not None:
+                inference.seed_return(state.return_type)
+            inference.build_constraint()
+            inference.propagate()
+            state.typemap, state.return_type, state.calltypes = inference.unify()
         return True
 
 
