@@ -1,14 +1,15 @@
 """The passes of the fast way: less code for Numba, and the same numbers as plain Python."""
 
+import gc
 import math
 
 import numpy as np
 import pytest
 
-from rattle.jit import layout
+from rattle.jit import compile_path, layout
 from rattle.jit import functions as jit
 from rattle.jit import layout as at
-from rattle.jit.functions import compiled
+from rattle.jit.functions import compiled, native
 
 
 @compiled
@@ -60,6 +61,37 @@ def test_columns_by_name_are_those_of_plain_python():
     table = np.random.default_rng(6).normal(size=(6, 8))
     for n in range(6):
         assert choice(table, n) == choice.python(table, n)
+
+
+@native("f", "m", "i")
+def in_circles(table, n):
+    total = 0.0
+    for k in range(n):
+        total += choice(table, k)
+    return total
+
+
+def test_compiling_leaves_nothing_to_the_garbage_collector():
+    """Variables, statements and instructions refer to each other; walking them would take a tenth of the time."""
+    if not jit.start() or not compile_path.chosen().fast:
+        pytest.skip("the fast way only")
+    gc.collect()
+    before = _of_compilers()
+    gc.disable()
+    try:
+        in_circles(np.zeros((3, 8)), 3)
+        left = _of_compilers() - before
+    finally:
+        gc.enable()
+    assert left < 10
+
+
+def _of_compilers():
+    """Number of statements, variables and instructions in memory."""
+    from llvmlite.ir import Instruction
+    from numba.core.ir import Expr, Stmt, Var
+
+    return sum(issubclass(type(one), Instruction | Stmt | Expr | Var) for one in gc.get_objects())
 
 
 def test_names_and_truth_values_are_folded():

@@ -48,6 +48,15 @@ class _Library(JITCodeLibrary):
     def _optimize_functions(self, module: Any) -> None:
         module.data_layout = self._codegen._data_layout
 
+    def add_ir_module(self, module: Any) -> None:
+        """Take over the code of a module, and empty it: its instructions refer to each other in circles."""
+        super().add_ir_module(module)
+        for function in module.functions:
+            for one in function.blocks:
+                one.instructions.clear()
+                one.terminator = None
+            function.blocks.clear()
+
 
 class _Part(_Library):
     """Intermediate code of one function."""
@@ -139,6 +148,7 @@ class _Compiler(CompilerBase):
             passes.StripPhis,
             self.lower,
             typed_passes.NoPythonBackend,
+            passes.Forget,
         ):
             manager.add_pass(one, one._name)
         manager.finalize()

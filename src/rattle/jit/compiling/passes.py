@@ -160,6 +160,7 @@ class Types(FunctionPass):
             inference.build_constraint()
             inference.propagate()
             state.typemap, state.return_type, state.calltypes = inference.unify()
+        inference.__dict__.clear()  # it refers to itself: without this it would wait for the garbage collector
         return True
 
 
@@ -189,3 +190,20 @@ class Lower(lowering.Lower):
             self._blk_local_varmap[name] = value
         else:
             self.builder.store(value, self.getvar(name))
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class Forget(FunctionPass):
+    """Take apart what is no longer needed: variables and their scope refer to each other."""
+
+    _name = "rattle_forget"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> Any:
+        for block in state.func_ir.blocks.values():
+            block.body.clear()
+            block.scope.localvars._con.clear()
+        state.cr.fndesc.typemap = state.cr.fndesc.calltypes = None  # as when Numba keeps a function on disk
+        return True
