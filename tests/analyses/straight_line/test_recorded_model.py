@@ -185,7 +185,7 @@ def error(found, want):
 
 
 def require_rounding_only(m, seed):
-    """The record against the kernels: 1e-13, or where elimination amplifies rounding, ten times what it does to that of y."""
+    """The record against the kernels: 1e-13, or ten times what elimination makes of the rounding of y."""
     model = m.recorded()
     graph, outputs = lower(model.graph, [*model.derivative, *model.curves.values(), model.sound_curves])
     random, y, t = np.random.default_rng(seed), model.start_state, 0.02
