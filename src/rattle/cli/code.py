@@ -9,37 +9,52 @@ import click
 from rattle.cli.options import model_options, read_model, time
 from rattle.cli.output import check_files, say_written
 
+WRITTEN = {".c": "C99 program", ".js": "ES module", ".mjs": "ES module"}
+
 
 @click.command()
 @model_options
 @click.option(
-    "-o", "--output", metavar="FILE", required=True, help="File to write: .c (C99, needs only the C library)."
-)
-@click.option("--t-end", metavar="TIME", default=None, help="End of the program's run unless it is told otherwise.")
+    "-o", "--output", metavar="FILE", required=True,
+    help="File to write: .c (C99, needs only the C library), .js or .mjs (ES module for web pages and node).",
+)  # fmt: skip
+@click.option("--t-end", metavar="TIME", default=None, help="End of a run unless it is told otherwise.")
 @click.option("--step", metavar="TIME", default=None, help="Its step unless it is told otherwise.  [default: 0.1 ms]")
 def code(file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: str | None, step: str | None) -> None:
-    """Write a mechanism as a C program: right-hand side, projection onto the constraints, all result curves, rk4.
+    """Write a mechanism as a program that needs neither rattle nor Python: C, or JavaScript for a web page.
 
-    Compiled with cc -std=c99 -O2 model.c -lm it prints the motion as CSV in SI units: ./a.out [t_end [step]], in s.
-    It stops with a message where the energy error exceeds 0.1 %, as a run does.  It has no events, so models with
-    contacts are refused; massless links, loads and drivers are not.
+    It holds the right-hand side, the projection onto the constraints, all result curves, and a run by Runge-Kutta steps
+    of order 4 that stops with a message where the energy error exceeds 0.1 %.  Numbers are in SI units.  Parameters of
+    the model stay changeable: the start is found anew for their values.  The comment on top of the file lists them,
+    those that are fixed and why, and the result curves.
+
+    C: cc -std=c99 -O2 model.c -lm, then ./a.out [t_end [step]] [name=value ...] prints the motion as CSV.
+
+    JavaScript: import { run, names, parameters } from "./model.js"; run(0.5, 1e-4, { ...parameters, r3: 0.002 })
+    returns rows [t, ...outputs]; start, derivative, project and outputs serve steps of your own.
+
+    There are no events, so models with contacts are refused; massless links, loads and drivers are not.
 
     \b
     Examples: rattle code fourbar -o model.c
+              rattle code fourbar -o model.js
               rattle code slider_crank --set "speed=3000 rpm" --step 10us -o model.c
     """
-    from rattle.analyses.straight_line.code import LONGEST, c_program, straight_line
+    from rattle.analyses.straight_line.code import LONGEST, c_program, javascript_module, program
     from rattle.atomic_file import atomic
 
-    if Path(output).suffix != ".c":
-        raise click.UsageError(f"-o {output}: expected a name that ends in .c; other languages are not written yet")
+    ending = Path(output).suffix
+    if ending not in WRITTEN:
+        listed = ", ".join(f"{one} ({what})" for one, what in WRITTEN.items())
+        raise click.UsageError(f"-o {output}: expected a name that ends in {listed}")
     check_files(file, output)
     m = read_model(file, settings, ideal)
     until = m.model.settings.t_end if t_end is None else time(t_end)
     longest = time(step) if step is not None else m.model.settings.step or LONGEST
     if not (until > 0.0 and longest > 0.0 and until / longest <= 1e9):
         raise click.UsageError("--t-end and --step must be positive, with at most 1e9 steps")
-    text = c_program(straight_line(m.recorded()), m.name or "A mechanism", until, longest)
+    write = c_program if ending == ".c" else javascript_module
+    text = write(program(m.recorded()), m.name or "A mechanism", until, longest)
     with atomic(output) as place:
         place.write_text(text, encoding="utf-8")
     say_written(output)

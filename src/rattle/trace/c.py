@@ -6,7 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from rattle.trace.c_text import BEGIN, MAIN, NO_BEGIN
 from rattle.trace.graph import ROUND, Graph
+from rattle.trace.program import PIECES, ROWS, Begin, Input, Program
 from rattle.trace.text import statements
 
 FORMS = {
@@ -15,7 +17,22 @@ FORMS = {
     "both": "{0} && {1}", "either": "{0} || {1}", "not": "!{0}", "select": "{0} ? {1} : {2}",
     "power_of_two": "power_of_two({0})", "exponent": "exponent_of({0})", "mantissa": "mantissa_of({0})",
 }  # fmt: skip
-INCLUDES = "#include <math.h>\n#include <stdint.h>\n#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n"
+INCLUDES = """#ifdef __FAST_MATH__
+#error "compile without -ffast-math (-Ofast): it changes what the operations below are"
+#endif
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* products and sums are rounded apart, on machines with fused operations too */
+#if defined(__clang__) || !defined(__GNUC__)
+#pragma STDC FP_CONTRACT OFF
+#else
+#pragma GCC optimize("fp-contract=off")
+#endif
+"""
 BITS = {  # what works on the bits of a number, by the name under which code calls it
     "power_of_two": f"""/* 2^n for a whole n */
 static double power_of_two(double n) {{
@@ -67,144 +84,69 @@ def function(graph: Graph, outputs: Sequence[Any], name: str) -> str:
     return "\n    ".join([f"static void {name}(const double *in, double *out) {{", *body]) + "\n}\n"
 
 
-MAIN = """
-enum {{ NY = {ny}, NO = {no} }};
-static const char *const names[NO] = {{{names}}};
-static const double start[NY] = {{{start}}};
+def program(header: Sequence[str], made: Program, t_end: float, step: float) -> str:
+    """A whole file: the recorded functions, and a main that prints the motion as CSV.
 
-/* stops where a load or driver has no finite value, or the motion diverges */
-static void require_finite(double t, const double *y) {{
-    int i;
-    for (i = 0; i < NY; i++) {{
-        if (!(fabs(y[i]) < INFINITY)) {{
-            fprintf(stderr, "t = %g s: no finite value (a load outside its domain, or a diverging motion)\\n", t);
-            exit(1);
-        }}
-    }}
-}}
-
-/* dy/dt; stops where an assumption of the code does not hold */
-static void rate(double t, const double *y, double *dy) {{
-    double in[NY + 1], out[NY + 1];
-    in[0] = t;
-    memcpy(in + 1, y, sizeof(double) * NY);
-    derivative(in, out);
-    if (out[NY] == 0.0) {{
-        fprintf(stderr, "t = %g s: near a singular position or coincident points, which this code cannot pass\\n", t);
-        exit(1);
-    }}
-    require_finite(t, out);
-    memcpy(dy, out, sizeof(double) * NY);
-}}
-
-/* one step of the classical Runge-Kutta method of order 4, brought onto the constraints */
-static void advance(double t, double h, double *y) {{
-    double k[4][NY], stage[NY], in[NY + 1], out[NY + 1];
-    int i;
-    rate(t, y, k[0]);
-    for (i = 0; i < NY; i++) stage[i] = y[i] + 0.5 * h * k[0][i];
-    rate(t + 0.5 * h, stage, k[1]);
-    for (i = 0; i < NY; i++) stage[i] = y[i] + 0.5 * h * k[1][i];
-    rate(t + 0.5 * h, stage, k[2]);
-    for (i = 0; i < NY; i++) stage[i] = y[i] + h * k[2][i];
-    rate(t + h, stage, k[3]);
-    for (i = 0; i < NY; i++) in[i + 1] = y[i] + h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
-    in[0] = t + h;
-    project(in, out);
-    if (out[NY] == 0.0) {{
-        fprintf(stderr, "t = %g s: the joints cannot be closed after this step; choose a shorter one\\n", t + h);
-        exit(1);
-    }}
-    memcpy(y, out, sizeof(double) * NY);
-    require_finite(t + h, y);
-}}
-
-/* one line of CSV; stops where the energy error is above 0.1 % of the largest energy: the last columns are kinetic and
-   potential energy, work done, energy dissipated, balance */
-static void print(double t, const double *y) {{
-    static double kinetic = 0.0, work = 0.0, lowest = INFINITY, highest = -INFINITY;
-    double in[NY + 1], out[NO + 1], largest, rounding;
-    int i;
-    in[0] = t;
-    memcpy(in + 1, y, sizeof(double) * NY);
-    outputs(in, out);
-    kinetic = fmax(kinetic, out[NO - 5]);
-    lowest = fmin(lowest, out[NO - 4]);
-    highest = fmax(highest, out[NO - 4]);
-    work = fmax(work, fabs(out[NO - 3]));
-    largest = fmax(fmax(kinetic, work), highest - lowest);
-    rounding = 1e-12 * (kinetic + work + fmax(fabs(lowest), fabs(highest)));
-    if (out[NO] == 0.0 || !(fabs(out[NO - 1]) <= 1e-3 * largest + rounding)) {{
-        fprintf(stderr, "t = %g s: energy error %g J, above 0.1 %% of the largest energy: choose a shorter step\\n",
-                t, fabs(out[NO - 1]));
-        exit(1);
-    }}
-    printf("%.17g", t);
-    for (i = 0; i < NO; i++) printf(",%.17g", out[i]);
-    printf("\\n");
-}}
-
-/* a time given as a number of seconds, -1 for anything else */
-static double seconds(const char *text) {{
-    char *end;
-    const double value = strtod(text, &end);
-    return end != text && *end == 0 ? value : -1.0;
-}}
-
-/* usage: model [t_end [step]], both in s; CSV in SI units, about {rows} lines */
-int main(int argc, char **argv) {{
-    const double t_end = argc > 1 ? seconds(argv[1]) : {t_end};
-    const double longest = argc > 2 ? seconds(argv[2]) : {step};
-    double y[NY], h;
-    long n, k, every;
-    int i;
-    if (argc > 3 || !(t_end > 0.0) || !(longest > 0.0) || !(t_end / longest <= 1e9)) {{
-        fprintf(stderr, "usage: %s [t_end [step]], both in s and positive, at most 1e9 steps\\n", argv[0]);
-        return 2;
-    }}
-    n = (long)ceil(t_end / longest - 1e-9);
-    n = n > 0 ? n : 1;
-    h = t_end / (double)n;
-    every = (n + {rows} - 1) / {rows};
-    memcpy(y, start, sizeof start);
-    printf("t");
-    for (i = 0; i < NO; i++) printf(",%s", names[i]);
-    printf("\\n");
-    print(0.0, y);
-    for (k = 0; k < n; k++) {{
-        advance((double)k * h, h, y);
-        if ((k + 1) % every == 0 || k + 1 == n) print((double)(k + 1) * h, y);
-    }}
-    return 0;
-}}
-"""
-ROWS = 1000
-
-
-def program(
-    header: Sequence[str], functions: Sequence[str], names: Sequence[str], units: Sequence[str],
-    start: Sequence[float], t_end: float, step: float,
-) -> str:  # fmt: skip
-    """A whole file: functions `derivative`, `project`, `outputs`, and a main that prints the motion as CSV.
-
-    header: lines of the comment on top; start: y at t = 0 [SI]; t_end, step: what the program does when not told [s].
+    header: lines of the comment on top; t_end, step: what the program does when not told [s].
     """
-    columns = "\n".join(f"     {name} [{unit or '-'}]" for name, unit in zip(names, units, strict=True))
+    columns = "\n".join(f"     {name} [{unit or '-'}]" for name, unit in zip(made.names, made.units, strict=True))
     comment = "\n   ".join(header).replace("*/", "* /").replace("/*", "/ *")
+    change = " [name=value ...]" if made.parameters else ""
+    inputs = GIVEN + "\n".join(map(_described, made.parameters)) + "\n" if made.parameters else ""
     top = f"""/* {comment}
 
-   cc -std=c99 -O2 model.c -lm && ./a.out [t_end [step]]
+   cc -std=c99 -O2 model.c -lm && ./a.out [t_end [step]]{change}
 
    The functions take t [s], then the state y [SI]: positions x, y, angle of every body in turn, their rates, work done
-   and energy dissipated.  The last number that each returns is 0 where it holds for no reason:
-   next to a singular position, or where points coincide.
-   Result columns:
+   and energy dissipated; then the parameters [SI] and the energy at the start [J].  The last number that each returns
+   is 0 where it holds for no reason: next to a singular position, or where points coincide.
+   To call them from a program of your own: #define main model_main, then #include this file, then #undef main.
+{inputs}   Result columns:
 {columns}
 */
 """
-    quoted = ", ".join(f'"{name}"' for name in names)
-    values = ", ".join(number(x) for x in start)
-    main = MAIN.format(
-        ny=len(start), no=len(names), names=quoted, start=values, t_end=number(t_end), step=number(step), rows=ROWS
-    )
+    functions = [function(made.graph, outputs, name) for name, outputs in made.functions.items()]
+    table = [_row(one.name, one.unit, one.value, one.low, one.high) for one in made.parameters]
+    main = MAIN.replace("@begin@", NO_BEGIN if made.begin is None else _begin(made.begin))
+    for key, text in (
+        ("ny", str(len(made.start))), ("no", str(len(made.names))), ("np", str(len(made.parameters))),
+        ("names", _texts(made.names)), ("start", ", ".join(map(number, made.start))),
+        ("parameters", ",\n".join(table or [_row("", "", 0.0, None, None)])), ("set", change),
+        ("t_end", number(t_end)), ("step", number(step)), ("rows", str(ROWS)),
+    ):  # fmt: skip
+        main = main.replace(f"@{key}@", text)
     return "\n".join([top, INCLUDES, *helpers(functions), *functions, main])
+
+
+GIVEN = "   Parameters and their values in the model, to be changed as name=value:\n"
+
+
+def _described(one: Input) -> str:
+    limits = [f", {word} {x:.10g}" for word, x in (("at least", one.low), ("at most", one.high)) if x is not None]
+    return f"     {one.name} [{one.unit or '-'}] {one.value:.10g}{''.join(limits)}"
+
+
+def _row(name: str, unit: str, value: float, low: float | None, high: float | None) -> str:
+    limits = number(-math.inf if low is None else low), number(math.inf if high is None else high)
+    return f"    {{{_text(name)}, {_text(unit)}, {number(value)}, {limits[0]}, {limits[1]}}}"
+
+
+def _begin(begin: Begin) -> str:
+    text = BEGIN
+    for key, value in (
+        ("nq", str(len(begin.sizes))), ("ng", str(len(begin.gaps))), ("sizes", ", ".join(map(number, begin.sizes))),
+        ("gaps", _texts([name for name, _, _ in begin.gaps])), ("units", _texts([unit for _, _, unit in begin.gaps])),
+        ("rounds", str(begin.rounds)), ("small", number(begin.small)), ("closed", number(begin.closed)),
+        ("far", number(begin.far)), ("missed", number(begin.missed)), ("pieces", str(PIECES)),
+    ):  # fmt: skip
+        text = text.replace(f"@{key}@", value)
+    return text
+
+
+def _texts(every: Sequence[str]) -> str:
+    return ", ".join(map(_text, every))
+
+
+def _text(text: str) -> str:
+    """A text as C reads it; names of model files are ASCII letters, digits and _, units hold no quote."""
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'

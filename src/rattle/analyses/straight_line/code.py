@@ -1,64 +1,151 @@
-"""A model as a program in another language: what its kernels do at one instant, recorded once, and a stepper."""
+"""A model as a program in another language: what its kernels do at one instant, recorded once, and how a run starts."""
 
 from __future__ import annotations
 
 import itertools
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from rattle.analyses.straight_line.recorded_model import RecordedModel
+from rattle.analyses.straight_line.recorded_model import NUDGES, RecordedModel, record_model
+from rattle.analyses.straight_line.starts import CLOSED, FAR, MISSED, ROUNDS, SMALL
+from rattle.errors import TraceError
+from rattle.language.expression import names, parse
+from rattle.language.units import parse_quantity
 from rattle.solvers.stepper import LONGEST
-from rattle.trace import c
+from rattle.trace import c, javascript
 from rattle.trace.elementary import lower
-from rattle.trace.graph import Graph, bind
+from rattle.trace.program import Begin, Input, Program
 from rattle.version import __version__
 
-__all__ = ["LONGEST", "StraightLine", "c_program", "straight_line"]
+__all__ = ["LONGEST", "c_program", "javascript_module", "program", "straight_line"]
 
 
-class StraightLine(NamedTuple):
-    """Functions of t [s] and y [SI], of exact operations, at the model's own parameters."""
+def program(model: RecordedModel) -> Program:
+    """A model, recorded without parameters, as a program with all parameters that can be inputs of one."""
+    constants = _dependent(model.document, list(model.values))
+    chosen = [name for name in list(model.values) if name not in constants]
+    if not chosen:
+        return straight_line(model, constants)
+    made, refused = _recorded(model, chosen)
+    constants |= refused
+    if made is not None and made.first is None:
+        why = "the start does not follow from given values alone: only `rattle` can put the mechanism together anew"
+        constants |= dict.fromkeys(made.parameters, why)
+        made = None
+    if made is not None:
+        fixed = _structural(made)
+        constants |= fixed
+        if fixed:
+            made, _ = _recorded(model, [name for name in made.parameters if name not in fixed])
+    return straight_line(made or model, constants)
 
-    graph: Graph
-    derivative: list[Any]  # (ny,) dy/dt [SI/s], then a flag: this was computed on sound assumptions
-    projection: list[Any]  # (ny,) y on the constraints [SI], then such a flag
-    outputs: list[Any]  # the result columns [SI], then such a flag
-    names: list[str]  # of the result columns
-    units: list[str]
-    start: np.ndarray  # (ny,) y at t = 0
-    switching: list[str]  # expressions with abs, sign, min, max or if
+
+def _dependent(document: Mapping[str, Any], known: Sequence[str]) -> dict[str, str]:
+    """Parameters that are written as expressions of others, and that they are."""
+    found = {}
+    for name in known:
+        given = document["parameters"][name]
+        text = given["value"] if isinstance(given, Mapping) else given
+        if isinstance(text, str) and parse_quantity(text) is None:
+            used = sorted(names(parse(text)))
+            if used:
+                found[name] = f"it follows from {', '.join(used)}"
+    return found
 
 
-def straight_line(model: RecordedModel) -> StraightLine:
-    """The functions of a model that was recorded without parameters."""
-    names = list(model.curves)
-    parts = [model.derivative, model.projection, [*model.curves.values(), model.sound_curves]]
+def _recorded(model: RecordedModel, chosen: Sequence[str]) -> tuple[RecordedModel | None, dict[str, str]]:
+    """The model recorded with these parameters, without those that cannot be recorded, and why not."""
+    if not chosen:
+        return None, {}
+    try:
+        return record_model(model.document, model.system, model.start, chosen), {}
+    except TraceError as error:
+        if len(chosen) == 1:
+            return None, {chosen[0]: str(error)}
+    refused: dict[str, str] = {}
+    for name in chosen:
+        refused |= _recorded(model, [name])[1]
+    if not refused:  # each alone, but not together
+        return None, dict.fromkeys(chosen, "it cannot be recorded together with the others")
+    made, more = _recorded(model, [name for name in chosen if name not in refused])
+    return made, refused | more
+
+
+def _structural(model: RecordedModel) -> dict[str, str]:
+    """Parameters that stand for another form of the model wherever they are changed."""
+    graph, flag = lower(model.graph, [model.readable])
+    values = list(model.parameters.values())
+    inputs = np.concatenate([[model.start.t], model.start_state, values, [0.0]])
+    found = {}
+    for k, (name, value) in enumerate(model.parameters.items(), 1 + model.state_size):
+        tried = np.repeat(inputs[:, None], len(NUDGES), axis=1)
+        tried[k] = [value * (1.0 + nudge) + (nudge if value == 0.0 else 0.0) for nudge in NUDGES]
+        if not graph.evaluate(flag, tried).any():
+            found[name] = "it changes the form of the model"
+    return found
+
+
+def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = None) -> Program:
+    """The functions of a recorded model, with its parameters.
+
+    constants: parameters of the model file that are none of the program, and why.
+    """
+    titles = list(model.curves)
+    first = model.first
+    parts: list[list[Any]] = [model.derivative, model.projection, [*model.curves.values(), model.sound_curves]]
+    if first is not None:
+        parts += [[model.readable], first.correction, first.rates, [gap.open for gap in first.gaps]]
     graph, every = lower(model.graph, [x for part in parts for x in part])
-    at_start = np.concatenate([[model.start.t], model.start_state, [0.0]])[:, None]
-    balance = every[len(parts[0]) + len(parts[1]) + names.index("energy.balance")]
-    energy = float(graph.evaluate([balance], at_start)[0, 0])
-    graph, every = bind(graph, every, {graph.inputs[-1]: energy})
     ends = np.cumsum([0, *map(len, parts)])
-    rates, projection, outputs = (every[one:other] for one, other in itertools.pairwise(ends))
+    rates, projection, outputs, *more = (every[one:other] for one, other in itertools.pairwise(ends))
+    begin, size = None, model.system.size
+    if first is not None:
+        (readable,), correction, closing, gaps = more
+        said = [(one.name, gap, one.unit) for one, gap in zip(first.gaps, gaps, strict=True)]
+        begin = Begin(
+            readable, correction, closing, said, [size, size, 1.0] * model.system.body_count, CLOSED * size, MISSED,
+            FAR, ROUNDS, SMALL,
+        )  # fmt: skip
+    known = model.system.model.parameters
+    inputs = [
+        Input(name, value, known[name].unit, known[name].minimum, known[name].maximum)
+        for name, value in model.parameters.items()
+    ]
     switching = sorted({one.name for one in model.system.switches})
-    units = [model.units[name] for name in names]
-    return StraightLine(graph, rates, projection, outputs, names, units, model.start_state, switching)
+    return Program(
+        graph, rates, projection, outputs, titles, [model.units[name] for name in titles], inputs,
+        model.start_state.tolist(), begin, switching, constants or {},
+    )  # fmt: skip
 
 
-def c_program(made: StraightLine, title: str, t_end: float, step: float) -> str:
+def c_program(made: Program, title: str, t_end: float, step: float) -> str:
     """One C99 file: the recorded functions, and a main that integrates them by the Runge-Kutta method of order 4.
 
     t_end, step: what the program does when not told [s].
     """
-    functions = [
-        c.function(made.graph, outputs, name)
-        for name, outputs in (("derivative", made.derivative), ("project", made.projection), ("outputs", made.outputs))
-    ]
+    return c.program(_header(made, title), made, t_end, step)
+
+
+def javascript_module(made: Program, title: str, t_end: float, step: float) -> str:
+    """One ES module without dependencies: the recorded functions, and a `run` with the steps of the C program.
+
+    t_end, step: what `run` does when not told [s].
+    """
+    return javascript.module(_header(made, title), made, t_end, step)
+
+
+def _header(made: Program, title: str) -> list[str]:
+    """What the comment on top of a file says first."""
     count = made.graph.count(made.derivative)
-    lines = [f"{title}, written by rattle {__version__}; {count} operations for a right-hand side"]
+    lines = [f"{title}, written by rattle {__version__}; {count} operations for a right-hand side."]
     if made.switching:
         lines.append(
             f"Steps go across the switches of {', '.join(made.switching)}: choose a step that is short enough."
         )
-    return c.program(lines, functions, made.names, made.units, made.start.tolist(), t_end, step)
+    groups: dict[str, list[str]] = {}
+    for name, why in made.constants.items():
+        groups.setdefault(why, []).append(name)
+    lines += [f"Fixed parameters: {', '.join(names)} ({why})." for why, names in groups.items()]
+    return lines

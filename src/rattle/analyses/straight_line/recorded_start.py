@@ -27,7 +27,16 @@ from rattle.trace.recording import Recorder, Recording
 
 KEPT = 1e-9  # share of its size by which a given value may be missed and yet count as kept
 RANK = 1e-8  # share of its length that a row adds to others, at least, where it is independent of them
+START_OF = "start of "  # before the name of a coordinate that a driver keeps
 Shift = Callable[[Any], None]
+
+
+class Gap(NamedTuple):
+    """What must close at the start."""
+
+    name: str  # in a sentence
+    open: Any  # at y [m or rad]
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -36,6 +45,7 @@ class RecordedStart:
 
     correction: list[Any]  # (3 nb,) positions after a step of Newton's method, what is left open [m or rad], a flag
     rates: list[Any]  # (3 nb,) rates at closed positions, by how much given ones are missed [m/s or rad/s], a flag
+    gaps: list[Gap]  # what is open at y
 
 
 class Kept(NamedTuple):
@@ -58,9 +68,9 @@ def record_start(
     if kept is None or kept_rates is None:
         return None
     q = y[: 3 * system.body_count]
-    correction, sound_correction = _positions(recorded, recorder, kept, q)
+    correction, sound_correction, gaps = _positions(recorded, recorder, kept, q)
     rates, sound_rates = _rates(recorded, recorder, kept_rates, q)
-    return RecordedStart([*correction, sound_correction], [*rates, sound_rates])
+    return RecordedStart([*correction, sound_correction], [*rates, sound_rates], gaps)
 
 
 # ---------------------------------------------------------------- what is kept
@@ -155,7 +165,7 @@ def _held(model: Model, pins: Sequence[str], coordinates: Sequence[int]) -> Syst
     bodies, drivers = list(model.bodies), dict(model.drivers)
     for k in coordinates:
         body, key = bodies[k // 3], KEYS[0][k % 3]
-        name = f"start of {body}.{key}"
+        name = f"{START_OF}{body}.{key}"
         value = model.initial.bodies[body].get(key, 0.0)  # where only the rate is given, only the rate counts
         drivers[name] = Driver(name, f"body-{key}", "", value, Point(body, "", (0.0, 0.0)))
     joints = {name: replace(one, contact=None) if name in pins else one for name, one in model.joints.items()}
@@ -184,23 +194,46 @@ def _hinges(system: System, pins: Sequence[str], offsets: Mapping[str, Any] | No
 
 
 # ---------------------------------------------------------------- recording
-def _positions(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> tuple[list[Any], Any]:
+def _positions(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> tuple[list[Any], Any, list[Gap]]:
     held = Recording(_held(recorded.model, kept.pins, kept.needed), recorder)
     offsets = recorded.model.initial.offsets
-    links = [recorded.model.joints[name] for name in kept.pins]
+    open_at_q: list[Gap] = []
 
     def correct() -> list[Any]:
         closing = held.closing(0.0, _hinges(held.system, kept.pins, offsets))
         made, still = q.copy(), np.zeros(len(q), dtype=object)
         closing.begin(made, still)
+        open_at_q.extend(_open_rows(held.system, closing.workspace.rows, recorder))
+        open_at_q.extend(_missed(recorded, recorder, kept, q))
         closing.correct(made, still)
-        gaps = [abs(made[k] - symbol_of(_given(recorded, k, 0))) for k in kept.also]
-        for joint in links:
-            length = recorder.graph.apply("hypot", *map(symbol_of, offsets[joint.name]))
-            gaps.append(abs(length - symbol_of(joint.clearance)))
-        return [*made, recorder.largest([closing.gap(), *gaps])]
+        left = [closing.gap(), *(gap.open for gap in _missed(recorded, recorder, kept, made))]
+        return [*made, recorder.largest(left)]
 
-    return held.guarded(correct)
+    correction, sound = held.guarded(correct)
+    return correction, sound, open_at_q
+
+
+def _missed(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> list[Gap]:
+    """What has no row of its own: given coordinates that the joints determine, and clearances that pins stand off."""
+    bodies, found = list(recorded.model.bodies), []
+    for k in kept.also:
+        name = f"{bodies[k // 3]}.{KEYS[0][k % 3]} of [initial]"
+        found.append(Gap(name, abs(q[k] - symbol_of(_given(recorded, k, 0))), ("m", "m", "rad")[k % 3]))
+    for name in kept.pins:
+        length = recorder.graph.apply("hypot", *map(symbol_of, recorded.model.initial.offsets[name]))
+        missed = abs(length - symbol_of(recorded.model.joints[name].clearance))
+        found.append(Gap(f"the offset of joint '{name}', which is not as long as its clearance,", missed, "m"))
+    return found
+
+
+def _open_rows(system: System, rows: np.ndarray, recorder: Recorder) -> list[Gap]:
+    """The largest residual of every joint, driver and kept coordinate; of rows in m and in rad apart."""
+    found: dict[tuple[str, str], list[Any]] = {}
+    for row, values in zip(system.rows, rows, strict=True):
+        kept = row.owner.removeprefix(START_OF)
+        name = f"{kept} of [initial]" if kept != row.owner else f"{'driver' if row.driver else 'joint'} '{row.owner}'"
+        found.setdefault((name, row.unit), []).append(abs(values[at.RES]))
+    return [Gap(name, recorder.largest(every), unit) for (name, unit), every in found.items()]
 
 
 def _rates(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> tuple[list[Any], Any]:
