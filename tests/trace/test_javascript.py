@@ -77,7 +77,7 @@ def test_an_example_has_the_bits_of_the_reference(name, tmp_path):
     m = rt.example(name)
     made = straight_line(m.recorded())
     (tmp_path / "model.mjs").write_text(
-        module_of(made) + "\nexport { derivativeOf, projectionOf, outputsOf };\n", encoding="utf-8"
+        module_of(made) + "\nexport { derivativeOf, projectOf, outputsOf };\n", encoding="utf-8"
     )
     random = np.random.default_rng(7)
     y = made.start[:, None] + np.append(
@@ -85,7 +85,7 @@ def test_an_example_has_the_bits_of_the_reference(name, tmp_path):
     )
     inputs = np.vstack([np.linspace(0.0, 0.3, 5), y])
     for function, outputs in (
-        ("derivativeOf", made.derivative), ("projectionOf", made.projection), ("outputsOf", made.outputs),
+        ("derivativeOf", made.derivative), ("projectOf", made.projection), ("outputsOf", made.outputs),
     ):  # fmt: skip
         got = computed(tmp_path, function, len(outputs), inputs)
         require_same_bits(got, made.graph.evaluate(outputs, inputs))

@@ -162,7 +162,8 @@ def test_recorded_models_have_the_bits_of_the_reference():
     for name, made in smooth_examples():
         functions = {"derivative": made.derivative, "project": made.projection, "outputs": made.outputs}
         random = np.random.default_rng(3)
-        state = np.concatenate([[0.1], made.start])[:, None] + random.normal(size=(len(made.start) + 1, 9)) * 1e-3
+        inputs = np.concatenate([[0.1], made.start, [0.0]])  # t, y, E_0
+        state = inputs[:, None] + random.normal(size=(len(inputs), 9)) * 1e-3
         widths = llvm.WIDTHS if name == "fourbar" else (llvm.width(),)
         require_same_bits(made.graph, functions, state, widths)
         assert np.isfinite(made.graph.evaluate(made.derivative, state)).all(), name

@@ -212,7 +212,7 @@ static void refuse(int why, const double *q, const struct setting *s) {
         put(in, 0.0, state, s);
         gaps(in, open);
         for (i = 1; i < NG; i++) worst = open[i] > open[worst] || open[i] != open[i] ? i : worst;
-        fprintf(stderr, "%s stays open by %g %s\\n", gap_names[worst], open[worst], gap_units[worst]);
+        fprintf(stderr, "%s %g %s\\n", gap_names[worst], open[worst], gap_units[worst]);
     } else {
         fprintf(stderr, "%s\\n", why == 2 ? "its position is singular" : why == 3 ? "they are too far from the model's"
                                         : "given rates contradict the joints");

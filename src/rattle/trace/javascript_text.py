@@ -86,7 +86,7 @@ export function derivative(t, y, dy, p) {
 /** Brings y onto the constraints, in place; y must be close to them, as it is after a step. */
 export function project(t, y, p) {
   put(t, y, values(p));
-  projectionOf(input, rates);
+  projectOf(input, rates);
   if (rates[NY] === 0)
     throw new Error(`t = ${brief(t)} s: the joints cannot be closed after this step; choose a shorter one`);
   for (let i = 0; i < NY; i++) y[i] = rates[i];
@@ -204,7 +204,7 @@ function refuse(why, q, p) {
     input.set(q, 1);
     gapsOf(input, open);
     for (let i = 1; i < open.length; i++) worst = open[i] > open[worst] || open[i] !== open[i] ? i : worst;
-    said = `${gapNames[worst][0]} stays open by ${brief(open[worst])} ${gapNames[worst][1]}`;
+    said = `${gapNames[worst][0]} ${brief(open[worst])} ${gapNames[worst][1]}`;
   } else if (why === "singular") said = "its position is singular";
   else if (why === "far") said = "they are too far from the model's";
   throw new Error(`the mechanism cannot be put together with these parameters: ${said}`);

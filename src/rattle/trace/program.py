@@ -33,7 +33,7 @@ class Begin(NamedTuple):
     rates: Sequence[
         Any
     ]  # (nq + 2,) rates at closed positions, by how much given ones are missed [m/s or rad/s], a flag
-    gaps: Sequence[tuple[str, Any, str]]  # what must close: name in a sentence, by how much it is open at y, unit
+    gaps: Sequence[tuple[str, Any, str]]  # what must close: words before a number, this number at y, its unit
     sizes: Sequence[float]  # (nq,) what changes of positions are measured by [m or rad]
     closed: float
     missed: float

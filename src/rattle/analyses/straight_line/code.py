@@ -103,7 +103,7 @@ def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = No
     begin, size = None, model.system.size
     if first is not None:
         (readable,), correction, closing, gaps = more
-        said = [(one.name, gap, one.unit) for one, gap in zip(first.gaps, gaps, strict=True)]
+        said = [(one.words, gap, one.unit) for one, gap in zip(first.gaps, gaps, strict=True)]
         begin = Begin(
             readable, correction, closing, said, [size, size, 1.0] * model.system.body_count, CLOSED * size, MISSED,
             FAR, ROUNDS, SMALL,

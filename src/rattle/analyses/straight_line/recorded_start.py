@@ -34,7 +34,7 @@ Shift = Callable[[Any], None]
 class Gap(NamedTuple):
     """What must close at the start."""
 
-    name: str  # in a sentence
+    words: str  # before the number
     open: Any  # at y [m or rad]
     unit: str
 
@@ -217,12 +217,12 @@ def _missed(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> 
     """What has no row of its own: given coordinates that the joints determine, and clearances that pins stand off."""
     bodies, found = list(recorded.model.bodies), []
     for k in kept.also:
-        name = f"{bodies[k // 3]}.{KEYS[0][k % 3]} of [initial]"
+        name = f"{bodies[k // 3]}.{KEYS[0][k % 3]} of [initial] is missed by"
         found.append(Gap(name, abs(q[k] - symbol_of(_given(recorded, k, 0))), ("m", "m", "rad")[k % 3]))
     for name in kept.pins:
         length = recorder.graph.apply("hypot", *map(symbol_of, recorded.model.initial.offsets[name]))
         missed = abs(length - symbol_of(recorded.model.joints[name].clearance))
-        found.append(Gap(f"the offset of joint '{name}', which is not as long as its clearance,", missed, "m"))
+        found.append(Gap(f"the length of the offset of joint '{name}' is not its clearance, by", missed, "m"))
     return found
 
 
@@ -231,7 +231,9 @@ def _open_rows(system: System, rows: np.ndarray, recorder: Recorder) -> list[Gap
     found: dict[tuple[str, str], list[Any]] = {}
     for row, values in zip(system.rows, rows, strict=True):
         kept = row.owner.removeprefix(START_OF)
-        name = f"{kept} of [initial]" if kept != row.owner else f"{'driver' if row.driver else 'joint'} '{row.owner}'"
+        name = f"{'driver' if row.driver else 'joint'} '{row.owner}' stays open by"
+        if kept != row.owner:
+            name = f"{kept} of [initial] is missed by"
         found.setdefault((name, row.unit), []).append(abs(values[at.RES]))
     return [Gap(name, recorder.largest(every), unit) for (name, unit), every in found.items()]
 
