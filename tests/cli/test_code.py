@@ -1,6 +1,8 @@
-"""Models as C programs: what `rattle code` writes compiles without a warning and moves as `simulate` does."""
+"""Models as programs: what `rattle code` writes compiles without a warning and moves as `simulate` does."""
 
 import io
+import json
+import os
 import shutil
 import subprocess
 
@@ -11,42 +13,191 @@ from click.testing import CliRunner
 import rattle as rt
 from rattle.cli.main import main
 
+needs_node = pytest.mark.skipif(shutil.which("node") is None, reason="no node")
 needs_cc = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-STRICT = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-O1"]
+STRICT = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-O2"]
 
 
-def written(tmp_path, *words):
-    return CliRunner().invoke(main, ["code", *words, "-o", str(tmp_path / "model.c")])
+def written(tmp_path, *words, name="model.c"):
+    return CliRunner().invoke(main, ["code", *words, "-o", str(tmp_path / name)])
+
+
+def compiled(folder):
+    subprocess.run(["cc", *STRICT, "model.c", "-o", "model", "-lm"], cwd=folder, check=True, timeout=300)
 
 
 def motion(tmp_path, *times):
     """The program's CSV: names and rows."""
-    subprocess.run(["cc", *STRICT, tmp_path / "model.c", "-o", tmp_path / "model", "-lm"], check=True, timeout=300)
+    compiled(tmp_path)
     done = subprocess.run([tmp_path / "model", *times], capture_output=True, text=True, check=True, timeout=60)
     return done.stdout.split("\n")[0].split(","), np.genfromtxt(io.StringIO(done.stdout), delimiter=",")[1:]
 
 
-@needs_cc
-@pytest.mark.parametrize(
-    ("example", "span", "step"),
-    [("fourbar", 0.02, 1e-5), ("five_bar", 0.05, 1e-4), ("double_pendulum", 0.5, 1e-4), ("windows", 0.1, 1e-4)],
-)
-def test_the_program_moves_as_the_same_method_in_the_package(example, span, step, tmp_path):
-    """Same steps, same method; what is left is rounding, and the amount by which a motion amplifies it."""
-    done = written(tmp_path, example)
-    assert done.exit_code == 0, done.output
-    names, rows = motion(tmp_path, str(span), str(step))
-    assert rows[-1, 0] == pytest.approx(span, rel=1e-15)
-    m = rt.example(example)
+def require_motion(m, names, rows, step):
+    """Rows of a program are those of the package; what is left is rounding, and how the motion amplifies it."""
     run = m.simulate(t_eval=rows[:, 0], method="rk4", step=step)
-    assert names[0] == "t"
-    assert set(names[1:]) <= set(run.names)
+    assert set(names) <= set(run.names)
     largest: dict[str, float] = {}  # of all curves of one unit: what rounding of a small one is measured by
-    for name in names[1:]:
+    for name in names:
         largest[run.unit(name)] = max(largest.get(run.unit(name), 0.0), float(np.abs(run[name]).max()))
-    for k, name in enumerate(names[1:], 1):
+    for k, name in enumerate(names, 1):
         scale = largest[run.unit(name)]
         assert np.abs(rows[:, k] - run[name]).max() <= 1e-10 * scale, name
+
+
+SAME_METHOD = [
+    ("fourbar", 0.02, 1e-5, {"r3": 0.003, "l1": 0.18, "alpha": 1.1, "M": -20.0}),
+    ("slider_crank", 0.02, 1e-5, {"crank_length": 0.06, "rod_length": 0.17, "speed": 200.0}),  # in pieces
+    ("five_bar", 0.05, 1e-4, {}),
+    ("double_pendulum", 0.5, 1e-4, {"lower_length": 0.32, "start": 0.9}),
+    ("windows", 0.1, 1e-4, {"l": 0.9, "speed": 3.0}),
+]
+
+
+@needs_cc
+@pytest.mark.parametrize(("example", "span", "step", "change"), SAME_METHOD)
+def test_the_program_moves_as_the_same_method_in_the_package(example, span, step, change, tmp_path):
+    """With the parameters of the model and with others: same steps, same method."""
+    done = written(tmp_path, example)
+    assert done.exit_code == 0, done.output
+    for p in ({}, change) if change else ({},):
+        names, rows = motion(tmp_path, str(span), str(step), *(f"{name}={x!r}" for name, x in p.items()))
+        assert names[0] == "t"
+        assert rows[-1, 0] == pytest.approx(span, rel=1e-15)
+        m = rt.example(example)
+        require_motion(m.set(p) if p else m, names[1:], rows, step)
+
+
+@needs_node
+@pytest.mark.parametrize(("example", "span", "step", "change"), SAME_METHOD[:2])
+def test_the_module_moves_as_the_same_method_in_the_package(example, span, step, change, tmp_path):
+    assert written(tmp_path, example, name="model.mjs").exit_code == 0
+    names, rows = in_node(tmp_path, f"m.names, m.run({span}, {step}, {{ ...m.parameters, ...{json.dumps(change)} }})")
+    require_motion(rt.example(example).set(change), names, np.array(rows), step)
+
+
+def in_node(folder, values):
+    """Values of a JavaScript expression list with the module model.mjs as m; an Error is its message."""
+    script = f"""
+import * as m from "./model.mjs";
+const said = (f) => {{ try {{ return f(); }} catch (error) {{ return error.message; }} }};
+console.log(JSON.stringify([{values}]));
+"""
+    (folder / "script.mjs").write_text(script, encoding="utf-8")
+    done = subprocess.run(["node", "script.mjs"], cwd=folder, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+NO_START = [
+    ({"l2": 0.61}, "rocker.angle of [initial] is missed by 0.01"),
+    ({"r3": 0.02}, "r3 = 0.02 is outside of its limits, 0.0005 to 0.01 m"),
+    ({"l1": -0.1}, "l1 = -0.1 is outside of its limits, 0.1 to 0.25 m"),
+]
+
+
+@needs_cc
+@needs_node
+@pytest.mark.nojit
+def test_parameters_without_a_start_are_refused_in_the_same_words(tmp_path):
+    assert written(tmp_path, "fourbar").exit_code == 0
+    assert written(tmp_path, "fourbar", name="model.mjs").exit_code == 0
+    compiled(tmp_path)
+    said = in_node(tmp_path, ", ".join(f"said(() => m.start({json.dumps(change)}))" for change, _ in NO_START))
+    for (change, why), text in zip(NO_START, said, strict=True):
+        assert why in text
+        words = [f"{name}={x!r}" for name, x in change.items()]
+        done = subprocess.run([tmp_path / "model", *words], capture_output=True, text=True, timeout=60)
+        assert (done.returncode, done.stdout, done.stderr) == (1, "", f"{text}\n")
+    for word in ("l9=1", "l1=", "l1=2 m", "=1", "l1=nan"):
+        done = subprocess.run([tmp_path / "model", word], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 2
+        assert f"{word}: expected a parameter and its value in SI units" in done.stderr
+        assert "  r3=0.005 m\n" in done.stderr
+
+
+LINKAGE = """
+format = 1
+[parameters]
+double = "0.2 m"
+new = { value = "0.5 m", min = "in_least" }
+in_least = "0.1 m"
+function = "1.2*double + 0.3*NAN"
+NAN = "0.4 m"
+__proto__ = "40 deg"
+if_ = 3
+[ground.points]
+O = [0, 0]
+C = ["double + new", "0.7*double"]
+[bodies.int]
+bar = ["O", "A"]
+length = "double"
+mass = 1
+[bodies.var]
+bar = ["A", "B"]
+length = "new"
+mass = 2
+[bodies.switch]
+bar = ["B", "C"]
+length = "function"
+mass = 1
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "int.O"]
+[joints.A]
+type = "revolute"
+connect = ["int.A", "var.A"]
+[joints.B]
+type = "revolute"
+connect = ["var.B", "switch.B"]
+[joints.C]
+type = "revolute"
+connect = ["switch.C", "ground.C"]
+[loads.long]
+type = "torque"
+body = "int"
+torque = "if_*sin(20*t)"
+[initial]
+int = { angle = "__proto__", omega = 2 }
+var = { angle = 0 }
+switch = { angle = "-30 deg" }
+"""
+
+
+@needs_cc
+@needs_node
+@pytest.mark.nojit
+def test_words_of_c_and_javascript_are_names_like_others(tmp_path):
+    (tmp_path / "linkage.toml").write_text(LINKAGE)
+    m = rt.load(tmp_path / "linkage.toml")
+    assert written(tmp_path, str(tmp_path / "linkage.toml")).exit_code == 0
+    assert written(tmp_path, str(tmp_path / "linkage.toml"), name="model.mjs").exit_code == 0
+    change = {"double": 0.21, "NAN": 0.42, "if_": 4.0}
+    names, rows = motion(tmp_path, "0.1", "1e-3", *(f"{name}={x!r}" for name, x in change.items()))
+    got = in_node(tmp_path, f"m.names, m.run(0.1, 1e-3, {json.dumps(change)}), Object.keys(m.parameters)")
+    assert got[0] == names[1:]
+    np.testing.assert_array_equal(np.array(got[1]), rows)
+    assert got[2] == ["double", "new", "in_least", "NAN", "__proto__", "if_"]  # `function` follows from others
+    other = m.set(change)
+    start = dict(zip(names, rows[0], strict=True))
+    for k, body in enumerate(("int", "var", "switch")):
+        assert start[f"{body}.angle"] == pytest.approx(other.start.q[3 * k + 2], abs=1e-13)
+        assert start[f"{body}.omega"] == pytest.approx(other.start.v[3 * k + 2], abs=1e-12)
+
+
+@needs_node
+@pytest.mark.nojit
+def test_the_head_of_the_file_says_which_parameters_are_fixed_and_why(tmp_path):
+    (tmp_path / "linkage.toml").write_text(LINKAGE)
+    assert written(tmp_path, str(tmp_path / "linkage.toml"), name="model.mjs").exit_code == 0
+    assert "Fixed parameters: function (it follows from NAN, double)" in (tmp_path / "model.mjs").read_text()
+    limits, said = in_node(tmp_path, "m.sliders[1], said(() => m.start({ function: 1 }))")
+    assert limits == {"name": "new", "value": 0.5, "unit": "m", "min": 0.1, "max": None}
+    assert "no parameter 'function'" in said
+    assert written(tmp_path, "path_generator", name="model.mjs").exit_code == 0
+    text = (tmp_path / "model.mjs").read_text()
+    assert "Fixed parameters: a, c, c_q, omega (the start does not follow from given values alone" in text
+    assert in_node(tmp_path, "m.parameters") == [{}]
 
 
 @needs_cc
@@ -73,10 +224,26 @@ def test_what_has_no_straight_line_is_refused_with_the_reason(tmp_path):
     assert done.exit_code == 2
     assert "drivers.motor" in done.stderr
     assert "smooth function" in done.stderr
-    done = CliRunner().invoke(main, ["code", "fourbar", "-o", str(tmp_path / "model.js")])
+    done = written(tmp_path, "woodpecker", name="model.js")
     assert done.exit_code == 2
-    assert "expected a name that ends in .c" in done.stderr
-    assert not (tmp_path / "model.c").exists()
+    assert "contacts begin and end" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.nojit
+def test_a_name_that_cannot_be_written_is_refused_before_anything_else(tmp_path):
+    for name in ("model.py", "model", "model.C"):
+        done = written(tmp_path, "fourbar", name=name)
+        assert done.exit_code == 2
+        assert "expected a name that ends in .c (C99 program), .js (ES module)" in done.stderr
+    done = written(tmp_path, "fourbar", name="none/model.js")
+    assert done.exit_code == 2
+    assert "create it first" in done.stderr
+    (tmp_path / "shut").mkdir(mode=0o500)
+    if not os.access(tmp_path / "shut", os.W_OK):  # for the superuser every folder is open
+        done = written(tmp_path, "fourbar", name="shut/model.js")
+        assert done.exit_code == 2
+        assert "no permission to write in the folder" in done.stderr
 
 
 @pytest.mark.nojit
