@@ -159,8 +159,6 @@ body = "int"
 torque = "if_*sin(20*t)"
 [initial]
 int = { angle = "__proto__", omega = 2 }
-var = { angle = 0 }
-switch = { angle = "-30 deg" }
 """
 
 
