@@ -19,6 +19,7 @@ from rattle.trace.elementary import lower
 from rattle.trace.program import Begin, Input, Program
 from rattle.version import __version__
 
+ENERGIES = 5  # result curves that come last: kinetic, potential, work, dissipated, balance
 __all__ = ["LONGEST", "c_program", "javascript_module", "program", "straight_line"]
 
 
@@ -92,9 +93,8 @@ def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = No
 
     constants: parameters of the model file that are none of the program, and why.
     """
-    titles = list(model.curves)
-    first = model.first
-    parts: list[list[Any]] = [model.derivative, model.projection, [*model.curves.values(), model.sound_curves]]
+    curves, first = _curves(model), model.first
+    parts: list[list[Any]] = [model.derivative, model.projection, [*curves.values(), model.sound_curves]]
     if first is not None:
         parts += [[model.readable], first.correction, first.rates, [gap.open for gap in first.gaps]]
     graph, every = lower(model.graph, [x for part in parts for x in part])
@@ -115,9 +115,17 @@ def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = No
     ]
     switching = sorted({one.name for one in model.system.switches})
     return Program(
-        graph, rates, projection, outputs, titles, [model.units[name] for name in titles], inputs,
+        graph, rates, projection, outputs, list(curves), [model.units.get(name, "m") for name in curves], inputs,
         model.start_state.tolist(), begin, switching, constants or {},
     )  # fmt: skip
+
+
+def _curves(model: RecordedModel) -> dict[str, Any]:
+    """Result curves, points of bodies among them, and the energies last."""
+    names = list(model.curves)
+    ordered = [*names[:-ENERGIES], *model.points, *names[-ENERGIES:]]
+    known = model.curves | model.points
+    return {name: known[name] for name in ordered}
 
 
 def c_program(made: Program, title: str, t_end: float, step: float) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from rattle.equations.motion import derivative
 from rattle.equations.state import state_layout
 from rattle.equations.system import System, compile_system
 from rattle.errors import ModelError, TraceError, suggest
+from rattle.language.recorded import symbol_of
 from rattle.results.columns import columns, width
 from rattle.results.result import UnknownName
 from rattle.solvers.output_row import record
@@ -51,6 +52,7 @@ class RecordedModel:
     time: Any  # t [s]
     chosen: dict[str, Any]  # the parameters
     first: RecordedStart | None  # how the start follows from the parameters; None if only the assembly knows
+    points: dict[str, Any] = field(default_factory=dict)  # "body.point.x" and .y: points of bodies in ground axes [m]
 
     @property
     def state_size(self) -> int:
@@ -63,11 +65,12 @@ class RecordedModel:
         return {name: one.value for name, one in self.system.model.parameters.items()}
 
     def symbol(self, name: str) -> Any:
-        """What a name in an expression over results stands for: a curve, a parameter or t."""
+        """What a name in an expression over results stands for: a curve, a point, a parameter or t."""
         if name == "t":
             return self.time
-        if name in self.curves:
-            return self.curves[name]
+        for known in (self.curves, self.points):
+            if name in known:
+                return known[name]
         return self.chosen[name] if name in self.chosen else self.values[name]
 
     @property
@@ -107,9 +110,23 @@ def record_model(
         [*rate, sound_rate], [*closed, sound_closed],
         curves, sound_row, units,
         both(graph, recorder.assumed.values()), t, dict(zip(names, inputs, strict=True)), first,
+        _points(recorded, graph, curves),
     )  # fmt: skip
     _require_same(made)
     return made
+
+
+def _points(recorded: System, graph: Graph, curves: Mapping[str, Any]) -> dict[str, Any]:
+    """Where the points of bodies are, as `results.result` derives it from the curves."""
+    found = {}
+    for name, body in recorded.model.bodies.items():
+        x, y, angle = (curves[f"{name}.{key}"] for key in ("x", "y", "angle"))
+        cos, sin = graph.apply("cos", angle), graph.apply("sin", angle)
+        for point, spot in body.points.items():
+            px, py = map(symbol_of, spot)
+            found[f"{name}.{point}.x"] = x + cos * px - sin * py
+            found[f"{name}.{point}.y"] = y + sin * px + cos * py
+    return found
 
 
 def require_parameters(system: System, names: Sequence[str]) -> None:
