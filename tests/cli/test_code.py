@@ -3,8 +3,10 @@
 import io
 import json
 import os
+import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -48,7 +50,7 @@ def require_motion(m, names, rows, step):
 SAME_METHOD = [
     ("fourbar", 0.02, 1e-5, {"r3": 0.003, "l1": 0.18, "alpha": 1.1, "M": -20.0}),
     ("slider_crank", 0.02, 1e-5, {"crank_length": 0.06, "rod_length": 0.17, "speed": 200.0}),  # in pieces
-    ("five_bar", 0.05, 1e-4, {}),
+    ("five_bar", 0.05, 1e-4, {"a": 0.205, "f": 0.31, "size": 0.005}),
     ("double_pendulum", 0.5, 1e-4, {"lower_length": 0.32, "start": 0.9}),
     ("windows", 0.1, 1e-4, {"l": 0.9, "speed": 3.0}),
 ]
@@ -60,12 +62,12 @@ def test_the_program_moves_as_the_same_method_in_the_package(example, span, step
     """With the parameters of the model and with others: same steps, same method."""
     done = written(tmp_path, example)
     assert done.exit_code == 0, done.output
-    for p in ({}, change) if change else ({},):
+    for p in ({}, change):
         names, rows = motion(tmp_path, str(span), str(step), *(f"{name}={x!r}" for name, x in p.items()))
         assert names[0] == "t"
         assert rows[-1, 0] == pytest.approx(span, rel=1e-15)
         m = rt.example(example)
-        require_motion(m.set(p) if p else m, names[1:], rows, step)
+        require_motion(m.set(p), names[1:], rows, step)
 
 
 @needs_node
@@ -192,6 +194,9 @@ def test_the_head_of_the_file_says_which_parameters_are_fixed_and_why(tmp_path):
     limits, said = in_node(tmp_path, "m.sliders[1], said(() => m.start({ function: 1 }))")
     assert limits == {"name": "new", "value": 0.5, "unit": "m", "min": 0.1, "max": None}
     assert "no parameter 'function'" in said
+    assert written(tmp_path, "fourbar", name="model.mjs").exit_code == 0
+    assert "To be changed together: l2, l3 (" in (tmp_path / "model.mjs").read_text()
+    assert in_node(tmp_path, "m.start({ l2: 0.61, l3: 0.61 }).length") == [20]
     assert written(tmp_path, "path_generator", name="model.mjs").exit_code == 0
     text = (tmp_path / "model.mjs").read_text()
     assert "Fixed parameters: a, c, c_q, omega (the start does not follow from given values alone" in text
@@ -290,3 +295,62 @@ def test_the_program_stops_where_a_run_does(load, times, why, tmp_path):
     assert done.returncode == 1
     assert why in done.stderr
     assert "nan" not in done.stdout
+
+
+# ---------------------------------------------------------------- the page of the guide
+GUIDE = (Path(__file__).parents[2] / "docs" / "programs.md").read_text(encoding="utf-8")
+BROWSER = """
+const elements = {}, drawn = [], listeners = {};
+let frame = null;
+const point = (kind) => (...at) => drawn.push([kind, ...at]);
+const context = { clearRect: () => drawn.splice(0), beginPath() {}, stroke() {}, moveTo: point("from"),
+  lineTo: point("to"), fillText: (text) => (elements.text = text) };
+globalThis.document = { getElementById: (id) =>
+  (elements[id] ??= { getContext: () => context, addEventListener: (name, call) => (listeners[name] = call) }) };
+globalThis.requestAnimationFrame = (call) => (frame = call);
+await import("./page.mjs");
+const show = (later) => (frame(performance.now() + later), drawn.map((one) => [...one]));
+const shown = [show(0), show(1000)];
+elements.play.value = "0.002";
+listeners.change();
+shown.push(show(1000));
+elements.play.value = "0.02";
+listeners.change();
+console.log(JSON.stringify({ shown, said: elements.said.textContent, min: elements.play.min }));
+"""
+
+
+@needs_node
+@pytest.mark.nojit
+def test_the_page_of_the_guide_draws_the_mechanism_and_follows_its_slider(tmp_path):
+    (page,) = re.findall(r"```html\n(.*?)```", GUIDE, re.DOTALL)
+    (script,) = re.findall(r'<script type="module">\n(.*?)</script>', page, re.DOTALL)
+    assert written(tmp_path, "fourbar", name="fourbar.js").exit_code == 0
+    (tmp_path / "package.json").write_text('{"type": "module"}')
+    (tmp_path / "page.mjs").write_text(script, encoding="utf-8")
+    (tmp_path / "browser.mjs").write_text(BROWSER, encoding="utf-8")
+    done = subprocess.run(["node", "browser.mjs"], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    got = json.loads(done.stdout)
+    assert got["min"] == 0.0005
+    assert "r3 = 0.02 is outside of its limits" in got["said"]
+    for picture, play in zip(got["shown"], (5e-3, 5e-3, 2e-3), strict=True):
+        ends = np.array([one[1:] for one in picture]).reshape(3, 2, 2) / 560.0  # [m]
+        assert np.hypot(*(ends[:, 1] - ends[:, 0]).T) == pytest.approx([0.2, 0.6, 0.6], abs=1e-9)
+        assert np.hypot(*(ends[2, 0] - ends[1, 1])) == pytest.approx(play, abs=1e-9)
+    first, second, _ = (np.array([one[1:] for one in picture]) for picture in got["shown"])
+    assert np.abs(second - first).max() > 50.0  # pixels
+
+
+@needs_cc
+@pytest.mark.nojit
+def test_the_c_program_of_the_guide_calls_the_functions_of_the_file(tmp_path):
+    """The driven crank turns as its driver says, whatever the steps."""
+    (text,) = re.findall(r"```c\n(.*?)```", GUIDE, re.DOTALL)
+    (tmp_path / "own.c").write_text(text, encoding="utf-8")
+    assert written(tmp_path, "fourbar", name="fourbar.c").exit_code == 0
+    subprocess.run(["cc", *STRICT, "own.c", "-o", "own", "-lm"], cwd=tmp_path, check=True, timeout=300)
+    done = subprocess.run([tmp_path / "own"], capture_output=True, text=True, check=True, timeout=60)
+    y = [float(line) for line in done.stdout.split()]
+    assert len(y) == 6 * 3 + 2
+    assert y[2] == pytest.approx(10.0 * 0.1, abs=1e-9)

@@ -56,6 +56,7 @@ class Program(NamedTuple):
     begin: Begin | None = None  # None: there are no parameters
     switching: Sequence[str] = ()  # expressions with abs, sign, min, max or if
     constants: Mapping[str, str] = {}  # parameters of the model file that the program does not take, and why
+    bound: Sequence[str] = ()  # parameters that have no start where they are changed alone
 
     @property
     def functions(self) -> dict[str, Sequence[Any]]:

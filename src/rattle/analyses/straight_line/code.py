@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from rattle.analyses.straight_line.recorded_model import NUDGES, RecordedModel, record_model
-from rattle.analyses.straight_line.starts import CLOSED, FAR, MISSED, ROUNDS, SMALL
+from rattle.analyses.straight_line.starts import CLOSED, FAR, MISSED, ROUNDS, SMALL, Starts
 from rattle.errors import TraceError
 from rattle.language.expression import names, parse
 from rattle.language.units import parse_quantity
 from rattle.solvers.stepper import LONGEST
 from rattle.trace import c, javascript
 from rattle.trace.elementary import lower
+from rattle.trace.graph import Graph
 from rattle.trace.program import Begin, Input, Program
 from rattle.version import __version__
 
+ALONE = 1e-6  # change of a parameter by which `_bound` tries it, in shares of its value
 ENERGIES = 5  # result curves that come last: kinetic, potential, work, dissipated, balance
 __all__ = ["LONGEST", "c_program", "javascript_module", "program", "straight_line"]
 
@@ -88,6 +90,22 @@ def _structural(model: RecordedModel) -> dict[str, str]:
     return found
 
 
+def _bound(model: RecordedModel) -> list[str]:
+    """Parameters that have no start where they are changed alone: given start values then contradict each other."""
+
+    def evaluated(graph: Graph, outputs: Sequence[Any]) -> Callable[[np.ndarray, np.ndarray], None]:
+        return lambda given, found: np.copyto(found, graph.evaluate(outputs, given))
+
+    values = np.array(list(model.parameters.values()))
+    tried = np.repeat(values[:, None], 2 * len(values), axis=1)
+    for k, value in enumerate(values):
+        step = ALONE * (abs(value) or 1.0)
+        tried[k, 2 * k : 2 * k + 2] = value - step, value + step
+    y = np.repeat(model.start_state[:, None], tried.shape[1], axis=1)
+    good = Starts(model, evaluated).solve(y, tried)
+    return [name for k, name in enumerate(model.parameters) if not good[2 * k : 2 * k + 2].any()]
+
+
 def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = None) -> Program:
     """The functions of a recorded model, with its parameters.
 
@@ -116,7 +134,7 @@ def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = No
     switching = sorted({one.name for one in model.system.switches})
     return Program(
         graph, rates, projection, outputs, list(curves), [model.units.get(name, "m") for name in curves], inputs,
-        model.start_state.tolist(), begin, switching, constants or {},
+        model.start_state.tolist(), begin, switching, constants or {}, [] if first is None else _bound(model),
     )  # fmt: skip
 
 
@@ -155,5 +173,8 @@ def _header(made: Program, title: str) -> list[str]:
     groups: dict[str, list[str]] = {}
     for name, why in made.constants.items():
         groups.setdefault(why, []).append(name)
+    if made.bound:
+        said = "with one of these changed alone, start values given in the model file contradict each other"
+        lines.append(f"To be changed together: {', '.join(made.bound)} ({said}).")
     lines += [f"Fixed parameters: {', '.join(names)} ({why})." for why, names in groups.items()]
     return lines

@@ -44,7 +44,7 @@ class Starts:
         y = np.repeat(self.model.start_state[:, None], count, axis=1)
         good = np.isfinite(values).all(axis=0)
         if self._first:
-            good &= self._solve(y, np.where(good, values, 1.0))
+            good &= self.solve(y, np.where(good, values, 1.0))
         else:
             good[:] = False
         messages: dict[int, str] = {}
@@ -60,8 +60,8 @@ class Starts:
         system = compile_system(read_at(self.model, dict(zip(self.model.parameters, values.tolist(), strict=True))))
         return system, assemble(system)
 
-    def _solve(self, y: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Positions and rates by the recorded equations, into y; (k,) True where they hold."""
+    def solve(self, y: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Positions and rates by the recorded equations, into y (ny, k); (k,) True where they hold."""
         system, (correct, close_rates) = self.model.system, self._first
         nq, count = 3 * system.body_count, y.shape[1]
         fill = np.minimum(np.arange(-(-count // EIGHT) * EIGHT), count - 1)  # the last sample fills up
