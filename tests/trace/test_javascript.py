@@ -161,7 +161,7 @@ console.log(JSON.stringify([names, run(undefined, undefined, {p})]));
 """
     names, rows = node(tmp_path, script)
     want = np.genfromtxt(io.StringIO(done.stdout), delimiter=",")[1:]
-    assert done.stdout.split("\n")[0].split(",") == ["t", *names]
+    assert done.stdout.split("\n")[0].split(",") == names
     assert 500 <= len(want) <= 1001
     np.testing.assert_array_equal(np.array(rows), want)
 
@@ -232,14 +232,14 @@ def test_parameters_are_named_listed_or_left_as_they_are(tmp_path):
     script = """
 import * as m from "./model.mjs";
 const said = (f) => { try { return f(); } catch (error) { return error.message; } };
-const y = m.start([9]), dy = new Float64Array(2), out = new Float64Array(6), nowhere = new Float64Array(6);
+const y = m.start([9]), dy = new Float64Array(2), out = new Float64Array(7), nowhere = new Float64Array(7);
 m.derivative(0, y, dy, { k: 9 });
 m.project(0, y, [9]);
 m.outputs(0, y, out, Float64Array.of(9));
 m.outputs(0, y, nowhere, { k: 2e6 });
 console.log(JSON.stringify({
   exported: Object.keys(m).sort(), parameters: m.parameters, sliders: m.sliders, units: m.units,
-  y: [...y], dy: [...dy], out: [...out], nowhere: Number.isNaN(nowhere[5]),
+  y: [...y], dy: [...dy], out: [...out], nowhere: Number.isNaN(nowhere[6]),
   ends: [m.run(), m.run(1, 1e-3, { k: 9 }), m.run(1, 1e-3, [9])].map((r) => r.at(-1)),
   counts: [m.run().length, m.run(2.5, 1e-3).length], same: m.run(0.1, 0.01, m.parameters).every((r, i) =>
     r.every((x, j) => x === m.run(0.1, 0.01)[i][j])),
@@ -252,11 +252,11 @@ console.log(JSON.stringify({
     assert got["exported"] == sorted(names)
     assert got["parameters"] == {"k": 4.0}
     assert got["sliders"] == [{"name": "k", "value": 4.0, "unit": "N/m", "min": 0.0, "max": 1e4}]
-    assert got["units"] == ["m", *["J"] * 5]
+    assert got["units"] == ["s", "m", *["J"] * 5]
     assert got["y"] == [1.0 / 9.0, 0.0]
     assert got["dy"] == [0.0, -1.0]
-    assert got["out"][:3] == pytest.approx([1.0 / 9.0, 0.0, 1.0 / 18.0], rel=1e-15)
-    assert abs(got["out"][5]) < 1e-16  # counted from the start that belongs to k
+    assert got["out"][:4] == pytest.approx([0.0, 1.0 / 9.0, 0.0, 1.0 / 18.0], rel=1e-15)
+    assert abs(got["out"][6]) < 1e-16  # counted from the start that belongs to k
     assert got["nowhere"]
     for row, k in zip(got["ends"], (4.0, 9.0, 9.0), strict=True):
         w = np.sqrt(k)  # the method's error over one radian at w h = 0.003: below (w h)^4/120
@@ -283,7 +283,7 @@ def test_names_stay_text_in_a_page(tmp_path):
 import { names, parameters, sliders, start } from "./model.mjs";
 console.log(JSON.stringify([names, Object.entries(parameters), sliders.map((one) => one.unit), [...start()]]));
 """
-    assert node(tmp_path, script) == [odd, [["__proto__", 4.0]], ["</script>"], [0.25, 0.0]]
+    assert node(tmp_path, script) == [["t", *odd], [["__proto__", 4.0]], ["</script>"], [0.25, 0.0]]
 
 
 def test_a_lowered_function_of_a_known_sign_keeps_its_zero(tmp_path):

@@ -31,7 +31,7 @@ def code(file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: 
     C: cc -std=c99 -O2 model.c -lm, then ./a.out [t_end [step]] [name=value ...] prints the motion as CSV.
 
     JavaScript: import { run, names, parameters } from "./model.js"; run(0.5, 1e-4, { ...parameters, r3: 0.002 })
-    returns rows [t, ...outputs]; start, derivative, project and outputs serve steps of your own.
+    returns rows of what names lists; start, derivative, project and outputs serve steps of your own.
 
     There are no events, so models with contacts are refused; massless links, loads and drivers are not.
 

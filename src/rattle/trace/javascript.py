@@ -94,8 +94,9 @@ def module(header: Sequence[str], made: Program, t_end: float, step: float) -> s
     ):  # fmt: skip
         main = main.replace(f"@{key}@", text)
     tables = [
-        f"/** Names of the outputs, and their units. */\nexport const names = {_text(list(made.names))};",
-        f"export const units = {_text(list(made.units))};",
+        f"/** Names of what is in a row: t, then the outputs; and their units. */\n"
+        f"export const names = {_text(['t', *made.names])};",
+        f"export const units = {_text(['s', *made.units])};",
         f"/** Values of the parameters in the model [SI], by name. */\n"
         f"export const parameters = Object.fromEntries([{pairs}]);",
         f"/** The same with their units, and limits where the model has some. */\n"

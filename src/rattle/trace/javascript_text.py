@@ -1,7 +1,7 @@
 """What stands after the recorded functions in an ES module; `javascript` puts in what stands in @...@ here."""
 
 MAIN = """
-const NY = @ny@, NO = names.length, NP = sliders.length, ROWS = @rows@;
+const NY = @ny@, NO = names.length - 1, NP = sliders.length, ROWS = @rows@;
 const input = new Float64Array(1 + NY + NP + 1), rates = new Float64Array(NY + 1), row = new Float64Array(NO + 1);
 const ownStart = Float64Array.of(@start@); // y at t = 0 for the values of the model
 
@@ -93,13 +93,14 @@ export function project(t, y, p) {
   requireFinite(t, y);
 }
 
-/** out = what `names` lists, at t [s]. */
+/** out = what `names` lists, at t [s]; t itself is out[0]. */
 export function outputs(t, y, out, p) {
   const given = values(p), energy = startEnergy(given);
   put(t, y, given, energy);
   outputsOf(input, row);
   requireSound(t, row[NO]);
-  for (let i = 0; i < NO; i++) out[i] = row[i];
+  out[0] = t;
+  for (let i = 0; i < NO; i++) out[1 + i] = row[i];
 }
 
 // one step of the classical Runge-Kutta method of order 4, brought onto the constraints
@@ -118,7 +119,7 @@ function advance(t, h, y, p, [k0, k1, k2, k3, stage]) {
 // stops where the energy error is above 0.1 % of the largest energy: the last outputs are kinetic and potential
 // energy, work done, energy dissipated, balance
 function requireBalance(t, out, seen) {
-  const [kinetic, potential, work, , balance] = out.slice(NO - 5);
+  const [kinetic, potential, work, , balance] = out.slice(NO - 4);
   if (kinetic > seen.kinetic) seen.kinetic = kinetic;
   if (potential < seen.lowest) seen.lowest = potential;
   if (potential > seen.highest) seen.highest = potential;
@@ -132,18 +133,18 @@ function requireBalance(t, out, seen) {
         " above 0.1 % of the largest energy: choose a shorter step");
 }
 
-/** The motion from 0 to t_end [s] in steps of at most `step` [s]: about @rows@ rows [t, ...outputs] at most. */
+/** The motion from 0 to t_end [s] in steps of at most `step` [s]: at most about @rows@ rows of what `names` lists. */
 export function run(t_end = @t_end@, step = @step@, p = undefined) {
   if (!(t_end > 0 && step > 0 && t_end / step <= 1e9))
     throw new Error("run(t_end, step, p): both in s and positive, at most 1e9 steps");
   const given = values(p), n = Math.max(1, Math.ceil(t_end / step - 1e-9)), h = t_end / n, every = Math.ceil(n / ROWS);
-  const y = start(given), out = new Float64Array(NO), rows = [];
+  const y = start(given), out = new Float64Array(1 + NO), rows = [];
   const held = Array.from({ length: 5 }, () => new Float64Array(NY));
   const seen = { kinetic: 0, work: 0, lowest: Infinity, highest: -Infinity };
   const keep = (t) => {
     outputs(t, y, out, given);
     requireBalance(t, out, seen);
-    rows.push([t, ...out]);
+    rows.push([...out]);
   };
   keep(0);
   for (let k = 0; k < n; k++) {
@@ -157,8 +158,8 @@ GUIDE = """
  * In a page, inside <script type="module">:
  *
  *   import { names, units, parameters, run } from "./model.js";
- *   const rows = run(0.5, 1e-4@change@);   // [[t, ...outputs], ...], t from 0 to 0.5 s in steps of 0.1 ms
- *   const k = 1 + names.indexOf(@name@);
+ *   const rows = run(0.5, 1e-4@change@);   // t from 0 to 0.5 s in steps of 0.1 ms
+ *   const k = names.indexOf(@name@);   // names[0] is "t"
  *   const curve = rows.map((row) => [row[0], row[k]]);
  *
  * With steps of your own: y = start(p), then derivative(t, y, dy, p) fills dy, project(t, y, p) brings y onto the
