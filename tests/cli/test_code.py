@@ -70,6 +70,23 @@ def test_the_program_moves_as_the_same_method_in_the_package(example, span, step
         require_motion(m.set(p), names[1:], rows, step)
 
 
+@needs_cc
+@pytest.mark.nojit
+def test_options_of_the_compiler_do_not_change_a_bit(tmp_path):
+    """Not even where the machine has fused operations and the compiler may use them; -ffast-math is refused."""
+    assert written(tmp_path, "fourbar").exit_code == 0
+    said = set()
+    for options in (["-std=c99", "-O1"], ["-std=gnu17", "-O3"], ["-std=gnu17", "-O3", "-march=native"]):
+        done = subprocess.run(["cc", *options, "model.c", "-o", "model", "-lm"], cwd=tmp_path, timeout=300, check=False)
+        if done.returncode == 0:  # a compiler need not know -march
+            run = subprocess.run([tmp_path / "model", "0.05", "1e-4"], capture_output=True, check=True, timeout=60)
+            said.add(run.stdout)
+    assert len(said) == 1
+    done = subprocess.run(["cc", "-ffast-math", "model.c", "-lm"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode != 0
+    assert "compile without -ffast-math" in done.stderr
+
+
 @needs_node
 @pytest.mark.parametrize(("example", "span", "step", "change"), SAME_METHOD[:2])
 def test_the_module_moves_as_the_same_method_in_the_package(example, span, step, change, tmp_path):

@@ -65,12 +65,11 @@ class RecordedModel:
         return {name: one.value for name, one in self.system.model.parameters.items()}
 
     def symbol(self, name: str) -> Any:
-        """What a name in an expression over results stands for: a curve, a point, a parameter or t."""
+        """What a name in an expression over results stands for: a curve, a parameter or t."""
         if name == "t":
             return self.time
-        for known in (self.curves, self.points):
-            if name in known:
-                return known[name]
+        if name in self.curves:
+            return self.curves[name]
         return self.chosen[name] if name in self.chosen else self.values[name]
 
     @property
