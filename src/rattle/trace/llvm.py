@@ -180,6 +180,11 @@ class _Width:
         return str(value) if self.width == 1 else f"<{', '.join([f'{kind} {value}'] * self.width)}>"
 
 
+@functools.cache
+def _written(width: int) -> _Width:
+    return _Width(width)
+
+
 def _partly(form: str, words: Mapping[str, str]) -> str:
     """A form in which these words are filled in, and result and operands are not."""
     for name, text in words.items():
@@ -266,7 +271,7 @@ def functions_text(graph: Graph, functions: Mapping[str, Sequence[Any]], width: 
     0.  n is a positive multiple of the width.  The two must not overlap.  They may stand at any multiple of 8 bytes;
     multiples of 64 are fastest.
     """
-    written = _Width(width)
+    written = _written(width)
     return "\n".join(_function(graph, name, outputs, written) for name, outputs in functions.items())
 
 
@@ -371,14 +376,22 @@ def _machine(cpu: str, features: str) -> Any:
     return target.create_target_machine(cpu=cpu, features=features, opt=LEVEL, reloc=where, jit=True)
 
 
-def _module(text: str) -> Any:
-    """A module in a context of its own, which goes when the module goes."""
+def _context() -> Any:
+    """A new context for modules; what is made in it must go before it does."""
     binding = _binding()
     if binding.llvm_version_info[0] < 17:  # has pointers with types too, and llvmlite would take these
-        context = binding.context.ContextRef(binding.ffi.lib.LLVMPY_ContextCreate(True))
-    else:
-        context = binding.create_context()
-    return binding.parse_assembly(text, context)
+        return binding.context.ContextRef(binding.ffi.lib.LLVMPY_ContextCreate(True))
+    return binding.create_context()
+
+
+@functools.cache
+def _lasting_context() -> Any:
+    """The context of modules that an engine owns.
+
+    It stays: the garbage collector may end engine and context in any order where both hang on one cycle of references,
+    and an engine that goes after the context of its module crashes.
+    """
+    return _context()
 
 
 def _declared(text: str) -> str:
@@ -388,13 +401,13 @@ def _declared(text: str) -> str:
 
 def _object(text: str, machine: tuple[str, str]) -> bytes:
     """The object code of a text."""
-    return bytes(_machine(*machine).emit_object(_module(_declared(text))))
+    return bytes(_machine(*machine).emit_object(_binding().parse_assembly(_declared(text), _context())))
 
 
 def _loaded(made: bytes, names: Sequence[str], machine: tuple[str, str]) -> MachineCode:
     """Object code as functions."""
     binding = _binding()
-    engine = binding.create_mcjit_compiler(_module(""), _machine(*machine))
+    engine = binding.create_mcjit_compiler(binding.parse_assembly("", _lasting_context()), _machine(*machine))
     engine.add_object_file(binding.ObjectFileRef.from_data(made))
     engine.finalize_object()
     return MachineCode(engine, names)
