@@ -27,7 +27,8 @@ from rattle.results.reductions import Known, Output, needed_instants, read
 from rattle.results.result import UnknownName
 from rattle.solvers.stepper import ATOL, FREE, LONGEST, usual_stepper
 from rattle.trace import lane_methods, lanes
-from rattle.trace.lane_program import Program, Status
+from rattle.trace.lane_control import Status
+from rattle.trace.lane_program import Program
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -222,7 +223,7 @@ def _run_lanes(task: _Task, found: _Found, model: RecordedModel, method: str, pr
     program = Program(
         lane_model(model, asked, functions.add, starts), functions.add, METHODS[method], asked.reductions, task.t_end,
         tolerances=lane_methods.Tolerances(task.rtol, task.atol, task.step or np.inf), step=task.step or LONGEST,
-        chain=functions.chain,
+        chain=functions.chain, tiled=True,
     )  # fmt: skip
     functions.compile()
     bar = _Bar(task.count) if progress else None

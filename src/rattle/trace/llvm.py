@@ -70,30 +70,6 @@ FORMS = {
 }
 LOGICAL = {"both": 2, "either": 2, "not": 1, "select": 1}  # how many operands, from the first, are flags
 PARAMETERS = "ptr noalias readonly %in, i64 %a, ptr noalias %out, i64 %b, i64 %n"
-CHAIN = """define void @chain(ptr %calls, i64 %count) nounwind {
-br label %next
-next:
-%k = phi i64 [0, %0], [%l, %next]
-%one = getelementptr i64, ptr %calls, i64 %k
-%one.f = load ptr, ptr %one
-%in.p = getelementptr i64, ptr %one, i64 1
-%in = load ptr, ptr %in.p
-%a.p = getelementptr i64, ptr %one, i64 2
-%a = load i64, ptr %a.p
-%out.p = getelementptr i64, ptr %one, i64 3
-%out = load ptr, ptr %out.p
-%b.p = getelementptr i64, ptr %one, i64 4
-%b = load i64, ptr %b.p
-%n.p = getelementptr i64, ptr %one, i64 5
-%n = load i64, ptr %n.p
-call void %one.f(ptr %in, i64 %a, ptr %out, i64 %b, i64 %n)
-%l = add i64 %k, 6
-%more = icmp ult i64 %l, %count
-br i1 %more, label %next, label %done
-done:
-ret void
-}
-"""  # `void chain(int64 *calls, int64 count)`: of every six numbers one call, a function and its arguments
 AS_NUMBER = "{r} = select {B} {0}, {V} {one}, {V} {zero}"
 AS_FLAG = "{r} = fcmp une {V} {0}, {zero}"
 # row {0} or {1}, at the present samples
@@ -144,6 +120,11 @@ class _Width:
 
     def _lanes(self, kind: str, value: Any) -> str:
         return str(value) if self.width == 1 else f"<{', '.join([f'{kind} {value}'] * self.width)}>"
+
+
+@functools.cache
+def _written(width: int) -> _Width:
+    return _Width(width)
 
 
 def _partly(form: str, words: Mapping[str, str]) -> str:
@@ -232,7 +213,7 @@ def functions_text(graph: Graph, functions: Mapping[str, Sequence[Any]], width: 
     0.  n is a positive multiple of the width.  The two must not overlap.  They may stand at any multiple of 8 bytes;
     multiples of 64 are fastest.
     """
-    written = _Width(width)
+    written = _written(width)
     return "\n".join(_function(graph, name, outputs, written) for name, outputs in functions.items())
 
 
@@ -266,19 +247,30 @@ def host() -> tuple[str, str]:
 
 
 def width() -> int:
-    """Samples side by side that fill a vector register of this machine: 8 with AVX-512, 4 with AVX, else 2."""
-    features = host()[1].split(",")
-    return 8 if "+avx512f" in features else 4 if "+avx" in features else 2
+    """Samples side by side for this machine: 8 with AVX, else 2.
+
+    With AVX2 that is two registers: a calculation with one waits for its own results, and took 10 to 15 % longer.
+    """
+    return 8 if "+avx" in host()[1].split(",") else 2
 
 
-def compile(text: str, names: Sequence[str]) -> MachineCode:
+def compile(text: str | Callable[[], str], names: Sequence[str], origin: str = "") -> MachineCode:
     """Machine code of the functions in a text, for this machine; from the cache folder if it is there.
 
-    names: the functions that are called from outside.  The text may call the intrinsics fabs, sqrt and floor and must
-    not declare them.  Raises RuntimeError, with LLVM's message, for a text that is no code.
+    names: the functions that are called from outside.  origin: all that a text depends on which is to be written only
+    if its code is not there; what this module makes of it need not be part of it.  The text may call the intrinsics
+    fabs, sqrt and floor and must not declare them.  Raises RuntimeError, with LLVM's message,
+    for a text that is no code.
     """
     machine = host()
-    about = (text, *names, *machine, LEVEL, version("llvmlite"), _binding().llvm_version_info)
+    about = (
+        text if isinstance(text, str) else (origin, _own()),
+        *names,
+        *machine,
+        LEVEL,
+        version("llvmlite"),
+        _binding().llvm_version_info,
+    )
     key = hashlib.sha256(repr(about).encode()).hexdigest()
     kept = KeptFile(_folder(os.environ.get("RATTLE_CACHE")), FOLDER, key)
 
@@ -293,11 +285,18 @@ def compile(text: str, names: Sequence[str]) -> MachineCode:
     code = kept.read(use)
     if isinstance(code, MachineCode):
         return code
-    made = _object(text, machine)
+    made = _object(text if isinstance(text, str) else text(), machine)
     kept.write(lambda: pickle.dumps((key, made)))
     if kept.file is not None:
         _keep_most(kept.file.parent)
     return _loaded(made, names, machine)
+
+
+@functools.cache
+def _own() -> str:
+    """The sources of what writes texts."""
+    here = Path(__file__).parent
+    return hashlib.sha256(b"".join(one.read_bytes() for one in sorted(here.glob("llvm*.py")))).hexdigest()
 
 
 @functools.cache
@@ -335,14 +334,17 @@ def _machine(cpu: str, features: str) -> Any:
     return target.create_target_machine(cpu=cpu, features=features, opt=LEVEL, reloc=where, jit=True)
 
 
-def _module(text: str) -> Any:
-    """A module in a context of its own, which goes when the module goes."""
+def _context() -> Any:
+    """A new context for modules; what is made in it must go before it does."""
     binding = _binding()
     if binding.llvm_version_info[0] < 17:  # has pointers with types too, and llvmlite would take these
-        context = binding.context.ContextRef(binding.ffi.lib.LLVMPY_ContextCreate(True))
-    else:
-        context = binding.create_context()
-    return binding.parse_assembly(text, context)
+        return binding.context.ContextRef(binding.ffi.lib.LLVMPY_ContextCreate(True))
+    return binding.create_context()
+
+
+def _module(text: str) -> Any:
+    """A module in a context of its own, which goes when the module goes."""
+    return _binding().parse_assembly(text, _context())
 
 
 def _declared(text: str) -> str:

@@ -2,7 +2,7 @@
 
 A step gives samples of every curve at its ends and at equal parts of it.  Between them a curve counts as the polynomial
 through all of them: extremes are found on it by Newton's method, integrals by the closed formulas of Newton and Cotes
-(Abramowitz, Stegun, Handbook of Mathematical Functions (1964), 25.4.18).  A maximum that this polynomial sees and the
+(Abramowitz, Stegun, Handbook of Mathematical Functions (1964), 25.4.16).  A maximum that this polynomial sees and the
 parabola through the largest sample and its neighbours does not, as beside a kink, does not count.
 """
 
@@ -20,7 +20,7 @@ from rattle.trace.lane_methods import Recorded, inputs, largest, least, root, we
 COTES = {  # by number of parts: weights of the samples
     1: (1 / 2, 1 / 2),
     2: (1 / 6, 4 / 6, 1 / 6),
-    8: tuple(w / 28350 for w in (989, 5888, -928, 10496, -4540, 10496, -928, 5888, 989)),
+    6: tuple(w / 840 for w in (41, 216, 27, 272, 27, 216, 41)),
 }
 NEWTON = 3  # iterations from the largest sample: the place is good to 1e-4 of a part, the value to rounding
 STEEPEST = 2.0  # rise above the largest sample that counts, as a multiple of that of the parabola
@@ -42,7 +42,7 @@ class Step(NamedTuple):
     h: Any  # [s]
     t: Any  # start [s]
     stop: Any  # number of the instant that it ends at, if it does
-    lands: Any  # it does
+    lands: Any  # a flag: it does
     curves: list[list[Any]]  # (curves, samples)
     crossings: dict[int, tuple[Any, Any]]  # by condition: sum of shares where it begins less where it ends; first begin
 
@@ -98,7 +98,7 @@ class Reading:
 
     def step(self, held: Sequence[Any], step: Step) -> list[Any]:
         """Rows at the end of the step."""
-        here = (step.lands > 0.0) & step.stop.graph.apply("equal", step.stop, float(self.stop))
+        here = step.lands & step.stop.graph.apply("equal", step.stop, float(self.stop))
         return [select(here, step.curves[self.curve][-1], held[0])]
 
 
@@ -290,29 +290,14 @@ class Ledger:
             self.rows += tracker.rows
         return self._places[tracker]
 
-    @property
-    def step_rows(self) -> int:
-        """Number of inputs of `step`."""
-        return 4 + 2 * len(self.conditions) + (self.parts + 1) * (self.curves + 1) + self.rows
-
     def start(self) -> Recorded:
         """Curves and flag at t = 0: the rows."""
         graph, given = inputs(self.curves + 1)
         return graph, [x for one in self._places for x in one.start(given)]
 
-    def step(self) -> Recorded:
-        """h, t, stop, lands; of each condition sum and first; curves and flag of every sample; rows: the rows."""
-        graph, given = inputs(self.step_rows)
-        h, t, stop, lands = given[:4]
-        first = 4 + 2 * len(self.conditions)
-        crossings = {curve: (given[4 + 2 * n], given[5 + 2 * n]) for n, curve in enumerate(self.conditions)}
-        wide = self.curves + 1
-        curves = [[given[first + wide * k + n] for k in range(self.parts + 1)] for n in range(self.curves)]
-        held = given[first + wide * (self.parts + 1) :]
-        one_step = Step(h, t, stop, lands, curves, crossings)
-        return graph, [
-            x for one, place in self._places.items() for x in one.step(held[place : place + one.rows], one_step)
-        ]
+    def advance(self, step: Step, held: Sequence[Any]) -> list[Any]:
+        """The rows at the end of a step, from those at its start."""
+        return [x for one, place in self._places.items() for x in one.step(held[place : place + one.rows], step)]
 
     def close(self) -> Recorded:
         """Rows: the reductions."""

@@ -1,0 +1,89 @@
+"""What recorded functions over NumPy arrays find in place of NumPy: columns and tables of symbols."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterable, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from rattle.trace.graph import Graph, Symbol, fold, select
+
+
+class Column:
+    """A few numbers or symbols side by side, for functions over arrays: NumPy asks comparisons for truth values."""
+
+    def __init__(self, values: Iterable[Any]) -> None:
+        self.values = list(values)
+
+    @staticmethod
+    def each(function: Callable[..., Any], *given: Any) -> Column:
+        """A function element by element; numbers stand for columns of them."""
+        count = max((len(x.values) for x in given if isinstance(x, Column)), default=1)
+        spread = [x.values * (count // len(x.values)) if isinstance(x, Column) else [x] * count for x in given]
+        return Column(function(*row) for row in zip(*spread, strict=True))
+
+    def __getitem__(self, part: slice) -> Column:
+        return Column(self.values[part])
+
+    def clip(self, low: float, high: float) -> Column:
+        """Values outside of the bounds become the bounds."""
+        return self.each(lambda x: select(x < low, low, select(x > high, high, x)), self)
+
+    def __neg__(self) -> Column:
+        return self.each(operator.neg, self)
+
+    def __add__(self, other: Any) -> Column:
+        return self.each(operator.add, self, other)
+
+    def __radd__(self, other: Any) -> Column:
+        return self.each(operator.add, other, self)
+
+    def __sub__(self, other: Any) -> Column:
+        return self.each(operator.sub, self, other)
+
+    def __mul__(self, other: Any) -> Column:
+        return self.each(operator.mul, self, other)
+
+    def __rmul__(self, other: Any) -> Column:
+        return self.each(operator.mul, other, self)
+
+    def __truediv__(self, other: Any) -> Column:
+        return self.each(_quotient, self, other)
+
+    def __gt__(self, other: Any) -> Column:
+        return self.each(operator.gt, self, other)
+
+
+def _quotient(a: Any, b: Any) -> Any:
+    return a / b if isinstance(a, Symbol) or isinstance(b, Symbol) else fold("div", a, b)
+
+
+class Table:
+    """Rows of numbers or symbols, of which columns are taken as of an array."""
+
+    def __init__(self, rows: Sequence[Sequence[Any]]) -> None:
+        self.rows = rows
+
+    def __getitem__(self, part: tuple[slice, int | slice]) -> Any:
+        everything, columns = part
+        assert everything == slice(None)
+        if isinstance(columns, slice):
+            width = range(len(self.rows[0]))[columns]
+            return SimpleNamespace(T=[self[:, c] for c in width])
+        return Column(row[columns] for row in self.rows)
+
+
+def arrays(graph: Graph) -> SimpleNamespace:
+    """What functions over columns of symbols find under the name of NumPy."""
+
+    def each(op: str) -> Callable[..., Column]:
+        return lambda *given: Column.each(lambda *row: graph.apply(op, *row), *given)
+
+    return SimpleNamespace(
+        hypot=each("hypot"), cos=each("cos"), sin=each("sin"), where=lambda *given: Column.each(select, *given),
+        zeros_like=lambda x: Column([0.0] * len(x.values)), errstate=np.errstate, ndarray=np.ndarray,
+        array=lambda parts: SimpleNamespace(T=[one.values for one in parts]), ascontiguousarray=lambda x: x,
+    )  # fmt: skip
