@@ -399,3 +399,11 @@ def test_other_tools_can_compile_the_sources(tmp_path, units):
     build.build_platform_binary(tmp_path)
     found = fmpy.simulate_fmu(str(tmp_path), stop_time=1e-3, fmi_type="CoSimulation", output=["crank.angle"])
     assert found["crank.angle"][-1] == pytest.approx(rt.example("slider_crank").parameters["speed"] * 1e-3, rel=1e-9)
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize("name", ["fourbar", "quick_return", "toggle"])
+def test_the_states_are_the_result_columns_of_their_names(name):
+    model = rt.example(name).recorded()
+    for k, (column, _) in enumerate(state_layout(model.system).units()):
+        assert model.graph.place(model.curves[column]) == model.graph.inputs[1 + k], column

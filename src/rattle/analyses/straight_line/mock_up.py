@@ -80,8 +80,8 @@ def mock_up(model: RecordedModel, name: str, stop: float) -> MockUp:
 
 def _curves(model: RecordedModel) -> dict[str, Any]:
     """Result columns and points of bodies that are not states."""
-    states = {model.graph.inputs[1 + k] for k in range(model.state_size)}
-    return {name: x for name, x in all_curves(model).items() if model.graph.place(x) not in states}
+    states = dict(state_layout(model.system).units())
+    return {name: x for name, x in all_curves(model).items() if name not in states}
 
 
 def _equations(model: RecordedModel, curves: Mapping[str, Any]) -> fmu.Equations:
