@@ -117,3 +117,8 @@ def test_readme_python_runs(tmp_path):
     environment = os.environ | {"NUMBA_DISABLE_JIT": "0"}  # minutes without machine code
     run = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
+
+
+def test_the_sources_of_fmus_are_in_the_package():
+    folder = resources.files("rattle") / "trace" / "fmu_sources"
+    assert {"fmi3.c", "fmi3.h", "mechanism.c"} == {one.name for one in folder.iterdir()}

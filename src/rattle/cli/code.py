@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from rattle.cli.options import model_options, read_model, time
 from rattle.cli.output import check_files, say_written
 
-WRITTEN = {".c": "C99 program", ".js": "ES module", ".mjs": "ES module"}
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+
+WRITTEN = {".c": "C99 program", ".js": "ES module", ".mjs": "ES module", ".fmu": "FMI 3.0"}
 
 
 @click.command()
 @model_options
 @click.option(
     "-o", "--output", metavar="FILE", required=True,
-    help="File to write: .c (C99, needs only the C library), .js or .mjs (ES module for web pages and node).",
+    help="File to write: .c (C99, needs only the C library), .js or .mjs (ES module for web pages and node), "
+    ".fmu (FMI 3.0 for other simulation tools).",
 )  # fmt: skip
 @click.option("--t-end", metavar="TIME", default=None, help="End of a run unless it is told otherwise.")
 @click.option("--step", metavar="TIME", default=None, help="Its step unless it is told otherwise.  [default: 0.1 ms]")
@@ -33,11 +38,15 @@ def code(file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: 
     JavaScript: import { run, names, parameters } from "./model.js"; run(0.5, 1e-4, { ...parameters, r3: 0.002 })
     returns rows of what names lists; start, derivative, project and outputs serve steps of your own.
 
+    FMU: for model exchange and co-simulation; the tool that runs it gives the tolerance.  It holds the C sources, and a
+    library for this platform where there is a C compiler.
+
     There are no events, so models with contacts are refused; massless links, loads and drivers are not.
 
     \b
     Examples: rattle code fourbar -o model.c
               rattle code fourbar -o model.js
+              rattle code fourbar -o model.fmu
               rattle code slider_crank --set "speed=3000 rpm" --step 10us -o model.c
     """
     from rattle.analyses.straight_line.code import LONGEST, c_program, javascript_module, program
@@ -47,14 +56,31 @@ def code(file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: 
     if ending not in WRITTEN:
         listed = ", ".join(f"{one} ({what})" for one, what in WRITTEN.items())
         raise click.UsageError(f"-o {output}: expected a name that ends in {listed}")
+    if ending == ".fmu" and step is not None:
+        raise click.UsageError("--step has no meaning in an FMU: the tool that runs it gives a tolerance")
     check_files(file, output)
     m = read_model(file, settings, ideal)
     until = m.model.settings.t_end if t_end is None else time(t_end)
     longest = time(step) if step is not None else m.model.settings.step or LONGEST
     if not (until > 0.0 and longest > 0.0 and until / longest <= 1e9):
         raise click.UsageError("--t-end and --step must be positive, with at most 1e9 steps")
+    if ending == ".fmu":
+        _write_fmu(m, Path(file).stem, until, output)
+        return
     write = c_program if ending == ".c" else javascript_module
     text = write(program(m.recorded()), m.name or "A mechanism", until, longest)
     with atomic(output) as place:
         place.write_text(text, encoding="utf-8")
+    say_written(output)
+
+
+def _write_fmu(m: Mechanism, name: str, until: float, output: str) -> None:
+    from rattle.analyses.straight_line.mock_up import mock_up
+    from rattle.atomic_file import atomic
+
+    made = mock_up(m.recorded(), name, until)
+    with atomic(output) as place:
+        place.write_bytes(made.content)
+    for note in made.notes:
+        click.echo(f"note: {note}", err=True)
     say_written(output)

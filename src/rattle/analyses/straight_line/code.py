@@ -22,15 +22,20 @@ from rattle.version import __version__
 
 ALONE = 1e-6  # change of a parameter by which `_bound` tries it, in shares of its value
 ENERGIES = 5  # result curves that come last: kinetic, potential, work, dissipated, balance
-__all__ = ["LONGEST", "c_program", "javascript_module", "program", "straight_line"]
+__all__ = ["LONGEST", "c_program", "javascript_module", "program", "straight_line", "with_parameters"]
 
 
 def program(model: RecordedModel) -> Program:
     """A model, recorded without parameters, as a program with all parameters that can be inputs of one."""
+    return straight_line(*with_parameters(model))
+
+
+def with_parameters(model: RecordedModel) -> tuple[RecordedModel, dict[str, str]]:
+    """A model, recorded without parameters, with all that can be inputs; the other parameters, and why they cannot."""
     constants = _dependent(model.document, list(model.values))
     chosen = [name for name in list(model.values) if name not in constants]
     if not chosen:
-        return straight_line(model, constants)
+        return model, constants
     made, refused = _recorded(model, chosen)
     constants |= refused
     if made is not None and made.first is None:
@@ -42,7 +47,7 @@ def program(model: RecordedModel) -> Program:
         constants |= fixed
         if fixed:
             made, _ = _recorded(model, [name for name in made.parameters if name not in fixed])
-    return straight_line(made or model, constants)
+    return made or model, constants
 
 
 def _dependent(document: Mapping[str, Any], known: Sequence[str]) -> dict[str, str]:
@@ -111,7 +116,7 @@ def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = No
 
     constants: parameters of the model file that are none of the program, and why.
     """
-    curves, first = _curves(model), model.first
+    curves, first = all_curves(model), model.first
     parts: list[list[Any]] = [model.derivative, model.projection, [*curves.values(), model.sound_curves]]
     if first is not None:
         parts += [[model.readable], first.correction, first.rates, [gap.open for gap in first.gaps]]
@@ -138,7 +143,7 @@ def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = No
     )  # fmt: skip
 
 
-def _curves(model: RecordedModel) -> dict[str, Any]:
+def all_curves(model: RecordedModel) -> dict[str, Any]:
     """Result curves, points of bodies among them, and the energies last."""
     names = list(model.curves)
     ordered = [*names[:-ENERGIES], *model.points, *names[-ENERGIES:]]

@@ -22,7 +22,7 @@ from rattle.equations.motion import derivative
 from rattle.equations.state import state_layout
 from rattle.equations.system import System, compile_system
 from rattle.errors import ModelError, TraceError, suggest
-from rattle.language.recorded import symbol_of
+from rattle.language.recorded import Recorded, symbol_of
 from rattle.results.columns import columns, width
 from rattle.results.result import UnknownName
 from rattle.solvers.output_row import record
@@ -52,6 +52,7 @@ class RecordedModel:
     readable: Any  # flag of the parameters alone: the model has the same parts and forms as the one recorded
     time: Any  # t [s]
     chosen: dict[str, Any]  # the parameters
+    dependent: dict[str, Any]  # parameters that follow from the chosen ones [SI]
     first: RecordedStart | None  # how the start follows from the parameters; None if only the assembly knows
     points: dict[str, Any] = field(default_factory=dict)  # "body.point.x" and .y: points of bodies in ground axes [m]
 
@@ -109,11 +110,17 @@ def record_model(
         document, system, start, {name: system.model.parameters[name].value for name in names}, graph,
         [*rate, sound_rate], [*closed, sound_closed],
         curves, sound_row, units,
-        both(graph, recorder.assumed.values()), t, dict(zip(names, inputs, strict=True)), first,
-        _points(recorded, graph, curves),
+        both(graph, recorder.assumed.values()), t, dict(zip(names, inputs, strict=True)), _dependent(recorded, names),
+        first, _points(recorded, graph, curves),
     )  # fmt: skip
     _require_same(made)
     return made
+
+
+def _dependent(recorded: System, chosen: Sequence[str]) -> dict[str, Any]:
+    """Symbols of parameters that follow from chosen ones."""
+    values = {name: one.value for name, one in recorded.model.parameters.items() if name not in chosen}
+    return {name: symbol_of(x) for name, x in values.items() if isinstance(x, Recorded)}
 
 
 def _points(recorded: System, graph: Graph, curves: Mapping[str, Any]) -> dict[str, Any]:

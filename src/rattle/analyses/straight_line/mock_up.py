@@ -1,0 +1,149 @@
+"""A model as a Functional Mock-up Unit (FMI 3.0) for other simulation tools.
+
+Parameters of the model file can be set there, as long as the start follows from them by equations that hold near the
+one at hand; parameters given by others follow them.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+import uuid
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from rattle.analyses.arguments import TIGHTEST
+from rattle.analyses.straight_line.code import all_curves, with_parameters
+from rattle.analyses.straight_line.recorded_model import RecordedModel
+from rattle.analyses.straight_line.starts import CLOSED, FAR, MISSED, ROUNDS, SMALL
+from rattle.equations.state import state_layout
+from rattle.errors import TraceError
+from rattle.jit.layout import OUTPUT_ENERGY
+from rattle.solvers.stepper import ATOL, RTOL
+from rattle.trace import fmu
+from rattle.trace.elementary import lower
+from rattle.trace.fmu_description import Experiment, Kind, Variable, description
+from rattle.trace.hoist import hoist
+from rattle.trace.program import PIECES
+from rattle.version import __version__
+
+DRIFT = 1e-6  # share of its size by which a state may be off the constraints in model exchange if no tolerance is given
+SMALLEST_DRIFT = 1e-9  # the least such share: going back to the constraints makes integrators start anew
+SAID = {  # what columns of results mean, by the last part of their names
+    "x": "place of the mass centre", "y": "place of the mass centre", "angle": "angle", "vx": "speed", "vy": "speed",
+    "omega": "angular speed", "ax": "acceleration", "ay": "acceleration", "alpha": "angular acceleration",
+    "fx": "force on the second body", "fy": "force on the second body", "moment": "moment on the second body",
+    "ex": "pin centre minus bush centre", "ey": "pin centre minus bush centre",
+    "normal": "normal force, positive when pin and bush press", "tangential": "friction", "penetration": "depth",
+    "torque": "torque of the driver", "force": "force of the driver", "power": "power of the driver",
+    "kinetic": "kinetic energy", "potential": "potential energy", "work": "work done on the mechanism",
+    "dissipated": "energy dissipated by loads", "balance": "energy that nothing accounts for: an error",
+}  # fmt: skip
+
+
+class MockUp(NamedTuple):
+    """An FMU."""
+
+    content: bytes  # of the file
+    notes: list[str]  # what it lacks
+
+
+def mock_up(model: RecordedModel, name: str, stop: float) -> MockUp:
+    """An FMU of a model that was recorded without parameters.
+
+    name: a short one, of which files are named; stop: when a run probably ends [s].
+    The file holds the C sources, and a library for this platform if there is a C compiler.
+    """
+    identifier = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")[:60] or "mechanism"
+    identifier = identifier if identifier[0].isalpha() else f"m_{identifier}"
+    settings, title = model.system.model.settings, model.system.model.name or name
+    experiment = Experiment(stop, settings.rtol or RTOL, settings.output)
+    model, constants = with_parameters(model)
+    notes = [f"the parameter {one} is fixed: {why}" for one, why in constants.items() if one not in model.dependent]
+    curves = _curves(model)
+    variables, made = _variables(model, curves), _equations(model, curves)
+    operations = made.derivative[0].count(made.derivative[1])
+    header = f"{title}, written by rattle {__version__}; {operations} operations for rates"
+    content = fmu.equations_text(made, header, "").encode() + description(variables, identifier, title, "", experiment)
+    token = f"{{{uuid.uuid5(uuid.NAMESPACE_OID, content.hex())}}}"
+    files = fmu.sources(made, header, token)
+    entries = {"modelDescription.xml": description(variables, identifier, title, token, experiment)}
+    entries["sources/buildDescription.xml"] = fmu.build_description(identifier)
+    entries |= {f"sources/{name}": text.encode() for name, text in files.items()}
+    try:
+        entries[fmu.library_name(identifier)] = fmu.shared_library(files)
+    except TraceError as error:
+        notes.append(f"{error}: the FMU holds C sources only, which the importing tool has to compile")
+    return MockUp(fmu.archive(entries), notes)
+
+
+def _curves(model: RecordedModel) -> dict[str, Any]:
+    """Result columns and points of bodies that are not states."""
+    states = dict(state_layout(model.system).units())
+    return {name: x for name, x in all_curves(model).items() if name not in states}
+
+
+def _equations(model: RecordedModel, curves: Mapping[str, Any]) -> fmu.Equations:
+    graph, ny, system = model.graph, model.state_size, model.system
+    parts = [model.derivative, model.projection, [*curves.values(), model.sound_curves]]
+    exact, every = lower(graph, [x for part in parts for x in part])
+    early, prepared, late, outputs = hoist(exact, every, exact.inputs[1 + ny :])
+    ends = itertools.accumulate(map(len, parts), initial=0)
+    derivative, project, rows = ((late, outputs[a:b]) for a, b in itertools.pairwise(ends))
+    settings, names = system.model.settings, list(curves)
+    rtol = settings.rtol or RTOL
+    states = [name for name, _ in state_layout(system).units()]
+    first = model.first
+    energies = {key.upper(): names.index(f"energy.{key}") for key in ("kinetic", "potential", "balance")}
+    return fmu.Equations(
+        derivative, project, rows, (early, prepared), lower(graph, [curves["energy.balance"]]),
+        lower(graph, [*model.dependent.values(), model.readable]),
+        None if first is None else lower(graph, first.correction), None if first is None else lower(graph, first.rates),
+        [fmu.Input(name, value, *_limits(model, name)) for name, value in model.parameters.items()],
+        model.start_state.tolist(), 3 * system.body_count, {**energies, "WORK": states.index("energy.work")},
+        {
+            "SIZE": system.size, "TOLERANCE": rtol, "ABSOLUTE": (settings.atol or ATOL * rtol) / rtol,
+            "SMALLEST_TOLERANCE": TIGHTEST, "DRIFT": DRIFT, "SMALLEST_DRIFT": SMALLEST_DRIFT,
+            "LAST_STEP": SMALL, "STILL_OPEN": CLOSED, "FAR": FAR,
+            "MISSED": MISSED, "ROUNDS": ROUNDS, "MOST_PARTS": PIECES,
+        },
+    )  # fmt: skip
+
+
+def _limits(model: RecordedModel, name: str) -> tuple[float, float]:
+    one = model.system.model.parameters[name]
+    return -math.inf if one.minimum is None else one.minimum, math.inf if one.maximum is None else one.maximum
+
+
+def _variables(model: RecordedModel, curves: Mapping[str, Any]) -> list[Variable]:
+    """All variables, in the order of their value references, which `fmu_sources` knows."""
+    known, nq = model.system.model.parameters, 3 * model.system.body_count
+    size = model.system.size
+    found = [Variable("t", Kind.TIME, "s", "time")]
+    for name, value in model.parameters.items():
+        one = known[name]
+        found.append(Variable(name, Kind.PARAMETER, one.unit, "parameter", value, one.minimum, one.maximum))
+    follows = "parameter that follows from others"
+    found += [Variable(name, Kind.FOLLOWING, known[name].unit, follows) for name in model.dependent]
+    first, states = len(found), state_layout(model.system).units()
+    for k, (name, unit) in enumerate(states):
+        nominal = size if k < nq and unit == "m" else 1.0
+        found.append(Variable(name, Kind.STATE, unit, said(name), nominal=nominal))
+    for k, (name, unit) in enumerate(states):
+        rate = {"m": "m/s", "rad": "rad/s", "m/s": "m/s^2", "rad/s": "rad/s^2", "J": "W"}[unit]
+        found.append(Variable(f"der({name})", Kind.RATE, rate, f"rate of {name}", state=first + k))
+    return found + [Variable(name, Kind.CURVE, model.units.get(name, "m"), said(name)) for name in curves]
+
+
+def said(name: str) -> str:
+    """What a column of results means."""
+    owner, _, key = name.rpartition(".")
+    if not owner:
+        return "signal"
+    if "." in owner:
+        body, _, point = owner.partition(".")
+        return f"place of the point {point} of {body} along {key}"
+    axis = key[-1] if key not in ("moment", "power") and key[-1] in "xy" else ""
+    along = f" along {axis}" if axis else ""
+    return SAID[key] if owner == "energy" and key in (*OUTPUT_ENERGY, "balance") else f"{SAID[key]} of {owner}{along}"

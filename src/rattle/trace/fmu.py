@@ -1,0 +1,181 @@
+"""A Functional Mock-up Unit (FMI 3.0): its C sources, the shared library made of them, and the archive of both.
+
+The equations are functions of graphs (`rattle.trace.c`); what calls them stands in `fmu_sources` and is the same for
+every model.  Source: Functional Mock-up Interface Specification, version 3.0 (Modelica Association, 2022).
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+
+from rattle.errors import TraceError
+from rattle.solvers.dop853_tableau import E3, E5, A, B, C
+from rattle.trace import c
+from rattle.trace.graph import Graph
+
+MAIN = "fmi3.c"  # the file to compile; it includes the others
+WRITTEN = (MAIN, "fmi3.h", "mechanism.c")  # the same in every FMU
+# a second level of optimisation takes four times as long and finds nothing in straight-line code
+FLAGS = ("-std=c99", "-O1", "-fPIC", "-shared", "-DFMI3_OVERRIDE_FUNCTION_PREFIX")
+PATIENCE = 600.0  # of the compiler [s]
+SYSTEMS = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib"), "win32": ("windows", ".dll")}
+MACHINES = {
+    "x86_64": "x86_64", "amd64": "x86_64", "i386": "x86", "i686": "x86", "x86": "x86", "aarch64": "aarch64",
+    "arm64": "aarch64", "riscv64": "riscv64", "ppc64": "ppc64",
+}  # fmt: skip
+
+
+FUNCTIONS = ("derivative", "project", "outputs", "prepare", "initial_energy", "follow", "correct", "close_rates")
+NEEDED = FUNCTIONS[:5]  # also without parameters
+
+
+class Input(NamedTuple):
+    """A parameter that can be set [SI]."""
+
+    name: str
+    value: float
+    least: float
+    most: float
+
+
+class Equations(NamedTuple):
+    """A mechanism with np parameters as functions of graphs of exact operations, and the numbers they go with.
+
+    Inputs of the first three are t, y (ny), constants (nc), of the others t, y, parameters (np), E_0.
+    """
+
+    derivative: tuple[Graph, list[Any]]  # dy/dt, flag
+    project: tuple[Graph, list[Any]]  # y on the constraints, flag
+    outputs: tuple[Graph, list[Any]]  # curves, flag
+    prepare: tuple[Graph, list[Any]]  # the constants
+    initial_energy: tuple[Graph, list[Any]]  # energy at the start [J]
+    follow: tuple[Graph, list[Any]]  # parameters that follow from others, flag: the model is of the same kind
+    correct: tuple[Graph, list[Any]] | None  # positions corrected, what is left open, flag
+    close_rates: tuple[Graph, list[Any]] | None  # rates, by how much given ones are missed, flag
+    inputs: Sequence[Input]
+    start: Sequence[float]  # (ny,) y at t = 0 at the parameters' values
+    positions: int  # 3 nb
+    energies: Mapping[str, int]  # KINETIC, POTENTIAL, BALANCE: numbers of curves; WORK: a number in y
+    numbers: Mapping[str, float]  # that `fmu_sources` asks for
+
+
+def equations_text(equations: Equations, header: str, token: str) -> str:
+    """The file equations.c."""
+    functions = [
+        c.function(one[0], one[1], name)
+        for name in (FUNCTIONS if equations.inputs else NEEDED)
+        if (one := getattr(equations, name)) is not None
+    ]
+    sizes = {
+        "NY": len(equations.start), "NQ": equations.positions, "NO": len(equations.outputs[1]) - 1,
+        "NC": len(equations.prepare[1]), "NP": len(equations.inputs), "ND": len(equations.follow[1]) - 1,
+    }  # fmt: skip
+    defined = {**sizes, **equations.energies, **{name: c.number(x) for name, x in equations.numbers.items()}}
+    inputs = equations.inputs
+    comment = header.replace("*/", "* /").replace("/*", "/ *")
+    parts = [
+        f"/* {comment} */\n{c.INCLUDES}",
+        "\n".join(f"#define {name} {value}" for name, value in defined.items()),
+        f'#define TOKEN "{token}"\n',
+        _numbers("start[NY]", equations.start),
+        _numbers("nominal[NP + 1]", [*(one.value for one in inputs), 0.0]),
+    ]
+    if inputs:
+        quoted = ", ".join(f'"{one.name}"' for one in inputs)
+        parts += [
+            f"static const char *const names[NP] = {{{quoted}}};",
+            _numbers("least[NP]", [one.least for one in inputs]),
+            _numbers("most[NP]", [one.most for one in inputs]),
+        ]
+    rows = ", ".join("{" + ", ".join(map(c.number, row)) + "}" for row in A[:12, :12].tolist())
+    parts += [
+        f"static const double A[12][12] = {{{rows}}};",
+        *(_numbers(f"{name}[12]", row[:12].tolist()) for name, row in (("B", B), ("C", C), ("E3", E3), ("E5", E5))),
+        "", *c.helpers(functions), *functions,
+    ]  # fmt: skip
+    return "\n".join(parts)
+
+
+def _numbers(declared: str, values: Sequence[float]) -> str:
+    return f"static const double {declared} = {{{', '.join(c.number(float(x)) for x in values)}}};"
+
+
+def sources(equations: Equations, header: str, token: str) -> dict[str, str]:
+    """C files by name."""
+    folder = Path(__file__).with_name("fmu_sources")
+    found = {name: (folder / name).read_text(encoding="utf-8") for name in WRITTEN}
+    return {"equations.c": equations_text(equations, header, token), **found}
+
+
+# ---------------------------------------------------------------- the shared library
+def library_name(identifier: str) -> str:
+    """Where the library of this platform stands in an FMU.  Raises TraceError where FMI has no name for it."""
+    machine, system = MACHINES.get(platform.machine().lower()), SYSTEMS.get(sys.platform)
+    if machine is None or system is None:
+        raise TraceError(f"FMI has no name for this platform ({platform.machine()}, {sys.platform})")
+    return f"binaries/{machine}-{system[0]}/{identifier}{system[1]}"
+
+
+def shared_library(files: Mapping[str, str]) -> bytes:
+    """The shared library made of C files, by the compiler named in the environment (CC), cc, gcc or clang.
+
+    Raises TraceError if there is none, or with what it says.
+    """
+    known = [os.environ.get("CC", ""), "cc", "gcc", "clang"]
+    program = next((found for one in known if one and (found := shutil.which(one))), None)
+    if program is None:
+        raise TraceError("no C compiler was found (cc, gcc, clang, or the one named by CC)")
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in files.items():
+            Path(folder, name).write_text(text, encoding="utf-8")
+        try:
+            done = subprocess.run(
+                [program, *FLAGS, MAIN, "-o", "library", "-lm"], cwd=folder, timeout=PATIENCE, text=True,
+                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace",
+            )  # fmt: skip
+        except (OSError, subprocess.TimeoutExpired) as error:
+            raise TraceError(f"{program} failed: {error}") from None
+        if done.returncode != 0:
+            raise TraceError(f"{program} failed: {done.stdout.strip()[:500] or f'exit status {done.returncode}'}")
+        return Path(folder, "library").read_bytes()
+
+
+# ---------------------------------------------------------------- the archive
+def build_description(identifier: str) -> bytes:
+    """How other tools compile the sources."""
+    root = ElementTree.Element("fmiBuildDescription", fmiVersion="3.0")
+    configuration = ElementTree.SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
+    files = ElementTree.SubElement(configuration, "SourceFileSet", language="C99")
+    ElementTree.SubElement(files, "SourceFile", name=MAIN)
+    if sys.platform != "win32":
+        ElementTree.SubElement(configuration, "Library", name="m", external="true", description="C's mathematics")
+    return xml(root)
+
+
+def xml(root: ElementTree.Element) -> bytes:
+    """An XML file, indented."""
+    ElementTree.indent(root)
+    return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"
+
+
+def archive(files: Mapping[str, bytes]) -> bytes:
+    """A zip file; the same bytes for the same files, whenever and wherever it is made."""
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as target:
+        for name, content in files.items():
+            entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            entry.create_system, entry.compress_type = 3, zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+            target.writestr(entry, content)
+    return made.getvalue()
