@@ -1,0 +1,305 @@
+"""Exact derivatives of a graph: its own operations differentiated one by one, as new operations of the same graph.
+
+For z = f(x, y) with slopes f_x, f_y at the values that the graph computes:
+
+    forward   dz = f_x dx + f_y dy              from the inputs on, one direction at a time
+    reverse   x' += f_x z',  y' += f_y z'       from one output back (z' = d output/dz), all inputs at once
+
+Both take functions as they are (sine, power ...): derive first, `elementary.lower` after.  A derivative is a graph
+like any other, so it can be derived again.  Zeros are folded and common parts shared, between directions too.
+
+At a switch the derivative is that of the branch that the value comes from (abs: of x at 0); what a branch that is not
+taken would give, infinite or nan, goes nowhere.  At a singular point (sqrt at 0) the formula holds: inf or nan.
+
+Source: Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), ch. 3 (both modes).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from rattle.errors import TraceError
+from rattle.trace.graph import FLAGS, Graph, Symbol, select
+
+Rule = Callable[[Any, Sequence[Any], Any], Any]  # (v, operands, result): slope by one operand, times v
+Case = frozenset[tuple[int, bool]]  # flags that are so: places and truth values
+When = frozenset[Case]  # where a number counts: any of these cases
+
+ALWAYS: When = frozenset([frozenset()])
+CASES = 8  # more of them become one new flag
+
+
+def tangent(graph: Graph, outputs: Sequence[Any], seeds: Mapping[int, Any]) -> list[Any]:
+    """Derivatives (n_out,) of the outputs in one direction, forward: operations of the same graph, or numbers.
+
+    seeds: what each input changes by, a symbol of the graph or a number, by the input's place; the others do not
+    change.  Flags have derivative 0.  Raises TraceError for a graph that `elementary.lower` has taken apart.
+    """
+    rates = {_input(graph, place): _value(seed) for place, seed in seeds.items()}
+    for place in graph.live(outputs):
+        operands = graph.operands[place]
+        changes = [rates.get(k, 0.0) for k in operands]
+        if any(not _zero(v) for v in changes):
+            rates[place] = _forward(graph, place, changes)
+    return [rates.get(graph.place(x), 0.0) for x in outputs]
+
+
+def gradient(graph: Graph, output: Any, with_respect_to: Sequence[Symbol]) -> list[Any]:
+    """Derivatives (n_in,) of one output by inputs, in reverse: operations of the same graph, or numbers.
+
+    Raises TraceError for a graph that `elementary.lower` has taken apart.
+    """
+    wanted = [_input(graph, x.place) for x in with_respect_to]
+    order = graph.live([output])
+    changing = set(wanted)
+    for place in order:
+        if any(k in changing for k in graph.operands[place]):
+            changing.add(place)
+    found: dict[int, Any] = {}
+    arriving: dict[int, list[tuple[When, Any]]] = {graph.place(output): [(ALWAYS, 1.0)]}
+    for place in reversed(order):
+        if place not in changing or place not in arriving:
+            continue
+        when, value = _gathered(graph, arriving.pop(place))
+        if graph.ops[place] == "input":
+            found[place] = _guarded(graph, when, ALWAYS, value)
+            continue
+        for k, share in _shares(graph, place, when, value, changing):
+            if not _zero(share[1]):
+                arriving.setdefault(k, []).append(share)
+    return [found.get(place, 0.0) for place in wanted]
+
+
+def jacobian(graph: Graph, outputs: Sequence[Any], inputs: Sequence[Symbol]) -> list[list[Any]]:
+    """d outputs/d inputs (n_out, n_in): forward or in reverse, by the fewer of the inputs and outputs that count."""
+    used = set(graph.live(outputs))
+    columns = sum(x.place in used for x in inputs)
+    rows = len({x.place for x in outputs if isinstance(x, Symbol)})
+    if rows < columns:
+        return [gradient(graph, x, inputs) for x in outputs]
+    directions = [tangent(graph, outputs, {x.place: 1.0}) if x.place in used else [0.0] * len(outputs) for x in inputs]
+    return [[one[n] for one in directions] for n in range(len(outputs))]
+
+
+def _input(graph: Graph, place: int) -> int:
+    if place not in graph.inputs:
+        raise TraceError(f"derivatives are taken by inputs of the graph, not by its operation {place}")
+    return place
+
+
+def _value(x: Any) -> Any:
+    return x if isinstance(x, Symbol) else float(x)
+
+
+def _zero(x: Any) -> bool:
+    return not isinstance(x, Symbol) and x == 0.0
+
+
+def _step(graph: Graph, place: int) -> tuple[tuple[Rule, ...], list[Any], Symbol]:
+    """Rules of an operation, its operands (symbols or numbers), its result.  Raises TraceError if it has no rules."""
+    rules = RULES.get(graph.ops[place])
+    if rules is None:
+        raise TraceError(f"'{graph.ops[place]}' has no derivative: derive a graph before its functions are taken apart")
+    return rules, [graph.numbers.get(k, Symbol(graph, k)) for k in graph.operands[place]], Symbol(graph, place)
+
+
+# ---------------------------------------------------------------- forward
+def _forward(graph: Graph, place: int, changes: Sequence[Any]) -> Any:
+    """Change of one operation's result for changes of its operands."""
+    op = graph.ops[place]
+    if op == "select":
+        return graph.apply("select", Symbol(graph, graph.operands[place][0]), changes[1], changes[2])
+    if op in FLAGS:
+        return 0.0
+    rules, operands, result = _step(graph, place)
+    if op == "div":  # one product less than by its rules
+        return _over(changes[0] - result * changes[1], operands[1], result)
+    total: Any = 0.0
+    for rule, v in zip(rules, changes, strict=True):
+        if not _zero(v):
+            total = _sum(graph, total, rule(v, operands, result))
+    return total
+
+
+def _sum(graph: Graph, a: Any, b: Any) -> Any:
+    return graph.apply("add", a, b)
+
+
+# ---------------------------------------------------------------- reverse
+def _shares(graph: Graph, place: int, when: When, value: Any, changing: set[int]) -> list[tuple[int, tuple[When, Any]]]:
+    """What an operation hands on to those of its operands that change: their places, where it counts, how much."""
+    op, places = graph.ops[place], graph.operands[place]
+    if op in FLAGS:
+        return []
+    if op == "select":
+        flag, holds = places[0], True
+        while graph.ops[flag] == "not":
+            flag, holds = graph.operands[flag][0], not holds
+        cases = [(k, _and(when, flag, truth)) for k, truth in ((places[1], holds), (places[2], not holds))]
+        return [(k, (case, value)) for k, case in cases if case and k in changing]
+    rules, operands, result = _step(graph, place)
+    return [(k, (when, rule(value, operands, result))) for rule, k in zip(rules, places, strict=True) if k in changing]
+
+
+def _gathered(graph: Graph, arriving: Sequence[tuple[When, Any]]) -> tuple[When, Any]:
+    """The sum of what arrives, and where it counts.  Elsewhere it may be anything: nobody reads it there."""
+    sums: dict[When, Any] = {}
+    for when, value in arriving:
+        sums[when] = _sum(graph, sums[when], value) if when in sums else value
+    while (pair := _halves(sums)) is not None:  # the two branches of a choice, chosen in one operation
+        one, other, flag, rest = pair
+        value = graph.apply("select", Symbol(graph, flag), sums.pop(one), sums.pop(other))
+        sums[rest] = _sum(graph, sums[rest], value) if rest in sums else value
+    if len(sums) == 1:
+        return next(iter(sums.items()))
+    anywhere = _any(graph, list(sums))
+    total: Any = 0.0
+    for when, value in sums.items():
+        total = _sum(graph, total, _guarded(graph, when, anywhere, value))
+    return anywhere, total
+
+
+def _halves(sums: Mapping[When, Any]) -> tuple[When, When, int, When] | None:
+    """Two single cases that differ in one flag alone: where it is true, where not, the flag, and what they share."""
+    for when in sums:
+        if len(when) == 1:
+            (case,) = when
+            for flag, truth in case:
+                other = frozenset([case - {(flag, truth)} | {(flag, not truth)}])
+                if truth and other in sums:
+                    return when, other, flag, frozenset([case - {(flag, truth)}])
+    return None
+
+
+def _guarded(graph: Graph, when: When, inside: When, value: Any) -> Any:
+    """A value that counts only in some cases, made zero in the others of those `inside`."""
+    if when == inside:
+        return value
+    return graph.apply("select", _flag(graph, when, frozenset.intersection(*inside)), value, 0.0)
+
+
+def _flag(graph: Graph, when: When, known: Case) -> Any:
+    """Whether one of the cases holds, where the known flags are so."""
+    flag: Any = False
+    for case in sorted(when, key=sorted):
+        holds: Any = True
+        for place, truth in sorted(case - known):
+            one: Any = Symbol(graph, place)
+            holds = graph.apply("both", holds, one if truth else ~one)
+        flag = graph.apply("either", flag, holds)
+    return flag
+
+
+def _and(when: When, flag: int, truth: bool) -> When:
+    return _simple([case | {(flag, truth)} for case in when if (flag, not truth) not in case])
+
+
+def _any(graph: Graph, parts: Sequence[When]) -> When:
+    """Where any of the parts counts."""
+    made = _simple([case for when in parts for case in when])
+    if len(made) <= CASES:
+        return made
+    return frozenset([frozenset([(graph.place(_flag(graph, made, frozenset())), True)])])
+
+
+def _simple(cases: Sequence[Case]) -> When:
+    """The same cases without those inside others, and pairs made one where a flag does not matter."""
+    made = set(cases)
+    more = made
+    while more:
+        more = {
+            case - {(flag, truth)}
+            for case in made
+            for flag, truth in case
+            if case - {(flag, truth)} | {(flag, not truth)} in made
+        } - made
+        made |= more
+        made = {one for one in made if not any(other < one for other in made)}
+    return frozenset(made)
+
+
+# ---------------------------------------------------------------- slopes
+def _apply(op: str, *given: Any) -> Any:
+    graph = next(x.graph for x in given if isinstance(x, Symbol))
+    return graph.apply(op, *given)
+
+
+def _over(v: Any, x: Any, r: Symbol) -> Any:
+    """v/x; 1/x is one operation for all directions."""
+    return v * (1.0 / x) if isinstance(x, Symbol) else r.graph.apply("div", v, x)
+
+
+def _arc_slope(x: Any) -> Any:
+    """1/sqrt(1 - x^2)."""
+    return 1.0 / _apply("sqrt", (1.0 - x) * (1.0 + x))
+
+
+def _base(v: Any, xy: Sequence[Any], r: Symbol) -> Any:
+    """x^y by x: y x^(y - 1); 0 for y = 0, where x = 0 too."""
+    x, y = xy
+    if isinstance(y, Symbol):
+        return v * select(r.graph.apply("equal", y, 0.0), 0.0, y * r.graph.apply("pow", x, y - 1.0))
+    if y == 0.0:
+        return 0.0
+    less = y - 1.0
+    product: Any = 1.0
+    if less in (0.0, 1.0, 2.0, 3.0):
+        for _ in range(int(less)):
+            product = product * x
+    else:
+        product = r.graph.apply("pow", x, less)
+    return v * (y * product)
+
+
+def _exponent(v: Any, xy: Sequence[Any], r: Symbol) -> Any:
+    """x^y by y: x^y ln x; 0 for x = 0 < y.  For x < 0 nan, unless y does not change there."""
+    x, y = xy
+    slope = r * r.graph.apply("log", x)
+    vanishes = r.graph.apply("both", r.graph.apply("equal", x, 0.0), r.graph.apply("less", 0.0, y))
+    still = r.graph.apply("equal", v, 0.0)
+    return r.graph.apply("select", r.graph.apply("either", vanishes, still), 0.0, v * slope)
+
+
+def _copied(v: Any, xs: Sequence[Any], r: Symbol) -> Any:
+    """|x| with the sign of s, by x."""
+    x, s = xs
+    size = _size(v, [x], r)
+    return select(r.graph.apply("less", r.graph.apply("copysign", 1.0, s), 0.0), -size, size)
+
+
+def _size(v: Any, x: Sequence[Any], r: Symbol) -> Any:
+    return select(r.graph.apply("less", x[0], 0.0), -v, v)
+
+
+def _none(v: Any, x: Sequence[Any], r: Symbol) -> Any:
+    return 0.0
+
+
+RULES: dict[str, tuple[Rule, ...]] = {
+    "add": (lambda v, x, r: v, lambda v, x, r: v),
+    "sub": (lambda v, x, r: v, lambda v, x, r: -v),
+    "mul": (lambda v, x, r: v * x[1], lambda v, x, r: v * x[0]),
+    "div": (lambda v, x, r: _over(v, x[1], r), lambda v, x, r: -(_over(v, x[1], r) * r)),
+    "neg": (lambda v, x, r: -v,),
+    "abs": (_size,),
+    "sqrt": (lambda v, x, r: v * (0.5 / r),),
+    "floor": (_none,),
+    "sin": (lambda v, x, r: v * _apply("cos", x[0]),),
+    "cos": (lambda v, x, r: -(v * _apply("sin", x[0])),),
+    "tan": (lambda v, x, r: v * (1.0 + r * r),),
+    "exp": (lambda v, x, r: v * r,),
+    "log": (lambda v, x, r: v * select(x[0] >= 0.0, 1.0 / x[0], math.nan),),
+    "asin": (lambda v, x, r: v * _arc_slope(x[0]),),
+    "acos": (lambda v, x, r: -(v * _arc_slope(x[0])),),
+    "atan": (lambda v, x, r: v * (1.0 / (1.0 + x[0] * x[0])),),
+    "tanh": (lambda v, x, r: v * ((1.0 - r) * (1.0 + r)),),
+    "atan2": (
+        lambda v, x, r: v * (x[1] / (x[0] * x[0] + x[1] * x[1])),
+        lambda v, x, r: -(v * (x[0] / (x[0] * x[0] + x[1] * x[1]))),
+    ),
+    "hypot": (lambda v, x, r: v * (x[0] / r), lambda v, x, r: v * (x[1] / r)),
+    "pow": (_base, _exponent),
+    "copysign": (_copied, _none),
+}  # fmt: skip
