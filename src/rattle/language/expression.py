@@ -49,7 +49,7 @@ __all__ = [
     "walk",
 ]
 
-_OPS = {
+OPERATIONS = {
     "neg": bytecode.NEG,
     "+": bytecode.ADD,
     "-": bytecode.SUB,
@@ -254,7 +254,7 @@ class _Assembler:
         self.folded.append(False)
 
     def operation(self, part: Apply) -> None:
-        op, size = _OPS[part.name], len(part.operands)
+        op, size = OPERATIONS[part.name], len(part.operands)
         if all(self.folded[-size:]):
             given, columns = self.const[-size:], self.columns[-size:]
             del self.code[-size:], self.const[-size:], self.columns[-size:], self.folded[-size:]

@@ -7,10 +7,11 @@ text leads to deep recursion.
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from keyword import kwlist
 
 from rattle.errors import suggest
@@ -32,11 +33,6 @@ RESERVED = frozenset(kwlist) | FUNCTIONS.keys() | {"pi", "t"}  # not allowed as 
 _BINDING = {"if": 1, "<": 2, "<=": 2, ">": 2, ">=": 2, "+": 3, "-": 3, "*": 4, "/": 4, "**": 6}
 _SIGN = 5  # -x**2 is -(x**2), -x*y is (-x)*y
 COMPARISONS = ("<", "<=", ">", ">=")
-_TOKEN = re.compile(
-    r"(?P<space>\s++)|(?P<number>(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+)"
-    r"|(?P<name>[A-Za-z_]\w*+(?:\.[A-Za-z_]\w*+)?+)|(?P<operator>\*\*|<=|>=|[-+*/(),<>])",
-    re.ASCII,
-)
 _REFUSED = {
     "^": "'^' is not an operator; use ** for powers",
     "=": "'=' is not allowed in an expression; compare with < <= > >=",
@@ -59,6 +55,22 @@ OTHERWISE = {  # functions of other languages that have another name here, or no
     "heaviside": "write step",
 }
 KNOWN = "an expression may use <body>.x .y .angle .vx .vy .omega of mass centres, t, parameters and signals"
+
+
+@dataclass(frozen=True, slots=True)
+class Grammar:
+    """What an expression may contain beside numbers, operators and `a if x < y else b`."""
+
+    functions: Mapping[str, int] = field(default_factory=lambda: FUNCTIONS)  # as in FUNCTIONS
+    conditions: frozenset[str] = frozenset()  # those functions whose argument is a comparison
+    parts: int = 2  # of a name, at most: "body.x" has two
+    compared: bool = False  # the whole may be a comparison
+    otherwise: Mapping[str, str] = field(default_factory=dict)  # more of OTHERWISE
+    known: str = KNOWN
+    joined: str = "for two conditions put one choice inside the other: 'a if x < y else b' with a or b in parentheses"
+
+
+MODEL = Grammar()  # of model files
 
 
 class ExpressionError(ValueError):
@@ -98,11 +110,11 @@ class Apply:
 Node = Number | Name | Apply
 
 
-def parse(text: str) -> Node:
+def parse(text: str, grammar: Grammar = MODEL) -> Node:
     """Read an expression.  Raises ExpressionError if the text is not an expression or is too long."""
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"the expression has {len(text)} characters; at most {MAX_LENGTH} are read", 0)
-    return _Parser(text).read()
+    return _Parser(text, grammar).read()
 
 
 def names(node: Node) -> set[str]:
@@ -125,28 +137,33 @@ def walk(node: Node) -> list[Node]:
 class _Parser:
     """Operator-precedence parser; `expression(least)` reads operators of precedence `least` or higher."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, grammar: Grammar) -> None:
         self.text = text
-        self.tokens = list(_tokens(text))
+        self.grammar = grammar
+        self.tokens = _tokens(text, grammar)
         self.at = 0
         self.depth = 0
         self.nodes = 0
 
     def read(self) -> Node:
         node = self.expression(1)
-        kind, word, column = self.tokens[self.at]
-        if kind != "end":
-            before = self.tokens[self.at - 1]
-            hint = ""
-            if before[0] == "number" and kind == "name":
-                hint = self.unit_or_product(before[1], word)
-            elif before[0] == "number" and word == ",":
-                hint = "; a decimal point is written '.', as in 0.21"
-            elif word == "(":
-                hint = "; a product is written with *"
-            raise ExpressionError(f"expected an operator, found '{word}'{hint}", column)
-        self.refuse_comparison(node)
+        if self.tokens[self.at][0] != "end":
+            raise self.no_operator()
+        if not self.grammar.compared:
+            self.refuse_comparison(node)
         return node
+
+    def no_operator(self) -> ExpressionError:
+        """The error for a token that cannot follow an operand, with advice."""
+        (before, number, _), (kind, word, column) = self.tokens[self.at - 1 : self.at + 1]
+        hint = ""
+        if before == "number" and kind == "name":
+            hint = self.unit_or_product(number, word)
+        elif before == "number" and word == ",":
+            hint = "; a decimal point is written '.', as in 0.21"
+        elif word == "(":
+            hint = "; a product is written with *"
+        return ExpressionError(f"expected an operator, found '{word}'{hint}", column)
 
     @staticmethod
     def unit_or_product(number: str, word: str) -> str:
@@ -217,10 +234,12 @@ class _Parser:
         return Number(math.pi, column) if word == "pi" else Name(word, column)
 
     def call(self, word: str, column: int) -> Node:
-        if word not in FUNCTIONS:
-            hint = f"; {OTHERWISE[word]}" if word in OTHERWISE else suggest(word[:40], FUNCTIONS)
+        functions = self.grammar.functions
+        if word not in functions:
+            other = {**OTHERWISE, **self.grammar.otherwise}
+            hint = f"; {other[word]}" if word in other else suggest(word[:40], functions)
             raise ExpressionError(
-                f"there is no function '{word[:40]}'{hint or '; known: ' + ', '.join(FUNCTIONS)}", column
+                f"there is no function '{word[:40]}'{hint or '; known: ' + ', '.join(functions)}", column
             )
         self.at += 1
         arguments: list[Node] = []
@@ -229,15 +248,28 @@ class _Parser:
             if self.tokens[self.at][1] != ",":
                 break
             self.at += 1
+        self.refuse_joining()
+        if self.tokens[self.at][0] in ("name", "number"):
+            raise self.no_operator()
         self.expect(")", f"the '(' of {word} is not closed")
-        wanted = FUNCTIONS[word]
+        wanted = functions[word]
         if len(arguments) != wanted and (wanted > 0 or len(arguments) < -wanted):
-            count = "2 or more arguments" if wanted < 0 else f"{wanted} argument{'s' * (wanted > 1)}"
+            count = f"{abs(wanted)}{' or more' * (wanted < 0)} argument{'s' * (abs(wanted) > 1 or wanted < 0)}"
             raise ExpressionError(f"{word} takes {count}, not {len(arguments)}", column)
-        node = self.apply(word, tuple(arguments[: abs(wanted)]), column)
-        for argument in arguments[abs(wanted) :]:
+        if word in self.grammar.conditions:
+            return self.condition(word, arguments[0], column)
+        first = wanted if wanted > 0 else min(len(arguments), 2)
+        node = self.apply(word, tuple(arguments[:first]), column)
+        for argument in arguments[first:]:
             node = self.apply(word, (node, argument), column)
         return node
+
+    def condition(self, word: str, test: Node, column: int) -> Apply:
+        """A function of a comparison."""
+        if not isinstance(test, Apply) or test.name not in COMPARISONS:
+            raise ExpressionError(f"{word} takes a condition, as in {word}(x > 0)", test.column)
+        self.count(column)
+        return Apply(word, (test,), column)
 
     def choice(self, then: Node, column: int) -> Node:
         test = self.expression(2)
@@ -252,11 +284,7 @@ class _Parser:
         """Refuse "and", "or", "not", and say how two conditions are written."""
         _, word, column = self.tokens[self.at]
         if word in ("and", "or", "not"):
-            raise ExpressionError(
-                f"'{word}' is not known; for two conditions put one choice inside the other:"
-                " 'a if x < y else b' with a or b in parentheses",
-                column,
-            )
+            raise ExpressionError(f"'{word}' is not known; {self.grammar.joined}", column)
 
     def expect(self, word: str, message: str, column: int | None = None) -> None:
         if self.tokens[self.at][1] != word:
@@ -274,22 +302,33 @@ class _Parser:
         if self.nodes > MAX_NODES:
             raise ExpressionError(f"the expression has more than {MAX_NODES} parts", column)
 
-    @staticmethod
-    def refuse_comparison(node: Node) -> None:
+    def refuse_comparison(self, node: Node) -> None:
         if isinstance(node, Apply) and node.name in COMPARISONS:
-            raise ExpressionError(f"'{node.name}' is allowed only between 'if' and 'else'", node.column)
+            places = "".join(f" and in {word}(...)" for word in sorted(self.grammar.conditions))
+            raise ExpressionError(f"'{node.name}' is allowed only between 'if' and 'else'{places}", node.column)
 
 
-def _tokens(text: str) -> list[tuple[str, str, int]]:
+@functools.cache
+def _token(parts: int) -> re.Pattern[str]:
+    """Pattern of one token; a name has at most so many parts."""
+    return re.compile(
+        r"(?P<space>\s++)|(?P<number>(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+)"
+        r"|(?P<name>[A-Za-z_]\w*+" + r"(?:\.[A-Za-z_]\w*+)?+" * (parts - 1) + ")"
+        r"|(?P<operator>\*\*|<=|>=|[-+*/(),<>])",
+        re.ASCII,
+    )
+
+
+def _tokens(text: str, grammar: Grammar) -> list[tuple[str, str, int]]:
     """Kind ("number", "name", "operator", "end"), word and column of every token."""
     found: list[tuple[str, str, int]] = []
     at = 0
     while at < len(text):
-        match = _TOKEN.match(text, at)
+        match = _token(grammar.parts).match(text, at)
         if match is None:
             shown = text[at] if text[at].isprintable() else repr(text[at])[1:-1]
             if text[at] == "." and found and found[-1][0] == "name":
-                raise ExpressionError(f"'{found[-1][1]}.' has too many parts; {KNOWN}", at)
+                raise ExpressionError(f"'{found[-1][1]}.' has too many parts; {grammar.known}", at)
             raise ExpressionError(_REFUSED.get(text[at], f"unexpected character '{shown}'"), at)
         if match.lastgroup != "space":
             found.append((match.lastgroup or "", match[0], at))

@@ -27,6 +27,7 @@ from rattle.jit.functions import KernelFunction
 from rattle.jit.workspace import ARRAYS
 from rattle.language import bytecode as code
 from rattle.language import jets
+from rattle.language.expression import OPERATIONS
 from rattle.language.recorded import Recorded, symbol_of
 from rattle.trace.graph import FUNCTIONS, Graph, Symbol, both, fold, select
 
@@ -288,6 +289,16 @@ def _language(graph: Graph) -> dict[KernelFunction, Callable[..., Any]]:
         return int(jets.heading.python(s, ds, dds))
 
     return {code.unary: unary, code.binary: binary, code.quotient: quotient, code.power: power, jets.heading: heading}
+
+
+def operation(graph: Graph, name: str, *given: Any) -> Any:
+    """An operation or function of expressions, by its name in their trees, on symbols and numbers."""
+    if name.startswith("if"):
+        a, b, yes, no = given
+        compare = {"if<": operator.lt, "if<=": operator.le, "if>": operator.gt, "if>=": operator.ge}[name]
+        return select(compare(a, b), yes, no)
+    op = OPERATIONS[name]
+    return _language(graph)[code.unary if len(given) == 1 else code.binary](op, *given)
 
 
 # ---------------------------------------------------------------- one model

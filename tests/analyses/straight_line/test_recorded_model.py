@@ -51,7 +51,10 @@ arm = { angle = "start", omega = "sqrt(g/l)" }
 
 
 def evaluate(graph, outputs):
-    return lambda columns: graph.evaluate(outputs, columns)
+    def call(rows_in, rows_out):
+        rows_out[:] = graph.evaluate(outputs, rows_in)
+
+    return call
 
 
 def changed(model, random, spread, count):

@@ -48,12 +48,27 @@ class RecordedModel:
     sound_curves: Any  # their flag
     units: dict[str, str]
     readable: Any  # flag of the parameters alone: the model has the same parts and forms as the one recorded
+    time: Any  # t [s]
+    chosen: dict[str, Any]  # the parameters
     first: RecordedStart | None  # how the start follows from the parameters; None if only the assembly knows
 
     @property
     def state_size(self) -> int:
         """ny."""
         return int(state_layout(self.system).size)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values of all parameters of the model [SI]."""
+        return {name: one.value for name, one in self.system.model.parameters.items()}
+
+    def symbol(self, name: str) -> Any:
+        """What a name in an expression over results stands for: a curve, a parameter or t."""
+        if name == "t":
+            return self.time
+        if name in self.curves:
+            return self.curves[name]
+        return self.chosen[name] if name in self.chosen else self.values[name]
 
     @property
     def start_state(self) -> np.ndarray:
@@ -91,7 +106,7 @@ def record_model(
         document, system, start, {name: system.model.parameters[name].value for name in names}, graph,
         [*rate, sound_rate], [*closed, sound_closed],
         curves, sound_row, units,
-        both(graph, recorder.assumed.values()), first,
+        both(graph, recorder.assumed.values()), t, dict(zip(names, inputs, strict=True)), first,
     )  # fmt: skip
     _require_same(made)
     return made

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,14 +13,14 @@ from rattle.equations.system import System, compile_system
 from rattle.errors import AssemblyError, ModelError
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph
+from rattle.trace.lane_program import Compile
 
 CLOSED = 1e-11  # share of the mechanism's size by which a start may stay open
 MISSED = 1e-8  # share of the largest rate by which a rate that the user gave may be missed
 FAR = 0.5  # largest change from the start of the model itself [rad, sizes of the mechanism]; beyond, assembly decides
 ROUNDS = 30  # of Newton's method
 SMALL = 1e-14  # its last step [rad, sizes of the mechanism]
-Columns = Callable[[np.ndarray], np.ndarray]  # a function of columns: (n_in, n) -> (n_out, n)
-Compile = Callable[[Graph, Sequence[Any]], Columns]
+EIGHT = 8  # functions take a multiple of so many samples
 
 
 class Begun(NamedTuple):
@@ -35,11 +34,9 @@ class Begun(NamedTuple):
 class Starts:
     """Makes starts of a recorded model."""
 
-    def __init__(self, model: RecordedModel, compile_columns: Compile) -> None:
+    def __init__(self, model: RecordedModel, compile_function: Compile) -> None:
         self.model = model
-        readable, *functions = _lowered(model)
-        self._readable = compile_columns(*readable)
-        self._first = [compile_columns(*one) for one in functions]
+        self._readable, *self._first = (compile_function(*one) for one in _lowered(model))
 
     def begin(self, values: np.ndarray) -> Begun:
         """Starts at values (np, k) of the chosen parameters [SI]."""
@@ -66,28 +63,32 @@ class Starts:
     def _solve(self, y: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Positions and rates by the recorded equations, into y; (k,) True where they hold."""
         system, (correct, close_rates) = self.model.system, self._first
-        nq = 3 * system.body_count
+        nq, count = 3 * system.body_count, y.shape[1]
+        fill = np.minimum(np.arange(-(-count // EIGHT) * EIGHT), count - 1)  # the last sample fills up
         size = np.tile([system.size, system.size, 1.0], system.body_count)[:, None]
-        inputs = np.concatenate([np.zeros((1, y.shape[1])), y, values, np.zeros((1, y.shape[1]))])
+        inputs = np.concatenate([np.zeros((1, len(fill))), y[:, fill], values[:, fill], np.zeros((1, len(fill)))])
+        found, rates, readable = (np.empty((n, len(fill))) for n in (nq + 2, nq + 2, 1))
         q = inputs[1 : nq + 1]
-        began, left = q.copy(), np.full(y.shape[1], np.inf)
-        moving, good = np.ones((2, y.shape[1]), dtype=bool)
+        began, left = q.copy(), np.full(len(fill), np.inf)
+        moving, good = np.ones((2, len(fill)), dtype=bool)
         with np.errstate(invalid="ignore", over="ignore"):
             for _ in range(ROUNDS):  # a sample's own steps decide when it ends, so that others do not change it
-                found = correct(inputs)
+                correct(inputs, found)
                 step = np.abs((found[:nq] - q) / size).max(axis=0)
                 q[:, moving], left[moving] = found[:nq, moving], found[nq, moving]
                 good[moving] = found[nq + 1, moving] == 1.0
                 moving &= step > SMALL
                 if not moving.any():
                     break
-            *_, missed, sound_rates = rates = close_rates(inputs)
+            close_rates(inputs, rates)
+            self._readable(inputs, readable)
+            missed, sound_rates = rates[nq], rates[nq + 1]
             good &= (left <= CLOSED * system.size) & (sound_rates == 1.0)
             good &= np.abs((q - began) / size).max(axis=0) <= FAR
             good &= missed <= MISSED * np.maximum(1.0, np.abs(rates[:nq]).max(axis=0))
-            good &= self._readable(inputs)[0] == 1.0
-        y[:nq], y[nq : 2 * nq] = q, rates[:nq]
-        return good
+            good &= readable[0] == 1.0
+        y[:nq], y[nq : 2 * nq] = q[:, :count], rates[:nq, :count]
+        return good[:count]
 
 
 def _lowered(model: RecordedModel) -> list[tuple[Graph, list[Any]]]:

@@ -1,0 +1,110 @@
+"""A recorded model for lanes: its functions split into what a sample's parameters determine once and what steps need."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from rattle.analyses.straight_line.recorded_model import RecordedModel
+from rattle.analyses.straight_line.starts import Starts
+from rattle.language.syntax import Name, Node, Number, walk
+from rattle.results.reductions import Output, argument
+from rattle.trace.elementary import lower
+from rattle.trace.hoist import hoist
+from rattle.trace.lane_program import Compile, Model
+from rattle.trace.recording import operation
+from rattle.trace.reductions import KINDS, Reduction
+
+ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
+TINY = 1e-300  # what a condition that holds at zero is raised by there
+
+
+class Asked:
+    """The reductions of some outputs, each once, as curves of a graph and what is asked of them."""
+
+    def __init__(self, model: RecordedModel, outputs: Sequence[Output]) -> None:
+        self.model, self.outputs = model, outputs
+        self.curves: list[Any] = []
+        self.reductions: list[Reduction] = []
+        self._places: dict[tuple[str, int, float], int] = {}
+        self.rows = [[self._row(one) for one in output.reductions] for output in outputs]
+
+    def _row(self, one: Any) -> int:
+        """The row of the values that holds a reduction."""
+        symbol = expression(self.model, one.inner)
+        if one.kind in ("share", "first") and not one.strict:
+            symbol = self.model.graph.apply("select", symbol >= 0.0, symbol + TINY, symbol)
+        place = self.model.graph.place(symbol)
+        curve = next((n for n, x in enumerate(self.curves) if self.model.graph.place(x) == place), len(self.curves))
+        if curve == len(self.curves):
+            self.curves.append(symbol)
+        t = argument(one, self.model.values) if one.kind == "at" else 0.0
+        key = (one.kind, curve, t)
+        if key not in self._places:
+            self._places[key] = len(self.reductions)
+            self.reductions.append(Reduction(*key))
+        return self._places[key]
+
+
+def expression(model: RecordedModel, node: Node) -> Any:
+    """An expression over result curves, parameters and t as a symbol of the graph of the model, or a number [SI]."""
+    stack: list[Any] = []
+    for part in walk(node):
+        if isinstance(part, Number):
+            stack.append(part.value)
+        elif isinstance(part, Name):
+            stack.append(model.symbol(part.name))
+        else:
+            size = len(part.operands)
+            given = stack[-size:]
+            del stack[-size:]
+            stack.append(operation(model.graph, part.name, *given))
+    return stack[0]
+
+
+def why_not_lanes(output: Output, varied: Mapping[str, Any]) -> str:
+    """Why lanes cannot compute an output; "" if they can."""
+    if output.ideal_names:
+        return f"{output.text!r} compares with the mechanism without play"
+    for one in output.reductions:
+        if one.kind not in KINDS:
+            return f"{one.kind}(...) needs a whole curve"
+        if one.argument is not None and any(
+            isinstance(part, Name) and part.name in varied for part in walk(one.argument)
+        ):
+            return f"the instant in {output.text!r} differs from sample to sample"
+    return ""
+
+
+def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, starts: Starts) -> Model:
+    """Functions of a model for lanes: curves are those asked for, then the energies."""
+    nb, ny, graph = model.system.body_count, model.state_size, model.graph
+    energies = [model.curves[f"energy.{key}"] for key in ENERGY]
+    curves = [*asked.curves, *energies]
+    parts = [model.derivative, model.projection, [*curves, model.sound_curves]]
+    exact, every = lower(graph, [x for part in parts for x in part])
+    early, prepared, late, outputs = hoist(exact, every, exact.inputs[1 + ny :])
+    ends = np.cumsum([0, *map(len, parts)])
+    rate, project, row = (compile_function(late, outputs[a:b]) for a, b in itertools.pairwise(ends))
+    prepare = compile_function(early, prepared)
+    energy = compile_function(*lower(graph, [energies[-1]]))
+
+    def begin(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        begun = starts.begin(values)
+        count = values.shape[1]
+        state, first = np.zeros((len(exact.inputs), count)), np.zeros((1, count))
+        state[1 : 1 + ny], state[1 + ny : -1] = begun.y, values
+        energy(state, first)
+        state[-1] = first[0]
+        constants = np.empty((len(prepared), count))
+        prepare(state, constants)
+        return begun.y, constants, np.isfinite(begun.y).all(axis=0)
+
+    first = len(asked.curves)
+    return Model(
+        ny, len(prepared), len(curves), 6 * nb, tuple(range(6 * nb)), begin, rate, project, row,
+        (first, first + 1, first + 2, first + 3, first + 4),
+    )  # fmt: skip

@@ -1,0 +1,370 @@
+"""Outputs: one number from the curves of a run, as in "max(abs(O3.normal))" or "(final(block.x) - 0.3)**2".
+
+A reduction makes a number of a curve; its inside is any expression over result names, parameters and `t`.  Outside the
+reductions stands arithmetic of reductions, numbers and parameters.  `ideal.<name>` is the curve of the same mechanism
+without play.  In the parsed form an output is a list of reductions and a tree over their places:
+
+    "max(O3.force) - 2*at(rocker.angle, T)"  ->  reductions (max, O3.force), (at, rocker.angle, T);  outer "#0 - 2*#1"
+
+| kind | inside | number |
+|---|---|---|
+| max min range | x | greatest and least value, and their difference |
+| mean rms sd | x | mean over time, root of the mean square, root of the mean square difference from the mean |
+| integral | x | over time |
+| at(x, t) | x, instant | value at an instant [s] |
+| final | x | value at the last instant |
+| quantile(x, p) | x, share | value that x does not exceed for the share p of the time |
+| share(a > b) | g = a - b | share of the time in which g > 0 |
+| first(a > b) | g = a - b | first instant with g > 0 [s]; nan if there is none |
+| count | J.impacts | number of events of a joint |
+
+For a < b it is g = b - a; for >= and <= the condition is g >= 0 and `Reduction.strict` is False.
+`results.evaluation` computes an output from a result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+
+from rattle.description.toml_locations import caret_under
+from rattle.errors import LONGEST, ModelError, Problem, suggest
+from rattle.language import arrays
+from rattle.language.expression import dimension
+from rattle.language.syntax import (
+    COMPARISONS,
+    FUNCTIONS,
+    Apply,
+    ExpressionError,
+    Grammar,
+    Name,
+    Node,
+    Number,
+    names,
+    parse,
+    walk,
+)
+from rattle.language.unit_of import unit_of
+from rattle.language.units import DIMENSIONLESS, TIME, Dimension, describe, dimension_of, unit_name
+from rattle.results.result import Result
+
+ONE = ("max", "min", "mean", "rms", "sd", "range", "integral", "final", "count")  # of one curve
+TWO = ("at", "quantile")  # of a curve and a number
+CONDITIONS = ("share", "first")
+KINDS = (*ONE, *TWO, *CONDITIONS)
+EVENTS = {"impacts": "impact", "contacts": "contact", "releases": "release", "sticks": "stick", "slips": "slip"}
+IDEAL = "ideal."
+NAMES = "an output may use the names of a result, parameters and t"
+GRAMMAR = Grammar(
+    functions={**FUNCTIONS, **dict.fromkeys((*ONE, *CONDITIONS), 1), **dict.fromkeys(TWO, 2), "max": -1, "min": -1},
+    conditions=frozenset(CONDITIONS),
+    parts=4,  # ideal.body.point.x
+    compared=True,
+    otherwise={
+        **dict.fromkeys(("average", "avg"), "write mean"),
+        **dict.fromkeys(("std", "stdev", "stddev"), "write sd"),
+        "median": "write quantile(x, 0.5)",
+        "peak": "write max(abs(x))",
+        "last": "write final",
+        "int": "write integral",
+    },
+    known=NAMES,
+    joined="where x and y are both positive min(x, y) is, and where one of them is max(x, y)",
+)
+
+
+@dataclass(frozen=True)
+class Known:
+    """Names that an output may use."""
+
+    units: Mapping[str, str]  # SI units of the curves; "" if a curve has none or it is not known
+    parameters: Mapping[str, str] = field(default_factory=dict)  # SI units of the parameters, likewise
+    joints: Collection[str] = ()  # whose events are counted
+
+    @classmethod
+    def of(cls, result: Result, parameters: Mapping[str, str] | None = None) -> Known:
+        """Names of a result; parameters with their units, by default those of its provenance, without units."""
+        named = dict.fromkeys(result.provenance.get("parameters", {}), "") if parameters is None else parameters
+        joints = [name for name, form in result.geometry.get("joints", {}).items() if form.get("clearance")]
+        return cls({name: result.unit(name) for name in result.names}, named, joints)
+
+    def unit(self, name: str) -> str | None:
+        """SI unit of a curve, of `ideal.<curve>`, or of a parameter; None for an unknown name."""
+        if name in self.units:
+            return self.units[name]
+        if name.startswith(IDEAL) and name[len(IDEAL) :] in self.units:
+            return self.units[name[len(IDEAL) :]]
+        return self.parameters.get(name)
+
+    def dimension(self, name: str) -> Dimension | None:
+        """Dimension of a name, None if it is not known."""
+        unit = self.unit(name)
+        return dimension_of(unit) if unit else None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reduction:
+    """One number from a curve."""
+
+    kind: str  # one of KINDS
+    inner: Node  # the curve x, or g of a condition; over curves, parameters and t.  count: Name("<joint>.<events>")
+    argument: Node | None  # instant [s] of at, share of quantile; over parameters
+    strict: bool  # the condition is g > 0, not g >= 0
+    dimension: Dimension | None  # of the number; None if it is not known
+    unit: str  # its SI unit, "" if it has none or it is not known
+    column: int  # where it stands in the text
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Output:
+    """An output as read: `outer` is a tree over Name("#0"), Name("#1") ..., the reductions, and parameters."""
+
+    text: str
+    reductions: tuple[Reduction, ...]
+    outer: Node
+    dimension: Dimension | None  # None if it is not known
+    unit: str  # SI unit, "" if it has none or it is not known
+    names: frozenset[str]  # curves of the result that it needs
+    ideal_names: frozenset[str]  # curves of the mechanism without play that it needs, without "ideal."
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Constraint:
+    """A comparison of two outputs, as in "max(O3.force) <= 500": fulfilled where `margin` is not negative."""
+
+    text: str
+    margin: Output  # the greater side minus the smaller side; for `text` see the constraint
+    comparison: str  # < <= > >=; in numbers no difference is made between < and <=
+
+
+def read(text: str, known: Known) -> Output:
+    """Read an output.
+
+    Raises ModelError with a caret below the place at fault if the text is not an output.
+    """
+    try:
+        node = parse(text, GRAMMAR)
+        if _compares(node):
+            raise ExpressionError(
+                "an output is one number; the share of time in which a condition holds is share(...), and a comparison"
+                " of two outputs is a constraint",
+                node.column,
+            )
+        return _output(text, node, known)
+    except ExpressionError as error:
+        raise _refused(text, "output", error) from None
+
+
+def read_constraint(text: str, known: Known) -> Constraint:
+    """Read a constraint.  Raises ModelError as `read` does."""
+    try:
+        node = parse(text, GRAMMAR)
+        if not isinstance(node, Apply) or not _compares(node):
+            raise ExpressionError("a constraint compares two outputs, as in max(O3.force) <= 500", 0)
+        return Constraint(text, _output(text, _difference(node), known, compared=True), node.name)
+    except ExpressionError as error:
+        raise _refused(text, "constraint", error) from None
+
+
+def argument(reduction: Reduction, parameters: Mapping[str, float]) -> float:
+    """The instant of an `at` [s] or the share of a `quantile`; parameters: values [SI].
+
+    Raises ValueError for the other kinds.
+    """
+    if reduction.argument is None:
+        raise ValueError(f"{reduction.kind} has no argument beside its curve")
+    return float(arrays.evaluate(reduction.argument, parameters.__getitem__))
+
+
+def needed_instants(output: Output, parameters: Mapping[str, float]) -> tuple[float, ...]:
+    """Instants [s] of all `at` in an output, increasing: with them among the outputs of a run none is interpolated.
+
+    parameters: values [SI].
+    """
+    return tuple(sorted({argument(one, parameters) for one in output.reductions if one.kind == "at"}))
+
+
+# ---------------------------------------------------------------- reading
+def _refused(text: str, what: str, error: ExpressionError) -> ModelError:
+    """The error for a text that cannot be read, with the text and a caret."""
+    problem = Problem((), f"{what}: {error}", column=error.column)
+    line, begin = text.count("\n", 0, error.column), text.rfind("\n", 0, error.column) + 1
+    problem.caret = caret_under((text.split("\n") or [""])[line], error.column - begin + 1)
+    return ModelError([problem])
+
+
+def _compares(node: Node) -> bool:
+    return isinstance(node, Apply) and node.name in COMPARISONS
+
+
+def _reduces(node: Node) -> bool:
+    return isinstance(node, Apply) and node.name in KINDS and not (node.name in FUNCTIONS and len(node.operands) > 1)
+
+
+def _difference(comparison: Apply) -> Apply:
+    """The greater side of a comparison minus the smaller."""
+    left, right = comparison.operands
+    sides = (left, right) if comparison.name in (">", ">=") else (right, left)
+    return Apply("-", sides, comparison.column)
+
+
+def _choice(comparison: Apply) -> Apply:
+    """A choice by a comparison, or by the difference of its sides, that has the dimension of a number."""
+    return Apply("if<", (*comparison.operands, Number(0.0, 0), Number(0.0, 0)), comparison.column)
+
+
+def _output(text: str, node: Node, known: Known, compared: bool = False) -> Output:
+    """Take the reductions out of a tree, and check names and dimensions; compared: it was a comparison."""
+    reductions: list[Reduction] = []
+    stack: list[Node] = []
+    for part in walk(node):
+        if not isinstance(part, Apply):
+            stack.append(part)
+            continue
+        operands = tuple(stack[-len(part.operands) :])
+        del stack[-len(part.operands) :]
+        if _reduces(part):
+            stack.append(Name(f"#{len(reductions)}", part.column))
+            reductions.append(_reduction(part, known))
+        else:
+            stack.append(Apply(part.name, operands, part.column))
+    outer = stack[0]
+    _require_numbers(outer, known)
+    places = {f"#{k}": one for k, one in enumerate(reductions)}
+
+    def unit(name: str) -> str:
+        return places[name].unit if name in places else known.parameters[name]
+
+    def dimension_of_place(name: str) -> Dimension | None:
+        return places[name].dimension if name in places else known.dimension(name)
+
+    if compared and isinstance(outer, Apply):
+        _dimension(_choice(outer), dimension_of_place)  # its sides can be compared
+    seen = _dimension(outer, dimension_of_place)
+    used = {name for one in reductions if one.kind != "count" for name in names(one.inner)}
+    used -= {"t", *known.parameters}
+    ideal = {name for name in used if name not in known.units}
+    return Output(
+        text, tuple(reductions), outer, seen, unit_of(outer, unit, seen), frozenset(used - ideal),
+        frozenset(name[len(IDEAL) :] for name in ideal),
+    )  # fmt: skip
+
+
+def _reduction(node: Apply, known: Known) -> Reduction:
+    """One reduction with its names and dimensions checked."""
+    kind, inside = node.name, node.operands[0]
+    for operand in node.operands:
+        for part in walk(operand):
+            if _reduces(part):
+                word = part.name if isinstance(part, Apply) else ""
+                raise ExpressionError(f"{word}(...) is one number already and cannot stand inside {kind}", part.column)
+    if kind == "count":
+        _require_events(inside, known)
+        return Reduction(kind, inside, None, True, DIMENSIONLESS, "", node.column)
+    strict = True
+    if isinstance(inside, Apply) and kind in CONDITIONS:
+        strict = inside.name in ("<", ">")
+        _require_known(inside, known)
+        _dimension(_choice(inside), known.dimension)  # its sides can be compared
+        inside = _difference(inside)
+    _require_known(inside, known)
+    seen = _dimension(inside, known.dimension)
+    unit = unit_of(inside, lambda name: known.unit(name) or "", seen)
+    if kind == "share":
+        seen, unit = DIMENSIONLESS, ""
+    elif kind == "first":
+        seen, unit = TIME, "s"
+    elif kind == "integral":
+        seen = None if seen is None else seen.times(TIME)
+        unit = "" if seen is None else unit_name(seen)
+    number = node.operands[1] if kind in TWO else None
+    if number is not None:
+        _require_argument(kind, number, known)
+    return Reduction(kind, inside, number, strict, seen, unit, node.column)
+
+
+def _spots(node: Node) -> list[tuple[str, int]]:
+    """Names of an expression with their columns, from left to right."""
+    return [(part.name, part.column) for part in walk(node) if isinstance(part, Name)]
+
+
+def _require_known(node: Node, known: Known) -> None:
+    """Refuse names that are no curve, parameter or `t`."""
+    for name, column in _spots(node):
+        if name != "t" and known.unit(name) is None:
+            raise ExpressionError(_unknown(name, known), column)
+
+
+def _unknown(name: str, known: Known) -> str:
+    """What is said about a name that is not known."""
+    owner, _, last = name.rpartition(".")
+    if last in EVENTS and owner in known.joints:
+        return f"'{name}' is counted: write count({name})"
+    if name in KINDS:
+        return f"'{name}' is a reduction: write {name}(...)"
+    prefix = IDEAL if name.startswith(IDEAL) else ""
+    known_names = [*(prefix + one for one in known.units), *known.parameters]
+    same = [one for one in known_names if one.rpartition(".")[0] == owner][:6]
+    hint = suggest(name, known_names)
+    if "did you mean" not in hint and owner and same:
+        hint = f"; known of {owner}: " + ", ".join(same)
+    return f"there is no curve or parameter '{name[:LONGEST]}'{hint or '; r.names of a result lists all curves'}"
+
+
+def _require_numbers(outer: Node, known: Known) -> None:
+    """Refuse curves outside reductions, and texts without any name."""
+    spots = _spots(outer)
+    for name, column in spots:
+        if name.startswith("#") or name in known.parameters:
+            continue
+        if name != "t" and known.unit(name) is None:
+            raise ExpressionError(_unknown(name, known), column)
+        raise ExpressionError(
+            f"'{name}' changes during the run; give one number of it: max({name}), final({name}), at({name}, 0.5) ...",
+            column,
+        )
+    if not spots:
+        raise ExpressionError("this number is the same in every run; give one of a curve, as in max(O3.force)", 0)
+
+
+def _require_events(node: Node, known: Known) -> None:
+    """Refuse what cannot be counted."""
+    name = node.name if isinstance(node, Name) else ""
+    joint, _, events = name.rpartition(".")
+    if joint in known.joints and events in EVENTS:
+        return
+    options = [f"{one}.{what}" for one in known.joints for what in EVENTS]
+    if joint.startswith(IDEAL) or joint == IDEAL[:-1]:
+        raise ExpressionError("a joint without play has no impacts to count", node.column)
+    if not options:
+        raise ExpressionError("no joint has play, so there are no impacts to count", node.column)
+    hint = suggest(name, options) if name else f", as in count({options[0]})"
+    raise ExpressionError(f"count takes events of a joint with play: {', '.join(EVENTS)}{hint}", node.column)
+
+
+def _require_argument(kind: str, node: Node, known: Known) -> None:
+    """Refuse an instant or a share that is not one number, or has the wrong dimension or range."""
+    what, right = ("the instant of at", TIME) if kind == "at" else ("the share of quantile", DIMENSIONLESS)
+    for name, column in _spots(node):
+        if name in known.parameters:
+            continue
+        if name == "t" or known.unit(name) is not None:
+            raise ExpressionError(f"{what} may use numbers and parameters only; '{name}' changes in a run", column)
+        raise ExpressionError(f"{what}: unknown parameter '{name}'{suggest(name, known.parameters)}", column)
+    seen = _dimension(node, known.dimension)
+    if seen not in (None, right):
+        raise ExpressionError(f"{what} is {describe(seen or right)}; expected {describe(right)}", node.column)
+    numbers: dict[str, float] = {}
+    if kind == "quantile" and not names(node) and not 0.0 <= float(arrays.evaluate(node, numbers.__getitem__)) <= 1.0:
+        raise ExpressionError("the share of quantile goes from 0 to 1", node.column)
+
+
+def _dimension(node: Node, lookup: Callable[[str], Dimension | None]) -> Dimension | None:
+    """Dimension of an expression, None if it is not known; `t` is a time, or the plain number of seconds if only that
+    is consistent, as in a model file.  Raises ExpressionError."""
+    try:
+        return dimension(node, lookup)
+    except ExpressionError:
+        if "t" not in names(node):
+            raise
+        return dimension(node, lookup, DIMENSIONLESS)

@@ -1,0 +1,297 @@
+"""Many samples of one mechanism: numbers of interest for every set of parameters, a plain array for each.
+
+Smooth mechanisms run side by side as straight-line machine code (`rattle.trace.lanes`).  Samples for which that cannot
+vouch, and mechanisms that it cannot follow, are run one by one by the generic kernels; both are counted.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rattle.analyses import arguments
+from rattle.analyses.straight_line.lane_model import Asked, lane_model, why_not_lanes
+from rattle.analyses.straight_line.machine_code import MachineFunctions
+from rattle.analyses.straight_line.recorded_model import RecordedModel, require_parameters
+from rattle.analyses.straight_line.starts import Starts
+from rattle.errors import AssemblyError, ModelError, Problem, SolverError, TraceError, suggest
+from rattle.language import arrays
+from rattle.registry import kinds
+from rattle.results.columns import columns, width
+from rattle.results.display import lines
+from rattle.results.evaluation import evaluate
+from rattle.results.reductions import Known, Output, needed_instants, read
+from rattle.results.result import UnknownName
+from rattle.solvers.stepper import ATOL, FREE, LONGEST, usual_stepper
+from rattle.trace import lane_methods, lanes
+from rattle.trace.lane_program import Program, Status
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+
+RTOL = 1e-8
+MOST_OPERATIONS = 20_000  # of right-hand side, projection and curves; beyond, machine code is slow to make
+METHODS = {"dop853": lane_methods.DOP853, "rk4": lane_methods.RK4}
+POINTS = 2000  # output intervals of a generic run, whose curves are reduced afterwards
+
+
+@dataclass(frozen=True, eq=False)
+class Many:
+    """Outputs of many samples: `found["max(O3.force)"]` is an array (n,) [SI], nan where a sample failed."""
+
+    outputs: tuple[str, ...]
+    units: dict[str, str]  # SI unit of every output
+    samples: dict[str, np.ndarray]  # parameter: (n,) values [SI]
+    values: np.ndarray  # (outputs, n)
+    messages: dict[int, str]  # of the samples that failed
+    generic: np.ndarray  # numbers of the samples that the generic kernels ran
+    stats: dict[str, Any]
+
+    def __getitem__(self, output: str) -> np.ndarray:
+        if output not in self.outputs:
+            raise UnknownName(f"no output '{output}'{suggest(output, self.outputs)}")
+        found: np.ndarray = self.values[self.outputs.index(output)]
+        return found
+
+    def __len__(self) -> int:
+        return self.values.shape[1]
+
+    @property
+    def failed(self) -> np.ndarray:
+        """Numbers of the samples that have no values, increasing."""
+        return np.array(sorted(self.messages), dtype=np.int64)
+
+    def message(self, sample: int) -> str:
+        """Why a sample failed; "" if it did not."""
+        return self.messages.get(int(sample), "")
+
+    def unit(self, output: str) -> str:
+        """SI unit of an output, "" if it has none."""
+        return self.units[output]
+
+    def __str__(self) -> str:
+        return lines(
+            [
+                f"{len(self)} samples of {', '.join(self.samples)}; {len(self.messages)} failed",
+                self.stats["how"],
+                *(f"{self.outputs[n]} [{self.units[self.outputs[n]] or '-'}]: {_span(row)}" for n, row in enumerate(self.values)),
+            ]
+        )  # fmt: skip
+
+
+def _span(row: np.ndarray) -> str:
+    known = row[np.isfinite(row)]
+    return f"{known.min():.6g} to {known.max():.6g}, mean {known.mean():.6g}" if len(known) else "no values"
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What is asked of every sample."""
+
+    mechanism: Mechanism
+    samples: dict[str, np.ndarray]
+    outputs: list[Output]
+    t_end: float
+    method: str
+    rtol: float
+    atol: float
+    step: float | None
+    threads: int
+
+    @property
+    def count(self) -> int:
+        return len(next(iter(self.samples.values())))
+
+    def at(self, n: int) -> dict[str, float]:
+        """Parameters of a sample [SI]."""
+        return {name: float(values[n]) for name, values in self.samples.items()}
+
+
+def many(
+    m: Mechanism, samples: Mapping[str, Any], outputs: Sequence[str], *, t_end: float | None = None,
+    rtol: float | None = None, atol: float | None = None, method: str | None = None, step: float | None = None,
+    threads: int | None = None, progress: bool = False,
+) -> Many:  # fmt: skip
+    """Outputs of every sample; see `Mechanism.many`."""
+    settings = m.model.settings
+    given = _samples(m, samples)
+    if not outputs or isinstance(outputs, str):
+        raise ValueError('outputs: expected a list such as ["max(abs(O3.normal))"]')
+    end = arguments.positive("t_end", settings.t_end if t_end is None else t_end)
+    asked = settings.method if method is None else method
+    if asked not in kinds("stepper"):
+        raise ValueError(f"unknown method '{asked}'; expected {' or '.join(kinds('stepper'))}")
+    rtol = arguments.relative_tolerance(RTOL if rtol is None else rtol)
+    atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
+    step = settings.step if step is None else arguments.positive("step", step)
+    known = _known(m)
+    read_outputs = [read(text, known) for text in outputs]
+    for output in read_outputs:
+        for instant in needed_instants(output, m.parameters):
+            if not 0.0 <= instant <= end:
+                raise ValueError(f"{output.text}: the instant {instant:g} s is not between 0 and t_end = {end:g} s")
+    threads = min(8, os.cpu_count() or 1) if threads is None else arguments.whole("threads", threads, 1)
+    task = _Task(m, given, read_outputs, end, asked, rtol, atol, step, threads)
+    found = _Found(task)
+    why = _side_by_side(task, found, progress)
+    _one_by_one(task, found, progress)
+    return found.result(why)
+
+
+def _samples(m: Mechanism, samples: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Checked samples: arrays (n,) by parameter."""
+    require_parameters(m.system, list(samples))
+    if not samples:
+        raise ValueError("samples: expected at least one parameter with its values")
+    found = {name: np.asarray(values, dtype=float) for name, values in samples.items()}
+    shapes = {name: values.shape for name, values in found.items()}
+    if any(len(shape) != 1 or not shape[0] for shape in shapes.values()) or len(set(shapes.values())) > 1:
+        said = ", ".join(f"{name}: {shape}" for name, shape in shapes.items())
+        raise ValueError(f"samples: expected arrays of one length n, at least 1, for every parameter; got {said}")
+    return found
+
+
+def _known(m: Mechanism) -> Known:
+    """Names that outputs may use."""
+    _, names, units = columns(m.system, np.zeros((1, width(m.system))))
+    parameters = {name: one.unit for name, one in m.model.parameters.items()}
+    loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0]
+    return Known({name: units[name] for name in names}, parameters, loose)
+
+
+class _Found:
+    """What is known of the samples so far."""
+
+    def __init__(self, task: _Task) -> None:
+        self.task = task
+        self.values = np.full((len(task.outputs), task.count), np.nan)
+        self.open = np.ones(task.count, dtype=bool)  # still to be run
+        self.messages: dict[int, str] = {}
+        self.generic: list[int] = []
+        self.stats: dict[str, Any] = {"steps": 0, "evaluations": 0, "reasons": {}}
+
+    def reduce(self, output: int, rows: Sequence[np.ndarray]) -> None:
+        """Enter an output of all samples from the values of its reductions."""
+        task = self.task
+        places = {f"#{k}": row for k, row in enumerate(rows)}
+        parameters = {**task.mechanism.parameters, **task.samples}
+        made = arrays.evaluate(
+            task.outputs[output].outer, lambda name: places[name] if name in places else parameters[name]
+        )
+        self.values[output] = np.broadcast_to(made, task.count)
+
+    def result(self, why: str) -> Many:
+        """All that was found."""
+        task, generic = self.task, np.array(self.generic, dtype=np.int64)
+        for n in np.flatnonzero(~np.isfinite(self.values).all(axis=0)):
+            self.messages.setdefault(int(n), "an output has no finite value")
+        self.values[:, list(self.messages)] = np.nan
+        side = task.count - len(generic)
+        parts = [f"{side} run side by side" if side else "", f"{len(generic)} one by one" if len(generic) else ""]
+        reasons = dict.fromkeys([why, *self.stats["reasons"]])
+        because = "; ".join(one for one in reasons if one) if len(generic) else ""
+        self.stats["how"] = ", ".join(part for part in parts if part) + (f": {because}" if because else "")
+        texts = [one.text for one in task.outputs]
+        units = {one.text: one.unit for one in task.outputs}
+        return Many(tuple(texts), units, task.samples, self.values, self.messages, generic, self.stats)
+
+
+# ---------------------------------------------------------------- side by side
+def _side_by_side(task: _Task, found: _Found, progress: bool) -> str:
+    """Run what lanes can run; returns why they cannot, "" if they can."""
+    why = next((why for one in task.outputs if (why := why_not_lanes(one, task.samples))), "")
+    method = "dop853" if task.method == usual_stepper(FREE) else task.method
+    if why or method not in METHODS:
+        return why or f"'{task.method}' has no straight-line code"
+    if task.mechanism.system.switches:
+        names = ", ".join(sorted({one.name for one in task.mechanism.system.switches}))
+        return f"steps must end where expressions switch ({names})"
+    try:
+        model = task.mechanism.recorded(list(task.samples))
+    except TraceError as error:
+        return str(error)
+    size = model.graph.count([*model.derivative, *model.projection])
+    if size > MOST_OPERATIONS:
+        return f"its {size} operations are more than the {MOST_OPERATIONS} up to which straight-line code pays"
+    _run_lanes(task, found, model, method, progress)
+    return ""
+
+
+def _run_lanes(task: _Task, found: _Found, model: RecordedModel, method: str, progress: bool) -> None:
+    functions = MachineFunctions()
+    asked = Asked(model, task.outputs)
+    starts = Starts(model, functions.add)
+    program = Program(
+        lane_model(model, asked, functions.add, starts), functions.add, METHODS[method], asked.reductions, task.t_end,
+        tolerances=lane_methods.Tolerances(task.rtol, task.atol, task.step or np.inf), step=task.step or LONGEST,
+    )  # fmt: skip
+    functions.compile()
+    bar = _Bar(task.count) if progress else None
+    try:
+        outcome = lanes.run(program, np.array(list(task.samples.values())), threads=task.threads, progress=bar)
+    finally:
+        if bar is not None:
+            bar.close()
+    for n, rows in enumerate(asked.rows):
+        found.reduce(n, [outcome.values[k] for k in rows])
+    found.open = outcome.status != Status.DONE
+    found.stats["steps"], found.stats["evaluations"] = int(outcome.steps.sum()), outcome.evaluations
+    for status in np.unique(outcome.status[found.open]):
+        count = int((outcome.status == status).sum())
+        found.stats["reasons"][f"{count} {'samples' if count > 1 else 'sample'}: {Status(int(status)).words}"] = count
+
+
+# ---------------------------------------------------------------- one by one
+def _one_by_one(task: _Task, found: _Found, progress: bool) -> None:
+    """Run the samples that are still open by the generic kernels."""
+    waiting = np.flatnonzero(found.open)
+    bar = _Bar(len(waiting)) if progress and len(waiting) else None
+    for done, n in enumerate(waiting):
+        found.generic.append(int(n))
+        try:
+            found.values[:, n] = _run(task, task.at(n))
+        except (ModelError, AssemblyError, SolverError) as error:
+            found.messages[int(n)] = str(error)
+        if bar is not None:
+            bar(done + 1, len(waiting))
+    if bar is not None:
+        bar.close()
+
+
+def _run(task: _Task, parameters: dict[str, float]) -> list[float]:
+    """The outputs of one sample."""
+    bad = [name for name, value in parameters.items() if not np.isfinite(value)]
+    if bad:
+        said = f"{parameters[bad[0]]} is not a finite number"
+        raise ModelError([Problem(("parameters", bad[0]), said)])
+    one = task.mechanism.set(parameters)
+    instants = {t for output in task.outputs for t in needed_instants(output, one.parameters)}
+    times = np.array(sorted({*np.linspace(0.0, task.t_end, POINTS + 1).tolist(), *instants}))
+
+    def simulate(mechanism: Mechanism) -> Any:
+        return mechanism.simulate(
+            task.t_end, t_eval=times, method=task.method, rtol=task.rtol, atol=task.atol, step=task.step, strict=True
+        )
+
+    result = simulate(one)
+    ideal = simulate(one.ideal()) if any(output.ideal_names for output in task.outputs) else None
+    return [evaluate(output, result, one.parameters, ideal) for output in task.outputs]
+
+
+class _Bar:
+    """A progress bar over samples, called with those done and all."""
+
+    def __init__(self, total: int) -> None:
+        from tqdm import tqdm
+
+        self._bar = tqdm(total=total, desc="many", unit="sample", delay=1.0)
+
+    def __call__(self, done: int, total: int) -> None:
+        self._bar.update(done - self._bar.n)
+
+    def close(self) -> None:
+        self._bar.close()

@@ -1,0 +1,211 @@
+"""Time integration methods as graphs: stages, errors, step lengths and dense output of samples side by side.
+
+Graphs of state components take one component in a column, so that they are the same for every model.
+
+Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), sections II.1, II.4, II.6, II.10; the
+steps are chosen as in `rattle.solvers.step_control`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from rattle.solvers.dop853_tableau import E3, E5, A, B, C, D
+from rattle.trace.graph import Graph, select
+
+Recorded = tuple[Graph, list[Any]]  # a graph of exact operations, and its outputs
+
+
+class Method(NamedTuple):
+    """An explicit Runge-Kutta method; stage `stages` is the right-hand side at the end of the step."""
+
+    stages: int
+    a: Sequence[Sequence[float]]  # (all stages, earlier stages); those after `stages` are for the dense output
+    b: Sequence[float]  # (stages,)
+    c: Sequence[float]  # (all stages,)
+    errors: Sequence[Sequence[float]]  # (2, stages): of order 3 and 5; empty: steps are equal
+    upper: Sequence[Sequence[float]]  # (rows, all stages) of the dense output above the cubic
+    samples: int  # equal parts of a step whose ends are samples of the curves; even
+
+    @property
+    def adaptive(self) -> bool:
+        """Steps follow the tolerances."""
+        return len(self.errors) > 0
+
+
+DOP853 = Method(12, A.tolist(), B.tolist(), C.tolist(), (E3.tolist(), E5.tolist()), D.tolist(), 8)
+RK4 = Method(
+    4, ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0), ()), (1 / 6, 1 / 3, 1 / 3, 1 / 6), (0.0, 0.5, 0.5, 1.0, 1.0), (), (), 2
+)
+
+
+class Tolerances(NamedTuple):
+    """What an adaptive method asks for, see `rattle.solvers.stepper`."""
+
+    rtol: float
+    atol: float
+    h_max: float = math.inf  # [s]
+
+
+def weighted(weights: Sequence[float], terms: Sequence[Any]) -> Any:
+    """The sum of terms with weights, from left to right; zero weights take no operation."""
+    total: Any = 0.0
+    for weight, term in zip(weights, terms, strict=False):
+        if weight != 0.0:
+            total = total + weight * term
+    return total
+
+
+def total(terms: Sequence[Any]) -> Any:
+    """The sum of terms from left to right."""
+    return weighted([1.0] * len(terms), terms)
+
+
+def root(x: Any) -> Any:
+    """Square root."""
+    return x.graph.apply("sqrt", x)
+
+
+def eighth_root(x: Any) -> Any:
+    """x^(1/8)."""
+    return root(root(root(x)))
+
+
+def least(a: Any, b: Any) -> Any:
+    """The smaller one."""
+    return select(b < a, b, a)
+
+
+def largest(a: Any, b: Any) -> Any:
+    """The larger one."""
+    return select(b > a, b, a)
+
+
+def inputs(count: int) -> tuple[Graph, list[Any]]:
+    """A new graph with inputs."""
+    graph = Graph()
+    return graph, [graph.input() for _ in range(count)]
+
+
+# ---------------------------------------------------------------- components of the state
+def stage(method: Method, s: int) -> Recorded:
+    """h, y, slopes 0 to s - 1: the state of stage s."""
+    graph, (h, y, *k) = inputs(2 + s)
+    return graph, [y + h * weighted(method.a[s], k)]
+
+
+def end(method: Method, tolerances: Tolerances) -> Recorded:
+    """h, y, slopes of the stages: the state at the end; squares of both errors as shares of the tolerance."""
+    graph, (h, y, *k) = inputs(2 + method.stages)
+    y_new = y + h * weighted(method.b, k)
+    if not method.adaptive:
+        return graph, [y_new]
+    scale = tolerances.atol + tolerances.rtol * largest(abs(y), abs(y_new))
+    return graph, [y_new, *((weighted(e, k) / scale) ** 2 for e in method.errors)]
+
+
+def dense(method: Method, parts: int) -> Recorded:
+    """y at the end, h, y, all slopes: y, rows of the dense output, states between equal parts of the step."""
+    graph, (y_new, h, y, *k) = inputs(3 + len(method.a))
+    jump = y_new - y
+    rows = [jump, h * k[0] - jump, 2.0 * jump - h * (k[method.stages] + k[0])]
+    rows += [h * weighted(d, k) for d in method.upper]
+    return graph, [y, *rows, *(_inside(n / parts, y, rows) for n in range(1, parts))]
+
+
+def inside(method: Method) -> Recorded:
+    """Share theta of the step, y, rows of the dense output: the state at theta."""
+    graph, (theta, y, *rows) = inputs(5 + len(method.upper))
+    return graph, [_inside(theta, y, rows)]
+
+
+def _inside(theta: Any, y: Any, rows: Sequence[Any]) -> Any:
+    rest = 1.0 - theta
+    value: Any = 0.0
+    for n in reversed(range(len(rows))):  # factors theta and 1 - theta in turn
+        value = (rows[n] + value) * (theta if n % 2 == 0 else rest)
+    return y + value
+
+
+# ---------------------------------------------------------------- rows as they are
+def spread(count: int) -> Recorded:
+    """One row, as many times."""
+    graph, (row,) = inputs(1)
+    return graph, [row] * count
+
+
+def times(shares: Sequence[float]) -> Recorded:
+    """PLAN, PLANNED: instants at shares of the step."""
+    graph, row = inputs(len(PLAN) + len(PLANNED))
+    return graph, [row[0] + row[len(PLAN)] * share for share in shares]
+
+
+# ---------------------------------------------------------------- steps
+# t, length of the next step, next instant to stop at, and for equal steps: their start, number so far, number in all
+PLAN, PLANNED = ("t", "ahead", "stop", "base", "done", "count"), ("h", "t_new", "last", "short")
+
+
+def plan(method: Method, t_end: float) -> Recorded:
+    """PLAN: the step (PLANNED): length, end, flags: it ends at the stop; it is too short to be taken."""
+    graph, (t, ahead, stop, base, done, count) = inputs(len(PLAN))
+    if not method.adaptive:
+        last = done + 1.0 >= count
+        return graph, [ahead, select(last, stop, base + (done + 1.0) * ahead), last, 0.0]
+    last = t + 1.000001 * ahead >= stop
+    h = select(last, stop - t, ahead)
+    short = (h <= 1e-15 * abs(t)) | (h <= 1e-16 * t_end) | ~(t + h > t)
+    return graph, [h, select(last, stop, t + h), last, short]
+
+
+def judge(method: Method, tolerances: Tolerances, ny: int, controlled: Sequence[int], motion: int) -> Recorded:
+    """Squares of the errors (2 ny), PLAN, PLANNED: the length of the next step, and a flag: this one is accepted.
+
+    controlled: components of y whose errors count; motion: the number over which they are averaged.
+    """
+    if not method.adaptive:
+        graph, row = inputs(len(PLAN) + len(PLANNED))
+        return graph, [row[1], 1.0]
+    graph, row = inputs(2 * ny + len(PLAN) + len(PLANNED))
+    squares, ahead, h, last = row[: 2 * ny], row[2 * ny + 1], row[2 * ny + len(PLAN)], row[2 * ny + len(PLAN) + 2]
+    error3, error5 = (total([squares[k + n] for n in controlled]) for k in (0, ny))
+    share = abs(h) * error5 / root((error5 + 0.01 * error3) * float(motion))
+    error = select(graph.apply("equal", error5, 0.0) & graph.apply("equal", error3, 0.0), 0.0, share)
+    fitting = 0.9 / eighth_root(error)
+    shorter = h * select(error < math.inf, largest(fitting, 0.2), 0.1)
+    longer = h * select(error < 1e-7, 6.0, least(fitting, 6.0))
+    longer = least(largest(longer, select(graph.apply("equal", last, 0.0), 0.0, ahead)), tolerances.h_max)
+    accepted = error <= 1.0
+    return graph, [select(accepted, longer, shorter), accepted]
+
+
+def first_try(tolerances: Tolerances, ny: int, motion: int, t_end: float) -> Recorded:
+    """y, slopes: a short first step, the squared norm of the slopes, and the state after the step."""
+    graph, row = inputs(2 * ny)
+    y, f = row[:ny], row[ny:]
+    scales = [tolerances.atol + tolerances.rtol * abs(one) for one in y[:motion]]
+    size, slope = (total([(x / s) ** 2 for x, s in zip(one, scales, strict=False)]) for one in (y, f))
+    h = select((size > 1e-10) & (slope > 1e-10), 0.01 * root(size / slope), 1e-6)
+    h = least(h, min(tolerances.h_max, t_end))
+    return graph, [h, slope, *(one + h * rate for one, rate in zip(y, f, strict=True))]
+
+
+def first_step(tolerances: Tolerances, ny: int, motion: int, t_end: float) -> Recorded:
+    """y, slopes, flag, slopes after the short step, flag, that step, squared norm of the slopes: the first step."""
+    graph, row = inputs(3 * ny + 4)
+    y, f, later, h, slope = row[:ny], row[ny : 2 * ny], row[2 * ny + 1 : 3 * ny + 1], *row[3 * ny + 2 :]
+    bend = total([
+        ((later[n] - f[n]) / (tolerances.atol + tolerances.rtol * abs(y[n]))) ** 2 for n in range(motion)
+    ])  # fmt: skip
+    most = largest(root(slope), root(bend) / h) / math.sqrt(motion)
+    second = select((most > 1e-15) & (most < math.inf), eighth_root(0.01 / most), largest(1e-3 * h, 1e-6))
+    return graph, [least(least(100.0 * h, second), min(tolerances.h_max, t_end))]
+
+
+def segments(stops: Sequence[float], step: float) -> tuple[list[int], list[float]]:
+    """Numbers and lengths [s] of the equal steps that end at each stop in turn, none longer than `step`."""
+    spans = [b - a for a, b in itertools.pairwise((0.0, *stops))]
+    counts = [max(1, math.ceil(span / step - 1e-9)) for span in spans]
+    return counts, [span / count for span, count in zip(spans, counts, strict=True)]

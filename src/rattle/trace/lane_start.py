@@ -1,0 +1,63 @@
+"""Samples made ready to be taken over by lanes: state, right-hand side, curves and first step at t = 0."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rattle.trace.lane_program import Program, Status
+
+
+class Stock:
+    """Up to n samples at t = 0, in columns.
+
+    y (ny, n), rate (ny, n), constants (nc, n), curves with flag (curves + 1, n), rows of the reductions, and `ahead`
+    (n,), the first step [s].
+    """
+
+    def __init__(self, program: Program, n: int) -> None:
+        model = program.model
+        ny = model.ny
+        self.program, self.n = program, n
+        self._state = np.zeros((1 + ny + model.nc, n))  # t, y, constants
+        # y | rate, flag | rate later, flag | short step, norm of the rate | y later
+        self._try = np.zeros((4 * ny + 4, n))
+        self.y, self.rate, self.constants = self._try[:ny], self._try[ny : 2 * ny], self._state[1 + ny :]
+        self.curves = np.zeros((model.curves + 1, n))
+        self.rows = np.zeros((program.ledger.rows, n))
+        self._first = np.zeros((1, n))
+        self.ahead = self._first[0]
+
+    def fill(self, parameters: np.ndarray) -> np.ndarray:
+        """Make ready the samples of parameters (np, k), k from 1 to n; returns their `Status` (k,)."""
+        program, model = self.program, self.program.model
+        ny, k = model.ny, parameters.shape[1]
+        given = parameters[:, np.minimum(np.arange(self.n), k - 1)]  # the last one fills up
+        y, constants, sound = model.begin(given)
+        state, tried = self._state, self._try
+        state[0], state[1 : 1 + ny], state[1 + ny :] = 0.0, y, constants
+        self.y[:] = y
+        model.outputs(state, self.curves)
+        program.start(self.curves, self.rows)
+        model.rate(state, tried[ny : 2 * ny + 1])
+        fits = (tried[2 * ny] != 0.0) & (self.curves[-1] != 0.0)
+        finite = np.isfinite(y).all(0) & np.isfinite(self.rate).all(0) & np.isfinite(self.curves).all(0)
+        if program.method.adaptive:
+            program.first_try(tried[: 2 * ny], tried[3 * ny + 2 :])
+            state[0], state[1 : 1 + ny] = tried[3 * ny + 2], tried[3 * ny + 4 :]
+            model.rate(state, tried[2 * ny + 1 : 3 * ny + 2])
+            program.first_step(tried[: 3 * ny + 4], self._first)
+        else:
+            self.ahead[:] = program.lengths[0]
+        held = program.ledger.sound_row
+        accounted = np.ones(self.n, dtype=bool) if held is None else self.rows[held] != 0.0
+        status = np.select(
+            [~np.asarray(sound, dtype=bool), ~fits, ~finite, ~accounted],
+            [Status.START, Status.ASSUMPTION, Status.NOT_FINITE, Status.ENERGY],
+            Status.DONE,
+        )
+        return status[:k]
+
+    @property
+    def evaluations(self) -> int:
+        """Right-hand sides that a sample takes."""
+        return 2 if self.program.method.adaptive else 1
