@@ -51,6 +51,7 @@ class RecordedModel:
     time: Any  # t [s]
     chosen: dict[str, Any]  # the parameters
     first: RecordedStart | None  # how the start follows from the parameters; None if only the assembly knows
+    recorded: System  # the system with its recorded numbers
 
     @property
     def state_size(self) -> int:
@@ -107,6 +108,7 @@ def record_model(
         [*rate, sound_rate], [*closed, sound_closed],
         curves, sound_row, units,
         both(graph, recorder.assumed.values()), t, dict(zip(names, inputs, strict=True)), first,
+        recorded,
     )  # fmt: skip
     _require_same(made)
     return made
