@@ -1,6 +1,6 @@
 """Speed of rattle as ratios to yardsticks measured in the same run.
 
-    python benchmarks/run.py [fourbar exudyn contact chain kinematics pressing startup] [--repeats 7]
+    python benchmarks/run.py [fourbar exudyn contact chain kinematics pressing startup lanes] [--repeats 7]
 
 A ratio is rattle's time divided by the yardstick's; the aim is a time, a ratio or both.
 """
@@ -15,6 +15,7 @@ import measure
 import pressing
 import rhs
 import startup
+import straight_line
 import versus_exudyn
 
 SECTIONS = {
@@ -25,6 +26,7 @@ SECTIONS = {
     "kinematics": kinematics.kinematics_rows,
     "pressing": pressing.rows,
     "startup": startup.rows,
+    "lanes": straight_line.rows,
 }
 
 

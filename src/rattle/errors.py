@@ -96,7 +96,10 @@ class TraceError(RuntimeError):
 
 
 class SolverError(RuntimeError):
-    """A run stopped early (raised only with `strict=True`); `.result` holds what was computed until then."""
+    """A run stopped early: raised with `strict=True`, and where nothing can be shown of it.
+
+    `.result` holds what was computed until then.
+    """
 
     def __init__(self, message: str, result: Any) -> None:
         super().__init__(message)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rattle.studies.bifurcation import Bifurcation
     from rattle.studies.compare import Comparison
     from rattle.studies.lyapunov import Lyapunov
+    from rattle.studies.many import Many
     from rattle.studies.poincare import Section
 
 
@@ -153,6 +154,32 @@ class Mechanism(WrittenModel):
         return compare(
             self, joint=joint, curve=curve, t_end=seconds_or_none(t_end, "t_end"), law=law, progress=progress
         )
+
+    def many(
+        self, samples: Mapping[str, Sequence[float] | np.ndarray], outputs: Sequence[str],
+        t_end: Seconds | None = None, *, rtol: float | None = None, atol: float | None = None,
+        method: str | None = None, step: Seconds | None = None, threads: int | None = None, progress: bool = False,
+    ) -> Many:  # fmt: skip
+        """Outputs of runs with many sets of parameters: `m.many({"l2": values}, ["max(abs(O3.normal))"], 0.05)`.
+
+        samples: parameter names with their values (n,) [SI].  outputs: numbers such as "max(abs(O3.normal))",
+        "at(rocker.angle, 0.05)", "final(x)", "first(x > 0)": max min mean rms sd range integral at final share first
+        quantile count, inside them expressions over result names, outside them arithmetic.
+        t_end: [s].  rtol (default 1e-8), atol, method, step: as in `simulate`.  threads: default one per core.
+
+        Returns `found[output]`, an array (n,) [SI] that is nan where a sample failed: `found.failed`,
+        `found.message(i)`.  Mechanisms without contacts run side by side as machine code of their own, where sample i
+        gives the same bits whatever stands beside it; samples for which that cannot vouch, and all others, are run one
+        by one: `found.generic`, and `found.stats["how"]` says why.
+        Whether a massless link pulls is not checked: ask for "min(O3.normal)".
+        Raises ModelError for an output that cannot be read, UnknownName for a parameter, ValueError.
+        """
+        from rattle.studies.many import many
+
+        return many(
+            self, samples, outputs, t_end=seconds_or_none(t_end, "t_end"), rtol=rtol, atol=atol, method=method,
+            step=seconds_or_none(step, "step"), threads=threads, progress=progress,
+        )  # fmt: skip
 
     def lyapunov(
         self, t_end: Seconds | None = None, *, stretch: Seconds | None = None, rtol: float = 1e-10

@@ -142,6 +142,19 @@ def test_only_the_loop_that_is_open_is_named():
 
 
 # ---------------------------------------------------------------- clearances
+@pytest.mark.nojit
+def test_offset_along_a_slot_or_guide_is_refused_and_across_it_is_kept():
+    """Only the part across is play: along its line the pin goes where the drivers and the bodies put it."""
+    yoke, guide = rt.example("scotch_yoke"), rt.example("guide_play")
+    across = yoke.set({"initial.slot.offset": [-4e-5, 1e-7]})  # off by 0.1 deg
+    t = across.start
+    assert t.q[0] + 0.05 * math.cos(t.q[2]) - t.q[3] == pytest.approx(-4e-5, rel=1e-9)
+    with pytest.raises(rt.AssemblyError, match=r"'slot' .* 4e-05 m along the slot, which points to 90 deg"):
+        _ = yoke.set({"initial.slot.offset": [0, 4e-5]}).start
+    with pytest.raises(rt.AssemblyError, match=r"'guide' .* along the guide, .*; place the block along it"):
+        _ = guide.set({"initial.guide.offset": ["1e-4", 0]}).start
+
+
 def test_pin_offsets_not_given_press_along_the_ideal_reactions():
     text = PLAIN[: PLAIN.index("O3 = { offset")] + PLAIN[PLAIN.index("[simulate]") :]
     m = rt.loads(text.replace(", omega = 0 }", " }"))

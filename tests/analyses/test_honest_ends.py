@@ -187,6 +187,15 @@ def test_a_run_takes_the_steps_it_was_given():
 
 
 @pytest.mark.nojit
+@pytest.mark.parametrize("method", ["dop853", "rk4", "event", "moreau"])
+def test_a_run_takes_no_step_more_than_it_was_given(method):
+    m = rt.example("double_pendulum" if method in ("dop853", "rk4") else "bouncing_pin")
+    run = m.simulate(100.0, method=method, most_steps=50, t_eval=[0.0, 100.0])
+    assert run.stats["steps"] == 50
+    assert "after 50 steps, the limit given by most_steps" in run.message
+
+
+@pytest.mark.nojit
 def test_tolerances_below_the_digits_of_numbers_are_refused():
     with pytest.raises(ValueError, match="rtol = 1e-20 is below the digits"):
         rt.example("double_pendulum").simulate(0.1, rtol=1e-20)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -229,6 +230,59 @@ def test_interrupted_sections_say_so(tmp_path, monkeypatch, stop_at):
     )
     assert found.exit_code == 130
     assert "stopped by the user at t = " in found.stdout
+    assert Path("poincare.png").exists()
+
+
+def test_a_section_stopped_before_its_first_point_is_no_picture(tmp_path, monkeypatch, stop_at):
+    monkeypatch.chdir(tmp_path)
+    stop_at(1)
+    found = call("poincare", "double_pendulum", "--of", "upper.angle", "--of", "upper.omega", "--period", 0.05)
+    assert found.exit_code == 130
+    assert "0 points, every 0.05 s, stopped by the user at t = " in found.stdout
+    assert not Path("poincare.png").exists()
+
+
+# ---------------------------------------------------------------- runs that stop early
+SECTION = ("poincare", "m.toml", "--of", "upper.angle", "--of", "upper.omega", "--period", 0.01, "--points", 20)
+
+
+def write_pendulum_torn_at(t):
+    """m.toml: a double pendulum and a torque beyond all numbers from t [s] on, where its runs stop."""
+    m = rt.example("double_pendulum").load("M", "torque", body="upper", torque=f"1e300*step(t - {t})")
+    Path("m.toml").write_text(m.settings(rtol=1e-6).to_toml())
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (("--skip", 9), "the run stopped at t = 0.045 s, .*; the first point is that at t = 0.09 s, after 9 periods"),
+        (
+            ("--crossing", "upper.x", "--skip", 2),
+            "the run stopped at t = 0.045 s, .*; upper.x goes from 0.1.* never rises",
+        ),
+        (
+            ("--parameter", "start", "--from", 1, "--to", 1.1, "--values", 2, "--skip", 9),
+            "every run stopped before 9 periods were over, the first one at t = 0.045 s",
+        ),
+    ],
+)
+def test_a_section_whose_run_stops_before_its_first_point_says_why_and_draws_nothing(more, said, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_pendulum_torn_at(0.045)
+    found = call(*SECTION, *more)
+    assert found.exit_code == 1
+    assert re.search(f"error: no point: {said}", found.stderr)
+    assert not Path("poincare.png").exists()
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_section_whose_run_stops_shows_the_points_it_has_and_fails(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_pendulum_torn_at(0.045)
+    found = call(*SECTION, "--skip", 1)
+    assert found.exit_code == 1
+    assert "4 points, every 0.01 s, stopped at t = 0.045 s" in found.stdout  # at 10, 20, 30 and 40 ms
     assert Path("poincare.png").exists()
 
 

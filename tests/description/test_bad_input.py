@@ -226,6 +226,13 @@ def test_folder_that_cannot_be_written_is_named(tmp_path, place):
     assert str(tmp_path) in str(caught.value)
 
 
+@pytest.mark.parametrize("clearance", ["nan", '"-1 mm"', '"none"'])
+def test_bush_radius_is_not_blamed_for_a_clearance_without_a_value(clearance):
+    contact = 'contact = { model = "impact", bush_radius = "1 cm" }'
+    text = changed('clearance = "r3"', f"clearance = {clearance}").replace('contact = "massless-link"', contact, 1)
+    assert [problem.path for problem in refusal(text).problems] == [("joints", "O3", "clearance")]
+
+
 # ---------------------------------------------------------------- drivers
 def test_two_drivers_on_one_joint():
     error = refusal(changed("[loads.M]", '[drivers.second]\njoint = "O1"\nangle = "t"\n\n[loads.M]'))

@@ -154,6 +154,16 @@ def test_contact_that_does_not_suit_the_joint_says_which_do():
         two({"type": "prismatic", "clearance": 0.001, "contact": "massless-link"})
 
 
+def test_contact_that_was_not_written_is_not_found_fault_with():
+    """A slot or guide has no usual contact: what is missing is said, not that a massless link does not suit it."""
+    with pytest.raises(rt.ModelError, match="a slot joint with clearance needs a contact: ideal, impact, exact"):
+        rt.example("scotch_yoke").set({"joints.slot.contact": None})
+    with pytest.raises(rt.ModelError, match="a prismatic joint with clearance needs a contact: ideal, impact"):
+        two({"type": "prismatic", "clearance": 0.001})
+    with pytest.raises(rt.ModelError, match=r"joints.J.clearance: a fixed joint cannot have clearance; leave it out"):
+        two({"type": "fixed", "clearance": 0.001})
+
+
 def test_joints_may_be_written_before_bodies():
     m = rt.loads(
         'format = 1\n[joints.J]\ntype = "revolute"\nconnect = ["ground.O", "a.A"]\n'

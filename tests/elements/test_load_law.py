@@ -139,6 +139,27 @@ def test_law_that_gives_no_number_is_named():
     assert "loads.w: load law 'lost' gives (nan, 0.0, 0.0) at t = 0.05" in r.message
 
 
+@pytest.mark.parametrize("method", ["rk4", "dop853"])
+def test_evaluations_that_a_run_counts_are_those_that_call_its_loads(method):
+    """A law that counts its calls: two runs differ in calls by as much as in counted evaluations and outputs."""
+    calls = [0]
+
+    def counted(t, state, p):
+        calls[0] += 1
+        return math.sin(40 * t), 0.0, 0.0
+
+    rt.load_law("counted", compiled=False)(counted)
+    beside = []
+    for outputs, step in ((2, 0.02), (40, 0.005)):
+        calls[0] = 0
+        r = block().load("w", "counted", body="block").simulate(
+            0.3, t_eval=np.linspace(0.0, 0.3, outputs), method=method, step=step
+        )  # fmt: skip
+        assert r.success, r.message
+        beside.append(calls[0] - r.stats["evaluations"] - outputs)
+    assert beside[0] == beside[1]  # at the start, the same in both runs
+
+
 def test_interrupt_in_a_law_stops_the_run():
     def interrupted(t, state, p):
         if t > 0.05:

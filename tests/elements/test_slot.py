@@ -323,6 +323,23 @@ def test_impact_by_event_and_by_time_stepping_and_stiff_walls_agree_with_frictio
     assert deviations[1] < 2e-5
 
 
+@pytest.mark.parametrize(("t_end", "rtol", "outputs"), [(5.0, 1e-8, 1001), (5.0, 1e-8, 2), (2.0, 1e-11, 38)])
+def test_a_yoke_knocks_the_same_at_every_half_turn_for_minutes_of_angle(t_end, rtol, outputs):
+    """Each series of bounces ends and is forgotten while the pin presses, so the motion has half the crank's period."""
+    r = rt.example("scotch_yoke").simulate(t_end, t_eval=np.linspace(0.0, t_end, outputs), rtol=rtol)
+    assert r.success, r.message
+    begun, let_go = ([one.t for one in r.events if one.kind == kind] for kind in ("contact", "release"))
+    assert len(let_go) == round(t_end * 100 / math.pi)  # the first after a quarter turn
+    # the end of a series is known to a share of its last bounce followed, which takes 1e-8 s to 1e-7 s
+    assert np.diff(begun[1:]) == pytest.approx(math.pi / 100, abs=1e-8)
+    assert np.diff(let_go[1:]) == pytest.approx(math.pi / 100, abs=1e-10)
+    assert any(note.startswith(f"{len(let_go)} infinite series of bounces were closed") for note in r.trust.notes)
+    losses = [
+        sum(one.energy_lost for one in r.events if start < one.t <= start + math.pi / 100) for start in let_go[1:-1]
+    ]
+    assert losses == pytest.approx([losses[0]] * len(losses), rel=1e-6)
+
+
 def test_slot_is_compared_saved_and_drawn_with_its_walls_and_its_pin(tmp_path):
     m = scotch_yoke(with_play(1e-4, '{ model = "impact", restitution = 0.3, bush_radius = 5e-3 }', 0.12))
     found = m.compare(t_end=0.01)

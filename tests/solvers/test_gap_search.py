@@ -2,6 +2,7 @@
 
 import math
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -359,6 +360,61 @@ block = {{ x = 0.0, y = 0.0, angle = {turned!r} }}
     half = 0.03 if abs(math.cos(turned)) < 0.5 else 0.01
     assert r["block.y"][-1] == pytest.approx(half - 0.035, abs=1e-12)
     assert r["guide.normal"][-1] == pytest.approx(9.81, rel=1e-9)
+
+
+# ---------------------------------------------------------------- bounces as low as rounding
+@pytest.mark.nojit
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("rise", [10.0, 100.0, 1e4])
+def test_a_low_bounce_ends_where_it_returns_whatever_the_rounding_of_its_gap(side, rise, monkeypatch):
+    """g = v t - a t^2/2 to 1e-16 m, with a gap of that size and either sign at the start."""
+    noise, a, rng = 1e-16, 250.0, np.random.default_rng(3)
+    v = math.sqrt(2.0 * a * rise * noise)
+    flight = 2.0 * v / a
+
+    def rounded(t):
+        return v * t - 0.5 * a * t * t + rng.uniform(-noise, noise)
+
+    monkeypatch.setattr(gap_search, "rounding", lambda m, n: 10.0 * noise)
+    monkeypatch.setattr(gap_search, "gap_at", lambda m, share, n: (side * rounded(share), side * (v - a * share)))
+    m = SimpleNamespace(clock=np.array([0.55]))
+    for until in rng.uniform(1.2, 3.0, 50) * flight:
+        found = gap_search.first_below.python(m, 1.0, 0, side, 0.0, rounded(0.0), v, until, rounded(until))
+        assert found == pytest.approx(flight, abs=2.0 * noise / v)  # where the slope is v, the zero moves by noise / v
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize("place", [1.0, 100.0, 1e4])
+def test_bounces_keep_their_restitution_down_to_the_rounding_of_the_place(place):
+    """A bead on a slot of the ground: rounding of its gap grows with the distance, so the last bounce followed does."""
+    slope = math.radians(35.0)
+    x, y = place * math.cos(slope) + 1e-4 * math.sin(slope), place * math.sin(slope) - 1e-4 * math.cos(slope)
+    m = rt.loads(f"""
+format = 1
+gravity = [0, -10]
+[ground.points]
+O = [0, 0]
+[bodies.bead]
+points = {{ P = [0, 0] }}
+mass = 2
+inertia = 1e-3
+[joints.slot]
+type = "slot"
+connect = ["ground.O", "bead.P"]
+axis = "35 deg"
+clearance = 1e-4
+contact = {{ model = "impact", restitution = 0.5 }}
+[initial]
+bead = {{ x = {x!r}, y = {y!r}, vx = {-1e-3 * math.sin(slope)!r}, vy = {1e-3 * math.cos(slope)!r} }}
+""")
+    r = m.simulate(0.01, t_eval=[0.0, 0.01])
+    hits = [one for one in r.events if one.kind == "impact"]
+    speed = np.array([one.normal_speed for one in hits])
+    assert len(speed) >= 4
+    assert speed[1:] / speed[:-1] == pytest.approx(0.5, rel=0.05)
+    pull = 10.0 * math.cos(slope)
+    (closed,) = [one.t for one in r.events if one.kind == "contact"]
+    assert closed == pytest.approx(2e-3 / pull / (1.0 - 0.5), rel=1e-3)  # the end of the geometric series
 
 
 # ---------------------------------------------------------------- never in silence

@@ -10,7 +10,7 @@ import pytest
 from test_graph import everything, numbers
 
 import rattle as rt
-from rattle.analyses.straight_line import c_program, straight_line
+from rattle.analyses.straight_line.code import c_program, straight_line
 from rattle.trace import elementary, javascript
 from rattle.trace.graph import Graph
 
@@ -75,7 +75,7 @@ def test_every_function_has_the_bits_of_the_reference(size, tmp_path, monkeypatc
 @pytest.mark.parametrize("name", SMOOTH)
 def test_an_example_has_the_bits_of_the_reference(name, tmp_path):
     m = rt.example(name)
-    made = straight_line(m.system, m.start)
+    made = straight_line(m.recorded())
     (tmp_path / "model.mjs").write_text(
         module_of(made) + "\nexport { derivativeOf, projectionOf, outputsOf };\n", encoding="utf-8"
     )
@@ -98,7 +98,7 @@ def test_an_example_has_the_bits_of_the_reference(name, tmp_path):
 )
 def test_a_run_has_the_bits_of_the_c_program(name, t_end, step, tmp_path):
     m = rt.example(name)
-    made = straight_line(m.system, m.start)
+    made = straight_line(m.recorded())
     (tmp_path / "model.mjs").write_text(module_of(made, t_end, step), encoding="utf-8")
     done = in_c(tmp_path, c_program(made, name, t_end, step))
     script = 'import { run, names } from "./model.mjs"; console.log(JSON.stringify([names, run()]));'
@@ -140,7 +140,7 @@ O = [0, 0]
 )
 def test_a_run_stops_with_the_message_of_the_c_program(load, times, why, tmp_path):
     m = rt.example("double_pendulum") if load is None else rt.loads(FREE + load)
-    made = straight_line(m.system, m.start)
+    made = straight_line(m.recorded())
     (tmp_path / "model.mjs").write_text(module_of(made), encoding="utf-8")
     script = f"""
 import {{ run }} from "./model.mjs";

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.analyses.straight_line import straight_line
+from rattle.analyses.straight_line.code import straight_line
 from rattle.trace.elementary import lower
 from rattle.trace.graph import NUMPY, Graph
 from rattle.trace.lane_methods import DOP853, RK4, Tolerances
@@ -246,7 +246,7 @@ def test_steps_end_on_the_constraint(method):
 
 def recorded(model, names):
     """A model of the package at its start, which has no parameters, and the curves of these names."""
-    made = straight_line(model.system, model.start)
+    made = straight_line(model.recorded())
     energies = [f"energy.{name}" for name in ("kinetic", "potential", "work", "dissipated", "balance")]
     shown = [*names, *energies]
     outputs = [made.outputs[made.names.index(name)] for name in shown]

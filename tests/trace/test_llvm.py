@@ -39,16 +39,14 @@ def unaligned(count):
 
 
 def run(code, name, inputs, count, width):
-    """Outputs (count, n) for inputs (n_in, n), `width` samples at a time; the first sample fills the last group up."""
+    """Outputs (count, n) for inputs (n_in, n); the first sample fills the last group up."""
     n = inputs.shape[1]
     padded = np.concatenate([inputs, np.repeat(inputs[:, :1], -n % width, axis=1)], axis=1)
-    rows, results = unaligned(width * len(inputs)), unaligned(width * count)
-    function, found = code.function(name), np.empty((count, padded.shape[1]))
-    for k in range(0, padded.shape[1], width):
-        rows[:] = padded[:, k : k + width].ravel()
-        function(rows.ctypes.data, results.ctypes.data)
-        found[:, k : k + width] = results.reshape(count, width)
-    return found[:, :n]
+    columns = padded.shape[1]
+    rows, results = unaligned(padded.size), unaligned(count * columns)
+    rows[:] = padded.ravel()
+    code.function(name)(rows.ctypes.data, columns, results.ctypes.data, columns, columns)
+    return results.reshape(count, columns)[:, :n]
 
 
 def require_same_bits(graph, functions, inputs, widths=llvm.WIDTHS):
@@ -147,13 +145,13 @@ def test_elementary_functions_have_the_bits_of_the_reference():
 
 def smooth_examples():
     import rattle as rt
-    from rattle.analyses.straight_line import straight_line
+    from rattle.analyses.straight_line.code import straight_line
     from rattle.errors import TraceError
 
     for name in rt.examples():
         m = rt.example(name)
         try:
-            yield name, straight_line(m.system, m.start)
+            yield name, straight_line(m.recorded())
         except TraceError:
             continue
 

@@ -59,6 +59,7 @@ def normal_fault(kernel: Any, p: np.ndarray, contact: Contact) -> str:
     """
     assert contact.static is not None
     stiffness = registry.kinds("stiffness")[contact.static.kind]
+    static: Any = stiffness.kernel
     q = np.array([*stiffness.leaf.pack(contact.static.values), 0.0])
     rng = np.random.default_rng(7)
     s = np.linspace(0.0, 1.0, POINTS + 1)
@@ -70,16 +71,13 @@ def normal_fault(kernel: Any, p: np.ndarray, contact: Contact) -> str:
         middle, step = 0.5 * (delta[1:] + delta[:-1]), np.diff(delta)
         rate = step * POINTS / duration
         force = np.array(
-            [
-                kernel(stiffness.kernel(float(d), q, 0), float(d), float(r), v0, p, 0)  # type: ignore[misc]
-                for d, r in zip(middle, rate, strict=True)
-            ]
+            [kernel(static(float(d), q, 0), float(d), float(r), v0, p, 0) for d, r in zip(middle, rate, strict=True)]
         )
         if not np.isfinite(force).all():
             return f"has no finite value (penetration {middle[~np.isfinite(force)][0]:.3g} m, approach at {v0:.3g} m/s)"
         raw = getattr(kernel, "law", None)
         if raw is not None:
-            least = _least(raw, kernel, stiffness, p, q, middle, rate, v0)
+            least = _least(raw, kernel, static, p, q, middle, rate, v0)
             if least[0] < -1e-9 * float(force.max()):
                 return f"pulls during the approach: {least[0]:.3g} N at a penetration of {least[1]:.3g} m"
         fault = _given_back(force * step)
@@ -88,11 +86,11 @@ def normal_fault(kernel: Any, p: np.ndarray, contact: Contact) -> str:
     return ""
 
 
-def _least(law: Any, kernel: Any, stiffness: Any, p: np.ndarray, q: np.ndarray, deep: Any, rate: Any, v0: float) -> Any:
+def _least(law: Any, kernel: Any, static: Any, p: np.ndarray, q: np.ndarray, deep: Any, rate: Any, v0: float) -> Any:
     """Smallest force [N] of the user's function during the approach, and the penetration [m] there."""
     values = kernel.pack(*p[: len(kernel.pack._fields)])
     going = [(float(d), float(r)) for d, r in zip(deep, rate, strict=True) if r >= 0.0][:: max(1, POINTS // 40)]
-    found = [(float(law(stiffness.kernel(d, q, 0), d, r, v0, values)), d) for d, r in going]
+    found = [(float(law(static(d, q, 0), d, r, v0, values)), d) for d, r in going]
     return min(found, default=(0.0, 0.0))
 
 

@@ -28,7 +28,7 @@ def code(file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: 
     Examples: rattle code fourbar -o model.c
               rattle code slider_crank --set "speed=3000 rpm" --step 10us -o model.c
     """
-    from rattle.analyses.straight_line.code import LONGEST, c_program
+    from rattle.analyses.straight_line.code import LONGEST, c_program, straight_line
     from rattle.atomic_file import atomic
 
     if Path(output).suffix != ".c":
@@ -39,7 +39,7 @@ def code(file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: 
     longest = time(step) if step is not None else m.model.settings.step or LONGEST
     if not (until > 0.0 and longest > 0.0 and until / longest <= 1e9):
         raise click.UsageError("--t-end and --step must be positive, with at most 1e9 steps")
-    text = c_program(m.recorded(), m.name or "A mechanism", until, longest)
+    text = c_program(straight_line(m.recorded()), m.name or "A mechanism", until, longest)
     with atomic(output) as place:
         place.write_text(text, encoding="utf-8")
     say_written(output)

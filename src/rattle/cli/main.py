@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from rattle.errors import shown
+from rattle.errors import SolverError, shown
 
 STOPPED = 130  # exit status after Ctrl-C, as shells have it
 
@@ -102,7 +102,7 @@ class Lazy(click.Group):
                 raise
             click.secho("error: ", fg="red", nl=False, err=True)
             click.echo(shown(str(error)), err=True)
-            ctx.exit(2)
+            ctx.exit(1 if isinstance(error, SolverError) else 2)
 
     def main(self, *args: Any, **options: Any) -> Any:
         """As in click, but Ctrl-C gives the exit status that shells use, and standard streams may be closed."""
@@ -136,7 +136,8 @@ def _is_answer(error: Exception) -> bool:
     """True for an error that tells the user what is wrong; an error in rattle itself keeps its traceback."""
     from rattle.errors import AssemblyError, MissingPackage, MissingProgram, ModelError, TraceError
 
-    if isinstance(error, ModelError | AssemblyError | TraceError | MissingPackage | MissingProgram | OSError):
+    ours = ModelError | AssemblyError | SolverError | TraceError | MissingPackage | MissingProgram
+    if isinstance(error, ours | OSError):
         return True
     return isinstance(error, ValueError | KeyError) and type(error) is not KeyError and _said_by_us(error)
 

@@ -127,7 +127,7 @@ def poincare(
     curves = names or tuple(f"{loose[0]}.{what}" for what in ("ex", "ey")) if loose or names else ()
     if not curves:
         raise click.UsageError("name the curves to sample: --of NAME --of NAME")
-    interrupted = False
+    interrupted = early = False
     if parameter is not None:
         if first is None or last is None:
             raise click.UsageError("--parameter needs --from and --to")
@@ -142,17 +142,19 @@ def poincare(
         if len(curves) < 2:
             raise click.UsageError("a section needs two curves, --of NAME --of NAME; a bifurcation needs --parameter")
         section = m.poincare(*curves[:2], period=period, crossing=crossing, skip=skip, points=points)
-        figure = section.plot(curves[0], curves[1])
         interrupted = section.interrupted
         click.echo(f"{len(section.t)} points, {section.rule}")
+        if not len(section.t):
+            ctx.exit(STOPPED)
+        figure, early = section.plot(curves[0], curves[1]), bool(section.message)
     if interrupted:
         picture = beside(picture)
-    elif lyapunov:
+    elif lyapunov and not early:
         click.echo(str(m.lyapunov()))
     save_figure(figure, picture)
     say_written(picture)
-    if interrupted:
-        ctx.exit(STOPPED)
+    if interrupted or early:
+        ctx.exit(STOPPED if interrupted else 1)
 
 
 def _amount(m: Mechanism, parameter: str, text: str, option: str) -> float:

@@ -109,17 +109,20 @@ class Joint:
     @property
     def kept_angle(self) -> float | None:
         """Angle of B relative to A [rad] that the joint enforces; None if B can turn."""
-        return self.leaf.kept_angle(self.fields)  # type: ignore[no-any-return]
+        found: float | None = self.leaf.kept_angle(self.fields)
+        return found
 
     @property
     def line(self) -> float | None:
         """Direction in A's frame [rad] of the line on which the point of B moves; None if there is none."""
-        return self.leaf.line(self.fields)  # type: ignore[no-any-return]
+        found: float | None = self.leaf.line(self.fields)
+        return found
 
     @property
     def distance(self) -> float:
         """Distance of the two points [m] that the joint enforces."""
-        return self.leaf.distance(self.fields)  # type: ignore[no-any-return]
+        found: float = self.leaf.distance(self.fields)
+        return found
 
     @property
     def is_hinge(self) -> bool:

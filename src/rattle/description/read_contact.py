@@ -5,7 +5,6 @@ A table may hold fields of other models, so that one word changes the model; the
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping
 from typing import Any
 
@@ -77,7 +76,7 @@ def _radius(
             )
         return 0.0
     radius: float = reader.values.value(table["bush_radius"], "m", (*path, "bush_radius"), "positive")
-    if not math.isnan(radius) and not radius > clearance:
+    if radius <= clearance:  # either may be nan, which was reported where it was read
         reader.values.wrong((*path, "bush_radius"), f"must be larger than the clearance of {clearance:g} m")
     return radius
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from rattle import registry
 from rattle.description.model import DEFAULT_CONTACT, Body, Contact, Driver, Joint, Load, Point, Vector
-from rattle.description.read_contact import read_contact
+from rattle.description.read_contact import contact_models, read_contact
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Path, Values, said
 from rattle.errors import suggest
@@ -161,8 +161,16 @@ class Parts(FieldReader):
         return tuple(self.field(one, key, table, {}, path) for key, one in wanted.items())
 
     def _contact(self, given: Mapping[str, Any], joint: str, clearance: float, path: Path) -> Contact | None:
-        here: Path = (*path, "contact") if "contact" in given else path
-        return read_contact(self, given.get("contact", DEFAULT_CONTACT), joint, clearance, here)
+        if "contact" in given:
+            return read_contact(self, given["contact"], joint, clearance, (*path, "contact"))
+        suited = contact_models(joint)
+        if DEFAULT_CONTACT in suited:
+            return read_contact(self, DEFAULT_CONTACT, joint, clearance, path)
+        if suited:
+            self.values.wrong(path, f"a {joint} joint with clearance needs a contact: {', '.join(suited)}")
+        else:
+            self.values.wrong((*path, "clearance"), f"a {joint} joint cannot have clearance; leave it out", at_key=True)
+        return None
 
     # ------------------------------------------------------------ drivers and loads
     def add_driver(self, name: str, given: Mapping[str, Any]) -> None:

@@ -236,7 +236,7 @@ T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, CHANGE_AT = range(8)
 _declare("tally", """
     STEPS [] steps taken
     REJECTED [] steps repeated with a shorter length
-    EVALUATIONS [] of the right-hand side
+    EVALUATIONS [] of the right-hand side, besides those for outputs
     OUTPUTS [] output rows written
     FOUND [] zero crossings waiting to be collected
     DRIFT_ROW [] row with the largest residual

@@ -94,7 +94,7 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
     where the bush would have to pull; dots on the circle are impacts, with an area proportional to the impulse;
     rings show where a contact that lasts begins.
     ax: draw there.  Returns a new figure, or `ax` if it is given.
-    Raises ValueError if the joint has no clearance.
+    Raises ValueError if the joint is not a pin with clearance in a bush.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import Normalize
@@ -102,8 +102,8 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
 
     form = clearance_joints(result).get(joint)
     if form is None:
-        known = ", ".join(clearance_joints(result)) or "none has"
-        raise ValueError(f"{joint!r} is not a pin with clearance; those with clearance: {known}")
+        known = ", ".join(clearance_joints(result)) or "none"
+        raise ValueError(f"no orbit of {joint!r}: orbits are drawn for pins with clearance in a bush; here: {known}")
     scale, length = length_unit(form["clearance"])
     c = form["clearance"] * scale
     x, y, normal = pin_path(result, joint)

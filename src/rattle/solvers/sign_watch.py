@@ -27,6 +27,7 @@ def force_at(m, t, h, theta, n):
     nq = m.change.shape[0]
     interpolate(m, theta, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
+    m.tally[at.EVALUATIONS] += 1
     return multiplier[watch[n]]
 
 

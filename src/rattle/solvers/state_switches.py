@@ -60,6 +60,7 @@ def choose_sides(m, t, ahead):
     for n in range(switch.shape[0]):
         code[switch[n, at.OWN_CODE], SIDE] = 0
     derivative(m, t, y, f)
+    m.tally[at.EVALUATIONS] += 1
     see(m, t, y)
     take_sides(m, t)
     for k in range(nq):
@@ -152,6 +153,7 @@ def land(m, t, h, t_end, go_on):
         y, f = m.state, m.rate
         turn(m, t, y, who, h)
         derivative(m, t, y, f)
+        m.tally[at.EVALUATIONS] += 1
         return (SLIDES if landing[at.AGAIN] > ENDLESS else REPEAT), h
     landing[at.LANDS] = 1.0 + who
     if (1.0 - share) * h <= 1e-13 * t_end:
@@ -187,4 +189,5 @@ def arrive(m, t, y, f, h):
     turn(m, t, y, int(landing[at.LANDS]) - 1, h)
     landing[at.LANDS] = 0.0
     derivative(m, t, y, f)
+    m.tally[at.EVALUATIONS] += 1
     return True

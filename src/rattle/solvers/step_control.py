@@ -17,7 +17,7 @@ from rattle.jit.functions import compiled
 from rattle.solvers.dense_output import prepare_dense
 from rattle.solvers.state_switches import REPEAT, SLIDES, arrive, crossed, land, release
 from rattle.solvers.step_audit import UNSOUND, stands
-from rattle.solvers.step_state import ADAPTIVE, POWER
+from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, POWER
 
 TRY_AGAIN = -1  # the step must be repeated, with the length in `clock`
 SHORT = 1e-9  # share of the remaining time down to which a step that fails the audit is repeated with a shorter length
@@ -97,6 +97,7 @@ def end_on_switch(m, t, h, t_end, dense):
         return OK
     if not dense:
         prepare_dense(m, t, h)
+        m.tally[at.EVALUATIONS] += m.stepper[DENSE_STAGES]
     verdict, shorter = land(m, t, h, t_end, clock[at.H])
     if verdict == SLIDES:
         return SLIDES

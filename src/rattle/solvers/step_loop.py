@@ -55,7 +55,7 @@ from rattle.solvers.step_control import (
     take_over,
     turn_switch,
 )  # fmt: skip
-from rattle.solvers.step_state import ADAPTIVE, POWER, SAMPLES, STAGES, STEP
+from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, POWER, SAMPLES, STAGES, STEP
 
 LEAP = 0.1  # share of the last regular step below which a step is not shortened further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is accepted [units of the state]; it doubles with every attempt
@@ -70,6 +70,7 @@ def resume(m, t):
     """Continue from (t, y) after the right-hand side has changed: new derivative, contacts and signs."""
     y, f = m.state, m.rate
     derivative(m, t, y, f)
+    m.tally[at.EVALUATIONS] += 1
     remember_end(m)
     pass_on(m)
     cross_at_once(m, t)
@@ -114,7 +115,7 @@ def begin(m, t, t_end, rtol, atol, h_max):
     if largest > 1e-15 and largest < math.inf:
         second = (0.01 / largest) ** (1.0 / m.stepper[POWER])
     clock[at.H] = min(100.0 * h, second, h_max, t_end - t)
-    tally[at.EVALUATIONS] = 2
+    tally[at.EVALUATIONS] += 2
     return OK
 
 
@@ -126,6 +127,7 @@ def finish_step(m, t, y_new, f_new):
     accelerate(m)
     nq = m.change.shape[0]
     collect(m, y_new[nq : 2 * nq], f_new)
+    m.tally[at.EVALUATIONS] += 1
     return 0
 
 
@@ -144,7 +146,7 @@ def search_step_for_events(m, t, h, changed, t_out, out):
     dense = suspect or peak or output_due(m, t + h, t_out) or changed or may_rise(m, h, samples)
     if dense:
         prepare_dense(m, t, h)
-        tally[at.EVALUATIONS] += 3
+        tally[at.EVALUATIONS] += m.stepper[DENSE_STAGES]
     if suspect:
         share, who = first_change(m, h)
     until = min(share, 1.0)
@@ -194,7 +196,7 @@ def try_step(m, t, h, last, rtol, atol, h_max):
     tally, power, stepper = m.tally, m.power, m.stepper
     power[at.PIVOT_SHARE] = 1.0
     error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, tally[at.TAME]))
-    tally[at.EVALUATIONS] += stepper[STAGES]
+    tally[at.EVALUATIONS] += stepper[STAGES] - 1
     weak = power[at.PIVOT_SHARE] < WEAK and h <= LEAP * m.clock[at.H_SOUND]
     if weak and error > 1.0 and error * rtol <= LEAP_ERROR * 2.0 ** tally[at.STREAK]:
         tally[at.LEAPS] += 1
@@ -233,7 +235,6 @@ def step_anew(m, t, h, error, weak):
 def end_on_constraints(m, t, h, t_new, t_end):
     """Project the end of the step onto the constraints; OK, TRY_AGAIN, UNSOUND or SLIDES, and True as in `try_step`."""
     finish_step(m, t_new, m.state_new, m.rate_new)
-    m.tally[at.EVALUATIONS] += 2
     status = end_stands(m, t, h, t_new, t_end)
     if status != OK:
         return status, False

@@ -10,9 +10,9 @@ from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.registry import Kind, kinds
 
-# stepper: 1 if it is adaptive, power of the step with which the error of a step grows, evaluations of the right-hand
-# side in a step, layout of its stages (see `peaks.samples`); stepper_table: its kernels
-ADAPTIVE, POWER, STAGES, SAMPLES = range(4)
+# stepper: 1 if it is adaptive, power of the step with which the error of a step grows, stages of a step, layout of its
+# stages (see `peaks.samples`), further stages of its dense output; stepper_table: its kernels
+ADAPTIVE, POWER, STAGES, SAMPLES, DENSE_STAGES = range(5)
 STEP, DENSE = range(2)
 
 
@@ -44,6 +44,6 @@ def stepper_arrays(stepper: Kind) -> dict[str, np.ndarray]:
         return {}
     leaf = one.leaf
     return {
-        "stepper": np.array([leaf.adaptive, leaf.order, leaf.stages, leaf.samples], np.int64),
+        "stepper": np.array([leaf.adaptive, leaf.order, leaf.stages, leaf.samples, leaf.dense_stages], np.int64),
         "stepper_table": functions.entries((one.kernel, leaf.dense_output)),
     }

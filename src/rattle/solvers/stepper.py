@@ -41,7 +41,8 @@ class Stepper:
     unfit: ClassVar[dict[str, str]]  # by contacts: why it does not run with them, as words that follow its name
     refinement: ClassVar[float]  # `step` is divided by this for a run that is more accurate by one digit
     step: ClassVar[Field]
-    stages: ClassVar[int] = 0  # evaluations of the right-hand side in a step
+    stages: ClassVar[int] = 0  # of a step; the first is the end of the step before
+    dense_stages: ClassVar[int] = 0  # further ones that its dense output needs
     samples: ClassVar[int] = CUT  # where its stages lie, see `peaks.samples`; CUT: the dense output is sampled instead
     dense_output: ClassVar[KernelFunction | None] = None
     integrates_by: ClassVar[str] = ""  # the stepper whose kernels are called, if not its own

@@ -11,6 +11,7 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.dynamics.run import stop
+from rattle.errors import SolverError
 from rattle.studies.poincare import period_of
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rattle.mechanism import Mechanism
+    from rattle.results.result import Result
 
 
 @dataclass(frozen=True, repr=False)
@@ -61,7 +63,8 @@ def bifurcation(
     Every run has the start of the model; `skip` periods pass before `points` points are taken.  period: [s] (default:
     one turn of the driver, for every value anew).  threads: number of runs at the same time (default: number of cores);
     the result does not depend on it.  method, rtol, atol, step: as in `simulate`.
-    Raises ModelError for a value that the model refuses, ValueError for wrong arguments, UnknownName for an output.
+    Raises ModelError for a value that the model refuses, ValueError for wrong arguments, UnknownName for an output,
+    SolverError if all runs stop before their first point.
     """
     arguments.whole("skip", skip, 0)
     arguments.whole("points", points, 1)
@@ -70,27 +73,26 @@ def bifurcation(
         raise ValueError("values of the parameter: expected a one-dimensional array with at least one value")
     changed = [m.set({parameter: float(value)}) for value in given]
 
-    def run(one: Mechanism) -> tuple[np.ndarray, str]:
+    def run(one: Mechanism) -> tuple[np.ndarray, Result]:
         times = period_of(one, period) * (skip + np.arange(points))
         r = one.simulate(float(times[-1]), t_eval=times, method=method, rtol=rtol, atol=atol, step=step)
         if r.interrupted:
             raise KeyboardInterrupt
         found = np.full(points, np.nan)
         found[: len(r.t)] = r[of]
-        return found, r.unit(of)
+        return found, r
 
     bar = _bar(len(changed)) if progress else None
     rows: list[np.ndarray] = []
-    unit = ""
     interrupted = False
     pool = ThreadPoolExecutor(threads)
     try:
         for k in range(len(changed)):
             if k == 0:  # the first run alone, because it compiles
-                row, unit = run(changed[0])
-                waiting = [pool.submit(run, one) for one in changed[1:]]
+                row, first = run(changed[0])
+                waiting = [pool.submit(lambda one: run(one)[0], one) for one in changed[1:]]
             else:
-                row, _ = waiting[k - 1].result()
+                row = waiting[k - 1].result()
             rows.append(row)
             if bar is not None:
                 bar.update()
@@ -105,12 +107,17 @@ def bifurcation(
             stop.clear()
         if bar is not None:
             bar.close()
+    if not (interrupted or first.success or np.isfinite(rows).any()):
+        where = f"the first one at t = {first.trust.t_end:.6g} s, {first.message}"
+        raise SolverError(f"no point: every run stopped before {skip} periods were over, {where}", first)
     what = m.model.parameters.get(parameter)
     rule = f"once every {period:.4g} s" if period is not None else "once per turn of the driver"
     if interrupted:
         rule += f", stopped by the user after {len(rows)} of {len(given)} values"
         rows += [np.full(points, np.nan)] * (len(given) - len(rows))
-    return Bifurcation(parameter, given, what.unit if what else "", of, unit, np.array(rows), rule, interrupted)
+    return Bifurcation(
+        parameter, given, what.unit if what else "", of, first.unit(of), np.array(rows), rule, interrupted
+    )
 
 
 def _bar(total: int) -> Any:

@@ -22,7 +22,6 @@ from rattle.errors import AssemblyError, ModelError, Problem, SolverError, Trace
 from rattle.language import arrays
 from rattle.registry import kinds
 from rattle.results.columns import columns, width
-from rattle.results.display import lines
 from rattle.results.evaluation import evaluate
 from rattle.results.reductions import Known, Output, needed_instants, read
 from rattle.results.result import UnknownName
@@ -58,7 +57,7 @@ class Many:
         return found
 
     def __len__(self) -> int:
-        return self.values.shape[1]
+        return int(self.values.shape[1])
 
     @property
     def failed(self) -> np.ndarray:
@@ -74,13 +73,10 @@ class Many:
         return self.units[output]
 
     def __str__(self) -> str:
-        return lines(
-            [
-                f"{len(self)} samples of {', '.join(self.samples)}; {len(self.messages)} failed",
-                self.stats["how"],
-                *(f"{self.outputs[n]} [{self.units[self.outputs[n]] or '-'}]: {_span(row)}" for n, row in enumerate(self.values)),
-            ]
-        )  # fmt: skip
+        said = [f"{len(self)} samples of {', '.join(self.samples)}; {len(self.messages)} failed", self.stats["how"]]
+        for output, row in zip(self.outputs, self.values, strict=True):
+            said.append(f"{output} [{self.units[output] or '-'}]: {_span(row)}")
+        return "\n".join(said)
 
 
 def _span(row: np.ndarray) -> str:
@@ -177,11 +173,9 @@ class _Found:
     def reduce(self, output: int, rows: Sequence[np.ndarray]) -> None:
         """Enter an output of all samples from the values of its reductions."""
         task = self.task
-        places = {f"#{k}": row for k, row in enumerate(rows)}
-        parameters = {**task.mechanism.parameters, **task.samples}
-        made = arrays.evaluate(
-            task.outputs[output].outer, lambda name: places[name] if name in places else parameters[name]
-        )
+        known: dict[str, Any] = {**task.mechanism.parameters, **task.samples}
+        known |= {f"#{k}": row for k, row in enumerate(rows)}
+        made = arrays.evaluate(task.outputs[output].outer, known.__getitem__)
         self.values[output] = np.broadcast_to(made, task.count)
 
     def result(self, why: str) -> Many:
@@ -228,6 +222,7 @@ def _run_lanes(task: _Task, found: _Found, model: RecordedModel, method: str, pr
     program = Program(
         lane_model(model, asked, functions.add, starts), functions.add, METHODS[method], asked.reductions, task.t_end,
         tolerances=lane_methods.Tolerances(task.rtol, task.atol, task.step or np.inf), step=task.step or LONGEST,
+        chain=functions.chain,
     )  # fmt: skip
     functions.compile()
     bar = _Bar(task.count) if progress else None
@@ -253,7 +248,7 @@ def _one_by_one(task: _Task, found: _Found, progress: bool) -> None:
     for done, n in enumerate(waiting):
         found.generic.append(int(n))
         try:
-            found.values[:, n] = _run(task, task.at(n))
+            found.values[:, n] = _run(task, task.at(int(n)))
         except (ModelError, AssemblyError, SolverError) as error:
             found.messages[int(n)] = str(error)
         if bar is not None:

@@ -12,6 +12,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.equations.motion import drive
 from rattle.equations.system import System
+from rattle.errors import SolverError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,6 +58,7 @@ class Section:
     rule: str  # when the points were taken
     interrupted: bool = False  # stopped by the user
     clearances: Mapping[str, float] = field(default_factory=dict)  # of the pins [m]
+    message: str = ""  # why its run stopped early, so that points are missing
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.values[name]
@@ -93,8 +95,8 @@ def section(
     period: [s] (default: one turn of the driver).  crossing: a name; its rises through `level` [SI] are located on
     a cubic spline of the output, with at least 200 outputs per period or mean distance of crossings.
     skip: points left out at the start.  points: number of points (there may be fewer crossings).
-    method, rtol, atol, step: as in `simulate`.  Raises ValueError for wrong arguments or if there is no point,
-    UnknownName for a name that the result does not have.
+    method, rtol, atol, step: as in `simulate`.  Raises ValueError for wrong arguments or if nothing crosses,
+    SolverError if the run stops before the first point, UnknownName for a name that the result does not have.
     """
     arguments.whole("skip", skip, 0)
     arguments.whole("points", points, 1)
@@ -103,31 +105,54 @@ def section(
         T = period_of(m, period)
         times = T * (skip + np.arange(points))
         r = m.simulate(float(times[-1]), t_eval=times, **settings)
+        if not len(r.t):
+            require_run(r, f"the first point is that at t = {times[0]:.4g} s, after {skip} periods")
         return Section(
             r.t, {n: r[n] for n in names}, {n: r.unit(n) for n in names}, f"every {T:.4g} s{stopped(r)}",
-            r.interrupted, pins(m),
+            r.interrupted, pins(m), r.message,
         )  # fmt: skip
     from scipy.interpolate import CubicSpline
 
     span = (skip + points) * period if period is not None else m.model.settings.t_end
     r = m.simulate(span, t_eval=np.linspace(0.0, span, 200 * (skip + points) + 1), **settings)
-    curve = r[crossing] - level
-    roots = CubicSpline(r.t, curve).solve(0.0, extrapolate=False)
-    rate = CubicSpline(r.t, curve).derivative()
-    rises = np.array([t for t in np.ravel(roots) if rate(t) > 0.0])
+    rises = rises_of(r, crossing, level)
     times = rises[skip:][:points]
-    if not len(times) and not r.interrupted:
-        low, high, unit = float(r[crossing].min()), float(r[crossing].max()), r.unit(crossing)
-        why = f"it rises through {level:g} {unit} {len(rises)} times in {span:g} s" if len(rises) else (
-            f"it never rises through {level:g} {unit}"
-        )  # fmt: skip
-        raise ValueError(
-            f"no point: {crossing} goes from {low:.4g} to {high:.4g} {unit}; {why}, and skip leaves out {skip};"
-            " give another crossing, level or period (its run is skip + points periods long)"
-        )
+    if not len(times):
+        require_crossings(r, crossing, level, len(rises), skip)
     values = {n: CubicSpline(r.t, r[n])(times) if len(times) else np.zeros(0) for n in names}
     rule = f"{crossing} rises through {level:g}{stopped(r)}"
-    return Section(times, values, {n: r.unit(n) for n in names}, rule, r.interrupted, pins(m))
+    return Section(times, values, {n: r.unit(n) for n in names}, rule, r.interrupted, pins(m), r.message)
+
+
+def rises_of(r: Result, name: str, level: float) -> np.ndarray:
+    """Times (n,) [s] at which a curve rises through a level [SI], on a cubic spline of its outputs."""
+    from scipy.interpolate import CubicSpline
+
+    if len(r.t) < 2:
+        return np.zeros(0)
+    curve = CubicSpline(r.t, r[name] - level)
+    rate = curve.derivative()
+    return np.array([t for t in np.ravel(curve.solve(0.0, extrapolate=False)) if rate(t) > 0.0])
+
+
+def require_crossings(r: Result, name: str, level: float, count: int, skip: int) -> None:
+    """Say why no point is left of the `count` rises of a curve through a level [SI]; see `section`."""
+    low, high, unit = min(r[name], default=math.nan), max(r[name], default=math.nan), r.unit(name)
+    often = f"it rises through {level:g} {unit} {count} times" if count else f"it never rises through {level:g} {unit}"
+    found = (
+        f"{name} goes from {low:.4g} to {high:.4g} {unit}; {often} in {r.trust.t_end:.4g} s, and skip leaves out {skip}"
+    )
+    require_run(r, found)
+    if not r.interrupted:
+        raise ValueError(
+            f"no point: {found}; give another crossing, level or period (its run is skip + points periods long)"
+        )
+
+
+def require_run(r: Result, found: str) -> None:
+    """Raise SolverError for a run that has stopped before the first point; found: what is known about that point."""
+    if not r.success and not r.interrupted:
+        raise SolverError(f"no point: the run stopped at t = {r.trust.t_end:.6g} s, {r.message}; {found}", r)
 
 
 def pins(m: Mechanism) -> dict[str, float]:
@@ -138,5 +163,7 @@ def pins(m: Mechanism) -> dict[str, float]:
 
 
 def stopped(r: Result) -> str:
-    """The end of a title for a run that was stopped by the user; "" for others."""
-    return f", stopped by the user at t = {r.trust.t_end:.4g} s" if r.interrupted else ""
+    """The end of a title for a run that ended early; "" for others."""
+    if r.success and not r.interrupted:
+        return ""
+    return f", stopped {'by the user ' if r.interrupted else ''}at t = {r.trust.t_end:.4g} s"

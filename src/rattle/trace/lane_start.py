@@ -31,8 +31,9 @@ class Stock:
         """Make ready the samples of parameters (np, k), k from 1 to n; returns their `Status` (k,)."""
         program, model = self.program, self.program.model
         ny, k = model.ny, parameters.shape[1]
-        given = parameters[:, np.minimum(np.arange(self.n), k - 1)]  # the last one fills up
-        y, constants, sound = model.begin(given)
+        y, constants, sound = model.begin(parameters)
+        fill = np.minimum(np.arange(self.n), k - 1)  # the last one fills up
+        y, constants, sound = y[:, fill], constants[:, fill], sound[fill]
         state, tried = self._state, self._try
         state[0], state[1 : 1 + ny], state[1 + ny :] = 0.0, y, constants
         self.y[:] = y

@@ -1,7 +1,7 @@
 """Straight-line code as machine code, for W samples side by side, by LLVM.
 
-A function `void name(double *in, double *out, int64 n)` reads rows of n samples, in[k][sample], and writes such rows, W
-samples at a time.  Every operation is one instruction without fast-math flags, and LLVM contracts nothing that is not marked for it, so each
+A function `void name(double *in, int64 a, double *out, int64 b, int64 n)` reads rows of n samples, in[k a + sample],
+and writes such rows, out[k b + sample], W samples at a time.  Every operation is one instruction without fast-math flags, and LLVM contracts nothing that is not marked for it, so each
 sample has the bits of `Graph.evaluate`, whatever W and the processor are.  The graph is shared and folded already, so
 none of LLVM's passes over its intermediate form run: they took as long as all the rest and changed no speed.
 
@@ -29,7 +29,7 @@ from rattle.jit.cache import KeptFile, code_folder
 from rattle.trace.graph import FLAGS, ROUND, Graph
 
 WIDTHS = (1, 2, 4, 8)
-LEVEL = 1  # of LLVM's code generator: 2 and 3 took 10 to 40 % longer and made no faster code
+LEVEL = 1  # of LLVM's code generator: 2 took 15 to 30 % longer and made no faster code
 MOST = 100_000_000  # bytes of kept code; beyond, the files that were not used for longest go, down to half of it
 FOLDER = "straight_line"  # name of the folder of kept code
 
@@ -67,14 +67,40 @@ FORMS = {
 {r}.c = or {I} {r}.b, {bits_of_1}
 {r} = bitcast {I} {r}.c to {V}""",
 }
+LOGICAL = {"both": 2, "either": 2, "not": 1, "select": 1}  # how many operands, from the first, are flags
+PARAMETERS = "ptr noalias readonly %in, i64 %a, ptr noalias %out, i64 %b, i64 %n"
+CHAIN = """define void @chain(ptr %calls, i64 %count) nounwind {
+br label %next
+next:
+%k = phi i64 [0, %0], [%l, %next]
+%one = getelementptr i64, ptr %calls, i64 %k
+%one.f = load ptr, ptr %one
+%in.p = getelementptr i64, ptr %one, i64 1
+%in = load ptr, ptr %in.p
+%a.p = getelementptr i64, ptr %one, i64 2
+%a = load i64, ptr %a.p
+%out.p = getelementptr i64, ptr %one, i64 3
+%out = load ptr, ptr %out.p
+%b.p = getelementptr i64, ptr %one, i64 4
+%b = load i64, ptr %b.p
+%n.p = getelementptr i64, ptr %one, i64 5
+%n = load i64, ptr %n.p
+call void %one.f(ptr %in, i64 %a, ptr %out, i64 %b, i64 %n)
+%l = add i64 %k, 6
+%more = icmp ult i64 %l, %count
+br i1 %more, label %next, label %done
+done:
+ret void
+}
+"""  # `void chain(int64 *calls, int64 count)`: of every six numbers one call, a function and its arguments
 AS_NUMBER = "{r} = select {B} {0}, {V} {one}, {V} {zero}"
 AS_FLAG = "{r} = fcmp une {V} {0}, {zero}"
 # row {0} or {1}, at the present samples
-READ = """{r}.k = mul i64 %n, {0}
+READ = """{r}.k = mul i64 %a, {0}
 {r}.i = add i64 {r}.k, %i
 {r}.p = getelementptr double, ptr %in, i64 {r}.i
 {r} = load {V}, ptr {r}.p, align 8"""
-WRITE = """{r}.k = mul i64 %n, {1}
+WRITE = """{r}.k = mul i64 %b, {1}
 {r}.i = add i64 {r}.k, %i
 {r}.p = getelementptr double, ptr %out, i64 {r}.i
 store {V} {0}, ptr {r}.p, align 8"""
@@ -153,8 +179,8 @@ class _Body:
         elif op == "input":
             self._numbers[place] = self.put("read", f"%x{place}", self.rank[place])
         else:
-            logical = {"both": 2, "either": 2, "not": 1, "select": 1}.get(op, 0)  # operands that are flags
-            given = [self.flag(k) if n < logical else self.number(k) for n, k in enumerate(operands)]
+            flags = LOGICAL.get(op, 0)
+            given = [*map(self.flag, operands[:flags]), *map(self.number, operands[flags:])]
             (self._flags if op in FLAGS else self._numbers)[place] = self.put(op, f"%x{place}", *given)
 
     def number(self, place: int) -> str:
@@ -191,7 +217,7 @@ def _function(graph: Graph, name: str, outputs: Sequence[Any], width: _Width) ->
         body.add(place)
         for n in rows.get(place, ()):
             body.put("write", f"%out{n}", body.number(place), n)
-    head = f"define void @{name}(ptr noalias readonly %in, ptr noalias %out, i64 %n) nounwind {{"
+    head = f"define void @{name}({PARAMETERS}) nounwind {{"
     begin = ["br label %next", "next:", "%i = phi i64 [0, %0], [%j, %next]"]
     end = [f"%j = add i64 %i, {width.width}", "%more = icmp ult i64 %j, %n", "br i1 %more, label %next, label %done"]
     return "\n".join([head, *begin, *body.lines, *end, "done:", "ret void", "}\n"])
@@ -200,9 +226,10 @@ def _function(graph: Graph, name: str, outputs: Sequence[Any], width: _Width) ->
 def functions_text(graph: Graph, functions: Mapping[str, Sequence[Any]], width: int) -> str:
     """LLVM's intermediate form of functions of a graph of exact operations, for `compile`, by name.
 
-    Each is `void name(ptr in, ptr out, i64 n)`: `in` holds the inputs of the graph as rows (n_in, n) of doubles without
-    gaps, `out` takes the outputs (n_out, n); flags come out as 1 or 0.  n is a positive multiple of the width.  The two
-    must not overlap.  They may stand at any multiple of 8 bytes; multiples of 64 are fastest.
+    Each is `void name(ptr in, i64 a, ptr out, i64 b, i64 n)`: `in` holds the inputs of the graph as rows (n_in, n) of
+    doubles, whose starts are `a` doubles apart, `out` takes the outputs (n_out, n), `b` apart; flags come out as 1 or
+    0.  n is a positive multiple of the width.  The two must not overlap.  They may stand at any multiple of 8 bytes;
+    multiples of 64 are fastest.
     """
     written = _Width(width)
     return "\n".join(_function(graph, name, outputs, written) for name, outputs in functions.items())
@@ -220,11 +247,11 @@ class MachineCode:
             raise ValueError(f"machine code without {', '.join(missing)}")
 
     def function(self, name: str, *kinds: Any) -> Callable[..., None]:
-        """A void function to be called from Python, which keeps the code alive; in and out by address, and n.
+        """A void function to be called from Python, which keeps the code alive; without kinds as `functions_text` says.
 
         Other threads run while it does.
         """
-        types = kinds or (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
+        types = kinds or (ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64)
         return functools.partial(self._call, ctypes.CFUNCTYPE(None, *types)(self.addresses[name]))
 
     def _call(self, entry: Callable[..., None], *given: Any) -> None:

@@ -30,6 +30,7 @@ from rattle.jit.workspace import Workspace
 
 HOLD = 1e-6  # factor on the inverse mass of given rates, in mechanisms too large for `start_values`
 FAR = 0.1  # rotation of a body that pins pressed on their bushes may cause [rad]
+SLANT = 0.01  # part of an offset along a guide or slot, in clearances, that is put down to its angle, known roughly
 STARTS = 48  # guesses that are tried for angles that are not given
 
 
@@ -78,6 +79,8 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
             held = [*links, *held]  # closing would move the pins away from where the reactions press them
     workspace = system.workspace()
     q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal)
+    if t == 0.0:  # the instant for which offsets are given
+        _refuse_offsets_along(system, q)
     given = given_values(system, 1)
     if ideal is None:
         v = _free_rates(system, workspace, t, q, given)
@@ -168,6 +171,22 @@ def _hold_offsets(system: System, t: float, offsets: dict[str, Any], ideal: Asse
         if np.abs(q - before).max() < 1e-14 * system.size:
             break
     return q, iterations
+
+
+def _refuse_offsets_along(system: System, q: np.ndarray) -> None:
+    """Raise AssemblyError if the offset given for a guide or slot has a part along it, where nothing is play."""
+    for name, offset in system.model.initial.offsets.items():
+        joint = system.model.joints[name]
+        if joint.line is None or not has_contacts(joint):
+            continue
+        axis = pose(system, q, joint.a.body)[2] + joint.line
+        along = offset[0] * math.cos(axis) + offset[1] * math.sin(axis)
+        if abs(along) > SLANT * joint.clearance:
+            raise AssemblyError(
+                f"the offset of '{name}' in [initial] has a part of {along:.3g} m along the {joint.play.bearer}, which"
+                f" points to {math.degrees(axis):.4g} deg: only the part across it is play; place the"
+                f" {joint.play.borne} along it by x or y of its body"
+            )
 
 
 def _outside(system: System, workspace: Workspace) -> str:

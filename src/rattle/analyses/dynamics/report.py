@@ -76,7 +76,8 @@ def _series_notes(run: Run) -> tuple[str, ...]:
     if not series:
         return ()
     one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
-    return (f"{one} closed: bounces that rise less than {LOW:g} clearances are counted as contact",)
+    low = f"bounces that rise less than {LOW:g} clearances, or less than rounding, are counted as contact"
+    return (f"{one} closed: {low}",)
 
 
 def _trust(

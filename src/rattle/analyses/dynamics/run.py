@@ -186,6 +186,13 @@ class Run(ABC):
             return why_unsound(self)
         return self.explain(status)
 
+    def chunk(self) -> int:
+        """Steps to take before the next check of progress and of Ctrl-C: not more than the user still allows."""
+        most = CHUNK if functions.jit_runs() else 20
+        if self.most_steps is None:
+            return most
+        return max(1, min(most, self.most_steps - int(self.tally[at.STEPS])))
+
     def go(self, progress: bool = False, what: str = "simulate") -> None:
         """Take steps to the end, or until the run cannot go on; then `message` says why."""
         m, tally = self.workspace, self.tally
@@ -201,7 +208,7 @@ class Run(ABC):
             while status == PAUSED:
                 if stop.is_set():
                     raise KeyboardInterrupt
-                status = self.advance(self.t_end, CHUNK if functions.jit_runs() else 20)
+                status = self.advance(self.t_end, self.chunk())
                 self.crossings.append(m.crossings[: tally[at.FOUND]].copy())
                 self.contacts.append(m.events[: tally[at.EVENT_COUNT]].copy())
                 tally[at.FOUND] = tally[at.EVENT_COUNT] = 0

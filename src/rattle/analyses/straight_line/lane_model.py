@@ -1,4 +1,4 @@
-"""A recorded model for lanes: its functions split into what a sample's parameters determine once and what steps need."""
+"""A recorded model for lanes: its functions split into what a sample determines once and what every step needs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses.straight_line.recorded_model import RecordedModel
-from rattle.analyses.straight_line.starts import Starts
+from rattle.analyses.straight_line.starts import EIGHT, Starts
 from rattle.language.syntax import Name, Node, Number, walk
 from rattle.results.reductions import Output, argument
 from rattle.trace.elementary import lower
@@ -93,15 +93,15 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
     energy = compile_function(*lower(graph, [energies[-1]]))
 
     def begin(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        begun = starts.begin(values)
-        count = values.shape[1]
-        state, first = np.zeros((len(exact.inputs), count)), np.zeros((1, count))
-        state[1 : 1 + ny], state[1 + ny : -1] = begun.y, values
+        begun, count = starts.begin(values), values.shape[1]
+        fill = np.minimum(np.arange(-(-count // EIGHT) * EIGHT), count - 1)
+        state, first = np.zeros((len(exact.inputs), len(fill))), np.zeros((1, len(fill)))
+        state[1 : 1 + ny], state[1 + ny : -1] = begun.y[:, fill], values[:, fill]
         energy(state, first)
         state[-1] = first[0]
-        constants = np.empty((len(prepared), count))
+        constants = np.empty((len(prepared), len(fill)))
         prepare(state, constants)
-        return begun.y, constants, np.isfinite(begun.y).all(axis=0)
+        return begun.y, constants[:, :count], np.isfinite(begun.y).all(axis=0)
 
     first = len(asked.curves)
     return Model(

@@ -2,40 +2,67 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import ctypes
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from rattle.trace import llvm
 from rattle.trace.graph import Graph
-from rattle.trace.lane_program import Function
+from rattle.trace.lane_program import Calls, Function
 
 
 class MachineFunctions:
     """Functions (rows in (n_in, n), rows out (n_out, n)) of graphs of exact operations, for n a multiple of 8.
 
-    Arrays are float64 and C-contiguous and do not overlap.  They may be called after `compile`, from several threads.
+    Arrays are float64 and do not overlap, and each row is without gaps.  Functions may be called after `compile`, from
+    several threads.
     """
 
     def __init__(self, width: int | None = None) -> None:
         self.width = llvm.width() if width is None else width
-        self._texts: list[str] = []
+        self._texts = [llvm.CHAIN]
         self._code: llvm.MachineCode | None = None
-        self._calls: dict[int, Any] = {}
+        self._calls: dict[str, Any] = {}
+        self._names: dict[Function, str] = {}
 
     def add(self, graph: Graph, outputs: Sequence[Any]) -> Function:
         """A function that will be compiled with the others."""
-        number = len(self._texts)
-        self._texts.append(llvm.functions_text(graph, {f"f{number}": outputs}, self.width))
+        name = f"f{len(self._texts)}"
+        self._texts.append(llvm.functions_text(graph, {name: outputs}, self.width))
 
         def call(rows_in: np.ndarray, rows_out: np.ndarray) -> None:
-            self._calls[number](rows_in.ctypes.data, rows_out.ctypes.data, rows_in.shape[1])
+            self._calls[name](*_places(rows_in, rows_out))
 
+        self._names[call] = name
         return call
 
     def compile(self) -> None:
         """Make the machine code of all functions."""
-        names = [f"f{n}" for n in range(len(self._texts))]
-        self._code = llvm.compile("\n".join(self._texts), names)
-        self._calls = {n: self._code.function(name) for n, name in enumerate(names)}
+        names = list(self._names.values())
+        self._code = llvm.compile("\n".join(self._texts), ["chain", *names])
+        self._calls = {name: self._code.function(name) for name in names}
+        self._calls["chain"] = self._code.function("chain", ctypes.c_void_p, ctypes.c_int64)
+
+    def chain(self, calls: Calls) -> Callable[[], None]:
+        """One call of many functions in turn, on arrays that stay where they are, without Python in between."""
+        assert self._code is not None
+        addresses = self._code.addresses
+        table = np.array(
+            [(addresses[self._names[function]], *_places(rows, out)) for function, rows, out in calls], np.int64
+        )
+        held = [one for _, rows, out in calls for one in (rows, out)]
+
+        def call() -> None:
+            assert held
+            self._calls["chain"](table.ctypes.data, table.size)
+
+        return call
+
+
+def _places(rows_in: np.ndarray, rows_out: np.ndarray) -> tuple[int, int, int, int, int]:
+    """Arguments of a function, see `llvm.functions_text`."""
+    assert rows_in.strides[1] == rows_out.strides[1] == 8
+    a, b = rows_in.strides[0] // 8, rows_out.strides[0] // 8
+    return rows_in.ctypes.data, a, rows_out.ctypes.data, b, rows_in.shape[1]

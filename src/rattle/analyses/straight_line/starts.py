@@ -66,7 +66,8 @@ class Starts:
         nq, count = 3 * system.body_count, y.shape[1]
         fill = np.minimum(np.arange(-(-count // EIGHT) * EIGHT), count - 1)  # the last sample fills up
         size = np.tile([system.size, system.size, 1.0], system.body_count)[:, None]
-        inputs = np.concatenate([np.zeros((1, len(fill))), y[:, fill], values[:, fill], np.zeros((1, len(fill)))])
+        inputs = np.zeros((2 + len(y) + len(values), len(fill)))  # t = 0, y, parameters, E_0
+        inputs[1 : 1 + len(y)], inputs[1 + len(y) : -1] = y[:, fill], values[:, fill]
         found, rates, readable = (np.empty((n, len(fill))) for n in (nq + 2, nq + 2, 1))
         q = inputs[1 : nq + 1]
         began, left = q.copy(), np.full(len(fill), np.inf)

@@ -128,7 +128,7 @@ def _slice(count: int) -> Callable[..., Any]:
 def _normal(kernel: ContactLaw, law: Law, part: Callable[..., Any], _: Callable[..., Any]) -> Callable[..., Any]:
     pack = kernel.pack
 
-    def run(static, delta, ddelta, v0, p, k):  # type: ignore[no-untyped-def]
+    def run(static: Any, delta: Any, ddelta: Any, v0: Any, p: Any, k: Any) -> float:
         if delta <= 0.0:
             return 0.0
         try:  # machine code cannot pass on an exception: nan ends the run with a message
@@ -142,7 +142,7 @@ def _normal(kernel: ContactLaw, law: Law, part: Callable[..., Any], _: Callable[
 def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any], own: Callable[..., Any]) -> Callable[..., Any]:
     pack, states = kernel.pack, kernel.states
 
-    def with_many(u, N, z, p, k, dz):  # type: ignore[no-untyped-def]
+    def with_many(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
         for n in range(states):
             dz[n] = 0.0
         if N <= 0.0:
@@ -155,7 +155,7 @@ def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any], own: Calla
         except Exception:
             return math.nan
 
-    def with_one(u, N, z, p, k, dz):  # type: ignore[no-untyped-def]
+    def with_one(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
         dz[0] = 0.0
         if N <= 0.0:
             return 0.0
@@ -166,7 +166,7 @@ def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any], own: Calla
         except Exception:
             return math.nan
 
-    def without(u, N, z, p, k, dz):  # type: ignore[no-untyped-def]
+    def without(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
         if N <= 0.0:
             return 0.0
         try:

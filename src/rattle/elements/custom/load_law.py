@@ -153,7 +153,7 @@ def _plain(kernel: LawKernel) -> Callable[..., None]:
     """The kernel for plain Python."""
     count = len(kernel.keys)
 
-    def run(t, body, a, b, p, k, force, energy):  # type: ignore[no-untyped-def]
+    def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
         values = [float(one) for one in p[k : k + count]]
         fx, fy, torque = kernel.evaluate(float(t), [float(one) for one in body[b, :6]], values)
         force[b, at.X] += fx
@@ -169,7 +169,7 @@ def _native(kernel: LawKernel) -> Callable[..., None]:
     law, part = users_law(kernel.law, len(kernel.keys))
     pack = kernel.pack
 
-    def run(t, body, a, b, p, k, force, energy):  # type: ignore[no-untyped-def]
+    def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
         kept = force[b, at.X]
         force[b, at.X] = math.nan  # stays nan if the law raises: machine code does not stop at an exception
         state = (body[b, at.X], body[b, at.Y], body[b, at.PHI], body[b, at.VX], body[b, at.VY], body[b, at.W])
@@ -203,7 +203,7 @@ def _callback(kernel: LawKernel) -> Any:
 def _through(callback: Any) -> Callable[..., None]:
     """The kernel for machine code that calls back into Python."""
 
-    def run(t, body, a, b, p, k, force, energy):  # type: ignore[no-untyped-def]
+    def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
         callback(t, body[b].ctypes, p[k:].ctypes, force[b].ctypes, energy.ctypes)
 
     return run

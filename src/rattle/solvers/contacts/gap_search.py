@@ -179,9 +179,12 @@ def lowest(left, slope_left, right, slope_right):
 
 @compiled
 def first_below(m, h, n, side, left, gap, rate, right, end):
-    """Share between left and right at which side * gap, negative at the right end, becomes negative."""
+    """Share between left and right at which side * gap, negative at the right end, becomes negative.
+
+    A gap that is rounding as it starts to grow has no zero there, whatever its sign: it returns after its maximum.
+    """
     t = m.clock[0]
-    if gap <= 0.0 and rate > 0.0:  # it leaves the wall briefly and returns: search from the maximum on
+    if gap <= rounding(m, n) and rate > 0.0:
         top = right
         for _ in range(60):
             middle = 0.5 * (left + top)

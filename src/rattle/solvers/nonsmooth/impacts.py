@@ -1,8 +1,9 @@
 """Impacts of set-valued contacts: impulses, energy lost, and the end of infinite sequences of impacts.
 
-A bounce that would rise less than LOW clearances (but never less than the rounding of positions, 4e-15 of the size
-of the mechanism) is not followed: restitution is taken as zero, and the contact counts as closed from the end of the
-geometric series of bounces on, t + 2 v / (|g''| (1 - e)).  In a clearance of 1 mm such a bounce has a few 1e-6 m/s.
+A bounce that would rise less than LOW clearances, or less than the rounding of its gap (4e-15 of the size of the
+mechanism, more where coordinates or angles are large), is not followed: restitution is taken as zero, and the contact
+counts as closed from the end of the geometric series of bounces on, t + 2 v / (|g''| (1 - e)).  In a clearance of 1 mm
+such a bounce has a few 1e-6 m/s.
 
 The same holds if one contact lifts because another one hits, as under a rocking block: one that would rise less
 is held down, and its rate is lost like that of a bounce.  The intervals d between impacts of a contact shrink
@@ -38,6 +39,7 @@ from rattle.equations.unilateral import (
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import call_problem, compiled, native
 from rattle.solvers.contacts.event_rows import note_impact
+from rattle.solvers.contacts.gap_search import rounding
 from rattle.solvers.contacts.penetration import clearance_of
 from rattle.solvers.nonsmooth.contact_projection import STILL, at_rest, at_wall, motion_without
 from rattle.solvers.nonsmooth.impact_path import BEFORE, E
@@ -183,14 +185,14 @@ def low_bounce(m, t, y, count):
     add_forces(m, count, m.acceleration, m.multiplier)
     for r in range(2 * count):
         side[F, r] = side[OTHER, r]
-    least = 4e-15 * m.held[at.SIZE]
     for k in range(count):
         n = active[k]
+        least = max(LOW * clearance_of(m, n), 4e-15 * m.held[at.SIZE], rounding(m, n))
         speed, came = kinematics[n, at.DGAP], -bounce[BEFORE, 2 * n]
         if memory[n, at.BOUNCES_END] != 0.0 or speed <= STILL * velocity_scale(m, 2 * k, n):
             continue
         pull = kinematics[n, at.GAMMA_N] - along(m, 2 * k, n, m.acceleration, 0)
-        if pull < 0.0 and speed * speed < -2.0 * pull * max(LOW * clearance_of(m, n), least):
+        if pull < 0.0 and speed * speed < -2.0 * pull * least:
             found = True
             if side[F, 2 * k] > 0.0 and came > 0.0:
                 e = values[contact[n, at.NORMAL_P] + at.RESTITUTION]

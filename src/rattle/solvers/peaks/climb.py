@@ -202,6 +202,7 @@ def end_step(m, t, h, until, layout, dense):
         dense = 1 if near_peak(peaks) else 0
         if dense:
             probe(m, t, h, 0.5, 0)
+            solved += 1
             for n in range(peaks.shape[0]):
                 peaks[n, SAMPLE + ORDER[RK4, 1]] = peaks[n, SAMPLE + PROBE]
     if layout == LOOKS:

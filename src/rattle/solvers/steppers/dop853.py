@@ -108,6 +108,7 @@ class Dop853(AdaptiveStepper):
     order = 8
     usual_with = (FREE, COMPLIANT)
     stages = STAGES
+    dense_stages = 3
     samples = DOP853
     dense_output = prepare_dense
     refinement = 10 ** (1 / 8)
