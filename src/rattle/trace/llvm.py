@@ -357,7 +357,8 @@ def _object(text: str, machine: tuple[str, str]) -> bytes:
 def _loaded(made: bytes, names: Sequence[str], machine: tuple[str, str]) -> MachineCode:
     """Object code as functions."""
     binding = _binding()
-    engine = binding.create_mcjit_compiler(_module(""), _machine(*machine))
+    # an engine needs a module, whose context must live as long: the collector may dispose of a context of its own first
+    engine = binding.create_mcjit_compiler(binding.parse_assembly(""), _machine(*machine))
     engine.add_object_file(binding.ObjectFileRef.from_data(made))
     engine.finalize_object()
     return MachineCode(engine, names)
