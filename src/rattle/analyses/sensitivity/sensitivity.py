@@ -15,6 +15,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.dynamics.simulate import output_times
+from rattle.analyses.dynamics.horizon import AGREE
 from rattle.analyses.kinematics.kinematics import analyse, instants
 from rattle.analyses.sensitivity.at_rest import AtRest, record_rest
 from rattle.analyses.sensitivity.driven import Driven, positions
@@ -185,12 +186,12 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     ), units
 
 
-def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float | None]:
-    """Notes on exponential growth, and the time up to which curves can be trusted [s], None if there is no growth."""
+def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float]:
+    """Notes on exponential growth, and the time up to which curves can be trusted [s]."""
     t = np.array([one[0] for one in run.history])
     if len(t) < 2:
-        return [], None
-    sizes, notes, horizon = np.array([one[1] for one in run.history]), [], None
+        return [], run.t
+    sizes, notes, horizon = np.array([one[1] for one in run.history]), [], run.t
     for name, size in zip(asked.model.parameters, sizes.T, strict=True):
         found = growth(t, size)
         if found is None:
@@ -201,8 +202,7 @@ def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float | None]:
         notes.append(
             f"sensitivities to {name} grow tenfold every {found.tenfold:.2g} s: a change of {name} by {words}{reach}"
         )
-        lasts = np.log(1e-2 / asked.rtol) / found.rate
-        horizon = min(horizon or np.inf, float(t[-1]), float(lasts))
+        horizon = min(horizon, float(np.log(AGREE / asked.rtol)) / found.rate)
     return notes, horizon
 
 
@@ -321,7 +321,9 @@ def derivative_name(output: str, parameter: str) -> str:
 
 
 def quotient(unit: str, by: str) -> str:
-    """SI unit of a derivative, as "rad/m" or "N/(rad/s)"."""
+    """SI unit of a derivative, as "rad/m", "N/(N*m)", or "rad*s" for one by a rate in 1/s."""
     if not by:
         return unit
+    if by.startswith("1/"):
+        return f"{unit}*{by[2:]}" if unit else by[2:]
     return f"{unit or '1'}/{f'({by})' if any(c in by for c in '*/') else by}"

@@ -43,7 +43,7 @@ class Tolerance:
         """Error of a step as a share of the tolerance: that of the worst column."""
         some = self.controlled
         scale = self.scale(z[some], z_new[some])
-        third, fifth = (np.tensordot(e, slopes[:STAGES][:, some], 1) / scale for e in (E3, E5))
+        third, fifth = (np.tensordot(e[:STAGES], slopes[:, some], 1) / scale for e in (E3, E5))
         small, large = (fifth**2).sum(axis=0), (third**2).sum(axis=0)
         total = np.sqrt((small + 0.01 * large) * len(some))
         shares = np.divide(abs(h) * small, total, out=np.zeros_like(total), where=total != 0.0)
