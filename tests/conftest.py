@@ -5,6 +5,8 @@ import os
 import pytest
 from hypothesis import settings
 
+from rattle import registry
+
 os.environ["MPLBACKEND"] = "Agg"
 JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0")
 
@@ -16,3 +18,14 @@ def pytest_configure(config: pytest.Config) -> None:
     """Without machine code only the tests marked `nojit` are affordable."""
     if not JIT and not config.option.markexpr:
         config.option.markexpr = "nojit"
+
+
+@pytest.fixture
+def laws():
+    """Laws of a test leave the registry after it."""
+    before = {family: dict(registry.kinds(family)) for family in ("normal", "friction")}
+    yield
+    for family, kinds in before.items():
+        entries = registry._families[family]
+        entries.clear()
+        entries.update(kinds)

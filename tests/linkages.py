@@ -1,4 +1,4 @@
-"""Mechanisms of the tests that need no steps in time, as model texts."""
+"""Mechanisms that several tests share, as model texts."""
 
 
 def fourbar_text(
@@ -137,4 +137,30 @@ torque = "M"
 [initial]
 coupler = {{ angle = "60 deg" }}
 rocker = {{ angle = "-60 deg" }}
+"""
+
+
+def block_in_guide(
+    contact: str, clearance: float, length: float, height: float, gravity: float,
+    y: float = 0.0, angle: float = 0.0, vx: float = 0.0, omega: float = 0.0,
+) -> str:  # fmt: skip
+    """A block of 2 kg in a level guide of the ground; y, angle and rates: those at the start."""
+    return f"""
+format = 1
+gravity = [0, {-gravity}]
+[ground.points]
+O = [0, 0]
+[bodies.block]
+points = {{ P = [0, 0] }}
+mass = 2
+inertia = 1e-3
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "block.P"]
+axis = 0
+clearance = {clearance}
+block = {{ length = {length}, height = {height} }}
+contact = {contact}
+[initial]
+block = {{ x = 0, y = {y}, angle = {angle}, vx = {vx}, vy = 0, omega = {omega} }}
 """

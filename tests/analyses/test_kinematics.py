@@ -288,3 +288,13 @@ def test_signals_are_recorded_with_their_units():
     r = rt.loads(text).kinematics(np.linspace(0, 0.5, 6))
     np.testing.assert_allclose(r["reach"], r["slider.x"] - 0.2, atol=1e-15)
     np.testing.assert_allclose(r["speed"], np.abs(r["slider.vx"]), atol=1e-15)
+
+
+@nojit
+def test_hint_at_open_clearance_is_a_sentence_of_its_own():
+    """Whether what cannot be assembled is said in one sentence, without a full stop, or in several."""
+    outside = rt.example("scotch_yoke").set({"initial.slot.offset": ["-3*c", 0]})
+    too_far = rt.loads(paper().replace("0.81", "5"))
+    for m, joints in ((outside, "slot"), (too_far, "O3, O4")):
+        with pytest.raises(rt.AssemblyError, match=rf"[^.]\. There is clearance in {joints}: close it with .*ideal\.$"):
+            m.kinematics([0.0, 0.1])

@@ -75,17 +75,21 @@ def test_an_upright_rod_falls_at_its_rate():
     assert "unstable" in str(found)
 
 
-@nojit
-def test_damping_is_a_share_of_the_critical():
-    spring = """
+def twist(damping: float) -> str:
+    """A spring of 12 N m that holds the upper rod where it hangs, with damping [N m s]."""
+    return f"""
 [loads.twist]
 type = "torsion-spring"
 connect = ["ground", "rod"]
 stiffness = 12
-damping = 0.3
+damping = {damping}
 free_angle = "-pi/2"
 """
-    found = rt.loads(rods(spring, second=False)).modes()
+
+
+@nojit
+def test_damping_is_a_share_of_the_critical():
+    found = rt.loads(rods(twist(0.3), second=False)).modes()
     omega = math.sqrt((12 + 9.81 / 2) * 3)
     assert found.omega[0] == pytest.approx(omega, rel=1e-9)
     assert found.damping[0] == pytest.approx(0.3 * 3 / (2 * omega), rel=1e-8)
@@ -93,15 +97,7 @@ free_angle = "-pi/2"
 
 @nojit
 def test_an_overdamped_mode_creeps_back_with_its_two_time_constants():
-    spring = """
-[loads.twist]
-type = "torsion-spring"
-connect = ["ground", "rod"]
-stiffness = 12
-damping = 9
-free_angle = "-pi/2"
-"""
-    found = rt.loads(rods(spring, second=False)).modes()
+    found = rt.loads(rods(twist(9), second=False)).modes()
     # J s^2 + c s + k = 0 about the pivot: J = 1/3 kg m^2, k = 12 + 9.81/2
     fast, slow = np.sort(np.roots([1 / 3, 9.0, 12 + 9.81 / 2]))
     assert found.damping[0] > 1.0
@@ -110,7 +106,7 @@ free_angle = "-pi/2"
     assert "Hz" not in str(found)
     assert "overdamped" in repr(found)
     assert "overdamped" in found.plot(0).axes[0].get_title(loc="left")
-    swinging = rt.loads(rods(spring.replace("= 9", "= 0.3"), second=False)).modes()
+    swinging = rt.loads(rods(twist(0.3), second=False)).modes()
     assert np.isnan(swinging.time_constants).all()
     assert "overdamped" not in str(swinging)
 

@@ -30,17 +30,6 @@ pin = {{ x = 0, y = 0.0003, angle = 0, vx = 0.5, vy = {vy}, omega = 0 }}
 """
 
 
-@pytest.fixture
-def laws():
-    """Laws of a test leave the registry after it."""
-    before = {family: dict(registry.kinds(family)) for family in ("normal", "friction")}
-    yield
-    for family, kinds in before.items():
-        entries = registry._families[family]
-        entries.clear()
-        entries.update(kinds)
-
-
 def free_pin(contact, vy=0.0):
     return rt.loads(BUSH.format(contact=contact, vy=vy))
 

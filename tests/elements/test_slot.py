@@ -373,3 +373,38 @@ def test_an_equilibrium_says_that_the_ends_of_a_slot_are_left_out():
     found = scotch_yoke(with_play(length=0.06)).equilibrium()
     assert "the ends of 'slot' and the play there are left out" in found.note
     assert "ends" not in scotch_yoke().equilibrium().note
+
+
+@nojit
+def test_positions_beyond_the_ends_of_a_slot_are_noted_by_every_analysis_of_a_driven_mechanism():
+    """The pin of the yoke goes to +-50 mm, beyond 30 mm from asin 0.6 on; a slot of 120 mm holds it."""
+    t = np.linspace(0.0, 0.0628, 629)
+    first = math.asin(0.6) / 100
+    short, long = (scotch_yoke(with_play(1e-4, '{ model = "impact" }', length)) for length in (0.06, 0.12))
+    for m, leaves in ((short, True), (long, False)):
+        said = [one.trust.notes for one in (m.ideal().kinematics(t), m.ideal().inverse_dynamics(t))]
+        said.append(m.accuracy("yoke.x", t[::10]).notes)
+        for notes in said:
+            found = [one for one in notes if "joint 'slot' goes beyond its ends, by up to 0.02 m" in one]
+            assert len(found) == leaves
+            if leaves:
+                assert 0.0 <= float(found[0].split("t = ")[1].split(" s")[0]) - first < 1e-3
+    assert "the ends of 'slot' are left out of the range" in str(short.check())
+
+
+@nojit
+def test_check_names_a_start_beyond_the_ends_of_a_slot():
+    def at(x):
+        return str(bead(with_play(length=0.4), f"x = {x}, y = 0").check())
+
+    assert "start: joint 'slot' goes beyond its ends, by up to 0.1 m" in at(0.3)
+    assert "ends, by" not in at(0.19)
+
+
+@nojit
+def test_no_equilibrium_of_a_bead_that_rests_at_the_end_of_its_slot_has_that_as_a_reason():
+    found = bead(with_play(0.01, '{ model = "impact" }', 0.4), "x = 0, y = 0", 10.0, "60 deg").equilibrium()
+    assert not found
+    assert "the ends of 'slot' and the play there are left out: where a pin rests at an end" in found.note
+    with pytest.raises(ValueError, match="no equilibrium was found at t = 0 s: the ends of 'slot'"):
+        found.first_at(0.0)

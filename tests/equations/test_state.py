@@ -6,52 +6,31 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from linkages import block_in_guide
 from rattle import registry
 from rattle.analyses.dynamics.run import How
 from rattle.analyses.dynamics.smooth_run import SmoothRun
 from rattle.elements.custom.contact_law import friction_law
 from rattle.equations.state import ACCOUNTS, ENERGIES, state_layout
 
-BLOCK = """
-format = 1
-gravity = [0, -9.81]
-[ground.points]
-O = [0, 0]
-[bodies.block]
-points = {{ P = [0, 0] }}
-mass = 2
-inertia = 1e-3
-[joints.guide]
-type = "prismatic"
-connect = ["ground.O", "block.P"]
-axis = 0
-clearance = "0.2 mm"
-block = {{ length = "80 mm", height = "1 mm" }}
-contact = {{ model = "exact", restitution = 0.3, stiffness = 1e11, friction = {{ {friction} }} }}
-[initial]
-block = {{ x = 0, y = -2e-4, angle = 0, vx = {speed}, vy = 0, omega = 0 }}
-"""
 G, SPEED, SPRING, WORN = 9.81, 0.1, 100.0, 40.0  # m/s^2, m/s, 1/m, 1/m
 
 
 @pytest.fixture
-def worn_spring():
+def worn_spring(laws):
     """T / N = SPRING (way slid) + WORN (path slid), against the slip: bristles that do not let go, and wear."""
-    before = dict(registry.kinds("friction"))
 
     @friction_law("worn-spring", states=2, spring="1/m", worn="1/m", v1="m/s")
     def worn_spring(u, N, z, p):
         root = math.sqrt(N)  # a way measured so gives no energy back when N changes, see contact_laws/friction.py
         return root * p.spring * z[0] + N * p.worn * z[1] * math.tanh(u / p.v1), (root * u, abs(u))
 
-    yield f'model = "worn-spring", spring = {SPRING}, worn = {WORN}, v1 = "0.01 mm/s"'
-    entries = registry._families["friction"]
-    entries.clear()
-    entries.update(before)
+    return f'model = "worn-spring", spring = {SPRING}, worn = {WORN}, v1 = "0.01 mm/s"'
 
 
 def block(friction):
-    return rt.loads(BLOCK.format(friction=friction, speed=SPEED))
+    contact = f'{{ model = "exact", restitution = 0.3, stiffness = 1e11, friction = {{ {friction} }} }}'
+    return rt.loads(block_in_guide(contact, 2e-4, 0.08, 1e-3, G, y=-2e-4, vx=SPEED))
 
 
 def test_a_law_with_two_states_moves_a_block_as_its_closed_form_says(worn_spring):

@@ -146,7 +146,7 @@ def test_any_text_is_a_quantity_an_expression_or_an_error(text):
 def test_long_texts_are_refused_at_once(text):
     """In a time that grows with the length: were it the square, the test would not end."""
     with contextlib.suppress(QuantityError):
-        parse_quantity(text)
+        assert parse_quantity(text) is None  # left to the reader of expressions, which refuses it for its length
 
 
 _POWERS = st.integers(-8, 8).map(lambda n: n / 2)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from linkages import block_in_guide
 from rattle import registry
 from rattle.elements.contact_laws.normal import returned
 
@@ -256,25 +257,8 @@ def test_no_contact_is_missed_however_short(stiffness):
 
 # ---------------------------------------------------------------- at rest
 def test_a_block_settles_level_in_its_guide():
-    m = rt.loads("""
-format = 1
-gravity = [0, -9.81]
-[ground.points]
-O = [0, 0]
-[bodies.block]
-points = { P = [0, 0] }
-mass = 2
-inertia = 1e-3
-[joints.guide]
-type = "prismatic"
-connect = ["ground.O", "block.P"]
-axis = 0
-clearance = "0.2 mm"
-block = { length = "80 mm", height = "40 mm" }
-contact = { model = "exact", restitution = 0.3, stiffness = 1e8, exponent = 1.5, friction = 0.2 }
-[initial]
-block = { x = 0, y = 0, angle = 0.001, vx = 0.1, vy = 0, omega = 0 }
-""")
+    contact = '{ model = "exact", restitution = 0.3, stiffness = 1e8, exponent = 1.5, friction = 0.2 }'
+    m = rt.loads(block_in_guide(contact, 2e-4, 0.08, 0.04, 9.81, angle=0.001, vx=0.1))
     r = m.simulate(1.0)
     assert r.success
     assert r["block.angle"][-1] == pytest.approx(0.0, abs=1e-7)

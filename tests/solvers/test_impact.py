@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from linkages import block_in_guide
 
 DATA = Path(__file__).parents[1] / "data"
 PIN_TIMES = [1.553954329, 3.054303658, 4.437756907]  # c/v0 after the first; independent, 9 decimals
@@ -28,25 +29,8 @@ def by_instant(events):
 def ball(e=0.5, mu=0.0, vx=0.0, omega=0.0, height=0.1, **more) -> rt.Mechanism:
     """A small block in a wide level guide falls onto the lower wall under g = 10 m/s^2."""
     options = "".join(f", {key} = {value}" for key, value in more.items())
-    return rt.loads(f"""
-format = 1
-gravity = [0, -10]
-[ground.points]
-O = [0, 0]
-[bodies.block]
-points = {{ P = [0, 0] }}
-mass = 2
-inertia = 1e-3
-[joints.g]
-type = "prismatic"
-connect = ["ground.O", "block.P"]
-axis = 0
-clearance = {height}
-block = {{ length = 0.2, height = 0.02 }}
-contact = {{ model = "impact", restitution = {e}, friction = {mu}{options} }}
-[initial]
-block = {{ x = 0, y = 0, angle = 0, vx = {vx}, vy = 0, omega = {omega} }}
-""")
+    contact = f'{{ model = "impact", restitution = {e}, friction = {mu}{options} }}'
+    return rt.loads(block_in_guide(contact, height, 0.2, 0.02, 10.0, vx=vx, omega=omega))
 
 
 # ---------------------------------------------------------------- closed forms
@@ -77,7 +61,7 @@ def test_block_bounces_with_the_times_and_heights_of_a_falling_ball():
     assert hits[0] == pytest.approx(first, rel=1e-12)
     assert flights == pytest.approx([2 * first * e ** (n + 1) for n in range(8)], rel=1e-9)
     assert of_kind(r, "contact")[0].t == pytest.approx(first * (1 + e) / (1 - e), rel=1e-8)
-    assert r["g.normal"][-1] == pytest.approx(20.0, rel=1e-12)
+    assert r["guide.normal"][-1] == pytest.approx(20.0, rel=1e-12)
     assert r["energy.dissipated"][-1] == pytest.approx(2 * g * height, rel=1e-10)
 
 
@@ -88,7 +72,7 @@ def test_sliding_block_stops_after_its_closed_form_time_and_then_sticks():
     speed = vx - mu * g * hit  # the impulse m g t of the fall slows it by mu times its own
     assert of_kind(r, "stick")[0].t == pytest.approx(hit + speed / (mu * g), rel=1e-9)
     assert abs(r["block.vx"][-1]) < 1e-15
-    assert abs(r["g.tangential"][-1]) < 1e-12
+    assert abs(r["guide.tangential"][-1]) < 1e-12
     lost = of_kind(r, "impact")
     assert r["energy.balance"] == pytest.approx(0.0, abs=1e-10)
     assert sum(one.energy_lost for one in lost) == pytest.approx(2 * g * height + (vx**2 - speed**2), rel=1e-9)

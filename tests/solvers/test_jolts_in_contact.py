@@ -60,7 +60,7 @@ def test_a_jolt_does_not_see_the_pin_of_a_compliant_contact():
     jolt = next(event for event in result.events if event.kind == "jolt")
     assert jolt.impulse == pytest.approx(CRANK * JUMP, rel=1e-12)  # a finite force has no impulse at an instant
     assert result["crank.omega"][1] == pytest.approx(JUMP, rel=1e-12)
-    assert result["A.normal"][2] > 0.0 or result["rod.vy"][2] > 0.5
+    assert result["rod.vy"][2] == pytest.approx(LEVER * JUMP, rel=0.01)  # soon after, but for what the pin still swings
     assert result.trust.energy_balance < 1e-7
 
 

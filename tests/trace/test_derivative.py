@@ -8,13 +8,11 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 import rattle as rt
-from rattle.analyses.dynamics.run import start_state
 from rattle.equations import motion
 from rattle.errors import TraceError
 from rattle.trace import elementary
 from rattle.trace.derivative import gradient, jacobian, tangent
 from rattle.trace.graph import FLAGS, FUNCTIONS, Graph, Symbol, select
-from rattle.trace.recording import Recording
 
 pytestmark = pytest.mark.nojit
 LONG, STEP = np.clongdouble, 1e-100  # far below every rounding error, yet its square's effect is nothing
@@ -316,23 +314,23 @@ MODELS = ["double_pendulum", "slider_crank", "fourbar", "quick_return", "toggle"
 
 @functools.cache
 def recorded(name):
-    """A model's right-hand side on symbols, its system, and a moving state off its start."""
+    """A model's graph, its inputs, right-hand side and system, and a moving state off its start."""
     m = rt.example(name)
-    recording = Recording(m.system)
-    rate, _ = recording.guarded(recording.derivative)
-    y = start_state(m.system, m.start)
+    model = m.recorded()
+    y = model.start_state
     nq = (len(y) - 2) // 2
     y += np.random.default_rng(3).normal(size=len(y)) * np.where(np.arange(len(y)) < nq, 0.01, 0.5)
-    return recording, rate, m.system, y
+    inputs = [Symbol(model.graph, place) for place in model.graph.inputs]
+    return model.graph, inputs, model.derivative[:-1], m.system, y
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_a_right_hand_side_has_the_derivatives_of_its_kernel(name):
     """Against central differences of the kernel, extrapolated.  Their error is bounded by what two extrapolations
     differ by and by rounding, which six values of the kernel carry into the last one, each over h."""
-    recording, rate, system, y = recorded(name)
-    made = jacobian(recording.graph, rate, list(recording.y))
-    got = lowered(recording.graph, [x for row in made for x in row], [0.01, *y]).reshape(len(y), len(y))
+    graph, inputs, rate, system, y = recorded(name)
+    made = jacobian(graph, rate, inputs[1:-1])
+    got = lowered(graph, [x for row in made for x in row], [0.01, *y, 0.0]).reshape(len(y), len(y))
     workspace, h = system.plain_workspace(), 1e-3
 
     def kernel(state):
@@ -355,8 +353,8 @@ def test_a_right_hand_side_has_the_derivatives_of_its_kernel(name):
 
 @pytest.mark.parametrize("name", MODELS)
 def test_positions_change_by_their_rates_alone_and_nothing_by_work(name):
-    recording, rate, _, y = recorded(name)
-    made = jacobian(recording.graph, rate, list(recording.y))
+    graph, inputs, rate, _, y = recorded(name)
+    made = jacobian(graph, rate, inputs[1:-1])
     nq = (len(y) - 2) // 2
     for n in range(nq):
         assert made[n] == [1.0 if k == nq + n else 0.0 for k in range(len(y))]
@@ -365,10 +363,9 @@ def test_positions_change_by_their_rates_alone_and_nothing_by_work(name):
 
 def test_a_gradient_costs_a_small_multiple_of_its_function():
     """Griewank and Walther, (4.21): at most 5, however many inputs (here 32 states); measured less."""
-    recording, rate, _, y = recorded("quick_return")
-    graph = recording.graph
+    graph, inputs, rate, _, y = recorded("quick_return")
     output = sum((x * x for x in rate if isinstance(x, Symbol)), 0.0)
-    by = gradient(graph, output, list(recording.y))
+    by = gradient(graph, output, inputs[1:-1])
     assert sum(isinstance(x, Symbol) for x in by) > len(y) // 2
     assert graph.count([*by, output]) <= 4 * graph.count([output])
     assert not any(graph.ops[place] in FLAGS for place in graph.live(by))

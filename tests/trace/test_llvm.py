@@ -1,5 +1,6 @@
 """Machine code by LLVM: the bits of the reference for any number of samples side by side, kept and found again."""
 
+import ctypes
 import os
 import platform
 import subprocess
@@ -205,10 +206,10 @@ def test_functions_written_by_hand_call_recorded_ones():
     graph = Graph()
     x = graph.input()
     recorded = llvm.functions_text(graph, {"half": [abs(x) * 0.5], "sign": [x < 0.0]}, 2)
-    by_hand = """define void @quarter(ptr noalias %in, ptr noalias %out) {
-%half = alloca <2 x double>
-call void @half(ptr %in, ptr %half)
-call void @half(ptr %half, ptr %out)
+    by_hand = """define void @quarter(ptr noalias %in, i64 %a, ptr noalias %out, i64 %b, i64 %n) {
+%half = alloca double, i64 %n
+call void @half(ptr %in, i64 %a, ptr %half, i64 %n, i64 %n)
+call void @half(ptr %half, i64 %n, ptr %out, i64 %b, i64 %n)
 ret void
 }
 """
@@ -219,12 +220,29 @@ ret void
     np.testing.assert_array_equal(run(code, "sign", inputs, 1, 2), [[1.0, 0.0, 0.0]])
 
 
+def test_rows_may_be_apart_and_a_chain_calls_functions_in_turn():
+    graph = Graph()
+    x, y = graph.input(), graph.input()
+    code = llvm.compile(llvm.functions_text(graph, {"f": [x + y, x * y]}, 4) + llvm.CHAIN, ["f", "chain"])
+    rows, middle, last = np.arange(60.0).reshape(3, 20), np.zeros((2, 12)), np.full((2, 9), -1.0)
+    f = code.addresses["f"]
+    calls = np.array(
+        [f, rows[1:, 4:].ctypes.data, 20, middle.ctypes.data, 12, 8, f, middle.ctypes.data, 12, last.ctypes.data, 9, 4],
+        np.int64,
+    )
+    code.function("chain", ctypes.c_void_p, ctypes.c_int64)(calls.ctypes.data, calls.size)
+    a, b = rows[1:, 4:12]
+    np.testing.assert_array_equal(middle, np.hstack([[a + b, a * b], np.zeros((2, 4))]))
+    a, b = middle[:, :4]
+    np.testing.assert_array_equal(last, np.hstack([[a + b, a * b], np.full((2, 5), -1.0)]))
+
+
 def test_a_function_keeps_its_code_alive():
     graph = Graph()
     x = graph.input()
     function = llvm.compile(llvm.functions_text(graph, {"double": [x + x]}, 1), ["double"]).function("double")
     rows = np.array([21.0, 0.0])
-    function(rows.ctypes.data, rows.ctypes.data + 8)
+    function(rows.ctypes.data, 1, rows.ctypes.data + 8, 1, 1)
     assert rows[1] == 42.0
 
 
@@ -245,7 +263,7 @@ def simple(summand):
 
 def value(code):
     rows = np.array([1.0, 0.0])
-    code.function("straight")(rows.ctypes.data, rows.ctypes.data + 8)
+    code.function("straight")(rows.ctypes.data, 1, rows.ctypes.data + 8, 1, 1)
     return rows[1]
 
 
@@ -377,7 +395,7 @@ graph = Graph()
 lowered, outputs = elementary.lower(graph, [graph.apply("sin", graph.input())])
 code = llvm.compile(llvm.functions_text(lowered, {"sine": outputs}, 1), ["sine"])
 rows = (ctypes.c_double * 2)(0.5, 0.0)
-code.function("sine")(ctypes.addressof(rows), ctypes.addressof(rows) + 8)
+code.function("sine")(ctypes.addressof(rows), 1, ctypes.addressof(rows) + 8, 1, 1)
 assert abs(rows[1] - 0.479425538604203) < 1e-15
 print([name for name in sys.modules if name.split(".")[0] == "numba"])
 """

@@ -12,6 +12,7 @@ from rattle.analyses.assembly.loops import describe_loop, loops
 from rattle.analyses.assembly.rank import nonunique_reactions, rank
 from rattle.analyses.law_check import law_faults
 from rattle.analyses.timetable import jump_lines, timetable
+from rattle.analyses.travel import past_ends, with_ends
 from rattle.description.model import Model
 from rattle.equations.closure import close_position, open_by
 from rattle.equations.dense import LARGE
@@ -84,6 +85,9 @@ def check(system: System, start: Assembled) -> Check:
         factorise(workspace)
     independent = rank(system, workspace)
     redundant = system.row_count - independent
+    reach, ends = _reach(system, start), with_ends(model)
+    if reach and ends:
+        reach.append(f"the ends of {ends} are left out of the range")
     return Check(
         name=model.name,
         bodies=system.body_count,
@@ -94,9 +98,9 @@ def check(system: System, start: Assembled) -> Check:
         loops=tuple(describe_loop(model, joint, path) for joint, path in loops(model)),
         branches=tuple(_branches(system, start)),
         clearances=tuple(_clearances(model)),
-        reach=(*_reach(system, start), *jump_lines(jumps)),
+        reach=(*reach, *jump_lines(jumps)),
         laws=tuple(law_faults(model)),
-        start=start.notes,
+        start=(*start.notes, *past_ends(system, np.array([start.t]), start.q.reshape(1, -1, 3))),
         residual=start.residual,
     )
 

@@ -16,11 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.trace.lane_batch import Batch
+from rattle.trace.lane_batch import EIGHT, Batch
 from rattle.trace.lane_program import Program, Status
 from rattle.trace.lane_start import Stock
 
-WIDTH = 256
+WIDTH = 520  # an odd multiple of 8: rows at powers of two of each other would share a few lines of the cache
 IDLE = 8  # lanes are filled again when one in so many is idle
 
 Progress = Callable[[int, int], None]  # samples done, samples in all
@@ -77,9 +77,10 @@ def run(
 ) -> Outcome:
     """Integrate the samples of parameters (np, N) from 0 to the end of the program.
 
-    width: number of lanes of each thread.  progress is called from the threads, one at a time.
+    width: number of lanes of each thread, at most.  progress is called from the threads, one at a time.
     """
     work = _Work(np.asarray(parameters, dtype=float), len(program.ledger.reductions), progress)
+    width = min(width, -(-work.count // (EIGHT * threads)) * EIGHT)
     if threads == 1:
         _integrate(program, work, width)
     else:

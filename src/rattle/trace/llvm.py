@@ -1,9 +1,10 @@
 """Straight-line code as machine code, for W samples side by side, by LLVM.
 
 A function `void name(double *in, int64 a, double *out, int64 b, int64 n)` reads rows of n samples, in[k a + sample],
-and writes such rows, out[k b + sample], W samples at a time.  Every operation is one instruction without fast-math flags, and LLVM contracts nothing that is not marked for it, so each
-sample has the bits of `Graph.evaluate`, whatever W and the processor are.  The graph is shared and folded already, so
-none of LLVM's passes over its intermediate form run: they took as long as all the rest and changed no speed.
+and writes such rows, out[k b + sample], W samples at a time.  Every operation is one instruction without fast-math
+flags, and LLVM contracts nothing that is not marked for it, so each sample has the bits of `Graph.evaluate`, whatever W
+and the processor are.  The graph is shared and folded already, so none of LLVM's passes over its intermediate form run:
+they took as long as all the rest and changed no speed.
 
 Code is kept in the cache folder, see `rattle.jit.cache`.  Nothing here imports Numba; LLVM is imported when needed.
 """

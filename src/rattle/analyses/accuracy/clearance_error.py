@@ -29,6 +29,7 @@ from rattle.analyses.kinematics.sweep import Sweep, begin
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibria import rigid_model, without_guide_play
 from rattle.analyses.statics.starts import opened
+from rattle.analyses.travel import past_ends
 from rattle.description.model import Joint
 from rattle.equations.system import System, compile_system
 from rattle.errors import ModelError, Problem
@@ -184,7 +185,10 @@ def accuracy(
         of=of, unit=shown.unit, t=times, nominal=nominal, joints=tuple(one.name for one in joints),
         contributions=part, low=low, high=high, loaded=at_rest[0], pressed=at_rest[1], rule=at_rest[2],
         clearances={one.name: one.clearance for one in joints}, stats={"wall_time": time.perf_counter() - began},
-        notes=tuple(_unbounded(one, free) for one, free in zip(joints, shown.free, strict=True) if free.unbounded),
+        notes=(
+            *(_unbounded(one, free) for one, free in zip(joints, shown.free, strict=True) if free.unbounded),
+            *past_ends(ideal, times, np.array([node[swept.Q] for node in nodes]).reshape(n, -1, 3)),
+        ),
     )  # fmt: skip
     return record
 

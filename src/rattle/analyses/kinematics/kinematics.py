@@ -16,6 +16,7 @@ from rattle.analyses.kinematics.motors import motors_at, without_effort
 from rattle.analyses.kinematics.singular_positions import blocking, branch_points, why_stuck
 from rattle.analyses.kinematics.sweep import Sweep, begin
 from rattle.analyses.timetable import jump_notes, timetable
+from rattle.analyses.travel import past_ends, places
 from rattle.analyses.undefined import undefined
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
@@ -85,8 +86,10 @@ def analyse(
             start = assemble(system, float(times[0]))
         except AssemblyError as error:
             loose = _loose(system)
-            hint = f" There is clearance in {loose}: close it with ideal() or --ideal." if loose else ""
-            raise AssemblyError(f"{error}{hint}") from None
+            if not loose:
+                raise
+            said = str(error).removesuffix(".")
+            raise AssemblyError(f"{said}. There is clearance in {loose}: close it with ideal() or --ideal.") from None
     if system.row_count <= LARGE:
         require_driven(system, start, what)
     jumps = timetable(system, min(start.t, float(times[0])), float(times[-1])).jumps
@@ -104,6 +107,7 @@ def analyse(
     message = why_stuck(sweep) if len(raw) < len(times) else ""
     events, notes = branch_points(first, sweep, times, raw, bool(message))
     notes = [*start.notes, *notes, *without_effort(sweep, reached, raw, motors)]
+    notes += past_ends(system, reached, places(system, raw))
     if forces:
         notes += _without_value(sweep, reached, raw)
     if message:
@@ -138,9 +142,6 @@ def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
     if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise ValueError("t_eval must be one time or increasing finite times in s")
     return times
-
-
-# ---------------------------------------------------------------- what happened
 
 
 # ---------------------------------------------------------------- the result

@@ -153,7 +153,12 @@ class Equilibria(list[Equilibrium]):
         If no equilibrium or no forces were found because a load or an expression has no finite value: which, and why.
         """
         lacking = self.undefined if not self or any(math.isnan(one.residual) for one in self) else ""
-        lacking = "; ".join(part for part in (lacking, self.left_out) if part)
+        if self.left_out:
+            hint = (
+                "check that the pin stays inside" if self
+                else "where a pin rests at an end or on a wall there may be one; a run with damping comes to rest there"
+            )  # fmt: skip
+            lacking += f"{'; ' if lacking else ''}{self.left_out}: {hint}"
         if not self.stopped:
             return lacking
         larger = min(max(1.0, MORE * self._effort), MOST_EFFORT)
