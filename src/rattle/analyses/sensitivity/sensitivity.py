@@ -22,6 +22,7 @@ from rattle.analyses.sensitivity.driven import Driven, positions
 from rattle.analyses.sensitivity.functions import Functions
 from rattle.analyses.sensitivity.growth import growth, linear_until
 from rattle.analyses.sensitivity.motion import Motion
+from rattle.analyses.sensitivity.parameters import Parameters
 from rattle.analyses.sensitivity.start import start
 from rattle.analyses.statics.equilibria import equilibria
 from rattle.analyses.statics.quasistatic import quasistatic
@@ -58,6 +59,7 @@ class Asked:
     """A question: derivatives of which curves, by which parameters, when."""
 
     model: RecordedModel
+    parameters: Parameters
     outputs: tuple[str, ...]
     t_eval: np.ndarray  # (n,) [s]
     rtol: float
@@ -97,7 +99,7 @@ def sensitivity(
     times = _times(system, t_eval, analysis)
     arguments.require_room(len(times), len(outputs) * (1 + len(parameters)))
     model = _recorded(document, system, begin, parameters)
-    asked = Asked(model, outputs, times, rtol, atol)
+    asked = Asked(model, Parameters.of(model), outputs, times, rtol, atol)
     found, units = FIND[analysis](asked)
     found.stats["wall_time"] = time.perf_counter() - began
     result = _result(asked, analysis, found, units)
@@ -166,8 +168,8 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     model = asked.model
     curves, units = asked.curves(model.curves)
     compiled = MachineFunctions()
-    functions = Functions(model, curves, compiled.add)
-    z = start(model, compiled)
+    functions = Functions(model, asked.parameters, curves, compiled.add)
+    z = start(model, asked.parameters, compiled)
     run = Motion(functions, z, asked.t_eval, asked.rtol, asked.atol)
     run.go()
     notes, horizon = _growth_notes(asked, run)
@@ -219,7 +221,7 @@ def _kinematics(asked: Asked, forces: bool = False) -> tuple[Found, dict[str, st
     nominal = analyse(model.system, model.start, asked.t_eval, forces=forces)
     curves, units = asked.curves({name: one for name, one in model.curves.items() if name in nominal.stored})
     compiled = MachineFunctions()
-    driven = Driven(model, curves, compiled.add)
+    driven = Driven(model, asked.parameters, curves, compiled.add)
     compiled.compile()
     bodies = list(model.system.bodies)
     found = [driven.at(float(t), *positions(nominal, bodies, k)) for k, t in enumerate(nominal.t)]
@@ -233,21 +235,25 @@ def _inverse_dynamics(asked: Asked) -> tuple[Found, dict[str, str]]:
 
 def _equilibrium(asked: Asked) -> tuple[Found, dict[str, str]]:
     model, t_eval = asked.model, asked.t_eval
+    notes: tuple[str, ...] = ()
     if len(t_eval) == 1:
         first = equilibria(model.system, float(t_eval[0])).first_at(float(t_eval[0]))
         nominal, notes = first.result, (f"the equilibrium is {first}",)
+        neutral = np.array([bool(first.neutral)])
     else:
-        nominal, notes = quasistatic(model.system, t_eval), ()
+        nominal = quasistatic(model.system, t_eval)
+        neutral = nominal["equilibrium.stiffness"] == 0.0
     rest = record_rest(model)
     curves, units = asked.curves({name: one for name, one in rest.curves.items() if name in nominal.stored})
     compiled = MachineFunctions()
-    at_rest = AtRest(model, rest, curves, compiled.add)
+    at_rest = AtRest(model, asked.parameters, rest, curves, compiled.add)
     compiled.compile()
     bodies = list(model.system.bodies)
     found = []
     for k, t in enumerate(nominal.t):
         q = np.array([nominal[f"{body}.{key}"][k] for body in bodies for key in ("x", "y", "angle")])
-        found.append(at_rest.at(float(t), q))
+        values, derivatives, sound = at_rest.at(float(t), q)
+        found.append((values, derivatives, sound and not neutral[k]))
     made = _checked(asked, nominal, found, nominal.trust)
     made.trust = _with_notes(made.trust, notes)
     return made, units

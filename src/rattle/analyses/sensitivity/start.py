@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.analyses.sensitivity.linearised import Linearised
+from rattle.analyses.sensitivity.parameters import Parameters
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.recorded_start import lacking
@@ -15,7 +16,7 @@ from rattle.analyses.straight_line.starts import Starts
 from rattle.errors import TraceError
 
 
-def start(model: RecordedModel, functions: MachineFunctions) -> np.ndarray:
+def start(model: RecordedModel, chosen: Parameters, functions: MachineFunctions) -> np.ndarray:
     """y and its derivatives at t = 0, (ny, 1 + k) [SI]; compiles the functions.
 
     Raises TraceError, with what [initial] must give, if the start does not follow from the parameters.
@@ -29,23 +30,22 @@ def start(model: RecordedModel, functions: MachineFunctions) -> np.ndarray:
     correct = Linearised(model.graph, model.first.correction, functions.add)
     close_rates = Linearised(model.graph, model.first.rates, functions.add)
     functions.compile()
-    values = np.array(list(model.parameters.values()))
-    begun = begin.begin(values[:, None])
+    begun = begin.begin(chosen.values[:, None])
     if begun.assembled[0]:
         raise TraceError(
             "no sensitivities: the start is not determined by the values in [initial] alone, assembly had to change"
             f" them; {lacking(model.system, model.start)}"
         )
-    y, nq, k = begun.y[:, 0], 3 * model.system.body_count, len(values)
-    x = np.concatenate([[0.0], y, values, [0.0]])
+    y, nq, k = begun.y[:, 0], 3 * model.system.body_count, len(chosen.values)
+    x = np.concatenate([[0.0], y, chosen.values, [0.0]])
     parameters = slice(1 + len(y), 1 + len(y) + k)
     along = np.zeros((len(x), nq + k))
     along[1 : 1 + nq, :nq] = np.eye(nq)
-    along[parameters, nq:] = np.eye(k)
+    along[parameters, nq:] = chosen.directions
     _, found = correct(x, along)
     moved = np.zeros((len(x), k))
     moved[1 : 1 + nq] = np.linalg.solve(np.eye(nq) - found[:nq, :nq], found[:nq, nq:])
-    moved[parameters] = np.eye(k)
+    moved[parameters] = chosen.directions
     _, rates = close_rates(x, moved)
     z = np.zeros((len(y), 1 + k))
     z[:, 0] = y
