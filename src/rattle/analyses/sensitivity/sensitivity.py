@@ -7,18 +7,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.dynamics.horizon import AGREE
+from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.kinematics.kinematics import analyse, instants
 from rattle.analyses.sensitivity.at_rest import AtRest, record_rest
 from rattle.analyses.sensitivity.driven import Driven, positions
+from rattle.analyses.sensitivity.effects import derivative_name, quotient, usual_change
 from rattle.analyses.sensitivity.functions import Functions
 from rattle.analyses.sensitivity.growth import growth, linear_until
 from rattle.analyses.sensitivity.motion import Motion
@@ -35,6 +36,7 @@ from rattle.results.build import build_result
 from rattle.results.result import Result, UnknownName
 from rattle.results.trust import Trust
 from rattle.solvers.stepper import ATOL
+from rattle.trace.elementary import lower
 
 ANALYSES = ("simulate", "kinematics", "inverse-dynamics", "equilibrium")
 RTOL = 1e-10  # default relative tolerance of a motion with its derivatives
@@ -140,7 +142,7 @@ def _recorded(
             )
         raise TraceError(f"no sensitivities: {error}{remedy}") from None
     functions = MachineFunctions()
-    readable = functions.add(*_lowered_flag(model))
+    readable = functions.add(*lower(model.graph, [model.readable]))
     functions.compile()
     for n, (name, value) in enumerate(model.parameters.items()):
         columns = np.zeros((len(model.graph.inputs), 8))
@@ -155,12 +157,6 @@ def _recorded(
                 " makes another model"
             )
     return model
-
-
-def _lowered_flag(model: RecordedModel) -> tuple[Any, list[Any]]:
-    from rattle.trace.elementary import lower
-
-    return lower(model.graph, [model.readable])
 
 
 # ---------------------------------------------------------------- the analyses
@@ -198,22 +194,15 @@ def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float]:
         found = growth(t, size)
         if found is None:
             continue
-        change, words = usual_change(asked.model.system, name)
-        until = linear_until(t, size, change)
-        reach = f" acts linearly only until about t = {until:.2g} s" if until < t[-1] else " acts linearly all the time"
+        change = usual_change(asked.model.system, name)
+        until = linear_until(t, size, change["size"])
+        reach = f"linearly only until about t = {until:.2g} s" if until < t[-1] else "linearly over the whole run"
         notes.append(
-            f"sensitivities to {name} grow tenfold every {found.tenfold:.2g} s: a change of {name} by {words}{reach}"
+            f"sensitivities to {name} grow tenfold every {found.tenfold:.2g} s: a change of {name} by"
+            f" {change['words']} acts {reach}"
         )
         horizon = min(horizon, float(np.log(AGREE / asked.rtol)) / found.rate)
     return notes, horizon
-
-
-def usual_change(system: System, name: str) -> tuple[float, str]:
-    """A change of a parameter that matters [SI] and what to call it: its tolerance, else 1 % of its value."""
-    one = system.model.parameters[name]
-    if one.tol:
-        return one.tol, f"its tolerance {one.tol:g} {one.unit}".rstrip()
-    return (0.01 * abs(one.value), "1 %") if one.value else (0.01, f"0.01 {one.unit}".rstrip())
 
 
 def _kinematics(asked: Asked, forces: bool = False) -> tuple[Found, dict[str, str]]:
@@ -255,7 +244,7 @@ def _equilibrium(asked: Asked) -> tuple[Found, dict[str, str]]:
         values, derivatives, sound = at_rest.at(float(t), q)
         found.append((values, derivatives, sound and not neutral[k]))
     made = _checked(asked, nominal, found, nominal.trust)
-    made.trust = _with_notes(made.trust, notes)
+    made.trust = replace(made.trust, notes=(*made.trust.notes, *notes))
     return made, units
 
 
@@ -266,15 +255,7 @@ FIND: dict[str, Finding] = {
 }  # fmt: skip
 
 
-def _with_notes(trust: Trust, notes: Sequence[str]) -> Trust:
-    from dataclasses import replace
-
-    return replace(trust, notes=(*trust.notes, *notes))
-
-
-def _checked(
-    asked: Asked, nominal: Result, found: list[tuple[np.ndarray, np.ndarray, bool]], trust: Trust
-) -> Found:
+def _checked(asked: Asked, nominal: Result, found: list[tuple[np.ndarray, np.ndarray, bool]], trust: Trust) -> Found:
     """What was found at every instant of the analysis itself, as far as it agrees with it and is sound."""
     count, k = len(asked.outputs), len(asked.model.parameters)
     values = np.array([one[0] for one in found]).reshape(-1, count)
@@ -308,6 +289,7 @@ def _result(asked: Asked, analysis: str, found: Found, units: Mapping[str, str])
     model, n = asked.model.system.model, len(found.values)
     names, columns = list(asked.outputs), [found.values[:, c] for c in range(len(asked.outputs))]
     known = {name: units[name] for name in names}
+    changes = {name: usual_change(asked.model.system, name) for name in asked.model.parameters}
     for c, output in enumerate(asked.outputs):
         for k, parameter in enumerate(asked.model.parameters):
             name = derivative_name(output, parameter)
@@ -317,19 +299,5 @@ def _result(asked: Asked, analysis: str, found: Found, units: Mapping[str, str])
     return build_result(
         model, "sensitivity", t=asked.t_eval[:n], data=np.array(columns).T.reshape(n, len(names)), names=names,
         units=known, trust=found.trust, stats=found.stats, message=found.message, drawn=False,
-        settings={"of": list(asked.outputs), "to": list(asked.model.parameters), "along": analysis, **found.settings},
+        settings={"of": list(asked.outputs), "changes": changes, "along": analysis, **found.settings},
     )  # fmt: skip
-
-
-def derivative_name(output: str, parameter: str) -> str:
-    """Name of a derivative: d(rocker.angle)/d(l2)."""
-    return f"d({output})/d({parameter})"
-
-
-def quotient(unit: str, by: str) -> str:
-    """SI unit of a derivative, as "rad/m", "N/(N*m)", or "rad*s" for one by a rate in 1/s."""
-    if not by:
-        return unit
-    if by.startswith("1/"):
-        return f"{unit}*{by[2:]}" if unit else by[2:]
-    return f"{unit or '1'}/{f'({by})' if any(c in by for c in '*/') else by}"

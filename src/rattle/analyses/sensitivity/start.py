@@ -15,6 +15,8 @@ from rattle.analyses.straight_line.recorded_start import lacking
 from rattle.analyses.straight_line.starts import Starts
 from rattle.errors import TraceError
 
+NUDGE = 1e-6  # change of a parameter, as a share, at which the start must still be the one that [initial] gives
+
 
 def start(model: RecordedModel, chosen: Parameters, functions: MachineFunctions) -> np.ndarray:
     """y and its derivatives at t = 0, (ny, 1 + k) [SI]; compiles the functions.
@@ -36,6 +38,7 @@ def start(model: RecordedModel, chosen: Parameters, functions: MachineFunctions)
             "no sensitivities: the start is not determined by the values in [initial] alone, assembly had to change"
             f" them; {lacking(model.system, model.start)}"
         )
+    _require_kept(begin, chosen)
     y, nq, k = begun.y[:, 0], 3 * model.system.body_count, len(chosen.values)
     x = np.concatenate([[0.0], y, chosen.values, [0.0]])
     parameters = slice(1 + len(y), 1 + len(y) + k)
@@ -51,3 +54,17 @@ def start(model: RecordedModel, chosen: Parameters, functions: MachineFunctions)
     z[:, 0] = y
     z[:nq, 1:], z[nq : 2 * nq, 1:] = moved[1 : 1 + nq], rates[:nq]
     return z
+
+
+def _require_kept(begin: Starts, chosen: Parameters) -> None:
+    """Raise TraceError for parameters without which the values in [initial] contradict each other."""
+    size = np.where(chosen.values != 0.0, np.abs(chosen.values), 1.0)
+    change = NUDGE * chosen.directions * size
+    kept = begin.determined(chosen.values[:, None] + np.hstack([-change, change])).reshape(2, -1).any(axis=0)
+    lost = [name for name, good in zip(chosen.names, kept, strict=True) if not good]
+    if lost:
+        raise TraceError(
+            f"no sensitivities to {', '.join(lost)}: changed alone, the values in [initial] can no longer all be kept,"
+            " and what assembly does then has no derivative; give fewer of them, or write them and other parameters"
+            f" as expressions of {'it' if len(lost) == 1 else 'these'}, so that they fit"
+        )
