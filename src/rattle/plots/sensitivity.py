@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.analyses.sensitivity.effects import effects
-from rattle.plots.curves import CURVES, MORE, axis_label, handy_unit, new_axes, shade_after_horizon
+from rattle.plots.curves import CURVES, MORE, axis_label, figure_of, handy_unit, new_axes, shade_after_horizon
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,16 +32,22 @@ def plot_effects(result: Result) -> Figure:
         mine.sort(key=lambda one: -float(np.abs(one.derivative).max(initial=0.0)) * one.change)
         largest = max(float(np.abs(one.derivative).max(initial=0.0)) * one.change for one in mine)
         factor, unit = handy_unit(result.unit(output), largest)
-        style = {"marker": "o", "markersize": 4.0} if len(result.t) < 3 else {}
+        marker = "o" if len(result.t) < 3 else ""
+        lines = []
         for n, one in enumerate(mine):
-            label = f"{one.parameter} by {one.words}"
-            colour, dashes = COLOURS[n % len(COLOURS)], "-" if n < len(COLOURS) else "--"
-            ax.plot(result.t, factor * one.derivative * one.change, dashes, color=colour, lw=0.9, label=label, **style)
+            dashes, colour = "-" if n < len(COLOURS) else "--", COLOURS[n % len(COLOURS)]
+            curve = factor * one.derivative * one.change
+            lines += ax.plot(result.t, curve, linestyle=dashes, color=colour, linewidth=0.9, marker=marker)
         ax.set_ylabel(axis_label(f"change of {output}", unit), parse_math=False)
         ax.margins(x=0.0 if len(result.t) > 2 else 0.05)
         shade_after_horizon(ax, result)
-        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize=8)
+        legend = ax.legend(
+            lines, [str(n) for n in range(len(lines))], loc="upper left", bbox_to_anchor=(1.01, 1.0),
+            borderaxespad=0.0, frameon=False, fontsize=8,
+        )  # fmt: skip
+        for text, one in zip(legend.get_texts(), mine, strict=True):
+            text.set(text=f"{one.parameter} by {one.words}".replace("*", "·"), parse_math=False)
     if title := str(result.provenance.get("model", "")):
         axes[0].set_title(title, loc="left", fontsize=10, parse_math=False)
     axes[-1].set_xlabel("time [s]")
-    return axes[0].get_figure(root=True)  # type: ignore[return-value]
+    return figure_of(axes[0])

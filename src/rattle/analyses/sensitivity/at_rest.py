@@ -110,4 +110,4 @@ def _solved(left: np.ndarray, right: np.ndarray, n: int) -> np.ndarray:
     singular = np.linalg.svd(left, compute_uv=False)
     if singular[-1] <= NEUTRAL * singular[0]:
         return np.full((n, right.shape[1]), np.nan)
-    return np.linalg.lstsq(left, right, rcond=None)[0]
+    return np.asarray(np.linalg.lstsq(left, right, rcond=None)[0])

@@ -44,7 +44,7 @@ class Effect(NamedTuple):
         if unit in ("rad", "rad/s", "rad/s^2"):
             value, unit = DEGREES * value, unit.replace("rad", "deg")
         if by == "m" and self.change < MILLIMETRES:
-            value, by = 1e-3 * value, "mm"
+            value, unit, by = (value, "mm", "mm") if unit == "m" else (1e-3 * value, unit, "mm")
         return f"{value:.4g} {quotient(unit, by)}".rstrip()
 
     @property

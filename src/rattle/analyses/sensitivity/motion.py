@@ -43,7 +43,7 @@ class Motion:
         self.interrupted = False
         self.values: list[np.ndarray] = []  # curves at the outputs
         self.derivatives: list[np.ndarray] = []
-        self.history: list[tuple[float, np.ndarray]] = []  # times [s] and sizes (k,) of the derivatives
+        self.history: list[tuple[float, np.ndarray]] = []  # times [s], sizes (k,) of the derivatives of positions
         self.drift, self.drift_angle = 0.0, 0.0  # what the projection of an output corrects [m], [rad]
         self.balance, self.share = 0.0, 0.0  # largest energy error [J], and as a share of the largest energy
         self.steps = self.rejected = self.switched = 0
@@ -211,8 +211,9 @@ class Motion:
                 f"stopped at t = {self.t:.6g} s: the energy error is {share:.2g} of the largest energy; a smaller"
                 " rtol reduces it unless a load works against its own potential"
             )
-        some = self.tolerance.controlled
-        self.history.append((self.t, (np.abs(z[some, 1:]) / self.tolerance.weight[:, None]).max(axis=0, initial=0.0)))
+        nq = 3 * self.functions.model.system.body_count
+        size = np.abs(z[:nq, 1:]) / self.tolerance.weight[:nq, None]
+        self.history.append((self.t, size.max(axis=0, initial=0.0)))
 
 
 UNSOUND = "the mechanism comes next to a singular position, or a load or expression has no finite value or derivative"

@@ -14,14 +14,13 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.dynamics.horizon import AGREE
 from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.kinematics.kinematics import analyse, instants
 from rattle.analyses.sensitivity.at_rest import AtRest, record_rest
 from rattle.analyses.sensitivity.driven import Driven, positions
 from rattle.analyses.sensitivity.effects import derivative_name, quotient, usual_change
 from rattle.analyses.sensitivity.functions import Functions
-from rattle.analyses.sensitivity.growth import growth, linear_until
+from rattle.analyses.sensitivity.growth import growth, horizon, linear_until
 from rattle.analyses.sensitivity.motion import Motion
 from rattle.analyses.sensitivity.parameters import Parameters
 from rattle.analyses.sensitivity.start import start
@@ -168,11 +167,11 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     z = start(model, asked.parameters, compiled)
     run = Motion(functions, z, asked.t_eval, asked.rtol, asked.atol)
     run.go()
-    notes, horizon = _growth_notes(asked, run)
+    notes, reach = _growth_notes(asked, run)
     count, k = len(curves), len(model.parameters)
     trust = Trust(
         drift=run.drift, drift_angle=run.drift_angle, energy_balance=run.balance, energy_share=run.share, t_end=run.t,
-        horizon=horizon, stopped=bool(run.message), notes=(*model.start.notes, *notes),
+        horizon=reach, stopped=bool(run.message), notes=(*model.start.notes, *notes),
     )  # fmt: skip
     stats = {"steps": run.steps, "rejected": run.rejected, "switchings": run.switched}
     if run.interrupted:
@@ -189,8 +188,8 @@ def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float]:
     t = np.array([one[0] for one in run.history])
     if len(t) < 2:
         return [], run.t
-    sizes, notes, horizon = np.array([one[1] for one in run.history]), [], run.t
-    for name, size in zip(asked.model.parameters, sizes.T, strict=True):
+    sizes, notes = np.array([one[1] for one in run.history]), []
+    for name, size in zip(asked.parameters.names, sizes.T, strict=True):
         found = growth(t, size)
         if found is None:
             continue
@@ -201,8 +200,7 @@ def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float]:
             f"sensitivities to {name} grow tenfold every {found.tenfold:.2g} s: a change of {name} by"
             f" {change['words']} acts {reach}"
         )
-        horizon = min(horizon, float(np.log(AGREE / asked.rtol)) / found.rate)
-    return notes, horizon
+    return notes, horizon(t, sizes, asked.parameters.values, asked.rtol)
 
 
 def _kinematics(asked: Asked, forces: bool = False) -> tuple[Found, dict[str, str]]:

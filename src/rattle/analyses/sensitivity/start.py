@@ -60,8 +60,8 @@ def _require_kept(begin: Starts, chosen: Parameters) -> None:
     """Raise TraceError for parameters without which the values in [initial] contradict each other."""
     size = np.where(chosen.values != 0.0, np.abs(chosen.values), 1.0)
     change = NUDGE * chosen.directions * size
-    kept = begin.determined(chosen.values[:, None] + np.hstack([-change, change])).reshape(2, -1).any(axis=0)
-    lost = [name for name, good in zip(chosen.names, kept, strict=True) if not good]
+    kept = begin.determined(chosen.values[:, None] + np.hstack([-change, change])).reshape(2, -1)
+    lost = [name for n, name in enumerate(chosen.names) if not kept[:, n].any()]
     if lost:
         raise TraceError(
             f"no sensitivities to {', '.join(lost)}: changed alone, the values in [initial] can no longer all be kept,"

@@ -34,7 +34,7 @@ class Tolerance:
         size = np.maximum(np.abs(z), np.abs(z_new))
         largest = (size[:, 1:] / self.weight[:, None]).max(axis=0, initial=0.0)
         least = FLOOR * largest + max(NATURAL, DIGITS / self.rtol) / self.parameters
-        scale = np.empty_like(size)
+        scale: np.ndarray = np.empty_like(size)
         scale[:, 0] = self.atol + self.rtol * size[:, 0]
         scale[:, 1:] = self.rtol * (size[:, 1:] + self.weight[:, None] * least)
         return scale

@@ -179,9 +179,10 @@ def lacking(system: System, start: Assembled) -> str:
         if _kept(system, start, pins, turn) is None:
             basis = _basis(_held(system.model, pins, []), start, pins)
             for k in np.flatnonzero(~np.isnan(given)):
-                _add(basis, _unit(len(given), k))
-            every = np.arange(len(given))
-            free = [int(k) for k in (*every[2::3], *every[0::3], *every[1::3]) if _add(basis, _unit(len(given), k))]
+                _add(basis, _unit(len(given), int(k)))
+            size = len(given)
+            order = (*range(2, size, 3), *range(0, size, 3), *range(1, size, 3))  # angles first
+            free = [k for k in order if _add(basis, _unit(size, k))]
             if free:
                 said.append(f"give {', '.join(f'{names[k]} (it is {now[k]:.12g})' for k in free)}")
     return "; ".join(said)
