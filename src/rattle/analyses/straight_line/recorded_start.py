@@ -170,6 +170,8 @@ def lacking(system: System, start: Assembled) -> str:
     if without := [name for name in links if name not in placed]:
         said.append(f"give the offset of {', '.join(without)}")
     for turn, pins in ((0, links), (1, _pins_at_rest(system, start))):
+        if turn == 1 and said:  # rates follow once the positions do
+            break
         given, now = given_values(system, turn), (start.q, start.v)[turn]
         names = [f"{body}.{key}" for body in system.bodies for key in KEYS[turn]]
         moved = [k for k in np.flatnonzero(~np.isnan(given)) if not _agrees(system, now, given)[k]]
