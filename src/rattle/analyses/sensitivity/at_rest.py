@@ -2,7 +2,9 @@
 
 At an equilibrium the accelerations from rest vanish, drivers held where they are, and the joints are closed:
 
-    a(q, p) = 0,  Phi(q, p) = 0      =>      [a_q; Phi_q] dq/dp = -[a_p; Phi_p]
+    a(q, p) = 0,  Phi(q, p) = 0      =>      [Z^T a_q; Phi_q] dq/dp = -[Z^T a_p; Phi_p]
+
+Z are the motions that the joints leave, in coordinates in which lengths are shares of the mechanism's size.
 """
 
 from __future__ import annotations
@@ -24,7 +26,8 @@ from rattle.trace.graph import Symbol
 from rattle.trace.lane_program import Compile
 from rattle.trace.recording import Recorder, Recording, Table
 
-NEUTRAL = 1e-10  # share of the largest singular value below which a position is not determined
+NEUTRAL = 1e-10  # share of the forces along the free motions below which they do not depend on these
+RANK = 1e-9  # share of the largest singular value below which constraints are dependent
 
 
 @dataclass(frozen=True)
@@ -93,21 +96,31 @@ class AtRest:
         value, found = self._balance(x, along)
         size = np.tile([self.model.system.size, self.model.system.size, 1.0], n // 3)
         moved = np.zeros((len(x), k))
+        found[:n] /= size[:, None]
         moved[1 : 1 + n] = size[:, None] * _solved(found[:-1, :n] * size, -found[:-1, n:], n)
         moved[1 + ny : 1 + ny + k] = self.parameters.directions
         values, derivatives = self._curves(x, moved)
         return values[:-1], derivatives[:-1], bool(value[-1] == 1.0 and values[-1] == 1.0)
 
 
-def _solved(left: np.ndarray, right: np.ndarray, n: int) -> np.ndarray:
-    """(n, k) solution of left x = right, of which the first n rows are accelerations; nan if it is not unique."""
-    scale = np.abs(left).max(axis=1, initial=0.0)
-    scale[:n] = scale[:n].max()
-    scale[scale == 0.0] = 1.0
-    left, right = left / scale[:, None], right / scale[:, None]
-    if not np.isfinite(left).all():
+def _solved(rows: np.ndarray, right: np.ndarray, n: int) -> np.ndarray:
+    """(n, k) solution of rows x = right, of which the first n are accelerations and the others constraints.
+
+    Accelerations count along the motions Z that the constraints leave; nan where they do not determine these.
+    """
+    if not (np.isfinite(rows).all() and np.isfinite(right).all()):
         return np.full((n, right.shape[1]), np.nan)
-    singular = np.linalg.svd(left, compute_uv=False)
-    if singular[-1] <= NEUTRAL * singular[0]:
+    forces, joints = rows[:n], rows[n:]
+    length = np.linalg.norm(joints, axis=1)[:, None]
+    length[length == 0.0] = 1.0
+    _, singular, turned = np.linalg.svd(joints / length)
+    rank = int((singular > RANK * singular.max(initial=0.0)).sum())
+    x = np.linalg.lstsq(joints / length, right[n:] / length, rcond=RANK)[0]
+    free = turned[rank:].T
+    if not free.shape[1]:
+        return np.asarray(x)
+    along = free.T @ forces
+    stiffness = along @ free
+    if np.linalg.svd(stiffness, compute_uv=False)[-1] <= NEUTRAL * np.linalg.norm(along):
         return np.full((n, right.shape[1]), np.nan)
-    return np.asarray(np.linalg.lstsq(left, right, rcond=None)[0])
+    return np.asarray(x + free @ np.linalg.solve(stiffness, free.T @ right[:n] - along @ x))
