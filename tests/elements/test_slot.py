@@ -340,6 +340,20 @@ def test_a_yoke_knocks_the_same_at_every_half_turn_for_minutes_of_angle(t_end, r
     assert losses == pytest.approx([losses[0]] * len(losses), rel=1e-6)
 
 
+@pytest.mark.parametrize("friction", ["", ", friction = 0.1, bush_radius = 5e-3"])
+@pytest.mark.parametrize("how", [{}, {"method": "moreau", "step": 1e-5}])
+def test_a_crank_that_pushes_its_pin_into_the_end_of_its_slot_names_the_dead_end(how, friction):
+    """The crank cannot pass asin((30 + 0.1)/50): there the end of the slot stands across the yoke's rail."""
+    r = scotch_yoke(with_play(1e-4, f'{{ model = "impact", restitution = 0.3{friction} }}', 0.06)).simulate(0.02, **how)
+    assert not r.success
+    assert r.trust.t_end == pytest.approx(math.asin(0.602) / 100, abs=2e-5)
+    if how and friction:
+        assert "Painleve" in r.message
+    else:
+        assert "the drivers push" in r.message
+        assert "dead end" in r.message
+
+
 def test_slot_is_compared_saved_and_drawn_with_its_walls_and_its_pin(tmp_path):
     m = scotch_yoke(with_play(1e-4, '{ model = "impact", restitution = 0.3, bush_radius = 5e-3 }', 0.12))
     found = m.compare(t_end=0.01)

@@ -237,6 +237,26 @@ def test_rows_may_be_apart_and_a_chain_calls_functions_in_turn():
     np.testing.assert_array_equal(last, np.hstack([[a + b, a * b], np.full((2, 5), -1.0)]))
 
 
+def test_code_in_a_circle_of_objects_is_taken_apart_by_the_collector():
+    """In a process of its own, which a wrong order would end."""
+    program = """
+import gc
+from rattle.trace import llvm
+from rattle.trace.graph import Graph
+
+for n in range(20):
+    graph = Graph()
+    text = llvm.functions_text(graph, {"f": [graph.input() + float(n)]}, 1)
+    circle = [llvm.compile(text, ["f"])]
+    circle[0].circle = circle
+    del circle
+    gc.collect()
+print("done")
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False)
+    assert done.stdout == "done\n", done.stderr
+
+
 def test_a_function_keeps_its_code_alive():
     graph = Graph()
     x = graph.input()

@@ -46,7 +46,9 @@ class Batch:
         self._curves = self._report[first:ends].reshape(parts + 1, wide, n)
         self._rows, self._rows_new = self._report[ends:], np.zeros((ledger.rows, n))
         self.values = np.zeros((len(ledger.reductions), n))
-        self._calculate = program.chain(self._calls())
+        self._flags, self._curve_flags = np.zeros((3, n)), np.zeros((2, n))
+        self._good, self._merged = np.zeros((1, n)), np.zeros((2, ny * n))
+        self._calculate, self._merge = program.chain(self._calls()), program.chain(self._merging())
 
     def _calls(self) -> list[tuple[Function, np.ndarray, np.ndarray]]:
         """What a step takes: stages, end, projection, curves; slopes and flags go to the blocks."""
@@ -71,8 +73,12 @@ class Batch:
             (copy, self._planned[1:2], now), (copy, squares[:1], moved), (model.project, state, blocks[0]),
             (copy, flat[:1], moved), (model.rate, state, blocks[3 + stages]), (model.outputs, state, self._curves[-1]),
         ]  # fmt: skip
+        whole = [
+            (program.checks, blocks.reshape(-1, n), self._flags),
+            (program.curve_checks, self._curves.reshape(-1, n), self._curve_flags),
+        ]
         if not program.ledger.sampled:
-            return calls
+            return calls + whole
         calls += [call for s in program.later for call in stage(s)]
         calls.append((program.dense, flat, self._inside[1:]))
         between = 5 + len(program.method.upper)
@@ -82,7 +88,16 @@ class Batch:
                 (copy, self._times[at : at + 1], now), (copy, self._inside[row : row + 1], moved),
                 (model.outputs, state, self._curves[k]),
             ]  # fmt: skip
-        return calls
+        return calls + whole
+
+    def _merging(self) -> list[tuple[Function, np.ndarray, np.ndarray]]:
+        """What makes the end of a good step the start of the next: its state and right-hand side."""
+        program, flat = self.program, self._flat
+        return [
+            (program.spread, self._good, self._h),
+            (program.merged, flat[: 4 + program.method.stages], self._merged),
+            (program.copy_two, self._merged, flat[2:4]),
+        ]
 
     def take(self, lanes: np.ndarray, stock: Stock, columns: np.ndarray, samples: np.ndarray) -> None:
         """Put samples that stand in columns of a stock into lanes."""
@@ -98,16 +113,13 @@ class Batch:
 
     def step(self) -> np.ndarray:
         """One step of every lane, accepted or not.  Returns the `Status` of the lanes that are through, else -1."""
-        program, planned, stages = self.program, self._planned, self.program.method.stages
+        program, planned = self.program, self._planned
         self._calculate()
         active = self.sample >= 0
         accepted = active & (self._verdict[1] != 0.0)
-        flags = self._blocks[:, -1] != 0.0
-        kept = flags[4 : 3 + stages].all(0)
-        later = 3 + stages + 1 + len(program.later)  # blocks in use
-        sound = flags[0] & flags[3 + stages : later].all(0) & (self._curves[1:, -1] != 0.0).all(0)
-        finite = np.isfinite(self._end).all(0) & np.isfinite(self._slopes[stages]).all(0)
-        finite &= np.isfinite(self._curves[1:]).all((0, 1))
+        kept, sound, finite = self._flags != 0.0
+        sound &= self._curve_flags[0] != 0.0
+        finite &= self._curve_flags[1] != 0.0
         self._cross(accepted & sound & finite)
         self._report[0], self._report[1], self._report[2] = planned[0], self._plan[0], self._stop
         self._report[3] = planned[2]
@@ -165,8 +177,8 @@ class Batch:
     def _go_on(self, active: np.ndarray, good: np.ndarray, status: np.ndarray) -> np.ndarray:
         """Make the end of the step the start of the next where it is good; returns the status."""
         program, plan = self.program, self._plan
-        np.copyto(self._y, self._end, where=good)
-        np.copyto(self._slopes[0], self._slopes[program.method.stages], where=good)
+        self._good[0] = good
+        self._merge()
         np.copyto(plan[0], self._planned[1], where=good)
         np.copyto(plan[1], self._verdict[0], where=active)
         np.copyto(self._curves[0], self._curves[-1], where=good)

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from rattle.solvers.dop853_tableau import E3, E5, A, B, C, D
-from rattle.trace.graph import Graph, select
+from rattle.trace.graph import Graph, both, select
 
 Recorded = tuple[Graph, list[Any]]  # a graph of exact operations, and its outputs
 
@@ -137,6 +137,12 @@ def spread(count: int) -> Recorded:
     return graph, [row] * count
 
 
+def copied(count: int) -> Recorded:
+    """Rows as they are."""
+    graph, rows = inputs(count)
+    return graph, rows
+
+
 def times(shares: Sequence[float]) -> Recorded:
     """PLAN, PLANNED: instants at shares of the step."""
     graph, row = inputs(len(PLAN) + len(PLANNED))
@@ -179,6 +185,42 @@ def judge(method: Method, tolerances: Tolerances, ny: int, controlled: Sequence[
     longer = least(largest(longer, select(graph.apply("equal", last, 0.0), 0.0, ahead)), tolerances.h_max)
     accepted = error <= 1.0
     return graph, [select(accepted, longer, shorter), accepted]
+
+
+def _finite(graph: Graph, terms: Sequence[Any]) -> Any:
+    """A flag: none of the terms is inf or nan."""
+    return both(graph, [graph.apply("equal", x - x, 0.0) for x in terms])
+
+
+def _flag(graph: Graph, x: Any) -> Any:
+    return ~graph.apply("equal", x, 0.0)
+
+
+def checks(method: Method, ny: int, later: Sequence[int]) -> Recorded:
+    """Blocks of ny rows and a flag (end, step, y, slopes): flags that stages, all of the step, are sound; it is finite.
+
+    later: stages for the dense output alone that were computed.
+    """
+    graph, row = inputs((3 + len(method.a)) * (ny + 1))
+    block = [row[k * (ny + 1) : (k + 1) * (ny + 1)] for k in range(3 + len(method.a))]
+    kept = both(graph, [_flag(graph, block[3 + s][-1]) for s in range(1, method.stages)])
+    arrived = [block[0][-1], *(block[3 + s][-1] for s in (method.stages, *later))]
+    sound = both(graph, [_flag(graph, one) for one in arrived])
+    return graph, [kept, sound, _finite(graph, [*block[0][:-1], *block[3 + method.stages][:-1]])]
+
+
+def curve_checks(parts: int, curves: int) -> Recorded:
+    """Curves and flag at the start and the ends of all parts: flags that all after the start are sound, and finite."""
+    graph, row = inputs((parts + 1) * (curves + 1))
+    after = row[curves + 1 :]
+    return graph, [both(graph, [_flag(graph, one) for one in after[curves :: curves + 1]]), _finite(graph, after)]
+
+
+def merged(method: Method) -> Recorded:
+    """End, flag that it is good, y, slopes to the last stage: y and first slope with which to go on."""
+    graph, (end, good, y, *k) = inputs(4 + method.stages)
+    flag = _flag(graph, good)
+    return graph, [select(flag, end, y), select(flag, k[method.stages], k[0])]
 
 
 def first_try(tolerances: Tolerances, ny: int, motion: int, t_end: float) -> Recorded:

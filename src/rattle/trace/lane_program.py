@@ -113,6 +113,9 @@ class Program:
         self.end = compile(*methods.end(method, tolerances))
         self.judge = compile(*methods.judge(method, tolerances, model.ny, model.controlled, model.motion))
         self.dense, self.inside = compile(*methods.dense(method, ledger.parts)), compile(*methods.inside(method))
+        self.checks = compile(*methods.checks(method, model.ny, self.later))
+        self.curve_checks = compile(*methods.curve_checks(ledger.parts, model.curves))
+        self.merged, self.copy_two = compile(*methods.merged(method)), compile(*methods.copied(2))
         self.copy, self.spread = compile(*methods.spread(1)), compile(*methods.spread(model.ny))
         self.times = compile(*methods.times([*method.c, *(k / ledger.parts for k in range(1, ledger.parts))]))
         if method.adaptive:

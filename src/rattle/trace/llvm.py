@@ -356,9 +356,12 @@ def _object(text: str, machine: tuple[str, str]) -> bytes:
 
 
 def _loaded(made: bytes, names: Sequence[str], machine: tuple[str, str]) -> MachineCode:
-    """Object code as functions."""
+    """Object code as functions.
+
+    The engine's own module is empty and in the context that LLVM keeps until the end: the collector may take engines
+    apart in any order, and a context that goes before its engine would end the process.
+    """
     binding = _binding()
-    # an engine needs a module, whose context must live as long: the collector may dispose of a context of its own first
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), _machine(*machine))
     engine.add_object_file(binding.ObjectFileRef.from_data(made))
     engine.finalize_object()

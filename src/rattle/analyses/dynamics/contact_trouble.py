@@ -17,6 +17,7 @@ from rattle.solvers.stepper import TIME_STEPPING, stepper_of
 
 NEARLY_LOCKED = 1e-2  # share of G_nn left by friction, below which a run that cannot go on is called locked
 TOGETHER = 1e-6  # the same for the smallest singular value of all contacts together
+FIRM = 0.05  # share of the mobility of a free body below which joints and drivers hardly let a contact give way
 DEAD = 1e-8  # share of the largest singular value below which sticking contacts lock each other or the joints
 
 
@@ -123,6 +124,29 @@ def wedged_joints(system: System, workspace: Workspace, t: float) -> list[str]:
         return []
     owner = system.arrays["contact"][closed[pressed > 1e-3 * pressed.max()], at.OWNER]
     return [f"'{name}'" for name in dict.fromkeys(system.joints[n] for n in owner)]
+
+
+def firm_joints(system: System, workspace: Workspace, t: float) -> list[str]:
+    """Joints, in quotes, with a closed contact that approaches at t [s] and that hardly any force can part.
+
+    G_nn [1/kg] of a contact, with all joints and drivers, is compared with w_n M^-1 w_n^T of each of its bodies alone.
+    """
+    jams.lock_share(workspace, t)
+    contact, weight = system.arrays["contact"], workspace.weight
+    closed = (workspace.mode != complementarity.OFF) & (contact[:, at.IMPACT] == 1)
+    found = []
+    for k, n in enumerate(workspace.active[: int(closed.sum())]):
+        lines = workspace.contact_jacobian[2 * k].reshape(2, 3)
+        bodies = contact[n, [at.A_BODY, at.B_BODY]]
+        alone = [float(line**2 @ weight[body]) for line, body in zip(lines, bodies, strict=True) if body > 0]
+        if workspace.side[complementarity.B, 2 * k] < 0.0 and workspace.delassus[2 * k, 2 * k] < FIRM * min(alone):
+            found.append(f"'{system.joints[contact[n, at.OWNER]]}'")
+    return list(dict.fromkeys(found))
+
+
+def against(names: str) -> str:
+    """The end of a sentence: the joints (names, after a blank, or "") may be in a dead end."""
+    return f"; or the drivers push{names} against a dead end, a position that rigid bodies cannot pass"
 
 
 def shared_forces(system: System, workspace: Workspace) -> tuple[str, ...]:

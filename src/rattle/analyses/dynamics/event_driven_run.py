@@ -8,7 +8,13 @@ from typing import Any, final
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.dynamics.contact_trouble import closed_joints, contact_trouble, shared_forces
+from rattle.analyses.dynamics.contact_trouble import (
+    against,
+    closed_joints,
+    contact_trouble,
+    firm_joints,
+    shared_forces,
+)
 from rattle.analyses.dynamics.failure import explain
 from rattle.analyses.dynamics.run import How, Run
 from rattle.analyses.dynamics.soundness import set_floor
@@ -19,6 +25,7 @@ from rattle.jit import layout as at
 from rattle.solvers import step_loop
 from rattle.solvers.nonsmooth import event_driven, jams
 from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
+from rattle.solvers.step_audit import UNSOUND
 from rattle.solvers.stepper import TIME_STEPPING, stepper_of
 
 
@@ -108,6 +115,13 @@ class EventDrivenRun(Run):
         passed = "" if self.may_pass else ', or jam = "impact" in the contact'
         what = contact_trouble(self.system, self.workspace, t, status, passed)
         return what or explain(self.system, self.workspace, self.t_end, status, self.stepper, self.rtol)
+
+    def suspect(self, status: int) -> str:
+        """A dead end, if a contact that is pressed together hardly gives way."""
+        if status not in (UNSOUND, unilateral.NO_SOLUTION, unilateral.LOCKED, STEP_TOO_SMALL):
+            return ""
+        names = ", ".join(firm_joints(self.system, self.workspace, float(self.clock[at.T])))
+        return against(f" {names}") if names else ""
 
     def chatter(self, t: float) -> str:
         """Message on contacts that change without end at t [s], with the last one."""

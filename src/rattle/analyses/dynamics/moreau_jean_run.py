@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, final
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.dynamics.contact_trouble import contact_trouble, shared_forces
+from rattle.analyses.dynamics.contact_trouble import against, contact_trouble, shared_forces
 from rattle.analyses.dynamics.failure import explain
 from rattle.analyses.dynamics.run import How, Run
 from rattle.analyses.dynamics.soundness import set_floor
@@ -82,7 +82,8 @@ class MoreauJeanRun(Run):
             return f"the motion diverged at t = {t:.6g} s with the step of {self.step:.3g} s; try a smaller step"
         if what := contact_trouble(self.system, self.workspace, t, status, ""):
             return what
-        what = explain(self.system, self.workspace, self.t_end, status, self.stepper, self.rtol)
-        if status == ESCAPED:
-            what += "; or the drivers push against a dead end, a position that rigid bodies cannot pass"
-        return what
+        return explain(self.system, self.workspace, self.t_end, status, self.stepper, self.rtol)
+
+    def suspect(self, status: int) -> str:
+        """A dead end, in which bodies sink into each other."""
+        return against("") if status == ESCAPED else ""

@@ -101,6 +101,10 @@ class Run(ABC):
     def explain(self, status: int) -> str:
         """Why the run cannot go on, in words, if its steps are sound."""
 
+    @abstractmethod
+    def suspect(self, status: int) -> str:
+        """What else may have stopped the run, as the end of a sentence; "" if nothing."""
+
     # ---------------------------------------------------------------- what all runs share
     def prepare(self) -> Workspace:
         """The workspace of the run."""
@@ -182,9 +186,8 @@ class Run(ABC):
 
     def trouble(self, status: int) -> str:
         """Why the run cannot go on, in words."""
-        if status == UNSOUND:
-            return why_unsound(self)
-        return self.explain(status)
+        what = why_unsound(self) if status == UNSOUND else self.explain(status)
+        return what + self.suspect(status)
 
     def chunk(self) -> int:
         """Steps to take before the next check of progress and of Ctrl-C: not more than the user still allows."""

@@ -60,3 +60,7 @@ class SmoothRun(Run):
     def explain(self, status: int) -> str:
         """Why the run cannot go on, in words; see `failure.explain`."""
         return explain(self.system, self.workspace, self.t_end, status, self.stepper, self.rtol)
+
+    def suspect(self, status: int) -> str:
+        """Nothing: there are no contacts that drivers could push together."""
+        return ""

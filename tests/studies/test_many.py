@@ -1,0 +1,154 @@
+"""Many samples of one mechanism: side by side, one by one, and what cannot be run."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from rattle.errors import ModelError
+
+DATA = Path(__file__).parent.parent / "data"
+SPRING = """
+format = 1
+[parameters]
+k = { value = 15, min = 1, max = 40 }
+x0 = "0.5 m"
+m = "1 kg"
+[ground.points]
+O = [0, 0]
+[bodies.block]
+points = { P = [0, 0] }
+mass = "m"
+inertia = 1
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "block.P"]
+[loads.s]
+type = "spring"
+connect = ["ground.O", "block.P"]
+stiffness = "k"
+free_length = 0
+[initial]
+block = { x = "x0", vx = 0 }
+"""
+
+
+@pytest.mark.nojit
+def test_the_papers_four_bars_against_another_formulation():
+    l, _, r3, r4, moment, *want = np.loadtxt(DATA / "many_fourbar.csv", delimiter=",", comments="#").T
+    outputs = ["at(rocker.angle, 0.02)", "at(rocker.angle, 0.03)", "at(O4.normal, 0.02)", "at(O4.normal, 0.03)"]
+    m = rt.example("fourbar").set({"gravity": [0, 0]})
+    found = m.many({"l2": l, "l3": l, "r3": r3, "r4": r4, "M": moment}, outputs, 0.03, rtol=1e-11)
+    assert not len(found.failed)
+    assert not len(found.generic)
+    for output, values in zip(outputs, want, strict=True):
+        tolerance = 1e-8 if "angle" in output else 2e-2
+        np.testing.assert_allclose(found[output], values, rtol=0.0, atol=tolerance)
+    assert [found.unit(one) for one in outputs] == ["rad", "rad", "N", "N"]
+    order = np.random.default_rng(0).permutation(len(l))[:-3]
+    again = m.many(
+        {"r4": r4[order], "l2": l[order], "l3": l[order], "r3": r3[order], "M": moment[order]}, outputs[::-1], 0.03,
+        rtol=1e-11, threads=2,
+    )  # fmt: skip
+    for output in outputs:
+        np.testing.assert_array_equal(again[output], found[output][order])
+
+
+@pytest.mark.nojit
+def test_reductions_of_a_vibration_have_their_closed_forms():
+    k, x0 = np.array([4.0, 9.0, 16.0, 25.0]), np.array([0.5, 0.4, 0.3, 0.2])
+    w, t_end = np.sqrt(k), 1.2
+    outputs = {
+        "final(block.x)": x0 * np.cos(w * t_end),
+        "at(block.vx, 0.3)": -x0 * w * np.sin(0.3 * w),
+        "max(abs(block.vx))": x0 * w,
+        "range(block.x)": x0 * (1.0 - np.cos(np.minimum(w * t_end, np.pi))),
+        "integral(block.x**2)": x0**2 * (t_end / 2 + np.sin(2 * w * t_end) / (4 * w)),
+        "first(block.x < 0)": np.pi / (2 * w),
+        "2*max(energy.potential)/(k*x0**2) - 1": np.zeros(4),
+    }
+    found = rt.loads(SPRING).many({"k": k, "x0": x0}, list(outputs), t_end, rtol=1e-10)
+    assert not len(found.generic)
+    for output, want in outputs.items():
+        np.testing.assert_allclose(found[output], want, rtol=0.0, atol=2e-9, err_msg=output)
+    assert "4 run side by side" in str(found)
+
+
+@pytest.mark.nojit
+def test_samples_that_cannot_be_run_say_why_and_leave_the_others_alone():
+    m = rt.loads(SPRING)
+    alone = m.many({"k": [10.0, 20.0]}, ["final(block.x)"], 0.5)
+    found = m.many({"k": [10.0, np.nan, -1.0, 20.0, 50.0]}, ["final(block.x)"], 0.5)
+    assert list(found.failed) == [1, 2, 4]
+    assert "nan is not a finite number" in found.message(1)
+    assert "is not between min" in found.message(2)
+    assert "is not between min" in found.message(4)
+    assert found.message(0) == ""
+    np.testing.assert_array_equal(found["final(block.x)"][[0, 3]], alone["final(block.x)"])
+    assert np.isnan(found["final(block.x)"][[1, 2, 4]]).all()
+
+
+@pytest.mark.nojit
+def test_what_needs_whole_curves_or_the_ideal_mechanism_is_run_one_by_one():
+    m, k = rt.loads(SPRING), np.array([4.0, 9.0])
+    found = m.many({"k": k}, ["quantile(block.x, 0.5)", "final(block.x)"], 0.4)
+    assert list(found.generic) == [0, 1]
+    assert "quantile(...) needs a whole curve" in found.stats["how"]
+    np.testing.assert_allclose(found["final(block.x)"], 0.5 * np.cos(0.4 * np.sqrt(k)), atol=1e-7)
+    middle = 0.5 * np.cos(0.2 * np.sqrt(k))  # the curve falls all the time
+    np.testing.assert_allclose(found["quantile(block.x, 0.5)"], middle, atol=1e-6)
+
+
+def test_contacts_are_run_one_by_one():
+    m = rt.example("bouncing_pin")
+    found = m.many({"c": [1e-4, 2e-4]}, ["count(O.impacts)"], 0.02)
+    assert list(found.generic) == [0, 1]
+    assert "count(...) needs a whole curve" in found.stats["how"]
+    assert "contacts begin and end" in m.many({"c": [1e-4]}, ["final(pin.x)"], 0.001).stats["how"]
+    for n, c in enumerate((1e-4, 2e-4)):
+        events = m.set(c=c).simulate(0.02, rtol=1e-8).events
+        assert found["count(O.impacts)"][n] == sum(one.kind == "impact" for one in events)
+
+
+@pytest.mark.nojit
+def test_switching_loads_are_run_one_by_one():
+    m = rt.loads(SPRING.replace('stiffness = "k"', 'stiffness = "k*(1 if t < 0.2 else 2)"'))
+    found = m.many({"k": [9.0]}, ["final(block.x)"], 0.4, rtol=1e-10)
+    assert "steps must end where expressions switch" in found.stats["how"]
+    x, v, w = 0.5 * np.cos(0.6), -1.5 * np.sin(0.6), 3.0 * np.sqrt(2.0)
+    assert found["final(block.x)"][0] == pytest.approx(x * np.cos(0.2 * w) + v / w * np.sin(0.2 * w), abs=1e-8)
+
+
+@pytest.mark.nojit
+def test_equal_steps():
+    k = np.array([4.0, 9.0])
+    found = rt.loads(SPRING).many({"k": k}, ["final(block.x)"], 0.4, method="rk4", step=1e-3)
+    assert not len(found.generic)
+    np.testing.assert_allclose(found["final(block.x)"], 0.5 * np.cos(0.4 * np.sqrt(k)), atol=1e-11)
+    run = rt.loads(SPRING).set(k=4.0).simulate(0.4, t_eval=[0.0, 0.4], method="rk4", step=1e-3)
+    assert found["final(block.x)"][0] == pytest.approx(run["block.x"][-1], abs=1e-14)
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize(
+    ("samples", "outputs", "options", "error", "message"),
+    [
+        ({"kk": [1.0]}, ["final(block.x)"], {}, KeyError, "no parameter 'kk'; did you mean 'k'"),
+        ({}, ["final(block.x)"], {}, ValueError, "at least one parameter"),
+        ({"k": [1.0, 2.0], "x0": [0.1]}, ["final(block.x)"], {}, ValueError, "arrays of one length"),
+        ({"k": [[1.0]]}, ["final(block.x)"], {}, ValueError, "arrays of one length"),
+        ({"k": []}, ["final(block.x)"], {}, ValueError, "at least 1"),
+        ({"k": [1.0]}, "final(block.x)", {}, ValueError, "expected a list"),
+        ({"k": [1.0]}, [], {}, ValueError, "expected a list"),
+        ({"k": [1.0]}, ["final(blok.x)"], {}, ModelError, "did you mean 'block.x'"),
+        ({"k": [1.0]}, ["block.x"], {}, ModelError, "one number"),
+        ({"k": [1.0]}, ["at(block.x, 3)"], {}, ValueError, "not between 0 and t_end = 2 s"),
+        ({"k": [1.0]}, ["final(block.x)"], {"method": "euler"}, ValueError, "unknown method 'euler'"),
+        ({"k": [1.0]}, ["final(block.x)"], {"rtol": -1.0}, ValueError, "rtol"),
+        ({"k": [1.0]}, ["final(block.x)"], {"threads": 0}, ValueError, "threads"),
+    ],
+)
+def test_bad_input_is_refused_before_anything_runs(samples, outputs, options, error, message):
+    with pytest.raises(error, match=message):
+        rt.loads(SPRING).many(samples, outputs, 2.0, **options)
