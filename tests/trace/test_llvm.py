@@ -388,23 +388,6 @@ def test_code_that_was_not_used_for_longest_goes_first(kept, monkeypatch, compil
     assert len(compiled) == 1
 
 
-def test_code_that_only_the_garbage_collector_reaches_is_disposed_of():
-    program = """
-import gc, sys
-from rattle.trace import llvm
-from rattle.trace.graph import Graph
-for k in range(50):
-    graph = Graph()
-    code = llvm.compile(llvm.functions_text(graph, {"f": [graph.input() * float(k)]}, 1), ["f"])
-    code.held = code
-    del code
-    gc.collect()
-print("done")
-"""
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False)
-    assert (done.returncode, done.stdout.strip()) == (0, "done")
-
-
 def test_numba_is_not_imported(tmp_path):
     program = """
 import ctypes, sys

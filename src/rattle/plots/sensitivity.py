@@ -26,6 +26,7 @@ def plot_effects(result: Result) -> Figure:
     """
     found = effects(result)
     outputs = list(dict.fromkeys(one.output for one in found))
+    parameters = list(dict.fromkeys(one.parameter for one in found))
     axes = new_axes(8.5, 1.2 + 2.4 * len(outputs), rows=len(outputs))
     for ax, output in zip(axes, outputs, strict=True):
         mine = [one for one in found if one.output == output]
@@ -34,7 +35,8 @@ def plot_effects(result: Result) -> Figure:
         factor, unit = handy_unit(result.unit(output), largest)
         marker = "o" if len(result.t) < 3 else ""
         lines = []
-        for n, one in enumerate(mine):
+        for one in mine:
+            n = parameters.index(one.parameter)  # its colour in every panel
             dashes, colour = "-" if n < len(COLOURS) else "--", COLOURS[n % len(COLOURS)]
             curve = factor * one.derivative * one.change
             lines += ax.plot(result.t, curve, linestyle=dashes, color=colour, linewidth=0.9, marker=marker)
@@ -50,4 +52,6 @@ def plot_effects(result: Result) -> Figure:
     if title := str(result.provenance.get("model", "")):
         axes[0].set_title(title, loc="left", fontsize=10, parse_math=False)
     axes[-1].set_xlabel("time [s]")
-    return figure_of(axes[0])
+    figure = figure_of(axes[0])
+    figure.align_ylabels()
+    return figure

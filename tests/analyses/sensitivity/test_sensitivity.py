@@ -327,6 +327,8 @@ def test_chaos_is_said(tmp_path):
     assert again.names == ("lower.angle", "d(lower.angle)/d(start)")
     np.testing.assert_array_equal(again["d(lower.angle)/d(start)"], s["d(lower.angle)/d(start)"])
     assert again.unit("d(lower.angle)/d(start)") == "rad"
+    with pytest.raises(ValueError, match="holds curves only"):
+        again.animate(tmp_path / "s.gif")
 
 
 @nojit

@@ -19,6 +19,11 @@ NATURAL = 1e-4  # share of size over parameter below which a derivative need not
 DIGITS = 1e-14  # the same for the rounding of the right-hand side
 
 
+def weighted(weights: np.ndarray, terms: np.ndarray) -> np.ndarray:
+    """The sum of terms (n, ...) with weights (n,)."""
+    return np.asarray((weights @ terms.reshape(len(terms), -1)).reshape(terms.shape[1:]))
+
+
 @dataclass
 class Tolerance:
     """The error that a step may make: rtol and atol for the motion, rtol for every column of derivatives."""
@@ -43,7 +48,7 @@ class Tolerance:
         """Error of a step as a share of the tolerance: that of the worst column."""
         some = self.controlled
         scale = self.scale(z[some], z_new[some])
-        third, fifth = (np.tensordot(e[:STAGES], slopes[:, some], 1) / scale for e in (E3, E5))
+        third, fifth = (weighted(e[:STAGES], slopes)[some] / scale for e in (E3, E5))
         small, large = (fifth**2).sum(axis=0), (third**2).sum(axis=0)
         total = np.sqrt((small + 0.01 * large) * len(some))
         shares = np.divide(abs(h) * small, total, out=np.zeros_like(total), where=total != 0.0)
@@ -68,9 +73,9 @@ class Step:
         k = np.concatenate([self.slopes, np.zeros((4, *z.shape))])
         k[STAGES] = functions.rates(t + h, self.z_new).values
         for s in range(STAGES + 1, 16):
-            k[s] = functions.rates(t + C[s] * h, z + h * np.tensordot(A[s, :s], k[:s], 1)).values
+            k[s] = functions.rates(t + C[s] * h, z + h * weighted(A[s, :s], k[:s])).values
         jump = self.z_new - z
-        rows = [jump, h * k[0] - jump, 2.0 * jump - h * (k[STAGES] + k[0]), *(h * np.tensordot(D, k, 1))]
+        rows = [jump, h * k[0] - jump, 2.0 * jump - h * (k[STAGES] + k[0]), *(h * weighted(one, k) for one in D)]
         found = []
         for theta in (times - t) / h:
             value = np.zeros_like(z)
@@ -85,10 +90,10 @@ def try_step(functions: Functions, t: float, h: float, z: np.ndarray, first: Rat
     slopes = np.empty((STAGES, *z.shape))
     slopes[0] = first.values
     for s in range(1, STAGES):
-        found = functions.rates(t + C[s] * h, z + h * np.tensordot(A[s, :s], slopes[:s], 1))
+        found = functions.rates(t + C[s] * h, z + h * weighted(A[s, :s], slopes[:s]))
         slopes[s] = found.values
         if not (found.sound and np.isfinite(found.values).all()):
             return Step(t, h, z, z, slopes), "sound"
         if (found.sides != first.sides).any():
             return Step(t, h, z, z, slopes), "sides"
-    return Step(t, h, z, z + h * np.tensordot(B, slopes, 1), slopes), ""
+    return Step(t, h, z, z + h * weighted(B, slopes), slopes), ""
