@@ -51,6 +51,8 @@ def animate(
     MissingProgram (a RuntimeError) if ffmpeg is missing.
     """
     require_film(path)
+    if not result.geometry["bodies"]:
+        raise ValueError("this result holds curves only, no motion of bodies that could be shown")
     if not fps > 0:
         raise ValueError(f"an animation needs a positive number of frames per second, got {fps}")
     if speed is not None:

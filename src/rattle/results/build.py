@@ -14,6 +14,8 @@ from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.version import __version__
 
+NOTHING_DRAWN: dict[str, Any] = {"bodies": {}, "ground": {"points": {}}, "joints": {}, "loads": {}, "driven": []}
+
 
 def provenance(model: Model, analysis: str, **settings: Any) -> dict[str, Any]:
     """Provenance of a result: model and its parameters [SI], program, analysis and its settings."""
@@ -30,13 +32,15 @@ def build_result(
     model: Model, analysis: str, *, t: ArrayLike, data: ArrayLike, names: Iterable[str], units: Mapping[str, str],
     trust: Trust, stats: Mapping[str, Any] | None = None, settings: Mapping[str, Any] | None = None,
     events: Iterable[Event] = (), message: str = "", peaks: Mapping[str, Peak] | None = None,
+    drawn: bool = True,
 ) -> Result:  # fmt: skip
     """A result of a model; t (n,) [s], data (n, k) in SI units, the rest as in `Result`.
 
-    message: why the analysis stopped early, "" if it did not.
+    message: why the analysis stopped early, "" if it did not.  drawn: False if the curves hold no motion from which
+    the mechanism could be drawn, nor its points.
     """
     return Result(
-        t=t, data=data, names=names, units=units, geometry=geometry(model), trust=trust, stats=stats or {},
-        provenance=provenance(model, analysis, **(settings or {})), events=events, success=not message,
-        message=message, peaks=peaks,
+        t=t, data=data, names=names, units=units, geometry=geometry(model) if drawn else NOTHING_DRAWN, trust=trust,
+        stats=stats or {}, provenance=provenance(model, analysis, **(settings or {})), events=events,
+        success=not message, message=message, peaks=peaks,
     )  # fmt: skip

@@ -54,6 +54,7 @@ class RecordedModel:
     chosen: dict[str, Any]  # the parameters
     dependent: dict[str, Any]  # parameters that follow from the chosen ones [SI]
     first: RecordedStart | None  # how the start follows from the parameters; None if only the assembly knows
+    recorded: System  # the system with its recorded numbers
     points: dict[str, Any] = field(default_factory=dict)  # "body.point.x" and .y: points of bodies in ground axes [m]
 
     @property
@@ -111,7 +112,7 @@ def record_model(
         [*rate, sound_rate], [*closed, sound_closed],
         curves, sound_row, units,
         both(graph, recorder.assumed.values()), t, dict(zip(names, inputs, strict=True)), _dependent(recorded, names),
-        first, _points(recorded, graph, curves),
+        first, recorded, _points(recorded, graph, curves),
     )  # fmt: skip
     _require_same(made)
     return made

@@ -117,23 +117,36 @@ def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept 
     given, now = given_values(system, turn), (start.q, start.v)[turn]
     if turn == 1 and np.isnan(given).all() and not system.watched:
         return Kept([], [], [])
-    size = np.tile([system.size, system.size, 1.0], system.body_count)
-    joints: list[np.ndarray] = []
-    for row in _rows(system, start) * size:
-        _add(joints, row)
-    basis: list[np.ndarray] = []
-    for row in _rows(_held(system.model, pins, []), start, pins) * size:
-        _add(basis, row)
+    joints = _basis(system, start, [])
+    basis = _basis(_held(system.model, pins, []), start, pins)
     found = Kept(pins, [], [])
-    scale = max(1.0, float(np.abs(now / size).max(initial=0.0)))
-    for k in np.flatnonzero(np.abs(now - given) <= KEPT * scale * size):
-        unit = np.zeros(len(given))
-        unit[k] = 1.0
+    for k in np.flatnonzero(_agrees(system, now, given)):
+        unit = _unit(len(given), int(k))
         if _add(basis, unit):
             found.needed.append(int(k))
         elif _add(list(joints), unit):
             found.also.append(int(k))
     return found if len(basis) == len(given) else None
+
+
+def _agrees(system: System, now: np.ndarray, given: np.ndarray) -> np.ndarray:
+    """(3 nb,) True where a coordinate or rate has its given value; not where none is given."""
+    size = np.tile([system.size, system.size, 1.0], system.body_count)
+    return np.asarray(np.abs(now - given) <= KEPT * max(1.0, float(np.abs(now / size).max(initial=0.0))) * size)
+
+
+def _unit(n: int, k: int) -> np.ndarray:
+    unit = np.zeros(n)
+    unit[k] = 1.0
+    return unit
+
+
+def _basis(system: System, start: Assembled, pins: Sequence[str]) -> list[np.ndarray]:
+    """Independent directions that the constraints hold, of joints that are hinges at the offsets of these pins."""
+    basis: list[np.ndarray] = []
+    for row in _rows(system, start, pins) * np.tile([system.size, system.size, 1.0], system.body_count):
+        _add(basis, row)
+    return basis
 
 
 def _rows(system: System, start: Assembled, pins: Sequence[str] = ()) -> np.ndarray:
@@ -157,6 +170,34 @@ def _add(basis: list[np.ndarray], row: np.ndarray) -> bool:
         return False
     basis.append(row / rest)
     return True
+
+
+def lacking(system: System, start: Assembled) -> str:
+    """What [initial] must give so that the start follows from it, in words; "" if it does."""
+    said = []
+    placed = _pins_at_offsets(system, start)
+    links = [name for name, joint in system.model.joints.items() if is_link(joint)]
+    if without := [name for name in links if name not in placed]:
+        said.append(f"give the offset of {', '.join(without)}")
+    for turn, pins in ((0, links), (1, _pins_at_rest(system, start))):
+        if turn == 1 and said:  # rates follow once the positions do
+            break
+        given, now = given_values(system, turn), (start.q, start.v)[turn]
+        names = [f"{body}.{key}" for body in system.bodies for key in KEYS[turn]]
+        moved = [k for k in np.flatnonzero(~np.isnan(given)) if not _agrees(system, now, given)[k]]
+        if moved:
+            values = ", ".join(f"{names[k]} = {now[k]:.12g} (not {given[k]:.6g})" for k in moved)
+            said.append(f"give what the joints allow: {values}")
+        if _kept(system, start, pins, turn) is None:
+            basis = _basis(_held(system.model, pins, []), start, pins)
+            for k in np.flatnonzero(~np.isnan(given)):
+                _add(basis, _unit(len(given), int(k)))
+            size = len(given)
+            order = (*range(2, size, 3), *range(0, size, 3), *range(1, size, 3))  # angles first
+            free = [k for k in order if _add(basis, _unit(size, k))]
+            if free:
+                said.append(f"give {', '.join(f'{names[k]} (it is {now[k]:.12g})' for k in free)}")
+    return "; ".join(said)
 
 
 # ---------------------------------------------------------------- the mechanism with what is kept

@@ -1,0 +1,1 @@
+"""Sensitivities: exact derivatives of curves by parameters, along a motion or at single positions."""

@@ -1,0 +1,50 @@
+"""A recorded calculation together with its derivatives in several directions at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from rattle.trace.derivative import tangent
+from rattle.trace.elementary import lower
+from rattle.trace.graph import Graph, copy_into
+from rattle.trace.lane_program import Compile
+
+EIGHT = 8  # functions take a multiple of so many columns
+
+
+class Columns:
+    """A function of a graph, called with any number of columns."""
+
+    def __init__(self, graph: Graph, outputs: Sequence[Any], compile_function: Compile) -> None:
+        self._call = compile_function(*lower(graph, outputs))
+        self._count = len(outputs)
+
+    def __call__(self, columns: np.ndarray) -> np.ndarray:
+        """Outputs (n_out, n) for inputs (n_in, n), n >= 1."""
+        count = columns.shape[1]
+        filled = np.ascontiguousarray(columns[:, np.minimum(np.arange(-(-count // EIGHT) * EIGHT), count - 1)])
+        found = np.empty((self._count, filled.shape[1]))
+        self._call(filled, found)
+        return found[:, :count]
+
+
+class Linearised:
+    """Functions z = f(x) of a graph and their derivatives dz = f_x dx, for k directions dx at one point x.
+
+    The directions are columns of one calculation, so that their number changes neither its size nor its compiling.
+    """
+
+    def __init__(self, graph: Graph, outputs: Sequence[Any], compile_function: Compile) -> None:
+        both = Graph()
+        copied = copy_into(both, graph, outputs, lambda target, op, *given: target.apply(op, *given))
+        seeds = {place: both.input() for place in list(both.inputs)}
+        self._columns = Columns(both, [*copied, *tangent(both, copied, seeds)], compile_function)
+        self._count = len(outputs)
+
+    def __call__(self, x: np.ndarray, dx: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """z (n_out,) at x (n_in,), and dz (n_out, k) for dx (n_in, k), k >= 1.  Flags are 1 or 0; their dz is 0."""
+        found = self._columns(np.vstack([np.repeat(x[:, None], dx.shape[1], axis=1), dx]))
+        return found[: self._count, 0], found[self._count :]
