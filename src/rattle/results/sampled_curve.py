@@ -94,6 +94,14 @@ class SampledCurve:
         squares = (_polynomial(self.coefficients[:, :, None], half * (_NODES + 1.0)) - about) ** 2
         return math.fsum((squares @ _WEIGHTS) * half[:, 0]) / self.span
 
+    def square_parts(self) -> Array:
+        """(m,) numbers whose squares add up to the mean square, each in proportion to the curve at one place."""
+        if not self.span:
+            return self.values[:1].copy()
+        half = np.diff(self.t)[:, None] / 2
+        values = _polynomial(self.coefficients[:, :, None], half * (_NODES + 1.0))
+        return np.asarray(values * np.sqrt(_WEIGHTS * half / self.span)).ravel()
+
     def greatest(self) -> float:
         """Greatest value of the cubics and samples."""
         return float(np.max(self._pieces.right, initial=self.values.max()))
