@@ -59,9 +59,14 @@ class SampledCurve:
             raise ValueError("the instants of the result must increase")
         self.span = float(self.t[-1] - self.t[0])  # [s]
         self.finite = bool(np.isfinite(self.values).all())
+
+    @functools.cached_property
+    def coefficients(self) -> Array:
+        """(4, n - 1) coefficients a0 ... a3 of the cubics."""
         with np.errstate(all="ignore"):
-            self.coefficients: Array = _coefficients(self.t, self.values)  # (4, n - 1)
-        self.coefficients[:, (self.values[:-1] == 0.0) & (self.values[1:] == 0.0)] = 0.0
+            found = _coefficients(self.t, self.values)
+        found[:, (self.values[:-1] == 0.0) & (self.values[1:] == 0.0)] = 0.0
+        return found
 
     def at(self, instant: float) -> float:
         """Value at an instant [s] of the run: of the sample if there is one, otherwise of the cubic.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +20,7 @@ from rattle.studies.optimise.search import MET, Found, held, search
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
+log = logging.getLogger("rattle")
 TRIES = 64  # designs drawn for one search until one can be evaluated
 FINER = 4  # times as many instants, where they matter, for the check of the optimum
 TIGHTER = 1e-2  # times the tolerance for that check
@@ -38,6 +41,8 @@ def optimise(
     searches: list[Search] = []
     best: Found | None = None
     interrupted = False
+    level = log.level
+    log.setLevel(max(level, logging.ERROR))  # designs that cannot be evaluated are counted, not told one by one
     try:
         for number, begin in enumerate(_begins(designs, starts, seed)):
             found = search(designs, begin) if begin is not None else None
@@ -50,6 +55,7 @@ def optimise(
             raise
         interrupted = True
     finally:
+        log.setLevel(level)
         if bar is not None:
             bar.close()
     assert best is not None  # the first search always begins
@@ -68,7 +74,8 @@ def _begins(designs: Designs, starts: int, seed: int) -> Any:
     yield present
     if starts == 1:
         return
-    drawn = iter(qmc.Sobol(len(asked.names), scramble=True, rng=np.random.default_rng(seed)).random(TRIES * starts))
+    sobol = qmc.Sobol(len(asked.names), scramble=True, rng=np.random.default_rng(seed))
+    drawn = iter(sobol.random_base2(math.ceil(math.log2(TRIES * starts))))
     for _ in range(starts - 1):
         tried = (designs.at(next(drawn)) for _ in range(TRIES))
         yield next((one for one in tried if one.sound), None)
