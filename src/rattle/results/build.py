@@ -40,7 +40,7 @@ def build_result(
     the mechanism could be drawn, nor its points.
     """
     return Result(
-        t=t, data=data, names=names, units=units, geometry=geometry(model) if drawn else NOTHING_DRAWN, trust=trust, stats=stats or {},
-        provenance=provenance(model, analysis, **(settings or {})), events=events, success=not message,
-        message=message, peaks=peaks,
+        t=t, data=data, names=names, units=units, geometry=geometry(model) if drawn else NOTHING_DRAWN, trust=trust,
+        stats=stats or {}, provenance=provenance(model, analysis, **(settings or {})), events=events,
+        success=not message, message=message, peaks=peaks,
     )  # fmt: skip

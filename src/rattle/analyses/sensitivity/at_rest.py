@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses.sensitivity.linearised import Linearised
+from rattle.analyses.sensitivity.parameters import Parameters
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.equations import motion, schur
 from rattle.jit import layout as at
@@ -71,10 +72,10 @@ class AtRest:
     """Curves of a model at rest and their derivatives."""
 
     def __init__(
-        self, model: RecordedModel, rest: Rest, curves: Mapping[str, Any], compile_function: Compile
+        self, model: RecordedModel, parameters: Parameters, rest: Rest, curves: Mapping[str, Any],
+        compile_function: Compile,
     ) -> None:  # fmt: skip
-        self.model = model
-        self.values = np.array(list(model.parameters.values()))
+        self.model, self.parameters = model, parameters
         balance = [*rest.acceleration, *rest.residual, rest.sound]
         self._balance = Linearised(model.graph, balance, compile_function)
         self._curves = Linearised(model.graph, [*curves.values(), rest.sound], compile_function)
@@ -84,16 +85,16 @@ class AtRest:
 
         Where the position is free to change (a neutral equilibrium) it has no derivatives: nan.
         """
-        n, k, ny = len(q), len(self.values), self.model.state_size
-        x = np.concatenate([[t], q, np.zeros(ny - n), self.values, [0.0]])
+        n, k, ny = len(q), len(self.parameters.values), self.model.state_size
+        x = np.concatenate([[t], q, np.zeros(ny - n), self.parameters.values, [0.0]])
         along = np.zeros((len(x), n + k))
         along[1 : 1 + n, :n] = np.eye(n)
-        along[1 + ny : 1 + ny + k, n:] = np.eye(k)
+        along[1 + ny : 1 + ny + k, n:] = self.parameters.directions
         value, found = self._balance(x, along)
         size = np.tile([self.model.system.size, self.model.system.size, 1.0], n // 3)
         moved = np.zeros((len(x), k))
         moved[1 : 1 + n] = size[:, None] * _solved(found[:-1, :n] * size, -found[:-1, n:], n)
-        moved[1 + ny : 1 + ny + k] = np.eye(k)
+        moved[1 + ny : 1 + ny + k] = self.parameters.directions
         values, derivatives = self._curves(x, moved)
         return values[:-1], derivatives[:-1], bool(value[-1] == 1.0 and values[-1] == 1.0)
 

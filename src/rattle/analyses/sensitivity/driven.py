@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses.sensitivity.linearised import Linearised
+from rattle.analyses.sensitivity.parameters import Parameters
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.results.result import Result
 from rattle.trace.lane_program import Compile
@@ -23,26 +24,27 @@ from rattle.trace.lane_program import Compile
 class Driven:
     """Curves of a fully driven model and their derivatives."""
 
-    def __init__(self, model: RecordedModel, curves: Mapping[str, Any], compile_function: Compile) -> None:
-        self.model = model
+    def __init__(
+        self, model: RecordedModel, parameters: Parameters, curves: Mapping[str, Any], compile_function: Compile
+    ) -> None:  # fmt: skip
+        self.model, self.parameters = model, parameters
         self.motion = 6 * model.system.body_count
-        self.values = np.array(list(model.parameters.values()))
         closed = [*model.projection[: self.motion], model.projection[-1]]
         self._project = Linearised(model.graph, closed, compile_function)
         self._curves = Linearised(model.graph, [*curves.values(), model.sound_curves], compile_function)
 
     def at(self, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
         """Curves (nc,), derivatives (nc, k), whether they are sound, at t [s] for positions q and rates v (3 nb,)."""
-        n, k, ny = self.motion, len(self.values), self.model.state_size
+        n, k, ny = self.motion, len(self.parameters.values), self.model.state_size
         y = np.concatenate([q, v, np.zeros(ny - n)])
-        x = np.concatenate([[t], y, self.values, [0.0]])
+        x = np.concatenate([[t], y, self.parameters.values, [0.0]])
         along = np.zeros((len(x), n + k))
         along[1 : 1 + n, :n] = np.eye(n)
-        along[1 + ny : 1 + ny + k, n:] = np.eye(k)
+        along[1 + ny : 1 + ny + k, n:] = self.parameters.directions
         closed, found = self._project(x, along)
         moved = np.zeros((len(x), k))
         moved[1 : 1 + n] = np.linalg.solve(np.eye(n) - found[:-1, :n], found[:-1, n:])
-        moved[1 + ny : 1 + ny + k] = np.eye(k)
+        moved[1 + ny : 1 + ny + k] = self.parameters.directions
         x[1 : 1 + n] = closed[:-1]
         values, derivatives = self._curves(x, moved)
         return values[:-1], derivatives[:-1], bool(closed[-1] == 1.0 and values[-1] == 1.0)

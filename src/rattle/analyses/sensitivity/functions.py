@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.analyses.sensitivity.linearised import Columns, Linearised
+from rattle.analyses.sensitivity.parameters import Parameters
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.errors import TraceError
 from rattle.trace.graph import Graph, Symbol
@@ -31,11 +32,12 @@ class Functions:
     A state with its derivatives is an array z (ny, 1 + k): y, then dy/dp for each of the k parameters.
     """
 
-    def __init__(self, model: RecordedModel, curves: Mapping[str, Any], compile_function: Compile) -> None:
-        self.model, self.size = model, model.state_size
-        self.values = np.array(list(model.parameters.values()))
+    def __init__(
+        self, model: RecordedModel, parameters: Parameters, curves: Mapping[str, Any], compile_function: Compile
+    ) -> None:  # fmt: skip
+        self.model, self.size, self.parameters = model, model.state_size, parameters
         self.energy = 0.0  # at the start [J]
-        self.energy_rates = np.zeros(len(self.values))  # its derivatives
+        self.energy_rates = np.zeros(len(parameters.values))  # its derivatives
         graph = model.graph
         margins = switching_functions(graph, model.derivative[:-1])
         self._rate = Linearised(graph, [*model.derivative, *(x < 0.0 for x in margins)], compile_function)
@@ -54,11 +56,12 @@ class Functions:
 
     def inputs(self, t: float, y: np.ndarray) -> np.ndarray:
         """(n_in,) inputs of the graph."""
-        return np.concatenate([[t], y, self.values, [self.energy]])
+        return np.concatenate([[t], y, self.parameters.values, [self.energy]])
 
     def _at(self, t: float, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        count = len(self.values)
-        along = np.vstack([np.zeros((1, count)), z[:, 1:], np.eye(count), self.energy_rates[None]])
+        directions = self.parameters.directions
+        count = len(directions)
+        along = np.vstack([np.zeros((1, count)), z[:, 1:], directions, self.energy_rates[None]])
         return self.inputs(t, z[:, 0]), along
 
     def rates(self, t: float, z: np.ndarray) -> Rates:

@@ -224,5 +224,5 @@ def _tolerance(functions: Functions, rtol: float, atol: float, t_end: float) -> 
     controlled = np.r_[layout.motion, layout.states]
     weight = np.tile([extent(system), extent(system), 1.0], 2 * system.body_count)
     weight = np.concatenate([weight, np.ones(len(controlled) - len(weight))])
-    given = np.abs(functions.values)
+    given = np.abs(functions.parameters.values)
     return Tolerance(rtol, atol, weight, controlled, np.where(given > 0.0, given, 1.0))

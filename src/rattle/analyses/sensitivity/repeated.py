@@ -12,6 +12,7 @@ from rattle.analyses.kinematics.kinematics import analyse
 from rattle.analyses.sensitivity.driven import Driven, positions
 from rattle.analyses.sensitivity.functions import Functions
 from rattle.analyses.sensitivity.motion import Motion
+from rattle.analyses.sensitivity.parameters import Parameters
 from rattle.analyses.sensitivity.sensitivity import Asked
 from rattle.analyses.sensitivity.start import StartDerivatives
 from rattle.analyses.straight_line.machine_code import MachineFunctions
@@ -30,17 +31,18 @@ class RepeatedSensitivities:
     def __init__(self, model: RecordedModel, outputs: Sequence[str], analysis: str, rtol: float, atol: float) -> None:
         """model: recorded with the parameters.  rtol, atol: of a motion [m, rad, m/s, rad/s]."""
         self.model, self.analysis, self.rtol, self.atol = model, analysis, rtol, atol
-        asked = Asked(model, tuple(outputs), np.zeros(1), rtol, atol)
+        chosen = _alone(model)
+        asked = Asked(model, chosen, tuple(outputs), np.zeros(1), rtol, atol)
         compiled = MachineFunctions()
         self._readable = compiled.add(*lower(model.graph, [model.readable]))
         if analysis == "simulate":
             curves, _ = asked.curves(self.model.curves)
-            self._functions = Functions(model, curves, compiled.add)
+            self._functions = Functions(model, chosen, curves, compiled.add)
             self._start = StartDerivatives(model, compiled)
         else:
             nominal = analyse(model.system, model.start, np.zeros(1), forces=analysis == "inverse-dynamics")
             curves, _ = asked.curves({name: one for name, one in model.curves.items() if name in nominal.stored})
-            self._driven = Driven(model, curves, compiled.add)
+            self._driven = Driven(model, chosen, curves, compiled.add)
         compiled.compile()
 
     def at(self, system: System, start: Assembled, t_eval: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -65,8 +67,8 @@ class RepeatedSensitivities:
 
     def _along_motion(self, model: RecordedModel, t_eval: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         functions = self._functions
-        functions.model, functions.values = model, np.array(list(model.parameters.values()))
-        run = Motion(functions, self._start.at(model), t_eval, self.rtol, self.atol)
+        functions.model, functions.parameters = model, _alone(model)
+        run = Motion(functions, self._start.at(model, functions.parameters), t_eval, self.rtol, self.atol)
         run.go()
         if run.interrupted:
             raise KeyboardInterrupt
@@ -78,10 +80,15 @@ class RepeatedSensitivities:
         nominal = analyse(model.system, model.start, t_eval, forces=False)
         if not nominal.success:
             raise TraceError(nominal.message)
-        self._driven.model, self._driven.values = model, np.array(list(model.parameters.values()))
+        self._driven.model, self._driven.parameters = model, _alone(model)
         bodies = list(model.system.bodies)
         found = [self._driven.at(float(t), *positions(nominal, bodies, k)) for k, t in enumerate(nominal.t)]
         if not all(one[2] and np.isfinite(one[1]).all() for one in found):
             raise TraceError("no sensitivities: a position is singular, or a load or expression has no derivative")
         return np.array([one[0] for one in found]), np.array([one[1] for one in found])
 
+
+def _alone(model: RecordedModel) -> Parameters:
+    """The parameters of a model, each of which changes alone, whatever expressions the file has for them."""
+    values = np.array(list(model.parameters.values()))
+    return Parameters(tuple(model.parameters), values, np.eye(len(values)))

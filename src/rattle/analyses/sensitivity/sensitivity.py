@@ -7,21 +7,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.dynamics.horizon import AGREE
+from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.kinematics.kinematics import analyse, instants
 from rattle.analyses.sensitivity.at_rest import AtRest, record_rest
 from rattle.analyses.sensitivity.driven import Driven, positions
+from rattle.analyses.sensitivity.effects import derivative_name, quotient, usual_change
 from rattle.analyses.sensitivity.functions import Functions
 from rattle.analyses.sensitivity.growth import growth, linear_until
 from rattle.analyses.sensitivity.motion import Motion
+from rattle.analyses.sensitivity.parameters import Parameters
 from rattle.analyses.sensitivity.start import start
 from rattle.analyses.statics.equilibria import equilibria
 from rattle.analyses.statics.quasistatic import quasistatic
@@ -34,6 +36,7 @@ from rattle.results.build import build_result
 from rattle.results.result import Result, UnknownName
 from rattle.results.trust import Trust
 from rattle.solvers.stepper import ATOL
+from rattle.trace.elementary import lower
 
 ANALYSES = ("simulate", "kinematics", "inverse-dynamics", "equilibrium")
 RTOL = 1e-10  # default relative tolerance of a motion with its derivatives
@@ -58,6 +61,7 @@ class Asked:
     """A question: derivatives of which curves, by which parameters, when."""
 
     model: RecordedModel
+    parameters: Parameters
     outputs: tuple[str, ...]
     t_eval: np.ndarray  # (n,) [s]
     rtol: float
@@ -97,7 +101,7 @@ def sensitivity(
     times = _times(system, t_eval, analysis)
     arguments.require_room(len(times), len(outputs) * (1 + len(parameters)))
     model = _recorded(document, system, begin, parameters)
-    asked = Asked(model, outputs, times, rtol, atol)
+    asked = Asked(model, Parameters.of(model), outputs, times, rtol, atol)
     found, units = FIND[analysis](asked)
     found.stats["wall_time"] = time.perf_counter() - began
     result = _result(asked, analysis, found, units)
@@ -138,7 +142,7 @@ def _recorded(
             )
         raise TraceError(f"no sensitivities: {error}{remedy}") from None
     functions = MachineFunctions()
-    readable = functions.add(*_lowered_flag(model))
+    readable = functions.add(*lower(model.graph, [model.readable]))
     functions.compile()
     for n, (name, value) in enumerate(model.parameters.items()):
         columns = np.zeros((len(model.graph.inputs), 8))
@@ -155,19 +159,13 @@ def _recorded(
     return model
 
 
-def _lowered_flag(model: RecordedModel) -> tuple[Any, list[Any]]:
-    from rattle.trace.elementary import lower
-
-    return lower(model.graph, [model.readable])
-
-
 # ---------------------------------------------------------------- the analyses
 def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     model = asked.model
     curves, units = asked.curves(model.curves)
     compiled = MachineFunctions()
-    functions = Functions(model, curves, compiled.add)
-    z = start(model, compiled)
+    functions = Functions(model, asked.parameters, curves, compiled.add)
+    z = start(model, asked.parameters, compiled)
     run = Motion(functions, z, asked.t_eval, asked.rtol, asked.atol)
     run.go()
     notes, horizon = _growth_notes(asked, run)
@@ -196,22 +194,15 @@ def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float]:
         found = growth(t, size)
         if found is None:
             continue
-        change, words = usual_change(asked.model.system, name)
-        until = linear_until(t, size, change)
-        reach = f" acts linearly only until about t = {until:.2g} s" if until < t[-1] else " acts linearly all the time"
+        change = usual_change(asked.model.system, name)
+        until = linear_until(t, size, change["size"])
+        reach = f"linearly only until about t = {until:.2g} s" if until < t[-1] else "linearly over the whole run"
         notes.append(
-            f"sensitivities to {name} grow tenfold every {found.tenfold:.2g} s: a change of {name} by {words}{reach}"
+            f"sensitivities to {name} grow tenfold every {found.tenfold:.2g} s: a change of {name} by"
+            f" {change['words']} acts {reach}"
         )
         horizon = min(horizon, float(np.log(AGREE / asked.rtol)) / found.rate)
     return notes, horizon
-
-
-def usual_change(system: System, name: str) -> tuple[float, str]:
-    """A change of a parameter that matters [SI] and what to call it: its tolerance, else 1 % of its value."""
-    one = system.model.parameters[name]
-    if one.tol:
-        return one.tol, f"its tolerance {one.tol:g} {one.unit}".rstrip()
-    return (0.01 * abs(one.value), "1 %") if one.value else (0.01, f"0.01 {one.unit}".rstrip())
 
 
 def _kinematics(asked: Asked, forces: bool = False) -> tuple[Found, dict[str, str]]:
@@ -219,7 +210,7 @@ def _kinematics(asked: Asked, forces: bool = False) -> tuple[Found, dict[str, st
     nominal = analyse(model.system, model.start, asked.t_eval, forces=forces)
     curves, units = asked.curves({name: one for name, one in model.curves.items() if name in nominal.stored})
     compiled = MachineFunctions()
-    driven = Driven(model, curves, compiled.add)
+    driven = Driven(model, asked.parameters, curves, compiled.add)
     compiled.compile()
     bodies = list(model.system.bodies)
     found = [driven.at(float(t), *positions(nominal, bodies, k)) for k, t in enumerate(nominal.t)]
@@ -233,23 +224,27 @@ def _inverse_dynamics(asked: Asked) -> tuple[Found, dict[str, str]]:
 
 def _equilibrium(asked: Asked) -> tuple[Found, dict[str, str]]:
     model, t_eval = asked.model, asked.t_eval
+    notes: tuple[str, ...] = ()
     if len(t_eval) == 1:
         first = equilibria(model.system, float(t_eval[0])).first_at(float(t_eval[0]))
         nominal, notes = first.result, (f"the equilibrium is {first}",)
+        neutral = np.array([bool(first.neutral)])
     else:
-        nominal, notes = quasistatic(model.system, t_eval), ()
+        nominal = quasistatic(model.system, t_eval)
+        neutral = nominal["equilibrium.stiffness"] == 0.0
     rest = record_rest(model)
     curves, units = asked.curves({name: one for name, one in rest.curves.items() if name in nominal.stored})
     compiled = MachineFunctions()
-    at_rest = AtRest(model, rest, curves, compiled.add)
+    at_rest = AtRest(model, asked.parameters, rest, curves, compiled.add)
     compiled.compile()
     bodies = list(model.system.bodies)
     found = []
     for k, t in enumerate(nominal.t):
         q = np.array([nominal[f"{body}.{key}"][k] for body in bodies for key in ("x", "y", "angle")])
-        found.append(at_rest.at(float(t), q))
+        values, derivatives, sound = at_rest.at(float(t), q)
+        found.append((values, derivatives, sound and not neutral[k]))
     made = _checked(asked, nominal, found, nominal.trust)
-    made.trust = _with_notes(made.trust, notes)
+    made.trust = replace(made.trust, notes=(*made.trust.notes, *notes))
     return made, units
 
 
@@ -260,15 +255,7 @@ FIND: dict[str, Finding] = {
 }  # fmt: skip
 
 
-def _with_notes(trust: Trust, notes: Sequence[str]) -> Trust:
-    from dataclasses import replace
-
-    return replace(trust, notes=(*trust.notes, *notes))
-
-
-def _checked(
-    asked: Asked, nominal: Result, found: list[tuple[np.ndarray, np.ndarray, bool]], trust: Trust
-) -> Found:
+def _checked(asked: Asked, nominal: Result, found: list[tuple[np.ndarray, np.ndarray, bool]], trust: Trust) -> Found:
     """What was found at every instant of the analysis itself, as far as it agrees with it and is sound."""
     count, k = len(asked.outputs), len(asked.model.parameters)
     values = np.array([one[0] for one in found]).reshape(-1, count)
@@ -302,6 +289,7 @@ def _result(asked: Asked, analysis: str, found: Found, units: Mapping[str, str])
     model, n = asked.model.system.model, len(found.values)
     names, columns = list(asked.outputs), [found.values[:, c] for c in range(len(asked.outputs))]
     known = {name: units[name] for name in names}
+    changes = {name: usual_change(asked.model.system, name) for name in asked.model.parameters}
     for c, output in enumerate(asked.outputs):
         for k, parameter in enumerate(asked.model.parameters):
             name = derivative_name(output, parameter)
@@ -311,19 +299,5 @@ def _result(asked: Asked, analysis: str, found: Found, units: Mapping[str, str])
     return build_result(
         model, "sensitivity", t=asked.t_eval[:n], data=np.array(columns).T.reshape(n, len(names)), names=names,
         units=known, trust=found.trust, stats=found.stats, message=found.message, drawn=False,
-        settings={"of": list(asked.outputs), "to": list(asked.model.parameters), "along": analysis, **found.settings},
+        settings={"of": list(asked.outputs), "changes": changes, "along": analysis, **found.settings},
     )  # fmt: skip
-
-
-def derivative_name(output: str, parameter: str) -> str:
-    """Name of a derivative: d(rocker.angle)/d(l2)."""
-    return f"d({output})/d({parameter})"
-
-
-def quotient(unit: str, by: str) -> str:
-    """SI unit of a derivative, as "rad/m", "N/(N*m)", or "rad*s" for one by a rate in 1/s."""
-    if not by:
-        return unit
-    if by.startswith("1/"):
-        return f"{unit}*{by[2:]}" if unit else by[2:]
-    return f"{unit or '1'}/{f'({by})' if any(c in by for c in '*/') else by}"

@@ -8,11 +8,14 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.analyses.sensitivity.linearised import Linearised
+from rattle.analyses.sensitivity.parameters import Parameters
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.recorded_start import lacking
 from rattle.analyses.straight_line.starts import Starts
 from rattle.errors import TraceError
+
+NUDGE = 1e-6  # change of a parameter, as a share, at which the start must still be the one that [initial] gives
 
 
 class StartDerivatives:
@@ -29,29 +32,29 @@ class StartDerivatives:
         self._correct = Linearised(model.graph, model.first.correction, functions.add)
         self._close_rates = Linearised(model.graph, model.first.rates, functions.add)
 
-    def at(self, model: RecordedModel) -> np.ndarray:
+    def at(self, model: RecordedModel, chosen: Parameters) -> np.ndarray:
         """y and its derivatives at t = 0, (ny, 1 + k) [SI], for the start and the parameters of this model.
 
         Raises TraceError where assembly had to change what [initial] gives.
         """
         self._begin.model = model
-        values = np.array(list(model.parameters.values()))
-        begun = self._begin.begin(values[:, None])
+        begun = self._begin.begin(chosen.values[:, None])
         if begun.assembled[0]:
             raise TraceError(
                 "no sensitivities: the start is not determined by the values in [initial] alone, assembly had to"
                 f" change them; {lacking(model.system, model.start)}"
             )
-        y, nq, k = begun.y[:, 0], 3 * model.system.body_count, len(values)
-        x = np.concatenate([[0.0], y, values, [0.0]])
+        _require_kept(self._begin, chosen)
+        y, nq, k = begun.y[:, 0], 3 * model.system.body_count, len(chosen.values)
+        x = np.concatenate([[0.0], y, chosen.values, [0.0]])
         parameters = slice(1 + len(y), 1 + len(y) + k)
         along = np.zeros((len(x), nq + k))
         along[1 : 1 + nq, :nq] = np.eye(nq)
-        along[parameters, nq:] = np.eye(k)
+        along[parameters, nq:] = chosen.directions
         _, found = self._correct(x, along)
         moved = np.zeros((len(x), k))
         moved[1 : 1 + nq] = np.linalg.solve(np.eye(nq) - found[:nq, :nq], found[:nq, nq:])
-        moved[parameters] = np.eye(k)
+        moved[parameters] = chosen.directions
         _, rates = self._close_rates(x, moved)
         z = np.zeros((len(y), 1 + k))
         z[:, 0] = y
@@ -59,8 +62,22 @@ class StartDerivatives:
         return z
 
 
-def start(model: RecordedModel, functions: MachineFunctions) -> np.ndarray:
+def start(model: RecordedModel, chosen: Parameters, functions: MachineFunctions) -> np.ndarray:
     """y and its derivatives at t = 0, (ny, 1 + k) [SI]; compiles the functions.  Raises TraceError."""
     derivatives = StartDerivatives(model, functions)
     functions.compile()
-    return derivatives.at(model)
+    return derivatives.at(model, chosen)
+
+
+def _require_kept(begin: Starts, chosen: Parameters) -> None:
+    """Raise TraceError for parameters without which the values in [initial] contradict each other."""
+    size = np.where(chosen.values != 0.0, np.abs(chosen.values), 1.0)
+    change = NUDGE * chosen.directions * size
+    kept = begin.determined(chosen.values[:, None] + np.hstack([-change, change])).reshape(2, -1).any(axis=0)
+    lost = [name for name, good in zip(chosen.names, kept, strict=True) if not good]
+    if lost:
+        raise TraceError(
+            f"no sensitivities to {', '.join(lost)}: changed alone, the values in [initial] can no longer all be kept,"
+            " and what assembly does then has no derivative; give fewer of them, or write them and other parameters"
+            f" as expressions of {'it' if len(lost) == 1 else 'these'}, so that they fit"
+        )

@@ -55,6 +55,12 @@ class Starts:
                 y[:, n], messages[int(n)] = np.nan, str(error)
         return Begun(y, messages, ~good)
 
+    def determined(self, values: np.ndarray) -> np.ndarray:
+        """(k,) True where the recorded equations give the start at values (np, k) of the chosen parameters [SI]."""
+        if not self._first:
+            return np.zeros(values.shape[1], dtype=bool)
+        return self._solve(np.repeat(self.model.start_state[:, None], values.shape[1], axis=1), values)
+
     def assemble(self, values: np.ndarray) -> tuple[System, Assembled]:
         """The model with values (np,) of the chosen parameters [SI], assembled.  Raises ModelError, AssemblyError."""
         system = compile_system(read_at(self.model, dict(zip(self.model.parameters, values.tolist(), strict=True))))

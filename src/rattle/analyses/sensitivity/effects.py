@@ -1,0 +1,81 @@
+"""What sensitivities mean for a design: the effect of a usual change of each parameter."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rattle.equations.system import System
+from rattle.results.display import DEGREES, MILLIMETRES, quantity
+from rattle.results.result import Result
+
+SHARE = 0.01  # usual change of a parameter without a tolerance, as a share of its value; of 1 if that is 0
+
+
+def usual_change(system: System, name: str) -> dict[str, Any]:
+    """A change of a parameter that matters, its tolerance or else 1 % of it: size [SI], unit, words."""
+    one = system.model.parameters[name]
+    size = one.tol or SHARE * (abs(one.value) or 1.0)
+    why = "tolerance" if one.tol else "1 %" if one.value else "0.01"
+    return {"size": size, "unit": one.unit, "words": f"{quantity(size, one.unit, 3)} ({why})"}
+
+
+class Effect(NamedTuple):
+    """A derivative along a result, and what the usual change of its parameter does."""
+
+    output: str
+    parameter: str
+    derivative: np.ndarray  # (n,) [SI]
+    change: float  # of the parameter [SI]
+    words: str  # the change, as it is printed
+    unit: str  # SI unit of the output
+    by: str  # SI unit of the parameter
+
+    @property
+    def largest(self) -> int:
+        """Instant of the largest magnitude."""
+        return int(np.argmax(np.abs(self.derivative)))
+
+    @property
+    def slope(self) -> str:
+        """The largest derivative as text, angles in degrees, by mm where the parameter's change is short."""
+        value, unit, by = float(self.derivative[self.largest]), self.unit, self.by
+        if unit in ("rad", "rad/s", "rad/s^2"):
+            value, unit = DEGREES * value, unit.replace("rad", "deg")
+        if by == "m" and self.change < MILLIMETRES:
+            value, by = 1e-3 * value, "mm"
+        return f"{value:.4g} {quotient(unit, by)}".rstrip()
+
+    @property
+    def effect(self) -> str:
+        """The largest change of the output, as text."""
+        return quantity(float(self.derivative[self.largest]) * self.change, self.unit, 3)
+
+
+def effects(result: Result) -> list[Effect]:
+    """All derivatives of a result of `sensitivity`.  Raises ValueError for another result."""
+    ran = result.provenance
+    if ran.get("analysis") != "sensitivity":
+        raise ValueError("this result holds no sensitivities")
+    return [
+        Effect(
+            output, parameter, result[derivative_name(output, parameter)], change["size"], change["words"],
+            result.unit(output), change["unit"],
+        )
+        for output in ran["of"] for parameter, change in ran["changes"].items()
+    ]  # fmt: skip
+
+
+def derivative_name(output: str, parameter: str) -> str:
+    """Name of a derivative: d(rocker.angle)/d(l2)."""
+    return f"d({output})/d({parameter})"
+
+
+def quotient(unit: str, by: str) -> str:
+    """Unit of a derivative, as "rad/m", "N/(N*m)", or "rad*s" for one by a rate in 1/s."""
+    if not by:
+        return unit
+    if by.startswith("1/"):
+        return f"{unit}*{by[2:]}" if unit else by[2:]
+    return f"{unit or '1'}/{f'({by})' if any(c in by for c in '*/') else by}"
