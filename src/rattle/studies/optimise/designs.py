@@ -33,11 +33,25 @@ STEP = 1e-5  # of differences of an output, as a share of the range of a paramet
 RUN_STEP = {"simulate": 1e-4}  # of differences of whole runs, whose errors are larger
 RUN_STEP_DRIVEN = 1e-6  # the same for driven positions, exact to rounding
 REMEMBERED = 8  # designs whose runs are kept
-Numbers = Callable[[Result, Mapping[str, float], Result | None], np.ndarray]
+Numbers = Callable[[Result, Mapping[str, float], Result | None], Any]  # of a run, its parameters, the run without play
 
 
 class LostError(Exception):
     """No derivatives at a design: designs beside it cannot be evaluated."""
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What was run for a design."""
+
+    mechanism: Mechanism
+    result: Result
+    ideal: Mechanism | None  # without play, where the outputs ask for it
+    ideal_result: Result | None
+
+    def apply(self, numbers: Numbers) -> Any:
+        """Numbers of the run."""
+        return numbers(self.result, self.mechanism.parameters, self.ideal_result)
 
 
 @dataclass(eq=False)
@@ -46,13 +60,16 @@ class Design:
 
     x: np.ndarray  # (k,) places of the parameters between their bounds
     message: str = ""  # why it has no numbers
-    mechanism: Mechanism | None = None
-    ideal: Mechanism | None = None  # without play, where the outputs ask for it
-    result: Result | None = None
-    ideal_result: Result | None = None
+    run: Run | None = None
     numbers: np.ndarray = field(default_factory=lambda: np.zeros(0))  # objective, then margins [SI]
     slopes: np.ndarray | None = None  # (1 + m, k) their derivatives by x
     parts: tuple[np.ndarray, np.ndarray] | None = None  # parts of a sum of squares, and their derivatives by x
+
+    @property
+    def ran(self) -> Run:
+        """The run of a design that could be evaluated."""
+        assert self.run is not None
+        return self.run
 
     @property
     def sound(self) -> bool:
@@ -90,12 +107,11 @@ class Designs:
         self.on_run()
         design = Design(x)
         try:
-            design.mechanism = question.mechanism.set(question.values(x))
-            design.result = _whole(question.run(design.mechanism))
-            if question.ideal_curves:
-                design.ideal = design.mechanism.ideal()
-                design.ideal_result = _whole(question.run(design.ideal))
-            design.numbers = self._numbers(design.result, design.mechanism.parameters, design.ideal_result)
+            m = question.mechanism.set(question.values(x))
+            result = _whole(question.run(m))
+            ideal = m.ideal() if question.ideal_curves else None
+            design.run = Run(m, result, ideal, None if ideal is None else _whole(question.run(ideal)))
+            design.numbers = design.run.apply(self._numbers)
             bad = [one.text for one, x in zip(question.outputs, design.numbers, strict=True) if not np.isfinite(x)]
             design.message = f"{bad[0]} has no finite value" if bad else ""
         except (ModelError, AssemblyError, SolverError) as error:
@@ -118,8 +134,7 @@ class Designs:
     def parts(self, design: Design) -> tuple[np.ndarray, np.ndarray]:
         """Parts r (n,) of the sum of squares, and derivatives (n, k) by x.  Raises LostError."""
         if design.parts is None:
-            assert design.result is not None and design.mechanism is not None
-            raw = self._raw(design.result, design.mechanism.parameters, design.ideal_result)
+            raw = design.ran.apply(self._raw)
             slopes = self._slopes(design, lambda *given: np.concatenate(self._raw(*given)))
             split = np.split(slopes, np.cumsum([len(one) for one in raw])[:-1])
             pairs = list(zip(self.squares, raw, split, strict=True))
@@ -131,8 +146,7 @@ class Designs:
 
     def residuals(self, design: Design) -> np.ndarray:
         """Parts r (n,) of the sum of squares."""
-        assert design.result is not None and design.mechanism is not None
-        raw = self._raw(design.result, design.mechanism.parameters, design.ideal_result)
+        raw = design.ran.apply(self._raw)
         return np.concatenate([one.residual(x) for one, x in zip(self.squares, raw, strict=True)])
 
     def _raw(self, result: Result, parameters: Mapping[str, float], ideal: Result | None) -> list[np.ndarray]:
@@ -152,14 +166,13 @@ class Designs:
 
     def _exact_slopes(self, design: Design, numbers: Numbers) -> np.ndarray:
         """(n, k) from the derivatives of the curves.  Raises TraceError."""
-        assert design.result is not None and design.mechanism is not None
-        question = self.question
-        asked = ((design.mechanism, question.curves), (design.ideal, question.ideal_curves))
+        question, run = self.question, design.ran
+        asked = ((run.mechanism, question.curves), (run.ideal, question.ideal_curves))
         exact = self._sensitivities(asked)
-        t, curves = design.result.t, []
+        t, curves = run.result.t, []
         for (m, names), one in zip(asked, exact, strict=True):
             curves.append(None if one is None or m is None else (names, *one.at(m.system, m.start, t)))
-        values, width, rows = design.mechanism.parameters, question.width, []
+        values, width, rows = run.mechanism.parameters, question.width, []
         for k, name in enumerate(question.names):
             sides = []
             for h in (STEP * width[k], -STEP * width[k]):
@@ -190,9 +203,8 @@ class Designs:
 
     def _difference_slopes(self, design: Design, numbers: Numbers) -> np.ndarray:
         """(n, k) from runs of designs nearby, within the bounds.  Raises LostError."""
-        assert design.result is not None and design.mechanism is not None
         h = RUN_STEP.get(self.question.analysis, RUN_STEP_DRIVEN)
-        here = numbers(design.result, design.mechanism.parameters, design.ideal_result)
+        here = design.ran.apply(numbers)
         columns = []
         for k in range(len(design.x)):
             found: dict[int, np.ndarray] = {0: here}
@@ -209,8 +221,7 @@ class Designs:
         one = self._evaluated(x)
         if not one.sound:
             return {}
-        assert one.result is not None and one.mechanism is not None
-        found = numbers(one.result, one.mechanism.parameters, one.ideal_result)
+        found = one.ran.apply(numbers)
         return {n: found} if np.isfinite(found).all() else {}
 
 

@@ -94,9 +94,10 @@ def _better(best: Found | None, found: Found | None) -> Found | None:
 def _search(asked: Question, number: int, found: Found | None) -> Search:
     if found is None:
         return Search(number, {}, {}, float("nan"), float("nan"), False, 0, "no design was found that can be evaluated")
+    begun, best = found.begun, found.best
     return Search(
-        number, asked.values(found.begun.x), asked.values(found.best.x),
-        float(found.begun.numbers[0]), float(found.best.numbers[0]), found.missed(found.best) <= MET, found.designs, found.message,
+        number, asked.values(begun.x), asked.values(best.x), float(begun.numbers[0]), float(best.numbers[0]),
+        found.missed(best) <= MET, found.designs, found.message,
     )  # fmt: skip
 
 

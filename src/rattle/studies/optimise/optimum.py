@@ -106,7 +106,9 @@ class Optimum:
     def report(self) -> str:
         """What changed, what it gained, what holds it, and how it was found."""
         asked, first = self.question, self.searches[0]
-        rows = [(f"minimise {asked.objective.text}", f"{self._number(first.begun_value)} -> {self._number(self.value)}")]
+        rows = [
+            (f"minimise {asked.objective.text}", f"{self._number(first.begun_value)} -> {self._number(self.value)}")
+        ]
         present = asked.mechanism.parameters
         for k, name in enumerate(asked.names):
             change = f"{self._shown(name, present[name])} -> {self._shown(name, self.values[name])}"
@@ -127,7 +129,11 @@ class Optimum:
                 by = f"1 {unit}" if unit else "1"
                 line += f"active; loosened by {by} it would let the objective fall by {self._number(worth)}"
             else:
-                line += f"holds, {quantity(margin, unit)} to spare" if margin >= 0.0 else f"missed by {quantity(-margin, unit)}"
+                line += (
+                    f"holds, {quantity(margin, unit)} to spare"
+                    if margin >= 0.0
+                    else f"missed by {quantity(-margin, unit)}"
+                )
             said.append(line)
         bounds = self.active[len(held.constraints) :] if held is not None else ()
         if bounds:
@@ -179,10 +185,8 @@ class Optimum:
     def _distance(self, one: Search, other: Search) -> float:
         """Largest difference of the designs at the end, as a share of the ranges."""
         asked = self.question
-        return max(
-            abs(one.ended[name] - other.ended[name]) / width
-            for name, width in zip(asked.names, asked.width, strict=True)
-        )
+        apart = [abs(one.ended[name] - other.ended[name]) for name in asked.names]
+        return float(np.max(apart / asked.width))
 
     def _confirmation(self) -> str:
         if self.check.message:

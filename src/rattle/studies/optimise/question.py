@@ -48,12 +48,12 @@ class Question:
     @property
     def curves(self) -> list[str]:
         """Names of the curves that are needed."""
-        return sorted(set().union(*(one.names for one in self.outputs)))
+        return sorted({name for one in self.outputs for name in one.names})
 
     @property
     def ideal_curves(self) -> list[str]:
         """Names of the curves of the mechanism without play that are needed."""
-        return sorted(set().union(*(one.ideal_names for one in self.outputs)))
+        return sorted({name for one in self.outputs for name in one.ideal_names})
 
     def values(self, x: np.ndarray) -> dict[str, float]:
         """Values [SI] of the parameters at x (k,), the places between their bounds from 0 to 1."""
@@ -64,7 +64,7 @@ class Question:
     def places(self, values: Mapping[str, float]) -> np.ndarray:
         """(k,) places from 0 to 1 of values [SI]."""
         given = np.array([values[name] for name in self.names])
-        return np.clip((given - self.low) / self.width, 0.0, 1.0)
+        return np.asarray(np.clip((given - self.low) / self.width, 0.0, 1.0))
 
     @property
     def width(self) -> np.ndarray:

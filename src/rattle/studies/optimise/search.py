@@ -74,7 +74,7 @@ def sizes(designs: Designs, design: Design) -> np.ndarray:
         changes = np.linalg.norm(designs.slopes(design)[1:], axis=1)
     except LostError:
         changes = np.zeros(len(design.numbers) - 1)
-    return np.maximum(np.maximum(np.abs(design.numbers[1:]), changes), EASED)
+    return np.asarray(np.maximum(np.maximum(np.abs(design.numbers[1:]), changes), EASED))
 
 
 # ---------------------------------------------------------------- sums of squares

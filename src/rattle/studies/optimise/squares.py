@@ -62,8 +62,8 @@ class Square:
 def squares(objective: Output) -> list[Square] | None:
     """The parts of an objective; None if it is not a sum of squares."""
     outer = objective.outer
-    if isinstance(outer, Name) and _reduction(objective, outer).kind == "rms":
-        return [Square(_part(objective, outer), 1.0, "curve")]
+    if isinstance(outer, Name) and (one := _reduction(objective, outer)) is not None and one.kind == "rms":
+        return [Square(_only(objective, one), 1.0, "curve")]
     return _sum(objective, outer, 1.0)
 
 
