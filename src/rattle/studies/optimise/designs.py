@@ -10,6 +10,7 @@ runs are differenced; both are counted.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 STEP = 1e-5  # of differences of an output, as a share of the range of a parameter
 RUN_STEP = {"simulate": 1e-4}  # of differences of whole runs, whose errors are larger
 RUN_STEP_DRIVEN = 1e-6  # the same for driven positions, exact to rounding
+LONGEST = 100  # characters of a reason
 REMEMBERED = 8  # designs whose runs are kept
 Numbers = Callable[[Result, Mapping[str, float], Result | None], Any]  # of a run, its parameters, the run without play
 
@@ -117,7 +119,7 @@ class Designs:
         except (ModelError, AssemblyError, SolverError) as error:
             design.message = str(error)
         if design.message:
-            kind = design.message.split(":")[0][:60]
+            kind = _kind(design.message)
             self.failures[kind] = self.failures.get(kind, 0) + 1
         return design
 
@@ -169,7 +171,7 @@ class Designs:
         question, run = self.question, design.ran
         asked = ((run.mechanism, question.curves), (run.ideal, question.ideal_curves))
         exact = self._sensitivities(asked)
-        t, curves = run.result.t, []
+        t, curves = question.needed_times(run.mechanism), []
         for (m, names), one in zip(asked, exact, strict=True):
             curves.append(None if one is None or m is None else (names, *one.at(m.system, m.start, t)))
         values, width, rows = run.mechanism.parameters, question.width, []
@@ -223,6 +225,12 @@ class Designs:
             return {}
         found = one.ran.apply(numbers)
         return {n: found} if np.isfinite(found).all() else {}
+
+
+def _kind(message: str) -> str:
+    """A message without its numbers, by which alike ones are counted."""
+    first = re.sub(r"^model:(\d+:)? ", "", message.partition("\n")[0])
+    return re.sub(r"-?\d[\d.]*(e[-+]?\d+)?", "...", first)[:LONGEST]
 
 
 def _whole(result: Result) -> Result:

@@ -114,7 +114,7 @@ class Optimum:
             change = f"{self._shown(name, present[name])} -> {self._shown(name, self.values[name])}"
             bounds = f"(from {self._shown(name, asked.low[k])} to {self._shown(name, asked.high[k])})"
             rows.append((f"  {name}", f"{change}  {bounds}"))
-        wide = min(max(len(left) for left, _ in rows), WIDEST)
+        wide = max(len(left) for left, _ in rows)
         said = [f"{left:{wide}s}  {right}" for left, right in rows]
         return "\n".join([*said, *self._holding(), *self._finding()])
 
@@ -125,9 +125,8 @@ class Optimum:
             margin, unit = float(self.numbers[1 + j]), one.margin.unit
             line = f"subject to {one.text}: "
             if held is not None and j in held.constraints:
-                worth = held.constraints[j]
-                by = f"1 {unit}" if unit else "1"
-                line += f"active; loosened by {by} it would let the objective fall by {self._number(worth)}"
+                rate = f"{held.constraints[j]:.4g} {asked.objective.unit}".rstrip()
+                line += f"active; loosened, it lets the objective fall by {rate} per {unit or 'unit'}"
             else:
                 line += (
                     f"holds, {quantity(margin, unit)} to spare"

@@ -76,20 +76,26 @@ class Question:
 
         finer: into how many parts an interval is divided.
         """
+        read_off = self._read_off(m)
+        count = len(output_times(m.model.settings, self.t_end, None)[1]) - 1
+        grid = np.linspace(0.0, self.t_end, finer * count + 1)
+        apart = np.abs(grid - _nearest(grid, read_off)) > SAME * self.t_end
+        return np.asarray(np.union1d(grid[apart], read_off))
+
+    def needed_times(self, m: Mechanism) -> np.ndarray:
+        """The instants [s] among them on which the outputs depend."""
+        only = all(one.kind in READ_OFF for output in self.outputs for one in output.reductions)
+        return self._read_off(m) if only else self.times(m)
+
+    def _read_off(self, m: Mechanism) -> np.ndarray:
+        """The instants [s] that are read off: start, end, and all `at`, of which one may stand for the end."""
         instants = {t for one in self.outputs for t in needed_instants(one, m.parameters)}
         outside = [t for t in instants if not 0.0 <= t <= self.t_end * (1.0 + SAME)]
         if outside:
             raise ValueError(f"the instant {outside[0]:g} s is not between 0 and t_end = {self.t_end:g} s")
-        if all(one.kind in READ_OFF for output in self.outputs for one in output.reductions):
-            grid = np.array([0.0, self.t_end])
-        else:
-            grid = output_times(m.model.settings, self.t_end, None)[1]
-            grid = np.linspace(0.0, self.t_end, finer * (len(grid) - 1) + 1)
-        read_off = np.array(sorted(instants))
-        if len(read_off):
-            apart = np.abs(grid[:, None] - read_off).min(axis=1) > SAME * self.t_end
-            grid = np.union1d(grid[apart], read_off)
-        return np.asarray(grid)
+        found = np.array(sorted(instants))
+        ends = np.array([0.0, self.t_end])
+        return np.asarray(np.union1d(ends[np.abs(ends - _nearest(ends, found)) > SAME * self.t_end], found))
 
     def run(self, m: Mechanism, rtol: float = RTOL, finer: int = 1) -> Result:
         """The run of a design, which may stop early.  Raises what the analysis raises."""
@@ -130,6 +136,16 @@ def question(
 
 
 _NOTHING = Output("", (), None, None, "", frozenset(), frozenset())  # type: ignore[arg-type]  # until it is read
+
+
+def _nearest(times: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(n,) the nearest of other times (m,), increasing, for times (n,); inf where there are none."""
+    if not len(others):
+        return np.full(len(times), np.inf)
+    after = np.searchsorted(others, times).clip(0, len(others) - 1)
+    before = (after - 1).clip(0)
+    nearer = np.abs(others[before] - times) < np.abs(others[after] - times)
+    return np.asarray(np.where(nearer, others[before], others[after]))
 
 
 def _listed(subject_to: Sequence[str]) -> Sequence[str]:

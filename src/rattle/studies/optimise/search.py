@@ -27,6 +27,7 @@ WALL = 1e3  # value of a design that has none, in objectives at the start of the
 MET = 1e-7  # share of its size by which a constraint may be missed and yet hold
 ACTIVE = 1e-5  # share of its size within which a constraint or bound is active
 NEAR = 1e-3  # distance from a bound within which a least-squares search is tried on the bound itself
+LEVEL = 1e-6  # share of the objective or of what was gained, per 1 % of the ranges, below which a gradient is nothing
 EASED = 1e-300
 
 
@@ -65,7 +66,16 @@ def search(designs: Designs, begin: Design) -> Found:
             _quadratic_programming(designs, found)
     except LostError as error:
         found.message = f"the search ended early: {error}"
+    if found.message and _stationary(designs, found):
+        found.message = ""
     return found
+
+
+def _stationary(designs: Designs, found: Found) -> bool:
+    """True where the best design cannot be improved to first order, whatever a search says of its last step."""
+    there = held(designs, found)
+    value, before = float(found.best.numbers[0]), float(found.begun.numbers[0])
+    return there is not None and there.left <= LEVEL * max(abs(value), abs(before - value))
 
 
 def sizes(designs: Designs, design: Design) -> np.ndarray:
