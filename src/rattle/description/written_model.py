@@ -11,6 +11,7 @@ from rattle.description import file as model_file
 from rattle.description.builder import Building
 from rattle.description.model import Model
 from rattle.errors import ModelError, Problem, suggest
+from rattle.language.units import unit_of_quantity
 
 
 class WrittenModel(Building):
@@ -78,6 +79,15 @@ class WrittenModel(Building):
                     one.line, one.caret = None, ""
             raise ModelError(error.problems, error.file) from None
         return made
+
+    def written_unit(self, name: str) -> tuple[float, str]:
+        """Unit of a parameter as the model file writes its value: its size in SI units, and its name; 1 and "" if none.
+
+        Raises KeyError for an unknown name.
+        """
+        value = self._document["parameters"][name]
+        text = value.get("value") if isinstance(value, Mapping) else value
+        return unit_of_quantity(text) if isinstance(text, str) else (1.0, "")
 
     def _path_of(self, name: str, document: Mapping[str, Any]) -> tuple[str, ...]:
         table = document.get("parameters", {})

@@ -175,6 +175,13 @@ def parse_quantity(text: str) -> tuple[float, Dimension | None] | None:
     return value, dimension
 
 
+def unit_of_quantity(text: str) -> tuple[float, str]:
+    """Size in SI units and name of the unit of a text such as "5 mm"; 1 and "" if it has none or is no quantity."""
+    found = _QUANTITY.fullmatch(text) if len(text) <= MAX_LENGTH else None
+    unit = (found[2] or "").strip() if found else ""
+    return (_read_unit(unit)[0], unit) if unit else (1.0, "")
+
+
 Seconds = float | str  # a time: a number in s, or a text such as "20 ms"
 
 

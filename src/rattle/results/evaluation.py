@@ -45,6 +45,13 @@ def evaluate(
     return number if math.isfinite(number) else math.nan
 
 
+def curve_of(
+    node: Node, result: Result, parameters: Mapping[str, float], ideal: Result | None = None
+) -> SampledCurve:  # fmt: skip
+    """The curve of an expression over result names, parameters [SI] and t, as it stands inside a reduction."""
+    return _Curves(result, parameters, ideal).curve(node)
+
+
 def _require_ideal(output: Output, result: Result, ideal: Result | None) -> None:
     """Raise ValueError if the result without play is missing or has other instants."""
     if ideal is None:

@@ -59,9 +59,14 @@ class SampledCurve:
             raise ValueError("the instants of the result must increase")
         self.span = float(self.t[-1] - self.t[0])  # [s]
         self.finite = bool(np.isfinite(self.values).all())
+
+    @functools.cached_property
+    def coefficients(self) -> Array:
+        """(4, n - 1) coefficients a0 ... a3 of the cubics."""
         with np.errstate(all="ignore"):
-            self.coefficients: Array = _coefficients(self.t, self.values)  # (4, n - 1)
-        self.coefficients[:, (self.values[:-1] == 0.0) & (self.values[1:] == 0.0)] = 0.0
+            found = _coefficients(self.t, self.values)
+        found[:, (self.values[:-1] == 0.0) & (self.values[1:] == 0.0)] = 0.0
+        return found
 
     def at(self, instant: float) -> float:
         """Value at an instant [s] of the run: of the sample if there is one, otherwise of the cubic.
@@ -93,6 +98,14 @@ class SampledCurve:
         half = np.diff(self.t)[:, None] / 2
         squares = (_polynomial(self.coefficients[:, :, None], half * (_NODES + 1.0)) - about) ** 2
         return math.fsum((squares @ _WEIGHTS) * half[:, 0]) / self.span
+
+    def square_parts(self) -> Array:
+        """(m,) numbers whose squares add up to the mean square, each in proportion to the curve at one place."""
+        if not self.span:
+            return self.values[:1].copy()
+        half = np.diff(self.t)[:, None] / 2
+        values = _polynomial(self.coefficients[:, :, None], half * (_NODES + 1.0))
+        return np.asarray(values * np.sqrt(_WEIGHTS * half / self.span)).ravel()
 
     def greatest(self) -> float:
         """Greatest value of the cubics and samples."""

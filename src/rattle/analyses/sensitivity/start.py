@@ -18,42 +18,55 @@ from rattle.errors import TraceError
 NUDGE = 1e-6  # change of a parameter, as a share, at which the start must still be the one that [initial] gives
 
 
-def start(model: RecordedModel, chosen: Parameters, functions: MachineFunctions) -> np.ndarray:
-    """y and its derivatives at t = 0, (ny, 1 + k) [SI]; compiles the functions.
+class StartDerivatives:
+    """The start of a model and its derivatives, compiled once for any values of the parameters."""
 
-    Raises TraceError, with what [initial] must give, if the start does not follow from the parameters.
-    """
-    if model.first is None:
-        raise TraceError(
-            "no sensitivities: how the start changes with the parameters is not determined by [initial];"
-            f" {lacking(model.system, model.start)}"
-        )
-    begin = Starts(model, functions.add)
-    correct = Linearised(model.graph, model.first.correction, functions.add)
-    close_rates = Linearised(model.graph, model.first.rates, functions.add)
+    def __init__(self, model: RecordedModel, functions: MachineFunctions) -> None:
+        """Raises TraceError, with what [initial] must give, if the start does not follow from the parameters."""
+        if model.first is None:
+            raise TraceError(
+                "no sensitivities: how the start changes with the parameters is not determined by [initial];"
+                f" {lacking(model.system, model.start)}"
+            )
+        self._begin = Starts(model, functions.add)
+        self._correct = Linearised(model.graph, model.first.correction, functions.add)
+        self._close_rates = Linearised(model.graph, model.first.rates, functions.add)
+
+    def at(self, model: RecordedModel, chosen: Parameters) -> np.ndarray:
+        """y and its derivatives at t = 0, (ny, 1 + k) [SI], for the start and the parameters of this model.
+
+        Raises TraceError where assembly had to change what [initial] gives.
+        """
+        self._begin.model = model
+        begun = self._begin.begin(chosen.values[:, None])
+        if begun.assembled[0]:
+            raise TraceError(
+                "no sensitivities: the start is not determined by the values in [initial] alone, assembly had to"
+                f" change them; {lacking(model.system, model.start)}"
+            )
+        _require_kept(self._begin, chosen)
+        y, nq, k = begun.y[:, 0], 3 * model.system.body_count, len(chosen.values)
+        x = np.concatenate([[0.0], y, chosen.values, [0.0]])
+        parameters = slice(1 + len(y), 1 + len(y) + k)
+        along = np.zeros((len(x), nq + k))
+        along[1 : 1 + nq, :nq] = np.eye(nq)
+        along[parameters, nq:] = chosen.directions
+        _, found = self._correct(x, along)
+        moved = np.zeros((len(x), k))
+        moved[1 : 1 + nq] = np.linalg.solve(np.eye(nq) - found[:nq, :nq], found[:nq, nq:])
+        moved[parameters] = chosen.directions
+        _, rates = self._close_rates(x, moved)
+        z = np.zeros((len(y), 1 + k))
+        z[:, 0] = y
+        z[:nq, 1:], z[nq : 2 * nq, 1:] = moved[1 : 1 + nq], rates[:nq]
+        return z
+
+
+def start(model: RecordedModel, chosen: Parameters, functions: MachineFunctions) -> np.ndarray:
+    """y and its derivatives at t = 0, (ny, 1 + k) [SI]; compiles the functions.  Raises TraceError."""
+    derivatives = StartDerivatives(model, functions)
     functions.compile()
-    begun = begin.begin(chosen.values[:, None])
-    if begun.assembled[0]:
-        raise TraceError(
-            "no sensitivities: the start is not determined by the values in [initial] alone, assembly had to change"
-            f" them; {lacking(model.system, model.start)}"
-        )
-    _require_kept(begin, chosen)
-    y, nq, k = begun.y[:, 0], 3 * model.system.body_count, len(chosen.values)
-    x = np.concatenate([[0.0], y, chosen.values, [0.0]])
-    parameters = slice(1 + len(y), 1 + len(y) + k)
-    along = np.zeros((len(x), nq + k))
-    along[1 : 1 + nq, :nq] = np.eye(nq)
-    along[parameters, nq:] = chosen.directions
-    _, found = correct(x, along)
-    moved = np.zeros((len(x), k))
-    moved[1 : 1 + nq] = np.linalg.solve(np.eye(nq) - found[:nq, :nq], found[:nq, nq:])
-    moved[parameters] = chosen.directions
-    _, rates = close_rates(x, moved)
-    z = np.zeros((len(y), 1 + k))
-    z[:, 0] = y
-    z[:nq, 1:], z[nq : 2 * nq, 1:] = moved[1 : 1 + nq], rates[:nq]
-    return z
+    return derivatives.at(model, chosen)
 
 
 def _require_kept(begin: Starts, chosen: Parameters) -> None:

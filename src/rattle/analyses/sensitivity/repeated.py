@@ -1,0 +1,94 @@
+"""Sensitivities of one mechanism at many values of its parameters: recorded and compiled once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rattle.analyses.assembly.assembly import Assembled
+from rattle.analyses.kinematics.kinematics import analyse
+from rattle.analyses.sensitivity.driven import Driven, positions
+from rattle.analyses.sensitivity.functions import Functions
+from rattle.analyses.sensitivity.motion import Motion
+from rattle.analyses.sensitivity.parameters import Parameters
+from rattle.analyses.sensitivity.sensitivity import Asked
+from rattle.analyses.sensitivity.start import StartDerivatives
+from rattle.analyses.straight_line.machine_code import MachineFunctions
+from rattle.analyses.straight_line.recorded_model import RecordedModel
+from rattle.equations.system import System
+from rattle.errors import TraceError
+from rattle.trace.elementary import lower
+
+
+class RepeatedSensitivities:
+    """Curves and their derivatives by parameters, along one analysis: simulate, kinematics or inverse-dynamics.
+
+    Raises TraceError, with the reason, where there are no sensitivities; UnknownName.
+    """
+
+    def __init__(self, model: RecordedModel, outputs: Sequence[str], analysis: str, rtol: float, atol: float) -> None:
+        """model: recorded with the parameters.  rtol, atol: of a motion [m, rad, m/s, rad/s]."""
+        self.model, self.analysis, self.rtol, self.atol = model, analysis, rtol, atol
+        chosen = _alone(model)
+        asked = Asked(model, chosen, tuple(outputs), np.zeros(1), rtol, atol)
+        compiled = MachineFunctions()
+        self._readable = compiled.add(*lower(model.graph, [model.readable]))
+        if analysis == "simulate":
+            curves, _ = asked.curves(self.model.curves)
+            self._functions = Functions(model, chosen, curves, compiled.add)
+            self._start = StartDerivatives(model, compiled)
+        else:
+            nominal = analyse(model.system, model.start, np.zeros(1), forces=analysis == "inverse-dynamics")
+            curves, _ = asked.curves({name: one for name, one in model.curves.items() if name in nominal.stored})
+            self._driven = Driven(model, chosen, curves, compiled.add)
+        compiled.compile()
+
+    def at(self, system: System, start: Assembled, t_eval: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Curves (n, nc) and derivatives (n, nc, k) [SI] at t_eval (n,) [s], of the model with other values.
+
+        system, start: of that model.  Raises TraceError where the derivatives do not exist or the run stops.
+        """
+        values = {name: system.model.parameters[name].value for name in self.model.parameters}
+        model = replace(self.model, system=system, start=start, parameters=values)
+        self._require_same_parts(model)
+        if self.analysis == "simulate":
+            return self._along_motion(model, t_eval)
+        return self._along_positions(model, t_eval)
+
+    def _require_same_parts(self, model: RecordedModel) -> None:
+        inputs = np.zeros((len(model.graph.inputs), 8))
+        inputs[1 + model.state_size : -1] = np.array(list(model.parameters.values()))[:, None]
+        flag = np.empty((1, 8))
+        self._readable(inputs, flag)
+        if flag[0, 0] != 1.0:
+            raise TraceError("no sensitivities: with these values the model has other parts")
+
+    def _along_motion(self, model: RecordedModel, t_eval: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        functions = self._functions
+        functions.model, functions.parameters = model, _alone(model)
+        run = Motion(functions, self._start.at(model, functions.parameters), t_eval, self.rtol, self.atol)
+        run.go()
+        if run.interrupted:
+            raise KeyboardInterrupt
+        if run.message:
+            raise TraceError(run.message)
+        return np.array(run.values), np.array(run.derivatives)
+
+    def _along_positions(self, model: RecordedModel, t_eval: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        nominal = analyse(model.system, model.start, t_eval, forces=False)
+        if not nominal.success:
+            raise TraceError(nominal.message)
+        self._driven.model, self._driven.parameters = model, _alone(model)
+        bodies = list(model.system.bodies)
+        found = [self._driven.at(float(t), *positions(nominal, bodies, k)) for k, t in enumerate(nominal.t)]
+        if not all(one[2] and np.isfinite(one[1]).all() for one in found):
+            raise TraceError("no sensitivities: a position is singular, or a load or expression has no derivative")
+        return np.array([one[0] for one in found]), np.array([one[1] for one in found])
+
+
+def _alone(model: RecordedModel) -> Parameters:
+    """The parameters of a model, each of which changes alone, whatever expressions the file has for them."""
+    values = np.array(list(model.parameters.values()))
+    return Parameters(tuple(model.parameters), values, np.eye(len(values)))

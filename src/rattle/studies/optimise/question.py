@@ -1,0 +1,210 @@
+"""What is to be minimised, what may vary within which bounds, and what must hold: read and checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rattle.analyses import arguments
+from rattle.analyses.dynamics.simulate import output_times
+from rattle.analyses.straight_line.recorded_model import require_parameters
+from rattle.errors import ModelError, suggest
+from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
+from rattle.results.reductions import Constraint, Known, Output, needed_instants, read, read_constraint
+from rattle.results.result import Result
+from rattle.solvers.stepper import ATOL
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+
+ANALYSES = ("simulate", "kinematics", "inverse-dynamics")
+RTOL = 1e-10  # of a motion, at most: errors of the values are then far below the changes that a search looks at
+READ_OFF = ("at", "final", "count")  # reductions that need no instants but their own
+SAME = 1e-9  # share of the run within which two instants are one
+Bound = float | str
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """A design problem; parameters that vary have places 0 ... k - 1."""
+
+    mechanism: Mechanism  # the present design
+    names: tuple[str, ...]  # (k,) parameters that vary
+    low: np.ndarray  # (k,) bounds [SI]
+    high: np.ndarray
+    t_end: float  # [s]
+    analysis: str  # one of ANALYSES
+    objective: Output
+    constraints: tuple[Constraint, ...] = ()
+
+    @property
+    def outputs(self) -> list[Output]:
+        """The objective, then the margin of every constraint."""
+        return [self.objective, *(one.margin for one in self.constraints)]
+
+    @property
+    def curves(self) -> list[str]:
+        """Names of the curves that are needed."""
+        return sorted({name for one in self.outputs for name in one.names})
+
+    @property
+    def ideal_curves(self) -> list[str]:
+        """Names of the curves of the mechanism without play that are needed."""
+        return sorted({name for one in self.outputs for name in one.ideal_names})
+
+    def values(self, x: np.ndarray) -> dict[str, float]:
+        """Values [SI] of the parameters at x (k,), the places between their bounds from 0 to 1."""
+        inside = np.clip(x, 0.0, 1.0)
+        found = np.where(inside < 0.5, self.low + inside * self.width, self.high - (1.0 - inside) * self.width)
+        return dict(zip(self.names, found.tolist(), strict=True))
+
+    def places(self, values: Mapping[str, float]) -> np.ndarray:
+        """(k,) places from 0 to 1 of values [SI]."""
+        given = np.array([values[name] for name in self.names])
+        return np.asarray(np.clip((given - self.low) / self.width, 0.0, 1.0))
+
+    @property
+    def width(self) -> np.ndarray:
+        """(k,) distances of the bounds [SI]."""
+        return np.asarray(self.high - self.low)
+
+    def times(self, m: Mechanism, finer: int = 1) -> np.ndarray:
+        """Instants [s] of a run of a design: those that are read off, and the output interval of the model between.
+
+        finer: into how many parts an interval is divided.
+        """
+        read_off = self._read_off(m)
+        count = len(output_times(m.model.settings, self.t_end, None)[1]) - 1
+        grid = np.linspace(0.0, self.t_end, finer * count + 1)
+        apart = np.abs(grid - _nearest(grid, read_off)) > SAME * self.t_end
+        return np.asarray(np.union1d(grid[apart], read_off))
+
+    def needed_times(self, m: Mechanism) -> np.ndarray:
+        """The instants [s] among them on which the outputs depend."""
+        only = all(one.kind in READ_OFF for output in self.outputs for one in output.reductions)
+        return self._read_off(m) if only else self.times(m)
+
+    def _read_off(self, m: Mechanism) -> np.ndarray:
+        """The instants [s] that are read off: start, end, and all `at`, of which one may stand for the end."""
+        instants = {t for one in self.outputs for t in needed_instants(one, m.parameters)}
+        outside = [t for t in instants if not 0.0 <= t <= self.t_end * (1.0 + SAME)]
+        if outside:
+            raise ValueError(f"the instant {outside[0]:g} s is not between 0 and t_end = {self.t_end:g} s")
+        found = np.array(sorted(instants))
+        ends = np.array([0.0, self.t_end])
+        return np.asarray(np.union1d(ends[np.abs(ends - _nearest(ends, found)) > SAME * self.t_end], found))
+
+    def run(self, m: Mechanism, rtol: float = RTOL, finer: int = 1) -> Result:
+        """The run of a design, which may stop early.  Raises what the analysis raises."""
+        times = self.times(m, finer)
+        if self.analysis == "kinematics":
+            result = m.kinematics(times)
+        elif self.analysis == "inverse-dynamics":
+            result = m.inverse_dynamics(times)
+        else:
+            rtol = min(rtol, m.model.settings.rtol or rtol)
+            result = m.simulate(float(times[-1]), t_eval=times, rtol=rtol, atol=ATOL * rtol)
+        if result.interrupted:
+            raise KeyboardInterrupt
+        return result
+
+
+def question(
+    m: Mechanism, minimise: str, vary: Mapping[str, Sequence[Bound]], subject_to: Sequence[str], t_end: float | None,
+    analysis: str,
+) -> tuple[Question, Result]:  # fmt: skip
+    """The design problem, and the run of the present design.
+
+    Raises ValueError, UnknownName and ModelError with what is wrong in the question, AssemblyError.
+    """
+    if analysis not in ANALYSES:
+        raise ValueError(f"unknown analysis '{analysis}'{suggest(str(analysis), ANALYSES)}")
+    for what, text in (("minimise", minimise), *(("subject_to", one) for one in _listed(subject_to))):
+        if not isinstance(text, str):
+            raise TypeError(f"{what}: expected a text such as 'max(O3.force)', got {text!r:.60}")
+    names, low, high = _bounds(m, vary)
+    end = arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
+    units = {name: one.unit for name, one in m.model.parameters.items()}
+    asked = Question(m, names, low, high, end, analysis, _NOTHING)
+    known = Known.of(asked.run(m), units)
+    constraints = tuple(_read(read_constraint, one, known, analysis) for one in _listed(subject_to))
+    asked = replace(asked, objective=_read(read, minimise, known, analysis), constraints=constraints)
+    return asked, asked.run(m)
+
+
+_NOTHING = Output("", (), None, None, "", frozenset(), frozenset())  # type: ignore[arg-type]  # until it is read
+
+
+def _nearest(times: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(n,) the nearest of other times (m,), increasing, for times (n,); inf where there are none."""
+    if not len(others):
+        return np.full(len(times), np.inf)
+    after = np.searchsorted(others, times).clip(0, len(others) - 1)
+    before = (after - 1).clip(0)
+    nearer = np.abs(others[before] - times) < np.abs(others[after] - times)
+    return np.asarray(np.where(nearer, others[before], others[after]))
+
+
+def _listed(subject_to: Sequence[str]) -> Sequence[str]:
+    return (subject_to,) if isinstance(subject_to, str) else tuple(subject_to)
+
+
+def _read(reader: Any, text: str, known: Known, analysis: str) -> Any:
+    """An output or constraint, with a remark where kinematics has no forces."""
+    try:
+        return reader(text, known)
+    except ModelError as error:
+        if analysis == "kinematics" and "no curve" in str(error):
+            error.args = (f"{error}\n(kinematics has positions and rates only; 'inverse-dynamics' has forces too)",)
+        raise
+
+
+def _bounds(m: Mechanism, vary: Mapping[str, Sequence[Bound]]) -> tuple[tuple[str, ...], np.ndarray, np.ndarray]:
+    """Names (k,) and bounds (k,) [SI].  Raises ValueError, TypeError, UnknownName."""
+    if not isinstance(vary, Mapping) or not vary:
+        raise ValueError('vary: expected parameters with their bounds such as {"l2": (0.5, 0.8)}')
+    require_parameters(m.system, list(vary))
+    pairs = []
+    for name, given in vary.items():
+        if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or len(given) != 2:
+            raise ValueError(f"vary: '{name}' needs a lower and an upper bound such as (0.5, 0.8), got {given!r:.60}")
+        low, high = (_bound(m, name, one) for one in given)
+        _require_order(m, name, low, high)
+        pairs.append((low, high))
+    return tuple(vary), *np.array(pairs).T
+
+
+def _bound(m: Mechanism, name: str, given: Bound) -> float:
+    """A bound [SI] from a number or a quantity of the parameter's dimension."""
+    if not isinstance(given, str):
+        return arguments.number(f"vary: a bound of '{name}'", given)
+    try:
+        found = parse_quantity(given)
+    except QuantityError as error:
+        raise ValueError(f"vary: '{name}': {error}") from None
+    if found is None:
+        raise ValueError(f"vary: '{name}': {given!r:.60} is not a value; expected a number in SI or such as '0.2 mm'")
+    wanted = dimension_of(m.model.parameters[name].unit)
+    if found[1] is not None and found[1] != wanted:
+        raise ValueError(f"vary: '{given}' is {describe(found[1])}; '{name}' is {describe(wanted)}")
+    return found[0]
+
+
+def _require_order(m: Mechanism, name: str, low: float, high: float) -> None:
+    """Raise ValueError unless low < high, the present value is between, and the model allows both bounds."""
+    one = m.model.parameters[name]
+    unit = f" {one.unit}".rstrip()
+    if not low < high:
+        hint = "; the lower bound comes first" if low > high else "; bounds that are equal leave nothing to choose"
+        raise ValueError(f"vary: the bounds of '{name}' are {low:g} and {high:g}{unit}{hint}")
+    if not low <= one.value <= high:
+        raise ValueError(
+            f"vary: the present value {one.value:g}{unit} of '{name}' is outside its bounds {low:g} to {high:g}{unit};"
+            f" widen them or start from another design with set({name}=...)"
+        )
+    if (one.minimum is not None and low < one.minimum) or (one.maximum is not None and high > one.maximum):
+        limits = " to ".join("-" if limit is None else f"{limit:g}" for limit in (one.minimum, one.maximum))
+        raise ValueError(f"vary: the model allows '{name}' from {limits}{unit}; the bounds go beyond")

@@ -1,0 +1,315 @@
+"""Searches find known optima, keep bounds and constraints, survive bad designs, and say what they did."""
+
+import math
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.optimize import brentq
+
+import linkages
+import rattle as rt
+from rattle.cli.main import main
+from rattle.errors import ModelError
+from rattle.results.evaluation import evaluate
+from rattle.results.reductions import Known, read
+from rattle.results.result import UnknownName
+from rattle.studies.optimise.designs import Designs
+from rattle.studies.optimise.question import question
+from rattle.studies.optimise.squares import squares
+
+T = math.pi / 10  # of the runs of SPRING [s]
+SPRING = """
+format = 1
+[parameters]
+k = "15 N/m"
+x0 = "500 mm"
+[ground.points]
+O = [0, 0]
+[bodies.block]
+points = { P = [0, 0] }
+mass = 1
+inertia = 1
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "block.P"]
+[loads.s]
+type = "spring"
+connect = ["ground.O", "block.P"]
+stiffness = "k"
+free_length = 0
+[initial]
+block = { x = "x0", vx = 0 }
+"""  # x = x0 cos(sqrt(k) t)
+K = (math.acos(0.6) / T) ** 2  # x(T) = 0.3
+
+TURNING = """
+format = 1
+[parameters]
+a = 0.2
+b = 0.3
+[signals]
+bowl = "(a - 1)**2 + 2*(b + 0.5)**2 + a*b"
+[ground.points]
+O = [0, 0]
+[bodies.disc]
+points = { C = [0, 0] }
+mass = 1
+inertia = 1
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "disc.C"]
+[drivers.motor]
+joint = "O"
+angle = "t"
+"""
+
+
+def fourbar(drive='joint = "A"\nangle = "1 + 2*t"', b=4.0):
+    """Crank 1, coupler b, rocker 3 on a base of 4: the crank turns all the way if 2 <= b <= 6."""
+    return linkages.fourbar_text(
+        drive,
+        1.0,
+        '"b"',
+        3.0,
+        4.0,
+        "coupler = { angle = 0.6 }\nrocker = { angle = 1.5 }",
+        joints=f"[parameters]\nb = {b}",
+    )
+
+
+# ---------------------------------------------------------------- known optima
+def test_a_spring_puts_a_mass_where_it_is_wanted():
+    o = rt.loads(SPRING).optimise("(final(block.x) - 0.3)**2", {"k": (5, 20)}, t_end=T, starts=3)
+    assert o.values["k"] == pytest.approx(K, rel=1e-8)
+    assert o.value < 1e-18
+    assert all(one.ended["k"] == pytest.approx(K, rel=1e-6) for one in o.searches)
+    assert o.mechanism.simulate(T, rtol=1e-12)["block.x"][-1] == pytest.approx(0.3, abs=1e-9)
+    assert o.success
+    assert "3 of 3 searches" in o.report
+    assert "15 N/m -> 8.71237 N/m" in o.report
+
+
+def test_the_least_of_a_bowl():
+    """Gradient of the bowl: 2(a - 1) + b = 0, 4(b + 1/2) + a = 0."""
+    a, b = np.linalg.solve([[2, 1], [1, 4]], [2, -2])
+    m = rt.loads(TURNING)
+    o = m.optimise("final(bowl)", {"a": (-3, 3), "b": (-2, 2)}, t_end=0.1, analysis="kinematics", starts=2)
+    assert [o.values["a"], o.values["b"]] == pytest.approx([a, b], abs=1e-6)
+    assert o.value == pytest.approx((a - 1) ** 2 + 2 * (b + 0.5) ** 2 + a * b, abs=1e-12)
+    assert o.active == ()
+    assert m.parameters == {"a": 0.2, "b": 0.3}  # the mechanism itself stays
+
+
+def test_at_an_active_constraint_the_gradients_are_parallel():
+    """x0 w <= 1 with w = sqrt(k):  x(T) = cos(wT)/w is least where wT tan(wT) = -1, and falls by -x(T) per unit."""
+    o = rt.loads(SPRING).optimise(
+        "final(block.x)", {"k": (5, 100), "x0": (0.05, 0.5)}, ["max(abs(block.vx)) <= 1"], t_end=T, starts=3
+    )
+    w = brentq(lambda x: x * math.sin(x) + math.cos(x), 2.0, 3.0) / T
+    assert [o.values["k"], o.values["x0"]] == pytest.approx([w * w, 1 / w], rel=1e-4)
+    assert o.value == pytest.approx(math.cos(w * T) / w, rel=1e-7)
+    assert o.active == ("max(abs(block.vx)) <= 1",)
+    k, x0, s = o.values["k"], o.values["x0"], math.sqrt(o.values["k"])
+    objective = np.array([-x0 * math.sin(s * T) * T / (2 * s), math.cos(s * T)])
+    speed = np.array([x0 / (2 * s), s])
+    assert s * x0 == pytest.approx(1.0, abs=1e-6)
+    assert objective + o.held.constraints[0] * speed == pytest.approx([0, 0], abs=1e-4 * np.linalg.norm(objective))
+    assert o.held.constraints[0] == pytest.approx(-o.value, rel=1e-4)
+    assert k < 100
+
+
+@pytest.mark.parametrize(
+    ("objective", "conditions"), [("(final(block.x) - 0.3)**2", ()), ("-final(block.x)", ("max(block.x) <= 1",))]
+)
+def test_a_bound_that_holds_the_optimum_is_met_exactly(objective, conditions):
+    """Both wish for a softer spring; sums of squares and all else are searched in different ways."""
+    o = rt.loads(SPRING).optimise(objective, {"k": ("12 N/m", "20 N/m")}, conditions, t_end=T, starts=2)
+    assert o.values["k"] == 12.0
+    assert o.active == ("k >= 12 N/m",)
+    assert o.success
+
+
+def test_no_design_meets_the_constraints():
+    o = rt.loads(SPRING).optimise("final(block.x)", {"k": (5, 20)}, ["min(block.x) >= 0.6"], t_end=T, starts=1)
+    assert not o.feasible
+    assert not o.success
+    assert "NO DESIGN MEETS ALL CONSTRAINTS" in o.report
+
+
+def test_the_same_seed_gives_the_same_answer():
+    def run(seed):
+        return rt.loads(SPRING).optimise("(final(block.x) - 0.3)**2", {"k": (5, 20)}, t_end=T, starts=2, seed=seed)
+
+    one, same, other = run(4), run(4), run(5)
+    assert one.searches == same.searches
+    assert one.report == same.report
+    assert one.searches[1].begun != other.searches[1].begun
+    assert one.searches[0] == other.searches[0]
+
+
+def test_a_sum_of_squares_that_cannot_vanish_is_least_where_its_gradient_is_zero():
+    """Two wishes for one spring: x(T) = 0.3 and x(T/2) = 0.45; by the closed form of the motion."""
+    o = rt.loads(SPRING).optimise(
+        f"(final(block.x) - 0.3)**2 + 2*(at(block.x, {T / 2}) - 0.45)**2", {"k": (5, 20)}, t_end=T, starts=1
+    )
+
+    def gradient(k):
+        s = math.sqrt(k)
+        late, early = 0.5 * math.cos(s * T) - 0.3, 0.5 * math.cos(s * T / 2) - 0.45
+        return late * math.sin(s * T) + early * math.sin(s * T / 2)
+
+    assert o.values["k"] == pytest.approx(brentq(gradient, 5, 20, xtol=1e-12), rel=1e-6)
+
+
+# ---------------------------------------------------------------- derivatives
+@pytest.mark.parametrize(
+    ("text", "analysis", "outputs"),
+    [
+        (fourbar(), "kinematics",
+         ["rms(rocker.angle)", "max(coupler.C.y)", "at(rocker.omega, b/4)", "b*sd(coupler.x)"]),
+        (fourbar(), "inverse-dynamics", ["max(C.force)", "integral(motor.torque**2)", "min(D.fx)"]),
+        (SPRING, "simulate",
+         ["min(block.x)", "quantile(block.vx, 0.3)", "rms(energy.potential)", "share(block.x > 0.2)"]),
+    ],
+)  # fmt: skip
+def test_slopes_by_exact_derivatives_are_those_of_whole_runs(text, analysis, outputs):
+    m = rt.loads(text)
+    vary = {"b": (3, 5)} if analysis != "simulate" else {"k": (5, 20), "x0": (0.1, 1)}
+    asked, _ = question(m, outputs[0], vary, [f"{one} >= 0" for one in outputs[1:]], 1.0, analysis)
+    designs = Designs(asked)
+    design = designs.at(asked.places({"b": 3.7, "k": 11.0, "x0": 0.4}))
+    exact = designs.slopes(design)
+    assert not designs.differenced
+    whole = designs._difference_slopes(design, designs._numbers)
+    assert exact == pytest.approx(whole, rel=2e-5, abs=1e-6 * np.abs(whole).max())
+
+
+def test_slopes_follow_the_mechanism_without_play_too():
+    m = rt.example("fourbar")
+    asked, _ = question(m, "rms(rocker.angle - ideal.rocker.angle)", {"r3": (0.003, 0.008)}, (), 0.02, "simulate")
+    designs = Designs(asked)
+    design = designs.at(asked.places({"r3": 0.005}))
+    exact = designs.slopes(design)
+    assert not designs.differenced
+    assert exact == pytest.approx(designs._difference_slopes(design, designs._numbers), rel=1e-4)
+
+
+def test_where_there_are_no_derivatives_runs_are_differenced_and_it_is_said():
+    switched = fourbar('joint = "A"\nangle = "1 + 2*t if t < 5 else 11"')
+    found = [
+        rt.loads(text).optimise(
+            "(final(rocker.angle) - 2)**2", {"b": (3, 5)}, t_end=0.5, analysis="kinematics", starts=1
+        )
+        for text in (fourbar(), switched)
+    ]
+    assert "differences of whole runs" not in found[0].report
+    assert "differences of whole runs, because: " in found[1].report
+    assert "switches" in found[1].report
+    assert found[0].values["b"] == pytest.approx(found[1].values["b"], rel=1e-6)
+
+
+# ---------------------------------------------------------------- designs that cannot be
+def test_a_search_survives_designs_that_cannot_be_put_together():
+    """A shorter coupler is better until, below 2, the crank cannot turn: the search comes to the edge.
+
+    A gap that is shorter than the output interval (its half width is sqrt((2 - b)/0.4) rad) only the check may see.
+    """
+    m = rt.loads(fourbar().replace("[parameters]", '[signals]\nsize = "b + 0*t"\n[parameters]'))
+    o = m.optimise("final(size)", {"b": (0.5, 5)}, t_end=math.pi, analysis="kinematics", starts=3)
+    assert 2.0 - 1e-5 < o.values["b"] < 2.01
+    assert o.values["b"] >= 2.0 or not o.confirmed
+    assert sum(o.failures.values()) > 0
+    assert "could not be evaluated" in o.report
+
+
+# ---------------------------------------------------------------- sums of squares
+RUN = ("(final(block.x) - 0.3)**2", "2*(max(block.x) - k)**2/3 + (mean(block.vx))**2", "rms(block.x - 0.1)**2",
+       "mean((block.x - 0.1)**2 + 3*block.y**2)", "integral(block.vx**2)", "at(block.x**2 + 2*block.y**2, 0.1)",
+       "min((block.x - 0.1)**2 + (block.y - 0.2)**2) + 4*min((block.x - 0.2)**2)")  # fmt: skip
+
+
+@pytest.mark.parametrize("text", [*RUN, "rms(block.x - 0.1)"])
+def test_the_parts_of_a_sum_of_squares_add_up_to_it(text):
+    m = rt.loads(SPRING)
+    r = m.simulate(T)
+    output = read(text, Known.of(r))
+    parts = squares(output)
+    total = sum(float((one.residual(one.raw(r, m.parameters, None)) ** 2).sum()) for one in parts)
+    value = evaluate(output, r, m.parameters)
+    assert total == pytest.approx(value**2 if text.startswith("rms") and not text.endswith("2") else value, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["final(block.x)", "(final(block.x))**2 - (max(block.x))**2", "max(block.x**2)", "(final(block.x))**3",
+     "sd(block.x)", "min(block.x**2 - 1)", "k*(final(block.x))**2", "mean(block.x**2 - 1)"],
+)  # fmt: skip
+def test_what_is_no_sum_of_squares_is_not_taken_for_one(text):
+    assert squares(read(text, Known.of(rt.loads(SPRING).simulate(T)))) is None
+
+
+# ---------------------------------------------------------------- bad questions
+@pytest.mark.parametrize(
+    ("change", "error", "words"),
+    [
+        ({"vary": {"k": (20, 5)}}, ValueError, "the lower bound comes first"),
+        ({"vary": {"k": (5, 5)}}, ValueError, "nothing to choose"),
+        ({"vary": {"k": (16, 20)}}, ValueError, r"present value 15 .* outside its bounds"),
+        ({"vary": {"k": 7}}, ValueError, "a lower and an upper bound"),
+        ({"vary": {"k": ("5 mm", "20 mm")}}, ValueError, "is a length"),
+        ({"vary": {"k": ("soft", 20)}}, ValueError, "is not a value"),
+        ({"vary": {"k": (math.nan, 20)}}, ValueError, "finite"),
+        ({"vary": {}}, ValueError, "parameters with their bounds"),
+        ({"vary": {"kk": (5, 20)}}, UnknownName, "no parameter 'kk'.*'k'"),
+        ({"minimise": "final(blok.x)"}, ModelError, "did you mean 'block.x'"),
+        ({"minimise": "block.x"}, ModelError, "changes during the run"),
+        ({"minimise": 3.0}, TypeError, "expected a text"),
+        ({"minimise": "final(sqrt(-block.x))"}, ValueError, "cannot be evaluated for the present design"),
+        ({"minimise": "at(block.x, 9)"}, ValueError, "instant 9 s is not between"),
+        ({"subject_to": ["max(block.x)"]}, ModelError, "compares two outputs"),
+        ({"subject_to": "max(block.x) <= y"}, ModelError, "'y'"),
+        ({"analysis": "sumilate"}, ValueError, "did you mean 'simulate'"),
+        ({"analysis": "kinematics"}, ModelError, "drivers that determine every position"),
+        ({"starts": 0}, ValueError, "starts"),
+        ({"t_end": -1}, ValueError, "t_end"),
+    ],
+)
+def test_a_bad_question_is_refused_with_what_to_do(change, error, words):
+    asked = {"minimise": "final(block.x)", "vary": {"k": (5, 20)}, "t_end": T, "starts": 1} | change
+    with pytest.raises(error, match=words):
+        rt.loads(SPRING).optimise(**asked)
+
+
+def test_bounds_beyond_those_of_the_model_are_refused():
+    text = SPRING.replace('"15 N/m"', "{ value = 15, min = 10, max = 20 }")
+    with pytest.raises(ValueError, match="the model allows 'k' from 10 to 20"):
+        rt.loads(text).optimise("final(block.x)", {"k": (5, 20)}, t_end=T)
+
+
+def test_kinematics_has_no_forces_and_says_who_has():
+    with pytest.raises(ModelError, match="inverse-dynamics"):
+        rt.loads(fourbar()).optimise("max(C.force)", {"b": (3, 5)}, analysis="kinematics")
+
+
+# ---------------------------------------------------------------- the command
+def test_the_command_writes_the_best_design_in_the_units_of_the_file(tmp_path):
+    source, target = tmp_path / "m.toml", tmp_path / "best.toml"
+    source.write_text(SPRING)
+    words = ["optimise", str(source), "--minimise", "(final(block.x) - 0.3)**2", "--vary", "x0=100 mm:900 mm"]
+    done = CliRunner().invoke(main, ["-q", *words, "--t-end", f"{T}", "--starts", "2", "-o", str(target)])
+    assert done.exit_code == 0, done.output
+    best = 0.3 / math.cos(math.sqrt(15) * T)
+    assert rt.load(target).parameters["x0"] == pytest.approx(best, rel=1e-8)
+    assert f"500 mm -> {1e3 * best:.6g} mm  (from 100 mm to 900 mm)" in done.output
+    assert ' mm"' in target.read_text()
+
+
+@pytest.mark.parametrize("vary", ["k", "k=5", "k=5:6:7", "=1:2"])
+def test_the_command_says_how_bounds_are_written(vary, tmp_path):
+    (tmp_path / "m.toml").write_text(SPRING)
+    done = CliRunner().invoke(
+        main, ["optimise", str(tmp_path / "m.toml"), "--minimise", "final(block.x)", "--vary", vary]
+    )
+    assert done.exit_code == 2
+    assert "NAME=LOW:HIGH" in done.output
