@@ -24,7 +24,8 @@ from rattle.results.columns import columns, width
 from rattle.solvers.output_row import write
 from rattle.trace.graph import Symbol
 from rattle.trace.lane_program import Compile
-from rattle.trace.recording import Recorder, Recording, Table
+from rattle.trace.recording import Recorder, Recording
+from rattle.trace.symbol_arrays import Table
 
 NEUTRAL = 1e-10  # share of the forces along the free motions below which they do not depend on these
 RANK = 1e-9  # share of the largest singular value below which constraints are dependent

@@ -9,7 +9,7 @@ import numpy as np
 
 from rattle.trace.derivative import tangent
 from rattle.trace.elementary import lower
-from rattle.trace.graph import Graph, copy_into
+from rattle.trace.graph import Graph, bind
 from rattle.trace.lane_program import Compile
 
 EIGHT = 8  # functions take a multiple of so many columns
@@ -38,8 +38,7 @@ class Linearised:
     """
 
     def __init__(self, graph: Graph, outputs: Sequence[Any], compile_function: Compile) -> None:
-        both = Graph()
-        copied = copy_into(both, graph, outputs, lambda target, op, *given: target.apply(op, *given))
+        both, copied = bind(graph, outputs, {})
         seeds = {place: both.input() for place in list(both.inputs)}
         self._columns = Columns(both, [*copied, *tangent(both, copied, seeds)], compile_function)
         self._count = len(outputs)

@@ -59,7 +59,7 @@ class Starts:
         """(k,) True where the recorded equations give the start at values (np, k) of the chosen parameters [SI]."""
         if not self._first:
             return np.zeros(values.shape[1], dtype=bool)
-        return self._solve(np.repeat(self.model.start_state[:, None], values.shape[1], axis=1), values)
+        return self.solve(np.repeat(self.model.start_state[:, None], values.shape[1], axis=1), values)
 
     def assemble(self, values: np.ndarray) -> tuple[System, Assembled]:
         """The model with values (np,) of the chosen parameters [SI], assembled.  Raises ModelError, AssemblyError."""
