@@ -10,7 +10,8 @@ from rattle.analyses.straight_line.code import straight_line
 from rattle.trace.elementary import lower
 from rattle.trace.graph import NUMPY, Graph
 from rattle.trace.lane_methods import DOP853, RK4, Tolerances
-from rattle.trace.lane_program import Model, Program, Status
+from rattle.trace.lane_control import Status
+from rattle.trace.lane_program import Model, Program
 from rattle.trace.lanes import run
 from rattle.trace.reductions import Reduction
 

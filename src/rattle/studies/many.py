@@ -17,7 +17,7 @@ from rattle.analyses import arguments
 from rattle.analyses.straight_line.lane_model import Asked, lane_model, why_not_lanes
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel, require_parameters
-from rattle.analyses.straight_line.starts import Starts
+from rattle.analyses.straight_line.starts import EIGHT, Starts
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, TraceError, suggest
 from rattle.language import arrays
 from rattle.registry import kinds
@@ -27,7 +27,8 @@ from rattle.results.reductions import Known, Output, needed_instants, read
 from rattle.results.result import UnknownName
 from rattle.solvers.stepper import ATOL, FREE, LONGEST, usual_stepper
 from rattle.trace import lane_methods, lanes
-from rattle.trace.lane_program import Program, Status
+from rattle.trace.lane_control import Status
+from rattle.trace.lane_program import Program
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -222,7 +223,7 @@ def _run_lanes(task: _Task, found: _Found, model: RecordedModel, method: str, pr
     program = Program(
         lane_model(model, asked, functions.add, starts), functions.add, METHODS[method], asked.reductions, task.t_end,
         tolerances=lane_methods.Tolerances(task.rtol, task.atol, task.step or np.inf), step=task.step or LONGEST,
-        chain=functions.chain,
+        chain=functions.chain, tile=EIGHT,
     )  # fmt: skip
     functions.compile()
     bar = _Bar(task.count) if progress else None

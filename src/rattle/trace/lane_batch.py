@@ -1,200 +1,242 @@
-"""A batch of lanes: arrays in whose columns samples take their steps.
+"""A batch of lanes: tiles of memory in whose columns samples take their steps.
 
+A tile holds all rows of a few lanes, so that they stay in the nearest cache while these take many steps in one call.
 Rows that a function reads or writes stand next to each other, so that no row is gathered: a state is t, y, constants;
-slopes follow y.  What all lanes calculate in a step is one chain of calls on arrays that stay where they are.
+slopes follow y; what `settle` reads is one report.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from rattle.trace.crossings import bracketed
+from rattle.trace.lane_control import CONTROL, FLAGS, RUNNING, STATUS, STEPS, TRIES, VERDICT, report_rows
 from rattle.trace.lane_methods import PLAN, PLANNED
-from rattle.trace.lane_program import Function, Program, Status
+from rattle.trace.lane_program import Function, Program
 from rattle.trace.lane_start import Stock
 from rattle.trace.reductions import NEVER
 
 EIGHT = 8  # columns of a gathered few are a multiple of it
+LINE = 8  # numbers in a line of the cache
+Call = tuple[Function, np.ndarray, np.ndarray]
+
+
+class _Rows:
+    """Where groups of rows stand in a tile, one after the other."""
+
+    def __init__(self) -> None:
+        self.places: dict[str, slice] = {}
+        self.count = 0
+
+    def add(self, name: str, count: int) -> None:
+        self.places[name] = slice(self.count, self.count + count)
+        self.count += count
+
+    def span(self, first: str, last: str) -> slice:
+        """From a group to another one."""
+        return slice(self.places[first].start, self.places[last].stop)
+
+
+def _laid_out(program: Program) -> _Rows:
+    model, method, ledger = program.model, program.method, program.ledger
+    wide, rows = 1 + model.ny, _Rows()
+    _, crossings, later, curves, held, control = report_rows(ledger)
+    for name, count in (
+        ("state", wide + model.nc),
+        ("y new", wide), ("errors", 2 * wide if method.adaptive else 0),
+        # the report
+        ("planned", len(PLANNED)), ("verdict", len(VERDICT)), ("flags", 3), ("curve flags", len(FLAGS) - 3),
+        ("crossings", crossings), ("later", later), ("curves", curves), ("rows", held), ("control", control),
+        ("good", 1), ("next", curves + held + control),
+        # end, step, y, slopes: blocks of t, y and a flag; seen flat, a block is one row of components
+        ("blocks", (3 + len(method.a)) * (wide + 1)),
+        ("merged", 2 * wide),
+        # share of the step, y, dense output, states between parts
+        ("inside", (5 + len(method.upper) + ledger.parts - 1) * wide if ledger.sampled else 0),
+    ):  # fmt: skip
+        rows.add(name, count)
+    return rows
+
+
+def _aligned(*shape: int) -> np.ndarray:
+    """Zeros that begin with a line of the cache."""
+    raw = np.zeros(math.prod(shape) + LINE)
+    skip = -raw.ctypes.data // 8 % LINE
+    return raw[skip : skip + math.prod(shape)].reshape(shape)
 
 
 class Batch:
-    """n lanes; `sample` (n,) is the number of the sample in each, -1 where there is none."""
+    """At least n lanes; `sample` (lanes,) is the number of the sample in each, -1 where there is none."""
 
-    def __init__(self, program: Program, n: int) -> None:
-        model, method, ledger = program.model, program.method, program.ledger
-        ny, wide, parts = model.ny, model.curves + 1, ledger.parts
-        self.program, self.n = program, n
-        self.sample = np.full(n, -1)
-        self.steps, self.tries, self._stop = (np.zeros(n, dtype=np.int64) for _ in range(3))
-        # end, step, y, slopes: blocks of ny rows and a flag; seen flat, a block is one row of components
-        self._blocks = np.zeros((3 + len(method.a), ny + 1, n))
-        self._flat = self._blocks.reshape(len(self._blocks), -1)[:, : ny * n]
-        self._end, self._h, self._y, *self._slopes = self._blocks[:, :ny]
-        self._state = np.zeros((1 + ny + model.nc, n))
-        # end of the step and squares of errors, then the plan
-        self._errors = np.zeros(((3 if method.adaptive else 1) * ny + len(PLAN) + len(PLANNED), n))
-        self._plan, self._planned = self._errors[-len(PLAN + PLANNED) : -len(PLANNED)], self._errors[-len(PLANNED) :]
-        self._verdict = np.zeros((2, n))
-        self._times = np.zeros((len(method.c) + parts - 1, n))
-        # share of the step, y, dense output, states between parts
-        self._inside = np.zeros((5 + len(method.upper) + parts - 1, ny * n))
-        # step, crossings, curves, rows
-        self._report = np.zeros((ledger.step_rows, n))
-        first = 4 + 2 * len(ledger.conditions)
-        self._crossings = self._report[4:first]
-        ends = first + wide * (parts + 1)
-        self._curves = self._report[first:ends].reshape(parts + 1, wide, n)
-        self._rows, self._rows_new = self._report[ends:], np.zeros((ledger.rows, n))
-        self.values = np.zeros((len(ledger.reductions), n))
-        self._flags, self._curve_flags = np.zeros((3, n)), np.zeros((2, n))
-        self._good, self._merged = np.zeros((1, n)), np.zeros((2, ny * n))
-        self._calculate, self._merge = program.chain(self._calls()), program.chain(self._merging())
+    def __init__(self, program: Program, n: int, looks: int) -> None:
+        """looks: steps of a lane after which Python looks what came of it."""
+        tile = min(n, program.tile or n)
+        self.program, self.rows, self.tile = program, _laid_out(program), tile
+        self.memory = _aligned(-(-n // tile), self.rows.count, tile)
+        self.n = len(self.memory) * tile
+        self.sample = np.full(self.n, -1)
+        self._wide = (1 + program.model.ny) * tile  # components of a state, seen flat
+        blocks = self._all("blocks").reshape(len(self.memory), -1, program.model.ny + 2, tile)
+        blocks[:, 3:, 0] = 1.0  # slopes of t
+        running = self.rows.places["control"].start + RUNNING
+        before, after = self._calculation(), self._settling()
+        conditions = bool(program.ledger.conditions)
+        chains = [before, after] if conditions else [before + after]
+        self._chains = [program.chain(one, self.memory, running, 1 if conditions else looks) for one in chains]
 
-    def _calls(self) -> list[tuple[Function, np.ndarray, np.ndarray]]:
+    def _all(self, name: str) -> np.ndarray:
+        """Rows of a group (tiles, rows, lanes of a tile)."""
+        return self.memory[:, self.rows.places[name]]
+
+    def _first(self, name: str) -> np.ndarray:
+        """Rows of a group in the first tile."""
+        return self.memory[0, self.rows.places[name]]
+
+    def _flat(self, name: str, rows: int) -> np.ndarray:
+        """A group in the first tile as so many flat rows of components."""
+        found: np.ndarray = self._first(name).reshape(rows, -1)[:, : self._wide]
+        return found
+
+    def _lane(self, name: str, lanes: np.ndarray) -> np.ndarray:
+        """Rows of a group in some lanes (rows, k)."""
+        found: np.ndarray = self._all(name)[lanes // self.tile, :, lanes % self.tile].T
+        return found
+
+    def _put(self, name: str, lanes: np.ndarray, rows: np.ndarray) -> None:
+        self._all(name)[lanes // self.tile, : len(rows), lanes % self.tile] = rows.T
+
+    def _calculation(self) -> list[Call]:
         """What a step takes: stages, end, projection, curves; slopes and flags go to the blocks."""
         program, model, stages = self.program, self.program.model, self.program.method.stages
-        ny, n, flat, blocks = model.ny, self.n, self._flat, self._blocks
-        state, copy = self._state, program.copy
-        now, moved = state[:1], state[1 : 1 + ny].reshape(1, ny * n)
-        plan = self._errors[-len(PLAN + PLANNED) :]
+        count, wide, copy = 3 + len(program.method.a), 1 + model.ny, program.copy
+        flat, blocks = self._flat("blocks", count), self._first("blocks").reshape(count, wide + 1, -1)
+        state, planned = self._first("state"), self._first("planned")
+        now, moved = state[:1], state[:wide].reshape(1, -1)
+        later = self._first("later").reshape(program.ledger.parts, model.curves + 1, -1)
+        squares = self._flat_squares()
+        judged = self.memory[0, self.rows.span("errors", "planned")]
 
-        def stage(s: int) -> list[tuple[Function, np.ndarray, np.ndarray]]:
-            return [
-                (copy, self._times[s : s + 1], now),
-                (program.stages[s], flat[1 : 3 + s], moved),
-                (model.rate, state, blocks[3 + s]),
-            ]
+        def stage(s: int) -> list[Call]:
+            return [(program.stages[s], flat[1 : 3 + s], moved), (model.rate, state, blocks[3 + s, 1:])]
 
-        squares = self._errors[: -len(plan)].reshape(-1, ny * n)
-        calls = [
-            (program.plan, self._plan, self._planned), (program.spread, self._planned[:1], self._h),
-            (program.times, plan, self._times), *(call for s in range(1, stages) for call in stage(s)),
-            (program.end, flat[1 : 3 + stages], squares), (program.judge, self._errors[ny:], self._verdict),
-            (copy, self._planned[1:2], now), (copy, squares[:1], moved), (model.project, state, blocks[0]),
-            (copy, flat[:1], moved), (model.rate, state, blocks[3 + stages]), (model.outputs, state, self._curves[-1]),
+        calls: list[Call] = [
+            (program.plan, self._first("control")[-len(PLAN) :], planned), (program.spread, planned[:1], blocks[1, :wide]),
+            *(call for s in range(1, stages) for call in stage(s)),
+            (program.end, flat[1 : 3 + stages], squares), (program.judge, judged, self._first("verdict")),
+            (copy, squares[:1], moved), (copy, planned[1:2], now), (model.project, state, blocks[0, 1:]),
+            (copy, planned[1:2], blocks[0, :1]), (copy, flat[:1], moved),
+            (model.rate, state, blocks[3 + stages, 1:]), (model.outputs, state, later[-1]),
         ]  # fmt: skip
-        whole = [
-            (program.checks, blocks.reshape(-1, n), self._flags),
-            (program.curve_checks, self._curves.reshape(-1, n), self._curve_flags),
-        ]
-        if not program.ledger.sampled:
-            return calls + whole
-        calls += [call for s in program.later for call in stage(s)]
-        calls.append((program.dense, flat, self._inside[1:]))
-        between = 5 + len(program.method.upper)
-        for k in range(1, program.ledger.parts):
-            at, row = len(program.method.c) + k - 1, between + k - 1
-            calls += [
-                (copy, self._times[at : at + 1], now), (copy, self._inside[row : row + 1], moved),
-                (model.outputs, state, self._curves[k]),
-            ]  # fmt: skip
-        return calls + whole
-
-    def _merging(self) -> list[tuple[Function, np.ndarray, np.ndarray]]:
-        """What makes the end of a good step the start of the next: its state and right-hand side."""
-        program, flat = self.program, self._flat
+        if program.ledger.sampled:
+            inside = self._flat("inside", 5 + len(program.method.upper) + program.ledger.parts - 1)
+            calls += [call for s in program.later for call in stage(s)]
+            calls.append((program.dense, flat, inside[1:]))
+            for k, row in enumerate(range(5 + len(program.method.upper), len(inside))):
+                calls += [(copy, inside[row : row + 1], moved), (model.outputs, state, later[k])]
         return [
-            (program.spread, self._good, self._h),
-            (program.merged, flat[: 4 + program.method.stages], self._merged),
-            (program.copy_two, self._merged, flat[2:4]),
-        ]
+            *calls, (program.checks, self._first("blocks"), self._first("flags")),
+            (program.curve_checks, self._first("later"), self._first("curve flags")),
+        ]  # fmt: skip
+
+    def _flat_squares(self) -> np.ndarray:
+        """The end of the step and squares of errors, as flat rows."""
+        found: np.ndarray = self.memory[0, self.rows.span("y new", "errors")].reshape(-1, self._wide)
+        return found
+
+    def _settling(self) -> list[Call]:
+        """What makes the end of a good step the start of the next."""
+        program, count, one = self.program, 3 + len(self.program.method.a), (1, -1)
+        flat, merged = self._flat("blocks", count), self._flat("merged", 2)
+        step = self._first("blocks").reshape(count, -1, self.tile)[1, : 1 + program.model.ny]
+        report, held = (self.memory[0, self.rows.span(name, "control")] for name in ("planned", "curves"))
+        return [
+            (program.settle, report, self.memory[0, self.rows.span("good", "next")]),
+            (program.copy, self._first("next").reshape(one), held.reshape(one)),
+            (program.spread, self._first("good"), step),
+            (program.merged, flat[: 4 + program.method.stages], merged), (program.copy_two, merged, flat[2:4]),
+        ]  # fmt: skip
 
     def take(self, lanes: np.ndarray, stock: Stock, columns: np.ndarray, samples: np.ndarray) -> None:
         """Put samples that stand in columns of a stock into lanes."""
-        self.sample[lanes], self.steps[lanes], self.tries[lanes], self._stop[lanes] = samples, 0, 0, 0
-        self._y[:, lanes], self._slopes[0][:, lanes] = stock.y[:, columns], stock.rate[:, columns]
-        self._state[1 + self.program.model.ny :, lanes] = stock.constants[:, columns]
-        self._curves[0][:, lanes], self._rows[:, lanes] = stock.curves[:, columns], stock.rows[:, columns]
-        program = self.program
-        zero = np.zeros(len(lanes))
-        self._plan[:, lanes] = [
-            zero, stock.ahead[columns], zero + program.stops[0], zero, zero, zero + program.counts[0],
-        ]  # fmt: skip
+        program, ny, k = self.program, self.program.model.ny, len(lanes)
+        self.sample[lanes] = samples
+        tiles, lane = lanes // self.tile, lanes % self.tile
+        blocks = self._all("blocks").reshape(len(self.memory), -1, ny + 2, self.tile)
+        blocks[tiles, 2, 0, lane] = 0.0
+        blocks[tiles, 2, 1 : 1 + ny, lane] = stock.y[:, columns].T
+        blocks[tiles, 3, 1 : 1 + ny, lane] = stock.rate[:, columns].T
+        self._all("state")[tiles, 1 + ny :, lane] = stock.constants[:, columns].T
+        self._put("curves", lanes, stock.curves[:, columns])
+        self._put("rows", lanes, stock.rows[:, columns])
+        control = np.zeros((len(CONTROL), k))
+        control[RUNNING], control[STATUS] = 1.0, -1.0
+        plan = control[len(CONTROL) - len(PLAN) :]
+        plan[1], plan[2], plan[5] = stock.ahead[columns], program.stops[0], program.counts[0]
+        self._put("control", lanes, control)
 
     def step(self) -> np.ndarray:
-        """One step of every lane, accepted or not.  Returns the `Status` of the lanes that are through, else -1."""
-        program, planned = self.program, self._planned
-        self._calculate()
-        active = self.sample >= 0
-        accepted = active & (self._verdict[1] != 0.0)
-        kept, sound, finite = self._flags != 0.0
-        sound &= self._curve_flags[0] != 0.0
-        finite &= self._curve_flags[1] != 0.0
-        self._cross(accepted & sound & finite)
-        self._report[0], self._report[1], self._report[2] = planned[0], self._plan[0], self._stop
-        self._report[3] = planned[2]
-        program.step(self._report, self._rows_new)
-        held = program.ledger.sound_row
-        accounted = np.ones(self.n, dtype=bool) if held is None else self._rows_new[held] != 0.0
-        status = np.full(self.n, -1)
-        for fails, why in (  # the last one that holds counts
-            (self.tries >= program.most_steps, Status.TOO_MANY_STEPS), (accepted & ~accounted, Status.ENERGY),
-            (accepted & ~sound, Status.ASSUMPTION), (accepted & ~finite, Status.NOT_FINITE),
-            (~kept, Status.ASSUMPTION), (planned[3] != 0.0, Status.STEP_TOO_SMALL), (~active, -1),
-        ):  # fmt: skip
-            np.copyto(status, int(why), where=fails)
-        return self._go_on(active, accepted & (status < 0), status)
+        """Some steps of every lane, accepted or not.  Returns the lanes whose samples are through."""
+        self._chains[0]()
+        if len(self._chains) > 1:
+            self._cross()
+            self._chains[1]()
+        return np.flatnonzero((self.sample >= 0) & (self._all("control")[:, RUNNING].reshape(-1) == 0.0))
 
-    def _cross(self, lanes: np.ndarray) -> None:
-        """Where in the step conditions begin and end; lanes (n,): those that ask."""
-        parts = self.program.ledger.parts
-        for n, curve in enumerate(self.program.ledger.conditions):
-            total, first = self._crossings[2 * n : 2 * n + 2]
-            total[:], first[:] = 0.0, NEVER
-            g = self._curves[:, curve]
+    def ended(self, lanes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Status, steps, tries (k,) of lanes whose samples are through, and values of the reductions (reductions, k)."""
+        control, count = self._lane("control", lanes), len(lanes)
+        rows = np.ascontiguousarray(self._lane("rows", _filled(lanes)))
+        values = np.zeros((len(self.program.ledger.reductions), rows.shape[1]))
+        self.program.close(rows, values)
+        status, steps, tries = (control[k].astype(np.int64) for k in (STATUS, STEPS, TRIES))
+        return status, steps, tries, values[:, :count]
+
+    def _cross(self) -> None:
+        """Where in the step conditions begin and end, in the lanes that ask."""
+        ledger, parts = self.program.ledger, self.program.ledger.parts
+        first = self._all("curves").shape[1]
+        span = self.memory[:, self.rows.span("later", "curves")]
+        samples = np.roll(span.reshape(len(span), parts + 1, first, -1), 1, axis=1)  # the start of the step last
+        verdict, flags = self._all("verdict")[:, 1], self.memory[:, self.rows.span("flags", "curve flags")]
+        asks = (verdict != 0.0) & (flags != 0.0).all(axis=1) & (self._all("control")[:, RUNNING] != 0.0)
+        for n, curve in enumerate(ledger.conditions):
+            g = samples[:, :, curve].swapaxes(0, 1).reshape(parts + 1, -1)
             on = g > 0.0
-            turns = (on[1:] != on[:-1]) & lanes
+            turns = (on[1:] != on[:-1]) & asks.reshape(-1)
+            total, begin = np.zeros(self.n), np.full(self.n, NEVER)
             while (few := np.flatnonzero(turns.any(0))).size:
                 k = turns[:, few].argmax(0)
                 turns[k, few] = False
                 theta = self._zero(curve, few, k / parts, (k + 1) / parts, g[k, few], g[k + 1, few])
                 begins = on[k + 1, few]
                 total[few] += np.where(begins, theta, -theta)
-                first[few] = np.where(begins & (first[few] == NEVER), theta, first[few])
+                begin[few] = np.where(begins & (begin[few] == NEVER), theta, begin[few])
+            crossings = self._all("crossings")
+            crossings[:, 2 * n], crossings[:, 2 * n + 1] = (x.reshape(-1, self.tile) for x in (total, begin))
 
     def _zero(
         self, curve: int, lanes: np.ndarray, a: np.ndarray, b: np.ndarray, ga: np.ndarray, gb: np.ndarray
     ) -> np.ndarray:
         """Shares of the step, between a and b, where a curve crosses zero in a few lanes."""
-        model, ny, count = self.program.model, self.program.model.ny, len(lanes)
-        fill = np.minimum(np.arange(-(-count // EIGHT) * EIGHT), count - 1)
+        model, wide, count = self.program.model, 1 + self.program.model.ny, len(lanes)
+        fill, lanes = _filled(np.arange(count)), _filled(lanes)
         a, b, ga, gb = (one[fill] for one in (a, b, ga, gb))
-        lanes, k, dense = lanes[fill], len(fill), 5 + len(self.program.method.upper)
-        inside = np.take(self._inside[:dense].reshape(dense, ny, self.n), lanes, axis=2).reshape(dense, ny * k)
-        state, curves = np.take(self._state, lanes, axis=1), np.empty((model.curves + 1, k))
-        t, h = self._plan[0, lanes], self._planned[0, lanes]
-        moved = state[1 : 1 + ny].reshape(1, ny * k)
+        dense, k = 5 + len(self.program.method.upper), len(fill)
+        inside = np.ascontiguousarray(self._lane("inside", lanes)[: dense * wide]).reshape(dense, wide * k)
+        state, curves = np.ascontiguousarray(self._lane("state", lanes)), np.empty((model.curves + 1, k))
+        moved = state[:wide].reshape(1, -1)
 
         def value(theta: np.ndarray) -> np.ndarray:
-            inside[0].reshape(ny, k)[:] = theta
+            inside[0].reshape(wide, k)[:] = theta
             self.program.inside(inside, moved)
-            state[0] = t + h * theta
             model.outputs(state, curves)
             return np.array(curves[curve])
 
         return bracketed(value, a, b, ga, gb)[:count]
 
-    def _go_on(self, active: np.ndarray, good: np.ndarray, status: np.ndarray) -> np.ndarray:
-        """Make the end of the step the start of the next where it is good; returns the status."""
-        program, plan = self.program, self._plan
-        self._good[0] = good
-        self._merge()
-        np.copyto(plan[0], self._planned[1], where=good)
-        np.copyto(plan[1], self._verdict[0], where=active)
-        np.copyto(self._curves[0], self._curves[-1], where=good)
-        np.copyto(self._rows, self._rows_new, where=good)
-        plan[4] += good
-        self.steps += good
-        self.tries += active
-        landed = np.flatnonzero(good & (self._planned[2] != 0.0))
-        if landed.size:
-            self._stop[landed] += 1
-            through = self._stop[landed] == len(program.stops)
-            status[landed[through]] = Status.DONE
-            if through.any():
-                program.close(self._rows, self.values)
-            on = landed[~through]
-            plan[2, on], plan[3, on], plan[4, on] = program.stops[self._stop[on]], program.stops[self._stop[on] - 1], 0
-            if not program.method.adaptive:
-                plan[1, on], plan[5, on] = program.lengths[self._stop[on]], program.counts[self._stop[on]]
-        return status
+
+def _filled(lanes: np.ndarray) -> np.ndarray:
+    """A multiple of EIGHT lanes: the last one fills up."""
+    return lanes[np.minimum(np.arange(-(-len(lanes) // EIGHT) * EIGHT), len(lanes) - 1)]

@@ -1,6 +1,7 @@
 """Time integration methods as graphs: stages, errors, step lengths and dense output of samples side by side.
 
-Graphs of state components take one component in a column, so that they are the same for every model.
+Graphs of state components take one component in a column, so that they are the same for every model.  Time is the first
+component, with slope 1.
 
 Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), sections II.1, II.4, II.6, II.10; the
 steps are chosen as in `rattle.solvers.step_control`.
@@ -13,7 +14,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from rattle.solvers.dop853_tableau import E3, E5, A, B, C, D
+from rattle.solvers.dop853_tableau import E3, E5, A, B, D
 from rattle.trace.graph import Graph, both, select
 
 Recorded = tuple[Graph, list[Any]]  # a graph of exact operations, and its outputs
@@ -25,7 +26,6 @@ class Method(NamedTuple):
     stages: int
     a: Sequence[Sequence[float]]  # (all stages, earlier stages); those after `stages` are for the dense output
     b: Sequence[float]  # (stages,)
-    c: Sequence[float]  # (all stages,)
     errors: Sequence[Sequence[float]]  # (2, stages): of order 3 and 5; empty: steps are equal
     upper: Sequence[Sequence[float]]  # (rows, all stages) of the dense output above the cubic
     samples: int  # equal parts of a step whose ends are samples of the curves; even
@@ -36,10 +36,8 @@ class Method(NamedTuple):
         return len(self.errors) > 0
 
 
-DOP853 = Method(12, A.tolist(), B.tolist(), C.tolist(), (E3.tolist(), E5.tolist()), D.tolist(), 8)
-RK4 = Method(
-    4, ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0), ()), (1 / 6, 1 / 3, 1 / 3, 1 / 6), (0.0, 0.5, 0.5, 1.0, 1.0), (), (), 2
-)
+DOP853 = Method(12, A.tolist(), B.tolist(), (E3.tolist(), E5.tolist()), D.tolist(), 8)
+RK4 = Method(4, ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0), ()), (1 / 6, 1 / 3, 1 / 3, 1 / 6), (), (), 2)
 
 
 class Tolerances(NamedTuple):
@@ -143,40 +141,34 @@ def copied(count: int) -> Recorded:
     return graph, rows
 
 
-def times(shares: Sequence[float]) -> Recorded:
-    """PLAN, PLANNED: instants at shares of the step."""
-    graph, row = inputs(len(PLAN) + len(PLANNED))
-    return graph, [row[0] + row[len(PLAN)] * share for share in shares]
-
-
 # ---------------------------------------------------------------- steps
 # t, length of the next step, next instant to stop at, and for equal steps: their start, number so far, number in all
-PLAN, PLANNED = ("t", "ahead", "stop", "base", "done", "count"), ("h", "t_new", "last", "short")
+PLAN, PLANNED = ("t", "ahead", "stop", "base", "done", "count"), ("h", "t_new", "last", "short", "ahead")
 
 
 def plan(method: Method, t_end: float) -> Recorded:
-    """PLAN: the step (PLANNED): length, end, flags: it ends at the stop; it is too short to be taken."""
+    """PLAN: the step (PLANNED): length, end, flags: it ends at the stop; it is too short to be taken; `ahead`."""
     graph, (t, ahead, stop, base, done, count) = inputs(len(PLAN))
     if not method.adaptive:
         last = done + 1.0 >= count
-        return graph, [ahead, select(last, stop, base + (done + 1.0) * ahead), last, 0.0]
+        return graph, [ahead, select(last, stop, base + (done + 1.0) * ahead), last, 0.0, ahead]
     last = t + 1.000001 * ahead >= stop
     h = select(last, stop - t, ahead)
     short = (h <= 1e-15 * abs(t)) | (h <= 1e-16 * t_end) | ~(t + h > t)
-    return graph, [h, select(last, stop, t + h), last, short]
+    return graph, [h, select(last, stop, t + h), last, short, ahead]
 
 
 def judge(method: Method, tolerances: Tolerances, ny: int, controlled: Sequence[int], motion: int) -> Recorded:
-    """Squares of the errors (2 ny), PLAN, PLANNED: the length of the next step, and a flag: this one is accepted.
+    """Squares of both errors of t and y, PLANNED: the length of the next step, and a flag: this one is accepted.
 
     controlled: components of y whose errors count; motion: the number over which they are averaged.
     """
+    squares = 2 * (1 + ny) if method.adaptive else 0
+    graph, row = inputs(squares + len(PLANNED))
+    h, _, last, _, ahead = row[squares:]
     if not method.adaptive:
-        graph, row = inputs(len(PLAN) + len(PLANNED))
-        return graph, [row[1], 1.0]
-    graph, row = inputs(2 * ny + len(PLAN) + len(PLANNED))
-    squares, ahead, h, last = row[: 2 * ny], row[2 * ny + 1], row[2 * ny + len(PLAN)], row[2 * ny + len(PLAN) + 2]
-    error3, error5 = (total([squares[k + n] for n in controlled]) for k in (0, ny))
+        return graph, [ahead, 1.0]
+    error3, error5 = (total([row[k + 1 + n] for n in controlled]) for k in (0, 1 + ny))
     share = abs(h) * error5 / root((error5 + 0.01 * error3) * float(motion))
     error = select(graph.apply("equal", error5, 0.0) & graph.apply("equal", error3, 0.0), 0.0, share)
     fitting = 0.9 / eighth_root(error)
@@ -192,35 +184,35 @@ def _finite(graph: Graph, terms: Sequence[Any]) -> Any:
     return both(graph, [graph.apply("equal", x - x, 0.0) for x in terms])
 
 
-def _flag(graph: Graph, x: Any) -> Any:
+def flag(graph: Graph, x: Any) -> Any:
+    """A number as a flag: it is not 0."""
     return ~graph.apply("equal", x, 0.0)
 
 
 def checks(method: Method, ny: int, later: Sequence[int]) -> Recorded:
-    """Blocks of ny rows and a flag (end, step, y, slopes): flags that stages, all of the step, are sound; it is finite.
+    """Blocks of t, ny rows and a flag (end, step, y, slopes): flags that stages, all of it, are sound; it is finite.
 
     later: stages for the dense output alone that were computed.
     """
-    graph, row = inputs((3 + len(method.a)) * (ny + 1))
-    block = [row[k * (ny + 1) : (k + 1) * (ny + 1)] for k in range(3 + len(method.a))]
-    kept = both(graph, [_flag(graph, block[3 + s][-1]) for s in range(1, method.stages)])
+    graph, row = inputs((3 + len(method.a)) * (ny + 2))
+    block = [row[k * (ny + 2) + 1 : (k + 1) * (ny + 2)] for k in range(3 + len(method.a))]
+    kept = both(graph, [flag(graph, block[3 + s][-1]) for s in range(1, method.stages)])
     arrived = [block[0][-1], *(block[3 + s][-1] for s in (method.stages, *later))]
-    sound = both(graph, [_flag(graph, one) for one in arrived])
+    sound = both(graph, [flag(graph, one) for one in arrived])
     return graph, [kept, sound, _finite(graph, [*block[0][:-1], *block[3 + method.stages][:-1]])]
 
 
 def curve_checks(parts: int, curves: int) -> Recorded:
-    """Curves and flag at the start and the ends of all parts: flags that all after the start are sound, and finite."""
-    graph, row = inputs((parts + 1) * (curves + 1))
-    after = row[curves + 1 :]
-    return graph, [both(graph, [_flag(graph, one) for one in after[curves :: curves + 1]]), _finite(graph, after)]
+    """Curves and flag at the ends of all parts of a step: flags that all are sound, and finite."""
+    graph, row = inputs(parts * (curves + 1))
+    return graph, [both(graph, [flag(graph, one) for one in row[curves :: curves + 1]]), _finite(graph, row)]
 
 
 def merged(method: Method) -> Recorded:
     """End, flag that it is good, y, slopes to the last stage: y and first slope with which to go on."""
     graph, (end, good, y, *k) = inputs(4 + method.stages)
-    flag = _flag(graph, good)
-    return graph, [select(flag, end, y), select(flag, k[method.stages], k[0])]
+    taken = flag(graph, good)
+    return graph, [select(taken, end, y), select(taken, k[method.stages], k[0])]
 
 
 def first_try(tolerances: Tolerances, ny: int, motion: int, t_end: float) -> Recorded:

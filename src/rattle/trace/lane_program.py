@@ -4,66 +4,60 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+from numpy.lib.stride_tricks import as_strided
 
 from rattle.trace import lane_methods as methods
 from rattle.trace.graph import Graph
+from rattle.trace.lane_control import Stops, settle
 from rattle.trace.lane_methods import Method, Tolerances
 from rattle.trace.reductions import Energies, Ledger, Reduction
 
 # f(rows in (n_in, n), rows out (n_out, n)): column by column, for any n that is a multiple of 8 or of the width of a
-# batch; arrays are float64, do not overlap, and each row is without gaps, at any distance from the next
+# tile; arrays are float64, do not overlap, and each row is without gaps, at any distance from the next
 Function = Callable[[np.ndarray, np.ndarray], None]
 Compile = Callable[[Graph, Sequence[Any]], Function]  # of a graph of exact operations
 Calls = Sequence[tuple[Function, np.ndarray, np.ndarray]]  # functions, each with its rows in and out
-Chain = Callable[[Calls], Callable[[], None]]  # makes one call of many, on arrays that stay where they are
 
 
-def one_by_one(calls: Calls) -> Callable[[], None]:
-    """The chain that Python makes: one function after the other."""
-    given = tuple(calls)
+class Chain(Protocol):
+    """Makes one call of many functions in turn, on each tile of a memory (tiles, rows, n), so many times.
+
+    calls: with rows of the first tile; running: the row that is not 0 in lanes that still run.  A tile in which no lane
+    runs (any more) is left alone.
+    """
+
+    def __call__(self, calls: Calls, memory: np.ndarray, running: int, times: int) -> Callable[[], None]: ...
+
+
+def one_by_one(calls: Calls, memory: np.ndarray, running: int, times: int) -> Callable[[], None]:
+    """The chain that Python makes."""
+    tiles = [
+        [(function, *(_in_tile(memory, k, rows) for rows in both)) for function, *both in calls]
+        for k in range(len(memory))
+    ]
 
     def call() -> None:
-        for function, rows, out in given:
-            function(rows, out)
+        for tile, one in zip(tiles, memory, strict=True):
+            for _ in range(times):
+                if one[running].any():
+                    for function, rows, out in tile:
+                        function(rows, out)
 
     return call
+
+
+def _in_tile(memory: np.ndarray, k: int, rows: np.ndarray) -> np.ndarray:
+    """Rows of tile k, from those of the first one."""
+    start = (rows.ctypes.data - memory.ctypes.data) // 8
+    return as_strided(memory.reshape(-1)[start + k * memory[0].size :], rows.shape, rows.strides)
 
 
 ENERGY_LIMIT = 1e-3  # share of the largest energy that may be unaccounted for
 MOST_STEPS = 1_000_000
 USUAL = Tolerances(1e-8, 1e-10)
-
-
-class Status(IntEnum):
-    """How the run of a sample ended; `words` says it."""
-
-    DONE = 0
-    START = 1
-    ASSUMPTION = 2
-    NOT_FINITE = 3
-    ENERGY = 4
-    TOO_MANY_STEPS = 5
-    STEP_TOO_SMALL = 6
-
-    @property
-    def words(self) -> str:
-        """As part of a message."""
-        return WORDS[self]
-
-
-WORDS = {
-    Status.DONE: "done",
-    Status.START: "has no start: the loops do not close, or the rates do not fit",
-    Status.ASSUMPTION: "comes next to a singular position or coincident points, which straight-line code cannot pass",
-    Status.NOT_FINITE: "has no finite value: a load or curve outside its domain, or a diverging motion",
-    Status.ENERGY: "has an energy error above the limit",
-    Status.TOO_MANY_STEPS: "takes too many steps",
-    Status.STEP_TOO_SMALL: "needs steps that are too short",
-}
 
 
 class Model(NamedTuple):
@@ -87,10 +81,11 @@ class Program:
 
     def __init__(
         self, model: Model, compile: Compile, method: Method, reductions: Sequence[Reduction], t_end: float, *,
-        tolerances: Tolerances = USUAL, step: float = math.inf, chain: Chain = one_by_one,
+        tolerances: Tolerances = USUAL, step: float = math.inf, chain: Chain = one_by_one, tile: int | None = None,
         energy_limit: float = ENERGY_LIMIT, most_steps: int = MOST_STEPS,
     ) -> None:  # fmt: skip
-        """step: the longest one of a method with equal steps [s]; tolerances: of the others.
+        """step: the longest one of a method with equal steps [s]; tolerances: of the others; tile: lanes that are
+        worked on together, None: all.
 
         Raises ValueError for reductions that the model or the span does not have.
         """
@@ -98,8 +93,8 @@ class Program:
             if one.kind == "at" and not 0.0 <= one.t <= t_end:
                 raise ValueError(f"{one}: an instant from 0 to {t_end} s expected")
         inner = {float(one.t) for one in reductions if one.kind == "at" and 0.0 < one.t < t_end}
-        self.model, self.method, self.t_end, self.most_steps = model, method, t_end, most_steps
-        self.chain = chain
+        self.model, self.method, self.t_end = model, method, t_end
+        self.chain, self.tile = chain, tile
         self.stops = np.array([*sorted(inner), t_end])
         energies = None if model.energies is None else Energies(model.energies, energy_limit)
         self.ledger = ledger = Ledger(reductions, model.curves, self.stops.tolist(), method.samples, energies)
@@ -116,9 +111,10 @@ class Program:
         self.checks = compile(*methods.checks(method, model.ny, self.later))
         self.curve_checks = compile(*methods.curve_checks(ledger.parts, model.curves))
         self.merged, self.copy_two = compile(*methods.merged(method)), compile(*methods.copied(2))
-        self.copy, self.spread = compile(*methods.spread(1)), compile(*methods.spread(model.ny))
-        self.times = compile(*methods.times([*method.c, *(k / ledger.parts for k in range(1, ledger.parts))]))
+        self.copy, self.spread = compile(*methods.spread(1)), compile(*methods.spread(1 + model.ny))
         if method.adaptive:
             self.first_try = compile(*methods.first_try(tolerances, model.ny, model.motion, t_end))
             self.first_step = compile(*methods.first_step(tolerances, model.ny, model.motion, t_end))
-        self.start, self.step, self.close = (compile(*one()) for one in (ledger.start, ledger.step, ledger.close))
+        self.start, self.close = compile(*ledger.start()), compile(*ledger.close())
+        stops = Stops(self.stops.tolist(), [float(n) for n in counts], lengths)
+        self.settle = compile(*settle(ledger, stops, method.adaptive, most_steps))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.trace.lane_program import Program, Status
+from rattle.trace.lane_control import Status
+from rattle.trace.lane_program import Program
 
 
 class Stock:

@@ -17,11 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.trace.lane_batch import EIGHT, Batch
-from rattle.trace.lane_program import Program, Status
+from rattle.trace.lane_control import Status
+from rattle.trace.lane_program import Program
 from rattle.trace.lane_start import Stock
 
-WIDTH = 520  # an odd multiple of 8: rows at powers of two of each other would share a few lines of the cache
-IDLE = 8  # lanes are filled again when one in so many is idle
+WIDTH = 1024  # so many that Python's part between two looks is small; a tile is what must fit into the cache
+LOOKS = 8  # steps between two looks; a lane that is through waits for half of them
+STOCK = 1024  # samples made ready at once
 
 Progress = Callable[[int, int], None]  # samples done, samples in all
 
@@ -73,19 +75,22 @@ class _Work:
 
 
 def run(
-    program: Program, parameters: np.ndarray, *, width: int = WIDTH, threads: int = 1, progress: Progress | None = None
-) -> Outcome:
+    program: Program, parameters: np.ndarray, *, width: int = WIDTH, looks: int = LOOKS, threads: int = 1,
+    progress: Progress | None = None,
+) -> Outcome:  # fmt: skip
     """Integrate the samples of parameters (np, N) from 0 to the end of the program.
 
-    width: number of lanes of each thread, at most.  progress is called from the threads, one at a time.
+    width: number of lanes of each thread, at most; looks: steps after which lanes that are through take new samples.
+    progress is called from the threads, one at a time.
     """
     work = _Work(np.asarray(parameters, dtype=float), len(program.ledger.reductions), progress)
-    width = min(width, -(-work.count // (EIGHT * threads)) * EIGHT)
+    share = -(-work.count // (EIGHT * threads)) * EIGHT
+    sizes = min(width, share), min(STOCK, share), looks
     if threads == 1:
-        _integrate(program, work, width)
+        _integrate(program, work, *sizes)
     else:
         with ThreadPoolExecutor(threads) as pool:
-            jobs = [pool.submit(_integrate, program, work, width) for _ in range(threads)]
+            jobs = [pool.submit(_integrate, program, work, *sizes) for _ in range(threads)]
             try:
                 for job in jobs:
                     job.result()
@@ -95,23 +100,22 @@ def run(
     return work.outcome._replace(evaluations=work.evaluations)
 
 
-def _integrate(program: Program, work: _Work, width: int) -> None:
+def _integrate(program: Program, work: _Work, width: int, stock_size: int, looks: int) -> None:
     """Take samples until there are none left."""
-    batch, stock, shelf = Batch(program, width), Stock(program, width), _Shelf()
+    batch, stock, shelf = Batch(program, width, looks), Stock(program, stock_size), _Shelf()
     evaluations = 0
     with np.errstate(all="ignore"):
         while not work.broken:
             idle = np.flatnonzero(batch.sample < 0)
-            if IDLE * len(idle) >= width:
+            if len(idle):
                 evaluations += _fill(batch, idle, stock, shelf, work)
                 if (batch.sample < 0).all():
                     break
-            evaluations += program.evaluations * int((batch.sample >= 0).sum())
-            status = batch.step()
-            through = np.flatnonzero(status >= 0)
+            through = batch.step()
             if len(through):
-                done = through[status[through] == Status.DONE]
-                work.finish(batch.sample[through], status[through], batch.steps[through], batch.values[:, done])
+                status, steps, tries, values = batch.ended(through)
+                evaluations += program.evaluations * int(tries.sum())
+                work.finish(batch.sample[through], status, steps, values[:, status == Status.DONE])
                 batch.sample[through] = -1
     work.spend(evaluations)
 

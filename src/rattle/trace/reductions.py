@@ -42,7 +42,7 @@ class Step(NamedTuple):
     h: Any  # [s]
     t: Any  # start [s]
     stop: Any  # number of the instant that it ends at, if it does
-    lands: Any  # it does
+    lands: Any  # a flag: it does
     curves: list[list[Any]]  # (curves, samples)
     crossings: dict[int, tuple[Any, Any]]  # by condition: sum of shares where it begins less where it ends; first begin
 
@@ -98,7 +98,7 @@ class Reading:
 
     def step(self, held: Sequence[Any], step: Step) -> list[Any]:
         """Rows at the end of the step."""
-        here = (step.lands > 0.0) & step.stop.graph.apply("equal", step.stop, float(self.stop))
+        here = step.lands & step.stop.graph.apply("equal", step.stop, float(self.stop))
         return [select(here, step.curves[self.curve][-1], held[0])]
 
 
@@ -290,29 +290,14 @@ class Ledger:
             self.rows += tracker.rows
         return self._places[tracker]
 
-    @property
-    def step_rows(self) -> int:
-        """Number of inputs of `step`."""
-        return 4 + 2 * len(self.conditions) + (self.parts + 1) * (self.curves + 1) + self.rows
-
     def start(self) -> Recorded:
         """Curves and flag at t = 0: the rows."""
         graph, given = inputs(self.curves + 1)
         return graph, [x for one in self._places for x in one.start(given)]
 
-    def step(self) -> Recorded:
-        """h, t, stop, lands; of each condition sum and first; curves and flag of every sample; rows: the rows."""
-        graph, given = inputs(self.step_rows)
-        h, t, stop, lands = given[:4]
-        first = 4 + 2 * len(self.conditions)
-        crossings = {curve: (given[4 + 2 * n], given[5 + 2 * n]) for n, curve in enumerate(self.conditions)}
-        wide = self.curves + 1
-        curves = [[given[first + wide * k + n] for k in range(self.parts + 1)] for n in range(self.curves)]
-        held = given[first + wide * (self.parts + 1) :]
-        one_step = Step(h, t, stop, lands, curves, crossings)
-        return graph, [
-            x for one, place in self._places.items() for x in one.step(held[place : place + one.rows], one_step)
-        ]
+    def advance(self, step: Step, held: Sequence[Any]) -> list[Any]:
+        """The rows at the end of a step, from those at its start."""
+        return [x for one, place in self._places.items() for x in one.step(held[place : place + one.rows], step)]
 
     def close(self) -> Recorded:
         """Rows: the reductions."""

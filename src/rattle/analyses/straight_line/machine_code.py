@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -43,22 +42,25 @@ class MachineFunctions:
         names = list(self._names.values())
         self._code = llvm.compile("\n".join(self._texts), ["chain", *names])
         self._calls = {name: self._code.function(name) for name in names}
-        self._calls["chain"] = self._code.function("chain", ctypes.c_void_p, ctypes.c_int64)
+        self._calls["chain"] = self._code.function("chain", *llvm.CHAIN_KINDS)
 
-    def chain(self, calls: Calls) -> Callable[[], None]:
-        """One call of many functions in turn, on arrays that stay where they are, without Python in between."""
+    def chain(self, calls: Calls, memory: np.ndarray, running: int, times: int) -> Callable[[], None]:
+        """One call of many functions in turn, on every tile of a memory, so many times; see `Chain`."""
         assert self._code is not None
-        addresses = self._code.addresses
-        table = np.array(
-            [(addresses[self._names[function]], *_places(rows, out)) for function, rows, out in calls], np.int64
-        )
-        held = [one for _, rows, out in calls for one in (rows, out)]
+        addresses, start = self._code.addresses, memory.ctypes.data
+        table = np.array([(addresses[self._names[f]], *_offsets(start, *_places(a, b))) for f, a, b in calls], np.int64)
+        size, lanes = memory[0].size, memory.shape[2]
+        rest = size, len(memory), times, running * lanes, lanes
 
         def call() -> None:
-            assert held
-            self._calls["chain"](table.ctypes.data, table.size)
+            self._calls["chain"](table.ctypes.data, table.size, memory.ctypes.data, *rest)
 
         return call
+
+
+def _offsets(start: int, rows_in: int, a: int, rows_out: int, b: int, n: int) -> tuple[int, int, int, int, int]:
+    """Arguments of a function with distances from the start of the memory [bytes] for addresses."""
+    return rows_in - start, a, rows_out - start, b, n
 
 
 def _places(rows_in: np.ndarray, rows_out: np.ndarray) -> tuple[int, int, int, int, int]:

@@ -1,0 +1,122 @@
+"""What becomes of a step, as one graph: accepted or not, the rows of the reductions, the next stop, or the end.
+
+So a batch takes many steps without Python: everything that it must know stands in its rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+from rattle.trace.graph import both, select
+from rattle.trace.lane_methods import PLAN, PLANNED, Recorded, flag, inputs
+from rattle.trace.reductions import Ledger, Step
+
+VERDICT = ("ahead", "accepted")  # see `judge`
+FLAGS = ("kept", "sound", "finite", "curves sound", "curves finite")  # see `checks`, `curve_checks`
+CONTROL = ("running", "status", "number", "steps", "tries", *PLAN)  # of a lane; number: of the next stop
+RUNNING, STATUS, NUMBER, STEPS, TRIES = range(5)
+GOING_ON = -1.0  # status of a lane that is running
+
+
+class Status(IntEnum):
+    """How the run of a sample ended; `words` says it."""
+
+    DONE = 0
+    START = 1
+    ASSUMPTION = 2
+    NOT_FINITE = 3
+    ENERGY = 4
+    TOO_MANY_STEPS = 5
+    STEP_TOO_SMALL = 6
+
+    @property
+    def words(self) -> str:
+        """As part of a message."""
+        return WORDS[self]
+
+
+WORDS = {
+    Status.DONE: "done",
+    Status.START: "has no start: the loops do not close, or the rates do not fit",
+    Status.ASSUMPTION: "comes next to a singular position or coincident points, which straight-line code cannot pass",
+    Status.NOT_FINITE: "has no finite value: a load or curve outside its domain, or a diverging motion",
+    Status.ENERGY: "has an energy error above the limit",
+    Status.TOO_MANY_STEPS: "takes too many steps",
+    Status.STEP_TOO_SMALL: "needs steps that are too short",
+}
+
+
+class Stops(NamedTuple):
+    """Instants [s] at which steps end, the last one is the end; equal steps before each, numbers and lengths [s]."""
+
+    instants: Sequence[float]
+    counts: Sequence[float]
+    lengths: Sequence[float]
+
+
+def report_rows(ledger: Ledger) -> list[int]:
+    """Numbers of rows that `settle` reads: PLANNED, VERDICT, FLAGS; crossings; curves after the start, at it; rows;
+    CONTROL."""
+    wide = ledger.curves + 1
+    known = len(PLANNED) + len(VERDICT) + len(FLAGS)
+    return [known, 2 * len(ledger.conditions), ledger.parts * wide, wide, ledger.rows, len(CONTROL)]
+
+
+def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int) -> Recorded:
+    """Rows as in `report_rows`: a flag that the step is good; curves at the start, rows, CONTROL of the next one."""
+    parts = report_rows(ledger)
+    graph, row = inputs(sum(parts))
+    known, crossed, after, curves, held, control = (
+        row[sum(parts[:n]) : sum(parts[: n + 1])] for n in range(len(parts))
+    )
+    h, t_new, last, short, _, ahead, *flags = known
+    running, status, number, steps, tries, t, *_ = control
+    running, accepted, short, last = (flag(graph, x) for x in (running, flags[0], short, last))
+    kept, sound, finite, curves_sound, curves_finite = (flag(graph, x) for x in flags[1:])
+    wide = ledger.curves + 1
+    samples = [[curves[n], *after[n::wide]] for n in range(ledger.curves)]
+    crossings = {curve: (crossed[2 * n], crossed[2 * n + 1]) for n, curve in enumerate(ledger.conditions)}
+    rows = ledger.advance(Step(h, t, number, last, samples, crossings), held)
+    accounted = flag(graph, rows[ledger.sound_row]) if ledger.sound_row is not None else True
+    reached: Any = GOING_ON
+    for fails, why in (  # the last one that holds counts
+        (tries >= float(most_steps), Status.TOO_MANY_STEPS), (accepted & _not(accounted), Status.ENERGY),
+        (accepted & ~(sound & curves_sound), Status.ASSUMPTION),
+        (accepted & ~(finite & curves_finite), Status.NOT_FINITE),
+        (~kept, Status.ASSUMPTION), (short, Status.STEP_TOO_SMALL),
+    ):  # fmt: skip
+        reached = select(fails, float(why), reached)
+    good = both(graph, [running, accepted, reached < 0.0])
+    landed = good & last
+    number = number + _one(landed)
+    reached = select(landed & (number >= float(len(stops.instants))), float(Status.DONE), reached)
+    going = _one(running & (reached < 0.0))
+    plan = _plan(stops, adaptive, landed, number, control[len(CONTROL) - len(PLAN) :])
+    plan[0], plan[4] = select(good, t_new, t), plan[4] + _one(good & ~landed)
+    if adaptive:
+        plan[1] = select(running, ahead, plan[1])
+    controlled = [going, select(running, reached, status), number, steps + _one(good), tries + _one(running), *plan]
+    merged = [select(good, new, old) for new, old in zip([*after[-wide:], *rows], [*curves, *held], strict=True)]
+    return graph, [good, *merged, *controlled]
+
+
+def _plan(stops: Stops, adaptive: bool, landed: Any, number: Any, plan: Sequence[Any]) -> list[Any]:
+    """PLAN after landing at a stop: the next one is ahead."""
+    t, ahead, stop, base, done, count = plan
+    done = select(landed, 0.0, done)
+    for n in range(1, len(stops.instants)):
+        here = landed & number.graph.apply("equal", number, float(n))
+        stop, base = select(here, stops.instants[n], stop), select(here, stops.instants[n - 1], base)
+        if not adaptive:
+            ahead, count = select(here, stops.lengths[n], ahead), select(here, stops.counts[n], count)
+    return [t, ahead, stop, base, done, count]
+
+
+def _one(on: Any) -> Any:
+    return select(on, 1.0, 0.0)
+
+
+def _not(x: Any) -> Any:
+    return not x if isinstance(x, bool) else ~x
