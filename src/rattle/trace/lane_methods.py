@@ -36,7 +36,7 @@ class Method(NamedTuple):
         return len(self.errors) > 0
 
 
-DOP853 = Method(12, A.tolist(), B.tolist(), (E3.tolist(), E5.tolist()), D.tolist(), 8)
+DOP853 = Method(12, A.tolist(), B.tolist(), (E3.tolist(), E5.tolist()), D.tolist(), 6)
 RK4 = Method(4, ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0), ()), (1 / 6, 1 / 3, 1 / 3, 1 / 6), (), (), 2)
 
 

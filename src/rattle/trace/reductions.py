@@ -2,7 +2,7 @@
 
 A step gives samples of every curve at its ends and at equal parts of it.  Between them a curve counts as the polynomial
 through all of them: extremes are found on it by Newton's method, integrals by the closed formulas of Newton and Cotes
-(Abramowitz, Stegun, Handbook of Mathematical Functions (1964), 25.4.18).  A maximum that this polynomial sees and the
+(Abramowitz, Stegun, Handbook of Mathematical Functions (1964), 25.4.16).  A maximum that this polynomial sees and the
 parabola through the largest sample and its neighbours does not, as beside a kink, does not count.
 """
 
@@ -20,7 +20,7 @@ from rattle.trace.lane_methods import Recorded, inputs, largest, least, root, we
 COTES = {  # by number of parts: weights of the samples
     1: (1 / 2, 1 / 2),
     2: (1 / 6, 4 / 6, 1 / 6),
-    8: tuple(w / 28350 for w in (989, 5888, -928, 10496, -4540, 10496, -928, 5888, 989)),
+    6: tuple(w / 840 for w in (41, 216, 27, 272, 27, 216, 41)),
 }
 NEWTON = 3  # iterations from the largest sample: the place is good to 1e-4 of a part, the value to rounding
 STEEPEST = 2.0  # rise above the largest sample that counts, as a multiple of that of the parabola
