@@ -17,7 +17,7 @@ from rattle.analyses import arguments
 from rattle.analyses.straight_line.lane_model import Asked, lane_model, why_not_lanes
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel, require_parameters
-from rattle.analyses.straight_line.starts import EIGHT, Starts
+from rattle.analyses.straight_line.starts import Starts
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, TraceError, suggest
 from rattle.language import arrays
 from rattle.registry import kinds
@@ -223,7 +223,7 @@ def _run_lanes(task: _Task, found: _Found, model: RecordedModel, method: str, pr
     program = Program(
         lane_model(model, asked, functions.add, starts), functions.add, METHODS[method], asked.reductions, task.t_end,
         tolerances=lane_methods.Tolerances(task.rtol, task.atol, task.step or np.inf), step=task.step or LONGEST,
-        chain=functions.chain, tile=EIGHT,
+        chain=functions.chain, tiled=True,
     )  # fmt: skip
     functions.compile()
     bar = _Bar(task.count) if progress else None

@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rattle.trace.graph import EXACT, ROUND, Graph, Symbol, copy_into, fold, select
+from rattle.trace.graph import EXACT, ROUND, Graph, Symbol, copied, fold, select
 
 INF, NAN = math.inf, math.nan
 SPLIT = 134217729.0  # 2^27 + 1
@@ -357,9 +357,11 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
 
 
 def lower(source: Graph, outputs: Sequence[Any]) -> tuple[Graph, list[Any]]:
-    """The same calculation in exact operations alone: a new graph with the same inputs, and its outputs."""
-    graph = Graph()
-    return graph, copy_into(graph, source, outputs, _lowered)
+    """The same calculation in exact operations alone: a graph with the same inputs, and its outputs.
+
+    It is one graph for all that is asked of a source.
+    """
+    return copied(source, outputs, _lowered)
 
 
 def _lowered(graph: Graph, op: str, *operands: Any) -> Any:

@@ -170,6 +170,7 @@ class Graph:
         self.numbers: dict[int, float] = {}  # of the operations that are numbers
         self.inputs: list[int] = []  # places of the inputs, in order
         self._known: dict[Any, int] = {}
+        self._lowered: tuple[Graph, dict[int, Any]] | None = None
 
     def __len__(self) -> int:
         return len(self.ops)
@@ -207,14 +208,22 @@ class Graph:
 
     def apply(self, op: str, *given: Any) -> Any:
         """The result of an operation: a number if it is known, the operand it leaves as it is, or a symbol."""
-        given = tuple(symbol_of(x) if isinstance(x, Recorded) else x for x in given)
-        given = tuple(self.numbers.get(x.place, x) if isinstance(x, Symbol) else x for x in given)
-        if op in EXACT and not any(isinstance(x, Symbol) for x in given):
-            return fold(op, *given)
-        simple = _simplify(self, op, given)
+        numbers, held, known = self.numbers, [], True
+        for x in given:
+            if type(x) is not Symbol and isinstance(x, Recorded):
+                x = symbol_of(x)
+            if type(x) is Symbol:
+                if x.graph is self and x.place in numbers:
+                    x = numbers[x.place]
+                else:
+                    known = False
+            held.append(x)
+        if known and op in EXACT:
+            return fold(op, *held)
+        simple = _simplify(self, op, held)
         if simple is not None:
             return simple
-        places = tuple(self.place(x) for x in given)
+        places = tuple([x.place if type(x) is Symbol and x.graph is self else self.place(x) for x in held])
         if op in COMMUTE and places[0] > places[1]:
             places = places[::-1]
         key = (op, places)
@@ -263,19 +272,25 @@ class Graph:
         return result
 
 
-def copy_into(graph: Graph, source: Graph, outputs: Sequence[Any], change: Callable[..., Any]) -> list[Any]:
-    """The operations that the outputs need, made anew in another graph with the same inputs; returns the outputs.
+def copied(source: Graph, outputs: Sequence[Any], change: Callable[..., Any]) -> tuple[Graph, list[Any]]:
+    """The operations that the outputs need, made anew in another graph with the same inputs, and the outputs there.
 
-    change(graph, op, *operands) makes one operation there.
+    change(graph, op, *operands) makes one operation there.  The other graph is kept: every operation is made once,
+    whatever is asked for next, so `change` must be the same one for a source.
     """
-    made: dict[int, Any] = {place: graph.input() for place in source.inputs}
+    if source._lowered is None:
+        source._lowered = Graph(), {}
+    graph, made = source._lowered
+    for place in source.inputs[len(graph.inputs) :]:
+        made[place] = graph.input()
     for place in source.live(outputs):
-        op = source.ops[place]
-        if op == "number":
-            made[place] = source.numbers[place]
-        elif op != "input":
-            made[place] = change(graph, op, *(made[k] for k in source.operands[place]))
-    return [made[source.place(x)] for x in outputs]
+        if place not in made:
+            op = source.ops[place]
+            numbers = source.numbers
+            made[place] = (
+                numbers[place] if op == "number" else change(graph, op, *[made[k] for k in source.operands[place]])
+            )
+    return graph, [made[source.place(x)] for x in outputs]
 
 
 def bind(graph: Graph, outputs: Sequence[Any], known: Mapping[int, float]) -> tuple[Graph, list[Any]]:
@@ -322,9 +337,11 @@ def _is(x: Any, value: float) -> bool:
     return not isinstance(x, Symbol) and x == value
 
 
-def _simplify(graph: Graph, op: str, given: tuple[Any, ...]) -> Any:
+def _simplify(graph: Graph, op: str, given: Sequence[Any]) -> Any:
     """The result where it takes no operation (or a simpler one), else None."""
     a, b = given[0], given[1] if len(given) > 1 else None
+    if op in ("mul", "div") and type(a) is Symbol and type(b) is Symbol:
+        return None
     if op == "add":
         if _is(a, 0.0):
             return b

@@ -20,6 +20,7 @@ from rattle.trace.reductions import NEVER
 
 EIGHT = 8  # columns of a gathered few are a multiple of it
 LINE = 8  # numbers in a line of the cache
+TILE = 128_000  # bytes: a quarter or half of what is near to a core; twice or half as many is as fast
 Call = tuple[Function, np.ndarray, np.ndarray]
 
 
@@ -72,8 +73,9 @@ class Batch:
 
     def __init__(self, program: Program, n: int, looks: int) -> None:
         """looks: steps of a lane after which Python looks what came of it."""
-        tile = min(n, program.tile or n)
-        self.program, self.rows, self.tile = program, _laid_out(program), tile
+        self.program, self.rows = program, _laid_out(program)
+        fitting = EIGHT * max(1, TILE // (8 * EIGHT * self.rows.count))
+        self.tile = tile = min(n, fitting if program.tiled else n)
         self.memory = _aligned(-(-n // tile), self.rows.count, tile)
         self.n = len(self.memory) * tile
         self.sample = np.full(self.n, -1)
@@ -122,7 +124,8 @@ class Batch:
             return [(program.stages[s], flat[1 : 3 + s], moved), (model.rate, state, blocks[3 + s, 1:])]
 
         calls: list[Call] = [
-            (program.plan, self._first("control")[-len(PLAN) :], planned), (program.spread, planned[:1], blocks[1, :wide]),
+            (program.plan, self._first("control")[-len(PLAN) :], planned),
+            (program.spread, planned[:1], blocks[1, :wide]),
             *(call for s in range(1, stages) for call in stage(s)),
             (program.end, flat[1 : 3 + stages], squares), (program.judge, judged, self._first("verdict")),
             (copy, squares[:1], moved), (copy, planned[1:2], now), (model.project, state, blocks[0, 1:]),
@@ -185,7 +188,7 @@ class Batch:
         return np.flatnonzero((self.sample >= 0) & (self._all("control")[:, RUNNING].reshape(-1) == 0.0))
 
     def ended(self, lanes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Status, steps, tries (k,) of lanes whose samples are through, and values of the reductions (reductions, k)."""
+        """Status, steps, tries (k,) of lanes whose samples are through; values of the reductions (reductions, k)."""
         control, count = self._lane("control", lanes), len(lanes)
         rows = np.ascontiguousarray(self._lane("rows", _filled(lanes)))
         values = np.zeros((len(self.program.ledger.reductions), rows.shape[1]))

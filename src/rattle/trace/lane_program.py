@@ -35,8 +35,7 @@ class Chain(Protocol):
 def one_by_one(calls: Calls, memory: np.ndarray, running: int, times: int) -> Callable[[], None]:
     """The chain that Python makes."""
     tiles = [
-        [(function, *(_in_tile(memory, k, rows) for rows in both)) for function, *both in calls]
-        for k in range(len(memory))
+        [(f, _in_tile(memory, k, rows), _in_tile(memory, k, out)) for f, rows, out in calls] for k in range(len(memory))
     ]
 
     def call() -> None:
@@ -81,11 +80,11 @@ class Program:
 
     def __init__(
         self, model: Model, compile: Compile, method: Method, reductions: Sequence[Reduction], t_end: float, *,
-        tolerances: Tolerances = USUAL, step: float = math.inf, chain: Chain = one_by_one, tile: int | None = None,
+        tolerances: Tolerances = USUAL, step: float = math.inf, chain: Chain = one_by_one, tiled: bool = False,
         energy_limit: float = ENERGY_LIMIT, most_steps: int = MOST_STEPS,
     ) -> None:  # fmt: skip
-        """step: the longest one of a method with equal steps [s]; tolerances: of the others; tile: lanes that are
-        worked on together, None: all.
+        """step: the longest one of a method with equal steps [s]; tolerances: of the others; tiled: lanes are
+        worked on in tiles that fit into the cache, else all together.
 
         Raises ValueError for reductions that the model or the span does not have.
         """
@@ -94,7 +93,7 @@ class Program:
                 raise ValueError(f"{one}: an instant from 0 to {t_end} s expected")
         inner = {float(one.t) for one in reductions if one.kind == "at" and 0.0 < one.t < t_end}
         self.model, self.method, self.t_end = model, method, t_end
-        self.chain, self.tile = chain, tile
+        self.chain, self.tiled = chain, tiled
         self.stops = np.array([*sorted(inner), t_end])
         energies = None if model.energies is None else Energies(model.energies, energy_limit)
         self.ledger = ledger = Ledger(reductions, model.curves, self.stops.tolist(), method.samples, energies)

@@ -180,6 +180,11 @@ class _Width:
         return str(value) if self.width == 1 else f"<{', '.join([f'{kind} {value}'] * self.width)}>"
 
 
+@functools.cache
+def _written(width: int) -> _Width:
+    return _Width(width)
+
+
 def _partly(form: str, words: Mapping[str, str]) -> str:
     """A form in which these words are filled in, and result and operands are not."""
     for name, text in words.items():
@@ -266,7 +271,7 @@ def functions_text(graph: Graph, functions: Mapping[str, Sequence[Any]], width: 
     0.  n is a positive multiple of the width.  The two must not overlap.  They may stand at any multiple of 8 bytes;
     multiples of 64 are fastest.
     """
-    written = _Width(width)
+    written = _written(width)
     return "\n".join(_function(graph, name, outputs, written) for name, outputs in functions.items())
 
 

@@ -166,18 +166,34 @@ def _require_same(made: RecordedModel) -> None:
         )
     _require_equal(made.system, made.start.t, y, found[4:], "at the start; this is a fault of rattle")
     random = np.random.default_rng(0)
-    for name, value in given.items():
+
+    def same(names: Sequence[str], where: str) -> bool:
+        """Compare where these parameters are changed; False if the model cannot be changed so."""
         for nudge in NUDGES:
-            changed = {**given, name: value * (1.0 + nudge) + (nudge if value == 0.0 else 0.0)}
+            changed = {**given, **{name: given[name] + nudge * (given[name] or 1.0) for name in names}}
             try:
                 other = compile_system(read_at(made, changed))
-            except ModelError:  # outside of the limits of the parameter
+            except ModelError:  # outside of the limits of a parameter
                 continue
             moved = y + 1e-3 * random.standard_normal(len(y))
             found = _at(made, functions, made.start.t, moved, changed)
             if found[3]:
-                _require_equal(other, made.start.t, moved, found[4:], f"where '{name}' is changed")
-                break
+                _require_equal(other, made.start.t, moved, found[4:], where)
+                return True
+        return False
+
+    try:
+        done = same(list(given), "where parameters are changed")
+    except TraceError as error:
+        fault = error  # which parameter?
+    else:
+        if done:
+            return
+        fault = None
+    for name in given:
+        same([name], f"where '{name}' is changed")
+    if fault is not None:
+        raise fault
 
 
 def read_at(model: RecordedModel, values: Mapping[str, float]) -> Model:
