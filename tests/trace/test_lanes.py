@@ -7,10 +7,12 @@ import pytest
 
 import rattle as rt
 from rattle.analyses.straight_line.code import straight_line
+from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.trace.elementary import lower
 from rattle.trace.graph import NUMPY, Graph
-from rattle.trace.lane_methods import DOP853, RK4, Tolerances
+from rattle.trace.lane_batch import Batch
 from rattle.trace.lane_control import Status
+from rattle.trace.lane_methods import DOP853, RK4, Tolerances
 from rattle.trace.lane_program import Model, Program
 from rattle.trace.lanes import run
 from rattle.trace.reductions import Reduction
@@ -65,8 +67,11 @@ def lowered(graph, outputs):
     return compiled(*lower(graph, outputs))
 
 
-def oscillator(sound=None, curves=lambda x, v, w, t: [x, v]):
-    """x'' = -w^2 x with x = 1, x' = 0 at first; parameter w.  sound(t, x, v, w): a flag of the right-hand side."""
+def oscillator(sound=None, curves=lambda x, v, w, t: [x, v], lowered=lowered):
+    """x'' = -w^2 x with x = 1, x' = 0 at first; parameter w.  sound(t, x, v, w): a flag of the right-hand side.
+
+    lowered: what compiles its functions.
+    """
     graph = Graph()
     t, x, v, w = (graph.input() for _ in range(4))
     shown = curves(x, v, w, t)
@@ -338,6 +343,40 @@ def test_a_sample_has_the_same_bits_in_any_company(method):
     for one, other in zip(outcome[:3], mixed[:3], strict=True):
         assert np.array_equal(one[..., order], other, equal_nan=True)
     assert mixed.evaluations == outcome.evaluations
+
+
+MIXED = {
+    "sound": lambda t, x, v, w: (x > -0.9) | (w < 4.0),
+    "curves": lambda x, v, w, t: [x, v + 1.0],
+}
+
+
+@pytest.mark.parametrize("conditions", [False, True])
+@pytest.mark.parametrize("method", [DOP853, RK4])
+def test_steps_in_tiles_of_machine_code_have_the_same_bits(method, conditions):
+    """Many steps in one call, however many, tile by tile, by one thread and two: as NumPy takes them one by one."""
+    kinds = ALL if conditions else [one for one in ALL if one.curve == 0]
+    w = np.random.default_rng(5).permutation(np.concatenate([np.linspace(0.5, 7.0, 203), [-1.0]]))[None]
+    settings = {"tolerances": Tolerances(1e-6, 1e-8), "step": 0.1}
+    whole, outcome = bits(Program(oscillator(**MIXED), lowered, method, kinds, T, **settings), w, width=208, looks=1)
+    assert set(outcome.status) == {Status.DONE, Status.ASSUMPTION, Status.START}
+    functions = MachineFunctions()
+    model = oscillator(**MIXED, lowered=lambda graph, outputs: functions.add(*lower(graph, outputs)))
+    program = Program(model, functions.add, method, kinds, T, **settings, chain=functions.chain, tiled=True)
+    functions.compile()
+    for width, looks, threads in ((208, 1, 1), (208, 8, 1), (48, 3, 1), (8, 100, 1), (64, 8, 2)):
+        found, again = bits(program, w, width=width, looks=looks, threads=threads)
+        assert found == whole, (width, looks, threads)
+        assert again.evaluations == outcome.evaluations
+
+
+def test_tiles_are_independent():
+    """As the chain that Python makes works on them."""
+    w = np.linspace(0.5, 7.0, 150)[None]
+    programs = [Program(oscillator(**MIXED), lowered, DOP853, ALL, T, tiled=tiled) for tiled in (False, True)]
+    assert len(Batch(programs[1], 152, 1).memory) > 1
+    one, other = (bits(program, w, width=152, looks=4)[0] for program in programs)
+    assert one == other
 
 
 def test_progress_counts_every_sample_once():

@@ -224,13 +224,17 @@ class Graph:
         if simple is not None:
             return simple
         places = tuple([x.place if type(x) is Symbol and x.graph is self else self.place(x) for x in held])
+        return Symbol(self, self.join(op, places))
+
+    def join(self, op: str, places: tuple[int, ...]) -> int:
+        """Place of an operation that cannot be simplified, on those at other places."""
         if op in COMMUTE and places[0] > places[1]:
             places = places[::-1]
         key = (op, places)
         place = self._known.get(key)
         if place is None:
             place = self._known[key] = self._put(op, places)
-        return Symbol(self, place)
+        return place
 
     def live(self, outputs: Iterable[Any]) -> list[int]:
         """Places that the outputs depend on, in order; inputs among them only if they are used."""
@@ -285,11 +289,8 @@ def copied(source: Graph, outputs: Sequence[Any], change: Callable[..., Any]) ->
         made[place] = graph.input()
     for place in source.live(outputs):
         if place not in made:
-            op = source.ops[place]
-            numbers = source.numbers
-            made[place] = (
-                numbers[place] if op == "number" else change(graph, op, *[made[k] for k in source.operands[place]])
-            )
+            op, operands = source.ops[place], source.operands[place]
+            made[place] = source.numbers[place] if op == "number" else change(graph, op, *[made[k] for k in operands])
     return graph, [made[source.place(x)] for x in outputs]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
-from rattle.trace.graph import FLAGS, Graph
+from rattle.trace.graph import FLAGS, Graph, Symbol
 
 
 class Hoisted(NamedTuple):
@@ -30,15 +30,17 @@ def hoist(graph: Graph, outputs: Sequence[Any], early: Collection[int]) -> Hoist
     used = {k for place in live if place in late for k in graph.operands[place]} | {graph.place(x) for x in outputs}
     passed = [place for place in live if place in used and place not in late and graph.ops[place] != "number"]
     first, second = Graph(), Graph()
-    made: dict[int, Any] = {place: first.input() for place in graph.inputs}
-    again: dict[int, Any] = {place: second.input() for place in graph.inputs if place not in early}
+    made = {place: first.input().place for place in graph.inputs}
+    again = {place: second.input().place for place in graph.inputs if place not in early}
     for place in passed:
-        again[place] = second.input() != 0.0 if graph.ops[place] in FLAGS else second.input()
+        symbol = second.input()
+        again[place] = (symbol != 0.0).place if graph.ops[place] in FLAGS else symbol.place
     for place in live:
         op = graph.ops[place]
         if op == "number":
-            made[place] = again[place] = graph.numbers[place]
-        elif op != "input":
+            made[place], again[place] = (one.number(graph.numbers[place]) for one in (first, second))
+        elif op != "input":  # it is simplified already
             target, known = (second, again) if place in late else (first, made)
-            known[place] = target.apply(op, *(known[k] for k in graph.operands[place]))
-    return Hoisted(first, [made[place] for place in passed], second, [again[graph.place(x)] for x in outputs])
+            known[place] = target.join(op, tuple([known[k] for k in graph.operands[place]]))
+    results = [Symbol(second, again[graph.place(x)]) for x in outputs]
+    return Hoisted(first, [Symbol(first, made[place]) for place in passed], second, results)

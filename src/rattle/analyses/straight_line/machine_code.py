@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle.trace import llvm
+from rattle.trace import llvm, llvm_chain
 from rattle.trace.graph import Graph
 from rattle.trace.lane_program import Calls, Function
 
@@ -21,15 +21,15 @@ class MachineFunctions:
 
     def __init__(self, width: int | None = None) -> None:
         self.width = llvm.width() if width is None else width
-        self._texts = [llvm.CHAIN]
+        self._functions: dict[str, tuple[Graph, Sequence[Any]]] = {}
         self._code: llvm.MachineCode | None = None
         self._calls: dict[str, Any] = {}
         self._names: dict[Function, str] = {}
 
     def add(self, graph: Graph, outputs: Sequence[Any]) -> Function:
         """A function that will be compiled with the others."""
-        name = f"f{len(self._texts)}"
-        self._texts.append(llvm.functions_text(graph, {name: outputs}, self.width))
+        name = f"f{len(self._functions)}"
+        self._functions[name] = graph, outputs
 
         def call(rows_in: np.ndarray, rows_out: np.ndarray) -> None:
             self._calls[name](*_places(rows_in, rows_out))
@@ -40,9 +40,16 @@ class MachineFunctions:
     def compile(self) -> None:
         """Make the machine code of all functions."""
         names = list(self._names.values())
-        self._code = llvm.compile("\n".join(self._texts), ["chain", *names])
+        origin = repr([self.width, *(described(*one) for one in self._functions.values())])
+        self._code = llvm.compile(self._text, ["chain", *names], origin)
         self._calls = {name: self._code.function(name) for name in names}
-        self._calls["chain"] = self._code.function("chain", *llvm.CHAIN_KINDS)
+        self._calls["chain"] = self._code.function("chain", *llvm_chain.KINDS)
+
+    def _text(self) -> str:
+        texts = [
+            llvm.functions_text(graph, {name: all_}, self.width) for name, (graph, all_) in self._functions.items()
+        ]
+        return "\n".join([llvm_chain.CHAIN, *texts])
 
     def chain(self, calls: Calls, memory: np.ndarray, running: int, times: int) -> Callable[[], None]:
         """One call of many functions in turn, on every tile of a memory, so many times; see `Chain`."""
@@ -56,6 +63,14 @@ class MachineFunctions:
             self._calls["chain"](table.ctypes.data, table.size, memory.ctypes.data, *rest)
 
         return call
+
+
+def described(graph: Graph, outputs: Sequence[Any]) -> tuple[Any, ...]:
+    """All that the text of a function depends on but its name and width."""
+    live = graph.live(outputs)
+    ops, operands, numbers = graph.ops, graph.operands, graph.numbers
+    work = [(place, ops[place], operands[place] or numbers.get(place)) for place in live]
+    return work, graph.inputs, [graph.place(x) for x in outputs]
 
 
 def _offsets(start: int, rows_in: int, a: int, rows_out: int, b: int, n: int) -> tuple[int, int, int, int, int]:

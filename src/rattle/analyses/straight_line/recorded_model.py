@@ -182,14 +182,12 @@ def _require_same(made: RecordedModel) -> None:
                 return True
         return False
 
+    fault: TraceError | None = None
     try:
-        done = same(list(given), "where parameters are changed")
+        if same(list(given), "where parameters are changed"):
+            return
     except TraceError as error:
         fault = error  # which parameter?
-    else:
-        if done:
-            return
-        fault = None
     for name in given:
         same([name], f"where '{name}' is changed")
     if fault is not None:
