@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.analyses.straight_line.code import straight_line
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.trace.elementary import lower
 from rattle.trace.graph import NUMPY, Graph
@@ -257,20 +256,23 @@ def test_steps_end_on_the_constraint(method):
 
 def recorded(model, names):
     """A model of the package at its start, which has no parameters, and the curves of these names."""
-    made = straight_line(model.recorded())
+    made = model.recorded()
     energies = [f"energy.{name}" for name in ("kinetic", "potential", "work", "dissipated", "balance")]
     shown = [*names, *energies]
-    outputs = [made.outputs[made.names.index(name)] for name in shown]
-    motion = len(made.start) - 2  # then work and energy dissipated
+    ny, start = made.state_size, made.start_state
+    motion = ny - 2  # then work and energy dissipated
+    at_first = np.concatenate([[made.start.t], start, [0.0]])[:, None]  # the last one is the energy at the start
+    graph, balance = lower(made.graph, [made.curves["energy.balance"]])
+    energy = graph.evaluate(balance, at_first)
 
     def begin(p):
         one = np.ones(p.shape[1])
-        return made.start[:, None] * one, p[:0], one > 0.0
+        return start[:, None] * one, energy * one, one > 0.0
 
     return Model(
-        ny=len(made.start), nc=0, curves=len(shown), motion=motion, controlled=tuple(range(motion)), begin=begin,
-        rate=compiled(made.graph, made.derivative), project=compiled(made.graph, made.projection),
-        outputs=compiled(made.graph, [*outputs, made.outputs[-1]]),
+        ny=ny, nc=1, curves=len(shown), motion=motion, controlled=tuple(range(motion)), begin=begin,
+        rate=lowered(made.graph, made.derivative), project=lowered(made.graph, made.projection),
+        outputs=lowered(made.graph, [*(made.curves[name] for name in shown), made.sound_curves]),
         energies=tuple(range(len(names), len(shown))),
     )  # fmt: skip
 
