@@ -1,6 +1,5 @@
 """Machine code by LLVM: the bits of the reference for any number of samples side by side, kept and found again."""
 
-import ctypes
 import os
 import platform
 import subprocess
@@ -12,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rattle.jit import cache
-from rattle.trace import elementary, llvm
+from rattle.trace import elementary, llvm, llvm_chain
 from rattle.trace.graph import FUNCTIONS, Graph, select
 
 pytestmark = pytest.mark.nojit
@@ -221,21 +220,25 @@ ret void
     np.testing.assert_array_equal(run(code, "sign", inputs, 1, 2), [[1.0, 0.0, 0.0]])
 
 
-def test_rows_may_be_apart_and_a_chain_calls_functions_in_turn():
+def test_a_chain_calls_functions_in_turn_on_rows_apart_in_every_tile_that_runs():
+    """A row that is not 0 in one lane of the first and third tile; x, y become x + y, x y and these again, twice."""
     graph = Graph()
     x, y = graph.input(), graph.input()
-    code = llvm.compile(llvm.functions_text(graph, {"f": [x + y, x * y]}, 4) + llvm.CHAIN, ["f", "chain"])
-    rows, middle, last = np.arange(60.0).reshape(3, 20), np.zeros((2, 12)), np.full((2, 9), -1.0)
-    f = code.addresses["f"]
-    calls = np.array(
-        [f, rows[1:, 4:].ctypes.data, 20, middle.ctypes.data, 12, 8, f, middle.ctypes.data, 12, last.ctypes.data, 9, 4],
-        np.int64,
-    )
-    code.function("chain", ctypes.c_void_p, ctypes.c_int64)(calls.ctypes.data, calls.size)
-    a, b = rows[1:, 4:12]
-    np.testing.assert_array_equal(middle, np.hstack([[a + b, a * b], np.zeros((2, 4))]))
-    a, b = middle[:, :4]
-    np.testing.assert_array_equal(last, np.hstack([[a + b, a * b], np.full((2, 5), -1.0)]))
+    code = llvm.compile(llvm.functions_text(graph, {"f": [x + y, x * y]}, 4) + llvm_chain.CHAIN, ["f", "chain"])
+    f, n = code.addresses["f"], 8
+    memory = np.arange(3.0 * 6 * n).reshape(3, 6, n) / 100.0
+    memory[:, 5] = 0.0
+    memory[0, 5, 7] = memory[2, 5, 0] = 1.0
+    want = memory.copy()
+    for tile in (want[0], want[2]):
+        for _ in range(2):
+            tile[[2, 4]] = tile[0] + tile[1], tile[0] * tile[1]
+            tile[:2, :4] = tile[2, :4] + tile[4, :4], tile[2, :4] * tile[4, :4]
+    row = 8 * n  # [bytes]
+    calls = np.array([f, 0, n, 2 * row, 2 * n, 8, f, 2 * row, 2 * n, 0, n, 4], np.int64)
+    chain = code.function("chain", *llvm_chain.KINDS)
+    chain(calls.ctypes.data, calls.size, memory.ctypes.data, memory[0].size, 3, 2, 5 * n, n)
+    np.testing.assert_array_equal(memory, want)
 
 
 def test_code_in_a_circle_of_objects_is_taken_apart_by_the_collector():

@@ -263,14 +263,8 @@ def compile(text: str | Callable[[], str], names: Sequence[str], origin: str = "
     for a text that is no code.
     """
     machine = host()
-    about = (
-        text if isinstance(text, str) else (origin, _own()),
-        *names,
-        *machine,
-        LEVEL,
-        version("llvmlite"),
-        _binding().llvm_version_info,
-    )
+    source = text if isinstance(text, str) else (origin, _own())
+    about = (source, *names, *machine, LEVEL, version("llvmlite"), _binding().llvm_version_info)
     key = hashlib.sha256(repr(about).encode()).hexdigest()
     kept = KeptFile(_folder(os.environ.get("RATTLE_CACHE")), FOLDER, key)
 

@@ -79,8 +79,14 @@ def why_not_lanes(output: Output, varied: Mapping[str, Any]) -> str:
     return ""
 
 
-def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, starts: Starts) -> Model:
-    """Functions of a model for lanes: curves are those asked for, then the energies."""
+def lane_model(
+    model: RecordedModel, asked: Asked, compile_function: Compile, starts: Starts, often: Compile | None = None
+) -> Model:
+    """Functions of a model for lanes: curves are those asked for, then the energies.
+
+    often: compiles what is called many times in a step.
+    """
+    often = often or compile_function
     nb, ny, graph = model.system.body_count, model.state_size, model.graph
     energies = [model.curves[f"energy.{key}"] for key in ENERGY]
     curves = [*asked.curves, *energies]
@@ -88,7 +94,10 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
     exact, every = lower(graph, [x for part in parts for x in part])
     early, prepared, late, outputs = hoist(exact, every, exact.inputs[1 + ny :])
     ends = np.cumsum([0, *map(len, parts)])
-    rate, project, row = (compile_function(late, outputs[a:b]) for a, b in itertools.pairwise(ends))
+    makers = (often, compile_function, often)
+    rate, project, row = (
+        make(late, outputs[a:b]) for make, (a, b) in zip(makers, itertools.pairwise(ends), strict=True)
+    )
     prepare = compile_function(early, prepared)
     energy = compile_function(*lower(graph, [energies[-1]]))
 
