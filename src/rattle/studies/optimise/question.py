@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 ANALYSES = ("simulate", "kinematics", "inverse-dynamics")
 RTOL = 1e-10  # of a motion, at most: errors of the values are then far below the changes that a search looks at
 READ_OFF = ("at", "final", "count")  # reductions that need no instants but their own
+FEWEST = 400  # intervals between the instants of a run
 SAME = 1e-9  # share of the run within which two instants are one
 Bound = float | str
 
@@ -79,7 +80,7 @@ class Question:
         """
         read_off = self._read_off(m)
         count = len(output_times(m.model.settings, self.t_end, None)[1]) - 1
-        grid = np.linspace(0.0, self.t_end, finer * count + 1)
+        grid = np.linspace(0.0, self.t_end, finer * max(count, FEWEST) + 1)
         apart = np.abs(grid - _nearest(grid, read_off)) > SAME * self.t_end
         return np.asarray(np.union1d(grid[apart], read_off))
 
