@@ -73,6 +73,15 @@ def test_a_lesson_works_as_it_is_told(page, share, tmp_path, monkeypatch):
     assert shown
 
 
+def test_the_best_designs_of_the_guide_are_found(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    blocks = dict(BLOCK.findall(DOCS["optimise.md"]))
+    (tmp_path / "crank.toml").write_text(blocks["toml"], encoding="utf-8")
+    done = CliRunner().invoke(main, shlex.split(blocks["sh"])[1:])
+    assert done.exit_code == 0, done.output
+    subprocess.run([sys.executable, "-c", blocks["python"]], check=True, cwd=tmp_path, timeout=300)
+
+
 @pytest.mark.nojit
 def test_every_citation_of_the_theory_leads_to_a_section():
     sections = set(re.findall(r"^##+ (\d(?:\.\d)?)\.? ", DOCS["theory.md"], re.MULTILINE))

@@ -159,7 +159,7 @@ class Designs:
         try:
             found = self._exact_slopes(design, numbers)
         except (TraceError, AssemblyError) as error:
-            why = str(error).removeprefix("no sensitivities: ")
+            why = _kind(str(error).removeprefix("no sensitivities: "))
             self.differenced[why] = self.differenced.get(why, 0) + 1
             found = self._difference_slopes(design, numbers)
         if not np.isfinite(found).all():

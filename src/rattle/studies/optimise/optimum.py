@@ -106,9 +106,9 @@ class Optimum:
     def report(self) -> str:
         """What changed, what it gained, what holds it, and how it was found."""
         asked, first = self.question, self.searches[0]
-        rows = [
-            (f"minimise {asked.objective.text}", f"{self._number(first.begun_value)} -> {self._number(self.value)}")
-        ]
+        text = f"minimise {asked.objective.text}"
+        text = text if len(text) <= WIDEST else text[: WIDEST - 4] + " ..."
+        rows = [(text, f"{self._number(first.begun_value)} -> {self._number(self.value)}")]
         present = asked.mechanism.parameters
         for k, name in enumerate(asked.names):
             change = f"{self._shown(name, present[name])} -> {self._shown(name, self.values[name])}"

@@ -12,6 +12,7 @@ from rattle.analyses import arguments
 from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.straight_line.recorded_model import require_parameters
 from rattle.errors import ModelError, suggest
+from rattle.language.syntax import names
 from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
 from rattle.results.reductions import Constraint, Known, Output, needed_instants, read, read_constraint
 from rattle.results.result import Result
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 ANALYSES = ("simulate", "kinematics", "inverse-dynamics")
 RTOL = 1e-10  # of a motion, at most: errors of the values are then far below the changes that a search looks at
 READ_OFF = ("at", "final", "count")  # reductions that need no instants but their own
+FEWEST = 400  # intervals between the instants of a run
 SAME = 1e-9  # share of the run within which two instants are one
 Bound = float | str
 
@@ -78,13 +80,15 @@ class Question:
         """
         read_off = self._read_off(m)
         count = len(output_times(m.model.settings, self.t_end, None)[1]) - 1
-        grid = np.linspace(0.0, self.t_end, finer * count + 1)
+        grid = np.linspace(0.0, self.t_end, finer * max(count, FEWEST) + 1)
         apart = np.abs(grid - _nearest(grid, read_off)) > SAME * self.t_end
         return np.asarray(np.union1d(grid[apart], read_off))
 
     def needed_times(self, m: Mechanism) -> np.ndarray:
         """The instants [s] among them on which the outputs depend."""
-        only = all(one.kind in READ_OFF for output in self.outputs for one in output.reductions)
+        every = [one for output in self.outputs for one in output.reductions]
+        moving = any(one.argument is not None and names(one.argument) & set(self.names) for one in every)
+        only = all(one.kind in READ_OFF for one in every) and not moving  # an instant that moves needs its surroundings
         return self._read_off(m) if only else self.times(m)
 
     def _read_off(self, m: Mechanism) -> np.ndarray:
@@ -125,10 +129,10 @@ def question(
     for what, text in (("minimise", minimise), *(("subject_to", one) for one in _listed(subject_to))):
         if not isinstance(text, str):
             raise TypeError(f"{what}: expected a text such as 'max(O3.force)', got {text!r:.60}")
-    names, low, high = _bounds(m, vary)
+    varied, low, high = _bounds(m, vary)
     end = arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
     units = {name: one.unit for name, one in m.model.parameters.items()}
-    asked = Question(m, names, low, high, end, analysis, _NOTHING)
+    asked = Question(m, varied, low, high, end, analysis, _NOTHING)
     known = Known.of(asked.run(m), units)
     constraints = tuple(_read(read_constraint, one, known, analysis) for one in _listed(subject_to))
     asked = replace(asked, objective=_read(read, minimise, known, analysis), constraints=constraints)

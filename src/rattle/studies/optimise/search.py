@@ -28,6 +28,7 @@ MET = 1e-7  # share of its size by which a constraint may be missed and yet hold
 ACTIVE = 1e-5  # share of its size within which a constraint or bound is active
 NEAR = 1e-3  # distance from a bound within which a least-squares search is tried on the bound itself
 LEVEL = 1e-6  # share of the objective or of what was gained, per 1 % of the ranges, below which a gradient is nothing
+STEEP = 1e-2  # the same share, above which a search has not come to a valley
 EASED = 1e-300
 
 
@@ -66,16 +67,19 @@ def search(designs: Designs, begin: Design) -> Found:
             _quadratic_programming(designs, found)
     except LostError as error:
         found.message = f"the search ended early: {error}"
-    if found.message and _stationary(designs, found):
+    slope = _slope(designs, found)
+    if slope <= LEVEL:
         found.message = ""
+    elif slope > STEEP and not found.message:
+        found.message = "no step gains anything, yet the gradient is not zero: the objective jumps or has a kink there"
     return found
 
 
-def _stationary(designs: Designs, found: Found) -> bool:
-    """True where the best design cannot be improved to first order, whatever a search says of its last step."""
+def _slope(designs: Designs, found: Found) -> float:
+    """What the best design would gain per 1 % of the ranges, as a share of the objective or of what was gained."""
     there = held(designs, found)
     value, before = float(found.best.numbers[0]), float(found.begun.numbers[0])
-    return there is not None and there.left <= LEVEL * max(abs(value), abs(before - value))
+    return np.inf if there is None else there.left / max(abs(value), abs(before - value), EASED)
 
 
 def sizes(designs: Designs, design: Design) -> np.ndarray:
