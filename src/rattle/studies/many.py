@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle.analyses import arguments
+from rattle.analyses.straight_line.derived_curves import derived_names
 from rattle.analyses.straight_line.lane_model import Asked, lane_model, why_not_lanes
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel, require_parameters
@@ -158,7 +159,8 @@ def _known(m: Mechanism) -> Known:
     _, names, units = columns(m.system, np.zeros((1, width(m.system))))
     parameters = {name: one.unit for name, one in m.model.parameters.items()}
     loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0]
-    return Known({name: units[name] for name in names}, parameters, loose)
+    derived = {name: "N" if name.endswith(".force") else "m" for name in derived_names(m.model, names)}
+    return Known({name: units[name] for name in names} | derived, parameters, loose)
 
 
 class _Found:

@@ -75,7 +75,7 @@ class Asked:
                 continue
             made = derived_curve(model.graph, model.recorded, columns, name)
             if made is None:
-                known = [*columns, *derived_names(model.recorded, columns)]
+                known = [*columns, *derived_names(model.recorded.model, columns)]
                 raise UnknownName(f"no curve '{name}' to take derivatives of{suggest(name, known)}")
             symbols[name], units[name] = made
         return symbols, units

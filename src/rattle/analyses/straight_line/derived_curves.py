@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
+from rattle.description.model import Model
 from rattle.equations.system import System
 from rattle.language.recorded import symbol_of
 from rattle.trace.graph import Graph
@@ -30,8 +31,8 @@ def derived_curve(graph: Graph, recorded: System, curves: Mapping[str, Any], nam
     return None
 
 
-def derived_names(recorded: System, curves: Mapping[str, Any]) -> list[str]:
-    """All names that `derived_curve` knows."""
-    bodies = recorded.model.bodies.items()
+def derived_names(model: Model, curves: Collection[str]) -> list[str]:
+    """All names that `derived_curve` knows; curves: names of the result columns."""
+    bodies = model.bodies.items()
     points = [f"{name}.{point}.{axis}" for name, body in bodies for point in body.points for axis in "xy"]
-    return [*points, *(f"{name}.force" for name in recorded.model.joints if f"{name}.fx" in curves)]
+    return [*points, *(f"{name}.force" for name in model.joints if f"{name}.fx" in curves)]

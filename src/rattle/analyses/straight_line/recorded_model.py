@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.dynamics.run import start_state
+from rattle.analyses.straight_line.derived_curves import derived_curve, derived_names
 from rattle.analyses.straight_line.recorded_start import RecordedStart, record_start
 from rattle.description.model import Model
 from rattle.description.reader import read
@@ -55,12 +56,17 @@ class RecordedModel:
     dependent: dict[str, Any]  # parameters that follow from the chosen ones [SI]
     first: RecordedStart | None  # how the start follows from the parameters; None if only the assembly knows
     recorded: System  # the system with its recorded numbers
-    points: dict[str, Any] = field(default_factory=dict)  # "body.point.x" and .y: points of bodies in ground axes [m]
 
     @property
     def state_size(self) -> int:
         """ny."""
         return int(state_layout(self.system).size)
+
+    @property
+    def points(self) -> dict[str, Any]:
+        """Points of bodies in ground axes [m]: "body.point.x" and .y."""
+        names = [name for name in derived_names(self.recorded.model, self.curves) if not name.endswith(".force")]
+        return {name: self.symbol(name) for name in names}
 
     @property
     def values(self) -> dict[str, float]:
@@ -73,6 +79,9 @@ class RecordedModel:
             return self.time
         if name in self.curves:
             return self.curves[name]
+        derived = derived_curve(self.graph, self.recorded, self.curves, name)
+        if derived is not None:
+            return derived[0]
         return self.chosen[name] if name in self.chosen else self.values[name]
 
     @property
@@ -112,7 +121,7 @@ def record_model(
         [*rate, sound_rate], [*closed, sound_closed],
         curves, sound_row, units,
         both(graph, recorder.assumed.values()), t, dict(zip(names, inputs, strict=True)), _dependent(recorded, names),
-        first, recorded, _points(recorded, graph, curves),
+        first, recorded,
     )  # fmt: skip
     _require_same(made)
     return made
@@ -122,19 +131,6 @@ def _dependent(recorded: System, chosen: Sequence[str]) -> dict[str, Any]:
     """Symbols of parameters that follow from chosen ones."""
     values = {name: one.value for name, one in recorded.model.parameters.items() if name not in chosen}
     return {name: symbol_of(x) for name, x in values.items() if isinstance(x, Recorded)}
-
-
-def _points(recorded: System, graph: Graph, curves: Mapping[str, Any]) -> dict[str, Any]:
-    """Where the points of bodies are, as `results.result` derives it from the curves."""
-    found = {}
-    for name, body in recorded.model.bodies.items():
-        x, y, angle = (curves[f"{name}.{key}"] for key in ("x", "y", "angle"))
-        cos, sin = graph.apply("cos", angle), graph.apply("sin", angle)
-        for point, spot in body.points.items():
-            px, py = map(symbol_of, spot)
-            found[f"{name}.{point}.x"] = x + cos * px - sin * py
-            found[f"{name}.{point}.y"] = y + sin * px + cos * py
-    return found
 
 
 def require_parameters(system: System, names: Sequence[str]) -> None:
