@@ -157,10 +157,10 @@ def test_bad_input_is_refused_before_anything_runs(samples, outputs, options, er
 @pytest.mark.nojit
 def test_points_and_joint_forces_are_known_as_in_a_result():
     m = rt.example("double_pendulum")
-    outputs = ["final(lower.B.x)", "at(O.force, 0.05)"]
+    outputs = ["final(lower.tip.x)", "at(O.force, 0.05)"]
     found = m.many({"start": [0.3, 0.6]}, outputs, 0.1, rtol=1e-10)
     assert not len(found.generic)
     for n, start in enumerate((0.3, 0.6)):
         run = m.set(start=start).simulate(0.1, t_eval=[0.0, 0.05, 0.1], rtol=1e-11)
-        assert found[outputs[0]][n] == pytest.approx(run["lower.B.x"][-1], abs=1e-9)
+        assert found[outputs[0]][n] == pytest.approx(run["lower.tip.x"][-1], abs=1e-9)
         assert found[outputs[1]][n] == pytest.approx(run["O.force"][1], rel=1e-8)
