@@ -51,7 +51,7 @@ def optimise(
     reported, and if it is only one, more --starts may find a better one.
 
     \b
-    Examples: rattle optimise fourbar --minimise "rms(O4.force)" --vary r3=0.003:0.007 --t-end 20ms --starts 2
+    Examples: rattle optimise path_generator --ideal --analysis kinematics --minimise "sd(coupler.P.y)" --vary a=.03:.05
               rattle optimise slider_crank --minimise "max(motor.torque)" --vary rod_length=0.12:0.2 -o long.toml
 
     The report lists what changed, which constraints and bounds hold the optimum, how many searches came to it, and
