@@ -347,7 +347,8 @@ class Mechanism(WrittenModel):
         t_eval: output instants [s] (default: those of the model; t = 0 for an equilibrium).
         analysis: "simulate" integrates the derivatives along with the motion, start included, and controls the errors
         of both; "kinematics", "inverse-dynamics" and "equilibrium" (one instant, or a quasi-static path) solve for
-        them at every position.  rtol (default 1e-10), atol: of a motion, as in `simulate`.
+        them at every position.
+        rtol (default 1e-10), atol: of a motion, as in `simulate`.
 
         The result holds the outputs and, for each parameter, their derivatives.  Where they grow exponentially,
         `trust` says how fast, and how long they tell what a change does.  Where an expression switches, the jump of
