@@ -84,14 +84,14 @@ def test_the_best_designs_of_the_guide_are_found(tmp_path, monkeypatch):
 
 @pytest.mark.nojit
 def test_every_citation_of_the_theory_leads_to_a_section():
-    sections = set(re.findall(r"^##+ (\d(?:\.\d)?)\.? ", DOCS["theory.md"], re.MULTILINE))
-    anchors = set(re.findall(r'<a id="section-(\d(?:\.\d)?)"></a>\n\n##', DOCS["theory.md"]))
+    sections = set(re.findall(r"^##+ (\d+(?:\.\d)?)\.? ", DOCS["theory.md"], re.MULTILINE))
+    anchors = set(re.findall(r'<a id="section-(\d+(?:\.\d)?)"></a>\n\n##', DOCS["theory.md"]))
     assert anchors == sections
     cited = set()
     for folder in ("src", "tests", "docs", "benchmarks"):
         for path in (ROOT / folder).rglob("*.py"):
             text = words(path.read_text(encoding="utf-8"))
-            cited |= set(re.findall(r"(?:theory\.md|THEORY(?:\.md)?),? sections? (\d(?:\.\d)?)", text))
+            cited |= set(re.findall(r"(?:theory\.md|THEORY(?:\.md)?),? sections? (\d+(?:\.\d)?)", text))
     assert len(cited) > 3
     assert cited <= sections
 

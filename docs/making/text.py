@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 THEORY = Path(__file__).parents[1] / "theory.md"
-_CITED = re.compile(r"docs/theory\.md, section (\d(?:\.\d)?)")
+_CITED = re.compile(r"docs/theory\.md, section (\d+(?:\.\d)?)")
 _CODE = re.compile(r"(`[^`\n]+`)")
 
 
