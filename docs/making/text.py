@@ -50,7 +50,7 @@ def paragraph(text: str) -> str:
 @cache
 def sections() -> dict[str, str]:
     """Sections of the theory by number, with the name under which a heading is linked to."""
-    found = re.findall(r"^##+ ((\d(?:\.\d)?)\.? .*)$", THEORY.read_text(encoding="utf-8"), re.MULTILINE)
+    found = re.findall(r"^##+ ((\d+(?:\.\d)?)\.? .*)$", THEORY.read_text(encoding="utf-8"), re.MULTILINE)
     return {number: re.sub(r"[^\w -]", "", title.lower()).strip().replace(" ", "-") for title, number in found}
 
 
