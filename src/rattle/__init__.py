@@ -17,14 +17,15 @@ if TYPE_CHECKING:
     from rattle.elements.custom.contact_law import friction_law, normal_law
     from rattle.elements.custom.load_law import load_law
     from rattle.errors import AssemblyError, ModelError, SolverError
-    from rattle.mechanism import Mechanism, example, examples, load, loads
+    from rattle.loading import example, examples, load, loads
+    from rattle.mechanism import Mechanism
     from rattle.results.event import Event
     from rattle.results.result import Result, load_result
     from rattle.results.trust import Trust
 
 _HOME = {
-    "Mechanism": "mechanism", "load": "mechanism", "loads": "mechanism", "example": "mechanism",
-    "examples": "mechanism",
+    "Mechanism": "mechanism", "load": "loading", "loads": "loading", "example": "loading",
+    "examples": "loading",
     "ModelError": "errors", "AssemblyError": "errors", "SolverError": "errors",
     "Result": "results.result", "Event": "results.event", "Trust": "results.trust", "load_result": "results.result",
     "load_law": "elements.custom.load_law", "normal_law": "elements.custom.contact_law",

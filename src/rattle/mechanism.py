@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 from rattle.analyses import arguments
-from rattle.description import file as model_file
 from rattle.description.written_model import WrittenModel
-from rattle.errors import ModelError, suggest
+from rattle.errors import ModelError
 from rattle.language.units import Seconds, seconds, seconds_or_none, times
 
 if TYPE_CHECKING:
@@ -56,21 +53,13 @@ class Mechanism(WrittenModel):
         return f"<rattle.Mechanism{f' {name!r}' if name else ''}: {', '.join(counts)}>"
 
     def _repr_html_(self) -> str:
-        from rattle.results.display import quantity, table
+        from rattle.results.display import model_tables, table
 
         try:
-            model = self.model
+            return model_tables(self.model, repr(self)[1:-1])
         except ModelError as error:
             problems = [(one.key, one.message) for one in error.problems]
             return table(("where", "what is still wrong or missing"), problems, repr(self)[1:-1])
-        joints = [
-            (name, one.kind, f"{one.a.body} - {one.b.body}", quantity(one.clearance, "m") if one.contact else "",
-             one.contact.title if one.contact else "")
-            for name, one in model.joints.items()
-        ]  # fmt: skip
-        named = [(name, quantity(one.value, one.unit, 6)) for name, one in model.parameters.items()]
-        parts = [table(("joint", "type", "between", "clearance", "contact"), joints, repr(self)[1:-1])]
-        return "".join([*parts, table(("parameter", "value"), named)] if named else parts)
 
     @cached_property
     def system(self) -> System:
@@ -168,10 +157,9 @@ class Mechanism(WrittenModel):
         quantile count, inside them expressions over result names, outside them arithmetic.
         t_end: [s].  rtol (default 1e-8), atol, method, step: as in `simulate`.  threads: default one per core.
 
-        Returns `found[output]`, an array (n,) [SI] that is nan where a sample failed: `found.failed`,
-        `found.message(i)`.  Mechanisms without contacts run side by side as machine code of their own, where sample i
-        gives the same bits whatever stands beside it; samples for which that cannot vouch, and all others, are run one
-        by one: `found.generic`, and `found.stats["how"]` says why.
+        Returns `found[output]`, an array (n,) [SI], nan where a sample failed: `found.failed`, `found.message(i)`.
+        Mechanisms without contacts run side by side, where sample i gives the same bits whatever stands beside it;
+        what that cannot vouch for runs one by one: `found.generic`, and `found.stats["how"]` says why.
         Whether a massless link pulls is not checked: ask for "min(O3.normal)".
         Raises ModelError for an output that cannot be read, UnknownName for a parameter, ValueError.
         """
@@ -411,27 +399,3 @@ class Mechanism(WrittenModel):
             return self.start
         except AssemblyError:
             return None
-
-
-def load(path: str | os.PathLike[str]) -> Mechanism:
-    """Read a model file (TOML or JSON). Raises ModelError with every problem, its line and a caret."""
-    text, file = model_file.read_file(path)
-    return Mechanism.from_text(text, file)
-
-
-def loads(text: str) -> Mechanism:
-    """Read model text (TOML or JSON). Raises ModelError."""
-    return Mechanism.from_text(text)
-
-
-def examples() -> dict[str, Path]:
-    """Shipped model files by name."""
-    return {path.stem: path for path in sorted((Path(__file__).parent / "examples").glob("*.toml"))}
-
-
-def example(name: str) -> Mechanism:
-    """A shipped example. Raises ValueError for an unknown name."""
-    known = examples()
-    if name not in known:
-        raise ValueError(f"no example '{name}'{suggest(str(name), known)}")
-    return load(known[name])

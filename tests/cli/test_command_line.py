@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 import rattle as rt
 from circling import circling
-from rattle import mechanism
+from rattle import loading
 from rattle.analyses.dynamics import run as running
 from rattle.cli.main import main
 from rattle.results import archive
@@ -98,7 +98,7 @@ def never(monkeypatch):
 )
 def test_what_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch, never, words, said):
     monkeypatch.chdir(tmp_path)
-    text = mechanism.examples()["fourbar"].read_text(encoding="utf-8")
+    text = loading.examples()["fourbar"].read_text(encoding="utf-8")
     Path("model.toml").write_text(text, encoding="utf-8")
     os.link("model.toml", "model.toml.csv")
     Path("folder").mkdir()

@@ -22,7 +22,7 @@ def example(name: str | None) -> None:
     Example:  rattle example fourbar > fourbar.toml
     """
     from rattle.description.file import parse
-    from rattle.mechanism import examples
+    from rattle.loading import examples
 
     known = examples()
     if name is None:

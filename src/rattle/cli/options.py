@@ -78,7 +78,7 @@ def read_model(file: str, settings: tuple[str, ...], ideal: bool) -> Mechanism:
     """
     from pathlib import Path
 
-    from rattle.mechanism import example, examples, load
+    from rattle.loading import example, examples, load
 
     known = examples()
     if file not in known and not Path(file).expanduser().exists() and Path(file).suffix == "":

@@ -161,7 +161,7 @@ def _warm(what: str) -> None:
 
     from rattle.jit import functions
     from rattle.language import bytecode
-    from rattle.mechanism import example
+    from rattle.loading import example
     from rattle.registry import kinds
     from rattle.solvers.stepper import SET_VALUED
 

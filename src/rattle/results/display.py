@@ -8,6 +8,8 @@ import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from rattle.description.model import Model
+
 DEGREES = 180.0 / math.pi
 MILLIMETRES = 0.05  # a length below it is written in mm [m]
 ROUNDING = 1e-12  # an angle below it is zero [rad]
@@ -43,6 +45,18 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "",
     )
     parts += [f"<div>{html.escape(line)}</div>" for line in below]
     return "".join(parts)
+
+
+def model_tables(model: Model, caption: str) -> str:
+    """Joints and parameters of a model as tables of a notebook."""
+    joints = [
+        (name, one.kind, f"{one.a.body} - {one.b.body}", quantity(one.clearance, "m") if one.contact else "",
+         one.contact.title if one.contact else "")
+        for name, one in model.joints.items()
+    ]  # fmt: skip
+    named = [(name, quantity(one.value, one.unit, 6)) for name, one in model.parameters.items()]
+    parts = [table(("joint", "type", "between", "clearance", "contact"), joints, caption)]
+    return "".join([*parts, table(("parameter", "value"), named)] if named else parts)
 
 
 def lines(text: str) -> str:

@@ -1,0 +1,34 @@
+"""Mechanisms from model files, texts and the shipped examples."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from rattle.description import file as model_file
+from rattle.errors import suggest
+from rattle.mechanism import Mechanism
+
+
+def load(path: str | os.PathLike[str]) -> Mechanism:
+    """Read a model file (TOML or JSON). Raises ModelError with every problem, its line and a caret."""
+    text, file = model_file.read_file(path)
+    return Mechanism.from_text(text, file)
+
+
+def loads(text: str) -> Mechanism:
+    """Read model text (TOML or JSON). Raises ModelError."""
+    return Mechanism.from_text(text)
+
+
+def examples() -> dict[str, Path]:
+    """Shipped model files by name."""
+    return {path.stem: path for path in sorted((Path(__file__).parent / "examples").glob("*.toml"))}
+
+
+def example(name: str) -> Mechanism:
+    """A shipped example. Raises ValueError for an unknown name."""
+    known = examples()
+    if name not in known:
+        raise ValueError(f"no example '{name}'{suggest(str(name), known)}")
+    return load(known[name])
