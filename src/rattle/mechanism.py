@@ -345,8 +345,7 @@ class Mechanism(WrittenModel):
         Raises TraceError, with the reason, for contacts and loads written in Python, for drivers that switch, and
         where the start does not follow from [initial]; UnknownName, and what the analysis itself raises.
 
-        Source: docs/theory.md, section 10; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993),
-        section I.14.
+        Source: docs/theory.md, section 10.
         """
         from rattle.analyses.sensitivity.sensitivity import sensitivity
 

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 import rattle as rt
 from circling import circling
-from rattle import loading
+from rattle import loading, mechanism
 from rattle.analyses.dynamics import run as running
 from rattle.cli.main import main
 from rattle.results import archive
