@@ -14,7 +14,7 @@ from rattle.trace import elementary
 from rattle.trace.derivative import gradient, jacobian, tangent
 from rattle.trace.graph import FLAGS, FUNCTIONS, Graph, Symbol, select
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 LONG, STEP = np.clongdouble, 1e-100  # far below every rounding error, yet its square's effect is nothing
 EPS = float(np.finfo(np.longdouble).eps)
 NAN = complex(np.nan, np.nan)

@@ -40,7 +40,7 @@ def long_value(name, *columns):
         return getattr(np, LONG.get(name, name))(*(np.asarray(x).astype(np.longdouble) for x in columns))
 
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 long_double = pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="no longer double to compare with")
 
 

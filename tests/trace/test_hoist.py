@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from rattle.trace.graph import Graph, select
 from rattle.trace.hoist import hoist
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 
 
 @settings(max_examples=60)

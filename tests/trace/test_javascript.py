@@ -16,7 +16,7 @@ from rattle.trace import elementary, javascript
 from rattle.trace.graph import Graph
 from rattle.trace.program import Begin, Input, Program
 
-pytestmark = [pytest.mark.nojit, pytest.mark.skipif(shutil.which("node") is None, reason="no node")]
+pytestmark = [pytest.mark.nojit, pytest.mark.plain, pytest.mark.skipif(shutil.which("node") is None, reason="no node")]
 SMOOTH = [
     "balanced_arm", "chain", "double_pendulum", "five_bar", "fourbar", "path_generator", "quick_return",
     "slider_crank", "squeezer", "toggle", "toggle_clamp", "windows",

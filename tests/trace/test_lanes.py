@@ -16,7 +16,7 @@ from rattle.trace.lane_program import Model, Program
 from rattle.trace.lanes import run
 from rattle.trace.reductions import Reduction
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 FINE = Tolerances(1e-11, 1e-13)
 W = np.linspace(0.7, 7.3, 24)  # angular frequencies [1/s]
 T = 2.0  # [s]

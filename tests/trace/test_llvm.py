@@ -14,7 +14,7 @@ from rattle.jit import cache
 from rattle.trace import elementary, llvm, llvm_chain
 from rattle.trace.graph import FUNCTIONS, Graph, select
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 ODD = [
     0.0, -0.0, 1.0, -1.0, 0.5, -0.5, -2.5, 3.0, np.inf, -np.inf, np.nan, 5e-324, -1e-310, 2.2250738585072014e-308,
     1e300, -1e300, 1.7976931348623157e308, 710.0, -745.2, 1.5707963267948966, 3.141592653589793, 4503599627370497.5,

@@ -15,7 +15,7 @@ from rattle.results.columns import columns, width
 from rattle.solvers.output_row import record
 from rattle.trace.elementary import lower
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 SMOOTH = (
     "balanced_arm", "chain", "double_pendulum", "five_bar", "fourbar", "path_generator", "quick_return", "slider_crank",
     "squeezer", "toggle", "toggle_clamp", "windows",
