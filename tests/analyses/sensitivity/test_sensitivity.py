@@ -263,7 +263,6 @@ def test_derivatives_are_the_differences_of_runs(name, t, parameters):
         np.testing.assert_array_less(np.abs(got - want), 1e-6 * np.abs(want) + 100 * noise + 1e-12)
 
 
-@nojit
 @pytest.mark.parametrize(
     ("name", "outputs", "parameters"),
     [
