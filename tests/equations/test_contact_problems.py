@@ -251,7 +251,7 @@ def test_words_about_an_unsolved_problem_name_painleve_only_where_friction_is_sh
         workspace, _ = problem(3, 0.1, np.random.default_rng(1))
         workspace.held[at.OUTCOME] = outcome
         run.system, run.workspace, run.clock = chain(3).system, workspace, np.zeros(9)
-        said[outcome] = EventDrivenRun.trouble(run, unilateral.ending(workspace))
+        said[outcome] = EventDrivenRun.explain(run, unilateral.ending(workspace))  # without the state of a run
     assert "has no solution" in said[IMPOSSIBLE]
     assert "Painleve" in said[IMPOSSIBLE]
     assert "has no solution" not in said[JAMMED]
