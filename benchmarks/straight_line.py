@@ -5,11 +5,10 @@ Processor times of one thread where not said otherwise, so that other programs d
 
 from __future__ import annotations
 
-import ctypes
 import os
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -18,39 +17,40 @@ import numpy as np
 
 import rattle as rt
 from measure import Row, interleave, timed
-from rattle.analyses.straight_line.code import StraightLine, straight_line
-from rattle.trace import llvm
+from rattle.analyses.straight_line.code import straight_line
+from rattle.trace import llvm, llvm_chain
+from rattle.trace.program import Program
 from rhs import chain, handwritten, seconds_per_rhs_in_c
 from versus_exudyn import END, REFERENCE, exudyn_fourbar
 
 AIMS = {1: "2", 4: "0.5", 8: "0.3"}  # of a right-hand side, as a share of C by hand
-REPEATED = 1000  # calls per timing
+REPEATED = 10_000  # calls per timing
 SAMPLES = 20_000
 ALLOWED = 4e-7  # error of the rocker angle at the end [rad]
 OUTPUTS = ["max(abs(O3.normal))", "max(abs(O4.normal))", "at(rocker.angle, 0.05)"]
 
 
-def functions(made: StraightLine) -> dict[str, list[object]]:
+def functions(made: Program) -> dict[str, Sequence[object]]:
     """What a run needs, by name."""
     return {"derivative": made.derivative, "project": made.projection, "outputs": made.outputs}
 
 
-def lane_sampler(made: StraightLine, width: int) -> Callable[[], float]:
+def lane_sampler(made: Program, width: int) -> Callable[[], float]:
     """Time of one right-hand side and sample [s], `width` samples side by side."""
-    text = llvm.functions_text(made.graph, {"derivative": made.derivative}, width) + llvm.CHAIN
+    text = llvm.functions_text(made.graph, {"derivative": made.derivative}, width) + llvm_chain.CHAIN
     code = llvm.compile(text, ["derivative", "chain"])
-    y = np.repeat(np.concatenate([[0.0], made.start]), width)
-    dy = np.empty(len(made.derivative) * width)
-    call = [code.addresses["derivative"], y.ctypes.data, width, dy.ctypes.data, width, width]
-    table = np.array(call * REPEATED, np.int64)
-    many = code.function("chain", ctypes.c_void_p, ctypes.c_int64)
+    given, taken = len(made.graph.inputs), len(made.derivative)
+    memory = np.zeros((given + taken + 1, width))  # inputs, outputs, and a row that says that all samples run
+    memory[1 : 1 + len(made.start)], memory[-1] = np.array(made.start)[:, None], 1.0
+    rows = memory[0].nbytes
+    table = np.array([code.addresses["derivative"], 0, width, given * rows, width, width], np.int64)
+    many = code.function("chain", *llvm_chain.KINDS)
 
     def sample() -> float:
         began = time.thread_time()
-        many(table.ctypes.data, table.size)
+        many(table.ctypes.data, 6, memory.ctypes.data, memory.size, 1, REPEATED, (given + taken) * width, width)
         seconds = time.thread_time() - began
-        assert dy[-width:].all()  # the flags; the table holds addresses only, so the arrays must live
-        assert y.size
+        assert memory[given + taken - 1].all()  # the flags
         return seconds / REPEATED / width
 
     return sample
@@ -63,7 +63,7 @@ def trace_seconds(mechanism: rt.Mechanism) -> float:
     return time.thread_time() - began
 
 
-def compile_seconds(made: StraightLine, width: int) -> float:
+def compile_seconds(made: Program, width: int) -> float:
     """Time to write and compile its functions [s], in a new cache folder."""
     with tempfile.TemporaryDirectory() as folder:
         before = os.environ.get("RATTLE_CACHE")
