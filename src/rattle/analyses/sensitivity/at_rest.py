@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from rattle.analyses.sensitivity.linearised import Linearised
 from rattle.analyses.sensitivity.parameters import Parameters
+from rattle.analyses.straight_line.linearised import Linearised
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.equations import motion, schur
 from rattle.jit import layout as at

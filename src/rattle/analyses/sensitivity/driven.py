@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from rattle.analyses.sensitivity.linearised import Linearised
 from rattle.analyses.sensitivity.parameters import Parameters
+from rattle.analyses.straight_line.linearised import Linearised
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.results.result import Result
 from rattle.trace.lane_program import Compile

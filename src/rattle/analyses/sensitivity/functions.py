@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from rattle.analyses.sensitivity.linearised import Columns, Linearised
 from rattle.analyses.sensitivity.parameters import Parameters
+from rattle.analyses.straight_line.linearised import Columns, Linearised, switching_functions
 from rattle.analyses.straight_line.recorded_model import RecordedModel
-from rattle.errors import TraceError
-from rattle.trace.graph import Graph, Symbol
 from rattle.trace.lane_program import Compile
 
-COMPARE = frozenset(("less", "at_most"))
 ENERGIES = ("kinetic", "potential", "work", "dissipated")
 
 
@@ -91,22 +88,3 @@ class Functions:
         in_time = np.concatenate([[1.0], rate, np.zeros(len(x) - 1 - len(rate))])
         _, found = self._margins(x, np.column_stack([along, in_time]))
         return found[:, :-1], found[:, -1]
-
-
-def switching_functions(graph: Graph, outputs: Sequence[Any]) -> list[Any]:
-    """What changes its sign where a branch of a calculation changes.  Raises TraceError for what jumps otherwise."""
-    found: dict[int, Any] = {}
-    for place in graph.live(outputs):
-        op, operands = graph.ops[place], [Symbol(graph, k) for k in graph.operands[place]]
-        if op == "floor":
-            raise TraceError("an expression jumps (floor, mod): its sensitivities are not defined there")
-        margin: Any = None
-        if op in COMPARE:
-            margin = operands[0] - operands[1]
-        elif op == "abs":
-            margin = operands[0]
-        elif op == "copysign":
-            margin = operands[1]
-        if isinstance(margin, Symbol):
-            found[margin.place] = margin
-    return list(found.values())

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.analyses.sensitivity.linearised import Linearised
 from rattle.analyses.sensitivity.parameters import Parameters
+from rattle.analyses.straight_line.linearised import Linearised
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.recorded_start import lacking

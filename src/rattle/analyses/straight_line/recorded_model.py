@@ -141,13 +141,18 @@ def require_parameters(system: System, names: Sequence[str]) -> None:
             raise UnknownName(f"no parameter '{name}'{suggest(name, known)}")
 
 
-def _require_smooth(system: System) -> None:
-    """Raise TraceError for what a calculation without branches and events cannot follow."""
+def require_written_loads(system: System) -> None:
+    """Raise TraceError for a load whose operations are not known."""
     for name, load in system.model.loads.items():
         if load.law is not None:
             raise TraceError(
                 f"the load '{name}' is a Python function; only loads of model files can be written as code"
             )
+
+
+def _require_smooth(system: System) -> None:
+    """Raise TraceError for what a calculation without branches and events cannot follow."""
+    require_written_loads(system)
     driving = sorted({one.name for one in system.switches if one.driving})
     if driving:
         raise TraceError(

@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from rattle.errors import TraceError
 from rattle.trace.derivative import tangent
 from rattle.trace.elementary import lower
-from rattle.trace.graph import Graph, bind
-from rattle.trace.lane_program import Compile
+from rattle.trace.graph import Graph, Symbol, bind
+from rattle.trace.lane_program import Compile, Function
 
+COMPARE = frozenset(("less", "at_most"))
 EIGHT = 8  # functions take a multiple of so many columns
 
 
@@ -47,3 +49,31 @@ class Linearised:
         """z (n_out,) at x (n_in,), and dz (n_out, k) for dx (n_in, k), k >= 1.  Flags are 1 or 0; their dz is 0."""
         found = self._columns(np.vstack([np.repeat(x[:, None], dx.shape[1], axis=1), dx]))
         return found[: self._count, 0], found[self._count :]
+
+
+def switching_functions(graph: Graph, outputs: Sequence[Any]) -> list[Any]:
+    """What changes its sign where a branch of a calculation changes.  Raises TraceError for what jumps otherwise."""
+    found: dict[int, Any] = {}
+    for place in graph.live(outputs):
+        op, operands = graph.ops[place], [Symbol(graph, k) for k in graph.operands[place]]
+        if op == "floor":
+            raise TraceError("an expression jumps (floor, mod): its sensitivities are not defined there")
+        margin: Any = None
+        if op in COMPARE:
+            margin = operands[0] - operands[1]
+        elif op == "abs":
+            margin = operands[0]
+        elif op == "copysign":
+            margin = operands[1]
+        if isinstance(margin, Symbol):
+            found[margin.place] = margin
+    return list(found.values())
+
+
+def by_numpy(graph: Graph, outputs: Sequence[Any]) -> Function:
+    """A function of a graph of exact operations that NumPy evaluates: for a few calls machine code takes longer."""
+
+    def call(rows_in: np.ndarray, rows_out: np.ndarray) -> None:
+        rows_out[:] = graph.evaluate(outputs, rows_in)
+
+    return call
