@@ -357,7 +357,8 @@ class Mechanism(WrittenModel):
     def modes(self, t: Seconds = 0.0, equilibrium: Equilibrium | None = None, *, effort: float = 1.0) -> Modes:
         """Natural frequencies [Hz], damping ratios and shapes about an equilibrium.
 
-        Pins with clearance are massless links that press.
+        Pins with clearance are massless links that press.  Stiffness and damping are exact derivatives, or differences
+        where there are none: `.how` says why.
         t: time of the drivers [s].  equilibrium: default the first of `equilibrium(t)`.  effort: as of `equilibrium`.
         Raises ValueError if there is no equilibrium.
         """

@@ -7,6 +7,9 @@ import pytest
 
 import rattle as rt
 from linkages import paper
+from rattle.analyses.statics.equilibria import static_problem
+from rattle.analyses.statics.exact_stiffness import exact_stiffness
+from rattle.analyses.statics.modes import _damping
 
 nojit = pytest.mark.nojit
 
@@ -58,7 +61,9 @@ def test_double_pendulum_of_rods():
     stiffness = 9.81 * np.diag([3 / 2, 1 / 2])
     squares, shapes = np.linalg.eig(np.linalg.solve(mass, stiffness))
     order = np.argsort(squares)
-    np.testing.assert_allclose(found.omega, np.sqrt(squares[order]), rtol=1e-9)
+    np.testing.assert_allclose(found.omega, np.sqrt(squares[order]), rtol=1e-13)  # rounding of both
+    assert found.how == "exact derivatives"
+    assert str(found).endswith("stiffness and damping: exact derivatives")
     for k in range(2):
         assert found.shapes[k, 5] / found.shapes[k, 2] == pytest.approx(
             shapes[1, order[k]] / shapes[0, order[k]], rel=1e-7
@@ -71,7 +76,7 @@ def test_an_upright_rod_falls_at_its_rate():
     upright = next(one for one in m.equilibrium() if not one.stable)
     found = m.modes(equilibrium=upright)
     assert math.isnan(found.omega[0])
-    assert found.growth[0] == pytest.approx(math.sqrt(1.5 * 9.81), rel=1e-9)
+    assert found.growth[0] == pytest.approx(math.sqrt(1.5 * 9.81), rel=1e-13)
     assert "unstable" in str(found)
 
 
@@ -91,8 +96,8 @@ free_angle = "-pi/2"
 def test_damping_is_a_share_of_the_critical():
     found = rt.loads(rods(twist(0.3), second=False)).modes()
     omega = math.sqrt((12 + 9.81 / 2) * 3)
-    assert found.omega[0] == pytest.approx(omega, rel=1e-9)
-    assert found.damping[0] == pytest.approx(0.3 * 3 / (2 * omega), rel=1e-8)
+    assert found.omega[0] == pytest.approx(omega, rel=1e-13)
+    assert found.damping[0] == pytest.approx(0.3 * 3 / (2 * omega), rel=1e-13)
 
 
 @nojit
@@ -101,7 +106,7 @@ def test_an_overdamped_mode_creeps_back_with_its_two_time_constants():
     # J s^2 + c s + k = 0 about the pivot: J = 1/3 kg m^2, k = 12 + 9.81/2
     fast, slow = np.sort(np.roots([1 / 3, 9.0, 12 + 9.81 / 2]))
     assert found.damping[0] > 1.0
-    np.testing.assert_allclose(found.time_constants[0], [-1 / slow, -1 / fast], rtol=1e-8)
+    np.testing.assert_allclose(found.time_constants[0], [-1 / slow, -1 / fast], rtol=1e-12)
     assert f"overdamped, time constants {-1 / slow:.6g} s and {-1 / fast:.6g} s" in str(found)
     assert "Hz" not in str(found)
     assert "overdamped" in repr(found)
@@ -145,3 +150,77 @@ def test_a_small_swing_has_the_frequency_of_its_mode():
     np.testing.assert_allclose(
         r["low.angle"] + math.pi / 2, tilt[5] * np.cos(found.omega[0] * t), atol=1e-6 * abs(tilt[5])
     )
+
+
+# ---------------------------------------------------------------- exact derivatives, and where there are none
+@nojit
+@pytest.mark.parametrize("name", ["balanced_arm", "double_pendulum", "fourbar", "squeezer", "toggle"])
+def test_exact_matrices_are_those_of_differences_within_their_error(name):
+    m = rt.example(name)
+    one = m.equilibrium()[0]
+    problem = static_problem(m.system, one)
+    g, null = problem.reduce(one.q)
+    assert len(g)
+    by_differences = problem.hessian(one.q, null), null.T @ _damping(problem, one.q) @ null
+    stiffness, damping = exact_stiffness(problem, one.q, null)
+    # fourth-order differences over 1e-4 of the size, of forces that are rounded: 1e-16/1e-4, amplified by levers
+    np.testing.assert_allclose(by_differences[0], stiffness, rtol=0, atol=1e-9 * np.abs(stiffness).max())
+    np.testing.assert_allclose(by_differences[1], damping, rtol=0, atol=1e-9 * np.abs(damping).max() + 1e-13)
+    # loads with a potential: symmetric but for rounding, as differences are not
+    np.testing.assert_allclose(stiffness, stiffness.T, rtol=0, atol=1e-14 * np.abs(stiffness).max())
+
+
+def slider(force: str) -> rt.Mechanism:
+    """A mass of 2 kg on a rail, held by a spring of 8 N/m at x = 0."""
+    return rt.loads(f"""
+format = 1
+[ground.points]
+O = [0, 0]
+[bodies.mass]
+points = {{ P = [0, 0] }}
+mass = 2
+inertia = 1
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "mass.P"]
+axis = 0
+[loads.all]
+type = "force"
+at = "mass.P"
+force = ["-8*mass.x {force}", 0]
+[initial]
+mass = {{ x = 0.1, angle = 0 }}
+""")
+
+
+@nojit
+def test_damping_is_the_slope_at_rest_however_soon_it_bends():
+    # friction of 1e-6 N that is full at 1e-7 m/s, where differences over 1e-4 m/s would give 0.01 N s/m
+    found = slider("- 1e-6*tanh(mass.vx/1e-7)").modes()
+    assert found.omega[0] == pytest.approx(2.0, rel=1e-13)
+    assert found.damping[0] == pytest.approx(10.0 / (2 * 2.0 * 2.0), rel=1e-12)
+
+
+@nojit
+def test_drag_with_the_square_of_speed_does_not_damp_a_small_vibration():
+    found = slider("- 3*abs(mass.vx)*mass.vx").modes()  # a switch at v = 0, over which the slope goes on smoothly
+    assert found.how == "exact derivatives"
+    assert found.damping[0] == 0.0
+    assert found.omega[0] == pytest.approx(2.0, rel=1e-13)
+
+
+@nojit
+@pytest.mark.parametrize("force", ["- 0.1*sign(mass.vx)", "- 5*max(mass.x, 0)", "- 2*abs(mass.vx)"])
+def test_a_force_that_bends_right_at_the_equilibrium_is_left_to_differences(force):
+    found = slider(force).modes()
+    assert found.how.startswith("differences, because loads.all")
+    assert "switches right at the equilibrium" in str(found)
+
+
+@nojit
+def test_what_cannot_be_recorded_is_left_to_differences_and_said():
+    found = rt.example("door_hinge").modes()
+    assert found.how.startswith("differences, because contacts begin and end")
+    assert found.how in str(found)
+    ideal = rt.example("door_hinge").ideal().modes()
+    assert ideal.how == "exact derivatives"

@@ -118,6 +118,7 @@ def test_efforts_at_a_dead_centre_are_left_out_and_said():
 def test_modes_as_json_hold_frequencies_and_shapes():
     record = json.loads(run("modes", "double_pendulum", "--json").stdout)
     assert len(record["modes"]) == 2
+    assert record["how"] == "exact derivatives"
     assert record["modes"][0]["frequency"] < record["modes"][1]["frequency"]
     assert all(len(shape) == 3 for one in record["modes"] for shape in one["shape"].values())
     assert record["equilibrium"]["stable"] is True

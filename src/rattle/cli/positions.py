@@ -72,7 +72,7 @@ def entry(one: Equilibrium) -> dict[str, Any]:
 
 def modes_record(found: Modes) -> dict[str, Any]:
     """Every mode with its frequency [Hz], omega [rad/s], growth [1/s], damping ratio and shape (x, y [m], angle [rad]
-    of every body, scaled), and the equilibrium it is about."""
+    of every body, scaled), the equilibrium it is about, and how stiffness and damping were found."""
     bodies = list(found.equilibrium.result.geometry["bodies"])
     listed = [
         {
@@ -85,4 +85,4 @@ def modes_record(found: Modes) -> dict[str, Any]:
         }
         for k in range(len(found))
     ]
-    return {"modes": listed, "equilibrium": entry(found.equilibrium), "note": found.note}
+    return {"modes": listed, "equilibrium": entry(found.equilibrium), "note": found.note, "how": found.how}

@@ -1,7 +1,7 @@
 """Small free vibrations about an equilibrium.
 
 Z^T M Z ddz + Z^T C Z dz + Z^T K Z z = 0,     shapes Z z, scaled so that the largest displacement is the
-mechanism's size;  K as in `balance`, C = -dQ/dv by differences
+mechanism's size;  K as in `balance`, C = -dQ/dv: exact derivatives, or differences where there are none
 """
 
 from __future__ import annotations
@@ -16,8 +16,10 @@ import numpy as np
 
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibrium
+from rattle.analyses.statics.exact_stiffness import exact_stiffness
 from rattle.equations.motion import loads, place
 from rattle.equations.rest_force import force_at
+from rattle.errors import TraceError
 from rattle.results.build import build_result
 from rattle.results.display import table
 from rattle.results.result import Result
@@ -42,6 +44,7 @@ class Modes:
     shapes: np.ndarray  # (f, 3 nb) x, y, angle of every body [m, m, rad] at the largest displacement
     problem: StaticProblem = field(repr=False)
     note: str = ""  # how far the search for the equilibrium went, if it was cut short
+    how: str = ""  # how stiffness and damping were found: "exact derivatives", or "differences" and why
 
     @property
     def frequency(self) -> np.ndarray:
@@ -94,7 +97,8 @@ class Modes:
             f"mode {k}: {swing}{', damping ' if damping else ''}{damping} ({movers})"
             for k, swing, damping, movers in self.rows()
         ] or ["no degree of freedom is left that could vibrate"]
-        return "\n".join([*said, self.note] if self.note else said)
+        how = f"stiffness and damping: {self.how}" if self.how else ""
+        return "\n".join(one for one in (*said, how, self.note) if one)
 
     def motion(self, mode: int = 0, amplitude: float = 0.1) -> Result:
         """One cycle of a mode (0 = lowest) as a result that can be plotted and animated.
@@ -163,10 +167,9 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
     if not len(g):
         empty = np.zeros(0)
         return Modes(one, empty, empty, empty, np.zeros((0, len(one.q))), problem, note)
-    h = problem.hessian(one.q, null)
+    h, c, how = _matrices(problem, one.q, null)
     h = 0.5 * (h + h.T)
     mass = null.T @ (problem.system.arrays["mass"][1:].ravel()[:, None] * null)
-    c = null.T @ _damping(problem, one.q) @ null
     lower = np.linalg.inv(np.linalg.cholesky(mass))
     squares, vectors = np.linalg.eigh(lower @ h @ lower.T)
     vectors = lower.T @ vectors
@@ -178,11 +181,21 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
     damping = np.einsum("ik,ij,jk->k", vectors, c, vectors) / critical
     shapes = (null @ vectors).T
     largest = np.abs(shapes / problem.scale).max(axis=1, keepdims=True)
-    return Modes(one, omega, growth, np.nan_to_num(damping), shapes / largest * problem.system.size, problem, note)
+    shapes *= problem.system.size / largest
+    return Modes(one, omega, growth, np.nan_to_num(damping), shapes, problem, note, how)
+
+
+def _matrices(problem: StaticProblem, q: np.ndarray, null: np.ndarray) -> tuple[np.ndarray, np.ndarray, str]:
+    """Z^T K Z [N/m], Z^T C Z [N*s/m], (dof, dof), with Z = null (3 nb, dof), and how they were found."""
+    try:
+        return *exact_stiffness(problem, q, null), "exact derivatives"
+    except TraceError as error:
+        damping = null.T @ _damping(problem, q) @ null
+        return problem.hessian(q, null), damping, f"differences, because {error}"
 
 
 def _damping(problem: StaticProblem, q: np.ndarray) -> np.ndarray:
-    """C = -dQ/dv (3 nb, 3 nb) [N*s/m, N*m*s] at zero velocity."""
+    """C = -dQ/dv (3 nb, 3 nb) [N*s/m, N*m*s] at zero velocity, by differences."""
     workspace, n = problem.workspace, len(q)
     result = np.zeros((n, n))
     for k in range(n):
