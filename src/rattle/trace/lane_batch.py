@@ -14,11 +14,10 @@ import numpy as np
 from rattle.trace.crossings import bracketed
 from rattle.trace.lane_control import CONTROL, FLAGS, RUNNING, STATUS, STEPS, TRIES, VERDICT, report_rows
 from rattle.trace.lane_methods import PLAN, PLANNED
-from rattle.trace.lane_program import Function, Program
+from rattle.trace.lane_program import EIGHT, Function, Program, filled
 from rattle.trace.lane_start import Stock
 from rattle.trace.reductions import NEVER
 
-EIGHT = 8  # columns of a gathered few are a multiple of it
 LINE = 8  # numbers in a line of the cache
 TILE = 128_000  # bytes: a quarter or half of what is near to a core; twice or half as many is as fast
 Call = tuple[Function, np.ndarray, np.ndarray]
@@ -190,7 +189,7 @@ class Batch:
     def ended(self, lanes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Status, steps, tries (k,) of lanes whose samples are through; values of the reductions (reductions, k)."""
         control, count = self._lane("control", lanes), len(lanes)
-        rows = np.ascontiguousarray(self._lane("rows", _filled(lanes)))
+        rows = np.ascontiguousarray(self._lane("rows", lanes[filled(len(lanes))]))
         values = np.zeros((len(self.program.ledger.reductions), rows.shape[1]))
         self.program.close(rows, values)
         status, steps, tries = (control[k].astype(np.int64) for k in (STATUS, STEPS, TRIES))
@@ -224,8 +223,8 @@ class Batch:
     ) -> np.ndarray:
         """Shares of the step, between a and b, where a curve crosses zero in a few lanes."""
         model, wide, count = self.program.model, 1 + self.program.model.ny, len(lanes)
-        fill, lanes = _filled(np.arange(count)), _filled(lanes)
-        a, b, ga, gb = (one[fill] for one in (a, b, ga, gb))
+        fill = filled(count)
+        lanes, a, b, ga, gb = (one[fill] for one in (lanes, a, b, ga, gb))
         dense, k = 5 + len(self.program.method.upper), len(fill)
         inside = np.ascontiguousarray(self._lane("inside", lanes)[: dense * wide]).reshape(dense, wide * k)
         state, curves = np.ascontiguousarray(self._lane("state", lanes)), np.empty((model.curves + 1, k))
@@ -238,8 +237,3 @@ class Batch:
             return np.array(curves[curve])
 
         return bracketed(value, a, b, ga, gb)[:count]
-
-
-def _filled(lanes: np.ndarray) -> np.ndarray:
-    """A multiple of EIGHT lanes: the last one fills up."""
-    return lanes[np.minimum(np.arange(-(-len(lanes) // EIGHT) * EIGHT), len(lanes) - 1)]

@@ -20,6 +20,12 @@ from rattle.trace.reductions import Energies, Ledger, Reduction
 Function = Callable[[np.ndarray, np.ndarray], None]
 Compile = Callable[[Graph, Sequence[Any]], Function]  # of a graph of exact operations
 Calls = Sequence[tuple[Function, np.ndarray, np.ndarray]]  # functions, each with its rows in and out
+EIGHT = 8  # functions take a multiple of so many columns
+
+
+def filled(count: int) -> np.ndarray:
+    """(n,) places 0 ... count - 1 of columns, count >= 1; the last one is repeated up to a multiple of EIGHT."""
+    return np.minimum(np.arange(-(-count // EIGHT) * EIGHT), count - 1)
 
 
 class Chain(Protocol):

@@ -16,9 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.trace.lane_batch import EIGHT, Batch
+from rattle.trace.lane_batch import Batch
 from rattle.trace.lane_control import Status
-from rattle.trace.lane_program import Program
+from rattle.trace.lane_program import EIGHT, Program
 from rattle.trace.lane_start import Stock
 
 WIDTH = 1024  # so many that Python's part between two looks is small; a tile is what must fit into the cache

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses.straight_line.recorded_model import RecordedModel
-from rattle.analyses.straight_line.starts import EIGHT, Starts
+from rattle.analyses.straight_line.starts import Starts
 from rattle.language.syntax import Name, Node, Number, walk
 from rattle.results.reductions import Output, argument
 from rattle.trace.elementary import lower
 from rattle.trace.hoist import hoist
-from rattle.trace.lane_program import Compile, Model
+from rattle.trace.lane_program import Compile, Model, filled
 from rattle.trace.recording import operation
 from rattle.trace.reductions import KINDS, Reduction
 
@@ -103,7 +103,7 @@ def lane_model(
 
     def begin(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         begun, count = starts.begin(values), values.shape[1]
-        fill = np.minimum(np.arange(-(-count // EIGHT) * EIGHT), count - 1)
+        fill = filled(count)
         state, first = np.zeros((len(exact.inputs), len(fill))), np.zeros((1, len(fill)))
         state[1 : 1 + ny], state[1 + ny : -1] = begun.y[:, fill], values[:, fill]
         energy(state, first)

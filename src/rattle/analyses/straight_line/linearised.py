@@ -11,10 +11,9 @@ from rattle.errors import TraceError
 from rattle.trace.derivative import tangent
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, Symbol, bind
-from rattle.trace.lane_program import Compile, Function
+from rattle.trace.lane_program import Compile, Function, filled
 
 COMPARE = frozenset(("less", "at_most"))
-EIGHT = 8  # functions take a multiple of so many columns
 
 
 class Columns:
@@ -27,9 +26,9 @@ class Columns:
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """Outputs (n_out, n) for inputs (n_in, n), n >= 1."""
         count = columns.shape[1]
-        filled = np.ascontiguousarray(columns[:, np.minimum(np.arange(-(-count // EIGHT) * EIGHT), count - 1)])
-        found = np.empty((self._count, filled.shape[1]))
-        self._call(filled, found)
+        given = np.ascontiguousarray(columns[:, filled(count)])
+        found = np.empty((self._count, given.shape[1]))
+        self._call(given, found)
         return found[:, :count]
 
 

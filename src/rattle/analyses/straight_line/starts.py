@@ -13,14 +13,13 @@ from rattle.equations.system import System, compile_system
 from rattle.errors import AssemblyError, ModelError
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph
-from rattle.trace.lane_program import Compile
+from rattle.trace.lane_program import Compile, filled
 
 CLOSED = 1e-11  # share of the mechanism's size by which a start may stay open
 MISSED = 1e-8  # share of the largest rate by which a rate that the user gave may be missed
 FAR = 0.5  # largest change from the start of the model itself [rad, sizes of the mechanism]; beyond, assembly decides
 ROUNDS = 30  # of Newton's method
 SMALL = 1e-14  # its last step [rad, sizes of the mechanism]
-EIGHT = 8  # functions take a multiple of so many samples
 
 
 class Begun(NamedTuple):
@@ -70,7 +69,7 @@ class Starts:
         """Positions and rates by the recorded equations, into y (ny, k); (k,) True where they hold."""
         system, (correct, close_rates) = self.model.system, self._first
         nq, count = 3 * system.body_count, y.shape[1]
-        fill = np.minimum(np.arange(-(-count // EIGHT) * EIGHT), count - 1)  # the last sample fills up
+        fill = filled(count)
         size = np.tile([system.size, system.size, 1.0], system.body_count)[:, None]
         inputs = np.zeros((2 + len(y) + len(values), len(fill)))  # t = 0, y, parameters, E_0
         inputs[1 : 1 + len(y)], inputs[1 + len(y) : -1] = y[:, fill], values[:, fill]
