@@ -100,6 +100,39 @@ def test_what_needs_whole_curves_or_the_ideal_mechanism_is_run_one_by_one():
     np.testing.assert_allclose(found["quantile(block.x, 0.5)"], middle, atol=1e-6)
 
 
+@pytest.mark.nojit
+def test_parameters_that_follow_from_varied_ones_differ_too():
+    """In a curve, beside reductions, and as the instant that they make different from sample to sample."""
+    m = rt.loads(SPRING.replace('m = "1 kg"', 'm = "1 kg"\nw2 = "k/m"\ntwice = "2*w2"\nlate = "0.01*twice"'))
+    k = np.array([4.0, 9.0, 16.0])
+    amount, w = 0.5, np.sqrt(k)
+    outputs = {
+        "final(block.x)*twice": 2.0 * k * amount * np.cos(0.4 * w),
+        "max(block.x*w2)/k + m": np.full(3, amount + 1.0),
+        "late - max(block.x)": 0.02 * k - amount,
+    }
+    found = m.many({"k": k}, list(outputs), 0.4, rtol=1e-10)
+    assert not len(found.generic)
+    for output, want in outputs.items():
+        np.testing.assert_allclose(found[output], want, rtol=0.0, atol=1e-8, err_msg=output)
+    late = m.many({"k": k}, ["at(block.x, late)"], 0.4, rtol=1e-10)
+    assert list(late.generic) == [0, 1, 2]
+    assert "the instant in 'at(block.x, late)' differs from sample to sample" in late.stats["how"]
+    np.testing.assert_allclose(late["at(block.x, late)"], amount * np.cos(w * 0.02 * k), atol=1e-8)
+    for n, one in enumerate(k):
+        run = m.set(k=one).simulate(0.4, t_eval=[0.0, 0.4], rtol=1e-10)
+        assert found["final(block.x)*twice"][n] == pytest.approx(run["block.x"][-1] * 2.0 * one, abs=1e-8)
+
+
+@pytest.mark.nojit
+def test_masked_samples_are_left_out():
+    m = rt.loads(SPRING)
+    found = m.many({"k": np.ma.masked_greater([4, 9, 50], 40)}, ["final(block.x)"], 0.4, rtol=1e-10)
+    assert list(found.failed) == [2]
+    assert "nan is not a finite number" in found.message(2)
+    np.testing.assert_allclose(found["final(block.x)"][:2], 0.5 * np.cos(0.4 * np.array([2.0, 3.0])), atol=1e-8)
+
+
 def test_contacts_are_run_one_by_one():
     m = rt.example("bouncing_pin")
     found = m.many({"c": [1e-4, 2e-4]}, ["count(O.impacts)"], 0.02)

@@ -22,6 +22,7 @@ from rattle.analyses.straight_line.recorded_model import RecordedModel, require_
 from rattle.analyses.straight_line.starts import Starts
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, TraceError, suggest
 from rattle.language import arrays
+from rattle.language.syntax import names
 from rattle.registry import kinds
 from rattle.results.columns import columns, width
 from rattle.results.evaluation import evaluate
@@ -29,6 +30,8 @@ from rattle.results.reductions import Known, Output, needed_instants, read
 from rattle.results.result import UnknownName
 from rattle.solvers.stepper import ATOL, FREE, LONGEST, usual_stepper
 from rattle.trace import lane_methods, lanes
+from rattle.trace.elementary import lower
+from rattle.trace.graph import bind
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import Program
 
@@ -146,7 +149,9 @@ def _samples(m: Mechanism, samples: Mapping[str, Any]) -> dict[str, np.ndarray]:
     require_parameters(m.system, list(samples))
     if not samples:
         raise ValueError("samples: expected at least one parameter with its values")
-    found = {name: np.asarray(values, dtype=float) for name, values in samples.items()}
+    found: dict[str, np.ndarray] = {
+        name: np.ma.asarray(values, dtype=float).filled(np.nan) for name, values in samples.items()
+    }
     shapes = {name: values.shape for name, values in found.items()}
     if any(len(shape) != 1 or not shape[0] for shape in shapes.values()) or len(set(shapes.values())) > 1:
         said = ", ".join(f"{name}: {shape}" for name, shape in shapes.items())
@@ -174,10 +179,13 @@ class _Found:
         self.generic: list[int] = []
         self.stats: dict[str, Any] = {"steps": 0, "evaluations": 0, "reasons": {}}
 
-    def reduce(self, output: int, rows: Sequence[np.ndarray]) -> None:
-        """Enter an output of all samples from the values of its reductions."""
+    def reduce(self, output: int, rows: Sequence[np.ndarray], dependent: Mapping[str, np.ndarray]) -> None:
+        """Enter an output of all samples from the values of its reductions.
+
+        dependent: values (n,) of parameters that follow from those that differ [SI].
+        """
         task = self.task
-        known: dict[str, Any] = {**task.mechanism.parameters, **task.samples}
+        known: dict[str, Any] = {**task.mechanism.parameters, **dependent, **task.samples}
         known |= {f"#{k}": row for k, row in enumerate(rows)}
         made = arrays.evaluate(task.outputs[output].outer, known.__getitem__)
         self.values[output] = np.broadcast_to(made, task.count)
@@ -212,6 +220,9 @@ def _side_by_side(task: _Task, found: _Found, progress: bool) -> str:
         model = task.mechanism.recorded(list(task.samples))
     except TraceError as error:
         return str(error)
+    follow = {**task.samples, **model.dependent}
+    if why := next((why for one in task.outputs if (why := why_not_lanes(one, follow))), ""):
+        return why
     size = model.graph.count([*model.derivative, *model.projection])
     if size > MOST_OPERATIONS:
         return f"its {size} operations are more than the {MOST_OPERATIONS} up to which straight-line code pays"
@@ -236,13 +247,28 @@ def _run_lanes(task: _Task, found: _Found, model: RecordedModel, method: str, pr
     finally:
         if bar is not None:
             bar.close()
+    dependent = _dependent(model, task)
     for n, rows in enumerate(asked.rows):
-        found.reduce(n, [outcome.values[k] for k in rows])
+        found.reduce(n, [outcome.values[k] for k in rows], dependent)
     found.open = outcome.status != Status.DONE
     found.stats["steps"], found.stats["evaluations"] = int(outcome.steps.sum()), outcome.evaluations
     for status in np.unique(outcome.status[found.open]):
         count = int((outcome.status == status).sum())
         found.stats["reasons"][f"{count} {'samples' if count > 1 else 'sample'}: {Status(int(status)).words}"] = count
+
+
+def _dependent(model: RecordedModel, task: _Task) -> dict[str, np.ndarray]:
+    """Values (n,) of the parameters outside of reductions that follow from those that differ [SI]."""
+    used = sorted({name for output in task.outputs for name in names(output.outer)} & model.dependent.keys())
+    graph, symbols = lower(model.graph, [model.dependent[name] for name in used])
+    first = 1 + model.state_size  # after t and y
+    chosen = range(first, first + len(task.samples))
+    others = {place: 0.0 for n, place in enumerate(graph.inputs) if n not in chosen}  # no parameter follows from them
+    found = np.empty((0, task.count))
+    if used:
+        graph, symbols = bind(graph, symbols, others)
+        found = graph.evaluate(symbols, list(task.samples.values()))
+    return dict(zip(used, found, strict=True))
 
 
 # ---------------------------------------------------------------- one by one

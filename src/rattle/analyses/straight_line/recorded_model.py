@@ -82,7 +82,8 @@ class RecordedModel:
         derived = derived_curve(self.graph, self.recorded, self.curves, name)
         if derived is not None:
             return derived[0]
-        return self.chosen[name] if name in self.chosen else self.values[name]
+        follows = {**self.dependent, **self.chosen}
+        return follows[name] if name in follows else self.values[name]
 
     @property
     def start_state(self) -> np.ndarray:
