@@ -174,11 +174,41 @@ def test_a_sum_of_squares_that_cannot_vanish_is_least_where_its_gradient_is_zero
     ],
 )  # fmt: skip
 def test_slopes_by_exact_derivatives_are_those_of_whole_runs(text, analysis, outputs):
-    m = rt.loads(text)
     vary = {"b": (3, 5)} if analysis != "simulate" else {"k": (5, 20), "x0": (0.1, 1)}
+    check_slopes(rt.loads(text), vary, {"b": 3.7, "k": 11.0, "x0": 0.4}, outputs, analysis)
+
+
+def test_slopes_follow_parameters_that_are_expressions_over_those_that_vary():
+    m = rt.loads(fourbar().replace("b = 4.0", 'b = 4.0\nhalf = "b/8"\ntwice = "2*b"'))
+    outputs = [
+        "final(rocker.angle) - twice",
+        "max(twice*coupler.C.y)",
+        "at(rocker.omega, half)",
+        "rms(coupler.x - half)",
+    ]
+    check_slopes(m, {"b": (3, 5)}, {"b": 3.7}, outputs, "kinematics")
+
+
+def test_slopes_at_instants_that_vary_need_their_surroundings_alone():
+    """Beside other instants, beside each other, and beside both ends of the run."""
+    m = rt.loads(fourbar().replace("b = 4.0", "b = 4.0\nearly = 0.001\nlate = 0.5\nlast = 0.999"))
+    outputs = [
+        "at(rocker.omega, late)",
+        "at(coupler.C.y*b, early)",
+        "at(rocker.angle, last)",
+        "at(coupler.x, late + 0.001)",
+    ]
+    vary = {"b": (3, 5), "early": (0, 1), "late": (0, 1), "last": (0, 1)}
+    asked, _ = question(m, outputs[0], vary, [f"{one} >= 0" for one in outputs[1:]], 1.0, "kinematics")
+    assert len(asked.needed_times(m)) < 40 < len(asked.times(m))
+    check_slopes(m, vary, {"b": 3.7, "early": 0.001, "late": 0.5, "last": 0.999}, outputs, "kinematics")
+
+
+def check_slopes(m, vary, values, outputs, analysis):
+    """Derivatives of outputs against differences of whole runs."""
     asked, _ = question(m, outputs[0], vary, [f"{one} >= 0" for one in outputs[1:]], 1.0, analysis)
     designs = Designs(asked)
-    design = designs.at(asked.places({"b": 3.7, "k": 11.0, "x0": 0.4}))
+    design = designs.at(asked.places(values))
     exact = designs.slopes(design)
     assert not designs.differenced
     whole = designs._difference_slopes(design, designs._numbers)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rattle.description.model import Parameter
@@ -42,6 +42,20 @@ def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Pa
             values.broken.add(name)
     _dependent(values, dependent, written)
     return {name: _parameter(values, name, table[name]) for name in table if name in values.constants}
+
+
+def values_where(document: Mapping[str, Any], numbers: Mapping[str, float]) -> dict[str, float]:
+    """Values [SI] of the parameters of a readable document where some have these instead: expressions follow them.
+
+    Limits are not checked.
+    """
+
+    def just(x: float) -> Callable[[float], float]:
+        return lambda _: x
+
+    values = Values({name: just(x) for name, x in numbers.items()})
+    read_parameters(values, document)
+    return values.constants
 
 
 def _quantity(values: Values, given: Any, path: Path) -> tuple[float, Dimension | None] | Node | None:

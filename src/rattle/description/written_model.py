@@ -47,6 +47,15 @@ class WrittenModel(Building):
         """Values of all parameters by name [SI]."""
         return {name: one.value for name, one in self.model.parameters.items()}
 
+    def parameters_where(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Values of all parameters [SI] where some have these instead: what is written as an expression follows them.
+
+        As in `set(values).parameters`, but limits are not checked, nor whether the model could be built.
+        """
+        from rattle.description.read_parameters import values_where
+
+        return values_where(self._document, values)
+
     def to_toml(self) -> str:
         """The model as TOML text; comments of the original text are kept."""
         return model_file.dump(self._document, self._text, self._changes)

@@ -174,13 +174,13 @@ class Designs:
         t, curves = question.needed_times(run.mechanism), []
         for (m, names), one in zip(asked, exact, strict=True):
             curves.append(None if one is None or m is None else (names, *one.at(m.system, m.start, t)))
-        values, width, rows = run.mechanism.parameters, question.width, []
+        width, rows = question.width, []
         for k, name in enumerate(question.names):
             sides = []
             for h in (STEP * width[k], -STEP * width[k]):
                 moved = [None if one is None else _result(t, one[0], one[1] + h * one[2][:, :, k]) for one in curves]
                 main = moved[0] if moved[0] is not None else _result(t, [], np.zeros((len(t), 0)))
-                sides.append(numbers(main, {**values, name: values[name] + h}, moved[1]))
+                sides.append(numbers(main, question.moved(run.mechanism, name, h), moved[1]))
             rows.append((sides[0] - sides[1]) / (2.0 * STEP))
         return np.array(rows).T
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from rattle.analyses.straight_line.recorded_model import require_parameters
 from rattle.errors import ModelError, suggest
 from rattle.language.syntax import names
 from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
-from rattle.results.reductions import Constraint, Known, Output, needed_instants, read, read_constraint
+from rattle.results.reductions import Constraint, Known, Output, argument, needed_instants, read, read_constraint
 from rattle.results.result import Result
 from rattle.solvers.stepper import ATOL
 
@@ -25,6 +26,7 @@ ANALYSES = ("simulate", "kinematics", "inverse-dynamics")
 RTOL = 1e-10  # of a motion, at most: errors of the values are then far below the changes that a search looks at
 READ_OFF = ("at", "final", "count")  # reductions that need no instants but their own
 FEWEST = 400  # intervals between the instants of a run
+BESIDE = 3  # instants on either side of one that moves, on which a curve between them depends
 SAME = 1e-9  # share of the run within which two instants are one
 Bound = float | str
 
@@ -87,9 +89,15 @@ class Question:
     def needed_times(self, m: Mechanism) -> np.ndarray:
         """The instants [s] among them on which the outputs depend."""
         every = [one for output in self.outputs for one in output.reductions]
-        moving = any(one.argument is not None and names(one.argument) & set(self.names) for one in every)
-        only = all(one.kind in READ_OFF for one in every) and not moving  # an instant that moves needs its surroundings
-        return self._read_off(m) if only else self.times(m)
+        if not all(one.kind in READ_OFF for one in every):
+            return self.times(m)
+        moving = [one for one in every if one.argument is not None and names(one.argument)]  # maybe, by its parameters
+        if not moving:
+            return self._read_off(m)
+        times = self.times(m)
+        places = np.searchsorted(times, [argument(one, m.parameters) for one in moving])
+        beside = (places[:, None] + np.arange(-BESIDE, BESIDE + 1)).clip(0, len(times) - 1)
+        return np.asarray(np.union1d(self._read_off(m), times[beside]))
 
     def _read_off(self, m: Mechanism) -> np.ndarray:
         """The instants [s] that are read off: start, end, and all `at`, of which one may stand for the end."""
@@ -100,6 +108,20 @@ class Question:
         found = np.array(sorted(instants))
         ends = np.array([0.0, self.t_end])
         return np.asarray(np.union1d(ends[np.abs(ends - _nearest(ends, found)) > SAME * self.t_end], found))
+
+    @cached_property
+    def _others(self) -> frozenset[str]:
+        """Parameters beside those that vary on which an output depends: they may follow these."""
+        every = [one for output in self.outputs for one in output.reductions]
+        nodes = [*(one.outer for one in self.outputs), *(one.inner for one in every)]
+        nodes += [one.argument for one in every if one.argument is not None]
+        used = {name for node in nodes for name in names(node)}
+        return frozenset(used & set(self.mechanism.model.parameters) - set(self.names))
+
+    def moved(self, m: Mechanism, name: str, change: float) -> dict[str, float]:
+        """Values [SI] that outputs may use of the parameters of a design, where one that varies has changed."""
+        values = {**m.parameters, name: m.parameters[name] + change}
+        return m.parameters_where({name: values[name]}) if self._others else values
 
     def run(self, m: Mechanism, rtol: float = RTOL, finer: int = 1) -> Result:
         """The run of a design, which may stop early.  Raises what the analysis raises."""
