@@ -31,7 +31,7 @@ def runs() -> dict[str, Result]:
 @pytest.mark.nojit
 def test_these_examples_are_shipped():
     assert set(ALL) >= NAMES | {
-        "balanced_arm", "bouncing_pin", "fourbar_onesided", "guide_play", "path_generator", "scotch_yoke",
+        "balanced_arm", "bouncing_pin", "ellipse", "fourbar_onesided", "guide_play", "path_generator", "scotch_yoke",
         "three_plays", "toggle_clamp", "woodpecker",
     }  # fmt: skip
 

@@ -253,6 +253,16 @@ def test_a_search_survives_designs_that_cannot_be_put_together():
     assert "could not be evaluated" in o.report
 
 
+def test_the_report_says_why_designs_have_no_numbers_and_leaves_out_where_the_file_is(tmp_path):
+    """Beyond k = 12 the parameter k2 has no value; the search wants k = 8.7 and others begin anywhere."""
+    source = tmp_path / "m.toml"
+    source.write_text(SPRING.replace('k = "15 N/m"', 'k = "10 N/m"\nk2 = "sqrt(12 - k)"'))
+    o = rt.load(source).optimise("(final(block.x) - 0.3)**2", {"k": (5, 200)}, t_end=T, starts=2)
+    assert o.values["k"] == pytest.approx(K, rel=1e-6)
+    assert "x parameters.k2: the result is not a finite number" in o.report
+    assert str(tmp_path) not in o.report
+
+
 # ---------------------------------------------------------------- sums of squares
 RUN = ("(final(block.x) - 0.3)**2", "2*(max(block.x) - k)**2/3 + (mean(block.vx))**2", "rms(block.x - 0.1)**2",
        "mean((block.x - 0.1)**2 + 3*block.y**2)", "integral(block.vx**2)", "at(block.x**2 + 2*block.y**2, 0.1)",

@@ -115,12 +115,13 @@ class Designs:
             design.run = Run(m, result, ideal, None if ideal is None else _whole(question.run(ideal)))
             design.numbers = design.run.apply(self._numbers)
             bad = [one.text for one, x in zip(question.outputs, design.numbers, strict=True) if not np.isfinite(x)]
-            design.message = f"{bad[0]} has no finite value" if bad else ""
-        except (ModelError, AssemblyError, SolverError) as error:
-            design.message = str(error)
+            why = design.message = f"{bad[0]} has no finite value" if bad else ""
+        except ModelError as error:
+            why, design.message = str(error.problems[0]), str(error)
+        except (AssemblyError, SolverError) as error:
+            why = design.message = str(error)
         if design.message:
-            kind = _kind(design.message)
-            self.failures[kind] = self.failures.get(kind, 0) + 1
+            self.failures[_kind(why)] = self.failures.get(_kind(why), 0) + 1
         return design
 
     def _numbers(self, result: Result, parameters: Mapping[str, float], ideal: Result | None) -> np.ndarray:
@@ -229,8 +230,7 @@ class Designs:
 
 def _kind(message: str) -> str:
     """A message without its numbers, by which alike ones are counted."""
-    first = re.sub(r"^model:(\d+:)? ", "", message.partition("\n")[0])
-    return re.sub(r"-?\d[\d.]*(e[-+]?\d+)?", "...", first)[:LONGEST]
+    return re.sub(r"(?<!\w)-?\d[\d.]*(e[-+]?\d+)?", "...", message.partition("\n")[0])[:LONGEST]
 
 
 def _whole(result: Result) -> Result:

@@ -156,7 +156,7 @@ class Optimum:
         lost = sum(self.failures.values())
         if lost:
             reasons = "; ".join(f"{n} x {why}" for why, n in sorted(self.failures.items(), key=lambda one: -one[1])[:3])
-            said.append(f"{lost} designs on the way could not be evaluated: {reasons}")
+            said.append(f"{lost} design{'s'[: lost > 1]} on the way could not be evaluated: {reasons}")
         said += [*self._ends(), self._confirmation()]
         if self.interrupted:
             said.append("stopped by the user; this is the best design until then")
