@@ -48,7 +48,7 @@ def lane_sampler(made: Program, width: int) -> Callable[[], float]:
 
     def sample() -> float:
         began = time.thread_time()
-        many(table.ctypes.data, 6, memory.ctypes.data, memory.size, 1, REPEATED, (given + taken) * width, width)
+        many(table.ctypes.data, 6, memory.ctypes.data, memory.size, 1, REPEATED, (given + taken) * width, width, None)
         seconds = time.thread_time() - began
         assert memory[given + taken - 1].all()  # the flags
         return seconds / REPEATED / width

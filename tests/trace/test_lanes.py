@@ -66,15 +66,15 @@ def lowered(graph, outputs):
     return compiled(*lower(graph, outputs))
 
 
-def oscillator(sound=None, curves=lambda x, v, w, t: [x, v], lowered=lowered):
+def oscillator(sound=None, curves=lambda x, v, w, t: [x, v], lowered=lowered, watched=True, sound_curves=None):
     """x'' = -w^2 x with x = 1, x' = 0 at first; parameter w.  sound(t, x, v, w): a flag of the right-hand side.
 
-    lowered: what compiles its functions.
+    lowered: what compiles its functions.  watched: stages show its curves.  sound_curves: as sound, of the curves.
     """
     graph = Graph()
     t, x, v, w = (graph.input() for _ in range(4))
     shown = curves(x, v, w, t)
-    flag = 1.0 if sound is None else sound(t, x, v, w)
+    flag, sound_curves = (1.0 if one is None else one(t, x, v, w) for one in (sound, sound_curves))
 
     def begin(p):
         one = np.ones(p.shape[1])
@@ -83,7 +83,8 @@ def oscillator(sound=None, curves=lambda x, v, w, t: [x, v], lowered=lowered):
     return Model(
         ny=2, nc=1, curves=len(shown), motion=2, controlled=(0, 1), begin=begin,
         rate=lowered(graph, [v, -(w * w) * x, flag]), project=lowered(graph, [x, v, 1.0]),
-        outputs=lowered(graph, [*shown, 1.0]),
+        outputs=lowered(graph, [*shown, sound_curves]),
+        watch=lowered(graph, [v, -(w * w) * x, flag, *shown]), watched=tuple(range(len(shown))) if watched else (),
     )  # fmt: skip
 
 
@@ -329,12 +330,13 @@ ALL = [
 ]  # fmt: skip
 
 
+@pytest.mark.parametrize("kinds", ["some sampled", "conditions"])
 @pytest.mark.parametrize("method", [DOP853, RK4])
-def test_a_sample_has_the_same_bits_in_any_company(method):
+def test_a_sample_has_the_same_bits_in_any_company(method, kinds):
     """Whatever the width, the order and the threads; some samples fail, many more than fit in at once are waiting."""
     model = oscillator(sound=lambda t, x, v, w: (x > -0.9) | (w < 4.0), curves=lambda x, v, w, t: [x, v + 1.0])
     w = np.random.default_rng(3).permutation(np.concatenate([np.linspace(0.5, 7.0, 60), [-1.0]]))[None]
-    program = Program(model, lowered, method, ALL, T, tolerances=Tolerances(1e-6, 1e-8), step=0.1)
+    program = Program(model, lowered, method, KINDS[kinds], T, tolerances=Tolerances(1e-6, 1e-8), step=0.1)
     whole, outcome = bits(program, w, width=64)
     assert set(outcome.status) == {Status.DONE, Status.ASSUMPTION, Status.START}
     for width in (1, 8):
@@ -347,17 +349,53 @@ def test_a_sample_has_the_same_bits_in_any_company(method):
     assert mixed.evaluations == outcome.evaluations
 
 
+@pytest.mark.parametrize("method", [DOP853, RK4])
+def test_extremes_are_those_of_steps_that_are_all_sampled(method):
+    """Bit for bit, though only steps are sampled that can hold one; long steps, kinks, and a curve that swings fast."""
+
+    def curves(x, v, w, t):
+        return [x, abs(v), x * v, t.graph.apply("sin", 9.0 * t) + 0.1 * x]
+
+    kinds = [Reduction(kind, n) for n, kind in enumerate(("range", "max", "max", "min"))]
+    for asked, rtol in ((kinds, 1e-5), (kinds[:1], 1e-10)):
+        outcomes, settings = [], {"tolerances": Tolerances(rtol, rtol / 100), "step": 0.1}
+        for watched in (True, False):
+            program = Program(oscillator(curves=curves, watched=watched), lowered, method, asked, T, **settings)
+            assert bool(program.ledger.watched) == watched
+            outcomes.append(run(program, W[None], width=8))
+        assert np.array_equal(outcomes[0].values, outcomes[1].values)
+    if method is DOP853:  # has stages for samples alone
+        assert outcomes[0].evaluations < 0.95 * outcomes[1].evaluations
+
+
+def test_samples_on_broken_assumptions_end_the_sample():
+    """The curve is not sound at 1.75 s, amid the last step: only cos 3t, which rises there, is looked at."""
+    model = oscillator(sound_curves=lambda t, x, v, w: abs(t - 1.75) > 0.05)
+    outcome = run(
+        Program(model, lowered, RK4, [Reduction("max", 0)], T, step=0.5), np.array([[1.5, 3.0, 1.0]]), width=8
+    )
+    assert outcome.status.tolist() == [Status.DONE, Status.ASSUMPTION, Status.DONE]
+    assert outcome.values[0, [0, 2]].tolist() == [1.0, 1.0]
+    assert np.isnan(outcome.values[0, 1])
+
+
 MIXED = {
     "sound": lambda t, x, v, w: (x > -0.9) | (w < 4.0),
     "curves": lambda x, v, w, t: [x, v + 1.0],
 }
 
 
-@pytest.mark.parametrize("conditions", [False, True])
+KINDS = {
+    "conditions": ALL,
+    "all sampled": [one for one in ALL if one.curve == 0],
+    "some sampled": [Reduction("max", 0), Reduction("range", 1), Reduction("at", 0, 0.3)],
+}
+
+
+@pytest.mark.parametrize("kinds", KINDS.values(), ids=KINDS)
 @pytest.mark.parametrize("method", [DOP853, RK4])
-def test_steps_in_tiles_of_machine_code_have_the_same_bits(method, conditions):
+def test_steps_in_tiles_of_machine_code_have_the_same_bits(method, kinds):
     """Many steps in one call, however many, tile by tile, by one thread and two: as NumPy takes them one by one."""
-    kinds = ALL if conditions else [one for one in ALL if one.curve == 0]
     w = np.random.default_rng(5).permutation(np.concatenate([np.linspace(0.5, 7.0, 203), [-1.0]]))[None]
     settings = {"tolerances": Tolerances(1e-6, 1e-8), "step": 0.1}
     whole, outcome = bits(Program(oscillator(**MIXED), lowered, method, kinds, T, **settings), w, width=208, looks=1)

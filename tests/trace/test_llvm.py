@@ -237,7 +237,7 @@ def test_a_chain_calls_functions_in_turn_on_rows_apart_in_every_tile_that_runs()
     row = 8 * n  # [bytes]
     calls = np.array([f, 0, n, 2 * row, 2 * n, 8, f, 2 * row, 2 * n, 0, n, 4], np.int64)
     chain = code.function("chain", *llvm_chain.KINDS)
-    chain(calls.ctypes.data, calls.size, memory.ctypes.data, memory[0].size, 3, 2, 5 * n, n)
+    chain(calls.ctypes.data, calls.size, memory.ctypes.data, memory[0].size, 3, 2, 5 * n, n, None)
     np.testing.assert_array_equal(memory, want)
 
 

@@ -12,15 +12,16 @@ import math
 import numpy as np
 
 from rattle.trace.crossings import bracketed
-from rattle.trace.lane_control import CONTROL, FLAGS, RUNNING, STATUS, STEPS, TRIES, VERDICT, report_rows
+from rattle.trace.lane_chain import Aside, Call, Calls
+from rattle.trace.lane_control import CONTROL, FLAGS, RUNNING, STATUS, STEPS, TRIES, VERDICT, Status, report_rows
 from rattle.trace.lane_methods import PLAN, PLANNED
-from rattle.trace.lane_program import EIGHT, Function, Program, filled
+from rattle.trace.lane_program import EIGHT, Program, filled
 from rattle.trace.lane_start import Stock
 from rattle.trace.reductions import NEVER
 
 LINE = 8  # numbers in a line of the cache
 TILE = 128_000  # bytes: a quarter or half of what is near to a core; twice or half as many is as fast
-Call = tuple[Function, np.ndarray, np.ndarray]
+ASIDE = "aside: "  # names of rows of steps that are set aside
 
 
 class _Rows:
@@ -42,21 +43,31 @@ class _Rows:
 def _laid_out(program: Program) -> _Rows:
     model, method, ledger = program.model, program.method, program.ledger
     wide, rows = 1 + model.ny, _Rows()
-    _, crossings, later, curves, held, control = report_rows(ledger)
+    _, seen, crossings, later, curves, held, control = report_rows(ledger)
+    block, slopes = wide + 1 + len(ledger.watched), len(method.a) if ledger.sampled else method.stages + 1
+    inside = (5 + len(method.upper) + ledger.samples - 1) * wide
     for name, count in (
         ("state", wide + model.nc),
         ("y new", wide), ("errors", 2 * wide if method.adaptive else 0),
         # the report
-        ("planned", len(PLANNED)), ("verdict", len(VERDICT)), ("flags", 3), ("curve flags", len(FLAGS) - 3),
+        ("planned", len(PLANNED)), ("verdict", len(VERDICT)), ("curve flags", 2), ("flags", len(FLAGS) - 2),
+        ("seen", seen),
         ("crossings", crossings), ("later", later), ("curves", curves), ("rows", held), ("control", control),
-        ("good", 1), ("next", curves + held + control),
-        # end, step, y, slopes: blocks of t, y and a flag; seen flat, a block is one row of components
-        ("blocks", (3 + len(method.a)) * (wide + 1)),
+        ("good", 1), ("asks", 1), ("next", curves + held + control),
+        # end, step, y, slopes: blocks of t, y, a flag and watched curves; seen flat, a block is one row of components
+        ("blocks", (3 + slopes) * block),
         ("merged", 2 * wide),
         # share of the step, y, dense output, states between parts
-        ("inside", (5 + len(method.upper) + ledger.parts - 1) * wide if ledger.sampled else 0),
+        ("inside", inside if ledger.sampled else 0),
     ):  # fmt: skip
         rows.add(name, count)
+    if ledger.watched:
+        for name, count in (
+            ("state", wide + model.nc), ("curves", curves), ("later", ledger.samples * (model.curves + 1)),
+            ("blocks", (3 + len(method.a)) * block), ("inside", inside),
+            ("larger", len(ledger.screened) + 1), ("lane", 1), ("taken", 1),
+        ):  # fmt: skip
+            rows.add(ASIDE + name, count)
     return rows
 
 
@@ -79,12 +90,13 @@ class Batch:
         self.n = len(self.memory) * tile
         self.sample = np.full(self.n, -1)
         self._wide = (1 + program.model.ny) * tile  # components of a state, seen flat
-        blocks = self._all("blocks").reshape(len(self.memory), -1, program.model.ny + 2, tile)
-        blocks[:, 3:, 0] = 1.0  # slopes of t
+        self._block = program.model.ny + 2 + len(program.ledger.watched)  # rows of a block
+        for name in ("blocks", ASIDE + "blocks") if program.ledger.watched else ("blocks",):
+            self._all(name).reshape(len(self.memory), -1, self._block, tile)[:, 3:, 0] = 1.0  # slopes of t
         running = self.rows.places["control"].start + RUNNING
         before, after = self._calculation(), self._settling()
         conditions = bool(program.ledger.conditions)
-        chains = [before, after] if conditions else [before + after]
+        chains: list[Calls] = [before, after] if conditions else [[*before, *after]]
         self._chains = [program.chain(one, self.memory, running, 1 if conditions else looks) for one in chains]
 
     def _all(self, name: str) -> np.ndarray:
@@ -108,54 +120,99 @@ class Batch:
     def _put(self, name: str, lanes: np.ndarray, rows: np.ndarray) -> None:
         self._all(name)[lanes // self.tile, : len(rows), lanes % self.tile] = rows.T
 
+    def _blocks(self, aside: str = "") -> np.ndarray:
+        """Blocks in the first tile (blocks, rows, lanes)."""
+        return self._first(aside + "blocks").reshape(-1, self._block, self.tile)
+
+    def _moved(self, aside: str = "") -> np.ndarray:
+        """t and y of the state in the first tile as one row."""
+        return self._first(aside + "state")[: 1 + self.program.model.ny].reshape(1, -1)
+
+    def _stage(self, s: int, aside: str = "") -> list[Call]:
+        """The slopes at a stage."""
+        program, model, blocks = self.program, self.program.model, self._blocks(aside)
+        flat = self._flat(aside + "blocks", len(blocks))
+        watch = model.watch if program.ledger.watched and s in program.method.seen else None
+        rate, rows = (watch, blocks[3 + s, 1:]) if watch is not None else (model.rate, blocks[3 + s, 1 : 2 + model.ny])
+        return [
+            (program.stages[s], flat[1 : 3 + s], self._moved(aside)), (rate, self._first(aside + "state"), rows),
+        ]  # fmt: skip
+
     def _calculation(self) -> list[Call]:
         """What a step takes: stages, end, projection, curves; slopes and flags go to the blocks."""
-        program, model, stages = self.program, self.program.model, self.program.method.stages
-        count, wide, copy = 3 + len(program.method.a), 1 + model.ny, program.copy
-        flat, blocks = self._flat("blocks", count), self._first("blocks").reshape(count, wide + 1, -1)
-        state, planned = self._first("state"), self._first("planned")
-        now, moved = state[:1], state[:wide].reshape(1, -1)
-        later = self._first("later").reshape(program.ledger.parts, model.curves + 1, -1)
-        squares = self._flat_squares()
+        program, model, stages, copy = self.program, self.program.model, self.program.method.stages, self.program.copy
+        blocks, wide, state, moved = self._blocks(), 1 + self.program.model.ny, self._first("state"), self._moved()
+        flat, squares, planned = self._flat("blocks", len(blocks)), self._flat_squares(), self._first("planned")
+        last = self._first("later")[-(model.curves + 1) :]
         judged = self.memory[0, self.rows.span("errors", "planned")]
-
-        def stage(s: int) -> list[Call]:
-            return [(program.stages[s], flat[1 : 3 + s], moved), (model.rate, state, blocks[3 + s, 1:])]
-
         calls: list[Call] = [
             (program.plan, self._first("control")[-len(PLAN) :], planned),
             (program.spread, planned[:1], blocks[1, :wide]),
-            *(call for s in range(1, stages) for call in stage(s)),
+            *(call for s in range(1, stages) for call in self._stage(s)),
             (program.end, flat[1 : 3 + stages], squares), (program.judge, judged, self._first("verdict")),
-            (copy, squares[:1], moved), (copy, planned[1:2], now), (model.project, state, blocks[0, 1:]),
+            (copy, squares[:1], moved), (copy, planned[1:2], state[:1]),
+            (model.project, state, blocks[0, 1 : 1 + wide]),
             (copy, planned[1:2], blocks[0, :1]), (copy, flat[:1], moved),
-            (model.rate, state, blocks[3 + stages, 1:]), (model.outputs, state, later[-1]),
+            (model.rate, state, blocks[3 + stages, 1 : 1 + wide]), (model.outputs, state, last),
         ]  # fmt: skip
         if program.ledger.sampled:
-            inside = self._flat("inside", 5 + len(program.method.upper) + program.ledger.parts - 1)
-            calls += [call for s in program.later for call in stage(s)]
-            calls.append((program.dense, flat, inside[1:]))
-            for k, row in enumerate(range(5 + len(program.method.upper), len(inside))):
-                calls += [(copy, inside[row : row + 1], moved), (model.outputs, state, later[k])]
+            calls += self._samples()
         return [
-            *calls, (program.checks, self._first("blocks"), self._first("flags")),
+            *calls, (program.checks, self._first("blocks"), self.memory[0, self.rows.span("flags", "seen")]),
             (program.curve_checks, self._first("later"), self._first("curve flags")),
         ]  # fmt: skip
+
+    def _samples(self, aside: str = "") -> list[Call]:
+        """Dense output, and the curves at the ends of all parts of a step but the last."""
+        program, model, moved = self.program, self.program.model, self._moved(aside)
+        dense, samples = 5 + len(program.method.upper), program.ledger.samples
+        flat = self._flat(aside + "blocks", len(self._blocks(aside)))
+        inside = self._flat(aside + "inside", dense + samples - 1)
+        later = self._first(aside + "later").reshape(samples, model.curves + 1, -1)
+        calls = [call for s in program.later for call in self._stage(s, aside)]
+        calls.append((program.dense, flat, inside[1:]))
+        for k, row in enumerate(range(dense, len(inside))):
+            calls += [
+                (program.copy, inside[row : row + 1], moved), (model.outputs, self._first(aside + "state"), later[k]),
+            ]  # fmt: skip
+        return calls
+
+    def _aside(self) -> Aside:
+        """Samples of steps that ask for them."""
+        program, wide = self.program, 1 + self.program.model.ny
+        blocks, columns = (self._blocks(one)[:, :wide] for one in ("", ASIDE))
+        curves, held = program.model.curves + 1, self._first("rows")
+        copies = [
+            *((blocks[k], columns[k]) for k in (0, 1, 2, *(3 + s for s in program.method.dense_slopes))),
+            (self._first("state")[wide:], self._first(ASIDE + "state")[wide:]),
+            (self._first("curves"), self._first(ASIDE + "curves")),
+            (self._first("later"), self._first(ASIDE + "later")[-curves:]),
+        ]
+        given = self.memory[0, self.rows.span(ASIDE + "curves", ASIDE + "blocks")]
+        rows = [*program.ledger.screened.values(), program.ledger.aside_row]
+        return Aside(
+            self._first("asks")[0], copies, self._first(ASIDE + "lane")[0], self._first(ASIDE + "taken")[0],
+            [*self._samples(ASIDE), (program.aside, given, self._first(ASIDE + "larger"))],
+            [(one, held[row]) for one, row in zip(self._first(ASIDE + "larger"), rows, strict=True)],
+        )  # fmt: skip
 
     def _flat_squares(self) -> np.ndarray:
         """The end of the step and squares of errors, as flat rows."""
         found: np.ndarray = self.memory[0, self.rows.span("y new", "errors")].reshape(-1, self._wide)
         return found
 
-    def _settling(self) -> list[Call]:
+    def _settling(self) -> Calls:
         """What makes the end of a good step the start of the next."""
-        program, count, one = self.program, 3 + len(self.program.method.a), (1, -1)
-        flat, merged = self._flat("blocks", count), self._flat("merged", 2)
-        step = self._first("blocks").reshape(count, -1, self.tile)[1, : 1 + program.model.ny]
+        program, blocks, one = self.program, self._blocks(), (1, -1)
+        flat, merged = self._flat("blocks", len(blocks)), self._flat("merged", 2)
+        step = blocks[1, : 1 + program.model.ny]
+        new, curves = self._first("next"), program.model.curves + 1
         report, held = (self.memory[0, self.rows.span(name, "control")] for name in ("planned", "curves"))
         return [
             (program.settle, report, self.memory[0, self.rows.span("good", "next")]),
-            (program.copy, self._first("next").reshape(one), held.reshape(one)),
+            (program.copy, new[curves:].reshape(one), held[curves:].reshape(one)),
+            *([self._aside()] if program.ledger.watched else []),  # it reads the old curves, and writes new rows
+            (program.copy, new[:curves].reshape(one), held[:curves].reshape(one)),
             (program.spread, self._first("good"), step),
             (program.merged, flat[: 4 + program.method.stages], merged), (program.copy_two, merged, flat[2:4]),
         ]  # fmt: skip
@@ -165,7 +222,7 @@ class Batch:
         program, ny, k = self.program, self.program.model.ny, len(lanes)
         self.sample[lanes] = samples
         tiles, lane = lanes // self.tile, lanes % self.tile
-        blocks = self._all("blocks").reshape(len(self.memory), -1, ny + 2, self.tile)
+        blocks = self._all("blocks").reshape(len(self.memory), -1, self._block, self.tile)
         blocks[tiles, 2, 0, lane] = 0.0
         blocks[tiles, 2, 1 : 1 + ny, lane] = stock.y[:, columns].T
         blocks[tiles, 3, 1 : 1 + ny, lane] = stock.rate[:, columns].T
@@ -186,14 +243,20 @@ class Batch:
             self._chains[1]()
         return np.flatnonzero((self.sample >= 0) & (self._all("control")[:, RUNNING].reshape(-1) == 0.0))
 
-    def ended(self, lanes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Status, steps, tries (k,) of lanes whose samples are through; values of the reductions (reductions, k)."""
-        control, count = self._lane("control", lanes), len(lanes)
+    def ended(self, lanes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+        """Status, steps (k,) of lanes whose samples are through; values of the reductions (reductions, k); number of
+        right-hand sides that they took."""
+        program, control, count = self.program, self._lane("control", lanes), len(lanes)
         rows = np.ascontiguousarray(self._lane("rows", lanes[filled(len(lanes))]))
-        values = np.zeros((len(self.program.ledger.reductions), rows.shape[1]))
-        self.program.close(rows, values)
+        values = np.zeros((len(program.ledger.reductions), rows.shape[1]))
+        program.close(rows, values)
         status, steps, tries = (control[k].astype(np.int64) for k in (STATUS, STEPS, TRIES))
-        return status, steps, tries, values[:, :count]
+        spent = program.evaluations * int(tries.sum())
+        if program.ledger.watched:
+            found, asked = rows[program.ledger.aside_row :][:2, :count].astype(np.int64)
+            status = np.where(status == Status.DONE, found, status)
+            spent += len(program.later) * int(asked.sum())
+        return status, steps, values[:, :count], spent
 
     def _cross(self) -> None:
         """Where in the step conditions begin and end, in the lanes that ask."""
@@ -201,7 +264,7 @@ class Batch:
         first = self._all("curves").shape[1]
         span = self.memory[:, self.rows.span("later", "curves")]
         samples = np.roll(span.reshape(len(span), parts + 1, first, -1), 1, axis=1)  # the start of the step last
-        verdict, flags = self._all("verdict")[:, 1], self.memory[:, self.rows.span("flags", "curve flags")]
+        verdict, flags = self._all("verdict")[:, 1], self.memory[:, self.rows.span("curve flags", "flags")]
         asks = (verdict != 0.0) & (flags != 0.0).all(axis=1) & (self._all("control")[:, RUNNING] != 0.0)
         for n, curve in enumerate(ledger.conditions):
             g = samples[:, :, curve].swapaxes(0, 1).reshape(parts + 1, -1)

@@ -14,7 +14,7 @@ from rattle.trace.lane_methods import PLAN, PLANNED, Recorded, flag, inputs
 from rattle.trace.reductions import Ledger, Step
 
 VERDICT = ("ahead", "accepted")  # see `judge`
-FLAGS = ("kept", "sound", "finite", "curves sound", "curves finite")  # see `checks`, `curve_checks`
+FLAGS = ("curves sound", "curves finite", "kept", "sound", "finite")  # see `curve_checks`, `checks`
 CONTROL = ("running", "status", "number", "steps", "tries", *PLAN)  # of a lane; number: of the next stop
 RUNNING, STATUS, NUMBER, STEPS, TRIES = range(5)
 GOING_ON = -1.0  # status of a lane that is running
@@ -57,28 +57,38 @@ class Stops(NamedTuple):
 
 
 def report_rows(ledger: Ledger) -> list[int]:
-    """Numbers of rows that `settle` reads: PLANNED, VERDICT, FLAGS; crossings; curves after the start, at it; rows;
-    CONTROL."""
+    """Numbers of rows that `settle` reads: PLANNED, VERDICT, FLAGS; extremes of watched curves in the stages;
+    crossings; curves after the start, at it; rows; CONTROL."""
     wide = ledger.curves + 1
     known = len(PLANNED) + len(VERDICT) + len(FLAGS)
-    return [known, 2 * len(ledger.conditions), ledger.parts * wide, wide, ledger.rows, len(CONTROL)]
+    return [
+        known,
+        2 * len(ledger.watched),
+        2 * len(ledger.conditions),
+        ledger.parts * wide,
+        wide,
+        ledger.rows,
+        len(CONTROL),
+    ]
 
 
 def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int) -> Recorded:
-    """Rows as in `report_rows`: a flag that the step is good; curves at the start, rows, CONTROL of the next one."""
+    """Rows as in `report_rows`: flags that the step is good, that it asks for samples; curves at the start, rows,
+    CONTROL of the next one."""
     parts = report_rows(ledger)
     graph, row = inputs(sum(parts))
-    known, crossed, after, curves, held, control = (
+    known, shown, crossed, after, curves, held, control = (
         row[sum(parts[:n]) : sum(parts[: n + 1])] for n in range(len(parts))
     )
     h, t_new, last, short, _, ahead, *flags = known
     running, status, number, steps, tries, t, *_ = control
     running, accepted, short, last = (flag(graph, x) for x in (running, flags[0], short, last))
-    kept, sound, finite, curves_sound, curves_finite = (flag(graph, x) for x in flags[1:])
+    curves_sound, curves_finite, kept, sound, finite = (flag(graph, x) for x in flags[1:])
     wide = ledger.curves + 1
     samples = [[curves[n], *after[n::wide]] for n in range(ledger.curves)]
     crossings = {curve: (crossed[2 * n], crossed[2 * n + 1]) for n, curve in enumerate(ledger.conditions)}
-    rows = ledger.advance(Step(h, t, number, last, samples, crossings), held)
+    seen = dict(zip(ledger.watched, zip(shown, shown[len(ledger.watched) :], strict=False), strict=True))
+    rows, asks = ledger.advance(Step(h, t, number, last, samples, crossings, seen), held)
     accounted = flag(graph, rows[ledger.sound_row]) if ledger.sound_row is not None else True
     reached: Any = GOING_ON
     for fails, why in (  # the last one that holds counts
@@ -99,7 +109,7 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int) -> Rec
         plan[1] = select(running, ahead, plan[1])
     controlled = [going, select(running, reached, status), number, steps + _one(good), tries + _one(running), *plan]
     merged = [select(good, new, old) for new, old in zip([*after[-wide:], *rows], [*curves, *held], strict=True)]
-    return graph, [good, *merged, *controlled]
+    return graph, [good, good & asks, *merged, *controlled]
 
 
 def _plan(stops: Stops, adaptive: bool, landed: Any, number: Any, plan: Sequence[Any]) -> list[Any]:

@@ -9,6 +9,7 @@ steps are chosen as in `rattle.solvers.step_control`.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Sequence
@@ -29,15 +30,23 @@ class Method(NamedTuple):
     errors: Sequence[Sequence[float]]  # (2, stages): of order 3 and 5; empty: steps are equal
     upper: Sequence[Sequence[float]]  # (rows, all stages) of the dense output above the cubic
     samples: int  # equal parts of a step whose ends are samples of the curves; even
+    seen: Sequence[int]  # stages, spread over the step, that show how large a curve may become in it
 
     @property
     def adaptive(self) -> bool:
         """Steps follow the tolerances."""
         return len(self.errors) > 0
 
+    @property
+    def dense_slopes(self) -> list[int]:
+        """Stages up to `stages` whose slopes the dense output takes."""
+        rows = [*self.a[self.stages + 1 :], *self.upper]
+        used = {s for row in rows for s, weight in enumerate(row[: self.stages]) if weight != 0.0}
+        return sorted(used | {0, self.stages})
 
-DOP853 = Method(12, A.tolist(), B.tolist(), (E3.tolist(), E5.tolist()), D.tolist(), 6)
-RK4 = Method(4, ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0), ()), (1 / 6, 1 / 3, 1 / 3, 1 / 6), (), (), 2)
+
+DOP853 = Method(12, A.tolist(), B.tolist(), (E3.tolist(), E5.tolist()), D.tolist(), 6, (5, 9, 10))
+RK4 = Method(4, ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0), ()), (1 / 6, 1 / 3, 1 / 3, 1 / 6), (), (), 2, (2,))
 
 
 class Tolerances(NamedTuple):
@@ -80,6 +89,11 @@ def least(a: Any, b: Any) -> Any:
 def largest(a: Any, b: Any) -> Any:
     """The larger one."""
     return select(b > a, b, a)
+
+
+def extremes(terms: Sequence[Any]) -> tuple[Any, Any]:
+    """The least and the largest one."""
+    return functools.reduce(least, terms), functools.reduce(largest, terms)
 
 
 def inputs(count: int) -> tuple[Graph, list[Any]]:
@@ -179,7 +193,7 @@ def judge(method: Method, tolerances: Tolerances, ny: int, controlled: Sequence[
     return graph, [select(accepted, longer, shorter), accepted]
 
 
-def _finite(graph: Graph, terms: Sequence[Any]) -> Any:
+def finite_flag(graph: Graph, terms: Sequence[Any]) -> Any:
     """A flag: none of the terms is inf or nan."""
     return both(graph, [graph.apply("equal", x - x, 0.0) for x in terms])
 
@@ -189,23 +203,28 @@ def flag(graph: Graph, x: Any) -> Any:
     return ~graph.apply("equal", x, 0.0)
 
 
-def checks(method: Method, ny: int, later: Sequence[int]) -> Recorded:
-    """Blocks of t, ny rows and a flag (end, step, y, slopes): flags that stages, all of it, are sound; it is finite.
+def checks(method: Method, ny: int, later: Sequence[int], watched: int) -> Recorded:
+    """Blocks of t, ny rows, a flag and watched curves (end, step, y, slopes): flags that stages, all of it, are sound;
+    it is finite; the least values of the watched curves in the stages that see them, then the largest.
 
     later: stages for the dense output alone that were computed.
     """
-    graph, row = inputs((3 + len(method.a)) * (ny + 2))
-    block = [row[k * (ny + 2) + 1 : (k + 1) * (ny + 2)] for k in range(3 + len(method.a))]
-    kept = both(graph, [flag(graph, block[3 + s][-1]) for s in range(1, method.stages)])
-    arrived = [block[0][-1], *(block[3 + s][-1] for s in (method.stages, *later))]
+    size = ny + 2 + watched
+    count = 4 + method.stages + len(later)
+    graph, row = inputs(count * size)
+    block = [row[k * size + 1 : (k + 1) * size] for k in range(count)]
+    kept = both(graph, [flag(graph, block[3 + s][ny]) for s in range(1, method.stages)])
+    arrived = [block[0][ny], *(block[3 + s][ny] for s in (method.stages, *later))]
     sound = both(graph, [flag(graph, one) for one in arrived])
-    return graph, [kept, sound, _finite(graph, [*block[0][:-1], *block[3 + method.stages][:-1]])]
+    finite = finite_flag(graph, [*block[0][:ny], *block[3 + method.stages][:ny]])
+    seen = [extremes([block[3 + s][ny + 1 + n] for s in method.seen]) for n in range(watched)]
+    return graph, [kept, sound, finite, *(low for low, _ in seen), *(high for _, high in seen)]
 
 
 def curve_checks(parts: int, curves: int) -> Recorded:
     """Curves and flag at the ends of all parts of a step: flags that all are sound, and finite."""
     graph, row = inputs(parts * (curves + 1))
-    return graph, [both(graph, [flag(graph, one) for one in row[curves :: curves + 1]]), _finite(graph, row)]
+    return graph, [both(graph, [flag(graph, one) for one in row[curves :: curves + 1]]), finite_flag(graph, row)]
 
 
 def merged(method: Method) -> Recorded:

@@ -4,60 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import as_strided
 
 from rattle.trace import lane_methods as methods
 from rattle.trace.graph import Graph
+from rattle.trace.lane_aside import results
+from rattle.trace.lane_chain import Chain, Function, one_by_one
 from rattle.trace.lane_control import Stops, settle
 from rattle.trace.lane_methods import Method, Tolerances
 from rattle.trace.reductions import Energies, Ledger, Reduction
 
-# f(rows in (n_in, n), rows out (n_out, n)): column by column, for any n that is a multiple of 8 or of the width of a
-# tile; arrays are float64, do not overlap, and each row is without gaps, at any distance from the next
-Function = Callable[[np.ndarray, np.ndarray], None]
 Compile = Callable[[Graph, Sequence[Any]], Function]  # of a graph of exact operations
-Calls = Sequence[tuple[Function, np.ndarray, np.ndarray]]  # functions, each with its rows in and out
 EIGHT = 8  # functions take a multiple of so many columns
 
 
 def filled(count: int) -> np.ndarray:
     """(n,) places 0 ... count - 1 of columns, count >= 1; the last one is repeated up to a multiple of EIGHT."""
     return np.minimum(np.arange(-(-count // EIGHT) * EIGHT), count - 1)
-
-
-class Chain(Protocol):
-    """Makes one call of many functions in turn, on each tile of a memory (tiles, rows, n), so many times.
-
-    calls: with rows of the first tile; running: the row that is not 0 in lanes that still run.  A tile in which no lane
-    runs (any more) is left alone.
-    """
-
-    def __call__(self, calls: Calls, memory: np.ndarray, running: int, times: int) -> Callable[[], None]: ...
-
-
-def one_by_one(calls: Calls, memory: np.ndarray, running: int, times: int) -> Callable[[], None]:
-    """The chain that Python makes."""
-    tiles = [
-        [(f, _in_tile(memory, k, rows), _in_tile(memory, k, out)) for f, rows, out in calls] for k in range(len(memory))
-    ]
-
-    def call() -> None:
-        for tile, one in zip(tiles, memory, strict=True):
-            for _ in range(times):
-                if one[running].any():
-                    for function, rows, out in tile:
-                        function(rows, out)
-
-    return call
-
-
-def _in_tile(memory: np.ndarray, k: int, rows: np.ndarray) -> np.ndarray:
-    """Rows of tile k, from those of the first one."""
-    start = (rows.ctypes.data - memory.ctypes.data) // 8
-    return as_strided(memory.reshape(-1)[start + k * memory[0].size :], rows.shape, rows.strides)
 
 
 ENERGY_LIMIT = 1e-3  # share of the largest energy that may be unaccounted for
@@ -79,6 +44,8 @@ class Model(NamedTuple):
     project: Function  # y on the constraints (ny), flag
     outputs: Function  # curves [SI], flag
     energies: tuple[int, int, int, int, int] | None = None  # curves, see `Energies`; None: not checked
+    watch: Function | None = None  # as rate, then the curves of these numbers
+    watched: tuple[int, ...] = ()
 
 
 class Program:
@@ -102,18 +69,21 @@ class Program:
         self.chain, self.tiled = chain, tiled
         self.stops = np.array([*sorted(inner), t_end])
         energies = None if model.energies is None else Energies(model.energies, energy_limit)
-        self.ledger = ledger = Ledger(reductions, model.curves, self.stops.tolist(), method.samples, energies)
+        self.ledger = ledger = Ledger(
+            reductions, model.curves, self.stops.tolist(), method.samples, energies, model.watched
+        )
         counts, lengths = methods.segments(self.stops.tolist(), math.inf if method.adaptive else step)
         self.counts, self.lengths = np.array(counts, dtype=float), np.array(lengths)
-        later = range(method.stages + 1, len(method.a)) if ledger.sampled else range(0)
+        later = range(method.stages + 1, len(method.a)) if ledger.sampled or ledger.watched else range(0)
         self.later = tuple(later)  # stages for the dense output alone
-        self.evaluations = method.stages + len(self.later)  # of the right-hand side in a step
+        within = self.later if ledger.sampled else ()  # those of every step
+        self.evaluations = method.stages + len(within)  # of the right-hand side in a step
         self.stages = {s: compile(*methods.stage(method, s)) for s in (*range(1, method.stages), *later)}
         self.plan = compile(*methods.plan(method, t_end))
         self.end = compile(*methods.end(method, tolerances))
         self.judge = compile(*methods.judge(method, tolerances, model.ny, model.controlled, model.motion))
-        self.dense, self.inside = compile(*methods.dense(method, ledger.parts)), compile(*methods.inside(method))
-        self.checks = compile(*methods.checks(method, model.ny, self.later))
+        self.dense, self.inside = compile(*methods.dense(method, ledger.samples)), compile(*methods.inside(method))
+        self.checks = compile(*methods.checks(method, model.ny, within, len(ledger.watched)))
         self.curve_checks = compile(*methods.curve_checks(ledger.parts, model.curves))
         self.merged, self.copy_two = compile(*methods.merged(method)), compile(*methods.copied(2))
         self.copy, self.spread = compile(*methods.spread(1)), compile(*methods.spread(1 + model.ny))
@@ -123,3 +93,5 @@ class Program:
         self.start, self.close = compile(*ledger.start()), compile(*ledger.close())
         stops = Stops(self.stops.tolist(), [float(n) for n in counts], lengths)
         self.settle = compile(*settle(ledger, stops, method.adaptive, most_steps))
+        if ledger.watched:
+            self.aside = compile(*results(ledger, method, model.ny, self.later))

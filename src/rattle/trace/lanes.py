@@ -113,8 +113,8 @@ def _integrate(program: Program, work: _Work, width: int, stock_size: int, looks
                     break
             through = batch.step()
             if len(through):
-                status, steps, tries, values = batch.ended(through)
-                evaluations += program.evaluations * int(tries.sum())
+                status, steps, values, spent = batch.ended(through)
+                evaluations += spent
                 work.finish(batch.sample[through], status, steps, values[:, status == Status.DONE])
                 batch.sample[through] = -1
     work.spend(evaluations)

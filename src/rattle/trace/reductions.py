@@ -1,9 +1,10 @@
 """Numbers that sum up a curve over a run, gathered step by step while samples run side by side.
 
 A step gives samples of every curve at its ends and at equal parts of it.  Between them a curve counts as the polynomial
-through all of them: extremes are found on it by Newton's method, integrals by the closed formulas of Newton and Cotes
-(Abramowitz, Stegun, Handbook of Mathematical Functions (1964), 25.4.16).  A maximum that this polynomial sees and the
-parabola through the largest sample and its neighbours does not, as beside a kink, does not count.
+through all of them: extremes are found on it, see `peak`, and integrals by the closed formulas of Newton and Cotes
+(Abramowitz, Stegun, Handbook of Mathematical Functions (1964), 25.4.16).
+
+Where only extremes are asked for, the stages of a step show whether it can hold one; only such a step is sampled.
 """
 
 from __future__ import annotations
@@ -11,21 +12,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any, NamedTuple
 
 from rattle.trace.graph import Graph, select
-from rattle.trace.lane_methods import Recorded, inputs, largest, least, root, weighted
+from rattle.trace.lane_methods import Recorded, extremes, inputs, largest, least, root, weighted
+from rattle.trace.peak import peak
 
 COTES = {  # by number of parts: weights of the samples
     1: (1 / 2, 1 / 2),
     2: (1 / 6, 4 / 6, 1 / 6),
     6: tuple(w / 840 for w in (41, 216, 27, 272, 27, 216, 41)),
 }
-NEWTON = 3  # iterations from the largest sample: the place is good to 1e-4 of a part, the value to rounding
-STEEPEST = 2.0  # rise above the largest sample that counts, as a multiple of that of the parabola
 NEVER = 9.0  # share of a step at which a condition begins that does not begin in it
 AFTER = 1e-12  # rounding of energies, as a share of them
+MARGIN = 0.5  # by which a curve may be above what stages and ends show of it, as a share of its range there
 
 
 class Reduction(NamedTuple):
@@ -45,6 +45,7 @@ class Step(NamedTuple):
     lands: Any  # a flag: it does
     curves: list[list[Any]]  # (curves, samples)
     crossings: dict[int, tuple[Any, Any]]  # by condition: sum of shares where it begins less where it ends; first begin
+    seen: dict[int, tuple[Any, Any]]  # by watched curve: its least and largest value in the stages that see it
 
 
 # ---------------------------------------------------------------- trackers: rows that a step changes
@@ -63,6 +64,47 @@ class Highest:
     def step(self, held: Sequence[Any], step: Step) -> list[Any]:
         """Rows at the end of the step."""
         return [largest(held[0], peak([self.sign * x for x in step.curves[self.curve]]))]
+
+
+@dataclass(frozen=True)
+class Screened:
+    """The largest value of sign * curve at the ends of steps and inside of those that ask for samples; at ends alone.
+
+    Which steps ask follows from the ends alone, so it does not matter when the samples of a step come.
+    """
+
+    curve: int
+    sign: float
+    rows = 2
+
+    def start(self, curves: Sequence[Any]) -> list[Any]:
+        """Rows at t = 0."""
+        return 2 * [self.sign * curves[self.curve]]
+
+    def step(self, held: Sequence[Any], step: Step) -> list[Any]:
+        """Rows at the end of the step."""
+        end = self.sign * step.curves[self.curve][-1]
+        return [largest(one, end) for one in held]
+
+    def asks(self, new: Sequence[Any], step: Step) -> Any:
+        """A flag: inside of the step the curve may be above the largest value at the ends so far."""
+        low, high = extremes([self.sign * x for x in (*step.curves[self.curve], *step.seen[self.curve])])
+        return high + MARGIN * (high - low) > new[1]
+
+
+@dataclass(frozen=True)
+class Aside:
+    """The `Status` that samples inside of steps ended with, 0 if they are sound; number of the steps that asked."""
+
+    rows = 2
+
+    def start(self, curves: Sequence[Any]) -> list[Any]:
+        """Rows at t = 0."""
+        return [0.0, 0.0]
+
+    def step(self, held: Sequence[Any], step: Step) -> list[Any]:
+        """Rows at the end of the step, which does not ask."""
+        return list(held)
 
 
 @dataclass(frozen=True)
@@ -166,75 +208,14 @@ class Energies:
         return [kinetic, low, high, work, select(sound, 1.0, 0.0)]
 
 
-Tracker = Highest | Moment | Reading | Lasting | Beginning | Energies
-
-
-# ---------------------------------------------------------------- the polynomial through the samples of a step
-def _polynomial(x: Sequence[Any]) -> list[Any]:
-    """Coefficients of s, s^2, ... for s from -1 to 1 over the step, relative to the sample in the middle."""
-    half = len(x) // 2
-    nodes = [Fraction(j, half) for j in range(1, half + 1)]
-    coefficients: list[Any] = [None] * (2 * half)
-    for odd in (True, False):
-        inverse = _inverse([[s ** (2 * k + (1 if odd else 2)) for k in range(half)] for s in nodes])
-        parts = [
-            0.5 * (x[half + j] - x[half - j]) if odd else 0.5 * ((x[half + j] - x[half]) + (x[half - j] - x[half]))
-            for j in range(1, half + 1)
-        ]
-        for k in range(half):
-            coefficients[2 * k if odd else 2 * k + 1] = weighted([float(w) for w in inverse[k]], parts)
-    return coefficients
-
-
-def _inverse(a: list[list[Fraction]]) -> list[list[Fraction]]:
-    """The inverse of a small matrix, exactly."""
-    n = len(a)
-    rows = [[*row, *(Fraction(int(i == j)) for j in range(n))] for i, row in enumerate(a)]
-    for i in range(n):
-        rows[i] = [x / rows[i][i] for x in rows[i]]
-        for j in range(n):
-            if j != i:
-                rows[j] = [x - rows[j][i] * y for x, y in zip(rows[j], rows[i], strict=True)]
-    return [row[n:] for row in rows]
-
-
-def _horner(coefficients: Sequence[Any], s: Any) -> Any:
-    value = coefficients[-1]
-    for c in reversed(coefficients[:-1]):
-        value = value * s + c
-    return value
-
-
-def peak(x: Sequence[Any]) -> Any:
-    """The largest value of a curve in a step, from its samples."""
-    parts = len(x) - 1
-    if parts < 2:
-        return largest(*x)
-    best, start = x[0], -1.0
-    left, middle, right = x[:3]
-    for i in range(1, parts + 1):
-        above, c = x[i] > best, min(i, parts - 1)
-        best, start = select(above, x[i], best), select(above, 2.0 * i / parts - 1.0, start)
-        left, middle, right = (
-            select(above, new, old) for new, old in ((x[c - 1], left), (x[c], middle), (x[c + 1], right))
-        )
-    bend, slope = (left - middle) + (right - middle), 0.5 * (right - left)
-    within = (bend < 0.0) & (abs(slope) <= -bend)
-    usual = select(within, (middle - best) - 0.5 * slope * slope / bend, 0.0)
-    p = _polynomial(x)
-    first = [(k + 1.0) * c for k, c in enumerate(p)]
-    second = [(k + 1.0) * c for k, c in enumerate(first[1:])]
-    width, s = 2.0 / parts, start
-    low, high = largest(start - width, -1.0), least(start + width, 1.0)
-    for _ in range(NEWTON):
-        slope, bend = _horner(first, s), _horner(second, s)
-        s = select(bend < 0.0, least(largest(s - slope / bend, low), high), s)
-    rise = (x[parts // 2] - best) + s * _horner(p, s)
-    return best + largest(least(rise, STEEPEST * usual), 0.0)
+Tracker = Highest | Screened | Aside | Moment | Reading | Lasting | Beginning | Energies
 
 
 # ---------------------------------------------------------------- results from rows
-def _value(kind: str, curve: int, instant: int, rows: Callable[[Tracker], Sequence[Any]], t_end: float) -> Any:
+def _value(
+    kind: str, curve: int, instant: int, rows: Callable[[Tracker], Sequence[Any]], t_end: float,
+    highest: Callable[[int, float], Tracker],
+) -> Any:  # fmt: skip
     if kind in ("at", "final"):
         return rows(Reading(curve, instant))[0]
     if kind == "share":
@@ -243,7 +224,7 @@ def _value(kind: str, curve: int, instant: int, rows: Callable[[Tracker], Sequen
         return rows(Beginning(curve))[0]
     if kind in ("max", "min", "range"):
         high, low = (
-            (rows(Highest(curve, sign))[0] if kind in (name, "range") else 0.0)
+            (rows(highest(curve, sign))[0] if kind in (name, "range") else 0.0)
             for name, sign in (("max", 1.0), ("min", -1.0))
         )
         return high if kind == "max" else -low if kind == "min" else high + low
@@ -260,28 +241,45 @@ def _value(kind: str, curve: int, instant: int, rows: Callable[[Tracker], Sequen
 SAMPLED = ("max", "min", "range", "mean", "integral", "rms", "sd", "share", "first")  # need samples inside of steps
 KINDS = (*SAMPLED, "at", "final")
 CONDITIONS = ("share", "first")
+EXTREMES = ("max", "min", "range")
+MOST_EXTREMES = 6  # with more of them most steps can hold one, and it is faster to sample all
+
+
+def watched(reductions: Sequence[Reduction]) -> tuple[int, ...]:
+    """The curves that stages must show, so that only steps are sampled that can hold an extreme; () if all must be."""
+    sampled = [one for one in reductions if one.kind in SAMPLED]
+    extremes = sum(2 if one.kind == "range" else 1 for one in sampled)
+    if extremes > MOST_EXTREMES or any(one.kind not in EXTREMES for one in sampled):
+        return ()
+    return tuple(dict.fromkeys(one.curve for one in sampled))
 
 
 class Ledger:
     """The rows that a run gathers for its reductions, and the graphs that start, change and close them."""
 
     def __init__(
-        self, reductions: Sequence[Reduction], curves: int, stops: Sequence[float], parts: int,
-        energies: Energies | None,
+        self, reductions: Sequence[Reduction], curves: int, stops: Sequence[float], samples: int,
+        energies: Energies | None, shown: Sequence[int] = (),
     ) -> None:  # fmt: skip
-        """stops: instants at which steps end [s], the last one is the end; parts: of a step that end at samples."""
+        """stops: instants at which steps end [s], the last one is the end; samples: parts of a step that end at them;
+        shown: curves that stages show."""
         for one in reductions:
             if one.kind not in KINDS or not 0 <= one.curve < curves:
                 raise ValueError(f"{one}: a kind of {', '.join(KINDS)} and a curve below {curves} expected")
         self.reductions, self.curves, self.stops = tuple(reductions), curves, tuple(stops)
-        self.sampled = any(one.kind in SAMPLED for one in reductions)
-        self.parts = parts if self.sampled else 1
+        needed = watched(reductions)
+        screened = bool(needed) and set(needed) <= set(shown)
+        self.watched = tuple(shown) if screened else ()  # not empty: steps that ask are sampled, aside
+        self.sampled = any(one.kind in SAMPLED for one in reductions) and not self.watched  # every step
+        self.samples, self.parts = samples, samples if self.sampled else 1  # parts: of every step
         self.conditions = tuple(dict.fromkeys(one.curve for one in reductions if one.kind in CONDITIONS))
         self._places: dict[Tracker, int] = {}
         self.rows = 0
         for tracker in [energies] if energies is not None else []:
             self._place(tracker)
         self.sound_row = 4 if energies is not None else None
+        if self.watched:
+            self._place(Aside())
         self.close()  # asks for all others
 
     def _place(self, tracker: Tracker) -> int:
@@ -295,9 +293,27 @@ class Ledger:
         graph, given = inputs(self.curves + 1)
         return graph, [x for one in self._places for x in one.start(given)]
 
-    def advance(self, step: Step, held: Sequence[Any]) -> list[Any]:
-        """The rows at the end of a step, from those at its start."""
-        return [x for one, place in self._places.items() for x in one.step(held[place : place + one.rows], step)]
+    def advance(self, step: Step, held: Sequence[Any]) -> tuple[list[Any], Any]:
+        """The rows at the end of a step, from those at its start; a flag: it asks for samples."""
+        rows, asks = list(held), False
+        for one, place in self._places.items():
+            rows[place : place + one.rows] = new = one.step(held[place : place + one.rows], step)
+            if isinstance(one, Screened):
+                asks = asks | one.asks(new, step)
+        if self.watched:
+            count = self.aside_row + 1
+            rows[count] = held[count] + select(asks, 1.0, 0.0)
+        return rows, asks
+
+    @property
+    def screened(self) -> dict[Screened, int]:
+        """Largest values that samples inside of steps may raise, and their rows."""
+        return {one: place for one, place in self._places.items() if isinstance(one, Screened)}
+
+    @property
+    def aside_row(self) -> int:
+        """The first row of `Aside`."""
+        return self._places[Aside()]
 
     def close(self) -> Recorded:
         """Rows: the reductions."""
@@ -312,7 +328,10 @@ class Ledger:
 
         while len(symbols) < self.rows:
             symbols.append(graph.input())
-        values = [_value(one.kind, one.curve, self._instant(one), rows, self.stops[-1]) for one in self.reductions]
+        highest = Screened if self.watched else Highest
+        values = [
+            _value(one.kind, one.curve, self._instant(one), rows, self.stops[-1], highest) for one in self.reductions
+        ]
         return graph, values
 
     def _instant(self, one: Reduction) -> int:

@@ -12,6 +12,7 @@ from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.starts import Starts
 from rattle.language.syntax import Name, Node, Number, walk
 from rattle.results.reductions import Output, argument
+from rattle.trace import reductions
 from rattle.trace.elementary import lower
 from rattle.trace.hoist import hoist
 from rattle.trace.lane_program import Compile, Model, filled
@@ -90,13 +91,16 @@ def lane_model(
     nb, ny, graph = model.system.body_count, model.state_size, model.graph
     energies = [model.curves[f"energy.{key}"] for key in ENERGY]
     curves = [*asked.curves, *energies]
+    watched = reductions.watched(asked.reductions)
     parts = [model.derivative, model.projection, [*curves, model.sound_curves]]
+    if watched:
+        parts.append([*model.derivative, *(curves[n] for n in watched)])
     exact, every = lower(graph, [x for part in parts for x in part])
     early, prepared, late, outputs = hoist(exact, every, exact.inputs[1 + ny :])
     ends = np.cumsum([0, *map(len, parts)])
-    makers = (often, compile_function, often)
-    rate, project, row = (
-        make(late, outputs[a:b]) for make, (a, b) in zip(makers, itertools.pairwise(ends), strict=True)
+    makers = (often, compile_function, often, often)
+    rate, project, row, *watch = (
+        make(late, outputs[a:b]) for make, (a, b) in zip(makers, itertools.pairwise(ends), strict=False)
     )
     prepare = compile_function(early, prepared)
     energy = compile_function(*lower(graph, [energies[-1]]))
@@ -115,5 +119,5 @@ def lane_model(
     first = len(asked.curves)
     return Model(
         ny, len(prepared), len(curves), 6 * nb, tuple(range(6 * nb)), begin, rate, project, row,
-        (first, first + 1, first + 2, first + 3, first + 4),
+        (first, first + 1, first + 2, first + 3, first + 4), watch[0] if watch else None, watched,
     )  # fmt: skip

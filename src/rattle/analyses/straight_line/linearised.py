@@ -11,7 +11,8 @@ from rattle.errors import TraceError
 from rattle.trace.derivative import tangent
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, Symbol, bind
-from rattle.trace.lane_program import Compile, Function, filled
+from rattle.trace.lane_chain import Function
+from rattle.trace.lane_program import Compile, filled
 
 COMPARE = frozenset(("less", "at_most"))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from rattle.trace import llvm, llvm_chain
 from rattle.trace.graph import Graph
-from rattle.trace.lane_program import Calls, Function
+from rattle.trace.lane_chain import Aside, Calls, Function
 
 
 class MachineFunctions:
@@ -57,16 +58,43 @@ class MachineFunctions:
 
     def chain(self, calls: Calls, memory: np.ndarray, running: int, times: int) -> Callable[[], None]:
         """One call of many functions in turn, on every tile of a memory, so many times; see `Chain`."""
-        assert self._code is not None
-        addresses, start = self._code.addresses, memory.ctypes.data
-        table = np.array([(addresses[self._names[f]], *_offsets(start, *_places(a, b))) for f, a, b in calls], np.int64)
+        asides = [one for one in calls if isinstance(one, Aside)]
+        assert len(asides) <= 1
+        aside = self._aside(asides[0], memory) if asides else []
+        table = self._table(calls, memory, aside[0].ctypes.data if aside else 0)
         size, lanes = memory[0].size, memory.shape[2]
-        rest = size, len(memory), times, running * lanes, lanes
+        rest = size, len(memory), times, running * lanes, lanes, aside[0].ctypes.data if aside else None
 
-        def call() -> None:
+        def call(*_: Any, kept: Any = aside) -> None:
             self._calls["chain"](table.ctypes.data, table.size, memory.ctypes.data, *rest)
 
         return call
+
+    def _table(self, calls: Calls, memory: np.ndarray, aside: int) -> np.ndarray:
+        """Calls as `llvm_chain` reads them; aside: address of the one among them."""
+        assert self._code is not None
+        addresses, start = self._code.addresses, memory.ctypes.data
+        rows = [
+            (0, aside, 0, 0, 0, 0) if isinstance(one, Aside)
+            else (addresses[self._names[one[0]]], *_offsets(start, *_places(*one[1:])))
+            for one in calls
+        ]  # fmt: skip
+        return np.array(rows, np.int64)
+
+    def _aside(self, aside: Aside, memory: np.ndarray) -> list[np.ndarray]:
+        """An aside as `llvm_chain` reads it, and the calls that it points to."""
+        lanes, table = memory.shape[2], self._table(aside.calls, memory, 0)
+
+        def at(rows: np.ndarray) -> int:
+            assert rows.strides[-1] == 8
+            assert rows.ndim == 1 or rows.strides[0] == 8 * lanes
+            return rows.ctypes.data - memory.ctypes.data
+
+        head = [lanes, at(aside.asks), at(aside.lane), at(aside.taken), table.ctypes.data, table.size]
+        copies = [(at(source), at(target), len(source)) for source, target in aside.copies]
+        larger = [(at(found), at(held)) for found, held in aside.larger]
+        numbers = [*head, len(copies), len(larger), *itertools.chain(*copies, *larger)]
+        return [np.array(numbers, np.int64), table]
 
 
 def described(graph: Graph, outputs: Sequence[Any], width: int) -> tuple[Any, ...]:
