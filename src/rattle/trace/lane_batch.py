@@ -13,7 +13,19 @@ import numpy as np
 
 from rattle.trace.crossings import bracketed
 from rattle.trace.lane_chain import Aside, Call, Calls
-from rattle.trace.lane_control import CONTROL, FLAGS, RUNNING, STATUS, STEPS, TRIES, VERDICT, Status, report_rows
+from rattle.trace.lane_control import (
+    CONTROL,
+    FLAGS,
+    GOING_ON,
+    NUMBER,
+    RUNNING,
+    STATUS,
+    STEPS,
+    TRIES,
+    VERDICT,
+    Status,
+    report_rows,
+)
 from rattle.trace.lane_methods import PLAN, PLANNED
 from rattle.trace.lane_program import EIGHT, Program, filled
 from rattle.trace.lane_start import Stock
@@ -230,10 +242,23 @@ class Batch:
         self._put("curves", lanes, stock.curves[:, columns])
         self._put("rows", lanes, stock.rows[:, columns])
         control = np.zeros((len(CONTROL), k))
-        control[RUNNING], control[STATUS] = 1.0, -1.0
+        control[RUNNING], control[STATUS] = 1.0, GOING_ON
         plan = control[len(CONTROL) - len(PLAN) :]
         plan[1], plan[2], plan[5] = stock.ahead[columns], program.stops[0], program.counts[0]
         self._put("control", lanes, control)
+
+    def go_on(self, lanes: np.ndarray, stop: float) -> None:
+        """Let lanes that are through, at a stop of the program, go on to another one [s]; the step length is kept."""
+        control = self._lane("control", lanes)
+        control[RUNNING], control[STATUS], control[NUMBER] = 1.0, GOING_ON, 0.0
+        control[len(CONTROL) - len(PLAN) + PLAN.index("stop")] = stop
+        self._put("control", lanes, control)
+
+    def states(self, lanes: np.ndarray) -> np.ndarray:
+        """State y (ny, k) of lanes after their last step."""
+        blocks = self._all("blocks").reshape(len(self.memory), -1, self._block, self.tile)
+        found: np.ndarray = blocks[lanes // self.tile, 2, 1 : 1 + self.program.model.ny, lanes % self.tile].T
+        return found
 
     def step(self) -> np.ndarray:
         """Some steps of every lane, accepted or not.  Returns the lanes whose samples are through."""
