@@ -204,7 +204,10 @@ class Mechanism(WrittenModel):
     ) -> Lyapunov:
         """Largest Lyapunov exponent [1/s] with its uncertainty: it explains the horizon.
 
-        t_end: end of the run [s].  stretch: time between two rescalings of the perturbation [s].
+        From the exact variational equations where the model can be recorded, otherwise from two neighbouring runs
+        (contacts, loads written in Python, expressions that switch): `.how` says why.
+        t_end: end of the run [s].  stretch: time between two readings of the growth [s].  rtol: relative tolerance.
+        For all details see `rattle.studies.lyapunov.lyapunov`.
         """
         from rattle.studies.lyapunov import lyapunov
 

@@ -1,0 +1,104 @@
+"""Growth of a small difference between two neighbouring runs, rescaled after every stretch of time.
+
+Source: Benettin, Galgani, Strelcyn, Kolmogorov entropy and numerical experiments, Phys. Rev. A 14 (1976) 2338.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rattle.analyses.dynamics.methods import choose_stepper, new_run
+from rattle.analyses.dynamics.run import How
+from rattle.equations.motion import DONE, PAUSED
+from rattle.equations.state import state_layout
+from rattle.jit import layout as at
+from rattle.solvers import step_loop
+from rattle.solvers.contacts.contact_events import pass_on, remember_end
+from rattle.solvers.stepper import ATOL, EVENT_DRIVEN, FREE, usual_stepper
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+
+APART = 1e-7  # distance to which the second run is rescaled, positions in mechanism lengths
+LARGEST_GROWTH = 1e4  # of that distance in a stretch; above it the growth is not linear
+LATE = 6  # how often the end of a stretch is postponed if one of the two runs has just had an impact
+
+
+def growths(m: Mechanism, first: np.ndarray, weight: np.ndarray, times: np.ndarray, rtol: float) -> np.ndarray | None:
+    """(n,) natural logarithm of the growth of a difference in every stretch that ends at times (n,) [s].
+
+    None if the growth in a stretch is not linear.  first: (6 nb,) direction of the difference at the start, weighted.
+    weight: (6 nb,) of positions and rates in its size.  Raises ValueError if a run cannot go on.
+    """
+    span, length = float(times[-1]), float(times[0])
+    stepper, _ = choose_stepper(m.system, usual_stepper(FREE), None, span)
+    how = How(stepper, rtol, ATOL * rtol, None)
+    none = np.zeros(0)
+    one, two = (new_run(m.system, m.start, none, span, how) for _ in range(2))
+    for run in (one, two):
+        _must(run, run.begin(m.start.t))
+    two.workspace.state[: len(weight)] += APART / math.sqrt(len(weight)) * (first / weight)
+    _renew(one, two)
+    apart = _distance(one, two, weight)
+    growth = np.zeros(len(times))
+    for k, t in enumerate(times):
+        for late in range(LATE + 1):
+            for run in (one, two):
+                _go(run, t + late * length / 64.0)
+            now = _distance(one, two, weight)
+            if now < LARGEST_GROWTH * APART:
+                break
+            if late == LATE or stepper.leaf.loop != EVENT_DRIVEN:
+                return None
+        growth[k] = math.log(now / apart) if now > 0.0 < apart else 0.0
+        _renew(one, two, APART / now if now > 0.0 else 1.0)
+        apart = _distance(one, two, weight)
+    return growth
+
+
+def _distance(one: Any, two: Any, weight: np.ndarray) -> float:
+    n = len(weight)
+    return float(np.linalg.norm(weight * (two.workspace.state[:n] - one.workspace.state[:n])))
+
+
+def _renew(one: Any, two: Any, share: float = 1.0) -> None:
+    """Scale the distance of the second run by `share`, project it, and give it the contact memory of the first."""
+    t = float(one.clock[at.T])
+    y, other = one.workspace.state, two.workspace.state
+    layout = state_layout(one.system)
+    scaled = [layout.motion, layout.states]  # energies and impulses are those of `one`
+    kept = [y[part] + share * (other[part] - y[part]) for part in scaled]
+    other[:] = y
+    for part, values in zip(scaled, kept, strict=True):
+        other[part] = values
+    memory, old = one.workspace.contact_memory, two.workspace.contact_memory
+    both = (memory[:, at.CLOSED] == at.SHUT) & (old[:, at.CLOSED] == at.SHUT)
+    speed = np.where(both, memory[:, at.SPEED] + share * (old[:, at.SPEED] - memory[:, at.SPEED]), memory[:, at.SPEED])
+    old[:] = memory
+    old[:, at.SPEED] = speed
+    if one.stepper.leaf.loop == EVENT_DRIVEN:
+        two.workspace.mode[:] = one.workspace.mode
+        _must(two, two.begin(t))
+    else:
+        handle = two.workspace
+        step_loop.finish_step(handle, t, other, two.workspace.rate)
+        two.workspace.audit[at.STARTED] = 0.0  # energies are counted anew
+        remember_end(handle)
+        pass_on(handle)
+    two.clock[:] = one.clock
+
+
+def _go(run: Any, t: float) -> None:
+    status = PAUSED
+    while status == PAUSED:
+        status = run.advance(t, 2000)
+        run.tally[at.FOUND] = run.tally[at.EVENT_COUNT] = 0
+    _must(run, status)
+
+
+def _must(run: Any, status: int) -> None:
+    if status not in (PAUSED, DONE):
+        raise ValueError(f"{run.trouble(status)}; so there is no exponent")
