@@ -9,7 +9,7 @@ import rattle as rt
 from linkages import paper
 from rattle.analyses.statics.equilibria import static_problem
 from rattle.analyses.statics.exact_stiffness import exact_stiffness
-from rattle.analyses.statics.modes import _damping
+from rattle.analyses.statics.modes import Modes, _damping
 
 nojit = pytest.mark.nojit
 
@@ -150,6 +150,77 @@ def test_a_small_swing_has_the_frequency_of_its_mode():
     np.testing.assert_allclose(
         r["low.angle"] + math.pi / 2, tilt[5] * np.cos(found.omega[0] * t), atol=1e-6 * abs(tilt[5])
     )
+
+
+@nojit
+def test_an_upright_rod_with_drag_falls_slower():
+    drag = twist(0.9).replace("stiffness = 12", "stiffness = 0")
+    m = rt.loads(rods(drag, second=False))
+    found = m.modes(equilibrium=next(one for one in m.equilibrium() if not one.stable))
+    root = np.roots([1 / 3, 0.9, -9.81 / 2]).max()  # J s^2 + c s - m g l/2 = 0
+    assert found.growth[0] == pytest.approx(root, rel=1e-12)
+    assert found.damping[0] == 0.0
+
+
+def follower(push: float, damping: float = 0.0) -> Modes:
+    """Two rods of 1 m and 1 kg with hinges of 5 N m, pushed along the second one [N] (Ziegler's column)."""
+    hinges = "".join(
+        f"""
+[loads.hinge{n}]
+type = "torsion-spring"
+connect = ["{a}", "{b}"]
+stiffness = 5
+damping = {damping}
+free_angle = 0
+"""
+        for n, (a, b) in enumerate([("ground", "rod"), ("rod", "low")])
+    )
+    load = f"""
+[loads.push]
+type = "force"
+at = "low.B"
+force = ["-{push}*cos(low.angle)", "-{push}*sin(low.angle)"]
+"""
+    return rt.loads(rods(hinges + load, angles=(0.0, 0.0)).replace("gravity = [0, -9.81]", "gravity = [0, 0]")).modes()
+
+
+ROD_MASS = np.array([[4 / 3, 1 / 2], [1 / 2, 1 / 3]])  # two rods stretched out, by their angles
+
+
+@nojit
+def test_frequencies_under_a_follower_force_are_those_of_the_unsymmetric_stiffness():
+    found = follower(8.0)
+    stiffness = np.array([[10 - 8, -5 + 8], [-5, 5]])
+    squares = np.sort(np.linalg.eigvals(np.linalg.solve(ROD_MASS, stiffness)))
+    np.testing.assert_allclose(found.omega, np.sqrt(squares), rtol=1e-12)
+    even = np.sort(np.linalg.eigvals(np.linalg.solve(ROD_MASS, 0.5 * (stiffness + stiffness.T))))
+    assert not np.allclose(squares, even, rtol=0.05)
+
+
+@nojit
+def test_a_column_under_a_large_follower_force_flutters():
+    found = follower(18.0)
+    stiffness = np.array([[10 - 18, -5 + 18], [-5, 5]])
+    squares = np.linalg.eigvals(np.linalg.solve(ROD_MASS, stiffness))
+    assert abs(squares[0].imag) > 1.0
+    root = np.sqrt(-squares[0])  # exp(+-root t), and its conjugate
+    assert found.growth[0] == pytest.approx(abs(root.real), rel=1e-12)
+    assert math.isnan(found.omega[0])
+    assert found.omega[1] == pytest.approx(abs(root), rel=1e-12)
+    assert found.damping[1] == pytest.approx(abs(root.real) / abs(root), rel=1e-12)
+    assert "grows" in str(found)
+    assert np.isfinite(found.shapes).all()
+
+
+@nojit
+def test_weak_damping_of_unsymmetric_modes_is_that_of_all_equations_together():
+    d = 1e-4
+    found = follower(8.0, d)
+    stiffness, damping = np.array([[10 - 8, -5 + 8], [-5, 5]]), d * np.array([[2, -1], [-1, 1]])
+    system = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(ROD_MASS, np.hstack([stiffness, damping]))]])
+    roots = np.linalg.eigvals(system)
+    roots = roots[roots.imag > 0][np.argsort(roots[roots.imag > 0].imag)]
+    np.testing.assert_allclose(found.damping * found.omega, -roots.real, rtol=1e-6)  # of first order in d
 
 
 # ---------------------------------------------------------------- exact derivatives, and where there are none

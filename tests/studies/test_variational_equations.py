@@ -61,6 +61,7 @@ def neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(variational_equations, "growths", refuse)
 
 
+@pytest.mark.nojit
 @pytest.mark.parametrize("damping", [0.0, 3.0])
 def test_an_upright_rod_falls_at_the_root_of_its_equation(damping):
     # J s^2 + c s - m g l/2 = 0, J = 1/3 kg m^2.  What the first direction has of the other root dies away like
@@ -72,6 +73,7 @@ def test_an_upright_rod_falls_at_the_root_of_its_equation(damping):
     assert str(found).endswith("\nby exact variational equations")
 
 
+@pytest.mark.nojit
 def test_two_upright_rods_fall_at_the_larger_root_of_their_matrices():
     mass = np.array([[4 / 3, 1 / 2], [1 / 2, 1 / 3]])  # of small angles
     stiffness = G * np.diag([3 / 2, 1 / 2])
@@ -85,12 +87,14 @@ def test_two_upright_rods_fall_at_the_larger_root_of_their_matrices():
     )
 
 
+@pytest.mark.nojit
 def test_exponent_of_an_overdamped_oscillator_is_its_slow_root():
     found = oscillator("-25*mass.x - 26*mass.vx").lyapunov(40.0)  # (s + 1)(s + 25)
     assert found.exponent == pytest.approx(-1.0, rel=1e-13)
     assert found.uncertainty < 1e-13
 
 
+@pytest.mark.nojit
 def test_growth_is_that_of_the_linearised_equations_along_the_same_chaotic_motion():
     """Ueda's form of Duffing's equation, its variational equations written down apart from the package."""
 

@@ -31,6 +31,10 @@ if TYPE_CHECKING:
     from rattle.results.display import Picture
 
 FRAMES = 61
+EVEN = (
+    1e-6  # share of a stiffness by which it may be unsymmetric because of differences: frequencies change by its square
+)
+NEUTRAL = 1e-10  # share of the largest eigenvalue that counts as none
 
 
 @dataclass(repr=False)
@@ -39,7 +43,7 @@ class Modes:
 
     equilibrium: Equilibrium
     omega: np.ndarray  # (f,) natural circular frequencies [rad/s]; nan for an unstable mode (see growth)
-    growth: np.ndarray  # (f,) rate at which an unstable mode grows [1/s], 0 for stable modes
+    growth: np.ndarray  # (f,) rate at which an unstable mode grows, damping included [1/s], 0 for stable modes
     damping: np.ndarray  # (f,) damping ratio of the mode alone [-]
     shapes: np.ndarray  # (f, 3 nb) x, y, angle of every body [m, m, rad] at the largest displacement
     problem: StaticProblem = field(repr=False)
@@ -168,21 +172,46 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
         empty = np.zeros(0)
         return Modes(one, empty, empty, empty, np.zeros((0, len(one.q))), problem, note)
     h, c, how = _matrices(problem, one.q, null)
-    h = 0.5 * (h + h.T)
     mass = null.T @ (problem.system.arrays["mass"][1:].ravel()[:, None] * null)
-    lower = np.linalg.inv(np.linalg.cholesky(mass))
-    squares, vectors = np.linalg.eigh(lower @ h @ lower.T)
-    vectors = lower.T @ vectors
-    neutral = np.abs(squares) < 1e-10 * np.abs(squares).max(initial=0.0)
-    squares = np.where(neutral, 0.0, squares)
-    omega = np.sqrt(np.where(squares >= 0, squares, np.nan))
-    growth = np.sqrt(np.where(squares < 0, -squares, 0.0))
-    critical = np.where(omega > 0, 2 * omega, np.nan)
-    damping = np.einsum("ik,ij,jk->k", vectors, c, vectors) / critical
+    squares, vectors, left = _eigenvectors(h, mass)
+    omega, growth, damping = _oscillations(squares, np.einsum("ik,ij,jk->k", left, c, vectors))
+    if np.iscomplexobj(vectors):  # at the instant of the largest displacement
+        largest = vectors[np.abs(vectors).argmax(axis=0), range(len(g))]
+        vectors = np.real(vectors / largest)
     shapes = (null @ vectors).T
     largest = np.abs(shapes / problem.scale).max(axis=1, keepdims=True)
     shapes *= problem.system.size / largest
-    return Modes(one, omega, growth, np.nan_to_num(damping), shapes, problem, note, how)
+    return Modes(one, omega, growth, damping, shapes, problem, note, how)
+
+
+def _eigenvectors(h: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Eigenvalues mu (f,) [1/s^2] of h x = mu mass x by their real parts, right and left vectors in columns (f, f).
+
+    left^T mass right = 1.  Loads without a potential make h unsymmetric, and mu may be complex (flutter).
+    """
+    lower = np.linalg.inv(np.linalg.cholesky(mass))
+    if np.abs(h - h.T).max() <= EVEN * np.abs(h).max():
+        squares, vectors = np.linalg.eigh(lower @ (0.5 * (h + h.T)) @ lower.T)
+        inverse = vectors.T
+    else:
+        squares, vectors = np.linalg.eig(lower @ h @ lower.T)
+        order = np.argsort(squares.real, kind="stable")
+        squares, vectors = squares[order], vectors[:, order]
+        inverse = np.linalg.pinv(vectors)
+    squares[np.abs(squares) < NEUTRAL * np.abs(squares).max(initial=0.0)] = 0.0
+    return squares, lower.T @ vectors, lower.T @ inverse.T
+
+
+def _oscillations(squares: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """omega [rad/s], growth [1/s] and damping ratio (f,) of s^2 + c s + mu = 0, as in `Modes`; mu = squares (f,)."""
+    half, flutter = 0.5 * c, np.imag(squares) != 0.0
+    reach = np.sqrt(half * half - squares + 0j)
+    roots = np.where(np.imag(squares) < 0.0, -reach, reach) - half  # of a pair of modes one grows, the other decays
+    unstable = np.where(flutter, roots.real > 0.0, np.real(squares) < 0.0)
+    omega = np.where(unstable, np.nan, np.where(flutter, np.abs(roots), np.sqrt(np.abs(squares))))
+    loss = np.where(flutter, -roots, half).real
+    damping = np.divide(loss, omega, out=np.zeros(len(omega)), where=omega > 0.0)
+    return omega, np.where(unstable, roots.real, 0.0), damping
 
 
 def _matrices(problem: StaticProblem, q: np.ndarray, null: np.ndarray) -> tuple[np.ndarray, np.ndarray, str]:
