@@ -45,7 +45,7 @@ class Method(NamedTuple):
         return sorted(used | {0, self.stages})
 
 
-DOP853 = Method(12, A.tolist(), B.tolist(), (E3.tolist(), E5.tolist()), D.tolist(), 6, (5, 9, 10))
+DOP853 = Method(12, A.tolist(), B.tolist(), (E3.tolist(), E5.tolist()), D.tolist(), 6, (3, 5, 9, 10))
 RK4 = Method(4, ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0), ()), (1 / 6, 1 / 3, 1 / 3, 1 / 6), (), (), 2, (2,))
 
 
