@@ -19,13 +19,8 @@ from rattle.trace.graph import EXACT, ROUND, Graph, Symbol, copied, fold, select
 INF, NAN = math.inf, math.nan
 SPLIT = 134217729.0  # 2^27 + 1
 
-# pi/2 in parts of 33 bits: a whole number below 2^20 times one of them is exact
-HALF_PI = (
-    1.57079632673412561417e00,
-    6.07710050630396597660e-11,
-    2.02226624871116645580e-21,
-    8.47842766036889956997e-32,
-)
+# pi/2 in parts: a whole number below 2^20 times one of the first two, of 33 bits, is exact
+HALF_PI = (1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21)
 TWO_OVER_PI = 6.36619772367581382433e-01
 SIN = (
     -1.66666666666666324348e-01, 8.33333333332248946124e-03, -1.98412698298579493134e-04, 2.75573137070700676789e-06,
@@ -128,11 +123,11 @@ def _product(a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
 def _reduced(x: Any) -> tuple[Any, Any, Any]:
     """x = n pi/2 + r + s with |r| <= pi/4, s its rounding error: the remainder of n by 4, r, s."""
     n = _nearest(x * TWO_OVER_PI)
-    first = x - n * HALF_PI[0]  # exact
-    r, e1 = _two_sum(first, -(n * HALF_PI[1]))
-    r, e2 = _two_sum(r, -(n * HALF_PI[2]))
-    high, low = _two_sum(r, e1 + e2 - n * HALF_PI[3])
-    return n - 4.0 * _floor(n * 0.25), high, low
+    first, second = x - n * HALF_PI[0], n * HALF_PI[1]  # both exact
+    r = first - second
+    rest = ((first - r) - second) - n * HALF_PI[2]
+    high = r + rest
+    return n - 4.0 * _floor(n * 0.25), high, rest - (high - r)
 
 
 def _sine_and_cosine(x: Any) -> tuple[Any, Any, Any, Any, Any]:

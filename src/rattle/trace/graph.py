@@ -338,11 +338,30 @@ def _is(x: Any, value: float) -> bool:
     return not isinstance(x, Symbol) and x == value
 
 
+def _is_negative(x: Any) -> bool:
+    return type(x) is Symbol and x.op == "neg"
+
+
+def _without_signs(graph: Graph, op: str, a: Any, b: Any) -> Any:
+    """A product or quotient of which one or both are negated: the sign goes outwards, where a sum may take it."""
+    inner = [Symbol(graph, graph.operands[x.place][0]) if _is_negative(x) else x for x in (a, b)]
+    if _is_negative(a) and _is_negative(b):
+        return graph.apply(op, *inner)
+    if not isinstance(a, Symbol):
+        return graph.apply(op, -a, inner[1])
+    if not isinstance(b, Symbol):
+        return graph.apply(op, inner[0], -b)
+    return graph.apply("neg", graph.apply(op, *inner))
+
+
 def _simplify(graph: Graph, op: str, given: Sequence[Any]) -> Any:
     """The result where it takes no operation (or a simpler one), else None."""
     a, b = given[0], given[1] if len(given) > 1 else None
-    if op in ("mul", "div") and type(a) is Symbol and type(b) is Symbol:
-        return None
+    if op in ("mul", "div"):
+        if _is_negative(a) or _is_negative(b):
+            return _without_signs(graph, op, a, b)
+        if type(a) is Symbol and type(b) is Symbol:
+            return None
     if op == "add":
         if _is(a, 0.0):
             return b
