@@ -26,6 +26,7 @@ from versus_exudyn import END, REFERENCE, exudyn_fourbar
 AIMS = {1: "2", 4: "0.5", 8: "0.3"}  # of a right-hand side, as a share of C by hand
 REPEATED = 10_000  # calls per timing
 SAMPLES = 20_000
+CHECKED = 2000  # samples whose errors choose the tolerance
 ALLOWED = 4e-7  # error of the rocker angle at the end [rad]
 OUTPUTS = ["max(abs(O3.normal))", "max(abs(O4.normal))", "at(rocker.angle, 0.05)"]
 
@@ -111,13 +112,17 @@ def samples(count: int) -> dict[str, np.ndarray]:
 
 
 def loosest(mechanism: rt.Mechanism) -> float:
-    """The loosest tolerance from which on the angle of the paper's own four-bar is right within ALLOWED."""
-    found, own = 1e-10, {"M": [mechanism.parameters["M"]]}
-    for exponent in np.arange(10.0, 4.0, -0.25):
-        angle = mechanism.many(own, OUTPUTS[2:], END, rtol=10.0**-exponent)[OUTPUTS[2]][0]
-        if abs(angle - REFERENCE[1]) > ALLOWED:
+    """The loosest tolerance from which on the angle is right within ALLOWED: of the paper's own four-bar, and of 99 of
+    100 samples, against runs with 1e-12; some are near chaotic and differ more."""
+    found, own, some = 1e-10, {"M": [mechanism.parameters["M"]]}, samples(CHECKED)
+    angles = partial(mechanism.many, outputs=OUTPUTS[2:], t_end=END)
+    true = angles(some, rtol=1e-12, atol=1e-13).values[0]
+    for exponent in np.arange(9.0, 4.0, -0.25):
+        rtol = 10.0**-exponent
+        errors = np.abs(angles(some, rtol=rtol).values[0] - true)
+        if max(abs(angles(own, rtol=rtol).values[0, 0] - REFERENCE[1]), np.quantile(errors, 0.99)) > ALLOWED:
             break
-        found = 10.0**-exponent
+        found = rtol
     return found
 
 
