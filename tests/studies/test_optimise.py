@@ -1,6 +1,8 @@
 """Searches find known optima, keep bounds and constraints, survive bad designs, and say what they did."""
 
 import math
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -135,6 +137,27 @@ def test_no_design_meets_the_constraints():
     assert not o.feasible
     assert not o.success
     assert "NO DESIGN MEETS ALL CONSTRAINTS" in o.report
+    assert re.search("min.block.x. >= 0.6: missed by .* m", o.report)
+    assert "min(block.x) >= 0.6" not in o.active
+    assert "loosened" not in o.report
+
+
+@pytest.mark.parametrize("objective", ["(final(block.x) - 0.3)**2", "rms(block.x - ref)"])
+def test_a_search_from_a_perfect_design_confirms_it(objective):
+    """What is left is rounding, of which no share can agree; k = 9 has the reference as its motion."""
+    m = rt.loads(SPRING.replace("[ground.points]", '[signals]\nref = "0.5*cos(3*t)"\n[ground.points]'))
+    perfect = m.set(k=K if "final" in objective else 9.0)
+    again = perfect.optimise(objective, {"k": (5, 20)}, t_end=T, starts=1)
+    assert again.success, again.report
+    assert again.values["k"] == pytest.approx(perfect.parameters["k"], rel=1e-8)
+
+
+def test_a_finer_run_that_misses_by_more_than_errors_confirms_nothing():
+    """From a perfect design, whose objective has no size of its own: a miss of 10 nm is no error of a run."""
+    perfect = rt.loads(SPRING).set(k=K)
+    o = perfect.optimise("(final(block.x) - 0.3)**2", {"k": (5, 20)}, t_end=T, starts=1)
+    assert o.confirmed
+    assert not replace(o, check=replace(o.check, numbers=np.array([1e-16]))).confirmed
 
 
 def test_the_same_seed_gives_the_same_answer():
@@ -300,6 +323,7 @@ def test_what_is_no_sum_of_squares_is_not_taken_for_one(text):
         ({"vary": {"k": ("5 mm", "20 mm")}}, ValueError, "is a length"),
         ({"vary": {"k": ("soft", 20)}}, ValueError, "is not a value"),
         ({"vary": {"k": (math.nan, 20)}}, ValueError, "finite"),
+        ({"vary": {3: (5, 20)}}, TypeError, "names of parameters, got 3"),
         ({"vary": {}}, ValueError, "parameters with their bounds"),
         ({"vary": {"kk": (5, 20)}}, UnknownName, "no parameter 'kk'.*'k'"),
         ({"minimise": "final(blok.x)"}, ModelError, "did you mean 'block.x'"),

@@ -25,7 +25,7 @@ from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.solvers.stepper import ATOL
 from rattle.studies.optimise.question import RTOL, Question
-from rattle.studies.optimise.squares import Square, squares
+from rattle.studies.optimise.squares import Square, is_root, squares
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 STEP = 1e-5  # of differences of an output, as a share of the range of a parameter
 RUN_STEP = {"simulate": 1e-4}  # of differences of whole runs, whose errors are larger
 RUN_STEP_DRIVEN = 1e-6  # the same for driven positions, exact to rounding
+DOUBT = 1e-8  # errors of parts of a sum of squares, as a share of their changes over the ranges, at most
 LONGEST = 100  # characters of a reason
 REMEMBERED = 8  # designs whose runs are kept
 Numbers = Callable[[Result, Mapping[str, float], Result | None], Any]  # of a run, its parameters, the run without play
@@ -146,6 +147,14 @@ class Designs:
                 np.concatenate([one.slope(x, dx) for one, x, dx in pairs]),
             )
         return design.parts
+
+    def doubt(self, design: Design) -> float:
+        """A sum of squares, or its root, below which it is as good as zero: its parts are errors of runs; else 0."""
+        try:
+            size = float(np.linalg.norm(self.parts(design)[1])) if self.squares else 0.0
+        except LostError:
+            return 0.0
+        return DOUBT * size if is_root(self.question.objective) else (DOUBT * size) ** 2
 
     def residuals(self, design: Design) -> np.ndarray:
         """Parts r (n,) of the sum of squares."""

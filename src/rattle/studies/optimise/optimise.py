@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -105,7 +106,7 @@ def _search(asked: Question, number: int, found: Found | None) -> Search:
 def _optimum(designs: Designs, best: Found, searches: list[Search], interrupted: bool) -> Optimum:
     asked = designs.question
     made = _written(asked, best.best)
-    confirmed = _checked(asked, made)
+    confirmed = replace(_checked(asked, made), doubt=designs.doubt(best.best))
     return Optimum(
         question=asked, mechanism=made, numbers=best.best.numbers, held=held(designs, best), searches=tuple(searches),
         feasible=best.missed(best.best) <= MET, check=confirmed, runs=designs.runs, derived=designs.derived,
@@ -140,12 +141,14 @@ class _Bar:
     def __init__(self, total: int) -> None:
         from tqdm import tqdm
 
-        self._bar, self._runs, self._best = tqdm(total=total, desc="optimise", unit="start"), 0, ""
+        self._bar = tqdm(total=total, desc="optimise", unit="start", delay=1.0, miniters=0)
+        self._runs, self._best = 0, ""
 
     def run(self) -> None:
         """One more run."""
         self._runs += 1
-        self._bar.set_postfix_str(f"{self._runs} runs{self._best}")
+        self._bar.set_postfix_str(f"{self._runs} runs{self._best}", refresh=False)
+        self._bar.update(0)
 
     def search(self, best: Found, asked: Question) -> None:
         """One more search."""

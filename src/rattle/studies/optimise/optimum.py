@@ -45,6 +45,7 @@ class Check:
 
     numbers: np.ndarray  # (1 + m,) [SI]
     message: str
+    doubt: float = 0.0  # an objective below this is as good as zero [SI]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -93,9 +94,10 @@ class Optimum:
 
     @property
     def confirmed(self) -> bool:
-        """True if the check agrees with the objective, within 1e-6 of it or of the change, and the constraints hold."""
+        """True if the check agrees on the objective within 1e-6 of it or of the change, or errors alone are left."""
         change = abs(self.value - self.searches[0].begun_value)
-        close = abs(self.check.numbers[0] - self.value) <= AGREES * max(abs(self.value), change)
+        enough = max(AGREES * abs(self.value), AGREES * change, self.check.doubt)
+        close = abs(self.check.numbers[0] - self.value) <= enough
         return bool(close and not self.check.message)
 
     @property
@@ -139,7 +141,7 @@ class Optimum:
             said.append(f"at its bound: {', '.join(bounds)}")
         if held is None:
             said.append("no derivatives at the optimum: what holds it there is not known")
-        elif not self.squares or self.value > 0.0:
+        elif self.feasible and (not self.squares or self.value > 0.0):
             said.append(f"what is left of the gradient: {self._number(held.left)} per 1 % of the ranges")
         if not self.feasible:
             said.append("NO DESIGN MEETS ALL CONSTRAINTS: this one misses them least")

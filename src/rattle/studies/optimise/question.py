@@ -13,7 +13,7 @@ from rattle.analyses import arguments
 from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.straight_line.recorded_model import require_parameters
 from rattle.errors import ModelError, suggest
-from rattle.language.syntax import names
+from rattle.language.syntax import Number, names
 from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
 from rattle.results.reductions import Constraint, Known, Output, argument, needed_instants, read, read_constraint
 from rattle.results.result import Result
@@ -161,7 +161,7 @@ def question(
     return asked, asked.run(m)
 
 
-_NOTHING = Output("", (), None, None, "", frozenset(), frozenset())  # type: ignore[arg-type]  # until it is read
+_NOTHING = Output("", (), Number(0.0, 0), None, "", frozenset(), frozenset())  # until the objective is read
 
 
 def _nearest(times: np.ndarray, others: np.ndarray) -> np.ndarray:
@@ -175,7 +175,7 @@ def _nearest(times: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def _listed(subject_to: Sequence[str]) -> Sequence[str]:
-    return (subject_to,) if isinstance(subject_to, str) else tuple(subject_to)
+    return (subject_to,) if isinstance(subject_to, str) else tuple(subject_to or ())
 
 
 def _read(reader: Any, text: str, known: Known, analysis: str) -> Any:
@@ -192,6 +192,9 @@ def _bounds(m: Mechanism, vary: Mapping[str, Sequence[Bound]]) -> tuple[tuple[st
     """Names (k,) and bounds (k,) [SI].  Raises ValueError, TypeError, UnknownName."""
     if not isinstance(vary, Mapping) or not vary:
         raise ValueError('vary: expected parameters with their bounds such as {"l2": (0.5, 0.8)}')
+    bad = [name for name in vary if not isinstance(name, str)]
+    if bad:
+        raise TypeError(f"vary: expected names of parameters, got {bad[0]!r:.60}")
     require_parameters(m.system, list(vary))
     pairs = []
     for name, given in vary.items():

@@ -68,9 +68,9 @@ def search(designs: Designs, begin: Design) -> Found:
     except LostError as error:
         found.message = f"the search ended early: {error}"
     slope = _slope(designs, found)
-    if slope <= LEVEL:
+    if slope <= LEVEL or found.best.numbers[0] <= designs.doubt(found.best):
         found.message = ""
-    elif slope > STEEP and not found.message:
+    elif slope > STEEP and not found.message and found.missed(found.best) <= MET:
         found.message = "no step gains anything, yet the gradient is not zero: the objective jumps or has a kink there"
     return found
 
@@ -200,7 +200,9 @@ def _one_round(designs: Designs, found: Found) -> None:
 class Held:
     """Constraints and bounds that are active, and what they are worth."""
 
-    constraints: dict[int, float]  # place of an active constraint: change of the objective per unit of its margin [SI]
+    constraints: dict[
+        int, float
+    ]  # place of a constraint that is active and met: change of the objective per unit of its margin [SI]
     low: tuple[int, ...]  # places of parameters at their lower, and at their upper bound
     high: tuple[int, ...]
     left: float  # what is left of the gradient: change of the objective per 1 % of the ranges, to first order
@@ -215,7 +217,8 @@ def held(designs: Designs, found: Found) -> Held | None:
 
     design = designs.at(found.best.x)
     low, high = np.flatnonzero(design.x <= ACTIVE), np.flatnonzero(design.x >= 1.0 - ACTIVE)
-    active = np.flatnonzero(design.numbers[1:] <= ACTIVE * found.scale)
+    margins = design.numbers[1:]
+    active = np.flatnonzero((margins <= ACTIVE * found.scale) & (margins >= -MET * found.scale))
     try:
         slopes = designs.slopes(design)
     except LostError:

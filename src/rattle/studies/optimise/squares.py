@@ -61,10 +61,15 @@ class Square:
 
 def squares(objective: Output) -> list[Square] | None:
     """The parts of an objective; None if it is not a sum of squares."""
-    outer = objective.outer
-    if isinstance(outer, Name) and (one := _reduction(objective, outer)) is not None and one.kind == "rms":
-        return [Square(_only(objective, one), 1.0, "curve")]
-    return _sum(objective, outer, 1.0)
+    if is_root(objective):
+        return [Square(_only(objective, objective.reductions[0]), 1.0, "curve")]
+    return _sum(objective, objective.outer, 1.0)
+
+
+def is_root(objective: Output) -> bool:
+    """True for the root of a sum of squares: an objective rms(x)."""
+    one = _reduction(objective, objective.outer) if isinstance(objective.outer, Name) else None
+    return one is not None and one.kind == "rms"
 
 
 def _reduction(output: Output, name: Name) -> Reduction | None:
