@@ -7,6 +7,7 @@ import pytest
 
 import rattle as rt
 from rattle.analyses.straight_line.machine_code import MachineFunctions
+from rattle.trace.copying import replaced
 from rattle.trace.elementary import lower
 from rattle.trace.graph import NUMPY, Graph
 from rattle.trace.lane_batch import Batch
@@ -108,8 +109,11 @@ def pendulum(damping=0.0):
     )  # fmt: skip
 
 
-def circle():
-    """A point on a circle of radius r with constant speed v; parameters r, v."""
+def circle(together=False):
+    """A point on a circle of radius r with constant speed v; parameters r, v.
+
+    together: one function projects and computes slopes and curves there.
+    """
     graph = Graph()
     _, x, y, vx, vy, r = (graph.input() for _ in range(6))
     pull = -(vx * vx + vy * vy) / (r * r)
@@ -120,11 +124,13 @@ def circle():
         zero = 0.0 * p[0]
         return np.array([p[0], zero, zero, p[1]]), p[:1], p[0] > 0.0
 
+    rate, shown = [vx, vy, pull * x, pull * y, 1.0], [x, size - r, x * vx + y * vy, 1.0]
+    closed = [x * r / size, y * r / size, vx - along * x, vy - along * y, 1.0]
+    there = replaced(graph, [*rate, *shown], dict(zip(graph.inputs[1:], closed[:-1], strict=False)))
     return Model(
         ny=4, nc=1, curves=3, motion=4, controlled=(0, 1, 2, 3), begin=begin,
-        rate=lowered(graph, [vx, vy, pull * x, pull * y, 1.0]),
-        project=lowered(graph, [x * r / size, y * r / size, vx - along * x, vy - along * y, 1.0]),
-        outputs=lowered(graph, [x, size - r, x * vx + y * vy, 1.0]),
+        rate=lowered(graph, rate), project=None if together else lowered(graph, closed), outputs=lowered(graph, shown),
+        arrive=lowered(graph, [*closed, *there]) if together else None,
     )  # fmt: skip
 
 
@@ -253,6 +259,16 @@ def test_steps_end_on_the_constraint(method):
     assert np.abs(x - r * np.cos(v / r * T)).max() < 1e-7
     assert np.abs(off).max() < 1e-15
     assert np.abs(turning).max() < 1e-14
+
+
+@pytest.mark.parametrize("method", [DOP853, RK4])
+def test_the_end_of_a_step_has_the_same_bits_from_one_function(method):
+    """Of projection, slopes and curves, as from one after the other."""
+    parameters = np.array([[0.5, 1.0, 2.0], [1.0, 2.0, 3.0]])
+    kinds = [*(Reduction("final", n) for n in range(3)), Reduction("max", 0), Reduction("mean", 0)]
+    settings = {"step": 1e-2, "tolerances": Tolerances(1e-6, 1e-8)}
+    one, other = (values(circle(together), kinds, parameters, method, **settings) for together in (False, True))
+    assert (one == other).all()
 
 
 def recorded(model, names):

@@ -30,8 +30,8 @@ from rattle.results.reductions import Known, Output, needed_instants, read
 from rattle.results.result import UnknownName
 from rattle.solvers.stepper import ATOL, FREE, LONGEST, usual_stepper
 from rattle.trace import lane_methods, lanes
+from rattle.trace.copying import bind
 from rattle.trace.elementary import lower
-from rattle.trace.graph import bind
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import Program
 

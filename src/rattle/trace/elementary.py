@@ -14,7 +14,8 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rattle.trace.graph import EXACT, ROUND, Graph, Symbol, copied, fold, select
+from rattle.trace.copying import copied
+from rattle.trace.graph import EXACT, ROUND, Graph, Symbol, fold, select
 
 INF, NAN = math.inf, math.nan
 SPLIT = 134217729.0  # 2^27 + 1

@@ -68,7 +68,7 @@ def _laid_out(program: Program) -> _Rows:
         ("good", 1), ("asks", 1), ("next", curves + held + control),
         # end, step, y, slopes: blocks of t, y, a flag and watched curves; seen flat, a block is one row of components
         ("blocks", (3 + slopes) * block),
-        ("merged", 2 * wide),
+        ("merged", 2 * wide), ("arrived", 2 * wide + curves if model.project is None else 0),
         # share of the step, y, dense output, states between parts
         ("inside", inside if ledger.sampled else 0),
     ):  # fmt: skip
@@ -152,26 +152,48 @@ class Batch:
 
     def _calculation(self) -> list[Call]:
         """What a step takes: stages, end, projection, curves; slopes and flags go to the blocks."""
-        program, model, stages, copy = self.program, self.program.model, self.program.method.stages, self.program.copy
-        blocks, wide, state, moved = self._blocks(), 1 + self.program.model.ny, self._first("state"), self._moved()
+        program, stages, copy, wide = (
+            self.program,
+            self.program.method.stages,
+            self.program.copy,
+            self._wide // self.tile,
+        )
+        blocks, state, moved = self._blocks(), self._first("state"), self._moved()
         flat, squares, planned = self._flat("blocks", len(blocks)), self._flat_squares(), self._first("planned")
-        last = self._first("later")[-(model.curves + 1) :]
         judged = self.memory[0, self.rows.span("errors", "planned")]
         calls: list[Call] = [
             (program.plan, self._first("control")[-len(PLAN) :], planned),
             (program.spread, planned[:1], blocks[1, :wide]),
             *(call for s in range(1, stages) for call in self._stage(s)),
             (program.end, flat[1 : 3 + stages], squares), (program.judge, judged, self._first("verdict")),
-            (copy, squares[:1], moved), (copy, planned[1:2], state[:1]),
-            (model.project, state, blocks[0, 1 : 1 + wide]),
-            (copy, planned[1:2], blocks[0, :1]), (copy, flat[:1], moved),
-            (model.rate, state, blocks[3 + stages, 1 : 1 + wide]), (model.outputs, state, last),
+            (copy, squares[:1], moved), (copy, planned[1:2], state[:1]), *self._arrival(),
         ]  # fmt: skip
         if program.ledger.sampled:
             calls += self._samples()
         return [
             *calls, (program.checks, self._first("blocks"), self.memory[0, self.rows.span("flags", "seen")]),
             (program.curve_checks, self._first("later"), self._first("curve flags")),
+        ]  # fmt: skip
+
+    def _arrival(self) -> list[Call]:
+        """The end of the step, its slopes and its curves, from the state before it is projected."""
+        program, model, copy, blocks = self.program, self.program.model, self.program.copy, self._blocks()
+        state, time, wide = self._first("state"), self._first("planned")[1:2], 1 + model.ny
+        ends = blocks[0, 1 : 1 + wide], blocks[3 + program.method.stages, 1 : 1 + wide]
+        last = self._first("later")[-(model.curves + 1) :]
+        if model.project is not None:
+            flat = self._flat("blocks", len(blocks))
+            return [
+                (model.project, state, ends[0]), (copy, time, blocks[0, :1]), (copy, flat[:1], self._moved()),
+                (model.rate, state, ends[1]), (model.outputs, state, last),
+            ]  # fmt: skip
+        assert model.arrive is not None
+        arrived, one = self._first("arrived"), (1, -1)
+        parts = arrived[:wide], arrived[wide : 2 * wide], arrived[2 * wide :]
+        targets = zip(parts, (*ends, last), strict=True)
+        return [
+            (model.arrive, state, arrived), (copy, time, blocks[0, :1]),
+            *((copy, rows.reshape(one), target.reshape(one)) for rows, target in targets),
         ]  # fmt: skip
 
     def _samples(self, aside: str = "") -> list[Call]:

@@ -41,11 +41,12 @@ class Model(NamedTuple):
     begin: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
     # parameters (np, k) -> y at t = 0 (ny, k), constants (nc, k), it is sound (k,)
     rate: Function  # dy/dt (ny), flag: computed on sound assumptions
-    project: Function  # y on the constraints (ny), flag
+    project: Function | None  # y on the constraints (ny), flag; None where `arrive` is given
     outputs: Function  # curves [SI], flag
     energies: tuple[int, int, int, int, int] | None = None  # curves, see `Energies`; None: not checked
     watch: Function | None = None  # as rate, then the curves of these numbers
     watched: tuple[int, ...] = ()
+    arrive: Function | None = None  # project, then rate and outputs of the state that it gives, which share operations
 
 
 class Program:

@@ -13,6 +13,7 @@ from rattle.analyses.straight_line.starts import Starts
 from rattle.language.syntax import Name, Node, Number, walk
 from rattle.results.reductions import Output, argument
 from rattle.trace import reductions
+from rattle.trace.copying import replaced
 from rattle.trace.elementary import lower
 from rattle.trace.hoist import hoist
 from rattle.trace.lane_program import Compile, Model, filled
@@ -92,14 +93,15 @@ def lane_model(
     energies = [model.curves[f"energy.{key}"] for key in ENERGY]
     curves = [*asked.curves, *energies]
     watched = reductions.watched(asked.reductions)
-    parts = [model.derivative, model.projection, [*curves, model.sound_curves]]
-    if watched:
-        parts.append([*model.derivative, *(curves[n] for n in watched)])
-    exact, every = lower(graph, [x for part in parts for x in part])
-    early, prepared, late, outputs = hoist(exact, every, exact.inputs[1 + ny :])
+    size = [ny + 1, ny + 1, len(curves) + 1]
+    exact, every = lower(graph, [*model.derivative, *model.projection, *curves, model.sound_curves])
+    rates, closed, rows = (every[sum(size[:n]) : sum(size[: n + 1])] for n in range(3))
+    there = replaced(exact, [*rates, *rows], dict(zip(exact.inputs[1:], closed[:-1], strict=False)))
+    parts = [rates, [*closed, *there], rows, *([[*rates, *(rows[n] for n in watched)]] if watched else [])]
+    early, prepared, late, outputs = hoist(exact, [x for part in parts for x in part], exact.inputs[1 + ny :])
     ends = np.cumsum([0, *map(len, parts)])
     makers = (often, compile_function, often, often)
-    rate, project, row, *watch = (
+    rate, arrive, row, *watch = (
         make(late, outputs[a:b]) for make, (a, b) in zip(makers, itertools.pairwise(ends), strict=False)
     )
     prepare = compile_function(early, prepared)
@@ -118,6 +120,6 @@ def lane_model(
 
     first = len(asked.curves)
     return Model(
-        ny, len(prepared), len(curves), 6 * nb, tuple(range(6 * nb)), begin, rate, project, row,
-        (first, first + 1, first + 2, first + 3, first + 4), watch[0] if watch else None, watched,
+        ny, len(prepared), len(curves), 6 * nb, tuple(range(6 * nb)), begin, rate, None, row,
+        (first, first + 1, first + 2, first + 3, first + 4), watch[0] if watch else None, watched, arrive,
     )  # fmt: skip

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from rattle.errors import TraceError
+from rattle.trace.copying import bind
 from rattle.trace.derivative import tangent
 from rattle.trace.elementary import lower
-from rattle.trace.graph import Graph, Symbol, bind
+from rattle.trace.graph import Graph, Symbol
 from rattle.trace.lane_chain import Function
 from rattle.trace.lane_program import Compile, filled
 

@@ -19,9 +19,10 @@ import numpy as np
 
 from rattle.analyses.straight_line.lane_model import ENERGY
 from rattle.analyses.straight_line.recorded_model import RecordedModel
+from rattle.trace.copying import bind
 from rattle.trace.derivative import tangent
 from rattle.trace.elementary import lower
-from rattle.trace.graph import Graph, Symbol, bind
+from rattle.trace.graph import Graph, Symbol
 from rattle.trace.lane_methods import total
 from rattle.trace.lane_program import EIGHT, Compile, Model
 
