@@ -138,10 +138,10 @@ def scaled(t, y):
 
 
 def dispatcher(folder):
-    from rattle.jit.compiling import compiler
+    from rattle.jit.compiling import plain
 
-    with compiler.lock:
-        return compiler.whole(scaled, ("f", "f", "f"), CodeCache(scaled, lambda: folder))
+    with plain.lock:
+        return plain.whole(scaled, ("f", "f", "f"), CodeCache(scaled, lambda: folder))
 
 
 def flip(content):

@@ -86,7 +86,7 @@ def test_what_stops_the_compiler_on_the_way_stops_the_call_and_nothing_else(monk
     def first(x):
         return middle(x) + 0.5
 
-    def stopped(self, compiling):
+    def stopped(self):
         raise error
 
     functions.start()

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from rattle.equations.closure import place_only
 from rattle.equations.motion import constraints, loads
 from rattle.jit import layout as at
 from rattle.jit.functions import native
+
+# K from differences of the force: places [steps] and factors [1/12 per step] of fourth order, [1/2 per step] of second
+SHIFTS, FACTORS = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([-1.0, 8.0, -8.0, 1.0])
+TWO_SHIFTS, TWO_FACTORS = np.array([-1.0, 1.0]), np.array([1.0, -1.0])
 
 
 @native("void", "h", "f", "v", "v")
@@ -42,9 +48,8 @@ def stiffness(m, t, q, step, out, result):
         for r in range(q.shape[0]):
             result[r, c] = 0.0
         for n in range(4):
-            shift = (-2.0, -1.0, 1.0, 2.0)[n]
-            factor = (-1.0, 8.0, -8.0, 1.0)[n] / (12.0 * step[c])
-            q[c] = spot + shift * step[c]
+            factor = FACTORS[n] / (12.0 * step[c])
+            q[c] = spot + SHIFTS[n] * step[c]
             force_at(m, t, q, out)
             for r in range(q.shape[0]):
                 result[r, c] += factor * out[r]

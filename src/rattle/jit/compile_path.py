@@ -1,8 +1,8 @@
-"""Which of two ways functions are compiled: the fast one, or the plain one, which works with any version of Numba.
+"""Which of two ways functions are compiled: the fast one, or the plain one.
 
-The fast way (`compiler`, `blocks`) uses internals of Numba, so it is taken only for versions with which it is known to
-work, and after a small check.  The plain way (`plain`) uses documented functions of Numba: compiling takes several
-times as long, the numbers are the same.  RATTLE_JIT=plain or RATTLE_JIT=fast in the environment selects one.
+On the fast way our own `translation` and LLVM compile them, after a small check; Numba is imported only for laws that a
+user has written in Python.  On the plain way Numba compiles all of them, which takes many times as long; the numbers are
+the same.  RATTLE_JIT=plain or RATTLE_JIT=fast in the environment selects one.
 """
 
 from __future__ import annotations
@@ -11,17 +11,6 @@ import os
 from functools import cache
 from importlib.metadata import version
 from typing import NamedTuple
-
-KNOWN = (
-    "0.61",
-    "0.62",
-    "0.63",
-    "0.64",
-    "0.65",
-    "0.66",
-    "0.67",
-    "0.68",
-)  # more are added when the tests pass
 
 
 class Choice(NamedTuple):
@@ -32,19 +21,12 @@ class Choice(NamedTuple):
 
 
 @cache
-def _by_version() -> Choice:
-    """The way by environment and version of Numba.  Raises ValueError for an unknown way."""
+def _by_environment() -> Choice:
+    """The way that the environment asks for.  Raises ValueError for an unknown one."""
     wanted = os.environ.get("RATTLE_JIT", "")
     if wanted not in ("", "fast", "plain"):
         raise ValueError(f"RATTLE_JIT is '{wanted}'; expected fast or plain, or nothing")
-    number = version("numba")
-    if wanted == "plain":
-        return Choice(False, "RATTLE_JIT=plain asks for it")
-    if wanted == "" and ".".join(number.split(".")[:2]) not in KNOWN:
-        return Choice(
-            False, f"Numba {number} is not among the versions known to compile fast, {KNOWN[0]} to {KNOWN[7]}"
-        )
-    return Choice(True)
+    return Choice(False, "RATTLE_JIT=plain asks for it") if wanted == "plain" else Choice(True)
 
 
 _failed: list[Choice] = []
@@ -52,18 +34,19 @@ _failed: list[Choice] = []
 
 def chosen() -> Choice:
     """The way in which functions are compiled.  Raises ValueError for an unknown value of RATTLE_JIT."""
-    return _failed[0] if _failed else _by_version()
+    return _failed[0] if _failed else _by_environment()
 
 
 def give_up_fast(error: Exception) -> None:
     """Use the plain way from now on, because the check of the fast one has raised this error."""
     first = next(iter(str(error).splitlines()), "")
-    said = f"Numba {version('numba')} does not do what fast compiling needs ({type(error).__name__}: {first})"
+    said = f"llvmlite {version('llvmlite')} does not do what fast compiling needs ({type(error).__name__}: {first})"
     _failed.append(Choice(False, said))
 
 
 def described() -> str:
-    """One line for the user: version of Numba, how functions are compiled, and why not the fast way."""
+    """One line for the user: what compiles, and why it is not the fast way."""
     way = chosen()
-    plain = f"functions are compiled the plain way, which takes longer: {way.why}"
-    return f"Numba {version('numba')}; " + ("functions are compiled the fast way" if way.fast else plain)
+    if way.fast:
+        return f"llvmlite {version('llvmlite')}; functions are compiled the fast way"
+    return f"Numba {version('numba')}; functions are compiled the plain way, which takes longer: {way.why}"

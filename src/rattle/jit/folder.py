@@ -13,14 +13,16 @@ from pathlib import Path
 from rattle.jit import cache, compile_path
 from rattle.jit.cache import Folder
 
-MAKERS = ("compile_path", "functions", "machine", "workspace")  # and the folder `compiling`
+MAKERS = ("compile_path", "functions", "machine", "workspace")  # and these folders
+MAKING = ("compiling", "translation")
 
 
 def compiled_sources() -> list[Path]:
     """Files on which machine code depends: those with compiled functions, those that compile, and all they import."""
     here = Path(__file__).parents[1]
     text = {path: path.read_text(encoding="utf-8") for path in here.rglob("*.py")}
-    makers = [*(here / "jit" / f"{name}.py" for name in MAKERS), *(here / "jit" / "compiling").glob("*.py")]
+    makers = [here / "jit" / f"{name}.py" for name in MAKERS]
+    makers += [file for folder in MAKING for file in (here / "jit" / folder).glob("*.py")]
     found = {path for path, source in text.items() if _DECORATED.search(source)} | set(makers)
     ahead = list(found)
     while ahead:

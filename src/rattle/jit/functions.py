@@ -51,12 +51,12 @@ IN_PYTHON = "Python"  # handle of a workspace made before `start()`: functions t
 
 
 class KernelFunction:
-    """A function that Numba compiles on first use after `start()`; plain Python before.
+    """A function that becomes machine code on first use after `start()`; plain Python before.
 
     letters: types of result and arguments, as in SIGNATURE.  A function that has them is *native*: compiled once and
     only when it is called, and called by others by its address.  One without takes the types of its arguments, and
     machine code that calls it contains a copy of it.
-    ours: follows the rules of `blocks`; a function that contains a law of the user does not.
+    ours: one of the kernels, which `translation` knows; a function that contains a law of the user needs Numba.
 
     All this is the fast way.  On the plain way, see `compile_path`, each has one Numba dispatcher for all callers.
     """
@@ -72,7 +72,9 @@ class KernelFunction:
         self._whole: Any = None
         self._type: Any = None
         self._called: Any = None  # the Python function that calls its machine code
+        self._by_kinds: dict[Any, Any] = {}  # the same for a function without letters
         self._address = 0
+        self._foreign = not ours  # whether only Numba can compile it
         self._place: Any = None
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
@@ -89,24 +91,60 @@ class KernelFunction:
         if handle is not None:
             args = (handle, *args[1:])
         if self._called is None:
-            if self._without_numba:
-                self._called = _machine().caller(self.__name__, self.address, self.letters)
-            else:
-                with _compiling():
-                    called = _machine().checked(self.dispatcher)
-                    found = called(*args)
-                self._called = called
-                return found
+            return self._caller(args)(*args)
         return self._called(*args)
 
+    def _caller(self, args: Sequence[Any]) -> Callable[..., Any]:
+        """The Python function that calls the machine code for these arguments."""
+        if self.native and self._fast:
+            address = self.address  # which may need Numba
+            if self._fast:
+                self._called = _machine().caller(self.__name__, address, self.letters)
+        elif self._fast:
+            kinds = _translation("values").kinds_given(args)
+            if kinds not in self._by_kinds:
+                self._by_kinds[kinds] = self._made_for(kinds)
+            if self._fast:
+                found: Callable[..., Any] = self._by_kinds[kinds]
+                return found
+        if self._called is None:
+            self._called = _machine().checked(self.dispatcher)
+        called: Callable[..., Any] = self._called
+        return called
+
+    def _made_for(self, kinds: Any) -> Any:
+        """The Python function that calls the machine code for arguments of these kinds; None if it needs Numba."""
+        with _lock:
+            if kinds in self._by_kinds:
+                return self._by_kinds[kinds]
+            if kinds is None:
+                raise TypeError(f"{self.__name__} takes numbers and contiguous arrays of float64 or int64")
+            letters = self._translated(lambda unit: unit.with_result(self.python, kinds))
+            if letters is None:
+                return None
+            one = KernelFunction(self.python, letters=letters)
+            _natives.remove(one)  # nobody calls it by its address
+            return _machine().caller(self.__name__, one.address, letters)
+
     @property
-    def _without_numba(self) -> bool:
-        """True for a function whose machine code is kept in a form that runs without Numba."""
-        return self.native and compile_path.chosen().fast
+    def _fast(self) -> bool:
+        """True for a function whose machine code is made, and runs, without Numba."""
+        return not self._foreign and compile_path.chosen().fast
+
+    def _translated(self, make: Callable[[Any], Any]) -> Any:
+        """What `make` returns for the module that translates; None if Numba has to compile this function."""
+        try:
+            return make(_translation())
+        except _translation("values").TranslationError as error:
+            if self._is_kept:  # one of rattle's own
+                raise
+            log.info(f"compiled by Numba, which takes longer: {error}")
+            self._foreign = True
+            return None
 
     @property
     def dispatcher(self) -> Any:
-        """The Numba dispatcher for calls from outside, made at first use."""
+        """The Numba dispatcher, made at first use."""
         if self._whole is None:
             with _compiling() as compiling:
                 if self._whole is None and self.ours:
@@ -126,26 +164,23 @@ class KernelFunction:
         return f"rattle.place.{self.__module__}.{self.__name__}"
 
     @property
-    def _numba_type_(self) -> Any:  # what Numba asks for when one compiled function calls another
-        if not self.native and not compile_path.chosen().fast:
+    def _numba_type_(self) -> Any:  # what Numba asks for when one of its functions calls this one
+        if not self.native:
             return self.dispatcher._numba_type_
         if self._type is None:
             with _compiling() as compiling:
-                if self._type is None and self.native:
-                    self._type = _calls().by_place(self.symbol, self.letters, compiling.ARRAY_TYPES)
-                elif self._type is None:
-                    self._type = compiling.part(self.python)
-        return self._type if self.native else self._type._numba_type_
+                self._type = self._type or _calls().by_place(self.symbol, self.letters, compiling.ARRAY_TYPES)
+        return self._type
 
     @property
     def address(self) -> int:
         """Native address of a function with fixed types."""
-        if self._address == 0 and self._without_numba:
+        if self._address == 0 and self._fast:
             with _lock:
-                self._address = self._address or self._read()
+                self._address = self._address or self._read() or self._made()
         if self._address == 0:
-            with _compiling() as compiling:
-                self._address = self._address or self._made(compiling)
+            with _compiling():
+                self._address = self._address or int(_calls().address(self.dispatcher))
         return self._address
 
     def _read(self) -> int:
@@ -153,12 +188,13 @@ class KernelFunction:
         machine = _announced()
         return int(self._kept(machine).read(lambda code: machine.load(machine.Code(*code))) or 0)
 
-    def _made(self, compiling: Any) -> int:
-        """Compile, load the machine code into memory and keep it on disk; returns its address."""
-        if not self._without_numba:
-            return int(_calls().address(self.dispatcher))
+    def _made(self) -> int:
+        """Compile, load the machine code into memory and keep it on disk; its address, 0 if Numba has to do it."""
         machine = _announced()
-        code = compiling.native(self.python, self.letters)
+        say_once("compiling kernels (once)")
+        code = self._translated(lambda unit: unit.native(self.python, f"code.{self.symbol}", self.letters))
+        if code is None:
+            return 0
         found = machine.load(code)
         self._kept(machine).write(lambda: pickle.dumps(tuple(code)))
         return int(found)
@@ -191,6 +227,20 @@ def _machine() -> Any:
     return importlib.import_module("rattle.jit.machine")  # imports llvmlite
 
 
+def _translation(part: str = "unit") -> Any:
+    return importlib.import_module(f"rattle.jit.translation.{part}")  # imports llvmlite
+
+
+def say_once(words: str) -> None:
+    """Tell the user, once, that something is being compiled and not just read from the cache."""
+    if not _said:
+        _said.append(words)
+        log.info(words)
+
+
+_said: list[str] = []
+
+
 def _calls() -> Any:
     return importlib.import_module("rattle.jit.compiling.calls")  # imports Numba
 
@@ -219,21 +269,16 @@ def kernel(family: str) -> Callable[[Callable[..., Any]], KernelFunction]:
 
 @contextmanager
 def _compiling() -> Iterator[Any]:
-    """The module that compiles, `compiler` or `plain`; one thread at a time.
+    """The module that compiles with Numba; one thread at a time.
 
     Numba's lock is taken first: a thread that compiles something else may need one of our functions meanwhile.
     """
-    compiling = _compiler()
+    compiling = importlib.import_module("rattle.jit.compiling.plain")
     with compiling.lock, _lock:
         _announced()  # the linker gives an unknown name the address zero
         while _lessons:
             _lessons.pop(0)(compiling)
         yield compiling
-
-
-def _compiler() -> Any:
-    name = "compiler" if compile_path.chosen().fast else "plain"
-    return importlib.import_module(f"rattle.jit.compiling.{name}")  # imports Numba
 
 
 def before_compiling(lesson: Callable[[Any], None]) -> Callable[[Any], None]:
@@ -248,10 +293,8 @@ _lessons: list[Callable[[Any], None]] = []
 
 @before_compiling
 def _teach_calls(compiling: Any) -> None:
-    """Register the calls that compiled code may make besides other functions, and the array access of the fast way."""
-    if compile_path.chosen().fast:
-        importlib.import_module("rattle.jit.compiling.blocks").register()
-    for family, call in _CALLERS.items():
+    """Register the calls that compiled code may make besides other functions."""
+    for family, call in CALLERS.items():
         _calls().teach(call, family, SIGNATURE[family], compiling.ARRAY_TYPES, family in BY_PLACE)
 
 
@@ -306,7 +349,7 @@ def call_problem(entry: Any, arguments: Any) -> Any:
     return entry(*arguments)
 
 
-_CALLERS: dict[str, Callable[..., Any]] = {
+CALLERS: dict[str, Callable[..., Any]] = {
     "joint": call_joint,
     "load": call_load,
     "clearance": call_clearance,
@@ -338,10 +381,8 @@ def _check_fast() -> None:
     if passed is not None and passed.exists():
         return
     try:
-        compiling = _compiler()
-        with compiling.lock:
-            compiling.check()
-    except Exception as error:  # whatever an unknown Numba raises internally, the plain way still works
+        _translation().check()
+    except Exception as error:  # whatever an unknown LLVM says, the plain way still works
         compile_path.give_up_fast(error)
         forget_folder()
         return

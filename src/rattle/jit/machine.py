@@ -8,6 +8,7 @@ Code in the cache runs without Numba, whose import and start take longer than a 
 
 from __future__ import annotations
 
+import builtins
 import ctypes
 import pickle
 import threading
@@ -19,6 +20,7 @@ import llvmlite.binding as llvm
 import numpy as np
 
 FIND = "rattle.find"  # symbol of the function that provides a missing address
+FAULT = "rattle.fault"  # symbol of the function that machine code tells of an error
 FINE = (0, -2)  # a function has returned a value, or None (numba.core.callconv)
 _makers: dict[int, Callable[[], int]] = {}  # by place
 _raised = threading.local()
@@ -40,10 +42,31 @@ class NotMade(RuntimeError):
 @cache
 def _engine() -> Any:
     """The linker of object files."""
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), target())
+
+
+def ready() -> Any:
+    """LLVM, ready to make code for this machine."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    target = llvm.Target.from_triple(llvm.get_process_triple())
-    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), target.create_target_machine(codemodel="jitdefault"))
+    return llvm
+
+
+def parsed(text: str) -> Any:
+    """A module from LLVM's text, in a context of its own, which goes when the module goes."""
+    if ready().llvm_version_info[0] < 17:  # has pointers with types too, and llvmlite would take these
+        context = llvm.context.ContextRef(llvm.ffi.lib.LLVMPY_ContextCreate(True))
+    else:
+        context = llvm.create_context()
+    return llvm.parse_assembly(text, context)
+
+
+def target() -> Any:
+    """The processor and system for which machine code is made."""
+    ready()
+    triple, name, features = processor()
+    one = llvm.Target.from_triple(triple)
+    return one.create_target_machine(cpu=name, features=features, opt=2, reloc="default", codemodel="jitdefault")
 
 
 @cache
@@ -92,6 +115,15 @@ _FIND = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64)(_find)
 llvm.add_symbol(FIND, ctypes.cast(_FIND, ctypes.c_void_p).value)
 
 
+def _fault(told: bytes) -> None:
+    kind, _, words = told.decode().partition(": ")
+    _raised.error = getattr(builtins, kind)(words)
+
+
+_FAULT = ctypes.CFUNCTYPE(None, ctypes.c_char_p)(_fault)
+llvm.add_symbol(FAULT, ctypes.cast(_FAULT, ctypes.c_void_p).value)
+
+
 def reason() -> BaseException:
     """The exception raised when this thread requested a native function; KeyboardInterrupt if none was recorded."""
     error = getattr(_raised, "error", None) or KeyboardInterrupt()
@@ -100,10 +132,17 @@ def reason() -> BaseException:
 
 
 # ---------------------------------------------------------------- calls from Python
-RESULTS: dict[str, Any] = {"void": ctypes.c_void_p, "i": ctypes.c_int64, "f": ctypes.c_double, "h": ctypes.c_void_p}
+RESULTS: dict[str, Any] = {
+    "void": ctypes.c_void_p,
+    "i": ctypes.c_int64,
+    "f": ctypes.c_double,
+    "b": ctypes.c_bool,
+    "h": ctypes.c_void_p,
+}
 ARRAYS = {
     "v": (np.dtype(np.float64), 1),
     "m": (np.dtype(np.float64), 2),
+    "w": (np.dtype(np.int64), 1),
     "n": (np.dtype(np.int64), 2),
 }
 

@@ -242,7 +242,7 @@ class MachineCode:
 
 def host() -> tuple[str, str]:
     """Name and features of this machine's processor, as LLVM calls them."""
-    binding = _binding()
+    binding = _jit().ready()
     return binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()
 
 
@@ -262,7 +262,7 @@ def compile(text: str | Callable[[], str], names: Sequence[str], origin: str = "
     """
     machine = host()
     source = text if isinstance(text, str) else (origin, _own())
-    about = (source, *names, *machine, LEVEL, version("llvmlite"), _binding().llvm_version_info)
+    about = (source, *names, *machine, LEVEL, version("llvmlite"), _jit().ready().llvm_version_info)
     key = hashlib.sha256(repr(about).encode()).hexdigest()
     kept = KeptFile(_folder(os.environ.get("RATTLE_CACHE")), FOLDER, key)
 
@@ -310,30 +310,17 @@ def _keep_most(folder: Path) -> None:
                     break
 
 
-@functools.cache
-def _binding() -> ModuleType:
-    """LLVM, ready to make code for this machine; without Numba."""
-    binding = importlib.import_module("llvmlite.binding")
-    binding.initialize_native_target()
-    binding.initialize_native_asmprinter()
-    return binding
-
-
 def _machine(cpu: str, features: str) -> Any:
     """LLVM's settings for a processor, as Numba makes them for code that is run at once."""
-    target = _binding().Target.from_triple(_binding().get_process_triple())
+    binding = _jit().ready()
+    target = binding.Target.from_triple(binding.get_process_triple())
     where = "static" if target.name.startswith("x86") else "default"
     return target.create_target_machine(cpu=cpu, features=features, opt=LEVEL, reloc=where, jit=True)
 
 
-def _module(text: str) -> Any:
-    """A module in a context of its own, which goes when the module goes."""
-    binding = _binding()
-    if binding.llvm_version_info[0] < 17:  # has pointers with types too, and llvmlite would take these
-        context = binding.context.ContextRef(binding.ffi.lib.LLVMPY_ContextCreate(True))
-    else:
-        context = binding.create_context()
-    return binding.parse_assembly(text, context)
+def _jit() -> ModuleType:
+    """The module that knows LLVM, which it imports."""
+    return importlib.import_module("rattle.jit.machine")
 
 
 def _declared(text: str) -> str:
@@ -343,7 +330,7 @@ def _declared(text: str) -> str:
 
 def _object(text: str, machine: tuple[str, str]) -> bytes:
     """The object code of a text."""
-    return bytes(_machine(*machine).emit_object(_module(_declared(text))))
+    return bytes(_machine(*machine).emit_object(_jit().parsed(_declared(text))))
 
 
 def _loaded(made: bytes, names: Sequence[str], machine: tuple[str, str]) -> MachineCode:
@@ -352,7 +339,7 @@ def _loaded(made: bytes, names: Sequence[str], machine: tuple[str, str]) -> Mach
     The engine's own module is empty and in the context that LLVM keeps until the end: the collector may take engines
     apart in any order, and a context that goes before its engine would end the process.
     """
-    binding = _binding()
+    binding = _jit().ready()
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), _machine(*machine))
     engine.add_object_file(binding.ObjectFileRef.from_data(made))
     engine.finalize_object()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.rest_force import force_at
+from rattle.equations.rest_force import FACTORS, SHIFTS, TWO_FACTORS, TWO_SHIFTS, force_at
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 from rattle.jit.small_matrices import into_basis, out_of_basis, solve_upper, triangulate
@@ -85,11 +85,9 @@ def reduced_stiffness(m, t, q, step, dof, points, null, line, small):
             work[k] = 0.0
         for s in range(points):
             if points == 4:
-                shift = (-2.0, -1.0, 1.0, 2.0)[s] * step
-                factor = (-1.0, 8.0, -8.0, 1.0)[s] / (12.0 * step)
+                shift, factor = SHIFTS[s] * step, FACTORS[s] / (12.0 * step)
             else:
-                shift = (-1.0, 1.0)[s] * step
-                factor = (1.0, -1.0)[s] / (2.0 * step)
+                shift, factor = TWO_SHIFTS[s] * step, TWO_FACTORS[s] / (2.0 * step)
             for k in range(n):
                 trial[k] = q[k] + shift * null[j, k]
             force_at(m, t, trial, out)

@@ -1,0 +1,208 @@
+"""Functions that are translated and compiled together: one that is called by its address, and all that it contains."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import hashlib
+import linecache
+import math
+import os
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import llvmlite.binding as llvm
+import numpy as np
+
+from rattle.jit import machine
+from rattle.jit.translation.calls import kinds_of, letters_of
+from rattle.jit.translation.statements import Function
+from rattle.jit.translation.values import TranslationError, Value, number
+from rattle.jit.workspace import ARRAYS
+
+PLACES = {name: (place, one.kind) for place, (name, one) in enumerate(ARRAYS.items())}
+FLOATS, WHOLE = ("double", number), ("i64", str)  # LLVM's type, and how a number is written
+# the same for all functions: what may share memory, what is seldom
+ABOUT = """
+attributes #0 = { nounwind }
+!0 = !{!"numbers"}
+!1 = !{!"float", !0}
+!2 = !{!1, !1, i64 0}
+!6 = !{!"integer", !0}
+!3 = !{!6, !6, i64 0}
+!4 = !{}
+!5 = !{!"branch_weights", i32 1, i32 1000}
+"""
+
+
+class Unit:
+    """What one function needs besides its own text; see `writing.Unit`."""
+
+    def __init__(self) -> None:
+        self.checks = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")
+        self.arrays = PLACES
+        self.declared: dict[str, str] = {}  # text by name: functions from outside, constants
+        self.parts: dict[str, Part] = {}  # by name
+
+    def constant(self, array: np.ndarray) -> Value:
+        """An array that does not change.  Raises TranslationError if it is not one of numbers."""
+        whole = array.dtype.kind in "iub"
+        if array.ndim not in (1, 2) or array.dtype.kind not in "iubf":
+            raise TranslationError(f"an array of {array.dtype} with {array.ndim} dimensions is not known here")
+        kept = np.ascontiguousarray(array, np.int64 if whole else np.float64)
+        type_, write = WHOLE if whole else FLOATS
+        numbers = ", ".join(f"{type_} {write(one)}" for one in kept.ravel().tolist())
+        name = self._named(f"private constant [{kept.size} x {type_}] [{numbers}], align 16")
+        return Value(f"{'i' if whole else 'f'}{kept.ndim}", (name, *map(str, kept.shape)))
+
+    def text(self, said: str) -> str:
+        """The address of a text."""
+        code = said.encode() + b"\0"
+        written = "".join(f"\\{one:02X}" for one in code)
+        return self._named(f'private constant [{len(code)} x i8] c"{written}"')
+
+    def _named(self, what: str) -> str:
+        """The name of a constant."""
+        name = f"@constant.{hashlib.sha256(what.encode()).hexdigest()[:16]}"
+        self.declared[name] = f"{name} = {what}"
+        return name
+
+    def declare(self, name: str, line: str) -> None:
+        """Something from outside that functions use."""
+        self.declared[name] = line
+
+    def part(self, called: Any, kinds: Sequence[Any]) -> tuple[str, Any, bool]:
+        """Another function for arguments of these kinds: its name, the kind of its result, whether it may fail."""
+        key = called, tuple(kinds), self.checks
+        if key not in _parts:
+            if key in _under_way:
+                raise TranslationError(f"{called.__name__} calls itself; a function that does needs fixed types")
+            _under_way.append(key)
+            try:
+                name = f"{called.__module__}.{called.__name__}.{len(_parts)}"
+                made = function(Unit(), called.python, kinds)
+                text = told_where(made, lambda: made.written(name))
+                _parts[key] = Part(name, made.result or "", made.fails, text, made.unit)
+            finally:
+                _under_way.pop()
+        found = _parts[key]
+        self.parts[found.name] = found
+        return found.name, found.result, found.fails
+
+    def whole(self, text: str) -> str:
+        """The text of a function with all that it needs."""
+        needed, ahead, declared = {}, list(self.parts.values()), dict(self.declared)
+        while ahead:
+            one = ahead.pop()
+            if one.name not in needed:
+                needed[one.name] = one.text
+                declared |= one.unit.declared
+                ahead += one.unit.parts.values()
+        return "\n".join([*declared.values(), *needed.values(), text, ABOUT])
+
+
+class Part(NamedTuple):
+    """A function for arguments of some kinds, as others contain it."""
+
+    name: str
+    result: Any  # kind
+    fails: bool
+    text: str
+    unit: Any
+
+
+_parts: dict[Any, Part] = {}  # by function and kinds: written once in a process
+_under_way: list[Any] = []
+
+
+def function(unit: Unit, python: Callable[..., Any], kinds: Sequence[Any]) -> Function:
+    """A function that is to be translated, with its source."""
+    return Function(unit, python, source(python), kinds)
+
+
+def told_where(made: Function, write: Callable[[], str]) -> str:
+    """The text of a function; an error says where it is."""
+    try:
+        return write()
+    except TranslationError as error:
+        if ", line " in str(error):
+            raise
+        python = made.function
+        raise TranslationError(f"{python.__module__}.{python.__name__}, line {made.line}: {error}") from None
+
+
+def translated(python: Callable[..., Any], symbol: str, letters: Sequence[str]) -> str:
+    """The text in LLVM's language of a function with fixed types, and of all that it contains.
+
+    Raises TranslationError for what kernels cannot use, with the place.
+    """
+    unit = Unit()
+    result, kinds = kinds_of(letters)
+    made = function(unit, python, kinds)
+    return unit.whole(told_where(made, lambda: made.written(symbol, outer=result)))
+
+
+def with_result(python: Callable[..., Any], kinds: Sequence[Any]) -> tuple[str, ...]:
+    """The letters of a function for arguments of these kinds; its result follows from its text."""
+    made = function(Unit(), python, kinds)
+    told_where(made, lambda: made.written("any"))
+    return letters_of(made.result or "", kinds)
+
+
+def native(python: Callable[..., Any], symbol: str, letters: Sequence[str]) -> machine.Code:
+    """Machine code of a function with fixed types, to be called by its address."""
+    module = machine.parsed(translated(python, symbol, letters))
+    needs = [one.name for one in (*module.functions, *module.global_variables) if one.is_declaration]
+    return machine.Code(symbol, _compiled(module), tuple(one for one in needs if not one.startswith("llvm.")))
+
+
+def _compiled(module: Any) -> bytes:
+    """The object file of a module.
+
+    Unrolled and vectorised loops, and a higher level, take half as long again and make a run no faster: most loops go
+    over three coordinates or a few bodies.
+    """
+    target = machine.target()
+    module.triple, module.data_layout = llvm.get_process_triple(), str(target.target_data)
+    options = llvm.create_pipeline_tuning_options(speed_level=1)
+    options.loop_unrolling = options.loop_vectorization = options.slp_vectorization = False
+    builder = llvm.create_pass_builder(target, options)
+    builder.getModulePassManager().run(module, builder)
+    return bytes(target.emit_object(module))
+
+
+# ---------------------------------------------------------------- a small test
+def _look_up(table: np.ndarray, k: int) -> float:
+    found = math.inf
+    for n in range(table.shape[0]):
+        if n == k:
+            found = 2.0 * table[n, 1]
+    return found + 1.0
+
+
+def check() -> None:
+    """Translate, compile and call a small function.  Raises whatever this version of LLVM raises."""
+    letters = ("f", "m", "i")
+    call = machine.caller("look up", machine.load(native(_look_up, "rattle.look_up", letters)), letters)
+    if call(np.array([[0.0, 1.0], [2.0, 3.0]]), 1) != 7.0:
+        raise RuntimeError("a small function gives a wrong number")
+
+
+# ---------------------------------------------------------------- sources
+def source(python: Callable[..., Any]) -> ast.FunctionDef:
+    """The syntax tree of a function.  Raises TranslationError if its source is not there."""
+    code: Any = getattr(python, "__code__", None)
+    found = None if code is None else _functions(code.co_filename).get((code.co_name, code.co_firstlineno))
+    if found is None:
+        raise TranslationError(f"the source of {getattr(python, '__name__', python)} is not there")
+    return found
+
+
+@functools.cache
+def _functions(file: str) -> dict[tuple[str, int], ast.FunctionDef]:
+    """The functions in a file, by name and first line."""
+    space = next((vars(one) for one in list(sys.modules.values()) if getattr(one, "__file__", None) == file), None)
+    tree = ast.parse("".join(linecache.getlines(file, space)))
+    found = (one for one in ast.walk(tree) if isinstance(one, ast.FunctionDef))
+    return {(one.name, min([one.lineno, *(mark.lineno for mark in one.decorator_list)])): one for one in found}

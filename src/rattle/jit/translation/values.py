@@ -1,0 +1,122 @@
+"""Kinds of values in kernels, how LLVM holds them, and conversions between them.
+
+A kind is a letter or two: `f` float64, `i` int64, `b` truth, `h` workspace, `f1` `f2` `i1` `i2` C-contiguous arrays
+with one or two dimensions; `""` is no value; a tuple of kinds is a tuple of values.  LLVM holds a value in *parts*: a
+number in one, an array in the address of its first number and its length (with two dimensions: number of rows, length
+of a row), a tuple in the parts of its members.
+"""
+
+from __future__ import annotations
+
+import inspect
+import struct
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+NOTHING = ""
+PARTS: dict[str, tuple[str, ...]] = {
+    NOTHING: (), "f": ("double",), "i": ("i64",), "b": ("i1",), "h": ("ptr",),
+    "f1": ("ptr", "i64"), "i1": ("ptr", "i64"), "f2": ("ptr", "i64", "i64"), "i2": ("ptr", "i64", "i64"),
+}  # fmt: skip
+NUMBERS = "bif"  # each is converted to those after it where two meet
+WORDS = {
+    NOTHING: "nothing", "f": "a float", "i": "an integer", "b": "a truth value", "h": "a workspace",
+    "f1": "a vector", "f2": "a matrix", "i1": "a vector of integers", "i2": "a matrix of integers",
+}  # fmt: skip
+
+
+class TranslationError(TypeError):
+    """A function uses something that kernels cannot use; the message says what, and where."""
+
+
+class Value(NamedTuple):
+    """A value of known kind, by the names of its parts in LLVM's text.
+
+    thing: what it is if that is known while translating: a number, a function, a module.
+    """
+
+    kind: Any
+    parts: tuple[str, ...] = ()
+    thing: Any = None
+
+
+def parts_of(kind: Any) -> list[str]:
+    """LLVM's types of the parts of a kind."""
+    if isinstance(kind, tuple):
+        return [part for one in kind for part in parts_of(one)]
+    return list(PARTS[kind])
+
+
+def said(kind: Any) -> str:
+    """A kind in words."""
+    return f"({', '.join(said(one) for one in kind)})" if isinstance(kind, tuple) else WORDS[kind]
+
+
+def is_number(kind: Any) -> bool:
+    """True for a float, an integer or a truth value."""
+    return kind in ("b", "i", "f")
+
+
+def is_array(kind: Any) -> bool:
+    """True for an array."""
+    return isinstance(kind, str) and len(kind) == 2
+
+
+def joined(one: Any, other: Any) -> Any:
+    """The kind to which both can be converted.  Raises TranslationError if there is none."""
+    if one == other:
+        return one
+    if is_number(one) and is_number(other):
+        return max(one, other, key=NUMBERS.index)
+    if isinstance(one, tuple) and isinstance(other, tuple) and len(one) == len(other):
+        return tuple(joined(a, b) for a, b in zip(one, other, strict=True))
+    raise TranslationError(f"a value is {said(one)} in one place and {said(other)} in another")
+
+
+def members(value: Value) -> list[Value]:
+    """The members of a tuple."""
+    found, first = [], 0
+    for kind in value.kind:
+        last = first + len(parts_of(kind))
+        found.append(Value(kind, value.parts[first:last]))
+        first = last
+    return found
+
+
+def number(x: float) -> str:
+    """LLVM's text of a float."""
+    return f"0x{struct.unpack('<Q', struct.pack('<d', x))[0]:016X}"
+
+
+def known(thing: Any) -> Value | None:
+    """The value of a number that is known while translating; None for anything else."""
+    if isinstance(thing, bool | np.bool_):
+        return Value("b", ("true" if thing else "false",), bool(thing))
+    if isinstance(thing, int | np.integer):
+        return Value("i", (str(int(thing)),), int(thing))
+    if isinstance(thing, float | np.floating):
+        return Value("f", (number(float(thing)),), float(thing))
+    return None
+
+
+def kinds_given(args: Sequence[Any]) -> tuple[Any, ...] | None:
+    """The kinds of arguments from Python; None if one is of no kind."""
+    found = []
+    for one in args:
+        value = known(one)
+        if value is not None:
+            found.append("i" if value.kind == "b" else value.kind)
+        elif isinstance(one, np.ndarray) and one.ndim in (1, 2) and one.dtype in (np.float64, np.int64):
+            found.append(f"{'f' if one.dtype == np.float64 else 'i'}{one.ndim}")
+        elif hasattr(one, "address"):
+            found.append("h")
+        else:
+            return None
+    return tuple(found)
+
+
+def where(function: Callable[..., Any], line: int) -> str:
+    """Place in the sources, for messages."""
+    return f"{function.__module__}.{function.__name__}, line {line} of {inspect.getfile(function)}"

@@ -1,0 +1,273 @@
+"""Writing the instructions of one function: variables, labels, memory, conversions.
+
+The function is written again until the kinds of its variables are stable: a variable that holds an integer first and a
+float later is a float.  Every variable has a place on the stack, which LLVM turns into registers.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from rattle.jit.machine import FAULT
+from rattle.jit.translation.values import (
+    NUMBERS,
+    TranslationError,
+    Value,
+    is_array,
+    is_number,
+    joined,
+    members,
+    number,
+    parts_of,
+    said,
+)
+
+CALLER = "%exception"  # argument of a function that is called from outside: where exceptions are told
+ZEROS = {"double": number(0.0), "i64": "0", "i1": "false", "ptr": "null"}
+ALIAS = {"f": "!2", "i": "!3"}  # floats and integers never share memory
+
+
+class Unit(Protocol):
+    """What functions that are translated together share."""
+
+    checks: bool
+    arrays: dict[str, tuple[int, str]]
+
+    def constant(self, array: np.ndarray) -> Value:
+        """An array that does not change."""
+
+    def text(self, said: str) -> str:
+        """The address of a text."""
+
+    def declare(self, name: str, line: str) -> None:
+        """Something from outside that functions use."""
+
+    def part(self, called: Any, kinds: Sequence[Any]) -> tuple[str, Any, bool]:
+        """Another function for arguments of these kinds: its name, the kind of its result, whether it may fail."""
+
+
+class Writing:
+    """The text of one function while it is written."""
+
+    def __init__(self, unit: Unit, function: Callable[..., Any]) -> None:
+        self.unit, self.function = unit, function
+        code, cells = function.__code__, function.__closure__ or ()
+        around = {name: cell.cell_contents for name, cell in zip(code.co_freevars, cells, strict=True)}
+        self.outside = {**function.__globals__, **around}  # what does not change
+        self.kinds: dict[Any, Any] = {}  # of variables, and of values that several ways lead to
+        self.result: Any = None  # kind of the result; None until the first return
+        self.fails = False  # whether it may return without a result
+        self.changed = False  # whether one of these has changed since the text was begun
+        self.line = 0
+
+    def restart(self) -> None:
+        """Begin the text."""
+        self.lines: list[str] = []
+        self.places: dict[Any, list[str]] = {}  # of variables on the stack
+        self.rooms: list[str] = []  # types of other places on the stack
+        self.variables: set[str] = set()
+        self.count, self.changed, self.open = 0, False, True
+
+    # ---------------------------------------------------------------- instructions
+    def name(self) -> str:
+        """A new name."""
+        self.count += 1
+        return f"%x{self.count}"
+
+    def put(self, instruction: str) -> str:
+        """An instruction with a result; returns its name."""
+        found = self.name()
+        self.lines.append(f"  {found} = {instruction}")
+        return found
+
+    def do(self, instruction: str) -> None:
+        """An instruction without a result."""
+        self.lines.append(f"  {instruction}")
+
+    def label(self) -> str:
+        """A new label."""
+        self.count += 1
+        return f"l{self.count}"
+
+    def begin(self, label: str) -> None:
+        """What follows stands at a label."""
+        self.lines.append(f"{label}:")
+        self.open = True
+
+    def end(self, instruction: str) -> None:
+        """An instruction after which nothing here is reached."""
+        self.do(instruction)
+        self.open = False
+
+    def jump(self, label: str) -> None:
+        """Go on at a label, unless this place is not reached."""
+        if self.open:
+            self.end(f"br label %{label}")
+
+    def branch(self, truth: str, yes: str, no: str) -> None:
+        """Go on at one of two labels."""
+        self.end(f"br i1 {truth}, label %{yes}, label %{no}")
+
+    def called(self, result: str, name: str, given: Sequence[tuple[str, str]], marks: str = "") -> str:
+        """Call of a function from outside; returns its result."""
+        types = ", ".join(kind for kind, _ in given)
+        self.unit.declare(name, f'declare {result} @"{name}"({types}) {marks}')
+        return self.put(f'call {result} @"{name}"({", ".join(" ".join(one) for one in given)})')
+
+    def fail_if(self, truth: str, before: str = "") -> None:
+        """Return without a result where something is true, after an instruction."""
+        self.mark_failing()
+        bad, good = self.label(), self.label()
+        self.do(f"br i1 {truth}, label %{bad}, label %{good}, !prof !5")
+        self.begin(bad)
+        if before:
+            self.do(before)
+        self.end(self.failure())
+        self.begin(good)
+
+    def mark_failing(self) -> None:
+        """This function may return without a result."""
+        if not self.fails:
+            self.fails, self.changed = True, True
+
+    def failure(self) -> str:
+        """The instruction that returns without a result."""
+        raise NotImplementedError
+
+    # ---------------------------------------------------------------- variables
+    def _places(self, key: Any) -> list[str]:
+        if key not in self.places:
+            self.places[key] = [f"%v{len(self.places)}.{n}" for n, _ in enumerate(parts_of(self.kinds[key]))]
+        return self.places[key]
+
+    def keep(self, key: Any, value: Value) -> None:
+        """Give a variable, or a value that several ways lead to, its value here."""
+        kind = joined(self.kinds.get(key, value.kind), value.kind)
+        if self.kinds.get(key) != kind:
+            self.kinds[key], self.changed = kind, True
+            self.places.pop(key, None)
+        value = self.converted(value, kind)
+        for place, type_, part in zip(self._places(key), parts_of(kind), value.parts, strict=True):
+            self.do(f"store {type_} {part}, ptr {place}")
+
+    def kept(self, key: Any) -> Value:
+        """The present value of a variable."""
+        kind = self.kinds[key]
+        loads = (f"load {type_}, ptr {place}" for type_, place in zip(parts_of(kind), self._places(key), strict=True))
+        return Value(kind, tuple(self.put(one) for one in loads))
+
+    def load(self, name: str) -> Value:
+        """The value of a variable of the function."""
+        if name not in self.kinds:
+            raise TranslationError(f"'{name}' is used before it has a value")
+        return self.kept(name)
+
+    def assign(self, name: str, value: Value) -> None:
+        """Give a variable of the function a value."""
+        self.keep(name, value)
+
+    def stack(self) -> list[str]:
+        """Instructions that make room for all variables, with zeros."""
+        found = [f"  %r{n} = alloca {type_}" for n, type_ in enumerate(self.rooms)]
+        for key, places in self.places.items():
+            for place, type_ in zip(places, parts_of(self.kinds[key]), strict=True):
+                found += [f"  {place} = alloca {type_}", f"  store {type_} {ZEROS[type_]}, ptr {place}"]
+        return found
+
+    # ---------------------------------------------------------------- values
+    def together(self, values: Sequence[Value]) -> Value:
+        """A tuple of values."""
+        return Value(tuple(one.kind for one in values), tuple(part for one in values for part in one.parts))
+
+    def converted(self, value: Value, kind: Any) -> Value:
+        """A value as another kind: numbers from truth to integer to float, and tuples of them."""
+        if value.kind == kind:
+            return value
+        if isinstance(kind, tuple) and isinstance(value.kind, tuple) and len(kind) == len(value.kind):
+            return self.together([self.converted(a, b) for a, b in zip(members(value), kind, strict=True)])
+        if not (is_number(value.kind) and is_number(kind)) or NUMBERS.index(kind) < NUMBERS.index(value.kind):
+            raise TranslationError(f"{said(value.kind)} cannot be {said(kind)}")
+        if value.thing is not None and kind == "f":
+            return Value("f", (number(float(value.thing)),), float(value.thing))
+        if value.thing is not None:
+            return Value("i", (str(int(value.thing)),), int(value.thing))
+        if value.kind == "b":
+            word = "uitofp i1 {} to double" if kind == "f" else "zext i1 {} to i64"
+        else:
+            word = "sitofp i64 {} to double"
+        return Value(kind, (self.put(word.format(value.parts[0])),))
+
+    def true(self, value: Value) -> str:
+        """Whether a number is true, as an i1."""
+        if value.kind == "b":
+            return value.parts[0]
+        if value.kind == "i":
+            return self.put(f"icmp ne i64 {value.parts[0]}, 0")
+        if value.kind == "f":
+            return self.put(f"fcmp une double {value.parts[0]}, {number(0.0)}")
+        raise TranslationError(f"{said(value.kind)} is neither true nor false")
+
+    # ---------------------------------------------------------------- memory
+    def array_of(self, workspace: Value, name: str) -> Value:
+        """An array of a workspace: its address and shape stand in the table that machine code gets."""
+        if name not in self.unit.arrays:
+            raise TranslationError(f"a workspace has no array '{name}'")
+        place, kind = self.unit.arrays[name]
+        address, *shape = (
+            self.put(f"getelementptr i64, ptr {workspace.parts[0]}, i64 {3 * place + n}")
+            for n in range(1 + int(kind[1]))
+        )
+        first = self.put(f"load ptr, ptr {address}, align 8, !invariant.load !4")
+        sizes = (self.put(f"load i64, ptr {one}, align 8, !invariant.load !4") for one in shape)
+        return Value(kind, (first, *sizes))
+
+    def address(self, array: Value, place: str) -> str:
+        """The address of a number of an array, by its place from the first."""
+        if place == "0":
+            return array.parts[0]
+        return self.put(f"getelementptr {parts_of(array.kind[0])[0]}, ptr {array.parts[0]}, i64 {place}")
+
+    def read(self, kind: str, address: str) -> Value:
+        """A number in memory."""
+        return Value(kind, (self.put(f"load {parts_of(kind)[0]}, ptr {address}, align 8, !tbaa {ALIAS[kind]}"),))
+
+    def write(self, kind: str, address: str, value: Value) -> None:
+        """Store a number in memory."""
+        if kind == "i" and value.kind == "f":
+            value = Value("i", (self.put(f"fptosi double {value.parts[0]} to i64"),))
+        part = self.converted(value, kind).parts[0]
+        self.do(f"store {parts_of(kind)[0]} {part}, ptr {address}, align 8, !tbaa {ALIAS[kind]}")
+
+    def check(self, index: str, size: str) -> None:
+        """With NUMBA_BOUNDSCHECK=1, an index outside of its array raises IndexError."""
+        if not self.unit.checks:
+            return
+        told = f"index is out of bounds: {self.function.__module__}.{self.function.__name__}, line {self.line}"
+        outside = self.put(f"icmp uge i64 {index}, {size}")
+        self.fail_if(outside, self.fault(f"IndexError: {told}"))
+
+    def fault(self, told: str) -> str:
+        """The instruction that tells Python of an error, as "class: message"."""
+        self.unit.declare(FAULT, f'declare void @"{FAULT}"(ptr)')
+        return f'call void @"{FAULT}"(ptr {self.unit.text(told)})'
+
+    # ---------------------------------------------------------------- arguments and results
+    def flat(self, array: Value) -> list[tuple[str, str]]:
+        """An array as Numba passes it: owner, parent, size, bytes of a number, address, shape, strides [bytes]."""
+        if not is_array(array.kind):
+            raise TranslationError(f"{said(array.kind)} where an array is needed")
+        first, *shape = array.parts
+        size = shape[0] if len(shape) == 1 else self.put(f"mul i64 {shape[0]}, {shape[1]}")
+        strides = ["8"] if len(shape) == 1 else [self.put(f"mul i64 {shape[1]}, 8"), "8"]
+        numbers = [("i64", one) for one in (size, "8")], [("i64", one) for one in (*shape, *strides)]
+        return [("ptr", "null"), ("ptr", "null"), *numbers[0], ("ptr", first), *numbers[1]]
+
+
+def assigned(tree: ast.FunctionDef) -> set[str]:
+    """Names of the variables of a function, with its arguments."""
+    names = (one.id for one in ast.walk(tree) if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store))
+    return {one.arg for one in tree.args.args} | set(names)
