@@ -1,8 +1,8 @@
 """Which of two ways functions are compiled: the fast one, or the plain one.
 
-On the fast way our own `translation` and LLVM compile them, after a small check; Numba is imported only for laws that a
-user has written in Python.  On the plain way Numba compiles all of them, which takes many times as long; the numbers are
-the same.  RATTLE_JIT=plain or RATTLE_JIT=fast in the environment selects one.
+On the fast way our own `translation` and LLVM compile them, after a small check; Numba is imported only for laws that
+a user has written in Python.  On the plain way Numba compiles all of them, which takes many times as long; the numbers
+are the same.  RATTLE_JIT=plain or RATTLE_JIT=fast in the environment selects one.
 """
 
 from __future__ import annotations

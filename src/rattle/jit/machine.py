@@ -77,10 +77,10 @@ def processor() -> tuple[str, str, str]:
 
 def load(code: Code) -> int:
     """Load a function into memory; returns its address.  Raises LookupError if a symbol that it needs is unknown."""
+    engine = _engine()  # which also makes the functions of the process known
     for name in code.needs:  # with an unknown symbol the linker would end the process
         if llvm.address_of_symbol(name) is None:
             raise LookupError(f"{code.symbol} needs {name}")
-    engine = _engine()
     engine.add_object_file(llvm.ObjectFileRef.from_data(code.object))
     engine.finalize_object()
     return int(engine.get_function_address(code.symbol))

@@ -327,8 +327,8 @@ class Expressions(Writing):
         word = ("fcmp o" if kind == "f" else "icmp s") + ("gt" if called is max else "lt")
         type_ = parts_of(kind)[0]
         best, *others = (self.converted(one, kind).parts[0] for one in given)
-        for one in others:
-            best = self.put(f"select i1 {self.put(f'{word} {type_} {one}, {best}')}, {type_} {one}, {type_} {best}")
+        for other in others:
+            best = self.put(f"select i1 {self.put(f'{word} {type_} {other}, {best}')}, {type_} {other}, {type_} {best}")
         return Value(kind, (best,))
 
     def _as(self, called: Any, given: Value) -> Value:

@@ -1,9 +1,9 @@
 """Statements of kernels, and whole functions, in LLVM's language.
 
 A function that only others of its unit call gets the place of an exception, then its arguments; it returns a
-structure: 0, or 1 if it failed, then the parts of its result.  A
-function that is called by its address follows Numba's convention, so that Numba's functions and ours may call each other:
-the place of the result, the place of an exception, the arguments; it returns 0, or 1 if it failed.
+structure: 0, or 1 if it failed, then the parts of its result.  A function that is called by its address follows
+Numba's convention, so that Numba's functions and ours may call each other: the place of the result, the place of an
+exception, the arguments; it returns 0, or 1 if it failed.
 """
 
 from __future__ import annotations
