@@ -200,19 +200,19 @@ def test_every_kernel_gives_the_same_value_compiled():
 
 
 @functions.compiled
-def contact(tables, tags, delta, ddelta, v0, u, p, z, dz):
-    static = functions.call_stiffness(tables[0][tags[0]], (delta, p, 0))
-    normal = functions.call_normal(tables[1][tags[1]], (static, delta, ddelta, v0, p, 2))
-    return normal, functions.call_friction(tables[2][tags[2]], (u, normal, z, p, 4, dz))
+def contact(stiffness, normal, friction, delta, ddelta, v0, u, p, z, dz):
+    static = functions.call_stiffness(stiffness[0], (delta, p, 0))
+    force = functions.call_normal(normal[0], (static, delta, ddelta, v0, p, 2))
+    return force, functions.call_friction(friction[0], (u, force, z, p, 4, dz))
 
 
 def test_laws_are_called_through_their_tables_in_a_compiled_loop():
     functions.start()
     families = ("stiffness", "normal", "friction")
     names = ("power", "exact", "coulomb-smooth")
-    tables = tuple(registry.table(family) for family in families)
     found = [registry.kinds(family)[name] for family, name in zip(families, names, strict=True)]
+    tables = [registry.table(family)[kind.tag :] for family, kind in zip(families, found, strict=True)]
     p = np.array([1e9, 1.5, *found[1].leaf.pack({"restitution": 0.5, "least_speed": 1e-3}), 0.2, 1e-3])
-    N, T = contact(tables, tuple(kind.tag for kind in found), 1e-4, 0.1, 0.4, 0.05, p, np.zeros(1), np.zeros(1))
+    N, T = contact(*tables, 1e-4, 0.1, 0.4, 0.05, p, np.zeros(1), np.zeros(1))
     assert pytest.approx(1e9 * 1e-6 * (1 + p[2] * 0.25), rel=1e-14) == N
     assert pytest.approx(0.2 * N, rel=1e-14) == T

@@ -117,8 +117,6 @@ class KernelFunction:
         with _lock:
             if kinds in self._by_kinds:
                 return self._by_kinds[kinds]
-            if kinds is None:
-                raise TypeError(f"{self.__name__} takes numbers and contiguous arrays of float64 or int64")
             letters = self._translated(lambda unit: unit.with_result(self.python, kinds))
             if letters is None:
                 return None

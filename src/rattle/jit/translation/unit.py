@@ -143,8 +143,10 @@ def translated(python: Callable[..., Any], symbol: str, letters: Sequence[str]) 
     return unit.whole(told_where(made, lambda: made.written(symbol, outer=result)))
 
 
-def with_result(python: Callable[..., Any], kinds: Sequence[Any]) -> tuple[str, ...]:
+def with_result(python: Callable[..., Any], kinds: Sequence[Any] | None) -> tuple[str, ...]:
     """The letters of a function for arguments of these kinds; its result follows from its text."""
+    if kinds is None:
+        raise TranslationError(f"{python.__name__} takes numbers and contiguous arrays of float64 or int64")
     made = function(Unit(), python, kinds)
     told_where(made, lambda: made.written("any"))
     return letters_of(made.result or "", kinds)

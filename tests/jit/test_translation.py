@@ -1,0 +1,299 @@
+"""Kernels in LLVM's language: all constructs give the bits of plain Python; others are refused with their place."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from rattle.jit import compile_path, functions
+from rattle.jit.functions import compiled, native
+
+pytestmark = pytest.mark.skipif(not compile_path.chosen().fast, reason="the plain way leaves it to Numba")
+TABLE, CHOICES, SHIFT = np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([2, 0, 1]), 0.25
+numbers = st.floats(-1e6, 1e6) | st.sampled_from([0.0, -0.0, 1.0, math.inf, -math.inf, math.nan])
+wholes = st.integers(-50, 50)
+
+
+def same(a, b):
+    if isinstance(a, tuple):
+        return isinstance(b, tuple) and len(a) == len(b) and all(same(x, y) for x, y in zip(a, b, strict=True))
+    return a == b and math.copysign(1.0, a) == math.copysign(1.0, b) if a == a else b != b
+
+
+def agree(function, *args):
+    """Machine code and Python, with arrays of their own, give the same bits and leave the same arrays."""
+    if not functions.start():
+        pytest.skip("runs without machine code")
+    mine, theirs = ([np.copy(one) if isinstance(one, np.ndarray) else one for one in args] for _ in range(2))
+    found, expected = function(*mine), function.python(*theirs)
+    assert same(found, expected), (function.__name__, args, found, expected)
+    for one, other in zip(mine, theirs, strict=True):
+        np.testing.assert_array_equal(one, other)
+    return found
+
+
+# ---------------------------------------------------------------- arithmetic
+@compiled
+def floats(x, y):
+    largest, smallest = max(x, y, SHIFT), min(x, 0.5, y)
+    cut = x % y if y != 0.0 and abs(x) < math.inf else y
+    return x + y - x * y, largest, smallest, abs(x), -x, cut, math.copysign(x, y), float(x < y)
+
+
+@given(numbers, numbers)
+@example(-1.0, 0.5)
+@example(1.0, -0.75)
+def test_arithmetic_of_floats(x, y):
+    agree(floats, x, y)
+
+
+def test_a_whole_power_is_a_product():
+    @compiled
+    def powers(x):
+        return x**2, x**3, x**5, x**0, x**1
+
+    for x in (1.7, -0.3, 1e-200, 1e200):
+        assert functions.start() is False or powers(x) == (x * x, x * (x * x), x * ((x * x) * (x * x)), 1.0, x)
+
+
+@compiled
+def integers(i, j):
+    rest, quotient = (i % j, i // j) if j != 0 else (0, 0)
+    return rest, quotient, i * j - 3, abs(i), -j, i**3, i & 7, j >> 1, i | 1, max(i, j, 2), i / 4, int(i * 0.3), i + 0.5
+
+
+@given(wholes, wholes)
+@example(-7, 2)
+@example(7, -2)
+def test_arithmetic_of_integers(i, j):
+    agree(integers, i, j)
+
+
+@compiled
+def library(x):
+    y = abs(x)
+    bounded = x / (1.0 + y)
+    found = math.sin(x) + math.cos(x) + math.tanh(x) + math.atan2(x, 2.0) + math.asin(bounded) + math.acos(bounded)
+    return found, math.sqrt(y), math.exp(-y), math.log(1.0 + y), math.floor(x), (1.0 + y) ** 0.3, math.expm1(bounded)
+
+
+@given(st.floats(-100.0, 100.0))
+def test_functions_of_the_library(x):
+    agree(library, x)
+
+
+# ---------------------------------------------------------------- choices and loops
+@compiled
+def choices(x, y, k):
+    inside = 0.0 < x <= y < 10.0
+    either = x > 5.0 or (y > 5.0 and x != y)
+    word = 1 if k in (2, 3) else 0.5
+    if inside and not either:
+        kind = 1
+    elif k not in (0, 1):
+        kind = 2
+    else:
+        kind = 3
+    return inside, either, word, kind, bool(k), k != 2
+
+
+@given(st.floats(-2.0, 12.0), st.floats(-2.0, 12.0), st.integers(0, 4))
+def test_choices(x, y, k):
+    agree(choices, x, y, k)
+
+
+@compiled
+def loops(n, step, row):
+    total, seen, last = 0, 0, 0
+    for i in range(n):
+        if i == 3:
+            continue
+        if i > 8:
+            break
+        for j in range(i, 0, -2):
+            total += j
+        last = i
+    while n > 0:
+        n -= step
+        seen += 1
+        if seen > 100:
+            break
+    for sign in (1.0, -2.0, 0.5):
+        if sign < 0.0 and seen % 2:
+            continue
+        total += sign * row[0]
+    for k in range(1, row.shape[0]):
+        row[k] += row[k - 1]
+    return total, seen, last
+
+
+@given(st.integers(-2, 15), st.integers(1, 4))
+def test_loops(n, step):
+    agree(loops, n, step, np.linspace(0.5, 2.0, 5))
+
+
+def test_the_variable_of_a_loop_keeps_its_last_value_and_may_be_changed_inside():
+    @compiled
+    def after(n):
+        k = -1
+        for k in range(n):
+            k = 10 * k
+        return k
+
+    for n in range(4):
+        agree(after, n)
+
+
+# ---------------------------------------------------------------- arrays and tuples
+@compiled
+def pair(row, k):
+    return row[k], k + 1
+
+
+@compiled
+def arrays(table, row, counts, k):
+    line, part, rest = table[k], row[1:4], row[k:]
+    line[0], line[1] = line[1], line[0]
+    value, following = pair(rest, 0)
+    table[k, 2] += value
+    counts[k] += following
+    rest[0] = following
+    beyond = row[2:50]
+    grid = TABLE[CHOICES[k] % 2, 1]
+    both = (value, part[1])
+    return table.shape[0], table.shape[1], len(part), len(beyond), both[1], pair(part, 1)[0], grid, counts[k] > 2
+
+
+@given(st.integers(0, 2))
+def test_arrays_rows_parts_and_tuples(k):
+    agree(arrays, np.arange(12.0).reshape(3, 4), np.linspace(-1.0, 1.0, 6), np.array([1, 2, 3]), k)
+
+
+def test_a_variable_that_is_an_integer_first_and_a_float_later_is_a_float():
+    @compiled
+    def mean(row):
+        total = 0
+        for n in range(row.shape[0]):
+            total += row[n]
+        return total / row.shape[0] if row.shape[0] > 0 else 0
+
+    assert agree(mean, np.array([1.0, 2.5])) == 1.75
+    assert agree(mean, np.zeros(0)) == 0.0
+
+
+def test_an_operand_that_does_not_decide_is_not_computed():
+    @compiled
+    def guarded(row, k):
+        return k < row.shape[0] and row[k] > 0.0, 0.0 if k >= row.shape[0] else row[k]
+
+    for k in range(4):
+        agree(guarded, np.array([1.0, -1.0]), k)
+
+
+# ---------------------------------------------------------------- what is refused
+def refused(function, *args):
+    functions.start()
+    from rattle.jit.translation import unit, values
+
+    with pytest.raises(values.TranslationError) as raised:
+        unit.with_result(function, values.kinds_given(args))
+    return str(raised.value)
+
+
+def makes_a_list(x):
+    return [x, x]
+
+
+def counts_from_the_end(row):
+    return row[-1]
+
+
+def has_no_such_array(m):
+    return m.nowhere[0]
+
+
+def mixes(x, row):
+    y = x
+    if x > 0.0:
+        y = row
+    return y
+
+
+def calls_python(x):
+    return sorted(x)
+
+
+def indexes_by_a_float(row, x):
+    return row[x]
+
+
+def uses_too_early(x):
+    if x > 1e9:
+        return later  # noqa: F821  # what is tested
+    return x
+
+
+class Somewhere:
+    address = 0
+
+
+@pytest.mark.parametrize(
+    ("function", "args", "said"),
+    [
+        (makes_a_list, (1.0,), "'[x, x]' is not known here"),
+        (counts_from_the_end, (np.ones(2),), "an index cannot count from the end"),
+        (has_no_such_array, (Somewhere(),), "no array 'nowhere'"),
+        (mixes, (1.0, np.ones(2)), "a float in one place and a vector in another"),
+        (calls_python, (1.0,), "is no compiled function"),
+        (indexes_by_a_float, (np.ones(2), 1.0), "an index must be an integer"),
+        (uses_too_early, (1.0,), "'later' is used before it has a value"),
+        (mixes, (1.0,), "2 arguments are expected, 1 are given"),
+    ],
+)
+def test_what_kernels_cannot_use_is_refused_with_its_place(function, args, said):
+    words = refused(function, *args)
+    assert said in words
+    assert f"test_translation.{function.__name__}, line " in words
+
+
+def test_a_function_of_others_that_is_refused_is_compiled_by_numba():
+    pytest.importorskip("numba")
+
+    @compiled
+    def with_a_list(x):
+        return [x, 2.0 * x][1]
+
+    if functions.start():
+        assert with_a_list(1.5) == 3.0
+
+
+@native("f", "f")
+def with_numpy(x):
+    return np.sin(x) + np.array([1.0, 2.0])[1]
+
+
+@native("f", "f")
+def above(x):
+    return with_numpy(x) + 1.0
+
+
+def test_functions_of_both_compilers_call_each_other():
+    if functions.start():
+        assert above(0.5) == math.sin(0.5) + 3.0
+
+
+@compiled
+def twice(x):
+    return 2.0 * x
+
+
+@compiled
+def foreign_calls_ours(x):
+    return [twice(x), above(x)][0]
+
+
+def test_numba_finds_what_is_ours():
+    if functions.start():
+        assert foreign_calls_ours(1.5) == 3.0
