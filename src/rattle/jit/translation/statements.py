@@ -24,7 +24,7 @@ from rattle.jit.translation.values import (
     parts_of,
     said,
 )
-from rattle.jit.translation.writing import CALLER, ZEROS, Unit, assigned
+from rattle.jit.translation.writing import CALLER, ZEROS, Unit
 
 MOST = 20  # times that a function is written again
 
@@ -48,7 +48,6 @@ class Function(Calls):
             self.result = outer or None
         for _ in range(MOST):
             self.restart()
-            self.variables = assigned(self.tree)
             head = self._begun(name)
             for one in self.tree.body:
                 self.statement(one)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import ast
-import functools
 import hashlib
 import linecache
 import math
 import os
-import sys
+import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -195,16 +194,12 @@ def check() -> None:
 def source(python: Callable[..., Any]) -> ast.FunctionDef:
     """The syntax tree of a function.  Raises TranslationError if its source is not there."""
     code: Any = getattr(python, "__code__", None)
-    found = None if code is None else _functions(code.co_filename).get((code.co_name, code.co_firstlineno))
-    if found is None:
+    lines = [] if code is None else linecache.getlines(code.co_filename, python.__globals__)
+    if not lines:
         raise TranslationError(f"the source of {getattr(python, '__name__', python)} is not there")
-    return found
-
-
-@functools.cache
-def _functions(file: str) -> dict[tuple[str, int], ast.FunctionDef]:
-    """The functions in a file, by name and first line."""
-    space = next((vars(one) for one in list(sys.modules.values()) if getattr(one, "__file__", None) == file), None)
-    tree = ast.parse("".join(linecache.getlines(file, space)))
-    found = (one for one in ast.walk(tree) if isinstance(one, ast.FunctionDef))
-    return {(one.name, min([one.lineno, *(mark.lineno for mark in one.decorator_list)])): one for one in found}
+    first = code.co_firstlineno
+    last = max(end for _, end, _, _ in code.co_positions() if end is not None)
+    tree = ast.parse(textwrap.dedent("".join(lines[first - 1 : last]))).body[0]
+    if not isinstance(tree, ast.FunctionDef):
+        raise TranslationError(f"{python.__name__} is not written as a function of its own")
+    return ast.increment_lineno(tree, first - 1)

@@ -6,7 +6,6 @@ float later is a float.  Every variable has a place on the stack, which LLVM tur
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
@@ -57,6 +56,7 @@ class Writing:
         self.unit, self.function = unit, function
         code, cells = function.__code__, function.__closure__ or ()
         around = {name: cell.cell_contents for name, cell in zip(code.co_freevars, cells, strict=True)}
+        self.variables = {*code.co_varnames, *code.co_cellvars}  # arguments too
         self.outside = {**function.__globals__, **around}  # what does not change
         self.kinds: dict[Any, Any] = {}  # of variables, and of values that several ways lead to
         self.result: Any = None  # kind of the result; None until the first return
@@ -69,7 +69,6 @@ class Writing:
         self.lines: list[str] = []
         self.places: dict[Any, list[str]] = {}  # of variables on the stack
         self.rooms: list[str] = []  # types of other places on the stack
-        self.variables: set[str] = set()
         self.count, self.changed, self.open = 0, False, True
 
     # ---------------------------------------------------------------- instructions
@@ -265,9 +264,3 @@ class Writing:
         strides = ["8"] if len(shape) == 1 else [self.put(f"mul i64 {shape[1]}, 8"), "8"]
         numbers = [("i64", one) for one in (size, "8")], [("i64", one) for one in (*shape, *strides)]
         return [("ptr", "null"), ("ptr", "null"), *numbers[0], ("ptr", first), *numbers[1]]
-
-
-def assigned(tree: ast.FunctionDef) -> set[str]:
-    """Names of the variables of a function, with its arguments."""
-    names = (one.id for one in ast.walk(tree) if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store))
-    return {one.arg for one in tree.args.args} | set(names)
