@@ -63,7 +63,7 @@ HELP = {
 
 
 QUIET = "No progress bar and no log messages, only results."
-VERSION = "Show the version, that of Numba, and how kernels are compiled."
+VERSION = "Show the version, and what compiles kernels."
 
 
 class Lazy(click.Group):

@@ -141,7 +141,7 @@ def warmup(ctx: click.Context) -> None:
     click.echo(f"kernels are ready in {folder.cache_folder()} ({time.perf_counter() - start:.1f} s)")
 
 
-WORKERS = 2  # more would each start Numba and compile the small functions that many share
+WORKERS = 2  # more would each translate the small functions that many share
 SHORT_WORK = ("impacts", "statics", "motion")
 
 

@@ -1,1 +1,1 @@
-"""What makes machine code with Numba: the fast way, the plain way, and what both share."""
+"""What Numba does: laws that users write in Python, and all kernels on the plain way."""

@@ -1,4 +1,4 @@
-"""Calls of machine code by address, for both ways of compiling.
+"""Calls of machine code by address, as Numba writes them.
 
 A function with fixed types is in memory once, and others call it by its address, with Numba's calling convention:
 exceptions are passed on to the caller.  The address is read from a named place, see `machine`, or from a table of

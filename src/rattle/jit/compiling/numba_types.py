@@ -1,4 +1,4 @@
-"""Types for Numba, for both ways of compiling: types of arguments, and the workspace.
+"""Types for Numba: types of arguments, and the workspace.
 
 Only Numba's documented extension interface is used, and nothing is registered for types that are not ours.
 """
