@@ -195,7 +195,7 @@ def test_a_processor_without_fma_or_even_floor_makes_the_same_bits(monkeypatch, 
 def test_eight_samples_fill_one_register_where_there_are_512_bits():
     graph, functions = everything()
     text = llvm.functions_text(graph, {"sin": functions["sin"]}, 8)
-    code = llvm._machine("skylake-avx512", "").emit_assembly(llvm._module(llvm._declared(text)))
+    code = llvm._machine("skylake-avx512", "").emit_assembly(machine.parsed(llvm._declared(text)))
     assert "zmm" in code
     assert "ymm" not in code
     assert "vfm" not in code
@@ -245,6 +245,7 @@ def test_code_in_a_circle_of_objects_is_taken_apart_by_the_collector():
     """In a process of its own, which a wrong order would end."""
     program = """
 import gc
+from rattle.jit import machine
 from rattle.trace import llvm
 from rattle.trace.graph import Graph
 

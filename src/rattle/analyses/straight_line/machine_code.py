@@ -46,15 +46,15 @@ class MachineFunctions:
         """Make the machine code of all functions."""
         names = list(self._names.values())
         origin = repr([described(*one) for one in self._functions.values()])
-        self._code = llvm.compile(self._text, ["chain", *names], origin)
+        self._code = llvm.compile(self._texts, ["chain", *names], origin)
         self._calls = {name: self._code.function(name) for name in names}
         self._calls["chain"] = self._code.function("chain", *llvm_chain.KINDS)
 
-    def _text(self) -> str:
+    def _texts(self) -> list[str]:
         texts = [
             llvm.functions_text(graph, {name: all_}, width) for name, (graph, all_, width) in self._functions.items()
         ]
-        return "\n".join([llvm_chain.CHAIN, *texts])
+        return [llvm_chain.CHAIN, *texts]
 
     def chain(self, calls: Calls, memory: np.ndarray, running: int, times: int) -> Callable[[], None]:
         """One call of many functions in turn, on every tile of a memory, so many times; see `Chain`."""
