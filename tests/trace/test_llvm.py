@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rattle.jit import cache
+from rattle.jit import cache, machine
 from rattle.trace import elementary, llvm, llvm_chain
 from rattle.trace.graph import FUNCTIONS, Graph, select
 
@@ -245,7 +245,6 @@ def test_code_in_a_circle_of_objects_is_taken_apart_by_the_collector():
     """In a process of its own, which a wrong order would end."""
     program = """
 import gc
-from rattle.jit import machine
 from rattle.trace import llvm
 from rattle.trace.graph import Graph
 
