@@ -1,12 +1,16 @@
 """Kernels in LLVM's language: all constructs give the bits of plain Python; others are refused with their place."""
 
+import importlib.util
 import math
+import warnings
+from contextlib import suppress
 
 import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from random_kernels import Source
 from rattle.jit import compile_path, functions
 from rattle.jit.functions import compiled, native
 
@@ -297,3 +301,27 @@ def foreign_calls_ours(x):
 def test_numba_finds_what_is_ours():
     if functions.start():
         assert foreign_calls_ours(1.5) == 3.0
+
+
+# ---------------------------------------------------------------- kernels made at random
+def require_agreement(seed, folder):
+    """A random kernel gives the bits of Python for several arguments, where Python raises nothing."""
+    file, rng = folder / f"kernel{seed}.py", np.random.default_rng(seed)
+    file.write_text(Source(seed).text)
+    spec = importlib.util.spec_from_file_location(f"rattle.random{seed}", file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    compared = 0
+    for _ in range(12):
+        arrays = rng.normal(size=5), rng.normal(size=(3, 4)), rng.integers(0, 9, 3)
+        given = float(rng.normal()), float(rng.normal()), int(rng.integers(-5, 9)), int(rng.integers(0, 9)), *arrays
+        with warnings.catch_warnings(), suppress(OverflowError, ZeroDivisionError, ValueError, UnboundLocalError):
+            warnings.simplefilter("ignore")
+            agree(module.kernel, *given)
+            compared += 1
+    return compared
+
+
+@pytest.mark.parametrize("seed", range(15))
+def test_random_kernels(seed, tmp_path):
+    assert require_agreement(seed, tmp_path) > 0
