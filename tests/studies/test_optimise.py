@@ -185,6 +185,24 @@ def test_a_sum_of_squares_that_cannot_vanish_is_least_where_its_gradient_is_zero
     assert o.values["k"] == pytest.approx(brentq(gradient, 5, 20, xtol=1e-12), rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("objective", "conditions"), [("(final(block.x) - 0.3)**2", ()), ("final(block.x)", ("max(abs(block.vx)) <= 1.5",))]
+)
+def test_parameters_without_effect_are_told(objective, conditions):
+    m = rt.loads(SPRING.replace('k = "15 N/m"', 'k = "15 N/m"\nlost = 2'))
+    o = m.optimise(objective, {"lost": (1, 3), "k": (5, 20)}, conditions, t_end=T, starts=1)
+    assert "without effect on what is asked, near this design at least: lost\n" in o.report
+    assert "without effect" not in rt.loads(SPRING).optimise(objective, {"k": (5, 20)}, t_end=T, starts=1).report
+
+
+def test_searches_that_ended_elsewhere_are_told_in_the_unit_of_the_objective():
+    """0.5 - a**2 falls to both ends of the range: to 0.25 rad and, from the other side, to 0.46 rad."""
+    m = rt.loads(TURNING.replace("a = 0.2", "a = 0.01").replace('angle = "t"', 'angle = "t - a**2"'))
+    o = m.optimise("final(disc.angle)", {"a": (-0.2, 0.5)}, t_end=0.5, analysis="kinematics", starts=6)
+    assert o.values["a"] == 0.5
+    assert "the others at 26.36 deg" in o.report  # 0.5 - 0.2**2 rad
+
+
 # ---------------------------------------------------------------- derivatives
 @pytest.mark.parametrize(
     ("text", "analysis", "outputs"),

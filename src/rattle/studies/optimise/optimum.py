@@ -139,6 +139,9 @@ class Optimum:
         bounds = self.active[len(held.constraints) :] if held is not None else ()
         if bounds:
             said.append(f"at its bound: {', '.join(bounds)}")
+        if held is not None and held.idle:
+            idle = ", ".join(asked.names[k] for k in held.idle)
+            said.append(f"without effect on what is asked, near this design at least: {idle}")
         if held is None:
             said.append("no derivatives at the optimum: what holds it there is not known")
         elif self.feasible and (not self.squares or self.value > 0.0):
@@ -166,16 +169,16 @@ class Optimum:
 
     def _ends(self) -> list[str]:
         """Where the searches ended."""
-        best, asked = self._best, self.question
+        best = self._best
         same = [one for one in self.searches if one.ended and self._distance(one, best) <= ALIKE]
         others = [one for one in self.searches if one.ended and one not in same]
         said = [f"{len(same)} of {len(self.searches)} searches ended at this design"]
         if others:
             values = ", ".join(
-                f"{one.value:.4g}{'' if one.feasible else ' (misses a constraint)'}"
+                f"{self._number(one.value, 4)}{'' if one.feasible else ' (misses a constraint)'}"
                 for one in sorted(others, key=lambda one: one.value)[:5]
             )
-            said[0] += f", the others at {values}{' ...' if len(others) > 5 else ''} {asked.objective.unit}".rstrip()
+            said[0] += f", the others at {values}{' ...' if len(others) > 5 else ''}"
         empty = sum(not one.ended for one in self.searches)
         if empty:
             said[0] += f"; for {empty} no design between the bounds was found that can be evaluated"

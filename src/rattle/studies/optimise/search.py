@@ -206,6 +206,7 @@ class Held:
     low: tuple[int, ...]  # places of parameters at their lower, and at their upper bound
     high: tuple[int, ...]
     left: float  # what is left of the gradient: change of the objective per 1 % of the ranges, to first order
+    idle: tuple[int, ...]  # places of parameters on which neither objective nor constraints depend near the design
 
 
 def held(designs: Designs, found: Found) -> Held | None:
@@ -221,8 +222,12 @@ def held(designs: Designs, found: Found) -> Held | None:
     active = np.flatnonzero((margins <= ACTIVE * found.scale) & (margins >= -MET * found.scale))
     try:
         slopes = designs.slopes(design)
+        parts = (
+            designs.parts(design)[1] if designs.squares else slopes
+        )  # where a sum of squares is least its slope is 0
     except LostError:
         return None
+    idle = np.flatnonzero(~(slopes.any(axis=0) | parts.any(axis=0)))
     unit = np.eye(len(design.x))
     rows = [*(slopes[1 + j] / found.scale[j] for j in active), *unit[low], *-unit[high]]
     left, multipliers = slopes[0], np.zeros(0)
@@ -232,4 +237,5 @@ def held(designs: Designs, found: Found) -> Held | None:
         multipliers = multipliers * size
         left = left - multipliers @ np.array(rows)
     worth = {int(j): float(y / found.scale[j]) for j, y in zip(active, multipliers, strict=False)}
-    return Held(worth, tuple(map(int, low)), tuple(map(int, high)), 0.01 * float(np.abs(left).sum()))
+    gain = 0.01 * float(np.abs(left).sum())
+    return Held(worth, tuple(low.tolist()), tuple(high.tolist()), gain, tuple(idle.tolist()))
