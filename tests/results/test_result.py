@@ -76,6 +76,8 @@ def test_trust_says_pulling_in_plain_words():
     [
         ({"horizon": None}, "was not computed (horizon=True"),
         ({"horizon": 2.0}, "over the whole run"),
+        ({"horizon": 0.0, "t_end": 0.0}, "the curves can be trusted at t = 0 s"),  # one position
+        ({"horizon": 0.0, "t_end": 0.0, "stopped": True}, "up to t = 0 s (horizon)"),
         # a sleeve that jams on two corners: how they share the load is not determined, where the sleeve is is
         (
             {"horizon": 0.1, "horizon_motion": 2.0, "horizon_curve": "J.normal"},

@@ -61,6 +61,8 @@ class Trust:
     def _reach(self) -> str:
         if self.horizon is None:
             return "how long the curves can be trusted was not computed (horizon=True does)"
+        if self.t_end == self.horizon == 0.0 and not self.stopped:  # one position: no time in which errors could grow
+            return "the curves can be trusted at t = 0 s"
         whole = f"up to where the run ended, t = {self.t_end:.4g} s"
         if not self.stopped:
             whole = f"over the whole run, to t = {self.t_end:.4g} s"

@@ -366,5 +366,7 @@ def test_names_and_times_are_checked():
         m.sensitivity(["block.x"], ["k"], TIMES, "simulat")
     with pytest.raises(ValueError, match="outputs: expected a list"):
         m.sensitivity([], ["k"], TIMES)
+    with pytest.raises(ValueError, match="parameters: expected a list"):
+        m.sensitivity("block.x", None)
     with pytest.raises(rt.ModelError, match="kinematics needs drivers"):
         m.sensitivity(["block.x"], ["k"], TIMES, "kinematics")

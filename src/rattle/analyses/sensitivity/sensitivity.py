@@ -111,7 +111,7 @@ def sensitivity(
 
 # ---------------------------------------------------------------- the question
 def _names(what: str, given: Sequence[str]) -> tuple[str, ...]:
-    names = (given,) if isinstance(given, str) else tuple(dict.fromkeys(given))
+    names = (given,) if isinstance(given, str) else tuple(dict.fromkeys(given or ()))
     if not names or not all(isinstance(one, str) for one in names):
         example = '["rocker.angle"]' if what == "outputs" else '["l2", "r3"]'
         raise ValueError(f"{what}: expected a list of names such as {example}")
