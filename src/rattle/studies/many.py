@@ -6,7 +6,6 @@ vouch, and mechanisms that it cannot follow, are run one by one by the generic k
 
 from __future__ import annotations
 
-import functools
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -233,9 +232,8 @@ def _side_by_side(task: _Task, found: _Found, progress: bool) -> str:
 def _run_lanes(task: _Task, found: _Found, model: RecordedModel, method: str, progress: bool) -> None:
     functions = MachineFunctions()
     asked = Asked(model, task.outputs)
-    starts, often = Starts(model, functions.add), functools.partial(functions.add, often=True)
     program = Program(
-        lane_model(model, asked, functions.add, starts, often), functions.add,
+        lane_model(model, asked, functions.add, Starts(model, functions.add)), functions.add,
         METHODS[method], asked.reductions, task.t_end,
         tolerances=lane_methods.Tolerances(task.rtol, task.atol, task.step or np.inf), step=task.step or LONGEST,
         chain=functions.chain, tiled=True,

@@ -22,7 +22,7 @@ from rattle.trace.lane_program import EIGHT, Program
 from rattle.trace.lane_start import Stock
 
 WIDTH = 1024  # so many that Python's part between two looks is small; a tile is what must fit into the cache
-LOOKS = 8  # steps between two looks; a lane that is through waits for half of them
+LOOKS = 16  # steps between two looks; a lane that is through waits for half of them
 STOCK = 1024  # samples made ready at once
 
 Progress = Callable[[int, int], None]  # samples done, samples in all

@@ -81,14 +81,8 @@ def why_not_lanes(output: Output, varied: Mapping[str, Any]) -> str:
     return ""
 
 
-def lane_model(
-    model: RecordedModel, asked: Asked, compile_function: Compile, starts: Starts, often: Compile | None = None
-) -> Model:
-    """Functions of a model for lanes: curves are those asked for, then the energies.
-
-    often: compiles what is called many times in a step.
-    """
-    often = often or compile_function
+def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, starts: Starts) -> Model:
+    """Functions of a model for lanes: curves are those asked for, then the energies."""
     nb, ny, graph = model.system.body_count, model.state_size, model.graph
     energies = [model.curves[f"energy.{key}"] for key in ENERGY]
     curves = [*asked.curves, *energies]
@@ -100,10 +94,7 @@ def lane_model(
     parts = [rates, [*closed, *there], rows, *([[*rates, *(rows[n] for n in watched)]] if watched else [])]
     early, prepared, late, outputs = hoist(exact, [x for part in parts for x in part], exact.inputs[1 + ny :])
     ends = np.cumsum([0, *map(len, parts)])
-    makers = (often, compile_function, often, often)
-    rate, arrive, row, *watch = (
-        make(late, outputs[a:b]) for make, (a, b) in zip(makers, itertools.pairwise(ends), strict=False)
-    )
+    rate, arrive, row, *watch = (compile_function(late, outputs[a:b]) for a, b in itertools.pairwise(ends))
     prepare = compile_function(early, prepared)
     energy = compile_function(*lower(graph, [energies[-1]]))
 

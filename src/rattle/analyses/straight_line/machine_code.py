@@ -22,19 +22,19 @@ class MachineFunctions:
 
     def __init__(self, width: int | None = None) -> None:
         self.width = llvm.width() if width is None else width
-        self._functions: dict[str, tuple[Graph, Sequence[Any], int]] = {}
+        self._functions: dict[str, tuple[Graph, Sequence[Any]]] = {}
         self._code: llvm.MachineCode | None = None
         self._calls: dict[str, Any] = {}
         self._names: dict[Function, str] = {}
 
-    def add(self, graph: Graph, outputs: Sequence[Any], *, often: bool = False) -> Function:
+    def add(self, graph: Graph, outputs: Sequence[Any]) -> Function:
         """A function that will be compiled with the others.
 
-        often: most of the time goes there.  It takes two registers of samples at once where 8 need two: one would wait
-        for its own results.  That is 15 % faster to run and takes twice as long to compile.
+        It takes one register of samples at a time.  With two a function alone is 15 % faster, but the functions of a
+        step then no longer fit into the cache of instructions together, and a step is slower.
         """
         name = f"f{len(self._functions)}"
-        self._functions[name] = graph, outputs, min(8, 2 * self.width) if often else self.width
+        self._functions[name] = graph, outputs
 
         def call(rows_in: np.ndarray, rows_out: np.ndarray) -> None:
             self._calls[name](*_places(rows_in, rows_out))
@@ -45,14 +45,14 @@ class MachineFunctions:
     def compile(self) -> None:
         """Make the machine code of all functions."""
         names = list(self._names.values())
-        origin = repr([described(*one) for one in self._functions.values()])
+        origin = repr([self.width, *(described(*one) for one in self._functions.values())])
         self._code = llvm.compile(self._texts, ["chain", *names], origin)
         self._calls = {name: self._code.function(name) for name in names}
         self._calls["chain"] = self._code.function("chain", *llvm_chain.KINDS)
 
     def _texts(self) -> list[str]:
         texts = [
-            llvm.functions_text(graph, {name: all_}, width) for name, (graph, all_, width) in self._functions.items()
+            llvm.functions_text(graph, {name: all_}, self.width) for name, (graph, all_) in self._functions.items()
         ]
         return [llvm_chain.CHAIN, *texts]
 
@@ -97,13 +97,13 @@ class MachineFunctions:
         return [np.array(numbers, np.int64), table]
 
 
-def described(graph: Graph, outputs: Sequence[Any], width: int) -> tuple[Any, ...]:
+def described(graph: Graph, outputs: Sequence[Any]) -> tuple[Any, ...]:
     """All that the text of a function depends on but its name."""
     live = graph.live(outputs)
     ops, operands, numbers = graph.ops, graph.operands, graph.numbers
     values = [numbers[place] for place in live if place in numbers]
     work = [ops[place] for place in live], [operands[place] for place in live], values
-    return width, live, work, graph.inputs, [graph.place(x) for x in outputs]
+    return live, work, graph.inputs, [graph.place(x) for x in outputs]
 
 
 def _offsets(start: int, rows_in: int, a: int, rows_out: int, b: int, n: int) -> tuple[int, int, int, int, int]:
