@@ -143,7 +143,7 @@ def test_parameters_given_by_others_follow_them_and_broken_powers_have_no_base_u
     root, variables = described(tmp_path / "a.fmu")
     causality = {name: variables[name].get("causality") for name in ("l", "m", "kg_per_m", "drag")}
     assert causality == {
-        "l": "parameter", "m": "calculatedParameter", "kg_per_m": "parameter", "drag": "parameter"
+        "l": "parameter", "m": "calculatedParameter", "kg_per_m": "parameter", "drag": "input"
     }  # fmt: skip
     (broken,) = (one for one in root.iter("Unit") if one.get("name") == variables["drag"].get("unit"))
     assert broken.find("BaseUnit") is None
@@ -247,6 +247,67 @@ def test_co_simulation_follows_a_closed_form_at_any_communication_step(tmp_path)
         np.testing.assert_allclose(found["block.vx"], -1.5 * np.sin(3.0 * found["time"]), atol=1e-9)
 
 
+TURNED = """
+format = 1
+[parameters]
+drive = "2 N*m"
+inertia = 0.5
+[ground.points]
+O = [0, 0]
+[bodies.wheel]
+points = { P = [0, 0] }
+mass = 1
+inertia = "inertia"
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "wheel.P"]
+[loads.motor]
+type = "torque"
+body = "wheel"
+torque = "drive"
+[initial]
+wheel = { angle = 0, omega = 0 }
+"""
+
+
+@needs_cc
+@pytest.mark.parametrize("fmi_type", ["CoSimulation", "ModelExchange"])
+def test_a_torque_can_be_fed_in_during_a_run(fmi_type, tmp_path):
+    """J d omega/dt = M: +2 N m, then -1 N m from 0.5 s on."""
+    fmpy = pytest.importorskip("fmpy")
+    (tmp_path / "wheel.toml").write_text(TURNED)
+    written(tmp_path / "a.fmu", str(tmp_path / "wheel.toml"))
+    _, variables = described(tmp_path / "a.fmu")
+    assert [variables[name].get("causality") for name in ("drive", "inertia")] == ["input", "parameter"]
+    fed = np.array([(0.0, 2.0), (0.5, 2.0), (0.5, -1.0), (1.0, -1.0)], dtype=[("time", float), ("drive", float)])
+    found = fmpy.simulate_fmu(
+        str(tmp_path / "a.fmu"), stop_time=1.0, output_interval=0.125, relative_tolerance=1e-10, fmi_type=fmi_type,
+        output=["wheel.omega", "wheel.angle", "energy.balance"], input=fed,
+    )  # fmt: skip
+    t = found["time"]
+    late = np.maximum(t - 0.5, 0.0)
+    np.testing.assert_allclose(found["wheel.omega"], 4.0 * t - 6.0 * late, atol=1e-7)
+    np.testing.assert_allclose(found["wheel.angle"], 2.0 * t**2 - 3.0 * late**2, atol=1e-7)
+    assert np.abs(found["energy.balance"]).max() < 1e-6
+
+
+@needs_cc
+def test_an_input_outside_of_its_limits_is_refused_and_the_run_goes_on(opened):
+    failed = pytest.importorskip("fmpy.fmi1").FMICallException
+    unit, other = opened("fourbar"), opened("fourbar")
+    for one in (unit, other):
+        one.begin()
+        one.set(M=-30.0)
+    unit.fmu.doStep(0.0, 1e-3)
+    with pytest.raises(failed):
+        unit.set(M=81.0)
+    assert "M = 81 is not between its limits" in unit.said[-1]
+    unit.fmu.doStep(1e-3, 1e-3)
+    other.fmu.doStep(0.0, 1e-3)
+    other.fmu.doStep(1e-3, 1e-3)
+    assert unit.get("M", "rocker.angle") == other.get("M", "rocker.angle")
+
+
 class Unit:
     """An FMU in FMPy, with what it logs."""
 
@@ -322,6 +383,7 @@ def test_calls_out_of_turn_are_refused_and_change_nothing(opened):
     before = unit.get("slider.x", "slider.vx")
     with pytest.raises(failed):
         unit.set(speed=1.0)
+    assert "speed cannot change during a run" in unit.said[-1]
     with pytest.raises(failed):
         unit.fmu.doStep(0.5, 1e-3)
     assert "the model is at 0 s" in unit.said[-1]

@@ -41,12 +41,13 @@ NEEDED = FUNCTIONS[:5]  # also without parameters
 
 
 class Input(NamedTuple):
-    """A parameter that can be set [SI]."""
+    """A parameter that can be set [SI]; varies: also during a run."""
 
     name: str
     value: float
     least: float
     most: float
+    varies: bool
 
 
 class Equations(NamedTuple):
@@ -97,6 +98,7 @@ def equations_text(equations: Equations, header: str, token: str) -> str:
             f"static const char *const names[NP] = {{{quoted}}};",
             _numbers("least[NP]", [one.least for one in inputs]),
             _numbers("most[NP]", [one.most for one in inputs]),
+            f"static const int varies[NP] = {{{', '.join(str(int(one.varies)) for one in inputs)}}};",
         ]
     rows = ", ".join("{" + ", ".join(map(c.number, row)) + "}" for row in A[:12, :12].tolist())
     parts += [

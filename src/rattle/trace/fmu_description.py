@@ -13,14 +13,19 @@ from rattle.version import __version__
 
 
 class Kind(Enum):
-    """What a variable is; FOLLOWING: a parameter given by others, CURVE: a result column that is not a state."""
+    """What a variable is.
 
-    TIME, PARAMETER, FOLLOWING, STATE, RATE, CURVE = range(6)
+    INPUT: a parameter that may change during a run, FOLLOWING: one given by others, CURVE: a result column that is
+    not a state.
+    """
+
+    TIME, PARAMETER, INPUT, FOLLOWING, STATE, RATE, CURVE = range(7)
 
 
 ATTRIBUTES: Mapping[Kind, Mapping[str, str]] = {
     Kind.TIME: {"causality": "independent", "variability": "continuous"},
     Kind.PARAMETER: {"causality": "parameter", "variability": "fixed", "initial": "exact"},
+    Kind.INPUT: {"causality": "input", "variability": "continuous"},
     Kind.FOLLOWING: {"causality": "calculatedParameter", "variability": "fixed", "initial": "calculated"},
     Kind.STATE: {"causality": "output", "variability": "continuous", "initial": "calculated"},
     Kind.RATE: {"causality": "local", "variability": "continuous", "initial": "calculated"},

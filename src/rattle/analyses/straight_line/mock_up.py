@@ -1,7 +1,8 @@
 """A model as a Functional Mock-up Unit (FMI 3.0) for other simulation tools.
 
 Parameters of the model file can be set there, as long as the start follows from them by equations that hold near the
-one at hand; parameters given by others follow them.
+one at hand; parameters given by others follow them.  Those that act only through forces and torques, like a motor's,
+are inputs: other parts of a simulation, a controller say, may change them during a run.
 """
 
 from __future__ import annotations
@@ -94,13 +95,13 @@ def _equations(model: RecordedModel, curves: Mapping[str, Any]) -> fmu.Equations
     settings, names = system.model.settings, list(curves)
     rtol = settings.rtol or RTOL
     states = [name for name, _ in state_layout(system).units()]
-    first = model.first
+    first, inputs = model.first, _inputs(model, curves)
     energies = {key.upper(): names.index(f"energy.{key}") for key in ("kinetic", "potential", "balance")}
     return fmu.Equations(
         derivative, project, rows, (early, prepared), lower(graph, [curves["energy.balance"]]),
         lower(graph, [*model.dependent.values(), model.readable]),
         None if first is None else lower(graph, first.correction), None if first is None else lower(graph, first.rates),
-        [fmu.Input(name, value, *_limits(model, name)) for name, value in model.parameters.items()],
+        [fmu.Input(name, value, *_limits(model, name), name in inputs) for name, value in model.parameters.items()],
         model.start_state.tolist(), 3 * system.body_count, {**energies, "WORK": states.index("energy.work")},
         {
             "SIZE": system.size, "TOLERANCE": rtol, "ABSOLUTE": (settings.atol or ATOL * rtol) / rtol,
@@ -109,6 +110,16 @@ def _equations(model: RecordedModel, curves: Mapping[str, Any]) -> fmu.Equations
             "MISSED": MISSED, "ROUNDS": ROUNDS, "MOST_PARTS": PIECES,
         },
     )  # fmt: skip
+
+
+def _inputs(model: RecordedModel, curves: Mapping[str, Any]) -> set[str]:
+    """Parameters on which rates depend, and neither the constraints, the start, stored energy nor other parameters."""
+    graph, first = model.graph, model.first
+    kept = [*model.projection, *model.dependent.values(), curves["energy.potential"]]
+    kept += [] if first is None else [*first.correction, *first.rates]
+    fixed, acting = set(graph.live(kept)), set(graph.live(model.derivative))
+    places = zip(model.parameters, graph.inputs[1 + model.state_size :], strict=False)
+    return {name for name, place in places if place in acting - fixed}
 
 
 def _limits(model: RecordedModel, name: str) -> tuple[float, float]:
@@ -120,10 +131,12 @@ def _variables(model: RecordedModel, curves: Mapping[str, Any]) -> list[Variable
     """All variables, in the order of their value references, which `fmu_sources` knows."""
     known, nq = model.system.model.parameters, 3 * model.system.body_count
     size = model.system.size
+    inputs = _inputs(model, curves)
     found = [Variable("t", Kind.TIME, "s", "time")]
     for name, value in model.parameters.items():
-        one = known[name]
-        found.append(Variable(name, Kind.PARAMETER, one.unit, "parameter", value, one.minimum, one.maximum))
+        one, kind = known[name], Kind.INPUT if name in inputs else Kind.PARAMETER
+        said_of = "parameter of forces, may change during a run" if name in inputs else "parameter"
+        found.append(Variable(name, kind, one.unit, said_of, value, one.minimum, one.maximum))
     follows = "parameter that follows from others"
     found += [Variable(name, Kind.FOLLOWING, known[name].unit, follows) for name in model.dependent]
     first, states = len(found), state_layout(model.system).units()

@@ -145,6 +145,29 @@ FMI(fmi3Status, fmi3GetFloat64)(
     return fmi3OK;
 }
 
+/* parameters that may change during a run: all of them or none */
+static fmi3Status set_inputs(
+    Mechanism *m, const fmi3ValueReference references[], size_t n, const fmi3Float64 values[]) {
+#if NP > 0
+    double before[NP], whole[NY + NP + 2] = {0.0};
+    size_t i;
+    for (i = 0; i < n; i++) {
+        const int k = (int)(references[i] - FIRST_PARAMETER);
+        if (!varies[k]) {
+            return say(m, fmi3Error, "the parameter %s cannot change during a run: more than forces depend on it", names[k]);
+        }
+    }
+    memcpy(before, m->p, sizeof before);
+    for (i = 0; i < n; i++) m->p[references[i] - FIRST_PARAMETER] = values[i];
+    if (follow_parameters(m, whole) != fmi3OK) {
+        memcpy(m->p, before, sizeof before);
+        return fmi3Error;
+    }
+    determine(m);
+#endif
+    return fmi3OK;
+}
+
 FMI(fmi3Status, fmi3SetFloat64)(
     fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
     const fmi3Float64 values[], size_t nValues) {
@@ -152,12 +175,13 @@ FMI(fmi3Status, fmi3SetFloat64)(
     size_t i;
     if (nValues != nValueReferences) return say(m, fmi3Error, "fmi3SetFloat64: as many values as variables");
     if (nValues == 0) return fmi3OK;
-    REQUIRE(INSTANTIATED | INITIALIZING, "fmi3SetFloat64 of a parameter");
+    REQUIRE(~TERMINATED, "fmi3SetFloat64");
     for (i = 0; i < nValues; i++) {
         if (valueReferences[i] < FIRST_PARAMETER || valueReferences[i] >= FIRST_FOLLOWING) {
             return say(m, fmi3Error, "the variable %u cannot be set: only parameters can", (unsigned)valueReferences[i]);
         }
     }
+    if (!(m->mode & (INSTANTIATED | INITIALIZING))) return set_inputs(m, valueReferences, nValues, values);
     for (i = 0; i < nValues; i++) m->p[valueReferences[i] - FIRST_PARAMETER] = values[i];
     m->begun = false;
     return fmi3OK;

@@ -29,6 +29,7 @@ typedef struct {
     double h;                              /* next step [s]; 0: not chosen yet */
     double t, y[NY], dy[NY], curves[NO];   /* [SI] */
     double p[NP + 1], following[ND + 1];   /* parameters, and those that follow from them [SI] */
+    double energy;                         /* at the start [J] */
     double in[1 + NY + NC];                /* arguments of the recorded functions: t, y, what parameters determine */
     double kinetic, work, lowest, highest; /* largest energies so far, range of the potential one [J] */
 } Mechanism;
@@ -169,36 +170,49 @@ static fmi3Status check_limits(Mechanism *m) {
 }
 #endif
 
+/* parameters that follow from others; an error where they give another kind of model */
+static fmi3Status follow_parameters(Mechanism *m, double *whole) {
+#if NP > 0
+    double known[ND + 1];
+    int i;
+    if (check_limits(m) != fmi3OK) return fmi3Error;
+    memcpy(whole + 1 + NY, m->p, sizeof(double) * NP);
+    follow(whole, known);
+    if (known[ND] == 0.0) {
+        return say(m, fmi3Error,
+                   "the parameters give another kind of model than the one that was written, or one without sense "
+                   "(a length or mass below zero): write it with them, rattle code FILE --set NAME=VALUE");
+    }
+    for (i = 0; i < ND; i++) m->following[i] = known[i];
+#endif
+    return fmi3OK;
+}
+
+/* everything that the parameters determine, during a run */
+static void determine(Mechanism *m) {
+    double whole[NY + NP + 2] = {0.0};
+    memcpy(whole + 1 + NY, m->p, sizeof(double) * NP);
+    whole[1 + NY + NP] = m->energy;
+    prepare(whole, m->in + 1 + NY);
+    moved(m);
+}
+
 /* state at t = 0 and everything that the parameters determine */
 static fmi3Status begin(Mechanism *m) {
-    double whole[NY + NP + 2] = {0.0}, energy[1];
+    double whole[NY + NP + 2] = {0.0};
     memcpy(whole + 1, start, sizeof start);
+    if (follow_parameters(m, whole) != fmi3OK) return fmi3Error;
 #if NP > 0
-    {
-        double known[ND + 1];
-        int i;
-        if (check_limits(m) != fmi3OK) return fmi3Error;
-        memcpy(whole + 1 + NY, m->p, sizeof(double) * NP);
-        follow(whole, known);
-        if (known[ND] == 0.0) {
-            return say(m, fmi3Error,
-                       "the parameters give another kind of model than the one that was written, or one without sense "
-                       "(a length or mass below zero): write it with them, rattle code FILE --set NAME=VALUE");
-        }
-        if (!close_start(whole, m->p)) {
-            return say(m, fmi3Error,
-                       "the mechanism cannot be put together with these parameters, or not on the way from the start "
-                       "that was written: rattle code FILE --set NAME=VALUE says why, or writes it");
-        }
-        for (i = 0; i < ND; i++) m->following[i] = known[i];
+    if (!close_start(whole, m->p)) {
+        return say(m, fmi3Error,
+                   "the mechanism cannot be put together with these parameters, or not on the way from the start "
+                   "that was written: rattle code FILE --set NAME=VALUE says why, or writes it");
     }
 #endif
-    initial_energy(whole, energy);
-    whole[1 + NY + NP] = energy[0];
-    prepare(whole, m->in + 1 + NY);
+    initial_energy(whole, &m->energy);
     m->t = 0.0;
     memcpy(m->y, whole + 1, sizeof m->y);
-    moved(m);
+    determine(m);
     if (!rate(m, m->t, m->y, m->dy)) {
         return say(m, fmi3Error, "the start is near a singular position, or a load has no finite value there");
     }
