@@ -90,6 +90,16 @@ def test_samples_that_cannot_be_run_say_why_and_leave_the_others_alone():
 
 
 @pytest.mark.nojit
+def test_an_instant_outside_of_the_run_costs_its_sample_alone():
+    m, output = rt.loads(SPRING), "at(block.x, k/50)"
+    found = m.set(k=30).many({"k": [10.0, 20.0]}, [output], 0.33)
+    assert found[output][0] == pytest.approx(0.5 * np.cos(0.2 * np.sqrt(10)), abs=1e-7)
+    assert found.message(1) == "the instant 0.4 s is not between 0 and t_end = 0.33 s"
+    with pytest.raises(ValueError, match=r"at\(block.x, 1/2\): the instant 0.5 s is not between"):
+        m.many({"k": [10.0]}, ["at(block.x, 1/2)"], 0.33)
+
+
+@pytest.mark.nojit
 def test_what_needs_whole_curves_or_the_ideal_mechanism_is_run_one_by_one():
     m, k = rt.loads(SPRING), np.array([4.0, 9.0])
     found = m.many({"k": k}, ["quantile(block.x, 0.5)", "final(block.x)"], 0.4)

@@ -294,6 +294,18 @@ def test_a_search_survives_designs_that_cannot_be_put_together():
     assert "could not be evaluated" in o.report
 
 
+def test_a_search_survives_instants_outside_of_the_run_and_may_end_at_its_end():
+    """x falls until t = k/50; beyond k = 16.5 that is after the end at 0.33 s."""
+    o = rt.loads(SPRING).optimise("at(block.x, k/50)", {"k": (5, 20)}, t_end=0.33, starts=5)
+    assert o.values["k"] == pytest.approx(16.5, rel=1e-3)
+    assert "x the instant ... s is not between ... and t_end" in o.report
+    last = rt.loads(SPRING.replace('k = "15 N/m"', 'k = "15 N/m"\nlast = "0.2 s"'))
+    o = last.optimise("at(block.x, last)", {"last": (0, 0.33)}, t_end=0.33, starts=1)
+    assert o.values["last"] == 0.33
+    assert o.success
+    assert not o.differenced
+
+
 def test_the_report_says_why_designs_have_no_numbers_and_leaves_out_where_the_file_is(tmp_path):
     """Beyond k = 12 the parameter k2 has no value; the search wants k = 8.7 and others begin anywhere."""
     source = tmp_path / "m.toml"

@@ -25,7 +25,7 @@ from rattle.language.syntax import names
 from rattle.registry import kinds
 from rattle.results.columns import columns, width
 from rattle.results.evaluation import evaluate
-from rattle.results.reductions import Known, Output, needed_instants, read
+from rattle.results.reductions import Known, Output, argument, needed_instants, read
 from rattle.results.result import UnknownName
 from rattle.solvers.stepper import ATOL, FREE, LONGEST, usual_stepper
 from rattle.trace import lane_methods, lanes
@@ -132,7 +132,7 @@ def many(
     known = _known(m)
     read_outputs = [read(text, known) for text in outputs]
     for output in read_outputs:
-        for instant in needed_instants(output, m.parameters):
+        for instant in _same_instants(output, m, given):
             if not 0.0 <= instant <= end:
                 raise ValueError(f"{output.text}: the instant {instant:g} s is not between 0 and t_end = {end:g} s")
     threads = min(8, os.cpu_count() or 1) if threads is None else arguments.whole("threads", threads, 1)
@@ -156,6 +156,12 @@ def _samples(m: Mechanism, samples: Mapping[str, Any]) -> dict[str, np.ndarray]:
         said = ", ".join(f"{name}: {shape}" for name, shape in shapes.items())
         raise ValueError(f"samples: expected arrays of one length n, at least 1, for every parameter; got {said}")
     return found
+
+
+def _same_instants(output: Output, m: Mechanism, samples: Mapping[str, Any]) -> list[float]:
+    """Instants [s] of `at` that are not written with a parameter of the samples."""
+    every = [(one, one.argument) for one in output.reductions if one.kind == "at" and one.argument is not None]
+    return [argument(one, m.parameters) for one, when in every if not names(when) & set(samples)]
 
 
 def _known(m: Mechanism) -> Known:
@@ -294,6 +300,10 @@ def _run(task: _Task, parameters: dict[str, float]) -> list[float]:
         raise ModelError([Problem(("parameters", bad[0]), said)])
     one = task.mechanism.set(parameters)
     instants = {t for output in task.outputs for t in needed_instants(output, one.parameters)}
+    outside = [t for t in instants if not 0.0 <= t <= task.t_end]
+    if outside:
+        said = f"the instant {outside[0]:g} s is not between 0 and t_end = {task.t_end:g} s"
+        raise ModelError([Problem((), said)])
     times = np.array(sorted({*np.linspace(0.0, task.t_end, POINTS + 1).tolist(), *instants}))
 
     def simulate(mechanism: Mechanism) -> Any:

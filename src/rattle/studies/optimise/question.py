@@ -12,7 +12,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.straight_line.recorded_model import require_parameters
-from rattle.errors import ModelError, suggest
+from rattle.errors import ModelError, Problem, suggest
 from rattle.language.syntax import Number, names
 from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
 from rattle.results.reductions import Constraint, Known, Output, argument, needed_instants, read, read_constraint
@@ -104,7 +104,8 @@ class Question:
         instants = {t for one in self.outputs for t in needed_instants(one, m.parameters)}
         outside = [t for t in instants if not 0.0 <= t <= self.t_end * (1.0 + SAME)]
         if outside:
-            raise ValueError(f"the instant {outside[0]:g} s is not between 0 and t_end = {self.t_end:g} s")
+            said = f"the instant {outside[0]:g} s is not between 0 and t_end = {self.t_end:g} s"
+            raise ModelError([Problem((), said)])
         found = np.array(sorted(instants))
         ends = np.array([0.0, self.t_end])
         return np.asarray(np.union1d(ends[np.abs(ends - _nearest(ends, found)) > SAME * self.t_end], found))
