@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.errors import ModelError
+from rattle.errors import ModelError, SolverError
 
 DATA = Path(__file__).parent.parent / "data"
 SPRING = """
@@ -76,6 +76,51 @@ def test_reductions_of_a_vibration_have_their_closed_forms():
 
 
 @pytest.mark.nojit
+def test_curves_with_kinks_and_conditions_that_hold_shortly_keep_their_digits():
+    """Steps of a vibration are as long as half a radian; what happens inside of one is not missed."""
+    k, x0, t_end = np.array([4.0, 9.0, 16.0]), 0.5, 7.3
+    w = np.sqrt(k)
+    quarters = np.floor(w * t_end / (np.pi / 2)).astype(int)
+    rest = np.sin(w * t_end - quarters * np.pi / 2)
+    shortly = np.arccos(0.4999 / x0) / w  # from the start of a period
+    periods = np.floor(w * t_end / (2 * np.pi))
+    outputs = {
+        "integral(abs(block.vx))": x0 * (quarters + np.where(quarters % 2, rest, 1 - np.sqrt(1 - rest**2))),
+        "first(abs(block.x) < 0.01)": np.arccos(0.01 / x0) / w,
+        "first(block.x < -0.4999)": np.pi / w - shortly,
+        "share(block.x > 0.4999)": (1 + 2 * periods) * shortly / t_end,
+        "min(abs(block.x))": np.zeros(3),
+        "max(abs(block.x))": np.full(3, x0),
+    }
+    found = rt.loads(SPRING).many({"k": k}, list(outputs), t_end)
+    assert not len(found.generic)
+    for output, want in outputs.items():
+        np.testing.assert_allclose(found[output], want, rtol=0.0, atol=1e-4, err_msg=output)
+    jumping = rt.loads(SPRING).many({"k": k}, ["max(block.x if t > 1 else -1)"], 1.5, rtol=1e-10)
+    assert "jumps" in jumping.stats["how"]
+    late = x0 * np.cos(w * np.array([1.0, 1.5, 1.5]))  # the first falls until t = pi/2
+    np.testing.assert_allclose(jumping["max(block.x if t > 1 else -1)"], late, rtol=0.0, atol=2e-3)
+
+
+@pytest.mark.nojit
+def test_forces_that_change_faster_than_a_driven_motion_keep_their_digits():
+    """The driver fixes the motion, of which long steps are exact; the load in between is felt by the driver alone."""
+    text = SPRING.replace("stiffness", "# stiffness").replace("free_length", "# free_length")
+    text = text.replace(
+        'type = "spring"\nconnect = ["ground.O", "block.P"]', 'type = "force"\nat = "block.P"\nforce = [F, 0]'
+    )
+    text = text.replace("[F, 0]", '["k*tanh((block.x - x0)/0.01)", 0]')
+    text = text.replace("vx = 0", "vx = 1") + '[drivers.d]\njoint = "guide"\nposition = "t"\n'
+    m = rt.loads(text)
+    outputs = ["mean(d.force)", "rms(d.force)", "max(d.force)"]
+    found = m.many({"k": [2.0, 3.0]}, outputs, 1.0)
+    assert not len(found.generic)
+    np.testing.assert_allclose(found["rms(d.force)"], np.array([2.0, 3.0]) * np.sqrt(0.98), rtol=1e-5)
+    np.testing.assert_allclose(found["max(d.force)"], [2.0, 3.0], rtol=1e-9)
+    np.testing.assert_allclose(found["mean(d.force)"], 0.0, atol=1e-6)
+
+
+@pytest.mark.nojit
 def test_samples_that_cannot_be_run_say_why_and_leave_the_others_alone():
     m = rt.loads(SPRING)
     alone = m.many({"k": [10.0, 20.0]}, ["final(block.x)"], 0.5)
@@ -94,7 +139,7 @@ def test_an_instant_outside_of_the_run_costs_its_sample_alone():
     m, output = rt.loads(SPRING), "at(block.x, k/50)"
     found = m.set(k=30).many({"k": [10.0, 20.0]}, [output], 0.33)
     assert found[output][0] == pytest.approx(0.5 * np.cos(0.2 * np.sqrt(10)), abs=1e-7)
-    assert found.message(1) == "the instant 0.4 s is not between 0 and t_end = 0.33 s"
+    assert found.message(1) == "at(block.x, k/50): the instant 0.4 s is not between 0 and t_end = 0.33 s"
     with pytest.raises(ValueError, match=r"at\(block.x, 1/2\): the instant 0.5 s is not between"):
         m.many({"k": [10.0]}, ["at(block.x, 1/2)"], 0.33)
 
@@ -132,6 +177,61 @@ def test_parameters_that_follow_from_varied_ones_differ_too():
     for n, one in enumerate(k):
         run = m.set(k=one).simulate(0.4, t_eval=[0.0, 0.4], rtol=1e-10)
         assert found["final(block.x)*twice"][n] == pytest.approx(run["block.x"][-1] * 2.0 * one, abs=1e-8)
+
+
+@pytest.mark.nojit
+def test_an_instant_may_follow_from_parameters_that_differ():
+    m = rt.loads(SPRING.replace('m = "1 kg"', 'm = "1 kg"\nlate = "0.1*k"'))
+    found = m.many({"k": [2.0, 9.0]}, ["at(block.x, late)", "final(block.x)"], 0.4, rtol=1e-10)
+    assert list(found.failed) == [1]
+    assert "the instant 0.9 s is not between 0 and t_end = 0.4 s" in found.message(1)
+    assert found["at(block.x, late)"][0] == pytest.approx(0.5 * np.cos(0.2 * np.sqrt(2.0)), abs=1e-8)
+    with pytest.raises(ValueError, match=r"1\.5 s is not between"):  # of all samples
+        m.many({"x0": [0.2, 0.3]}, ["at(block.x, late)"], 0.4)
+
+
+@pytest.mark.nojit
+def test_an_output_without_a_value_leaves_the_others_alone():
+    """Never is an answer; a division by zero is none."""
+    outputs = ["first(block.x < 0.4)", "final(block.x)", "1/at(block.vx, 0)"]
+    for more in ([], ["quantile(block.x, 0.5)"]):  # side by side and one by one
+        found = rt.loads(SPRING).many({"k": [1.0, 9.0]}, [*outputs[:2], *more], 0.4, rtol=1e-10)
+        assert len(found.generic) == 2 * len(more)
+        assert not len(found.failed)
+        np.testing.assert_allclose(found[outputs[0]], [np.nan, np.arccos(0.8) / 3.0], atol=1e-7)
+        np.testing.assert_allclose(found[outputs[1]], 0.5 * np.cos([0.4, 1.2]), atol=1e-8)
+    found = rt.loads(SPRING).many({"k": [1.0, 9.0]}, outputs, 0.4, rtol=1e-10)
+    assert found.message(0) == "no finite value: 1/at(block.vx, 0)"
+    assert np.isnan(found[outputs[2]]).all()
+    np.testing.assert_allclose(found[outputs[1]], 0.5 * np.cos([0.4, 1.2]), atol=1e-8)
+
+
+@pytest.mark.nojit
+def test_why_a_sample_failed_stands_in_its_message_and_not_in_the_log(caplog):
+    load = '[loads.late]\ntype = "force"\nat = "block.P"\nforce = ["k*sqrt(0.2 - t)", 0]\n'
+    found = rt.loads(SPRING + load).many({"k": [4.0, 9.0]}, ["final(block.x)"], 0.4)
+    assert list(found.failed) == [0, 1]
+    assert "no finite value" in found.message(1)
+    assert not caplog.records
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize("output", ["final(block.x)", "max(ideal.block.x)"])
+def test_ctrl_c_stops_all_samples(output, monkeypatch):
+    m = rt.example("bouncing_pin") if "ideal" not in output else rt.loads(SPRING)
+    output = output.replace("block", "pin") if "ideal" not in output else output
+    runs = []
+
+    def stopped(self, *given, **options):
+        runs.append(self)
+        result = type("Result", (), {"interrupted": True})()
+        raise SolverError("stopped by the user", result)
+
+    monkeypatch.setattr(rt.Mechanism, "simulate", stopped)
+    name = next(iter(m.parameters))
+    with pytest.raises(KeyboardInterrupt):
+        m.many({name: [m.parameters[name]] * 3}, [output], 0.01)
+    assert len(runs) == 1
 
 
 @pytest.mark.nojit
@@ -184,6 +284,8 @@ def test_equal_steps():
         ({"k": []}, ["final(block.x)"], {}, ValueError, "at least 1"),
         ({"k": [1.0]}, "final(block.x)", {}, ValueError, "expected a list"),
         ({"k": [1.0]}, [], {}, ValueError, "expected a list"),
+        ({"k": [1.0]}, [5], {}, ValueError, "expected a list"),
+        ({"k": [1.0]}, ["2*k"], {}, ValueError, "follows from parameters alone"),
         ({"k": [1.0]}, ["final(blok.x)"], {}, ModelError, "did you mean 'block.x'"),
         ({"k": [1.0]}, ["block.x"], {}, ModelError, "one number"),
         ({"k": [1.0]}, ["at(block.x, 3)"], {}, ValueError, "not between 0 and t_end = 2 s"),

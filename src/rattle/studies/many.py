@@ -6,6 +6,8 @@ vouch, and mechanisms that it cannot follow, are run one by one by the generic k
 
 from __future__ import annotations
 
+import logging
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,9 +17,10 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.straight_line.derived_curves import derived_names
-from rattle.analyses.straight_line.lane_model import Asked, lane_model, why_not_lanes
+from rattle.analyses.straight_line.lane_model import Asked, lane_model, needs_short_steps, why_not_lanes
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel, require_parameters
+from rattle.analyses.straight_line.recorded_start import fully_driven
 from rattle.analyses.straight_line.starts import Starts
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, TraceError, suggest
 from rattle.language import arrays
@@ -37,21 +40,23 @@ from rattle.trace.lane_program import Program
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
+log = logging.getLogger("rattle")
+
 RTOL = 1e-8
 MOST_OPERATIONS = 20_000  # of right-hand side, projection and curves; beyond, machine code is slow to make
 METHODS = {"dop853": lane_methods.DOP853, "rk4": lane_methods.RK4}
-POINTS = 2000  # output intervals of a generic run, whose curves are reduced afterwards
+POINTS = 2000  # output intervals of a generic run, whose curves are reduced afterwards; short steps side by side
 
 
 @dataclass(frozen=True, eq=False)
 class Many:
-    """Outputs of many samples: `found["max(O3.force)"]` is an array (n,) [SI], nan where a sample failed."""
+    """Outputs of many samples: `found["max(O3.force)"]` is an array (n,) [SI], nan where it has no finite value."""
 
     outputs: tuple[str, ...]
     units: dict[str, str]  # SI unit of every output
     samples: dict[str, np.ndarray]  # parameter: (n,) values [SI]
     values: np.ndarray  # (outputs, n)
-    messages: dict[int, str]  # of the samples that failed
+    messages: dict[int, str]  # of the samples that failed: no run, or an output without a finite value
     generic: np.ndarray  # numbers of the samples that the generic kernels ran
     stats: dict[str, Any]
 
@@ -66,7 +71,7 @@ class Many:
 
     @property
     def failed(self) -> np.ndarray:
-        """Numbers of the samples that have no values, increasing."""
+        """Numbers of the samples without a run, or with outputs that have no finite value, increasing."""
         return np.array(sorted(self.messages), dtype=np.int64)
 
     def message(self, sample: int) -> str:
@@ -120,7 +125,8 @@ def many(
     """Outputs of every sample; see `Mechanism.many`."""
     settings = m.model.settings
     given = _samples(m, samples)
-    if not outputs or isinstance(outputs, str):
+    texts = [] if isinstance(outputs, str) else list(outputs)
+    if not texts or not all(isinstance(one, str) for one in texts):
         raise ValueError('outputs: expected a list such as ["max(abs(O3.normal))"]')
     end = arguments.positive("t_end", settings.t_end if t_end is None else t_end)
     asked = settings.method if method is None else method
@@ -130,12 +136,15 @@ def many(
     atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
     step = settings.step if step is None else arguments.positive("step", step)
     known = _known(m)
-    read_outputs = [read(text, known) for text in outputs]
-    for output in read_outputs:
-        for instant in _same_instants(output, m, given):
-            if not 0.0 <= instant <= end:
-                raise ValueError(f"{output.text}: the instant {instant:g} s is not between 0 and t_end = {end:g} s")
+    read_outputs = [read(text, known) for text in texts]
+    if not any(output.reductions for output in read_outputs):
+        raise ValueError(f"outputs: {texts[0]!r} follows from parameters alone; ask for a number of a run")
+    varied = _varied(m, given)
+    fixed = {name: value for name, value in m.parameters.items() if name not in varied}
+    if late := next((said for output in read_outputs if (said := _outside(output, fixed, end))), ""):
+        raise ValueError(late)
     threads = min(8, os.cpu_count() or 1) if threads is None else arguments.whole("threads", threads, 1)
+    threads = min(threads, len(next(iter(given.values()))))
     task = _Task(m, given, read_outputs, end, asked, rtol, atol, step, threads)
     found = _Found(task)
     why = _side_by_side(task, found, progress)
@@ -158,10 +167,20 @@ def _samples(m: Mechanism, samples: Mapping[str, Any]) -> dict[str, np.ndarray]:
     return found
 
 
-def _same_instants(output: Output, m: Mechanism, samples: Mapping[str, Any]) -> list[float]:
-    """Instants [s] of `at` that are not written with a parameter of the samples."""
-    every = [(one, one.argument) for one in output.reductions if one.kind == "at" and one.argument is not None]
-    return [argument(one, m.parameters) for one, when in every if not names(when) & set(samples)]
+def _varied(m: Mechanism, samples: Mapping[str, Any]) -> set[str]:
+    """Parameters that differ from sample to sample, those that follow from others among them."""
+    values = m.parameters_where(dict.fromkeys(samples, math.nan))
+    return {name for name in m.parameters if not math.isfinite(values.get(name, math.nan))}
+
+
+def _outside(output: Output, parameters: Mapping[str, float], end: float) -> str:
+    """What is said of an instant outside the run, "" if there is none; those of other parameters are not looked at."""
+    for one in output.reductions:
+        if one.kind == "at" and one.argument is not None and set(names(one.argument)) <= parameters.keys():
+            instant = argument(one, parameters)
+            if not 0.0 <= instant <= end:
+                return f"{output.text}: the instant {instant:g} s is not between 0 and t_end = {end:g} s"
+    return ""
 
 
 def _known(m: Mechanism) -> Known:
@@ -193,14 +212,18 @@ class _Found:
         known: dict[str, Any] = {**task.mechanism.parameters, **dependent, **task.samples}
         known |= {f"#{k}": row for k, row in enumerate(rows)}
         made = arrays.evaluate(task.outputs[output].outer, known.__getitem__)
-        self.values[output] = np.broadcast_to(made, task.count)
+        self.values[output] = np.where(np.isfinite(rows).all(axis=0), made, np.nan)
 
     def result(self, why: str) -> Many:
         """All that was found."""
         task, generic = self.task, np.array(self.generic, dtype=np.int64)
-        for n in np.flatnonzero(~np.isfinite(self.values).all(axis=0)):
-            self.messages.setdefault(int(n), "an output has no finite value")
         self.values[:, list(self.messages)] = np.nan
+        self.values[~np.isfinite(self.values)] = np.nan
+        counted = [not any(part.kind == "first" for part in one.reductions) for one in task.outputs]  # nan says: never
+        lacks = np.isnan(self.values) & np.array(counted)[:, None]
+        for n in np.flatnonzero(lacks.any(axis=0)):
+            lacking = ", ".join(task.outputs[k].text for k in np.flatnonzero(lacks[:, n]))
+            self.messages.setdefault(int(n), f"no finite value: {lacking}")
         side = task.count - len(generic)
         parts = [f"{side} run side by side" if side else "", f"{len(generic)} one by one" if len(generic) else ""]
         reasons = dict.fromkeys([why, *self.stats["reasons"]])
@@ -238,11 +261,13 @@ def _side_by_side(task: _Task, found: _Found, progress: bool) -> str:
 def _run_lanes(task: _Task, found: _Found, model: RecordedModel, method: str, progress: bool) -> None:
     functions = MachineFunctions()
     asked = Asked(model, task.outputs)
+    short = needs_short_steps(task.outputs, fully_driven(model.system, model.start))
+    longest = task.t_end / POINTS if short else np.inf
     program = Program(
         lane_model(model, asked, functions.add, Starts(model, functions.add)), functions.add,
         METHODS[method], asked.reductions, task.t_end,
-        tolerances=lane_methods.Tolerances(task.rtol, task.atol, task.step or np.inf), step=task.step or LONGEST,
-        chain=functions.chain, tiled=True,
+        tolerances=lane_methods.Tolerances(task.rtol, task.atol, min(task.step or np.inf, longest)),
+        step=min(task.step or LONGEST, longest), chain=functions.chain, tiled=True,
     )  # fmt: skip
     functions.compile()
     bar = _Bar(task.count) if progress else None
@@ -280,16 +305,36 @@ def _one_by_one(task: _Task, found: _Found, progress: bool) -> None:
     """Run the samples that are still open by the generic kernels."""
     waiting = np.flatnonzero(found.open)
     bar = _Bar(len(waiting)) if progress and len(waiting) else None
-    for done, n in enumerate(waiting):
-        found.generic.append(int(n))
-        try:
-            found.values[:, n] = _run(task, task.at(int(n)))
-        except (ModelError, AssemblyError, SolverError) as error:
-            found.messages[int(n)] = str(error)
+    said = _SaidOnce()
+    log.addFilter(said)
+    try:
+        for done, n in enumerate(waiting):
+            found.generic.append(int(n))
+            try:
+                found.values[:, n] = _run(task, task.at(int(n)))
+            except (ModelError, AssemblyError, SolverError) as error:
+                found.messages[int(n)] = str(error)
+            if bar is not None:
+                bar(done + 1, len(waiting))
+    finally:
+        log.removeFilter(said)
         if bar is not None:
-            bar(done + 1, len(waiting))
-    if bar is not None:
-        bar.close()
+            bar.close()
+
+
+class _SaidOnce(logging.Filter):
+    """Lets pass what is said of the model, once for all samples; why a sample failed is in its message."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._known: set[str] = set()
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether to let it pass."""
+        text, known = record.getMessage(), self._known
+        new = record.levelno < logging.ERROR and text not in known
+        known.add(text)
+        return new
 
 
 def _run(task: _Task, parameters: dict[str, float]) -> list[float]:
@@ -299,17 +344,21 @@ def _run(task: _Task, parameters: dict[str, float]) -> list[float]:
         said = f"{parameters[bad[0]]} is not a finite number"
         raise ModelError([Problem(("parameters", bad[0]), said)])
     one = task.mechanism.set(parameters)
+    if late := next((said for output in task.outputs if (said := _outside(output, one.parameters, task.t_end))), ""):
+        raise ModelError([Problem((), late)])
     instants = {t for output in task.outputs for t in needed_instants(output, one.parameters)}
-    outside = [t for t in instants if not 0.0 <= t <= task.t_end]
-    if outside:
-        said = f"the instant {outside[0]:g} s is not between 0 and t_end = {task.t_end:g} s"
-        raise ModelError([Problem((), said)])
     times = np.array(sorted({*np.linspace(0.0, task.t_end, POINTS + 1).tolist(), *instants}))
 
     def simulate(mechanism: Mechanism) -> Any:
-        return mechanism.simulate(
-            task.t_end, t_eval=times, method=task.method, rtol=task.rtol, atol=task.atol, step=task.step, strict=True
-        )
+        try:
+            return mechanism.simulate(
+                task.t_end, t_eval=times, method=task.method, rtol=task.rtol, atol=task.atol, step=task.step,
+                strict=True,
+            )  # fmt: skip
+        except SolverError as error:
+            if error.result.interrupted:  # the user stops all samples
+                raise KeyboardInterrupt from None
+            raise
 
     result = simulate(one)
     ideal = simulate(one.ideal()) if any(output.ideal_names for output in task.outputs) else None

@@ -10,7 +10,7 @@ import numpy as np
 
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.starts import Starts
-from rattle.language.syntax import Name, Node, Number, walk
+from rattle.language.syntax import Apply, Name, Node, Number, walk
 from rattle.results.reductions import Output, argument
 from rattle.trace import reductions
 from rattle.trace.copying import replaced
@@ -18,9 +18,12 @@ from rattle.trace.elementary import lower
 from rattle.trace.hoist import hoist
 from rattle.trace.lane_program import Compile, Model, filled
 from rattle.trace.recording import operation
-from rattle.trace.reductions import KINDS, Reduction
+from rattle.trace.reductions import CONDITIONS, EXTREMES, KINDS, SAMPLED, Reduction
 
 ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
+JUMPS = ("sign", "step", "if<", "if<=", "if>", "if>=")  # operations whose curves may jump
+ROUGH = ("abs", "min", "max", *JUMPS)
+PEAKS = {"max": ("abs", "max"), "min": ("min",)}  # by kind of extreme: kinks that point away from it
 TINY = 1e-300  # what a condition that holds at zero is raised by there
 
 
@@ -74,11 +77,27 @@ def why_not_lanes(output: Output, varied: Mapping[str, Any]) -> str:
     for one in output.reductions:
         if one.kind not in KINDS:
             return f"{one.kind}(...) needs a whole curve"
+        if one.kind in EXTREMES and any(isinstance(part, Apply) and part.name in JUMPS for part in walk(one.inner)):
+            return f"the curve in {output.text!r} jumps"
         if one.argument is not None and any(
             isinstance(part, Name) and part.name in varied for part in walk(one.argument)
         ):
             return f"the instant in {output.text!r} differs from sample to sample"
     return ""
+
+
+def needs_short_steps(outputs: Sequence[Output], driven: bool) -> bool:
+    """Whether outputs need steps that are short beside the run, as samples in a step of usual length miss something.
+
+    That is so for conditions that hold shortly, and for curves with kinks or jumps, but not for their peaks.  Where the
+    drivers fix the motion (driven), steps follow it and not the forces, which may change faster.
+    """
+    for one in (one for output in outputs for one in output.reductions if one.kind in SAMPLED):
+        peaks = PEAKS.get(one.kind, ())
+        rough = [x for x in walk(one.inner) if isinstance(x, Apply) and x.name in ROUGH]
+        if driven or one.kind in CONDITIONS or any(x is not one.inner or x.name not in peaks for x in rough):
+            return True
+    return False
 
 
 def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, starts: Starts) -> Model:

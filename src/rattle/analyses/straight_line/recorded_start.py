@@ -73,6 +73,11 @@ def record_start(
     return RecordedStart([*correction, sound_correction], [*rates, sound_rates], gaps)
 
 
+def fully_driven(system: System, start: Assembled) -> bool:
+    """Whether joints and drivers fix every position, so that no load changes the motion."""
+    return len(_basis(system, start, [])) == 3 * system.body_count
+
+
 # ---------------------------------------------------------------- what is kept
 def _pins_at_offsets(system: System, start: Assembled) -> list[str]:
     """Massless links whose pins start at their given offsets."""
