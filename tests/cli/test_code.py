@@ -234,6 +234,17 @@ def test_the_program_says_what_it_takes_and_where_it_cannot_go_on(tmp_path):
     assert "choose a shorter one" in done.stderr or "singular position" in done.stderr
 
 
+@needs_cc
+@pytest.mark.nojit
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is full")
+def test_a_motion_that_cannot_be_written_is_a_failure(tmp_path):
+    assert written(tmp_path, "double_pendulum").exit_code == 0
+    compiled(tmp_path)
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([tmp_path / "model", "0.1"], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (1, "the motion could not be written completely\n")
+
+
 @pytest.mark.nojit
 def test_what_has_no_straight_line_is_refused_with_the_reason(tmp_path):
     done = written(tmp_path, "woodpecker")

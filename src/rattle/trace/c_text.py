@@ -171,6 +171,10 @@ int main(int argc, char **argv) {
         advance((double)k * h, h, y, &s);
         if ((k + 1) % every == 0 || k + 1 == n) print((double)(k + 1) * h, y, &s);
     }
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        fprintf(stderr, "the motion could not be written completely\\n");
+        return 1;
+    }
     return 0;
 }
 """
