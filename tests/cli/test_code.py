@@ -108,6 +108,21 @@ console.log(JSON.stringify([{values}]));
     return json.loads(done.stdout)
 
 
+@needs_node
+@pytest.mark.nojit
+def test_what_is_no_number_is_no_parameter(tmp_path):
+    """Where JavaScript makes a zero of it, or does not look at it, the motion would be that of other parameters."""
+    assert written(tmp_path, "fourbar", name="model.mjs").exit_code == 0
+    given = ["{ M: '' }", "{ M: ' ' }", "{ M: null }", "{ M: true }", "{ M: [3] }", "{ M: undefined }", "{ M: 'x' }"]
+    said = in_node(tmp_path, ", ".join(f"said(() => m.start({one}))" for one in given))
+    assert said == ["M: expected a finite number, not NaN"] * len(given)
+    given = ["new Map([['M', 3]])", "5", "'M'", "true"]
+    said = in_node(tmp_path, ", ".join(f"said(() => m.start({one}))" for one in given))
+    assert said == ["p: an object of parameters, an array of all of them, or nothing expected"] * len(given)
+    text, number = in_node(tmp_path, "[...m.start({ r3: '0.003' })], [...m.start({ r3: 0.003 })]")
+    assert text == number
+
+
 NO_START = [
     ({"l2": 0.61}, "rocker.angle of [initial] is missed by 0.01"),
     ({"r3": 0.02}, "r3 = 0.02 is outside of its limits, 0.0005 to 0.01 m"),

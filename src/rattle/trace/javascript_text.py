@@ -10,6 +10,8 @@ const model = Float64Array.from(sliders, (one) => one.value);
 function values(p) {
   if (p instanceof Float64Array && p.length === NP) return p;
   if (p === undefined || p === null) return model;
+  if (typeof p !== "object" || p instanceof Map)
+    throw new Error("p: an object of parameters, an array of all of them, or nothing expected");
   if (typeof p.length === "number") {
     if (p.length !== NP) throw new Error(`p: ${NP} numbers expected, in the order of parameters, not ${p.length}`);
     return Float64Array.from(p);
@@ -19,7 +21,8 @@ function values(p) {
     const k = sliders.findIndex((one) => one.name === name);
     if (k < 0)
       throw new Error(`p: no parameter '${name}' (there are: ${sliders.map((one) => one.name).join(", ") || "none"})`);
-    all[k] = p[name];
+    const x = p[name]; // an empty text, null and true are no numbers, though Number() says so
+    all[k] = typeof x === "number" || (typeof x === "string" && x.trim() !== "") ? Number(x) : NaN;
   }
   return all;
 }
