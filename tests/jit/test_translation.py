@@ -196,6 +196,36 @@ def test_an_operand_that_does_not_decide_is_not_computed():
         agree(guarded, np.array([1.0, -1.0]), k)
 
 
+def test_functions_of_one_name_and_versions_of_one_function_are_told_apart():
+    def made(factor):
+        @native("f", "f")
+        def scaled(x):
+            return factor * x
+
+        return scaled
+
+    @compiled
+    def half(x):
+        return x // 2 if x > 4 else x / 2
+
+    functions.start()
+    assert [made(one)(3.0) for one in (1.0, 2.0, 5.0)] == [3.0, 6.0, 15.0]
+    assert agree(half, 3.0) == 1.5
+    assert agree(half, 3) == 1.5
+    assert agree(half, 7) == 3.0
+
+
+def test_an_array_with_gaps_is_refused():
+    @compiled
+    def last(row):
+        return row[row.shape[0] - 1]
+
+    if functions.start():
+        assert last(np.arange(4.0)) == 3.0
+        with pytest.raises(TypeError, match="contiguous arrays, got one with steps of"):
+            last(np.arange(4.0)[::2])
+
+
 # ---------------------------------------------------------------- what is refused
 def refused(function, *args):
     functions.start()

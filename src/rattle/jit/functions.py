@@ -10,6 +10,7 @@ import importlib
 import logging
 import os
 import pickle
+import secrets
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -72,7 +73,8 @@ class KernelFunction:
         self._whole: Any = None
         self._type: Any = None
         self._called: Any = None  # the Python function that calls its machine code
-        self._by_kinds: dict[Any, Any] = {}  # the same for a function without letters
+        self._by_types: dict[Any, Any] = {}  # the same for a function without letters, by types of arguments
+        self._by_kinds: dict[Any, Any] = {}
         self._address = 0
         self._foreign = not ours  # whether only Numba can compile it
         self._place: Any = None
@@ -90,12 +92,16 @@ class KernelFunction:
             return self.python(*args)
         if handle is not None:
             args = (handle, *args[1:])
-        if self._called is None:
-            return self._caller(args)(*args)
-        return self._called(*args)
+        if self._called is not None:
+            return self._called(*args)
+        types = tuple([(one.dtype.char, one.ndim) if type(one) is np.ndarray else type(one) for one in args])
+        called = self._by_types.get(types)
+        if called is None:
+            called = self._by_types[types] = self._caller(args)
+        return called(*args)
 
     def _caller(self, args: Sequence[Any]) -> Callable[..., Any]:
-        """The Python function that calls the machine code for these arguments."""
+        """The Python function that calls the machine code for arguments like these."""
         if self.native and self._fast:
             address = self.address  # which may need Numba
             if self._fast:
@@ -117,12 +123,17 @@ class KernelFunction:
         with _lock:
             if kinds in self._by_kinds:
                 return self._by_kinds[kinds]
-            letters = self._translated(lambda unit: unit.with_result(self.python, kinds))
-            if letters is None:
-                return None
-            one = KernelFunction(self.python, letters=letters)
-            _natives.remove(one)  # nobody calls it by its address
-            return _machine().caller(self.__name__, one.address, letters)
+            machine = _announced()
+            kept = KeptFile(cache_folder() if self._is_kept else None, self.symbol, (kinds, machine.processor()))
+            called = kept.read(lambda found: machine.packed_caller(self.__name__, *found))
+            if called is None:
+                say_once("compiling kernels (once)")
+                found = self._translated(lambda unit: unit.packed(self.python, self._new_symbol, kinds))
+                if found is None:
+                    return None
+                called = machine.packed_caller(self.__name__, *found)
+                kept.write(lambda: pickle.dumps(found))
+            return called
 
     @property
     def _fast(self) -> bool:
@@ -162,6 +173,11 @@ class KernelFunction:
         return f"rattle.place.{self.__module__}.{self.__name__}"
 
     @property
+    def _new_symbol(self) -> str:
+        """A name that no other machine code has: functions may have the same name, or several kinds of arguments."""
+        return f"{self.symbol.replace('place', 'code', 1)}.{secrets.token_hex(8)}"
+
+    @property
     def _numba_type_(self) -> Any:  # what Numba asks for when one of its functions calls this one
         if not self.native:
             return self.dispatcher._numba_type_
@@ -190,7 +206,7 @@ class KernelFunction:
         """Compile, load the machine code into memory and keep it on disk; its address, 0 if Numba has to do it."""
         machine = _announced()
         say_once("compiling kernels (once)")
-        code = self._translated(lambda unit: unit.native(self.python, f"code.{self.symbol}", self.letters))
+        code = self._translated(lambda unit: unit.native(self.python, self._new_symbol, self.letters))
         if code is None:
             return 0
         found = machine.load(code)

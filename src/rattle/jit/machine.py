@@ -11,6 +11,7 @@ from __future__ import annotations
 import builtins
 import ctypes
 import pickle
+import struct
 import threading
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -161,8 +162,7 @@ def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any
         else:
             types.append(RESULTS[kind])
     target = ctypes.CFUNCTYPE(ctypes.c_int32, *types)(address)
-    room = _room(result)
-    several = len(result) > 1 and result != "void"
+    room, read = _room(result), _reader(result)
 
     def call(*args: Any) -> Any:
         if len(args) != len(kinds):
@@ -187,12 +187,54 @@ def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any
         status = target(ctypes.addressof(answer), ctypes.addressof(exception), *flat)
         if status not in FINE:
             raise _error(exception)
-        if several:
-            return tuple(getattr(answer, f"_{n}") for n in range(len(result)))
-        return None if result == "void" else answer.value
+        return read(answer)
 
     call.__name__ = name
     return call
+
+
+PACKED = {"f": "d", "i": "q", "h": "q", "v": "qq", "w": "qq", "m": "qqq", "n": "qqq"}  # in `struct`, by letter
+
+
+def packed_caller(name: str, letters: Sequence[str], code: Code) -> Callable[..., Any]:
+    """A Python function that calls machine code which takes its arguments in one piece of memory.
+
+    letters: result and arguments, which must be of these kinds.  It raises TypeError for an array that is not
+    contiguous.
+    """
+    result, *kinds = letters
+    pack = struct.Struct("=" + "".join(PACKED[kind] for kind in kinds)).pack
+    pointers = ctypes.c_void_p, ctypes.c_void_p, ctypes.c_char_p
+    target = ctypes.CFUNCTYPE(ctypes.c_int32, *pointers)(load(code))
+    room, read = _room(result), _reader(result)
+
+    def call(*args: Any) -> Any:
+        flat: list[Any] = []
+        for kind, one in zip(kinds, args, strict=True):
+            if kind == "h":
+                flat.append(one.address)
+            elif kind in ARRAYS:
+                if not one.flags.c_contiguous:
+                    raise TypeError(f"{name} takes contiguous arrays, got one with steps of {one.strides} bytes")
+                flat += (one.__array_interface__["data"][0], *one.shape)
+            else:
+                flat.append(one)
+        answer, exception = room(), ctypes.c_void_p()
+        status = target(ctypes.addressof(answer), ctypes.addressof(exception), pack(*flat))
+        if status not in FINE:
+            raise _error(exception)
+        return read(answer)
+
+    call.__name__ = name
+    return call
+
+
+def _reader(result: str) -> Callable[[Any], Any]:
+    """What makes a Python value of a result in memory."""
+    if len(result) > 1 and result != "void":
+        names = [f"_{n}" for n in range(len(result))]
+        return lambda answer: tuple([getattr(answer, name) for name in names])
+    return (lambda answer: None) if result == "void" else lambda answer: answer.value
 
 
 def checked(dispatcher: Callable[..., Any]) -> Callable[..., Any]:

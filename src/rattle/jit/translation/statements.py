@@ -39,8 +39,11 @@ class Function(Calls):
         self.loops: list[tuple[str, str]] = []  # where `continue` and `break` go
         self.outer = False  # whether it is called by its address
 
-    def written(self, name: str, outer: Any = None) -> str:
-        """The text of the function.  outer: kind of its result if it is called by its address."""
+    def written(self, name: str, outer: Any = None, packed: bool = False) -> str:
+        """The text of the function.
+
+        outer: kind of its result if it is called by its address; packed: its arguments are in one piece of memory then.
+        """
         if len(self.names) != len(self.given):
             raise TranslationError(f"{len(self.names)} arguments are expected, {len(self.given)} are given")
         self.outer = outer is not None
@@ -48,34 +51,41 @@ class Function(Calls):
             self.result = outer or None
         for _ in range(MOST):
             self.restart()
-            head = self._begun(name)
+            parameters = self._unpacked() if packed else self._parameters()
+            head = f'define i32 @"{name}"(ptr %result, ' if self.outer else f'define internal {self.whole()} @"{name}"('
             for one in self.tree.body:
                 self.statement(one)
             if self.open:
                 self._left(Value(NOTHING))
             if not self.changed:
-                return "\n".join([head, "entry:", *self.stack(), *self.lines, "}\n"])
+                first = f"{head}{', '.join([f'ptr {CALLER}', *parameters])}) #0 {{"
+                return "\n".join([first, "entry:", *self.stack(), *self.lines, "}\n"])
         raise TranslationError("the kinds of its variables do not become stable")
 
-    def _begun(self, name: str) -> str:
-        """The first line of the text; arguments become variables."""
-        parameters = ["ptr %result"] if self.outer else []
-        parameters.append(f"ptr {CALLER}")
+    def _parameters(self) -> list[str]:
+        """Parameters in LLVM's text; the arguments become variables."""
+        parameters = []
         for place, (kind, one) in enumerate(zip(self.given, self.names, strict=True)):
-            if self.outer and is_array(kind):
+            types, used = parts_of(kind), slice(None)
+            if self.outer and is_array(kind):  # as `flat` passes it
                 dimensions = int(kind[1])
-                rest = ["i64"] * (2 * dimensions)
-                types = ["ptr", "ptr", "i64", "i64", "ptr", *rest]
-                parts = [f"%a{place}.{n}" for n in range(len(types))]
-                value = Value(kind, tuple(parts[4 : 5 + dimensions]))
-            else:
-                types = parts_of(kind)
-                parts = [f"%a{place}.{n}" for n in range(len(types))]
-                value = Value(kind, tuple(parts))
+                types, used = ["ptr", "ptr", "i64", "i64", "ptr", *["i64"] * (2 * dimensions)], slice(4, 5 + dimensions)
+            parts = [f"%a{place}.{n}" for n in range(len(types))]
+            self.keep(one, Value(kind, tuple(parts[used])))
             parameters += [f"{type_} {part}" for type_, part in zip(types, parts, strict=True)]
-            self.keep(one, value)
-        how = "define i32" if self.outer else f"define internal {self.whole()}"
-        return f'{how} @"{name}"({", ".join(parameters)}) #0 {{'
+        return parameters
+
+    def _unpacked(self) -> list[str]:
+        """The same for arguments in one piece of memory, eight bytes for each part."""
+        place = 0
+        for kind, one in zip(self.given, self.names, strict=True):
+            parts = []
+            for type_ in parts_of(kind):
+                at = self.put(f"getelementptr i64, ptr %arguments, i64 {place}")
+                parts.append(self.put(f"load {type_}, ptr {at}, align 8"))
+                place += 1
+            self.keep(one, Value(kind, tuple(parts)))
+        return ["ptr %arguments"]
 
     def whole(self) -> str:
         """LLVM's type of the result for calls within the unit."""

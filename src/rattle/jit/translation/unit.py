@@ -153,24 +153,39 @@ def with_result(python: Callable[..., Any], kinds: Sequence[Any] | None) -> tupl
 
 def native(python: Callable[..., Any], symbol: str, letters: Sequence[str]) -> machine.Code:
     """Machine code of a function with fixed types, to be called by its address."""
-    module = machine.parsed(translated(python, symbol, letters))
-    needs = [one.name for one in (*module.functions, *module.global_variables) if one.is_declaration]
-    return machine.Code(symbol, _compiled(module), tuple(one for one in needs if not one.startswith("llvm.")))
+    return _compiled(translated(python, symbol, letters), symbol)
 
 
-def _compiled(module: Any) -> bytes:
-    """The object file of a module.
+def packed(
+    python: Callable[..., Any], symbol: str, kinds: Sequence[Any] | None
+) -> tuple[tuple[str, ...], machine.Code]:
+    """Letters and machine code of a function for arguments of these kinds, to be called from Python.
+
+    Its arguments are in one piece of memory, see `machine.packed_caller`: Python passes three addresses.
+    """
+    letters = with_result(python, kinds)
+    unit = Unit()
+    result, given = kinds_of(letters)
+    made = function(unit, python, given)
+    text = told_where(made, lambda: made.written(symbol, outer=result, packed=True))
+    return letters, _compiled(unit.whole(text), symbol)
+
+
+def _compiled(text: str, symbol: str) -> machine.Code:
+    """Machine code of a text.
 
     Unrolled and vectorised loops, and a higher level, take half as long again and make a run no faster: most loops go
     over three coordinates or a few bodies.
     """
-    target = machine.target()
+    module, target = machine.parsed(text), machine.target()
+    needs = [one.name for one in (*module.functions, *module.global_variables) if one.is_declaration]
     module.triple, module.data_layout = llvm.get_process_triple(), str(target.target_data)
     options = llvm.create_pipeline_tuning_options(speed_level=1)
     options.loop_unrolling = options.loop_vectorization = options.slp_vectorization = False
     builder = llvm.create_pass_builder(target, options)
     builder.getModulePassManager().run(module, builder)
-    return bytes(target.emit_object(module))
+    made = bytes(target.emit_object(module))
+    return machine.Code(symbol, made, tuple(one for one in needs if not one.startswith("llvm.")))
 
 
 # ---------------------------------------------------------------- a small test
