@@ -211,7 +211,8 @@ def test_functions_of_one_name_and_versions_of_one_function_are_told_apart():
     functions.start()
     assert [made(one)(3.0) for one in (1.0, 2.0, 5.0)] == [3.0, 6.0, 15.0]
     assert agree(half, 3.0) == 1.5
-    assert agree(half, 3) == 1.5
+    assert agree(half, 3) == agree(half, np.int64(3)) == 1.5
+    assert agree(half, np.bool_(True)) == agree(half, True) == 0.5
     assert agree(half, 7) == 3.0
 
 

@@ -218,7 +218,7 @@ def packed_caller(name: str, letters: Sequence[str], code: Code) -> Callable[...
                     raise TypeError(f"{name} takes contiguous arrays, got one with steps of {one.strides} bytes")
                 flat += (one.__array_interface__["data"][0], *one.shape)
             else:
-                flat.append(one)
+                flat.append(int(one) if kind == "i" else one)  # it may be a truth value
         answer, exception = room(), ctypes.c_void_p()
         status = target(ctypes.addressof(answer), ctypes.addressof(exception), pack(*flat))
         if status not in FINE:
