@@ -47,7 +47,7 @@ class Method(NamedTuple):
 
 
 # With 0.9 as in `rattle.solvers.step_control`, a quarter of the steps is rejected; at equal errors of the result 0.65
-# takes 10 to 18 % less work (four-bar, squeezer, double pendulum, toggle), and 0.5 takes more again.
+# takes 4 to 19 % less work (four-bar, squeezer, double pendulum, toggle), and 0.5 takes more again.
 SAFETY = 0.65
 
 DOP853 = Method(12, A.tolist(), B.tolist(), (E3.tolist(), E5.tolist()), D.tolist(), 6, (3, 5, 9, 10), SAFETY)
