@@ -121,6 +121,18 @@ def test_forces_that_change_faster_than_a_driven_motion_keep_their_digits():
 
 
 @pytest.mark.nojit
+def test_a_choice_by_parameters_is_that_of_the_sample():
+    """The recorded model has one side of the choice; samples on the other side can be assembled, but not run by it."""
+    m = rt.loads(SPRING.replace('stiffness = "k"', 'stiffness = "k*(1 if k > 10 else 4)"'))
+    k = np.array([4.0, 9.0, 16.0])
+    found = m.many({"k": k}, ["final(block.x)"], 0.4, rtol=1e-10)
+    assert list(found.generic) == [0, 1]
+    assert not len(found.failed)
+    w = np.sqrt(np.where(k > 10.0, k, 4.0 * k))
+    np.testing.assert_allclose(found["final(block.x)"], 0.5 * np.cos(0.4 * w), rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.nojit
 def test_samples_that_cannot_be_run_say_why_and_leave_the_others_alone():
     m = rt.loads(SPRING)
     alone = m.many({"k": [10.0, 20.0]}, ["final(block.x)"], 0.5)

@@ -19,6 +19,7 @@ CLOSED = 1e-11  # share of the mechanism's size by which a start may stay open
 MISSED = 1e-8  # share of the largest rate by which a rate that the user gave may be missed
 FAR = 0.5  # largest change from the start of the model itself [rad, sizes of the mechanism]; beyond, assembly decides
 ROUNDS = 30  # of Newton's method
+OTHER = "with these parameters the model has another form"
 SMALL = 1e-14  # its last step [rad, sizes of the mechanism]
 
 
@@ -47,12 +48,25 @@ class Starts:
         else:
             good[:] = False
         messages: dict[int, str] = {}
+        alike = self._alike(values)
         for n in np.flatnonzero(~good):
             try:
                 y[:, n] = start_state(*self.assemble(values[:, n]))
+                if not alike[n]:
+                    y[:, n], messages[int(n)] = np.nan, OTHER
             except (ModelError, AssemblyError) as error:
                 y[:, n], messages[int(n)] = np.nan, str(error)
         return Begun(y, messages, ~good)
+
+    def _alike(self, values: np.ndarray) -> np.ndarray:
+        """(k,) True where the model has the parts and forms of the recorded one."""
+        count = values.shape[1]
+        fill = filled(count)
+        readable = np.empty((1, len(fill)))
+        inputs = np.zeros((2 + len(self.model.start_state) + len(values), len(fill)))  # t, y, parameters, E_0
+        inputs[-1 - len(values) : -1] = values[:, fill]
+        self._readable(inputs, readable)
+        return np.asarray(readable[0, :count] == 1.0)
 
     def determined(self, values: np.ndarray) -> np.ndarray:
         """(k,) True where the recorded equations give the start at values (np, k) of the chosen parameters [SI]."""
