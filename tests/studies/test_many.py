@@ -157,6 +157,19 @@ def test_an_instant_outside_of_the_run_costs_its_sample_alone():
 
 
 @pytest.mark.nojit
+@pytest.mark.parametrize("key", ["t_end", "step"])
+def test_a_setting_that_would_differ_from_sample_to_sample_must_be_given(key):
+    text = SPRING.replace("[parameters]", '[parameters]\nT = "0.2 s"\nT2 = "2*T"') + f'[simulate]\n{key} = "T2"\n'
+    m = rt.loads(text)
+    with pytest.raises(ValueError, match=f"{key} follows from T2 and would differ from sample to sample; give {key}"):
+        m.many({"T": [0.2, 0.3]}, ["final(block.x)"], rtol=1e-10)
+    found = m.many({"T": [0.2, 0.3]}, ["final(block.x)"], **{key: 0.4}, rtol=1e-10)
+    end = 0.4 if key == "t_end" else m.model.settings.t_end
+    np.testing.assert_allclose(found["final(block.x)"], 0.5 * np.cos(end * np.sqrt(15.0)), rtol=0.0, atol=1e-8)
+    assert m.many({"k": [4.0]}, ["final(t)"], rtol=1e-10)["final(t)"] == [end]
+
+
+@pytest.mark.nojit
 def test_what_needs_whole_curves_or_the_ideal_mechanism_is_run_one_by_one():
     m, k = rt.loads(SPRING), np.array([4.0, 9.0])
     found = m.many({"k": k}, ["quantile(block.x, 0.5)", "final(block.x)"], 0.4)

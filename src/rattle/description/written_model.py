@@ -11,7 +11,8 @@ from rattle.description import file as model_file
 from rattle.description.builder import Building
 from rattle.description.model import Model
 from rattle.errors import ModelError, Problem, suggest
-from rattle.language.units import unit_of_quantity
+from rattle.language.expression import names, parse
+from rattle.language.units import parse_quantity, unit_of_quantity
 
 
 class WrittenModel(Building):
@@ -55,6 +56,13 @@ class WrittenModel(Building):
         from rattle.description.read_parameters import values_where
 
         return values_where(self._document, values)
+
+    def names_in_setting(self, key: str) -> set[str]:
+        """Parameters with which a default of [simulate] is written: {"T"} for t_end = "2*T"."""
+        text = self._document.get("simulate", {}).get(key)
+        if not isinstance(text, str) or parse_quantity(text) is not None:
+            return set()
+        return set(names(parse(text)))
 
     def to_toml(self) -> str:
         """The model as TOML text; comments of the original text are kept."""

@@ -134,12 +134,17 @@ def many(
         raise ValueError(f"unknown method '{asked}'; expected {' or '.join(kinds('stepper'))}")
     rtol = arguments.relative_tolerance(RTOL if rtol is None else rtol)
     atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
-    step = settings.step if step is None else arguments.positive("step", step)
+    step_given, step = step, settings.step if step is None else arguments.positive("step", step)
     known = _known(m)
     read_outputs = [read(text, known) for text in texts]
     if not any(output.reductions for output in read_outputs):
         raise ValueError(f"outputs: {texts[0]!r} follows from parameters alone; ask for a number of a run")
     varied = _varied(m, given)
+    for key, one in (("t_end", t_end), ("step", step_given)):
+        if one is None and (differ := sorted(m.names_in_setting(key) & varied)):
+            raise ValueError(
+                f"{key} follows from {', '.join(differ)} and would differ from sample to sample; give {key}"
+            )
     fixed = {name: value for name, value in m.parameters.items() if name not in varied}
     if late := next((said for output in read_outputs if (said := _outside(output, fixed, end))), ""):
         raise ValueError(late)
