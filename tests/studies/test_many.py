@@ -121,6 +121,35 @@ def test_forces_that_change_faster_than_a_driven_motion_keep_their_digits():
 
 
 @pytest.mark.nojit
+@pytest.mark.parametrize("load", ["k*exp(-((t - 0.7)/0.01)**2)", "pulse", "k*tanh(rider.x/1e-3)"])
+def test_a_load_that_a_driver_takes_keeps_its_digits_beside_a_free_motion(load):
+    more = f"""
+[signals]
+pulse = "k*exp(-((t - 0.7)/0.01)**2)"
+[bodies.rider]
+points = {{ P = [0, 0] }}
+mass = "1 kg"
+inertia = 1
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "rider.P"]
+[drivers.d]
+joint = "rail"
+position = "t - 0.7"
+[loads.push]
+type = "force"
+at = "rider.P"
+force = ["{load}", 0]
+"""
+    k = np.array([4.0, 9.0])
+    found = rt.loads(SPRING + more).many({"k": k}, ["rms(d.force)", "min(d.force)"], 2.0)
+    assert not len(found.generic)
+    square = 0.01 * np.sqrt(np.pi / 2) if "tanh" not in load else 2.0 - 2e-3
+    np.testing.assert_allclose(found["rms(d.force)"], k * np.sqrt(square / 2.0), rtol=1e-4)
+    np.testing.assert_allclose(found["min(d.force)"], -k, rtol=1e-4)
+
+
+@pytest.mark.nojit
 def test_a_choice_by_parameters_is_that_of_the_sample():
     """The recorded model has one side of the choice; samples on the other side can be assembled, but not run by it."""
     m = rt.loads(SPRING.replace('stiffness = "k"', 'stiffness = "k*(1 if k > 10 else 4)"'))

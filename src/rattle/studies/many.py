@@ -20,7 +20,6 @@ from rattle.analyses.straight_line.derived_curves import derived_names
 from rattle.analyses.straight_line.lane_model import Asked, lane_model, needs_short_steps, why_not_lanes
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel, require_parameters
-from rattle.analyses.straight_line.recorded_start import fully_driven
 from rattle.analyses.straight_line.starts import Starts
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError, TraceError, suggest
 from rattle.language import arrays
@@ -266,8 +265,7 @@ def _side_by_side(task: _Task, found: _Found, progress: bool) -> str:
 def _run_lanes(task: _Task, found: _Found, model: RecordedModel, method: str, progress: bool) -> None:
     functions = MachineFunctions()
     asked = Asked(model, task.outputs)
-    short = needs_short_steps(task.outputs, fully_driven(model.system, model.start))
-    longest = task.t_end / POINTS if short else np.inf
+    longest = task.t_end / POINTS if needs_short_steps(task.outputs, model) else np.inf
     program = Program(
         lane_model(model, asked, functions.add, Starts(model, functions.add)), functions.add,
         METHODS[method], asked.reductions, task.t_end,

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from rattle.analyses.straight_line.recorded_model import RecordedModel
+from rattle.analyses.straight_line.recorded_start import driven_bodies
 from rattle.analyses.straight_line.starts import Starts
 from rattle.language.syntax import Apply, Name, Node, Number, walk
 from rattle.results.reductions import Output, argument
@@ -22,7 +23,7 @@ from rattle.trace.reductions import CONDITIONS, EXTREMES, KINDS, SAMPLED, Reduct
 
 ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
 JUMPS = ("sign", "step", "if<", "if<=", "if>", "if>=")  # operations whose curves may jump
-ROUGH = ("abs", "min", "max", *JUMPS)
+STEADY = ("+", "-", "*", "/", "**", "neg", "sqrt", "hypot")  # operations that change as fast as their operands
 PEAKS = {"max": ("abs", "max"), "min": ("min",)}  # by kind of extreme: kinks that point away from it
 TINY = 1e-300  # what a condition that holds at zero is raised by there
 
@@ -86,16 +87,35 @@ def why_not_lanes(output: Output, varied: Mapping[str, Any]) -> str:
     return ""
 
 
-def needs_short_steps(outputs: Sequence[Output], driven: bool) -> bool:
+def needs_short_steps(outputs: Sequence[Output], model: RecordedModel) -> bool:
     """Whether outputs need steps that are short beside the run, as samples in a step of usual length miss something.
 
-    That is so for conditions that hold shortly, and for curves with kinks or jumps, but not for their peaks.  Where the
-    drivers fix the motion (driven), steps follow it and not the forces, which may change faster.
+    Steps follow the motion.  A condition may hold more shortly, a curve or a load written with functions or with t may
+    change faster, and what a driver or a guide takes from a load does not show in the motion at all.
     """
-    for one in (one for output in outputs for one in output.reductions if one.kind in SAMPLED):
-        peaks = PEAKS.get(one.kind, ())
-        rough = [x for x in walk(one.inner) if isinstance(x, Apply) and x.name in ROUGH]
-        if driven or one.kind in CONDITIONS or any(x is not one.inner or x.name not in peaks for x in rough):
+    sampled = [one for output in outputs for one in output.reductions if one.kind in SAMPLED]
+    if not sampled:
+        return False
+    inside, signals = model.system.model, model.system.model.signals
+    for one in sampled:
+        peak = isinstance(one.inner, Apply) and one.inner.name in PEAKS.get(one.kind, ())
+        parts = one.inner.operands if peak and isinstance(one.inner, Apply) else (one.inner,)
+        if one.kind in CONDITIONS or any(_brisk(part, signals) for part in parts):
+            return True
+    values = [value for load in inside.loads.values() for value in load.values]
+    if any(_brisk(value, signals) for value in values if isinstance(value, Apply | Name)):
+        return True
+    driven = driven_bodies(model.system, model.start)
+    loaded = {point.body for load in inside.loads.values() for point in (load.a, load.b)}
+    return len(driven) == model.system.body_count or bool(driven & loaded)
+
+
+def _brisk(node: Node, signals: Container[str]) -> bool:
+    """Whether an expression may change faster than the curves in it."""
+    for part in walk(node):
+        if isinstance(part, Apply) and part.name not in STEADY:
+            return True
+        if isinstance(part, Name) and (part.name == "t" or part.name in signals):
             return True
     return False
 

@@ -73,9 +73,14 @@ def record_start(
     return RecordedStart([*correction, sound_correction], [*rates, sound_rates], gaps)
 
 
-def fully_driven(system: System, start: Assembled) -> bool:
-    """Whether joints and drivers fix every position, so that no load changes the motion."""
-    return len(_basis(system, start, [])) == 3 * system.body_count
+def driven_bodies(system: System, start: Assembled) -> set[str]:
+    """Bodies whose positions joints and drivers fix, so that no load changes their motion."""
+    basis, size = _basis(system, start, []), 3 * system.body_count
+    return {
+        body
+        for n, body in enumerate(system.bodies)
+        if not any(_add(list(basis), _unit(size, k)) for k in range(3 * n, 3 * n + 3))
+    }
 
 
 # ---------------------------------------------------------------- what is kept
