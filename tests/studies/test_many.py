@@ -150,6 +150,18 @@ force = ["{load}", 0]
 
 
 @pytest.mark.nojit
+@pytest.mark.parametrize("example", ["squeezer", "fourbar"])
+def test_steps_that_follow_the_motion_are_not_shortened(example):
+    """The squeezer starts at a dead centre, where most of its bodies cannot move; the four-bar has a driver."""
+    m = rt.example(example)
+    name = next(iter(m.parameters))
+    found = m.many(
+        {name: [m.parameters[name]]}, ["max(abs(O.fx))" if example == "squeezer" else "max(O3.normal)"], 0.01
+    )
+    assert found.stats["steps"] < 200
+
+
+@pytest.mark.nojit
 def test_a_choice_by_parameters_is_that_of_the_sample():
     """The recorded model has one side of the choice; samples on the other side can be assembled, but not run by it."""
     m = rt.loads(SPRING.replace('stiffness = "k"', 'stiffness = "k*(1 if k > 10 else 4)"'))

@@ -74,7 +74,12 @@ def record_start(
 
 
 def driven_bodies(system: System, start: Assembled) -> set[str]:
-    """Bodies whose positions joints and drivers fix, so that no load changes their motion."""
+    """Bodies whose positions drivers fix at the start, so that no load changes their motion.
+
+    At a dead centre bodies may be among them that drivers do not hold for long; none without drivers.
+    """
+    if not system.model.drivers:
+        return set()
     basis, size = _basis(system, start, []), 3 * system.body_count
     return {
         body
