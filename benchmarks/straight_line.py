@@ -1,6 +1,6 @@
 """Straight-line machine code: one right-hand side and sample, recording and compiling a model, a million samples.
 
-Processor times of one thread where not said otherwise, so that other programs disturb them less.
+Processor times where not said otherwise, so that other programs disturb them less.
 """
 
 from __future__ import annotations
@@ -69,9 +69,9 @@ def compile_seconds(made: Program, width: int) -> float:
     with tempfile.TemporaryDirectory() as folder:
         before = os.environ.get("RATTLE_CACHE")
         os.environ["RATTLE_CACHE"] = folder
-        began = time.thread_time()
+        began = time.process_time()
         llvm.compile(llvm.functions_text(made.graph, functions(made), width), list(functions(made)))
-        seconds = time.thread_time() - began
+        seconds = time.process_time() - began
         os.environ.pop("RATTLE_CACHE")
         if before is not None:
             os.environ["RATTLE_CACHE"] = before
