@@ -24,7 +24,7 @@ check: ## the gate without the set-up
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q -n 2
 	RATTLE_JIT=plain $(BIN)/python -m pytest -q tests/jit/test_every_loop.py tests/jit/test_workspace.py -k 'not events'
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -q tests/jit/test_every_loop.py tests/jit/test_bounds.py
-	$(BIN)/python -m pytest -q -m "not plain"
+	$(BIN)/python -m pytest -q -n 2 -m "not plain"
 
 docs: $(VENV)/.ready-docs ## the documentation as web pages: build/docs/index.html
 	$(SPHINX)
