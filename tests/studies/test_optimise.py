@@ -407,3 +407,10 @@ def test_the_command_says_how_bounds_are_written(vary, tmp_path):
     )
     assert done.exit_code == 2
     assert "NAME=LOW:HIGH" in done.output
+
+
+@pytest.mark.nojit
+def test_an_end_that_would_differ_from_design_to_design_must_be_given():
+    text = SPRING.replace("[parameters]", '[parameters]\nT = "0.2 s"\nT2 = "2*T"') + '[simulate]\nt_end = "T2"\n'
+    with pytest.raises(ValueError, match="t_end follows from T2 and would differ from design to design; give t_end"):
+        rt.loads(text).optimise("final(block.x)", {"T": (0.1, 0.3)})

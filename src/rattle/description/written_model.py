@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from typing import Any, Self
 
@@ -56,6 +57,11 @@ class WrittenModel(Building):
         from rattle.description.read_parameters import values_where
 
         return values_where(self._document, values)
+
+    def following(self, names: Iterable[str]) -> set[str]:
+        """Parameters that change with these, which are among them."""
+        values = self.parameters_where(dict.fromkeys(names, math.nan))
+        return {name for name in self.parameters if not math.isfinite(values.get(name, math.nan))}
 
     def names_in_setting(self, key: str) -> set[str]:
         """Parameters with which a default of [simulate] is written: {"T"} for t_end = "2*T"."""

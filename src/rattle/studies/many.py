@@ -7,7 +7,6 @@ vouch, and mechanisms that it cannot follow, are run one by one by the generic k
 from __future__ import annotations
 
 import logging
-import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -138,7 +137,7 @@ def many(
     read_outputs = [read(text, known) for text in texts]
     if not any(output.reductions for output in read_outputs):
         raise ValueError(f"outputs: {texts[0]!r} follows from parameters alone; ask for a number of a run")
-    varied = _varied(m, given)
+    varied = m.following(given)
     for key, one in (("t_end", t_end), ("step", step_given)):
         if one is None and (differ := sorted(m.names_in_setting(key) & varied)):
             raise ValueError(
@@ -169,12 +168,6 @@ def _samples(m: Mechanism, samples: Mapping[str, Any]) -> dict[str, np.ndarray]:
         said = ", ".join(f"{name}: {shape}" for name, shape in shapes.items())
         raise ValueError(f"samples: expected arrays of one length n, at least 1, for every parameter; got {said}")
     return found
-
-
-def _varied(m: Mechanism, samples: Mapping[str, Any]) -> set[str]:
-    """Parameters that differ from sample to sample, those that follow from others among them."""
-    values = m.parameters_where(dict.fromkeys(samples, math.nan))
-    return {name for name in m.parameters if not math.isfinite(values.get(name, math.nan))}
 
 
 def _outside(output: Output, parameters: Mapping[str, float], end: float) -> str:

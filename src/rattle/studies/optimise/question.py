@@ -153,6 +153,8 @@ def question(
         if not isinstance(text, str):
             raise TypeError(f"{what}: expected a text such as 'max(O3.force)', got {text!r:.60}")
     varied, low, high = _bounds(m, vary)
+    if t_end is None and (differ := sorted(m.names_in_setting("t_end") & m.following(vary))):
+        raise ValueError(f"t_end follows from {', '.join(differ)} and would differ from design to design; give t_end")
     end = arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
     units = {name: one.unit for name, one in m.model.parameters.items()}
     asked = Question(m, varied, low, high, end, analysis, _NOTHING)
