@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import inspect
 import linecache
 import math
 import os
@@ -213,8 +214,8 @@ def source(python: Callable[..., Any]) -> ast.FunctionDef:
     if not lines:
         raise TranslationError(f"the source of {getattr(python, '__name__', python)} is not there")
     first = code.co_firstlineno
-    last = max(end for _, end, _, _ in code.co_positions() if end is not None)
-    tree = ast.parse(textwrap.dedent("".join(lines[first - 1 : last]))).body[0]
+    block = inspect.getblock(lines[first - 1 :])
+    tree = ast.parse(textwrap.dedent("".join(block))).body[0]
     if not isinstance(tree, ast.FunctionDef):
         raise TranslationError(f"{python.__name__} is not written as a function of its own")
     return ast.increment_lineno(tree, first - 1)
