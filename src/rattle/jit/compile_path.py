@@ -7,10 +7,10 @@ are the same.  RATTLE_JIT=plain or RATTLE_JIT=fast in the environment selects on
 
 from __future__ import annotations
 
+import importlib
 import os
 from functools import cache
-from importlib.metadata import version
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class Choice(NamedTuple):
@@ -27,6 +27,19 @@ def _by_environment() -> Choice:
     if wanted not in ("", "fast", "plain"):
         raise ValueError(f"RATTLE_JIT is '{wanted}'; expected fast or plain, or nothing")
     return Choice(False, "RATTLE_JIT=plain asks for it") if wanted == "plain" else Choice(True)
+
+
+def version(package: str) -> str:
+    """The version of a package that is installed."""
+    from importlib import metadata  # takes longer to import than a short analysis
+
+    return metadata.version(package)
+
+
+def compilers() -> tuple[str, ...]:
+    """What machine code depends on: versions of the packages that make it."""
+    llvmlite: Any = importlib.import_module("llvmlite")
+    return (llvmlite.__version__,) if chosen().fast else (llvmlite.__version__, version("numba"))
 
 
 _failed: list[Choice] = []

@@ -7,7 +7,6 @@ import os
 import re
 import sys
 import threading
-from importlib.metadata import version
 from pathlib import Path
 
 from rattle.jit import cache, compile_path
@@ -54,7 +53,7 @@ def code_folder() -> Folder:
     if _code_folder is None:
         here = Path(__file__).parents[1]
         way = "fast" if compile_path.chosen().fast else "plain"
-        about = [way, version("numba"), version("llvmlite"), sys.version, str(here)]
+        about = [way, *compile_path.compilers(), sys.version, str(here)]
         about += [os.environ.get(name, "") for name in _NUMBA_READS]
         digest = hashlib.sha256(repr(about).encode())
         for source in compiled_sources():

@@ -43,7 +43,7 @@ class NotMade(RuntimeError):
 @cache
 def _engine() -> Any:
     """The linker of object files."""
-    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), target())
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), new_target())
 
 
 def ready() -> Any:
@@ -62,8 +62,8 @@ def parsed(text: str) -> Any:
     return llvm.parse_assembly(text, context)
 
 
-def target() -> Any:
-    """The processor and system for which machine code is made."""
+def new_target() -> Any:
+    """The processor and system for which machine code is made; each engine takes possession of one."""
     ready()
     triple, name, features = processor()
     one = llvm.Target.from_triple(triple)
@@ -85,6 +85,12 @@ def load(code: Code) -> int:
     engine.add_object_file(llvm.ObjectFileRef.from_data(code.object))
     engine.finalize_object()
     return int(engine.get_function_address(code.symbol))
+
+
+@cache
+def target() -> Any:
+    """The same for all modules that are compiled here."""
+    return new_target()
 
 
 # ---------------------------------------------------------------- places

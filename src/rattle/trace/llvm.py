@@ -22,7 +22,6 @@ import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -264,7 +263,14 @@ def compile(text: str | Callable[[], Sequence[str]], names: Sequence[str], origi
     """
     machine = host()
     source = text if isinstance(text, str) else (origin, _own())
-    about = (source, *names, *machine, LEVEL, version("llvmlite"), _jit().ready().llvm_version_info)
+    about = (
+        source,
+        *names,
+        *machine,
+        LEVEL,
+        importlib.import_module("llvmlite").__version__,
+        _jit().ready().llvm_version_info,
+    )
     key = hashlib.sha256(repr(about).encode()).hexdigest()
     kept = KeptFile(_folder(os.environ.get("RATTLE_CACHE")), FOLDER, key)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import hashlib
-import inspect
 import linecache
 import math
 import os
@@ -129,7 +128,7 @@ def told_where(made: Function, write: Callable[[], str]) -> str:
         if ", line " in str(error):
             raise
         python = made.function
-        raise TranslationError(f"{python.__module__}.{python.__name__}, line {made.line}: {error}") from None
+        raise TranslationError(f"{python.__module__}.{python.__name__}, line {made.place}: {error}") from None
 
 
 def translated(python: Callable[..., Any], symbol: str, letters: Sequence[str]) -> str:
@@ -214,8 +213,15 @@ def source(python: Callable[..., Any]) -> ast.FunctionDef:
     if not lines:
         raise TranslationError(f"the source of {getattr(python, '__name__', python)} is not there")
     first = code.co_firstlineno
-    block = inspect.getblock(lines[first - 1 :])
-    tree = ast.parse(textwrap.dedent("".join(block))).body[0]
+    last = max(end for _, end, _, _ in code.co_positions() if end is not None)  # lines after it hold brackets at most
+    while True:
+        try:
+            tree = ast.parse(textwrap.dedent("".join(lines[first - 1 : last]))).body[0]
+            break
+        except SyntaxError:
+            if last == len(lines):
+                raise
+            last += 1
     if not isinstance(tree, ast.FunctionDef):
         raise TranslationError(f"{python.__name__} is not written as a function of its own")
-    return ast.increment_lineno(tree, first - 1)
+    return tree

@@ -62,7 +62,12 @@ class Writing:
         self.result: Any = None  # kind of the result; None until the first return
         self.fails = False  # whether it may return without a result
         self.changed = False  # whether one of these has changed since the text was begun
-        self.line = 0
+        self.line = 1  # from the first of the function
+
+    @property
+    def place(self) -> int:
+        """The present line of the file."""
+        return self.function.__code__.co_firstlineno + self.line - 1
 
     def restart(self) -> None:
         """Begin the text."""
@@ -245,7 +250,7 @@ class Writing:
         """With NUMBA_BOUNDSCHECK=1, an index outside of its array raises IndexError."""
         if not self.unit.checks:
             return
-        told = f"index is out of bounds: {self.function.__module__}.{self.function.__name__}, line {self.line}"
+        told = f"index is out of bounds: {self.function.__module__}.{self.function.__name__}, line {self.place}"
         outside = self.put(f"icmp uge i64 {index}, {size}")
         self.fail_if(outside, self.fault(f"IndexError: {told}"))
 
