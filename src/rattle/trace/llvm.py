@@ -20,7 +20,6 @@ import pickle
 import re
 import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 from types import ModuleType
@@ -252,12 +251,11 @@ def width() -> int:
     return 8 if "+avx512f" in features else 4 if "+avx" in features else 2
 
 
-def compile(text: str | Callable[[], Sequence[str]], names: Sequence[str], origin: str = "") -> MachineCode:
+def compile(text: str | Callable[[], str], names: Sequence[str], origin: str = "") -> MachineCode:
     """Machine code of the functions in a text, for this machine; from the cache folder if it is there.
 
-    names: the functions that are called from outside.  origin: all that texts depend on which are to be written only
-    if their code is not there; what this module makes of it need not be part of it.  Texts that do not refer to each
-    other are compiled on all cores at once.  A text may call the intrinsics
+    names: the functions that are called from outside.  origin: all that a text depends on which is to be written only
+    if its code is not there; what this module makes of it need not be part of it.  The text may call the intrinsics
     fabs, sqrt and floor and must not declare them.  Raises RuntimeError, with LLVM's message,
     for a text that is no code.
     """
@@ -274,7 +272,7 @@ def compile(text: str | Callable[[], Sequence[str]], names: Sequence[str], origi
     key = hashlib.sha256(repr(about).encode()).hexdigest()
     kept = KeptFile(_folder(os.environ.get("RATTLE_CACHE")), FOLDER, key)
 
-    def use(found: tuple[str, list[bytes]]) -> MachineCode:
+    def use(found: tuple[str, bytes]) -> MachineCode:
         if found[0] != key:
             raise ValueError("the code of another text")
         if kept.file is not None:
@@ -285,7 +283,7 @@ def compile(text: str | Callable[[], Sequence[str]], names: Sequence[str], origi
     code = kept.read(use)
     if isinstance(code, MachineCode):
         return code
-    made = _objects([text] if isinstance(text, str) else text(), machine)
+    made = _object(text if isinstance(text, str) else text(), machine)
     kept.write(lambda: pickle.dumps((key, made)))
     if kept.file is not None:
         _keep_most(kept.file.parent)
@@ -336,19 +334,12 @@ def _declared(text: str) -> str:
     return "\n".join([*sorted({f"declare {kind} {name}({kind})" for kind, name in DECLARED.findall(text)}), text])
 
 
-def _objects(texts: Sequence[str], machine: tuple[str, str]) -> list[bytes]:
-    """The object code of every text; the longest are begun first."""
-    longest = sorted(texts, key=len, reverse=True)
-    with ThreadPoolExecutor(min(len(texts), os.cpu_count() or 1)) as pool:
-        return list(pool.map(lambda text: _object(text, machine), longest))
-
-
 def _object(text: str, machine: tuple[str, str]) -> bytes:
     """The object code of a text."""
     return bytes(_machine(*machine).emit_object(_jit().parsed(_declared(text))))
 
 
-def _loaded(made: Sequence[bytes], names: Sequence[str], machine: tuple[str, str]) -> MachineCode:
+def _loaded(made: bytes, names: Sequence[str], machine: tuple[str, str]) -> MachineCode:
     """Object code as functions.
 
     The engine's own module is empty and in the context that LLVM keeps until the end: the collector may take engines
@@ -356,7 +347,6 @@ def _loaded(made: Sequence[bytes], names: Sequence[str], machine: tuple[str, str
     """
     binding = _jit().ready()
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), _machine(*machine))
-    for one in made:
-        engine.add_object_file(binding.ObjectFileRef.from_data(one))
+    engine.add_object_file(binding.ObjectFileRef.from_data(made))
     engine.finalize_object()
     return MachineCode(engine, names)

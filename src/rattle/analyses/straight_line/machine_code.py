@@ -46,15 +46,15 @@ class MachineFunctions:
         """Make the machine code of all functions."""
         names = list(self._names.values())
         origin = repr([self.width, *(described(*one) for one in self._functions.values())])
-        self._code = llvm.compile(self._texts, ["chain", *names], origin)
+        self._code = llvm.compile(self._text, ["chain", *names], origin)
         self._calls = {name: self._code.function(name) for name in names}
         self._calls["chain"] = self._code.function("chain", *llvm_chain.KINDS)
 
-    def _texts(self) -> list[str]:
+    def _text(self) -> str:
         texts = [
             llvm.functions_text(graph, {name: all_}, self.width) for name, (graph, all_) in self._functions.items()
         ]
-        return [llvm_chain.CHAIN, *texts]
+        return "\n".join([llvm_chain.CHAIN, *texts])
 
     def chain(self, calls: Calls, memory: np.ndarray, running: int, times: int) -> Callable[[], None]:
         """One call of many functions in turn, on every tile of a memory, so many times; see `Chain`."""
