@@ -77,7 +77,6 @@ class KernelFunction:
         self._by_kinds: dict[Any, Any] = {}
         self._address = 0
         self._foreign = not ours  # whether only Numba can compile it
-        self._place: Any = None
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
         self.__module__ = function.__module__

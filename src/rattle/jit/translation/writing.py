@@ -170,10 +170,6 @@ class Writing:
             raise TranslationError(f"'{name}' is used before it has a value")
         return self.kept(name)
 
-    def assign(self, name: str, value: Value) -> None:
-        """Give a variable of the function a value."""
-        self.keep(name, value)
-
     def stack(self) -> list[str]:
         """Instructions that make room for all variables, with zeros."""
         found = [f"  %r{n} = alloca {type_}" for n, type_ in enumerate(self.rooms)]
