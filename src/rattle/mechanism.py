@@ -207,7 +207,6 @@ class Mechanism(WrittenModel):
         From the exact variational equations where the model can be recorded, otherwise from two neighbouring runs
         (contacts, loads written in Python, expressions that switch): `.how` says why.
         t_end: end of the run [s].  stretch: time between two readings of the growth [s].  rtol: relative tolerance.
-        For all details see `rattle.studies.lyapunov.lyapunov`.
         """
         from rattle.studies.lyapunov import lyapunov
 

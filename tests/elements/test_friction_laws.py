@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rattle import registry
-from rattle.jit import functions
+from rattle.jit import families, functions
 
 pytestmark = pytest.mark.nojit
 LAWS = registry.kinds("friction")
@@ -201,9 +201,9 @@ def test_every_kernel_gives_the_same_value_compiled():
 
 @functions.compiled
 def contact(stiffness, normal, friction, delta, ddelta, v0, u, p, z, dz):
-    static = functions.call_stiffness(stiffness[0], (delta, p, 0))
-    force = functions.call_normal(normal[0], (static, delta, ddelta, v0, p, 2))
-    return force, functions.call_friction(friction[0], (u, force, z, p, 4, dz))
+    static = families.call_stiffness(stiffness[0], (delta, p, 0))
+    force = families.call_normal(normal[0], (static, delta, ddelta, v0, p, 2))
+    return force, families.call_friction(friction[0], (u, force, z, p, 4, dz))
 
 
 def test_laws_are_called_through_their_tables_in_a_compiled_loop():

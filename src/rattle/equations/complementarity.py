@@ -19,7 +19,8 @@ from __future__ import annotations
 
 from rattle.equations.schur import solve
 from rattle.jit import layout as at
-from rattle.jit.functions import call_problem, compiled, kernel
+from rattle.jit.families import call_problem
+from rattle.jit.functions import compiled, kernel
 
 OFF, STICK, FORWARD, BACKWARD = range(4)
 B, F, A, OTHER = range(4)  # rows of `side`

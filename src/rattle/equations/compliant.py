@@ -8,7 +8,8 @@ power taken from the motion = N ddelta + T u = (stored: F_static ddelta) + (lost
 from __future__ import annotations
 
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.functions import call_clearance, call_friction, call_normal, call_stiffness, compiled, native
+from rattle.jit.families import call_clearance, call_friction, call_normal, call_stiffness
+from rattle.jit.functions import compiled, native
 
 
 @native("void", "h")

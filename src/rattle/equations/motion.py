@@ -25,7 +25,8 @@ from rattle.equations.state import (
 )
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.choices import assume, select
-from rattle.jit.functions import call_closed_contacts, call_joint, call_load, compiled, native
+from rattle.jit.families import call_closed_contacts, call_joint, call_load
+from rattle.jit.functions import compiled, native
 from rattle.language.bytecode import evaluate
 from rattle.language.jets import evaluate_jet
 

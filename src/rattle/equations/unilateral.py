@@ -23,7 +23,8 @@ from rattle.equations.complementarity import (
 )
 from rattle.equations.schur import solve
 from rattle.jit import layout as at
-from rattle.jit.functions import call_problem, compiled, kernel
+from rattle.jit.families import call_problem
+from rattle.jit.functions import compiled, kernel
 
 EXPAND, TRACE = (
     6,

@@ -12,7 +12,7 @@ from pathlib import Path
 from rattle.jit import cache, compile_path
 from rattle.jit.cache import Folder
 
-MAKERS = ("compile_path", "functions", "machine", "workspace")  # and these folders
+MAKERS = ("compile_path", "families", "functions", "machine", "workspace")  # and these folders
 MAKING = ("compiling", "translation")
 
 

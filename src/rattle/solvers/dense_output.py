@@ -5,7 +5,8 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993
 
 from __future__ import annotations
 
-from rattle.jit.functions import call_dense_output, compiled
+from rattle.jit.families import call_dense_output
+from rattle.jit.functions import compiled
 from rattle.solvers.step_state import DENSE
 
 

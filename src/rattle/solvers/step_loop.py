@@ -21,7 +21,8 @@ from rattle.equations.motion import (
 )
 from rattle.equations.schur import WEAK
 from rattle.jit import layout as at
-from rattle.jit.functions import call_stepper, compiled, native
+from rattle.jit.families import call_stepper
+from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.contact_events import (
     change_contacts,
     contact_time,

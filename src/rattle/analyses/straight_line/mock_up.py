@@ -63,7 +63,8 @@ def mock_up(model: RecordedModel, name: str, stop: float) -> MockUp:
     model, constants = with_parameters(model)
     notes = [f"the parameter {one} is fixed: {why}" for one, why in constants.items() if one not in model.dependent]
     curves = _curves(model)
-    variables, made = _variables(model, curves), _equations(model, curves)
+    inputs = _inputs(model, curves)
+    variables, made = _variables(model, curves, inputs), _equations(model, curves, inputs)
     operations = made.derivative[0].count(made.derivative[1])
     header = f"{title}, written by rattle {__version__}; {operations} operations for rates"
     content = fmu.equations_text(made, header, "").encode() + description(variables, identifier, title, "", experiment)
@@ -85,7 +86,7 @@ def _curves(model: RecordedModel) -> dict[str, Any]:
     return {name: x for name, x in all_curves(model).items() if name not in states}
 
 
-def _equations(model: RecordedModel, curves: Mapping[str, Any]) -> fmu.Equations:
+def _equations(model: RecordedModel, curves: Mapping[str, Any], inputs: set[str]) -> fmu.Equations:
     graph, ny, system = model.graph, model.state_size, model.system
     parts = [model.derivative, model.projection, [*curves.values(), model.sound_curves]]
     exact, every = lower(graph, [x for part in parts for x in part])
@@ -95,7 +96,7 @@ def _equations(model: RecordedModel, curves: Mapping[str, Any]) -> fmu.Equations
     settings, names = system.model.settings, list(curves)
     rtol = settings.rtol or RTOL
     states = [name for name, _ in state_layout(system).units()]
-    first, inputs = model.first, _inputs(model, curves)
+    first = model.first
     energies = {key.upper(): names.index(f"energy.{key}") for key in ("kinetic", "potential", "balance")}
     return fmu.Equations(
         derivative, project, rows, (early, prepared), lower(graph, [curves["energy.balance"]]),
@@ -127,11 +128,10 @@ def _limits(model: RecordedModel, name: str) -> tuple[float, float]:
     return -math.inf if one.minimum is None else one.minimum, math.inf if one.maximum is None else one.maximum
 
 
-def _variables(model: RecordedModel, curves: Mapping[str, Any]) -> list[Variable]:
+def _variables(model: RecordedModel, curves: Mapping[str, Any], inputs: set[str]) -> list[Variable]:
     """All variables, in the order of their value references, which `fmu_sources` knows."""
     known, nq = model.system.model.parameters, 3 * model.system.body_count
     size = model.system.size
-    inputs = _inputs(model, curves)
     found = [Variable("t", Kind.TIME, "s", "time")]
     for name, value in model.parameters.items():
         one, kind = known[name], Kind.INPUT if name in inputs else Kind.PARAMETER

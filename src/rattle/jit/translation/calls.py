@@ -6,7 +6,7 @@ import ast
 from collections.abc import Sequence
 from typing import Any
 
-from rattle.jit import functions, machine
+from rattle.jit import families, functions, machine
 from rattle.jit.translation.expressions import SAID, Expressions
 from rattle.jit.translation.values import NOTHING, TranslationError, Value, is_array, members, parts_of, said
 from rattle.jit.translation.writing import CALLER
@@ -15,7 +15,7 @@ LETTERS = {"f": "f", "i": "i", "h": "h", "v": "f1", "m": "f2", "w": "i1", "n": "
 
 
 def kinds_of(letters: Sequence[str]) -> tuple[Any, tuple[Any, ...]]:
-    """The kinds of the result and of the arguments, from their letters, see `functions.SIGNATURE`."""
+    """The kinds of the result and of the arguments, from their letters, see `families.SIGNATURE`."""
     result, *given = letters
     if result == "void":
         found: Any = NOTHING
@@ -43,7 +43,7 @@ class Calls(Expressions):
 
     def kernel(self, called: Any, given: list[Value], node: ast.Call) -> Value:
         """The result of another compiled function."""
-        family = next((name for name, one in functions.CALLERS.items() if one is called), "")
+        family = next((name for name, one in families.CALLERS.items() if one is called), "")
         if family and len(given) == 2 and isinstance(given[1].kind, tuple):
             return self._of_table(family, given[0], members(given[1]))
         if not isinstance(called, functions.KernelFunction) or not called.ours:
@@ -71,14 +71,14 @@ class Calls(Expressions):
     def _of_table(self, family: str, entry: Value, given: list[Value]) -> Value:
         """Call of a kernel at an address from a table, or at a place that holds its address."""
         address = self.converted(entry, "i").parts[0]
-        by_place = family in functions.BY_PLACE
+        by_place = family in families.BY_PLACE
         if by_place:
             address = self._found(self.put(f"inttoptr i64 {address} to ptr"))
         else:
             said = f"a kernel of the family '{family}' was called, but it is not in the table of this workspace"
             none = self.put(f"icmp eq i64 {address}, 0")
             self.fail_if(none, self.fault(f"RuntimeError: {said}"))
-        return self._at(address, functions.SIGNATURE[family], given, fails=by_place)
+        return self._at(address, families.SIGNATURE[family], given, fails=by_place)
 
     def _found(self, place: str) -> str:
         """The address at a place; it is requested if there is none yet."""

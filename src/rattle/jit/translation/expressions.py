@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import builtins
 import math
+from abc import abstractmethod
 from types import ModuleType
 from typing import Any
 
@@ -188,7 +189,8 @@ class Expressions(Writing):
         down = self.put(f"and i1 {self.put(f'icmp ne i64 {rest}, 0')}, {unlike}")
         lower = self.put(f"sub i64 {quotient}, {self.put(f'zext i1 {down} to i64')}")
         moved = self.put(f"add i64 {rest}, {self.put(f'select i1 {down}, i64 {divisor}, i64 0')}")
-        return tuple(self.put(f"select i1 {nothing}, i64 0, i64 {one}") for one in (lower, moved))  # type: ignore[return-value]  # two of them
+        lower, moved = (self.put(f"select i1 {nothing}, i64 0, i64 {one}") for one in (lower, moved))
+        return lower, moved
 
     def _library(self, name: str, *given: Value) -> Value:
         numbers = [("double", self.converted(one, "f").parts[0]) for one in given]
@@ -338,6 +340,6 @@ class Expressions(Writing):
             return Value("i", (self.put(f"fptosi double {given.parts[0]} to i64"),))
         return self.converted(given, "i" if called is int else "f")
 
+    @abstractmethod
     def kernel(self, called: Any, given: list[Value], node: ast.Call) -> Value:
         """The result of another compiled function."""
-        raise NotImplementedError

@@ -6,6 +6,7 @@ float later is a float.  Every variable has a place on the stack, which LLVM tur
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
@@ -49,7 +50,7 @@ class Unit(Protocol):
         """Another function for arguments of these kinds: its name, the kind of its result, whether it may fail."""
 
 
-class Writing:
+class Writing(ABC):
     """The text of one function while it is written."""
 
     def __init__(self, unit: Unit, function: Callable[..., Any]) -> None:
@@ -138,9 +139,9 @@ class Writing:
         if not self.fails:
             self.fails, self.changed = True, True
 
+    @abstractmethod
     def failure(self) -> str:
         """The instruction that returns without a result."""
-        raise NotImplementedError
 
     # ---------------------------------------------------------------- variables
     def _places(self, key: Any) -> list[str]:

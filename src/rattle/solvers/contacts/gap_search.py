@@ -23,7 +23,8 @@ from __future__ import annotations
 import math
 
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.functions import call_clearance, compiled, native
+from rattle.jit.families import call_clearance
+from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.penetration import clearance_of
 
 NONE = 2.0  # a share of the step that does not exist

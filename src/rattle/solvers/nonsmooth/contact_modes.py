@@ -31,7 +31,8 @@ from rattle.equations.unilateral import (
     solve_contacts,
 )  # fmt: skip
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.functions import call_problem, compiled, native
+from rattle.jit.families import call_problem
+from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.event_rows import note, note_end
 from rattle.solvers.contacts.penetration import clearance_of
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without

@@ -21,7 +21,8 @@ from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
 from rattle.equations.unilateral import CHATTER, LOCKED, NOT_FOUND
 from rattle.jit import layout as at
-from rattle.jit.functions import call_stepper, compiled, native
+from rattle.jit.families import call_stepper
+from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.gap_search import NONE, may_reach
 from rattle.solvers.contacts.penetration import ESCAPED, clearance_of, escaped, inside_wall
 from rattle.solvers.dense_output import interpolate, prepare_dense

@@ -34,7 +34,8 @@ from rattle.equations.complementarity import (
     friction_of,
 )
 from rattle.jit import layout as at
-from rattle.jit.functions import call_problem, compiled, kernel
+from rattle.jit.families import call_problem
+from rattle.jit.functions import compiled, kernel
 
 # rows of `bounce`, two columns for every contact of the model: restitution e and rate of the gap before the impact
 # (first column), impulses so far, present rates, work of N in this phase (first column) and the work it may still do

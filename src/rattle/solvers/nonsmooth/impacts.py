@@ -37,7 +37,8 @@ from rattle.equations.unilateral import (
     velocity_scale,
 )
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.functions import call_problem, compiled, native
+from rattle.jit.families import call_problem
+from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.event_rows import note_impact
 from rattle.solvers.contacts.gap_search import rounding
 from rattle.solvers.contacts.penetration import clearance_of

@@ -20,7 +20,8 @@ from rattle.equations.complementarity import (
     linear,
 )
 from rattle.jit import layout as at
-from rattle.jit.functions import call_problem, compiled, kernel
+from rattle.jit.families import call_problem
+from rattle.jit.functions import compiled, kernel
 
 MOST_COMBINED = 2**16  # combinations of modes that are tried
 KEPT_MODES, KEPT_A = 4, 5  # rows of `path`, after those of `lemke`

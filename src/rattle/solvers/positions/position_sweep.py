@@ -17,7 +17,8 @@ import math
 from rattle.equations.motion import constraints, correct, drive, loads, place, rate_residual, residual
 from rattle.equations.schur import factorise, solve
 from rattle.jit import layout as at
-from rattle.jit.functions import call_joint, compiled
+from rattle.jit.families import call_joint
+from rattle.jit.functions import compiled
 from rattle.solvers.output_row import write
 
 Q, V, A, Q_NEW, V_NEW, A_NEW, Q_OLD, V_OLD, A_OLD = range(9)  # rows of `node`
