@@ -204,8 +204,7 @@ class Mechanism(WrittenModel):
     ) -> Lyapunov:
         """Largest Lyapunov exponent [1/s] with its uncertainty: it explains the horizon.
 
-        From the exact variational equations where the model can be recorded, otherwise from two neighbouring runs
-        (contacts, loads written in Python, expressions that switch): `.how` says why.
+        By exact variational equations where the model can be recorded, else by two neighbouring runs: see `.how`.
         t_end: end of the run [s].  stretch: time between two readings of the growth [s].  rtol: relative tolerance.
         """
         from rattle.studies.lyapunov import lyapunov
@@ -312,8 +311,7 @@ class Mechanism(WrittenModel):
         (1 or 0); where N of a pin goes through zero the pin changes sides, which is an event "side".
         Raises AssemblyError, ModelError.
 
-        Source: docs/theory.md, section 7; Nocedal, Wright, Numerical Optimization (2006), section 16.2 (reduced
-        Hessian).
+        Source: docs/theory.md, section 7; Nocedal, Wright, Numerical Optimization (2006), section 16.2.
         """
         import numpy as np
 
@@ -359,8 +357,7 @@ class Mechanism(WrittenModel):
     def modes(self, t: Seconds = 0.0, equilibrium: Equilibrium | None = None, *, effort: float = 1.0) -> Modes:
         """Natural frequencies [Hz], damping ratios and shapes about an equilibrium.
 
-        Pins with clearance are massless links that press.  Stiffness and damping are exact derivatives, or differences
-        where there are none: `.how` says why.
+        Pins with clearance are massless links that press.  Matrices are exact derivatives or differences: see `.how`.
         t: time of the drivers [s].  equilibrium: default the first of `equilibrium(t)`.  effort: as of `equilibrium`.
         Raises ValueError if there is no equilibrium.
         """
