@@ -295,3 +295,52 @@ def test_what_cannot_be_recorded_is_left_to_differences_and_said():
     assert found.how in str(found)
     ideal = rt.example("door_hinge").ideal().modes()
     assert ideal.how == "exact derivatives"
+
+
+COUPLED = """
+format = 1
+gravity = [0, 0]
+[ground.points]
+O = [0, 0]
+[bodies.a]
+points = { P = [0, 0] }
+mass = 2
+inertia = 1
+[bodies.b]
+points = { P = [0, 0] }
+mass = 1
+inertia = 1
+[joints]
+one = { type = "prismatic", connect = ["ground.O", "a.P"] }
+two = { type = "prismatic", connect = ["ground.O", "b.P"] }
+[loads]
+p = { type = "force", at = "a.P", force = ["-100*a.x - C1*a.vx + 50*(b.x - a.x) + C2*(b.vx - a.vx)", 0] }
+q = { type = "force", at = "b.P", force = ["-50*(b.x - a.x) - C2*(b.vx - a.vx)", 0] }
+[initial]
+a = { x = 0 }
+b = { x = 0 }
+"""
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize(("c1", "c2", "said"), [(30.0, -2.5, "couple"), (80.0, 0.1, "couple"), (0.02, 0.01, "")])
+def test_damping_that_couples_the_modes_is_told_with_the_roots_of_all_equations(c1, c2, said):
+    m = rt.loads(COUPLED.replace("C1", repr(c1)).replace("C2", repr(c2)))
+    found = m.modes()
+    stiffness, damping = np.array([[150.0, -50.0], [-50.0, 50.0]]), np.array([[c1 + c2, -c2], [-c2, c2]])
+    mass, zero = np.diag([2.0, 1.0]), np.zeros((2, 2))
+    state = np.block([[zero, np.eye(2)], [-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)]])
+    roots = np.linalg.eigvals(state)
+    assert said in found.note
+    assert bool(found.note) == bool(said)
+    grows = roots.real.max()
+    assert (f"motions grow at {grows:.4g} 1/s" in found.note) == (grows > 0.0)
+    for root in roots[roots.imag > 0.0] if said else ():
+        assert f"{root.real:.4g} +- {root.imag:.4g}i" in found.note
+
+
+@pytest.mark.nojit
+def test_a_mode_with_negative_damping_is_called_unstable():
+    text = COUPLED.replace("50*(b.x - a.x) + C2*(b.vx - a.vx)", "0").replace("C1", "-3").replace("C2", "0")
+    found = rt.loads(text.replace("-50*(b.x - a.x) - 0*(b.vx - a.vx)", "-50*b.x")).modes()
+    assert "the equilibrium is unstable, motions grow at 0.75 1/s" in str(found)

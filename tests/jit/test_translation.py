@@ -356,3 +356,60 @@ def require_agreement(seed, folder):
 @pytest.mark.parametrize("seed", range(15))
 def test_random_kernels(seed, tmp_path):
     assert require_agreement(seed, tmp_path) > 0
+
+
+def nested(inner):
+    @compiled
+    def step(x):
+        return inner(x) * 2.0
+
+    return step
+
+
+@compiled
+def last_of_all(x):
+    return x + 1.0
+
+
+def test_parts_of_one_name_that_contain_each_other_are_told_apart():
+    if functions.start():
+        assert nested(nested(nested(nested(last_of_all))))(1.0) == 32.0
+
+
+def changes_a_constant(x):
+    TABLE[0, 0] = x
+    return TABLE[0, 0]
+
+
+def looks_in_a_vector(row, x):
+    return x in row
+
+
+def has_a_base(x):
+    return math.log(x, 10.0)
+
+
+@pytest.mark.parametrize(
+    ("function", "args", "said"),
+    [
+        (changes_a_constant, (1.0,), "an array from outside does not change"),
+        (looks_in_a_vector, (np.ones(2), 1.0), "`in` is for tuples"),
+        (has_a_base, (2.0,), "log with 2 arguments is not known here"),
+    ],
+)
+def test_what_would_be_another_calculation_is_refused(function, args, said):
+    assert said in refused(function, *args)
+
+
+def test_the_end_of_a_chain_is_computed_only_if_it_decides():
+    @compiled
+    def counted(row):
+        row[0] += 1.0
+        return row[0]
+
+    @compiled
+    def chain(row, i):
+        return 0 <= i < row.shape[0] < counted(row)
+
+    for i in (-1, 0, 1, 7):
+        agree(chain, np.array([2.5, 0.0]), i)

@@ -34,6 +34,9 @@ FRAMES = 61
 EVEN = (
     1e-6  # share of a stiffness by which it may be unsymmetric because of differences: frequencies change by its square
 )
+COUPLED = 0.01  # share of a root of all equations by which that of a mode alone may differ
+NOTHING = 1e-6  # share of the largest root that counts as none: roots of neutral motions are square roots of rounding
+SHOWN = 12  # roots in a note
 NEUTRAL = 1e-10  # share of the largest eigenvalue that counts as none
 
 
@@ -174,7 +177,9 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
     h, c, how = _matrices(problem, one.q, null)
     mass = null.T @ (problem.system.arrays["mass"][1:].ravel()[:, None] * null)
     squares, vectors, left = _eigenvectors(h, mass)
-    omega, growth, damping = _oscillations(squares, np.einsum("ik,ij,jk->k", left, c, vectors))
+    modal = np.einsum("ik,ij,jk->k", left, c, vectors)
+    omega, growth, damping = _oscillations(squares, modal)
+    note = "\n".join(one for one in (note, _together(h, c, mass, squares, modal, growth)) if one)
     if np.iscomplexobj(vectors):  # at the instant of the largest displacement
         largest = vectors[np.abs(vectors).argmax(axis=0), range(len(g))]
         vectors = np.real(vectors / largest)
@@ -212,6 +217,31 @@ def _oscillations(squares: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.nd
     loss = np.where(flutter, -roots, half).real
     damping = np.divide(loss, omega, out=np.zeros(len(omega)), where=omega > 0.0)
     return omega, np.where(unstable, roots.real, 0.0), damping
+
+
+def _together(
+    h: np.ndarray, c: np.ndarray, mass: np.ndarray, squares: np.ndarray, modal: np.ndarray, growth: np.ndarray
+) -> str:
+    """What is said where the modes, each with its own damping, are not the motions of all equations; "" otherwise."""
+    half = 0.5 * modal
+    reach = np.sqrt(half * half - squares + 0j)
+    alone = list(np.concatenate([reach - half, -reach - half]))
+    f = len(h)
+    zero = np.zeros((f, f))
+    roots = np.linalg.eigvals(np.block([[zero, np.eye(f)], [-np.linalg.solve(mass, h), -np.linalg.solve(mass, c)]]))
+    largest = np.abs(roots).max()
+    unlike = False
+    for root in roots:
+        nearest = int(np.argmin([abs(root - one) for one in alone]))
+        unlike |= abs(root - alone.pop(nearest)) > COUPLED * abs(root) + NOTHING * largest
+    grows = roots.real.max() > NOTHING * largest
+    if not unlike and not (grows and not growth.any()):
+        return ""
+    shown = sorted((one for one in roots if one.imag >= 0.0), key=abs)[:SHOWN]
+    listed = ", ".join(f"{one.real:.4g}" + (f" +- {one.imag:.4g}i" if one.imag > 0.0 else "") for one in shown)
+    why = "forces by velocities couple the modes, which stand here each alone" if unlike else "damping is negative"
+    verdict = f"; the equilibrium is unstable, motions grow at {roots.real.max():.4g} 1/s" if grows else ""
+    return f"{why}: all equations together have the roots s = {listed} 1/s{verdict}"
 
 
 def _matrices(problem: StaticProblem, q: np.ndarray, null: np.ndarray) -> tuple[np.ndarray, np.ndarray, str]:

@@ -37,6 +37,7 @@ ON_BITS = {ast.BitAnd: "and", ast.BitOr: "or", ast.BitXor: "xor", ast.RShift: "a
 INTRINSIC = {math.sqrt: "sqrt", math.fabs: "fabs", math.copysign: "copysign", math.floor: "floor"}
 LIBRARY = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "expm1", "log", "log1p",
            "pow", "hypot")  # fmt: skip
+WITH_TWO = ("atan2", "pow", "hypot", "copysign")
 FROM_LIBRARY = {getattr(math, name): name for name in LIBRARY}
 SAID = "kernels are written with numbers, arrays, tuples, loops and calls of kernels, see docs/adding-a-kind.md"
 
@@ -136,6 +137,8 @@ class Expressions(Writing):
         """Two numbers combined by an operator."""
         if type(op) in ON_BITS:
             kind = joined(a.kind, b.kind)
+            if isinstance(op, ast.LShift | ast.RShift):
+                kind = joined(kind, "i")
             if kind == "f":
                 raise TranslationError("bits of a float cannot be combined")
             x, y = (self.converted(one, kind).parts[0] for one in (a, b))
@@ -193,24 +196,41 @@ class Expressions(Writing):
         return lower, moved
 
     def _library(self, name: str, *given: Value) -> Value:
+        if len(given) != (2 if name in WITH_TWO else 1):
+            raise TranslationError(f"{name} with {len(given)} arguments is not known here")
         numbers = [("double", self.converted(one, "f").parts[0]) for one in given]
         return Value("f", (self.called("double", name, numbers, "readnone nounwind willreturn"),))
 
     # ---------------------------------------------------------------- choices
     def _compare(self, node: ast.Compare) -> Value:
-        left, found = self.value(node.left), ""
-        for op, other in zip(node.ops, node.comparators, strict=True):
+        """A comparison; in a chain, what stands after the first that is false is not computed."""
+        left, done = self.value(node.left), self.label()
+        for place, (op, other) in enumerate(zip(node.ops, node.comparators, strict=True)):
             right = self.value(other)
             if isinstance(op, ast.In | ast.NotIn):
-                this = "false"
-                for one in members(right) if isinstance(right.kind, tuple) else ():
-                    this = self.put(f"or i1 {this}, {self._compared(ast.Eq(), left, one)}")
-                if isinstance(op, ast.NotIn):
-                    this = self.put(f"xor i1 {this}, true")
+                this = self._among(node, left, right)
+                this = self.put(f"xor i1 {this}, true") if isinstance(op, ast.NotIn) else this
             else:
                 this = self._compared(op, left, right)
-            found, left = self.put(f"and i1 {found}, {this}") if found else this, right
-        return Value("b", (found,))
+            if len(node.ops) == 1:
+                return Value("b", (this,))
+            self.keep(node, Value("b", (this,)))
+            if place < len(node.ops) - 1:
+                more = self.label()
+                self.branch(this, more, done)
+                self.begin(more)
+            left = right
+        self.jump(done)
+        self.begin(done)
+        return self.kept(node)
+
+    def _among(self, node: ast.Compare, left: Value, right: Value) -> str:
+        if not isinstance(right.kind, tuple):
+            raise TranslationError(f"'{ast.unparse(node)}': `in` is for tuples, not for {said(right.kind)}")
+        found = "false"
+        for one in members(right):
+            found = self.put(f"or i1 {found}, {self._compared(ast.Eq(), left, one)}")
+        return found
 
     def _compared(self, op: ast.cmpop, a: Value, b: Value) -> str:
         if type(op) not in COMPARISONS or not (is_number(a.kind) and is_number(b.kind)):
@@ -267,7 +287,9 @@ class Expressions(Writing):
         return self.read(owner.kind[0], self.element(owner, node))
 
     def element(self, owner: Value, node: ast.Subscript) -> str:
-        """The address of an element of an array."""
+        """The address of an element of an array.  Raises TranslationError where a constant is to be changed."""
+        if owner.parts[0].startswith("@") and not isinstance(node.ctx, ast.Load):
+            raise TranslationError(f"'{ast.unparse(node)}': an array from outside does not change")
         places = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         if len(places) != int(owner.kind[1]):
             raise TranslationError(f"'{ast.unparse(node)}' is no element of {said(owner.kind)}")
@@ -317,6 +339,8 @@ class Expressions(Writing):
             below = self.put(f"icmp slt i64 {x}, 0")
             return Value("i", (self.put(f"select i1 {below}, i64 {self.put(f'sub i64 0, {x}')}, i64 {x}"),))
         name = "fabs" if called is abs else INTRINSIC[called]
+        if len(given) != (2 if name in WITH_TWO else 1):
+            raise TranslationError(f"{name} with {len(given)} arguments is not known here")
         numbers = [("double", self.converted(one, "f").parts[0]) for one in given]
         found = self.called("double", f"llvm.{name}.f64", numbers)
         return Value("i", (self.put(f"fptosi double {found} to i64"),)) if name == "floor" else Value("f", (found,))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import itertools
 import linecache
 import math
 import os
@@ -79,7 +80,7 @@ class Unit:
                 raise TranslationError(f"{called.__name__} calls itself; a function that does needs fixed types")
             _under_way.append(key)
             try:
-                name = f"{called.__module__}.{called.__name__}.{len(_parts)}"
+                name = f"{called.__module__}.{called.__name__}.{next(_numbers)}"
                 made = function(Unit(), called.python, kinds)
                 text = told_where(made, lambda: made.written(name))
                 _parts[key] = Part(name, made.result or "", made.fails, text, made.unit)
@@ -113,6 +114,7 @@ class Part(NamedTuple):
 
 _parts: dict[Any, Part] = {}  # by function and kinds: written once in a process
 _under_way: list[Any] = []
+_numbers = itertools.count()  # parts of one name are told apart, also where one contains another
 
 
 def function(unit: Unit, python: Callable[..., Any], kinds: Sequence[Any]) -> Function:
