@@ -375,3 +375,22 @@ def test_points_and_joint_forces_are_known_as_in_a_result():
         run = m.set(start=start).simulate(0.1, t_eval=[0.0, 0.05, 0.1], rtol=1e-11)
         assert found[outputs[0]][n] == pytest.approx(run["lower.tip.x"][-1], abs=1e-9)
         assert found[outputs[1]][n] == pytest.approx(run["O.force"][1], rel=1e-8)
+
+
+def test_mechanisms_with_contacts_run_on_threads_and_give_the_same_bits():
+    m, c = rt.example("slider_crank_play"), np.linspace(4e-4, 5e-4, 6)
+    one, two = (m.many({"c": c}, ["max(B.normal)", "count(B.contacts)"], 2e-3, threads=n) for n in (1, 2))
+    assert list(one.generic) == [0, 1, 2, 3, 4, 5]
+    np.testing.assert_array_equal(one.values, two.values)
+    alone = m.set(c=float(c[4])).simulate(2e-3, t_eval=np.linspace(0.0, 2e-3, 2001), rtol=1e-8, atol=1e-9)
+    assert one["max(B.normal)"][4] == pytest.approx(alone.peaks["B.normal"].value, rel=1e-6)
+
+
+@pytest.mark.nojit
+def test_samples_are_arrays_of_numbers_by_parameter():
+    m = rt.loads(SPRING)
+    for wrong in (3, ["k"], None):
+        with pytest.raises(ValueError, match="at least one parameter"):
+            m.many(wrong, ["final(block.x)"], 0.1)
+    with pytest.raises(ValueError, match="'k': expected numbers in SI units"):
+        m.many({"k": ["3 kg"]}, ["final(block.x)"], 0.1)

@@ -1,0 +1,1 @@
+"""Runs of many samples of one mechanism: what is asked, and how a batch of samples is run."""

@@ -1,0 +1,156 @@
+"""A batch of samples after the other: side by side where that can vouch, one by one on threads otherwise."""
+
+from __future__ import annotations
+
+import logging
+import os
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from rattle.analyses.dynamics.run import stop
+from rattle.errors import AssemblyError, ModelError, SolverError, TraceError
+from rattle.studies.runs.side_by_side import SideBySide
+from rattle.studies.runs.task import Task
+
+log = logging.getLogger("rattle")
+
+Progress = Callable[[int, int], None]  # samples done, samples in all
+
+
+@dataclass(eq=False)
+class Batch:
+    """What became of n samples."""
+
+    values: np.ndarray  # (outputs, n) [SI], nan where there is none
+    messages: dict[int, str] = field(default_factory=dict)  # of samples without a run, by their place
+    generic: list[int] = field(default_factory=list)  # places of samples that ran one by one
+    reasons: dict[str, int] = field(default_factory=dict)  # why those could not run side by side, and how many
+    steps: int = 0
+    evaluations: int = 0
+
+
+class Runner:
+    """Runs samples of one task; what can be prepared is prepared once.
+
+    Sample i gives the same bits in whatever batch it runs and on how many threads.
+    """
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        self.why = ""  # why no samples run side by side, "" if they do
+        try:
+            self._together: SideBySide | None = SideBySide(task)
+        except TraceError as error:
+            self._together, self.why = None, str(error)
+
+    @property
+    def side_by_side(self) -> bool:
+        """True if samples run side by side."""
+        return self._together is not None
+
+    def run(self, values: np.ndarray, threads: int = 1, progress: Progress | None = None) -> Batch:
+        """Run samples with values (k, n) [SI] of the parameters that differ.
+
+        progress is called with the samples done and all.  Raises KeyboardInterrupt if the user stops it.
+        """
+        values = np.asarray(values, dtype=float)
+        count = values.shape[1]
+        batch = Batch(np.full((len(self.task.outputs), count), np.nan))
+        waiting = np.arange(count)
+        if self._together is not None and count:
+            found = self._together.run(values, min(threads, count), progress)
+            batch.values, waiting = found.values, np.flatnonzero(found.open)
+            batch.reasons, batch.steps, batch.evaluations = found.reasons, found.steps, found.evaluations
+        batch.generic = waiting.tolist()
+        with _told_once():
+            for done, (n, outcome) in enumerate(_one_by_one(self.task, values, batch.generic, threads), 1):
+                if isinstance(outcome, str):
+                    batch.messages[n] = outcome
+                else:
+                    batch.values[:, n] = outcome
+                if progress is not None:
+                    progress(count - len(waiting) + done, count)
+        return batch
+
+
+def cores() -> int:
+    """Threads to use unless the user says: one per core of this process, at most 8."""
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(8, usable)
+
+
+def _one_by_one(
+    task: Task, values: np.ndarray, places: list[int], threads: int
+) -> Iterator[tuple[int, list[float] | str]]:
+    """Outputs of samples, or why they have none, as they come; the first alone, because it compiles."""
+    waiting = iter(places)
+    for n in waiting:
+        yield n, _one(task, values[:, n])
+        break
+    if threads == 1 or len(places) < 3:
+        for n in waiting:
+            yield n, _one(task, values[:, n])
+        return
+    pool = ThreadPoolExecutor(threads)
+    running: dict[Any, int] = {}
+    try:
+        while True:
+            while len(running) < 2 * threads and (n := next(waiting, -1)) >= 0:
+                running[pool.submit(_one, task, values[:, n])] = n
+            if not running:
+                return
+            for one in wait(running, return_when=FIRST_COMPLETED).done:
+                yield running.pop(one), one.result()
+    except BaseException:
+        stop.set()  # ends the runs in the other threads
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+        stop.clear()
+
+
+def _one(task: Task, values: np.ndarray) -> list[float] | str:
+    """The outputs [SI] of a sample, or why it has none."""
+    try:
+        return task.run(values)
+    except (ModelError, AssemblyError, SolverError) as error:
+        return str(error)
+
+
+# ---------------------------------------------------------------- what is said
+@contextmanager
+def _told_once() -> Iterator[None]:
+    """Let pass what is said of the model once for all samples; why a sample failed is in its message."""
+    said = _Once()
+    log.addFilter(said)
+    try:
+        yield
+    finally:
+        log.removeFilter(said)
+
+
+class _Once(logging.Filter):
+    def __init__(self) -> None:
+        super().__init__()
+        self._known: set[str] = set()
+        self._lock = threading.Lock()
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether to let it pass."""
+        text = record.getMessage()
+        with self._lock:
+            new = record.levelno < logging.ERROR and text not in self._known
+            self._known.add(text)
+        return new
+
+
+def not_finite(task: Task, values: np.ndarray) -> np.ndarray:
+    """(outputs, n) where an output has no finite value though it should; nan of a `first` says: never."""
+    counted = [not any(part.kind == "first" for part in one.reductions) for one in task.outputs]
+    return np.asarray(np.isnan(values) & np.array(counted)[:, None])

@@ -1,0 +1,121 @@
+"""Samples of a smooth mechanism side by side, as straight-line machine code: compiled once, run batch by batch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle.analyses.straight_line.lane_model import Asked, lane_model, needs_short_steps, why_not_lanes
+from rattle.analyses.straight_line.machine_code import MachineFunctions
+from rattle.analyses.straight_line.recorded_model import RecordedModel
+from rattle.analyses.straight_line.starts import Starts
+from rattle.errors import TraceError
+from rattle.language import arrays
+from rattle.language.syntax import names
+from rattle.solvers.stepper import FREE, LONGEST, usual_stepper
+from rattle.studies.runs.task import Task
+from rattle.trace import lane_methods, lanes
+from rattle.trace.copying import bind
+from rattle.trace.elementary import lower
+from rattle.trace.lane_control import Status
+from rattle.trace.lane_program import Program
+
+MOST_OPERATIONS = 20_000  # of right-hand side, projection and curves; beyond, machine code is slow to make
+METHODS = {"dop853": lane_methods.DOP853, "rk4": lane_methods.RK4}
+SHORT = 2000  # steps of a run where long ones would miss something
+
+
+class Together(NamedTuple):
+    """What became of n samples."""
+
+    values: np.ndarray  # (outputs, n) [SI], nan where `open`
+    open: np.ndarray  # (n,) samples for which this cannot vouch
+    reasons: dict[str, int]  # why not, and how many
+    steps: int
+    evaluations: int
+
+
+class SideBySide:
+    """Straight-line code for all samples of a task.
+
+    Raises TraceError, with the reason, where there is none.
+    """
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        method = "dop853" if task.how.method == usual_stepper(FREE) else task.how.method
+        _require_lanes(task, method)
+        self.model = task.mechanism.recorded(list(task.names))
+        follow = {*task.names, *self.model.dependent}
+        if why := next((why for one in task.outputs if (why := why_not_lanes(one, dict.fromkeys(follow)))), ""):
+            raise TraceError(why)
+        size = self.model.graph.count([*self.model.derivative, *self.model.projection])
+        if size > MOST_OPERATIONS:
+            raise TraceError(
+                f"its {size} operations are more than the {MOST_OPERATIONS} up to which straight-line code pays"
+            )
+        self.asked = Asked(self.model, task.outputs)
+        self.program = _program(self.model, self.asked, task, method)
+
+    def run(self, values: np.ndarray, threads: int = 1, progress: Callable[[int, int], None] | None = None) -> Together:
+        """Samples with values (k, n) [SI] of the parameters that differ."""
+        outcome = lanes.run(self.program, values, threads=threads, progress=progress)
+        dependent = _dependent(self.model, self.task, values)
+        rows = [[outcome.values[k] for k in places] for places in self.asked.rows]
+        found = [self._output(n, one, values, dependent) for n, one in enumerate(rows)]
+        failed = outcome.status != Status.DONE
+        reasons = {}
+        for status in np.unique(outcome.status[failed]):
+            reasons[Status(int(status)).words] = int((outcome.status == status).sum())
+        return Together(np.array(found), failed, reasons, int(outcome.steps.sum()), outcome.evaluations)
+
+    def _output(
+        self, n: int, rows: Sequence[np.ndarray], values: np.ndarray, dependent: Mapping[str, np.ndarray]
+    ) -> np.ndarray:
+        """An output of all samples from the values of its reductions; dependent: parameters (n,) that follow [SI]."""
+        task = self.task
+        known = {**task.mechanism.parameters, **dependent, **dict(zip(task.names, values, strict=True))}
+        known |= {f"#{k}": row for k, row in enumerate(rows)}
+        made = arrays.evaluate(task.outputs[n].outer, known.__getitem__)
+        return np.where(np.isfinite(rows).all(axis=0) & np.isfinite(made), made, np.nan)
+
+
+def _require_lanes(task: Task, method: str) -> None:
+    """Raise TraceError for what is known to have no straight-line code before anything is recorded."""
+    if task.analysis != "simulate":
+        raise TraceError(f"{task.analysis} runs position by position")
+    if why := next((why for one in task.outputs if (why := why_not_lanes(one, dict.fromkeys(task.names)))), ""):
+        raise TraceError(why)
+    if method not in METHODS:
+        raise TraceError(f"'{task.how.method}' has no straight-line code")
+    if task.mechanism.system.switches:
+        switching = ", ".join(sorted({one.name for one in task.mechanism.system.switches}))
+        raise TraceError(f"steps must end where expressions switch ({switching})")
+
+
+def _program(model: RecordedModel, asked: Asked, task: Task, method: str) -> Program:
+    functions, how = MachineFunctions(), task.how
+    longest = task.t_end / SHORT if needs_short_steps(task.outputs, model) else np.inf
+    program = Program(
+        lane_model(model, asked, functions.add, Starts(model, functions.add)), functions.add,
+        METHODS[method], asked.reductions, task.t_end,
+        tolerances=lane_methods.Tolerances(how.rtol, how.atol, min(how.step or np.inf, longest)),
+        step=min(how.step or LONGEST, longest), chain=functions.chain, tiled=True,
+    )  # fmt: skip
+    functions.compile()
+    return program
+
+
+def _dependent(model: RecordedModel, task: Task, values: np.ndarray) -> dict[str, np.ndarray]:
+    """Values (n,) of the parameters outside of reductions that follow from those that differ (k, n) [SI]."""
+    used = sorted({name for output in task.outputs for name in names(output.outer)} & model.dependent.keys())
+    if not used:
+        return {}
+    graph, symbols = lower(model.graph, [model.dependent[name] for name in used])
+    first = 1 + model.state_size  # after t and y
+    chosen = range(first, first + len(task.names))
+    others = {place: 0.0 for n, place in enumerate(graph.inputs) if n not in chosen}  # no parameter follows from them
+    graph, symbols = bind(graph, symbols, others)
+    return dict(zip(used, graph.evaluate(symbols, list(values)), strict=True))

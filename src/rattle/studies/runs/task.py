@@ -1,0 +1,156 @@
+"""What is asked of every sample of a mechanism: which analysis, to what end, and which numbers of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rattle.analyses import arguments
+from rattle.errors import ModelError, Problem
+from rattle.language.syntax import names
+from rattle.registry import kinds
+from rattle.results.evaluation import evaluate
+from rattle.results.reductions import Known, Output, argument, needed_instants, read
+from rattle.results.result import Result
+from rattle.solvers.stepper import ATOL
+from rattle.studies.runs.analyses import ANALYSES, Stepping, analysis_named
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+
+RTOL = 1e-8  # of motions, unless given
+READ_OFF = ("at", "final", "count")  # reductions that need no instants but their own
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What is asked of every sample."""
+
+    mechanism: Mechanism
+    names: tuple[str, ...]  # (k,) parameters that differ
+    outputs: tuple[Output, ...]
+    analysis: str  # one of ANALYSES
+    t_end: float  # [s]
+    how: Stepping
+
+    @property
+    def texts(self) -> list[str]:
+        """The outputs as they were asked for."""
+        return [one.text for one in self.outputs]
+
+    def mechanism_at(self, values: Sequence[float] | np.ndarray) -> Mechanism:
+        """The mechanism with values (k,) [SI] of the parameters that differ.  Raises ModelError."""
+        given = dict(zip(self.names, map(float, values), strict=True))
+        bad = next((name for name, value in given.items() if not math.isfinite(value)), "")
+        if bad:
+            raise ModelError([Problem(("parameters", bad), f"{given[bad]} is not a finite number")])
+        return self.mechanism.set(given)
+
+    def run(self, values: Sequence[float] | np.ndarray) -> list[float]:
+        """The outputs [SI] of one sample with these values (k,) [SI], nan where one is not finite.
+
+        Raises ModelError, AssemblyError, SolverError with why it has none.
+        """
+        m = self.mechanism_at(values)
+        if late := next((said for one in self.outputs if (said := outside(one, m.parameters, self.t_end))), ""):
+            raise ModelError([Problem((), late)])
+        times = self.instants(m)
+        needed = {name for one in self.outputs for name in one.names}
+        result = self.result(m, times, needed)
+        needed = {name for one in self.outputs for name in one.ideal_names}
+        ideal = self.result(m.ideal(), times, needed) if needed else None
+        return [evaluate(output, result, m.parameters, ideal) for output in self.outputs]
+
+    def result(self, m: Mechanism, times: np.ndarray, needed: Iterable[str]) -> Result:
+        """The analysis of a mechanism at instants (n,) [s]."""
+        return ANALYSES[self.analysis].run(m, times, frozenset(needed), self.how)
+
+    def instants(self, m: Mechanism) -> np.ndarray:
+        """(n,) instants [s] of a run: start, end, those that are read off; a grid where whole curves are needed."""
+        every = [one for output in self.outputs for one in output.reductions]
+        read_off = {t for output in self.outputs for t in needed_instants(output, m.parameters)}
+        count = 1 if all(one.kind in READ_OFF for one in every) else ANALYSES[self.analysis].points
+        return np.array(sorted({*np.linspace(0.0, self.t_end, count + 1).tolist(), *read_off}))
+
+
+def task_of(
+    m: Mechanism, varied: Iterable[str], outputs: Sequence[str], *, analysis: str = "simulate",
+    t_end: float | None = None, method: str | None = None, rtol: float | None = None, atol: float | None = None,
+    step: float | None = None,
+) -> Task:  # fmt: skip
+    """A checked task; varied: parameters that differ from sample to sample.
+
+    Raises ValueError, TypeError, ModelError, and what an analysis of the present mechanism raises.
+    """
+    texts = _texts(outputs)
+    analysis, given = analysis_named(analysis), tuple(varied)
+    end = _end(m, given, analysis, t_end, step)
+    settings = m.model.settings
+    method = settings.method if method is None else method
+    if method not in kinds("stepper"):
+        raise ValueError(f"unknown method '{method}'; expected {' or '.join(kinds('stepper'))}")
+    rtol = arguments.relative_tolerance(RTOL if rtol is None else rtol)
+    atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
+    step = settings.step if step is None else arguments.positive("step", step)
+    units = {name: one.unit for name, one in m.model.parameters.items()}
+    loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0]
+    known = Known(ANALYSES[analysis].names(m), units, loose if analysis == "simulate" else ())
+    found = tuple(_read(text, known, analysis) for text in texts)
+    if text := next((one.text for one in found if not one.reductions), ""):
+        raise ValueError(f"outputs: {text!r} follows from parameters alone; ask for a number of a run")
+    follow = m.following(given)
+    fixed = {name: value for name, value in m.parameters.items() if name not in follow}
+    if late := next((said for output in found if (said := outside(output, fixed, end))), ""):
+        raise ValueError(late)
+    return Task(m, given, found, analysis, end, Stepping(method, rtol, atol, step))
+
+
+def with_outputs(task: Task, outputs: Sequence[str]) -> Task:
+    """The same task with some of its outputs only."""
+    return replace(task, outputs=tuple(one for one in task.outputs if one.text in outputs))
+
+
+def _texts(outputs: Sequence[str]) -> list[str]:
+    """Outputs as a list of texts.  Raises ValueError."""
+    texts = [] if isinstance(outputs, str) else list(outputs)
+    if not texts or not all(isinstance(one, str) for one in texts):
+        raise ValueError('outputs: expected a list such as ["max(abs(O3.normal))"]')
+    return texts
+
+
+def _end(m: Mechanism, varied: Sequence[str], analysis: str, t_end: float | None, step: float | None) -> float:
+    """The end of all runs [s].  Raises ValueError if it would differ from sample to sample."""
+    at_rest = ANALYSES[analysis].at_rest
+    if at_rest and not t_end:
+        return 0.0
+    follow = m.following(varied)
+    for key, one in (("t_end", t_end), ("step", step)):
+        if one is None and (differ := sorted(m.names_in_setting(key) & follow)):
+            raise ValueError(
+                f"{key} follows from {', '.join(differ)} and would differ from sample to sample; give {key}"
+            )
+    return arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
+
+
+def _read(text: str, known: Known, analysis: str) -> Output:
+    """An output, with a remark where another analysis may have the name."""
+    try:
+        return read(text, known)
+    except ModelError as error:
+        if analysis == "kinematics" and "no curve" in str(error):
+            error.args = (f"{error}\n(kinematics has positions and rates only; 'inverse-dynamics' has forces too)",)
+        raise
+
+
+def outside(output: Output, parameters: Mapping[str, float], end: float) -> str:
+    """What is said of an instant outside the run, "" if there is none; those of other parameters are not looked at."""
+    for one in output.reductions:
+        if one.kind == "at" and one.argument is not None and set(names(one.argument)) <= parameters.keys():
+            instant = argument(one, parameters)
+            if not 0.0 <= instant <= end:
+                return f"{output.text}: the instant {instant:g} s is not between 0 and t_end = {end:g} s"
+    return ""
