@@ -1,6 +1,8 @@
 """The guides are true: their model runs, their names are those of the code, references resolve."""
 
+import json
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -8,17 +10,32 @@ import pytest
 import rattle as rt
 from rattle.description.reader import STATE_UNITS
 from rattle.language.syntax import FUNCTIONS
+from rattle.studies.ensemble.fields import fields_of
 
 ROOT = Path(__file__).parent.parent
 DOCS = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "docs").glob("*.md")}
 pytestmark = pytest.mark.nojit
 
 
+def guide_to_models():
+    """The model and the tolerances that the guide shows."""
+    model, tolerances = re.findall(r"```toml\n(.*?)```", DOCS["model-file.md"], re.DOTALL)
+    return model, tolerances
+
+
 def test_the_model_of_the_guide_can_be_put_together():
-    (text,) = re.findall(r"```toml\n(.*?)```", DOCS["model-file.md"], re.DOTALL)
-    m = rt.loads(text)
+    m = rt.loads(guide_to_models()[0])
     assert m.check().mobility >= 0
     assert m.start.residual < 1e-9
+
+
+def test_the_tolerances_of_the_guide_can_be_drawn():
+    model, tolerances = guide_to_models()
+    document, more = tomllib.loads(model), tomllib.loads(tolerances)
+    merged = {**document, **more, "parameters": {**document["parameters"], **more["parameters"]}}
+    fields = fields_of(rt.loads(json.dumps(merged)), list(more["parameters"]))
+    assert fields.names == ("l2", "l3", "c", "pin")
+    assert [one.dist for one in fields.fields] == ["uniform", "normal", "triangular", "table"]
 
 
 def test_the_guide_names_every_function_and_state():

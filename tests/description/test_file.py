@@ -71,6 +71,7 @@ def test_saved_file_is_the_model(tmp_path):
 def in_code():
     m = rt.Mechanism("built in code", gravity=[0, "-9.81 m/s^2"])
     m.parameter("l", "0.2 m").parameter("c", "1 mm", min="0.1 mm", max=0.01, tol="10 um", dist="normal")
+    m.parameter("d", "1 mm", dist={"values": ["1 mm", "2 mm"], "weights": [1, 3]})
     m.signal("reach", "rod.x + l").ground(A=[0, 0], D=["3*l", 0])
     m.bar("crank", "A", "B", length="l", mass=1)
     m.bar("rod", "B", "C", length="3*l", mass="500 g", inertia=0.01, points={"P": ["l", 0.1]})
@@ -95,6 +96,7 @@ def test_written_model_is_made_for_reading():
     text = in_code().to_toml()
     assert "[bodies.crank]\n" in text
     assert "points = {P = " in text  # innermost tables in one line
+    assert "dist = {values = " in text
 
 
 # ---------------------------------------------------------------- changes

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rattle as rt
+from rattle.description.model import ValueTable
 from rattle.description.read_values import describe_cycle, in_order
 from rattle.description.reader import read
 from rattle.language.expression import names, value
@@ -47,6 +48,15 @@ def test_parameters_carry_unit_limits_and_distribution():
     )
     r = m.parameters["r"]
     assert (r.value, r.unit, r.minimum, r.maximum, r.tol, r.dist) == (0.005, "m", 0.0005, 0.01, 0.0005, "normal")
+
+
+def test_distribution_may_be_a_table_of_values():
+    both = {"values": ["6 mm", 0.005, "r0/2"], "weights": [1, 3, "2"]}
+    m = model(
+        parameters={"r": {"value": "5 mm", "dist": both}, "r0": "8 mm", "s": {"value": 1, "dist": {"values": [2]}}}
+    )
+    assert m.parameters["r"].dist == ValueTable((0.006, 0.005, 0.004), (1.0, 3.0, 2.0))
+    assert m.parameters["s"].dist == ValueTable((2.0,), (1.0,))
 
 
 @given(st.permutations(["a", "b", "c", "d"]))

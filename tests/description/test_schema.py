@@ -72,9 +72,22 @@ def test_a_misspelt_key_is_refused_as_the_reader_does(validator, path, old, new)
 
 
 @pytest.mark.parametrize(
+    "dist", ["uniform", "normal", "triangular", {"values": ["1 mm", 2]}, {"values": [1, 2], "weights": [1, 0]}]
+)
+def test_every_distribution_is_accepted(validator, dist):
+    document = copy.deepcopy(FOURBAR)
+    document["parameters"]["r3"]["dist"] = dist
+    validator.validate(document)
+
+
+@pytest.mark.parametrize(
     ("path", "value"),
     [
         (("format",), 2),
+        (("parameters", "r3", "dist"), "gauss"),
+        (("parameters", "r3", "dist"), {"values": []}),
+        (("parameters", "r3", "dist"), {"weights": [1]}),
+        (("parameters", "r3", "dist"), {"values": [1], "weigths": [1]}),
         (("bodies", "crank", "mass"), -1),
         (("bodies", "crank", "mass"), [1]),
         (("joints", "O3", "clearance"), -0.001),

@@ -42,7 +42,10 @@ class Building:
             self.__dict__.pop(key, None)
 
     def parameter(self, name: str, value: float | str, **more: Any) -> Self:
-        """A named number [SI, or a text with its unit]; more: min, max, tol (same unit), dist."""
+        """A named number [SI, or a text with its unit]; more: min, max, tol (same unit), dist.
+
+        dist: "uniform", "normal", "triangular" or {"values": [...], "weights": [...]}.
+        """
         self._document.setdefault("parameters", {})[name] = {"value": value, **more} if more else value
         self._forget()
         return self

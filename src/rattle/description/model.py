@@ -165,6 +165,14 @@ class Load:
 
 
 @dataclass(frozen=True)
+class ValueTable:
+    """A distribution of single values."""
+
+    values: tuple[float, ...]  # [SI], as written
+    weights: tuple[float, ...]  # of each value [-], not negative, not all zero
+
+
+@dataclass(frozen=True)
 class Parameter:
     """A named number [SI]; min and max are the range of sliders, tol and dist serve tolerance studies."""
 
@@ -174,7 +182,7 @@ class Parameter:
     minimum: float | None = None
     maximum: float | None = None
     tol: float | None = None
-    dist: str = ""
+    dist: str | ValueTable = ""  # "" where the file does not say
 
 
 @dataclass(frozen=True)
@@ -218,6 +226,7 @@ class Model:
     settings: Settings
     constants: Mapping[str, float]
     remarks: tuple[str, ...] = ()  # on values that may be mistakes
+    groups: tuple[tuple[str, ...], ...] = ()  # parameters that are made together: one draw moves all of a group
 
 
 def driven_ends(model: Model, driver: Driver) -> tuple[Point, Point, tuple[float, ...]]:

@@ -1,18 +1,21 @@
-"""The tables [parameters] and [signals]: names that other tables may use."""
+"""The tables [parameters] and [signals], names that other tables may use, and [tolerances]."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
-from rattle.description.model import Parameter
-from rattle.description.read_values import Path, Values, describe_cycle, expected, in_order, said
+from rattle.description.model import Parameter, ValueTable
+from rattle.description.read_values import Path, TooManyProblems, Values, describe_cycle, expected, in_order, said
+from rattle.errors import ModelError, Problem
 from rattle.language.expression import Node, Number
 from rattle.language.units import Dimension, QuantityError, describe, parse_quantity, unit_name
 
 DISTRIBUTIONS = ("uniform", "normal", "triangular")
 PARAMETER = ("value", "min", "max", "tol", "dist")  # keys of a parameter
+TABLE = ("values", "weights")  # keys of a distribution of single values
 
 
 def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Parameter]:
@@ -56,6 +59,27 @@ def values_where(document: Mapping[str, Any], numbers: Mapping[str, float]) -> d
     values = Values({name: just(x) for name, x in numbers.items()})
     read_parameters(values, document)
     return values.constants
+
+
+def parameters_with(
+    document: Mapping[str, Any], changes: Mapping[str, Mapping[str, Any]], place: str
+) -> dict[str, Parameter]:
+    """Parameters of a readable document where some have these entries (tol, dist) instead.
+
+    Raises ModelError with all that is wrong in the changes, at `place`.
+    """
+    table = dict(document["parameters"])
+    for name, entries in changes.items():
+        given = table[name]
+        table[name] = {**(given if isinstance(given, Mapping) else {"value": given}), **entries}
+    values = Values()
+    found: dict[str, Parameter] = {}
+    with suppress(TooManyProblems):
+        found = read_parameters(values, {"parameters": table})
+    if values.problems:
+        wrong = [Problem((place, *one.path[1:]), one.message, one.at_key, one.column) for one in values.problems]
+        raise ModelError(wrong)
+    return found
 
 
 def _quantity(values: Values, given: Any, path: Path) -> tuple[float, Dimension | None] | Node | None:
@@ -114,11 +138,57 @@ def _parameter(values: Values, name: str, given: Any) -> Parameter:
         )
     if tol is not None and tol < 0:
         values.wrong((*path, "tol"), f"{said(given['tol'])} must not be negative")
-    dist = given.get("dist", "")
-    if dist not in ("", *DISTRIBUTIONS):
-        values.wrong((*path, "dist"), f"unknown distribution {said(dist)}; expected {', '.join(DISTRIBUTIONS)}")
-        dist = ""
+    dist = _distribution(values, given.get("dist", ""), unit, seen, (*path, "dist"))
     return Parameter(name, values.constants[name], unit, low, high, tol, dist)
+
+
+def _distribution(values: Values, given: Any, unit: str, seen: Dimension | None, path: Path) -> str | ValueTable:
+    """The name of a distribution, or a table of values [SI] of the parameter's dimension; "" after a problem."""
+    if not isinstance(given, Mapping):
+        if given in ("", *DISTRIBUTIONS):
+            return str(given)
+        either = f"{', '.join(DISTRIBUTIONS)} or {{ values = [...], weights = [...] }}"
+        values.wrong(path, f"unknown distribution {said(given)}; expected {either}")
+        return ""
+    values.keys(given, TABLE, path)
+    if "values" not in given:
+        values.wrong(path, "expected { values = [...] }, the values that the parameter takes")
+        return ""
+    numbers = [
+        _limit(values, one, unit, seen, (*path, "values", n))
+        for n, one in enumerate(_list(values, given["values"], "values", (*path, "values")))
+    ]
+    weights = [1.0] * len(numbers)
+    if numbers and "weights" in given:
+        weights = _weights(values, given["weights"], len(numbers), (*path, "weights"))
+    known = tuple(one for one in numbers if one is not None)
+    return ValueTable(known, tuple(weights)) if len(known) == len(weights) > 0 else ""
+
+
+def _weights(values: Values, given: Any, count: int, path: Path) -> list[float]:
+    """Weights [-] of `count` values; an empty list after a problem."""
+    before = len(values.problems)
+    listed = _list(values, given, "weights", path)
+    found: list[float] = [values.value(one, "", (*path, n), "not negative") for n, one in enumerate(listed)]
+    if len(values.problems) > before:
+        return []
+    if len(found) != count:
+        values.wrong(path, f"{len(found)} weights for {count} values; expected one for each")
+        return []
+    if not any(one > 0.0 for one in found):
+        values.wrong(path, "all weights are zero; at least one must be positive")
+        return []
+    return found
+
+
+def _list(values: Values, given: Any, what: str, path: Path) -> list[Any]:
+    """The items of a list; an empty one after a problem."""
+    if not isinstance(given, list | tuple):
+        values.wrong(path, f"expected a list of {what}, got {said(given)}")
+        return []
+    if not given:
+        values.wrong(path, f"expected a list of {what}, got an empty one")
+    return list(given)
 
 
 def _unlike_its_limits(given: Mapping[str, Any], seen: Dimension | None) -> Dimension | None:

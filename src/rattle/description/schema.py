@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rattle import registry
-from rattle.description.read_parameters import DISTRIBUTIONS
+from rattle.description.read_parameters import DISTRIBUTIONS, TABLE
 from rattle.description.read_parts import moved_joints
 from rattle.description.reader import SETTING_UNITS, STATE_UNITS
 from rattle.registry import REQUIRED, Field, Kind
@@ -135,8 +135,12 @@ def _choice(kind: Kind) -> Schema:
 # ---------------------------------------------------------------- tables
 def _parameter() -> Schema:
     number = _number("", "value")
-    limits = {key: _number("", meaning) for key, meaning in (("min", "least"), ("max", "most"), ("tol", "tolerance"))}
-    dist = {"enum": list(DISTRIBUTIONS), "description": "distribution within tol"}
+    meanings = {"min": "least", "max": "most", "tol": "tolerance: half the width of its field"}
+    limits = {key: _number("", meaning) for key, meaning in meanings.items()}
+    plain = {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 1}
+    table = _object(dict.fromkeys(TABLE, plain), TABLE[:1], "single values, with weights unless all are as likely")
+    said = f"distribution: {' | '.join(DISTRIBUTIONS)} on value +- tol, or {{ values = [...], weights = [...] }}"
+    dist = {"anyOf": [{"enum": list(DISTRIBUTIONS)}, table], "description": said}
     return {"anyOf": [number, _object({"value": number, **limits, "dist": dist}, ("value",))]}
 
 

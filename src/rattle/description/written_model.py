@@ -10,7 +10,7 @@ from typing import Any, Self
 
 from rattle.description import file as model_file
 from rattle.description.builder import Building
-from rattle.description.model import Model
+from rattle.description.model import Model, Parameter
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.expression import names, parse
 from rattle.language.units import parse_quantity, unit_of_quantity
@@ -57,6 +57,15 @@ class WrittenModel(Building):
         from rattle.description.read_parameters import values_where
 
         return values_where(self._document, values)
+
+    def parameters_with(self, changes: Mapping[str, Mapping[str, Any]], place: str) -> dict[str, Parameter]:
+        """All parameters where some have these entries of the model file (tol, dist) instead, read as there.
+
+        Raises ModelError with all that is wrong in the changes, at `place`; KeyError for an unknown name.
+        """
+        from rattle.description.read_parameters import parameters_with
+
+        return parameters_with(self._document, changes, place)
 
     def following(self, names: Iterable[str]) -> set[str]:
         """Parameters that change with these, which are among them."""

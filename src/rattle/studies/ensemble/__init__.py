@@ -1,0 +1,1 @@
+"""Many samples of one mechanism, whose parameters vary within their tolerances."""
