@@ -153,7 +153,7 @@ def table(*names: str, machine: bool | None = None, used: Any = None) -> Any:
     used: indices in the table that may be called; the other addresses are 0.  None means all.
     """
     found = [entry.kernel for family in names for entry in kinds(family).values() if entry.kernel]
-    if jit_runs() if machine is None else machine:
-        wanted = set(range(len(found))) if used is None else {int(n) for n in used}
-        return np.array([one.address if n in wanted else 0 for n, one in enumerate(found)], dtype=np.int64)
-    return tuple(one.python for one in found)
+    if not (jit_runs() if machine is None else machine):
+        return tuple(one.python for one in found)
+    wanted = set(range(len(found)) if used is None else used)
+    return np.array([one.address if n in wanted else 0 for n, one in enumerate(found)], dtype=np.int64)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from rattle.description.model import Choice, Joint, Model, driven_ends
 from rattle.equations import schur
 from rattle.jit import functions
 from rattle.jit import layout as at
-from rattle.jit.workspace import Workspace
+from rattle.jit.workspace import Image, Workspace
 from rattle.language.expression import Node, compile_program, concatenate
 from rattle.language.recorded import array_of
 from rattle.language.switching import Signals, Switch, find_switches
@@ -84,57 +85,62 @@ class System:
     def workspace(self, also: Iterable[int] = (), **more: np.ndarray) -> Workspace:
         """A new workspace for one run.  also: other joint kernels called.  more: arrays of the time integration."""
         machine = functions.jit_runs()  # read once: another thread may switch to machine code at any moment
-        return self._workspace(machine, also, more)
+        return Workspace({**self._tables(machine, also), **more}, self._image)
 
     def plain_workspace(self) -> Workspace:
         """A new workspace for kernels that run as plain Python, whether or not machine code runs."""
-        return self._workspace(False, (), {})
+        return Workspace(self._tables(False, ()), self._image)
 
-    def _workspace(self, machine: bool, also: Iterable[int], more: Mapping[str, np.ndarray]) -> Workspace:
+    def _tables(self, machine: bool, also: Iterable[int]) -> dict[str, Any]:
+        """Tables of the kernels that are called; made for every workspace, as a law may have been written anew."""
+        joint, contact = self.arrays["joint"][:, at.KERNEL].tolist(), self.arrays["contact"]
+        tables = {
+            "joint_table": registry.table("joint", "driver", machine=machine, used=[*joint, *also]),
+            "load_table": registry.table("load", machine=machine, used=self.arrays["load"][:, at.KERNEL].tolist()),
+        }
+        for family, column in CONTACT_FAMILIES.items() if len(contact) else ():
+            tables[f"{family}_table"] = registry.table(family, machine=machine, used=contact[:, column].tolist())
+        return tables
+
+    @cached_property
+    def _image(self) -> Image:
+        """What a new workspace begins with, besides the tables of kernels."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
-        nc = self.arrays["contact"].shape[0]
-        memory = np.zeros((nc, at.width("contact_memory")))
-        memory[:, at.CLOSED] = at.AUTO
-        body = np.zeros((nb, at.width("body")))
-        body[0, at.COS] = 1.0
-        return Workspace(
-            {
-                **self.arrays,
-                "joint_table": registry.table(
-                    "joint", "driver", machine=machine, used=[*self.arrays["joint"][:, at.KERNEL], *also]
-                ),
-                "load_table": registry.table("load", machine=machine, used=self.arrays["load"][:, at.KERNEL]),
-                **{
-                    f"{family}_table": registry.table(family, machine=machine, used=self.arrays["contact"][:, column])
-                    for family, column in CONTACT_FAMILIES.items()
-                    if nc
-                },
-                "values": self.arrays["values"].copy(),
-                "code": self.arrays["code"].copy(),  # the branches of switches belong to one run
-                "signals": np.zeros(ns),
-                "jets": np.zeros((ns, 3)),
-                "stack": np.zeros(self.depth),
-                "jet_stack": np.zeros((self.depth, 3)),
-                "jet_out": np.zeros(3),
-                "body": body,
-                "rows": np.zeros((nr, at.width("rows"))),
-                "force": np.zeros((nb, 3)),
-                "energy": np.zeros(at.width("energy")),
-                "power": np.ones(at.width("power")),
-                "schur": np.zeros(nr + self.arrays["below"].shape[0]),
-                "inverse": np.zeros(nr),
-                "redundant": np.zeros(nr, np.int64),
-                "solution": np.zeros(nr),
-                "multiplier": np.zeros(nr),
-                "acceleration": np.zeros((nb, 3)),
-                "change": np.zeros(3 * nb - 3),
-                "contact_kinematics": np.zeros((nc, at.width("contact_kinematics"))),
-                "contact_memory": memory,
-                "element_state": np.zeros(self.element_states),
-                "element_rate": np.zeros(self.element_states),
-                **more,
-            }
-        )
+        nc, states = len(self.arrays["contact"]), (self.element_states,)
+        begin = {name: self.arrays[name] for name in ("values", "code")}  # branches of switches belong to one run
+        shared = {name: array for name, array in self.arrays.items() if name not in begin}
+        own = {
+            "signals": (ns,),
+            "jets": (ns, 3),
+            "stack": (self.depth,),
+            "jet_stack": (self.depth, 3),
+            "jet_out": (3,),
+            "body": (nb, at.width("body")),
+            "rows": (nr, at.width("rows")),
+            "force": (nb, 3),
+            "energy": (at.width("energy"),),
+            "power": (at.width("power"),),
+            "schur": (nr + self.arrays["below"].shape[0],),
+            "inverse": (nr,),
+            "redundant": (nr,),
+            "solution": (nr,),
+            "multiplier": (nr,),
+            "acceleration": (nb, 3),
+            "change": (3 * nb - 3,),
+            "contact_kinematics": (nc, at.width("contact_kinematics")),
+            "contact_memory": (nc, at.width("contact_memory")),
+            "element_state": states,
+            "element_rate": states,
+        }
+        image = Image(shared, begin, own)
+        image.array("body", image.block)[0, at.COS] = 1.0
+        image.array("power", image.block)[:] = 1.0
+        image.array("contact_memory", image.block)[:, at.CLOSED] = at.AUTO
+        return image
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: an image holds addresses of this process."""
+        return {key: value for key, value in vars(self).items() if key != "_image"}
 
 
 def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:

@@ -8,8 +8,9 @@ took 2.5 times as long to run and 1.5 times as long to compile); in plain Python
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -150,6 +151,49 @@ ARRAYS = {
 }
 
 
+PLACE = {name: place for place, name in enumerate(ARRAYS)}  # of an array in the table of a handle
+FLOAT, INTEGER = np.dtype(np.float64), np.dtype(np.int64)
+TYPES = {name: (FLOAT if one.kind[0] == "f" else INTEGER, int(one.kind[1])) for name, one in ARRAYS.items()}
+_NONE = np.zeros(1)  # where arrays without numbers stand
+
+
+class Image:
+    """What a new workspace holds: arrays that all of a system share, and the numbers with which its own ones begin.
+
+    Its own arrays lie in one block of memory, so that a workspace is made by copying a block and a table.
+    """
+
+    def __init__(
+        self, shared: Mapping[str, np.ndarray], begin: Mapping[str, np.ndarray], own: Mapping[str, tuple[int, ...]]
+    ) -> None:
+        """shared: arrays that a run only reads.  begin: with what those begin that it may write.
+
+        own: shapes of the others, which begin with zeros.
+        """
+        self.shared = _checked(shared)
+        self.places: dict[str, tuple[int, tuple[int, ...]]] = {}  # first number in the block, and shape
+        size = 0
+        for name, shape in {**{key: one.shape for key, one in begin.items()}, **own}.items():
+            self.places[name] = size, shape
+            size += math.prod(shape)
+        self.block = np.zeros(size)
+        for name, array in _checked(begin).items():
+            self.array(name, self.block)[...] = array
+        self.table = np.zeros((len(ARRAYS), 3), np.int64)  # of a handle; for own arrays the place in bytes
+        self.table[:, 0] = _NONE.ctypes.data
+        for name, array in shared.items():
+            self.table[PLACE[name]] = _row(array)
+        for name, (first, shape) in self.places.items():
+            self.table[PLACE[name]] = 8 * first, shape[0], shape[-1]
+        self.own = np.array([PLACE[name] for name in self.places], np.int64)
+
+    def array(self, name: str, block: np.ndarray) -> np.ndarray:
+        """One of the own arrays, in a block of memory; an empty one if there is none of this name."""
+        kind, dimensions = TYPES[name]
+        first, shape = self.places.get(name, (0, (0,) * dimensions))
+        return np.ndarray(shape, kind, block, 8 * first)
+
+
 class Handle:
     """What machine code gets for a workspace: the place of a table, three numbers for every array.
 
@@ -158,36 +202,57 @@ class Handle:
 
     __slots__ = ("address", "arrays", "table")
 
-    def __init__(self, arrays: Sequence[np.ndarray]) -> None:
+    def __init__(self, table: np.ndarray, arrays: Any) -> None:
         self.arrays = arrays  # live as long as their addresses
-        self.table = np.array([(one.ctypes.data, one.shape[0], one.shape[-1]) for one in arrays], np.int64)
-        self.address = self.table.ctypes.data
+        self.table = table
+        self.address = table.ctypes.data
 
 
 class Workspace:
-    """The arrays of one run: attributes in plain Python; in machine code what `numba_types` makes of `handle`."""
+    """The arrays of one run: attributes in plain Python; in machine code what `numba_types` makes of `handle`.
 
-    def __init__(self, arrays: Mapping[str, Any]) -> None:
-        if unknown := set(arrays) - set(ARRAYS):
-            raise TypeError(f"a workspace has no array {', '.join(sorted(unknown))}")
-        for name, (kind, *_) in ARRAYS.items():
-            array = arrays[name] if name in arrays else _empty(kind)
-            if isinstance(array, np.ndarray):  # a table of Python functions is a tuple
-                dtype = np.float64 if kind[0] == "f" else np.int64
-                if array.dtype != dtype or array.ndim != int(kind[1]) or not array.flags.c_contiguous:
-                    raise TypeError(f"array '{name}' is not a contiguous {kind}: {array.dtype}, {array.shape}")
-            setattr(self, name, array)
+    arrays: those of this workspace alone; a table of Python functions is a tuple.  All others are as in `image`; Python
+    makes them arrays when it first asks for them.
+    """
+
+    def __init__(self, arrays: Mapping[str, Any], image: Image | None = None) -> None:
+        image = image or Image({}, {}, {})
+        block = image.block.copy()
+        self.__dict__.update(image.shared)
+        self.__dict__.update(_checked(arrays))
+        self._image, self._block = image, block
         self.handle: Any = functions.IN_PYTHON
         if isinstance(self.joint_table, np.ndarray) and functions.jit_runs():
-            self.handle = Handle([getattr(self, name) for name in ARRAYS])
+            table = image.table.copy()
+            table[image.own, 0] += block.ctypes.data
+            for name, array in arrays.items():
+                table[PLACE[name]] = _row(array)
+            self.handle = Handle(table, (image, block, arrays))
 
-    if TYPE_CHECKING:
+    def __getattr__(self, name: str) -> np.ndarray:
+        if name not in ARRAYS:
+            raise AttributeError(f"a workspace has no array {name}")
+        array = self._image.array(name, self._block)
+        setattr(self, name, array)
+        return array
 
-        def __getattr__(self, name: str) -> np.ndarray: ...
+
+def _checked(arrays: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The same arrays.  Raises TypeError for a name that is not declared, and for an array of another kind."""
+    if unknown := set(arrays) - set(ARRAYS):
+        raise TypeError(f"a workspace has no array {', '.join(sorted(unknown))}")
+    for name, array in arrays.items():
+        if not isinstance(array, np.ndarray):  # a table of Python functions
+            continue
+        if (array.dtype, array.ndim) != TYPES[name] or not array.flags.c_contiguous:
+            kind = ARRAYS[name].kind
+            raise TypeError(f"array '{name}' is not a contiguous {kind}: {array.dtype}, {array.shape}")
+    return arrays
 
 
-def _empty(kind: str) -> np.ndarray:
-    return np.zeros((0,) * int(kind[1]), np.float64 if kind[0] == "f" else np.int64)
+def _row(array: np.ndarray) -> tuple[int, int, int]:
+    """Address of an array, its length, numbers in a row."""
+    return array.ctypes.data, array.shape[0], array.shape[-1]
 
 
 @functions.before_compiling
