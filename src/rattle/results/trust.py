@@ -46,9 +46,13 @@ class Trust:
         return lines(str(self))
 
     def __str__(self) -> str:
-        remarks = "; ".join(one for one in (self._pulling(), *self._remarks()) if one)
+        remarks = self.remarks()
         first = f"{self._accuracy()}; {self._reach()}"
         return f"{first}\n{remarks}" if remarks else f"{self._accuracy()}\n{self._reach()}"
+
+    def remarks(self) -> str:
+        """Links that would have to pull, contacts, and all else that must be said, in one line; "" if nothing."""
+        return "; ".join(one for one in (self._pulling(), *self._remarks()) if one)
 
     def _accuracy(self) -> str:
         where = f" (worst at {self.drift_joint})" if self.drift_joint and self.drift > 0 else ""

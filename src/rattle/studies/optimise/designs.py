@@ -10,7 +10,6 @@ runs are differenced; both are counted.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -27,6 +26,7 @@ from rattle.results.trust import Trust
 from rattle.solvers.stepper import ATOL
 from rattle.studies.optimise.question import RTOL, Question
 from rattle.studies.optimise.squares import Square, is_root, squares
+from rattle.studies.runs.reasons import alike
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -35,7 +35,6 @@ STEP = 1e-5  # of differences of an output, as a share of the range of a paramet
 RUN_STEP = {"simulate": 1e-4}  # of differences of whole runs, whose errors are larger
 RUN_STEP_DRIVEN = 1e-6  # the same for driven positions, exact to rounding
 DOUBT = 1e-8  # errors of parts of a sum of squares, as a share of their changes over the ranges, at most
-LONGEST = 100  # characters of a reason
 REMEMBERED = 8  # designs whose runs are kept
 Numbers = Callable[[Result, Mapping[str, float], Result | None], Any]  # of a run, its parameters, the run without play
 
@@ -123,7 +122,7 @@ class Designs:
         except (AssemblyError, SolverError) as error:
             why = design.message = str(error)
         if design.message:
-            self.failures[_kind(why)] = self.failures.get(_kind(why), 0) + 1
+            self.failures[alike(why)] = self.failures.get(alike(why), 0) + 1
         return design
 
     def _numbers(self, result: Result, parameters: Mapping[str, float], ideal: Result | None) -> np.ndarray:
@@ -170,7 +169,7 @@ class Designs:
         try:
             found = self._exact_slopes(design, numbers)
         except (TraceError, AssemblyError) as error:
-            why = _kind(str(error).removeprefix("no sensitivities: "))
+            why = alike(str(error).removeprefix("no sensitivities: "))
             self.differenced[why] = self.differenced.get(why, 0) + 1
             found = self._difference_slopes(design, numbers)
         if not np.isfinite(found).all():
@@ -240,11 +239,6 @@ class Designs:
             return {}
         found = one.ran.apply(numbers)
         return {n: found} if np.isfinite(found).all() else {}
-
-
-def _kind(message: str) -> str:
-    """A message without its numbers, by which alike ones are counted."""
-    return re.sub(r"(?<!\w)-?\d[\d.]*(e[-+]?\d+)?", "...", message.partition("\n")[0])[:LONGEST]
 
 
 def _whole(result: Result) -> Result:

@@ -119,7 +119,9 @@ def _one(task: Task, values: np.ndarray) -> list[float] | str:
     """The outputs [SI] of a sample, or why it has none."""
     try:
         return task.run(values)
-    except (ModelError, AssemblyError, SolverError) as error:
+    except ModelError as error:
+        return "; ".join(str(one) for one in error.problems)
+    except (AssemblyError, SolverError) as error:
         return str(error)
 
 

@@ -63,13 +63,27 @@ class SideBySide:
         """Samples with values (k, n) [SI] of the parameters that differ."""
         outcome = lanes.run(self.program, values, threads=threads, progress=progress)
         dependent = _dependent(self.model, self.task, values)
+        beyond = self._beyond(values, dependent)
         rows = [[outcome.values[k] for k in places] for places in self.asked.rows]
         found = [self._output(n, one, values, dependent) for n, one in enumerate(rows)]
         failed = outcome.status != Status.DONE
         reasons = {}
         for status in np.unique(outcome.status[failed]):
             reasons[Status(int(status)).words] = int((outcome.status == status).sum())
-        return Together(np.array(found), failed, reasons, int(outcome.steps.sum()), outcome.evaluations)
+        if (count := int((beyond & ~failed).sum())) > 0:
+            reasons["beyond the limits of a parameter"] = count
+        made = np.where(failed | beyond, np.nan, np.array(found))
+        return Together(made, failed | beyond, reasons, int(outcome.steps.sum()), outcome.evaluations)
+
+    def _beyond(self, values: np.ndarray, dependent: Mapping[str, np.ndarray]) -> np.ndarray:
+        """(n,) samples with a parameter beyond its limits, which the reader of the model refuses."""
+        found = np.zeros(values.shape[1], dtype=bool)
+        known = {**dependent, **dict(zip(self.task.names, values, strict=True))}
+        for name, one in self.task.mechanism.model.parameters.items():
+            if name in known:
+                found |= known[name] < (-np.inf if one.minimum is None else one.minimum)
+                found |= known[name] > (np.inf if one.maximum is None else one.maximum)
+        return found
 
     def _output(
         self, n: int, rows: Sequence[np.ndarray], values: np.ndarray, dependent: Mapping[str, np.ndarray]
@@ -109,8 +123,12 @@ def _program(model: RecordedModel, asked: Asked, task: Task, method: str) -> Pro
 
 
 def _dependent(model: RecordedModel, task: Task, values: np.ndarray) -> dict[str, np.ndarray]:
-    """Values (n,) of the parameters outside of reductions that follow from those that differ (k, n) [SI]."""
-    used = sorted({name for output in task.outputs for name in names(output.outer)} & model.dependent.keys())
+    """Values (n,) [SI] of parameters that follow from those that differ (k, n): outside of reductions, or limited."""
+    limited = {
+        name for name, one in task.mechanism.model.parameters.items() if (one.minimum, one.maximum) != (None, None)
+    }
+    asked = {name for output in task.outputs for name in names(output.outer)}
+    used = sorted((asked | limited) & model.dependent.keys())
     if not used:
         return {}
     graph, symbols = lower(model.graph, [model.dependent[name] for name in used])

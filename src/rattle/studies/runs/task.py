@@ -55,7 +55,10 @@ class Task:
 
         Raises ModelError, AssemblyError, SolverError with why it has none.
         """
-        m = self.mechanism_at(values)
+        return self.look(self.mechanism_at(values))[0]
+
+    def look(self, m: Mechanism) -> tuple[list[float], Result]:
+        """The outputs [SI] of a mechanism, and the result from which they come.  Raises as `run`."""
         if late := next((said for one in self.outputs if (said := outside(one, m.parameters, self.t_end))), ""):
             raise ModelError([Problem((), late)])
         times = self.instants(m)
@@ -63,7 +66,7 @@ class Task:
         result = self.result(m, times, needed)
         needed = {name for one in self.outputs for name in one.ideal_names}
         ideal = self.result(m.ideal(), times, needed) if needed else None
-        return [evaluate(output, result, m.parameters, ideal) for output in self.outputs]
+        return [evaluate(output, result, m.parameters, ideal) for output in self.outputs], result
 
     def result(self, m: Mechanism, times: np.ndarray, needed: Iterable[str]) -> Result:
         """The analysis of a mechanism at instants (n,) [s]."""

@@ -1,0 +1,246 @@
+"""A model with the analyses of one run: motion, kinematics, equilibrium, vibrations, accuracy, sensitivities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, overload
+
+from rattle.analyses import arguments
+from rattle.description.written_model import WrittenModel
+from rattle.language.units import Seconds, seconds, seconds_or_none, times
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from rattle.analyses.accuracy.clearance_error import Accuracy
+    from rattle.analyses.assembly.assembly import Assembled
+    from rattle.analyses.check import Check
+    from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
+    from rattle.analyses.statics.modes import Modes
+    from rattle.analyses.straight_line.recorded_model import RecordedModel
+    from rattle.equations.system import System
+    from rattle.results.result import Result
+
+
+class AnalysedModel(WrittenModel):
+    """A model that can be analysed; every analysis checks it first and raises ModelError with all problems at once."""
+
+    @cached_property
+    def system(self) -> System:
+        """The model as flat arrays, in SI units. Raises ModelError."""
+        from rattle.equations.system import compile_system
+
+        return compile_system(self.model)
+
+    @cached_property
+    def start(self) -> Assembled:
+        """Assembled positions [m, rad] and rates [m/s, rad/s] at t = 0. Raises ModelError, AssemblyError."""
+        from rattle.analyses.assembly.assembly import assemble
+
+        return assemble(self.system)
+
+    def recorded(self, parameters: Sequence[str] = ()) -> RecordedModel:
+        """The model as a graph whose inputs are time, state and these parameters.
+
+        Raises TraceError, with the reason, if it has contacts or cannot be recorded; UnknownName.
+        """
+        from rattle.analyses.straight_line.recorded_model import record_model
+
+        return record_model(self._document, self.system, self.start, parameters)
+
+    # ------------------------------------------------------------ analyses
+    def check(self) -> Check:
+        """Bodies, joints, mobility, redundant constraints, loops, branch, range of the driver; str() is a short report.
+
+        Ranges of drivers in deg or m.  Raises ModelError, AssemblyError.
+        """
+        from rattle.analyses.check import check
+
+        return check(self.system, self.start)
+
+    def simulate(
+        self, t_end: Seconds | None = None, *, t_eval: Sequence[Seconds] | np.ndarray | None = None,
+        method: str | None = None, rtol: float | None = None, atol: float | None = None, step: Seconds | None = None,
+        progress: bool = False, strict: bool = False, horizon: bool = False, most_steps: int | None = None,
+    ) -> Result:  # fmt: skip
+        """Motion in time from the assembled start; all curves in SI units.
+
+        t_end: end of the run [s].  t_eval: output instants [s] (default: the model's output interval, or 1000
+        outputs).  Every time may also be a text: t_end="20 ms".
+        method: a stepper (`rattle kinds stepper`); default: as in the model, otherwise "dop853", for impact contacts
+        "event".
+        rtol, atol: relative and absolute tolerance per step of an adaptive stepper on positions and rates
+        [m, rad, m/s, rad/s].
+        step: step of one with fixed steps, largest step of an adaptive one [s].
+        progress: show a progress bar.  horizon: run once more with a ten times tighter tolerance (1e-8 where rtol is
+        looser than 1e-7) and report how long both agree within 1 % of every curve's range.
+        most_steps: the run ends after this many steps (default: when 200 000 steps advance it by less than 1e-4 of
+        its duration).
+
+        Steps end where expressions of loads and drivers switch.  A jump in the speed of a driver is an impulse (event
+        "jolt"); a jump in its position raises ModelError.
+
+        A run ends before the drift exceeds 1e-3 (of the mechanism's extent, or of 1 rad) or the energy error exceeds
+        1e-3 (of the largest of kinetic energy, work and range of the potential); for Moreau-Jean the energy may be
+        off by 0.2.  A run that cannot go on returns what was computed, with success = False and a message
+        (strict=True raises SolverError).  Source: docs/theory.md, section 3; Grigore et al., equation (1).
+        """
+        from rattle.analyses.dynamics import simulate as simulation
+
+        return simulation.simulate(
+            self.system, self.start, t_end=seconds_or_none(t_end, "t_end"), t_eval=times(t_eval, "t_eval"),
+            method=method, rtol=rtol, atol=atol, step=seconds_or_none(step, "step"), progress=progress, strict=strict,
+            horizon=horizon, most_steps=most_steps,
+        )  # fmt: skip
+
+    def kinematics(self, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *, strict: bool = False) -> Result:
+        """Position, velocity and acceleration [SI] of a fully driven mechanism at increasing times [s].
+
+        Starts from the assembled position at t = 0 and keeps its branch.  A position that cannot be reached ends
+        the result there, with success = False and a message and an event that say when, where and why (strict=True
+        raises SolverError); points where branches meet are events and notes of `trust`.
+        Raises ModelError if a degree of freedom is not driven, and says which bodies can still move.
+
+        Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), sections 3.6 and 4.5.
+        """
+        from rattle.analyses.kinematics import kinematics
+
+        return kinematics.analyse(
+            self.system, self._start_or_none(), times(t_eval, "t_eval"), forces=False, strict=strict
+        )
+
+    def inverse_dynamics(
+        self,
+        t_eval: Seconds | Sequence[Seconds] | np.ndarray,
+        *,
+        effort_at: str | Mapping[str, str] | None = None,
+        strict: bool = False,
+    ) -> Result:
+        """Kinematics with all reactions [N, N*m] and the effort [N or N*m] and power [W] of the drivers.
+
+        effort_at: a joint with a motor that does the work of the driver, which then only prescribes the motion: its
+        torque is `<joint>.torque` [N*m] (`<joint>.thrust` [N] on a prismatic joint), its power `<joint>.power` [W];
+        all reactions are those with this motor.  With several drivers: {driver: joint}.
+        Joints whose reactions are not unique (redundant constraints) are named in `trust.nonunique`.
+        Raises what `kinematics` raises.
+        """
+        from rattle.analyses.kinematics import kinematics
+
+        return kinematics.analyse(
+            self.system, self._start_or_none(), times(t_eval, "t_eval"), forces=True, effort_at=effort_at, strict=strict
+        )
+
+    @overload
+    def equilibrium(self, t: Seconds = 0.0, *, branches: str = "near", effort: float = 1.0) -> Equilibria: ...
+    @overload
+    def equilibrium(
+        self, t: Sequence[float] | np.ndarray, *, branches: str = "near", effort: float = 1.0
+    ) -> Result: ...
+    def equilibrium(
+        self, t: Seconds | Sequence[float] | np.ndarray = 0.0, *, branches: str = "near", effort: float = 1.0
+    ) -> Equilibria | Result:
+        """Equilibria with the drivers held where they are at time t [s]; loads are evaluated with all rates zero.
+
+        Returns a list: admissible (no bush has to pull) and stable ones first, then by their distance from the
+        initial guess.  A pin with clearance is a massless link; equilibria with the pin on the other side of its bush
+        (n and -n at every pin) are in the list too.  A compliant pin sinks in by its law, an impact pin is rigid;
+        friction is left out.
+        The search is limited: it minimises the potential first, so that stable ones are found before all others, and
+        ends within about a tenth of a second for ten bodies; `.extent` of the list says how far it went, `.note` that
+        it was cut short.  branches: "near" keeps the branch in which the mechanism is assembled, "all" searches the
+        others too.  effort: 10 allows ten times the work; at most 10 000.
+
+        With an array of times [s]: the quasi-static motion over them as a Result, with the drivers' efforts, the
+        mechanical advantage `<load>.advantage` (force or moment held at the load per unit of effort),
+        `equilibrium.stiffness` (smallest eigenvalue of the reduced Hessian [N/m]), `.stable` and `.admissible`
+        (1 or 0); where N of a pin goes through zero the pin changes sides, which is an event "side".
+        Raises AssemblyError, ModelError.
+
+        Source: docs/theory.md, section 7; Nocedal, Wright, Numerical Optimization (2006), section 16.2.
+        """
+        import numpy as np
+
+        t = times(t, "t")
+        if np.ndim(t) == 0:
+            from rattle.analyses.statics.equilibria import equilibria
+
+            return equilibria(self.system, arguments.number("t", t), branches, arguments.effort(effort))
+        from rattle.analyses.statics.quasistatic import quasistatic
+
+        return quasistatic(self.system, np.asarray(t, dtype=float), arguments.effort(effort))
+
+    def sensitivity(
+        self, outputs: Sequence[str], parameters: Sequence[str],
+        t_eval: Seconds | Sequence[Seconds] | np.ndarray | None = None, analysis: str = "simulate", *,
+        rtol: float | None = None, atol: float | None = None, strict: bool = False,
+    ) -> Result:  # fmt: skip
+        """Exact derivatives of curves by parameters, for all of them at once: `s["d(rocker.angle)/d(l2)"]` [SI].
+
+        outputs: names of a result.  parameters: names of parameters; all else that is written with them follows.
+        t_eval: output instants [s] (default: those of the model; t = 0 for an equilibrium).
+        analysis: "simulate" integrates the derivatives along with the motion, start included, and controls the errors
+        of both; "kinematics", "inverse-dynamics" and "equilibrium" (one instant, or a quasi-static path) solve for
+        them at every position.
+        rtol (default 1e-10), atol: of a motion, as in `simulate`.
+
+        The result holds the outputs and, for each parameter, their derivatives.  Where they grow exponentially,
+        `trust` says how fast, and how long they tell what a change does.  Where an expression switches, the jump of
+        the derivatives is exact.  What cannot go on ends the result with success = False and a message
+        (strict=True raises SolverError).
+        Raises TraceError, with the reason, for contacts and loads written in Python, for drivers that switch, and
+        where the start does not follow from [initial]; UnknownName, and what the analysis itself raises.
+
+        Source: docs/theory.md, section 10.
+        """
+        from rattle.analyses.sensitivity.sensitivity import sensitivity
+
+        return sensitivity(
+            self._document, self.system, self.start, outputs, parameters, times(t_eval, "t_eval"), analysis,
+            rtol=rtol, atol=atol, strict=strict,
+        )  # fmt: skip
+
+    def modes(self, t: Seconds = 0.0, equilibrium: Equilibrium | None = None, *, effort: float = 1.0) -> Modes:
+        """Natural frequencies [Hz], damping ratios and shapes about an equilibrium.
+
+        Pins with clearance are massless links that press.  Matrices are exact derivatives or differences: see `.how`.
+        t: time of the drivers [s].  equilibrium: default the first of `equilibrium(t)`.  effort: as of `equilibrium`.
+        Raises ValueError if there is no equilibrium.
+        """
+        from rattle.analyses.statics.equilibria import static_problem
+        from rattle.analyses.statics.modes import modes
+
+        effort = arguments.effort(effort)
+        if equilibrium is not None:
+            return modes(static_problem(self.system, equilibrium), equilibrium)
+        found = self.equilibrium(seconds(t, "t"), effort=effort)
+        first = found.first_at(seconds(t, "t"))
+        return modes(static_problem(self.system, first), first, found.note)
+
+    def accuracy(
+        self, of: str, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *, extremes: bool = True, loaded: bool = True
+    ) -> Accuracy:
+        """How far the play of the joints lets one output deviate [SI], at given times [s].
+
+        of: a name of a result of `inverse_dynamics`, such as "rocker.angle" or "coupler.P.x", or a signal.
+        extremes: also the exact extremes over all positions of the pins in their circles.
+        loaded: also the deviation where the loads press the pins (equilibrium), for comparison.
+        Raises ModelError if the mechanism without play is not fully driven or no joint has a clearance, UnknownName.
+
+        Source: docs/theory.md, section 7; Ting, Zhu, Watkins, The effects of joint clearance on position and
+        orientation deviation of linkages and manipulators, Mech. Mach. Theory 35 (2000) 391-401.
+        """
+        from rattle.analyses.accuracy.clearance_error import accuracy
+
+        return accuracy(self.system, of, times(t_eval, "t_eval"), extremes=extremes, loaded=loaded)
+
+    def _start_or_none(self) -> Assembled | None:
+        """The start at t = 0, or None if the mechanism cannot be assembled there."""
+        from rattle.errors import AssemblyError
+        from rattle.jit import functions
+
+        functions.start()
+        try:
+            return self.start
+        except AssemblyError:
+            return None

@@ -1,0 +1,26 @@
+"""Limits of outputs: numbers in SI units, or quantities such as "0.1 deg"."""
+
+from __future__ import annotations
+
+from rattle.analyses import arguments
+from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
+
+
+def limit_of(given: float | str, unit: str, what: str = "limit") -> float:
+    """A limit [SI] of an output with this SI unit ("" if it has none or it is not known).
+
+    Raises ValueError, TypeError.
+    """
+    if not isinstance(given, str):
+        return arguments.number(what, given)
+    try:
+        found = parse_quantity(given)
+    except QuantityError as error:
+        raise ValueError(f"{what}: {error}") from None
+    if found is None:
+        raise ValueError(f"{what}: {given!r:.60} is not a value; expected a number in SI or such as '0.1 deg'")
+    number, dimension = found
+    expected = dimension_of(unit) if unit else None
+    if dimension is not None and expected is not None and dimension != expected:
+        raise ValueError(f"{what}: {given} is {describe(dimension)}; expected {describe(expected)}")
+    return number

@@ -1,0 +1,54 @@
+"""Pieces of an ensemble: consecutive samples with what became of them, the unit of work and of storage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rattle.studies.ensemble.plans import Plan
+from rattle.studies.runs.runner import Progress, Runner, not_finite
+
+WAITING, OK, FAILED, NOT_FINITE = -1, 0, 1, 2
+STATUS = {OK: "ok", FAILED: "failed", NOT_FINITE: "not finite", WAITING: "not run"}
+
+
+@dataclass(eq=False)
+class Piece:
+    """Samples from `first` on, c of them."""
+
+    first: int
+    parameters: np.ndarray  # (k, c) [SI]
+    values: np.ndarray  # (o, c) [SI], nan where there is none
+    status: np.ndarray  # (c,) int8: OK, FAILED, NOT_FINITE
+    messages: dict[int, str]  # why samples failed, by their number in the whole
+    generic: np.ndarray  # (c,) bool: run one by one
+    reasons: dict[str, int] = field(default_factory=dict)  # why those could not run side by side, and how many
+
+    @property
+    def last(self) -> int:
+        """One after the number of the last sample."""
+        return self.first + len(self.status)
+
+
+def run_piece(
+    runner: Runner, plan: Plan, first: int, last: int, threads: int = 1, progress: Progress | None = None
+) -> Piece:
+    """Run the samples from `first` to before `last`.  Raises KeyboardInterrupt if the user stops it."""
+    parameters = plan.values(first, last)
+    batch = runner.run(parameters, threads, progress)
+    values = batch.values
+    status = np.full(last - first, OK, dtype=np.int8)
+    lacks = ~np.isfinite(values) & not_finite(runner.task, np.where(np.isfinite(values), values, np.nan))
+    status[lacks.any(axis=0)] = NOT_FINITE
+    texts = runner.task.texts
+    messages = {
+        first + int(n): "no finite value: " + ", ".join(texts[k] for k in np.flatnonzero(lacks[:, n]))
+        for n in np.flatnonzero(status == NOT_FINITE)
+    }
+    for n, said in batch.messages.items():
+        status[n], messages[first + n] = FAILED, said
+    values = np.where(np.isfinite(values) & (status != FAILED), values, np.nan)
+    generic = np.zeros(last - first, dtype=bool)
+    generic[batch.generic] = True
+    return Piece(first, parameters, values, status, messages, generic, batch.reasons)

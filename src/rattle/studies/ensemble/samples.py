@@ -1,0 +1,123 @@
+"""What all studies over many samples have in common: the samples, their numbers, and why some have none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rattle.errors import suggest
+from rattle.results.archive import package
+from rattle.results.result import UnknownName
+from rattle.studies.ensemble.pieces import OK, STATUS, WAITING
+from rattle.studies.ensemble.plans import Plan
+from rattle.studies.ensemble.store import Store
+from rattle.studies.runs.reasons import alike
+from rattle.studies.runs.task import Task
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+
+
+WITHOUT = {"failed": "could not be run", "not finite": "have an output without a finite value"}
+MOST_REASONS = 6
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Samples:
+    """n samples of one mechanism with their outputs: `found["max(O3.force)"]`, `found["r3"]` are (n,) arrays [SI]."""
+
+    task: Task = field(repr=False)
+    plan: Plan = field(repr=False)
+    store: Store = field(repr=False)
+    how: str  # how the samples were run, and why so
+    interrupted: bool  # the user stopped it before all samples were run
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """The outputs as they were asked for."""
+        return tuple(self.task.texts)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The parameters that differ."""
+        return self.plan.names
+
+    def __len__(self) -> int:
+        return self.plan.count
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        known = [*self.parameters, *self.outputs]
+        if name not in known:
+            raise UnknownName(f"no parameter or output '{name}'{suggest(str(name), known)}")
+        return self.store.column(name)
+
+    def unit(self, name: str) -> str:
+        """SI unit of a parameter or output, "" if it has none or it is not known."""
+        if name in self.outputs:
+            return next(one.unit for one in self.task.outputs if one.text == name)
+        return self.task.mechanism.model.parameters[name].unit
+
+    @cached_property
+    def status(self) -> np.ndarray:
+        """(n,) texts: ok, failed, not finite, not run."""
+        numbers = self.store.status()
+        found = np.full(len(numbers), STATUS[OK], dtype="U10")
+        for number, text in STATUS.items():
+            found[numbers == number] = text
+        return found
+
+    @property
+    def messages(self) -> dict[int, str]:
+        """Why samples have no numbers, by number of the sample."""
+        return self.store.messages()
+
+    def message(self, sample: int) -> str:
+        """Why a sample has no numbers; "" if it has."""
+        return self.messages.get(int(sample), "")
+
+    def sample(self, number: int) -> Mechanism:
+        """The mechanism of a sample.  Raises IndexError for a number that is not among them, ModelError."""
+        if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 0 <= number < len(self):
+            raise IndexError(f"sample {number!r}: samples are numbered from 0 to {len(self) - 1}")
+        return self.task.mechanism_at(self.plan.values(int(number), int(number) + 1)[:, 0])
+
+    @cached_property
+    def table(self) -> Any:
+        """A pandas DataFrame, one row per sample that was run: parameters and outputs [SI], status, message."""
+        pandas = package("pandas", "a table of samples")
+        run = self.store.status() != WAITING
+        numbers = np.flatnonzero(run)
+        columns: dict[str, Any] = {name: self[name][run] for name in (*self.parameters, *self.outputs)}
+        messages = self.messages
+        columns["status"] = self.status[run]
+        columns["message"] = [messages.get(int(n), "") for n in numbers]
+        return pandas.DataFrame(columns, index=pandas.Index(numbers, name="sample"))
+
+    def counts(self) -> dict[str, int]:
+        """Number of samples by status."""
+        numbers = self.store.status()
+        return {text: int((numbers == number).sum()) for number, text in STATUS.items()}
+
+    def why(self) -> dict[str, int]:
+        """Why samples have no numbers, alike reasons counted together, the most frequent first."""
+        found: dict[str, int] = {}
+        for said in self.messages.values():
+            found[alike(said)] = found.get(alike(said), 0) + 1
+        return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+    def remarks(self) -> list[str]:
+        """What must be said of the samples: how they ran, how many have no numbers, and why."""
+        counts = self.counts()
+        said = [self.how] if self.how else []
+        if counts["not run"]:
+            said.append(f"stopped after {len(self) - counts['not run']} of {len(self)} samples")
+        if counts["failed"] or counts["not finite"]:
+            parts = [f"{counts[one]} {what}" for one, what in WITHOUT.items() if counts[one]]
+            said.append(f"of {len(self)} samples {' and '.join(parts)}:")
+            said += [f"  {count} x {reason}" for reason, count in list(self.why().items())[:MOST_REASONS]]
+            more = len(self.why()) - MOST_REASONS
+            said += [f"  and {more} other reasons (message(i))"] if more > 0 else []
+        return said

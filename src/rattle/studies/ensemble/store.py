@@ -1,0 +1,86 @@
+"""Where the pieces of an ensemble are kept: in memory, or in a folder (see `folder`)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from rattle.studies.ensemble.pieces import WAITING, Piece
+
+
+class Store(Protocol):
+    """The pieces of n samples of k parameters and o outputs."""
+
+    def add(self, piece: Piece) -> None:
+        """Keep a piece.  Raises OSError if it cannot be written; those before it are kept."""
+
+    def missing(self) -> list[tuple[int, int]]:
+        """Ranges (first, last) of samples that have not been run, increasing."""
+
+    def column(self, name: str) -> np.ndarray:
+        """(n,) a parameter or output [SI], nan where it is not known."""
+
+    def status(self) -> np.ndarray:
+        """(n,) int8, see `pieces`."""
+
+    def generic(self) -> np.ndarray:
+        """(n,) bool: run one by one."""
+
+    def messages(self) -> dict[int, str]:
+        """Why samples failed, by number."""
+
+    def reasons(self) -> dict[str, int]:
+        """Why samples could not run side by side, and how many."""
+
+
+class Memory:
+    """All pieces as arrays."""
+
+    def __init__(self, parameters: Sequence[str], outputs: Sequence[str], count: int) -> None:
+        self._names = [*parameters, *outputs]
+        self._values = np.full((len(self._names), count), np.nan)
+        self._status = np.full(count, WAITING, dtype=np.int8)
+        self._generic = np.zeros(count, dtype=bool)
+        self._messages: dict[int, str] = {}
+        self._reasons: dict[str, int] = {}
+
+    def add(self, piece: Piece) -> None:
+        """Keep a piece."""
+        place = slice(piece.first, piece.last)
+        self._values[:, place] = np.concatenate([piece.parameters, piece.values])
+        self._status[place], self._generic[place] = piece.status, piece.generic
+        self._messages |= piece.messages
+        for said, count in piece.reasons.items():
+            self._reasons[said] = self._reasons.get(said, 0) + count
+
+    def missing(self) -> list[tuple[int, int]]:
+        """Ranges (first, last) of samples that have not been run, increasing."""
+        return gaps(self._status != WAITING)
+
+    def column(self, name: str) -> np.ndarray:
+        """(n,) a parameter or output [SI], nan where it is not known."""
+        return np.asarray(self._values[self._names.index(name)])
+
+    def status(self) -> np.ndarray:
+        """(n,) int8, see `pieces`."""
+        return self._status
+
+    def generic(self) -> np.ndarray:
+        """(n,) bool: run one by one."""
+        return self._generic
+
+    def messages(self) -> dict[int, str]:
+        """Why samples failed, by number."""
+        return self._messages
+
+    def reasons(self) -> dict[str, int]:
+        """Why samples could not run side by side, and how many."""
+        return self._reasons
+
+
+def gaps(done: np.ndarray) -> list[tuple[int, int]]:
+    """Ranges (first, last) where done (n,) is false."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[True], done, [True]]).astype(np.int8)))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]

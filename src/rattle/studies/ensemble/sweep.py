@@ -1,0 +1,110 @@
+"""Sweeps: numbers of a mechanism over all combinations of given values of its parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rattle.analyses.straight_line.recorded_model import require_parameters
+from rattle.results.display import table
+from rattle.studies.ensemble.limits import limit_of
+from rattle.studies.ensemble.plans import Grid
+from rattle.studies.ensemble.samples import Samples
+from rattle.studies.ensemble.shown import aligned, in_one_unit
+from rattle.studies.ensemble.store import Memory
+from rattle.studies.ensemble.work import run_missing
+from rattle.studies.runs.task import task_of
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+
+MOST = 2**30  # combinations
+HEADER = ("output", "unit", "least", "at", "greatest", "at")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Sweep(Samples):
+    """Outputs over a grid; the last parameter changes fastest."""
+
+    axes: dict[str, np.ndarray]  # parameter: (n_k,) values [SI]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of every parameter."""
+        return tuple(len(one) for one in self.axes.values())
+
+    def grid(self, output: str) -> np.ndarray:
+        """An output [SI] as an array with one axis per parameter, nan where it has no value."""
+        return np.asarray(self[output].reshape(self.shape))
+
+    def __repr__(self) -> str:
+        return f"<rattle.Sweep: {self._title()}>"
+
+    def _title(self) -> str:
+        spans = []
+        for name, one in self.axes.items():
+            low, high, unit = in_one_unit([one.min(), one.max()], self.unit(name))
+            count = f"{len(one)} value{'s' if len(one) > 1 else ''}"
+            spans.append(f"{name} = {low} to {high} {unit}".rstrip() + f" ({count})")
+        return f"{len(self)} combinations of {', '.join(spans)}"
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """Outputs with least and greatest value and where they are, see HEADER."""
+        found = []
+        for output in self.outputs:
+            values = self[output]
+            if not np.isfinite(values).any():
+                found.append((output, self.unit(output), *["-"] * 4))
+                continue
+            ends = int(np.nanargmin(values)), int(np.nanargmax(values))
+            low, high, unit = in_one_unit([values[n] for n in ends], self.unit(output))
+            found.append((output, unit, low, self._place(ends[0]), high, self._place(ends[1])))
+        return found
+
+    def _place(self, n: int) -> str:
+        """The parameters of a sample as text."""
+        values = zip(self.parameters, self.plan.values(n, n + 1)[:, 0], strict=True)
+        return ", ".join(f"{name} = " + " ".join(in_one_unit([x], self.unit(name))).rstrip() for name, x in values)
+
+    def __str__(self) -> str:
+        return "\n".join([self._title(), *aligned([HEADER, *self.rows()]), *self.remarks()])
+
+    def _repr_html_(self) -> str:
+        return table(HEADER, self.rows(), self._title(), self.remarks())
+
+
+def sweep(
+    m: Mechanism, values: Mapping[str, Any], outputs: Sequence[str], *, analysis: str = "simulate",
+    t_end: float | None = None, rtol: float | None = None, method: str | None = None, threads: int | None = None,
+    progress: bool = False,
+) -> Sweep:  # fmt: skip
+    """Outputs over a grid; see `Mechanism.sweep`."""
+    axes = _axes(m, values)
+    task = task_of(m, axes, outputs, analysis=analysis, t_end=t_end, rtol=rtol, method=method)
+    plan = Grid(axes)
+    store = Memory(plan.names, task.texts, plan.count)
+    how, interrupted = run_missing(task, plan, store, threads=threads, progress=progress, what="sweep")
+    return Sweep(task, plan, store, how, interrupted, axes)
+
+
+def _axes(m: Mechanism, values: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Checked values [SI] by parameter.  Raises ValueError, TypeError, UnknownName."""
+    if not isinstance(values, Mapping) or not values:
+        raise ValueError('values: expected parameters with their values, such as {"r3": [0.001, 0.002]}')
+    require_parameters(m.system, list(values))
+    axes = {}
+    for name, given in values.items():
+        if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or np.ndim(given) != 1:
+            raise ValueError(f"values: '{name}' needs a list of values such as [0.001, 0.002], got {given!r:.60}")
+        if not len(given):
+            raise ValueError(f"values: '{name}' has no value")
+        unit = m.model.parameters[name].unit
+        axes[name] = np.array([limit_of(one, unit, f"values: '{name}'") for one in given])
+    count = math.prod(len(one) for one in axes.values())
+    if count > MOST:
+        raise ValueError(f"values: {count} combinations are more than {MOST}; take fewer values of each parameter")
+    return axes
