@@ -8,6 +8,7 @@ Storage: `s` holds the diagonal first (nr, in elimination order), then the colum
 
 from __future__ import annotations
 
+import functools
 import heapq
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -36,7 +37,13 @@ def analyse(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> P
     """Order the rows for little fill-in and lay out the factor.
 
     row_bodies: bodies (A, B) of every row, 0 = ground.  blocks: the rows of each joint, which stay together.
+    Mechanisms that differ in numbers only share one pattern, so that its arrays are read-only.
     """
+    return _analysed(tuple(row_bodies), tuple(blocks))
+
+
+@functools.lru_cache(maxsize=64)
+def _analysed(row_bodies: tuple[tuple[int, int], ...], blocks: tuple[range, ...]) -> Pattern:
     order = [row for block in _minimum_degree(row_bodies, blocks) for row in blocks[block]]
     nr = len(order)
     place = np.empty(nr, np.int64)
@@ -73,7 +80,10 @@ def analyse(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> P
             for other, other_column in members[: n + 1]:
                 low, high = sorted((int(place[row]), int(place[other])))
                 pairs.append((low if low == high else entry[low][high], row, column, other, other_column, body))
-    return Pattern(place, first, below, np.array(target, np.int64), np.array(pairs, np.int64).reshape(-1, 6))
+    found = Pattern(place, first, below, np.array(target, np.int64), np.array(pairs, np.int64).reshape(-1, 6))
+    for array in found:
+        array.flags.writeable = False
+    return found
 
 
 def _minimum_degree(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> list[int]:
