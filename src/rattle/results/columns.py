@@ -73,59 +73,76 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
 def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dict[str, str]]:
     """Raw rows (n, width) -> named columns (n, k) in SI units, their names and units."""
     model = system.model
-    names: list[str] = []
-    units: dict[str, str] = {}
-    parts: list[np.ndarray] = []
+    units: dict[str, str] = {}  # by name, in order
+    taken: list[int] = []  # column of the raw rows
+    derived: dict[int, np.ndarray] = {}  # what stands there instead, by place
 
-    def add(name: str, unit: str, values: np.ndarray) -> None:
-        names.append(name)
+    def add(name: str, unit: str, column: int, values: np.ndarray | None = None) -> None:
+        if values is not None:
+            derived[len(taken)] = values
         units[name] = unit
-        parts.append(values)
+        taken.append(column)
 
     c = 0
     for body in system.bodies:
         for k, (key, unit) in enumerate(at.OUTPUT_BODY.items()):
-            add(f"{body}.{key}", unit, raw[:, c + k])
+            add(f"{body}.{key}", unit, c + k)
         c += at.PER_BODY
     for name in system.joints:
-        fx, fy, moment, ex, ey, effort, power, normal, tangential, penetration = raw[:, c : c + at.PER_JOINT].T
-        c += at.PER_JOINT
         if name in model.drivers:
             effort_name, unit = registry.kinds("driver")[model.drivers[name].kind].leaf.effort
-            add(f"{name}.{effort_name}", unit, effort)
-            add(f"{name}.power", "W", power)
-            continue
-        joint = model.joints[name]
-        add(f"{name}.fx", "N", fx)
-        add(f"{name}.fy", "N", fy)
-        kind = joint_rows(joint)[0]
-        if kind is None or kind.leaf.moment:
-            add(f"{name}.moment", "N*m", moment)
-        if joint.contact is not None:
-            if kind is not None:  # otherwise only contacts act on it
-                distance = np.hypot(ex, ey)
-                tangential = np.zeros_like(fx)
-                with np.errstate(invalid="ignore", divide="ignore"):
-                    pull = np.where(distance > 0.0, -(fx * ex + fy * ey) / distance, 0.0)
-                link = kind.name != joint.kind
-                normal = pull if link else np.hypot(fx, fy)
-                penetration = distance - joint.clearance if link else tangential
-            if joint.line is not None:
-                ex, ey = _play(system, joint, raw, ex, ey)
-            add(f"{name}.ex", "m", ex)
-            add(f"{name}.ey", "m", ey)
-            add(f"{name}.normal", "N", normal)
-            add(f"{name}.tangential", "N", tangential)
-            add(f"{name}.penetration", "m", penetration)
+            add(f"{name}.{effort_name}", unit, c + at.EFFORT)
+            add(f"{name}.power", "W", c + at.POWER)
+        else:
+            joint = model.joints[name]
+            kind = joint_rows(joint)[0]
+            add(f"{name}.fx", "N", c + at.FX)
+            add(f"{name}.fy", "N", c + at.FY)
+            if kind is None or kind.leaf.moment:
+                add(f"{name}.moment", "N*m", c + at.MOMENT)
+            if joint.contact is not None:
+                made = _of_contact(system, joint, kind, raw, c)
+                for key, column in OF_CONTACT.items():
+                    add(f"{name}.{key}", at.OUTPUT_JOINT[key], c + column, made.get(key))
+        c += at.PER_JOINT
     for name in model.signals:
-        add(name, model.signal_units.get(name, ""), raw[:, c])
+        add(name, model.signal_units.get(name, ""), c)
         c += 1
+    for k, (key, unit) in enumerate(at.OUTPUT_ENERGY.items()):
+        add(f"energy.{key}", unit, c + k)
     kinetic, potential, work, dissipated = raw[:, c : c + at.ENERGIES].T
     total = kinetic + potential - work + dissipated
-    for key, values in zip(at.OUTPUT_ENERGY, (kinetic, potential, work, dissipated), strict=True):
-        add(f"energy.{key}", at.OUTPUT_ENERGY[key], values)
-    add("energy.balance", "J", total - total[:1])
-    return np.ascontiguousarray(np.array(parts).T), names, units
+    add("energy.balance", "J", c, total - total[:1])
+    data = raw.take(taken, axis=1)
+    for place, values in derived.items():
+        data[:, place] = values
+    return data, list(units), units
+
+
+OF_CONTACT = {"ex": at.EX, "ey": at.EY, "normal": at.JOINT_NORMAL, "tangential": at.JOINT_TANGENT}
+OF_CONTACT["penetration"] = at.PENETRATION
+
+
+def _of_contact(
+    system: System, joint: Joint, kind: registry.Kind | None, raw: np.ndarray, c: int
+) -> dict[str, np.ndarray]:
+    """Columns (n,) [SI] of a joint with clearance that its raw columns from c on do not hold as a result shows them."""
+    made: dict[str, np.ndarray] = {}
+    ex, ey = raw[:, c + at.EX], raw[:, c + at.EY]
+    if kind is not None:  # otherwise only contacts act on it
+        fx, fy = raw[:, c + at.FX], raw[:, c + at.FY]
+        distance = np.hypot(ex, ey)
+        link = kind.name != joint.kind
+        made["tangential"] = made["penetration"] = np.zeros_like(fx)
+        if link:
+            with np.errstate(invalid="ignore", divide="ignore"):
+                made["normal"] = np.where(distance > 0.0, -(fx * ex + fy * ey) / distance, 0.0)
+            made["penetration"] = distance - joint.clearance
+        else:
+            made["normal"] = np.hypot(fx, fy)
+    if joint.line is not None:
+        made["ex"], made["ey"] = _play(system, joint, raw, ex, ey)
+    return made
 
 
 def _play(

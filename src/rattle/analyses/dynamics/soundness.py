@@ -61,7 +61,10 @@ def extent(system: System) -> float:
     held = {joint.a.at for joint in model.joints.values() if joint.a.body == "ground"}
     held |= {joint.b.at for joint in model.joints.values() if joint.b.body == "ground"}
     groups = [list(held), *([*body.points.values(), (0.0, 0.0)] for body in model.bodies.values())]
-    lengths += [float(np.hypot(*np.ptp(np.array(group), axis=0))) for group in groups if group]
+    for group in groups:
+        if group:
+            x, y = zip(*group, strict=True)
+            lengths.append(float(np.hypot(max(x) - min(x), max(y) - min(y))))
     return max([*lengths, 0.0]) or system.size
 
 
@@ -83,8 +86,9 @@ def set_floor(system: System, workspace: Workspace, rtol: float, atol: float) ->
     hundred thousand) times that.  The applied forces are those at the start.
     """
     forces = np.abs(workspace.force[1:])
-    moment = float(forces[:, 2].sum() + extent(system) * forces[:, :2].sum())
-    slow = 1e5 * atol * np.array([1.0, 1.0, 1.0 / extent(system)])
+    size = extent(system)
+    moment = float(forces[:, 2].sum() + size * forces[:, :2].sum())
+    slow = 1e5 * atol * np.array([1.0, 1.0, 1.0 / size])
     resting = 0.5 * float((system.arrays["mass"][1:] * slow**2).sum())
     workspace.audit[at.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
 
