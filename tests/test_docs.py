@@ -36,6 +36,7 @@ def test_the_tolerances_of_the_guide_can_be_drawn():
     fields = fields_of(rt.loads(json.dumps(merged)), list(more["parameters"]))
     assert fields.names == ("l2", "l3", "c", "pin")
     assert [one.dist for one in fields.fields] == ["uniform", "normal", "triangular", "table"]
+    assert fields.draw == (0, 0, 1, 2)
 
 
 def test_the_guide_names_every_function_and_state():

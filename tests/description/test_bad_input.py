@@ -112,6 +112,14 @@ CASES = {
     "number for a table": ("[bodies.crank]", "[bodies]\nlink = 3\n[bodies.crank]", "bodies.link", ["expected a table, got 3"], "3"),
     "wrong frame": ('frame = "body"', 'frame = "bdoy"', "loads.push.frame", ["ground, body", "'body'"], '"bdoy"'),
     "offset without clearance": ("O3 = { offset", "O2 = { offset", "initial.O2", ["no clearance"], "O2"),
+    "unknown key of tolerances": ("[signals]", '[tolerances]\ngroup = [["r3", "r4"]]\n[signals]', "tolerances.group", ["did you mean 'groups'"], 'group'),
+    "unknown name in a group": ("[signals]", '[tolerances]\ngroups = [["r3", "r44"]]\n[signals]', "tolerances.groups[0][1]", ["no parameter 'r44'", "'r4'"], '"r44"'),
+    "name in two groups": ("[signals]", '[tolerances]\ngroups = [["r3", "r4"], ["l1", "r3"]]\n[signals]', "tolerances.groups[1][1]", ["'r3' is in another group already", 'join'], '"r3"]]'),
+    "name twice in a group": ("[signals]", '[tolerances]\ngroups = [["r3", "r3"]]\n[signals]', "tolerances.groups[0][1]", ['twice in this group'], '"r3"]]'),
+    "group of one": ("[signals]", '[tolerances]\ngroups = [["r3", "r4"], ["l1"]]\n[signals]', "tolerances.groups[1]", ['a group of 1', 'two or more'], '["l1"]'),
+    "group without brackets": ("[signals]", '[tolerances]\ngroups = ["r3", "r4"]\n[signals]', "tolerances.groups[0]", ['expected a group of parameters', "got 'r3'"], '"r3"'),
+    "number in a group": ("[signals]", '[tolerances]\ngroups = [["r3", 4]]\n[signals]', "tolerances.groups[0]", ['expected a group of parameters'], '["r3"'),
+    "text for groups": ("[signals]", '[tolerances]\ngroups = "r3, r4"\n[signals]', "tolerances.groups", ['expected groups of parameters'], '"r3, r4"'),
     "step of nothing": ("rtol = 1e-9", "rtol = 0", "simulate.rtol", ["must be positive"], "0"),
 }  # fmt: skip
 

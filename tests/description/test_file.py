@@ -72,6 +72,7 @@ def in_code():
     m = rt.Mechanism("built in code", gravity=[0, "-9.81 m/s^2"])
     m.parameter("l", "0.2 m").parameter("c", "1 mm", min="0.1 mm", max=0.01, tol="10 um", dist="normal")
     m.parameter("d", "1 mm", dist={"values": ["1 mm", "2 mm"], "weights": [1, 3]})
+    m.group("l", "c").group("d", "e").parameter("e", 3)
     m.signal("reach", "rod.x + l").ground(A=[0, 0], D=["3*l", 0])
     m.bar("crank", "A", "B", length="l", mass=1)
     m.bar("rod", "B", "C", length="3*l", mass="500 g", inertia=0.01, points={"P": ["l", 0.1]})
@@ -111,6 +112,12 @@ def test_comments_survive_a_change():
         "mass = 0.7",
         'contact = "ideal"',
     ]
+
+
+def test_groups_can_be_set_where_there_were_none():
+    m = rt.loads(TEXT).set({"tolerances.groups": [["r3", "r4"]]})
+    assert m.model.groups == (("r3", "r4"),)
+    assert same(rt.loads(m.to_toml()), m)
 
 
 def test_change_makes_a_new_model_and_leaves_the_old_one():

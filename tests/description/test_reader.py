@@ -59,6 +59,20 @@ def test_distribution_may_be_a_table_of_values():
     assert m.parameters["s"].dist == ValueTable((2.0,), (1.0,))
 
 
+def test_groups_are_read_as_written():
+    parameters = {"a": 1, "b": "a", "c": "2 mm", "d": "3 mm"}
+    assert model(parameters=parameters).groups == ()
+    assert model(parameters=parameters, tolerances={}).groups == ()
+    groups = [["c", "a"], ["d", "b"]]
+    assert model(parameters=parameters, tolerances={"groups": groups}).groups == (("c", "a"), ("d", "b"))
+
+
+def test_group_is_not_blamed_for_a_parameter_that_cannot_be_read():
+    said = messages(parameters={"a": "5 mn", "b": 1}, tolerances={"groups": [["a", "b"]]})
+    assert len(said) == 1
+    assert said[0].startswith("parameters.a: ")
+
+
 @given(st.permutations(["a", "b", "c", "d"]))
 def test_order_of_writing_is_no_matter(order):
     written = {"a": "0.5 m", "b": "a + a", "c": "a*b", "d": "sqrt(c) + b"}

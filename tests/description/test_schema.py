@@ -80,10 +80,17 @@ def test_every_distribution_is_accepted(validator, dist):
     validator.validate(document)
 
 
+def test_groups_of_tolerances_are_accepted(validator):
+    validator.validate({**FOURBAR, "tolerances": {"groups": [["r3", "r4"]]}})
+
+
 @pytest.mark.parametrize(
     ("path", "value"),
     [
         (("format",), 2),
+        (("tolerances",), {"group": [["r3", "r4"]]}),
+        (("tolerances",), {"groups": ["r3", "r4"]}),
+        (("tolerances",), {"groups": [["r3"]]}),
         (("parameters", "r3", "dist"), "gauss"),
         (("parameters", "r3", "dist"), {"values": []}),
         (("parameters", "r3", "dist"), {"weights": [1]}),

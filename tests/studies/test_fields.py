@@ -19,8 +19,8 @@ def mechanism(groups=(), **parameters):
     m = rt.Mechanism("disc")
     for name, given in parameters.items():
         m.parameter(name, **given) if isinstance(given, dict) else m.parameter(name, given)
-    if groups:
-        m._document["tolerances"] = {"groups": [list(one) for one in groups]}
+    for one in groups:
+        m.group(*one)
     m.ground(O=[0, 0]).body("disc", mass=1, inertia=1, points={"O": [0, 0]})
     return m.revolute("O", "ground.O", "disc.O")
 
@@ -78,7 +78,7 @@ def test_no_value_is_outside_of_the_tolerance_by_rounding(dist, value, tol):
     assert (one.low, one.high) == (value - tol, value + tol)
     assert np.all((one.low <= x) & (x <= one.high))
     assert np.all(np.diff(x) >= 0.0)
-    assert x[0] == one.low
+    assert x[0] == pytest.approx(one.low, rel=4e-16, abs=4e-16 * tol)  # ends are reached up to rounding
     assert x[5] == pytest.approx(value, abs=1e-15 * max(1.0, abs(value)))
 
 
@@ -201,6 +201,46 @@ def test_field_that_ends_at_its_limits_never_rounds_beyond_them(value, tol):
     assert (one.low, one.high) == (c.minimum, c.maximum)
     for x in one.quantile(np.array([0.0, 2.0**-53, 1.0 - 2.0**-53])):
         assert m.set(c=float(x)).parameters["c"] == x  # the reader refuses values beyond the limits
+
+
+# ---------------------------------------------------------------- groups
+def test_one_draw_moves_all_of_a_group_through_their_own_fields():
+    found = fields_of(mechanism(groups=[("c", "a")], **THREE))
+    assert found.draw == (0, 1, 0)
+    assert found.draws == 2
+    u = np.linspace(0.0, 0.999, 50)
+    a, b, c = found.values(np.column_stack([u, u[::-1]]))
+    one, other, third = found.fields
+    assert np.array_equal(a, one.quantile(u))
+    assert np.array_equal(b, other.quantile(u[::-1]))
+    assert np.array_equal(c, third.quantile(u))
+
+
+def test_equal_fields_of_a_group_have_equal_deviations():
+    same = {"value": 0.6, "tol": 1e-4, "dist": "normal"}
+    found = fields_of(mechanism(groups=[("a", "b")], a=same, b=same, c=same))
+    a, b, c = found.values(np.random.default_rng(2).random((1000, found.draws)))
+    assert np.array_equal(a, b)
+    assert abs(np.corrcoef(a, c)[0, 1]) < 0.1  # three standard errors of 1000 independent pairs
+
+
+def test_part_of_a_group_moves_together():
+    m = mechanism(groups=[("a", "b", "c"), ("exact", "free")], **THREE)
+    assert fields_of(m, ["c", "b"]).draw == (0, 0)
+    assert fields_of(m, {"free": 0.1, "a": 0.1, "exact": 0.1, "c": {}}).draw == (0, 1, 0, 1)
+
+
+def test_part_of_a_group_without_tolerance_is_refused_unless_it_is_left_out():
+    m = mechanism(groups=[("a", "free")], **THREE)
+    assert m.check().mobility == 1  # a model that only runs
+    with pytest.raises(rt.ModelError, match=r"tolerances.groups\[0\]: 'free' is made together with 'a' but has no tol"):
+        fields_of(m)
+    assert fields_of(m, ["a"]).draw == (0,)
+    assert fields_of(m, {"a": {}, "free": 0.1}).draw == (0, 0)
+
+
+def test_group_none_of_which_varies_is_no_matter():
+    assert fields_of(mechanism(groups=[("exact", "free")], **THREE)).names == ("a", "b", "c")
 
 
 # ---------------------------------------------------------------- questions that are refused

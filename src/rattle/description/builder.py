@@ -50,6 +50,12 @@ class Building:
         self._forget()
         return self
 
+    def group(self, *parameters: str) -> Self:
+        """Parameters that are made together: one draw moves all of them within their tolerances."""
+        self._document.setdefault("tolerances", {}).setdefault("groups", []).append(list(parameters))
+        self._forget()
+        return self
+
     def signal(self, name: str, expression: str) -> Self:
         """A named quantity: an expression in parameters, the time t [s] and the state [SI]; results record it."""
         self._document.setdefault("signals", {})[name] = expression

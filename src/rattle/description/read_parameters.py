@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
 from rattle.description.model import Parameter, ValueTable
 from rattle.description.read_values import Path, TooManyProblems, Values, describe_cycle, expected, in_order, said
-from rattle.errors import ModelError, Problem
+from rattle.errors import ModelError, Problem, suggest
 from rattle.language.expression import Node, Number
 from rattle.language.units import Dimension, QuantityError, describe, parse_quantity, unit_name
 
@@ -233,6 +233,40 @@ def _limit(values: Values, given: Any, unit: str, seen: Dimension | None, path: 
         values.wrong(path, f"{said(given)} is {describe(dimension)}; expected {expected(unit)}")
         return None
     return number
+
+
+def read_groups(values: Values, document: Mapping[str, Any]) -> tuple[tuple[str, ...], ...]:
+    """Read the table [tolerances]: groups of parameters that are made together."""
+    path: Path = ("tolerances",)
+    table = values.table(document.get("tolerances", {}), path)
+    values.keys(table, ("groups",), path)
+    given = table.get("groups", [])
+    if not isinstance(given, list | tuple):
+        values.wrong((*path, "groups"), f'expected groups of parameters such as [["l2", "l3"]], got {said(given)}')
+        return ()
+    for n, one in enumerate(given):
+        if not isinstance(one, list | tuple) or not all(isinstance(name, str) for name in one):
+            like = 'expected a group of parameters such as ["l2", "l3"]'
+            values.wrong((*path, "groups", n), f"{like}, got {said(one)}")
+            return ()
+    grouped: dict[str, int] = {}
+    for n, one in enumerate(given):
+        _check_group(values, one, n, grouped)
+    return tuple(tuple(one) for one in given)
+
+
+def _check_group(values: Values, given: Sequence[str], n: int, grouped: dict[str, int]) -> None:
+    """Check group number n; the group of each name is entered in `grouped`."""
+    path: Path = ("tolerances", "groups", n)
+    for k, name in enumerate(given):
+        if name not in values.constants and name not in values.broken:
+            values.wrong((*path, k), f"no parameter {said(name)}{suggest(name, values.constants)}")
+        elif name in grouped:
+            where = "twice in this group" if grouped[name] == n else "in another group already"
+            values.wrong((*path, k), f"'{name}' is {where}; join groups that are made together")
+        grouped[name] = n
+    if len(given) < 2:
+        values.wrong(path, f"a group of {len(given)}; expected two or more parameters that are made together")
 
 
 def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str, Node], dict[str, str]]:

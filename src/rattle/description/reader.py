@@ -7,7 +7,7 @@ from typing import Any
 
 from rattle import registry
 from rattle.description.model import Driver, Initial, Model, Settings, Vector
-from rattle.description.read_parameters import read_parameters, read_signals
+from rattle.description.read_parameters import read_groups, read_parameters, read_signals
 from rattle.description.read_parts import Parts
 from rattle.description.read_values import Chosen, Path, TooManyProblems, Values, said
 from rattle.errors import ModelError, shown, suggest
@@ -18,8 +18,8 @@ STATE_UNITS = {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "om
 SETTING_UNITS = {"t_end": "s", "rtol": "", "atol": "", "step": "s", "output": "s"}
 NAMED = ("bodies", "joints", "drivers", "loads")
 TABLES = (
-    "format", "name", "gravity", "parameters", "signals", "ground", "bodies", "joints", "drivers", "loads", "initial",
-    "simulate",
+    "format", "name", "gravity", "parameters", "tolerances", "signals", "ground", "bodies", "joints", "drivers",
+    "loads", "initial", "simulate",
 )  # fmt: skip
 DEEPEST = 10  # nested tables and lists
 
@@ -67,6 +67,7 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     tables = {key: _named(values, document, key) for key in NAMED}
     _one_namespace(values, {**tables, "signals": document.get("signals", {})})
     parameters = read_parameters(values, document)
+    groups = read_groups(values, document)
     for name in tables["bodies"]:
         for key, unit in STATE_UNITS.items():
             values.live[f"{name}.{key}"] = None
@@ -91,7 +92,7 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     _drivers_follow_time(values, parts.drivers, signals)
     return Model(
         title, gravity, parameters, signals, units, parts.ground, parts.bodies, parts.joints, parts.drivers,
-        parts.loads, initial, settings, values.constants, tuple(values.remarks),
+        parts.loads, initial, settings, values.constants, tuple(values.remarks), groups,
     )  # fmt: skip
 
 

@@ -42,7 +42,7 @@ def topics() -> dict[str, Topic]:
     return {one.name: one for one in made}
 
 
-TABLES = ("gravity", "parameters", "signals", "ground", "bodies", "initial", "simulate")
+TABLES = ("gravity", "parameters", "tolerances", "signals", "ground", "bodies", "initial", "simulate")
 
 
 def common(family: str, kind: str) -> list[str]:

@@ -35,6 +35,7 @@ def schema() -> Schema:
                 "name": {"type": "string", "description": "title"},
                 "gravity": _vector("m/s^2", "acceleration of gravity"),
                 "parameters": _named(_parameter(), "values that expressions use"),
+                "tolerances": _tolerances(),
                 "signals": _named(_number("", "expression over parameters, t and state"), "recorded quantities"),
                 "ground": _object({"points": _points("points of the ground")}),
                 "bodies": _named({"anyOf": [_bar(), _body()]}, "rigid bodies"),
@@ -142,6 +143,13 @@ def _parameter() -> Schema:
     said = f"distribution: {' | '.join(DISTRIBUTIONS)} on value +- tol, or {{ values = [...], weights = [...] }}"
     dist = {"anyOf": [{"enum": list(DISTRIBUTIONS)}, table], "description": said}
     return {"anyOf": [number, _object({"value": number, **limits, "dist": dist}, ("value",))]}
+
+
+def _tolerances() -> Schema:
+    group = {"type": "array", "items": {"type": "string", "pattern": NAME}, "minItems": 2, "uniqueItems": True}
+    said = 'parameters that are made together, [["l2", "l3"]]: one draw moves all of a group'
+    groups = {"groups": {"type": "array", "items": group, "description": said}}
+    return _object(groups, meaning="how the fields of parameters hang together")
 
 
 def _bar() -> Schema:
