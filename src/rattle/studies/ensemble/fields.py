@@ -21,7 +21,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.special import ndtr, ndtri
 
 from rattle.analyses.straight_line.recorded_model import require_parameters
 from rattle.description.file import plain
@@ -55,17 +54,24 @@ def _below_triangular(z: float) -> float:
 
 
 CUT = 3.0  # standard deviations in tol
-BEYOND = float(ndtr(-CUT))  # share of a normal distribution beyond each cut
+BEYOND = 0.5 * math.erfc(CUT / math.sqrt(2.0))  # share of a normal distribution beyond each cut
 INSIDE = 1.0 - 2.0 * BEYOND
 DENSITY = math.exp(-0.5 * CUT**2) / math.sqrt(2.0 * math.pi)  # at the cut
 
+
+def _normal(u: np.ndarray) -> np.ndarray:
+    from scipy.special import ndtri
+
+    return np.asarray(ndtri(BEYOND + u * INSIDE) / CUT)
+
+
+def _below_normal(z: float) -> float:
+    return (0.5 * math.erfc(-CUT * z / math.sqrt(2.0)) - BEYOND) / INSIDE
+
+
 SHAPES = {
     "uniform": Shape(lambda u: 2.0 * u - 1.0, lambda z: 0.5 * (1.0 + z), 1.0 / math.sqrt(3.0)),
-    "normal": Shape(
-        lambda u: np.asarray(ndtri(BEYOND + u * INSIDE) / CUT),
-        lambda z: (float(ndtr(CUT * z)) - BEYOND) / INSIDE,
-        math.sqrt(1.0 - 2.0 * CUT * DENSITY / INSIDE) / CUT,
-    ),
+    "normal": Shape(_normal, _below_normal, math.sqrt(1.0 - 2.0 * CUT * DENSITY / INSIDE) / CUT),
     "triangular": Shape(_triangular, _below_triangular, 1.0 / math.sqrt(6.0)),
 }
 
