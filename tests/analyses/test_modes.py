@@ -4,12 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from scipy.linalg import eig
 
 import rattle as rt
 from linkages import paper
 from rattle.analyses.statics.equilibria import static_problem
 from rattle.analyses.statics.exact_stiffness import exact_stiffness
 from rattle.analyses.statics.modes import Modes, _damping
+from rattle.analyses.statics.small_motions import small_motions
 
 nojit = pytest.mark.nojit
 
@@ -98,6 +100,7 @@ def test_damping_is_a_share_of_the_critical():
     omega = math.sqrt((12 + 9.81 / 2) * 3)
     assert found.omega[0] == pytest.approx(omega, rel=1e-13)
     assert found.damping[0] == pytest.approx(0.3 * 3 / (2 * omega), rel=1e-13)
+    assert found.damped_frequency[0] == pytest.approx(math.sqrt(omega**2 - 0.45**2) / (2 * math.pi), rel=1e-13)
 
 
 @nojit
@@ -202,14 +205,19 @@ def test_a_column_under_a_large_follower_force_flutters():
     found = follower(18.0)
     stiffness = np.array([[10 - 18, -5 + 18], [-5, 5]])
     squares = np.linalg.eigvals(np.linalg.solve(ROD_MASS, stiffness))
+    assert follower(14.0).about.startswith("stable statically, unstable by flutter, stiffness")
     assert abs(squares[0].imag) > 1.0
     root = np.sqrt(-squares[0])  # exp(+-root t), and its conjugate
     assert found.growth[0] == pytest.approx(abs(root.real), rel=1e-12)
-    assert math.isnan(found.omega[0])
-    assert found.omega[1] == pytest.approx(abs(root), rel=1e-12)
-    assert found.damping[1] == pytest.approx(abs(root.real) / abs(root), rel=1e-12)
-    assert "grows" in str(found)
-    assert np.isfinite(found.shapes).all()
+    assert found.growth[1] == 0.0
+    np.testing.assert_allclose(found.omega, abs(root), rtol=1e-12)
+    np.testing.assert_allclose(found.damping, np.array([-1, 1]) * abs(root.real) / abs(root), rtol=1e-12)
+    np.testing.assert_allclose(found.damped_frequency, abs(root.imag) / (2 * math.pi), rtol=1e-12)
+    said = f"flutter at {abs(root) / (2 * math.pi):.6g} Hz, grows at {abs(root.real):.6g} 1/s, damping -"
+    assert said in str(found)
+    assert found.about.startswith("unstable by flutter, stiffness -")
+    way = found.vectors[0, 0, 2::3]  # both angles of the growing motion: K x = -s^2 M x
+    np.testing.assert_allclose((stiffness + found.roots[0, 0] ** 2 * ROD_MASS) @ way, 0.0, atol=1e-12 * abs(way).max())
 
 
 @nojit
@@ -322,25 +330,153 @@ b = { x = 0 }
 """
 
 
-@pytest.mark.nojit
-@pytest.mark.parametrize(("c1", "c2", "said"), [(30.0, -2.5, "couple"), (80.0, 0.1, "couple"), (0.02, 0.01, "")])
-def test_damping_that_couples_the_modes_is_told_with_the_roots_of_all_equations(c1, c2, said):
+def coupled(c1: float, c2: float) -> tuple[rt.Mechanism, np.ndarray, np.ndarray]:
+    """Two masses with dampers c1 to the ground and c2 [N s/m] between them, all roots, and M s^2 + C s + K by hand."""
     m = rt.loads(COUPLED.replace("C1", repr(c1)).replace("C2", repr(c2)))
-    found = m.modes()
     stiffness, damping = np.array([[150.0, -50.0], [-50.0, 50.0]]), np.array([[c1 + c2, -c2], [-c2, c2]])
     mass, zero = np.diag([2.0, 1.0]), np.zeros((2, 2))
     state = np.block([[zero, np.eye(2)], [-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)]])
-    roots = np.linalg.eigvals(state)
-    assert said in found.note
-    assert bool(found.note) == bool(said)
-    grows = roots.real.max()
-    assert (f"motions grow at {grows:.4g} 1/s" in found.note) == (grows > 0.0)
-    for root in roots[roots.imag > 0.0] if said else ():
-        assert f"{root.real:.4g} +- {root.imag:.4g}i" in found.note
+    roots, vectors = eig(state)
+    return m, roots, vectors[:2]
 
 
-@pytest.mark.nojit
-def test_a_mode_with_negative_damping_is_called_unstable():
-    text = COUPLED.replace("50*(b.x - a.x) + C2*(b.vx - a.vx)", "0").replace("C1", "-3").replace("C2", "0")
-    found = rt.loads(text.replace("-50*(b.x - a.x) - 0*(b.vx - a.vx)", "-50*b.x")).modes()
-    assert "the equilibrium is unstable, motions grow at 0.75 1/s" in str(found)
+@nojit
+@pytest.mark.parametrize(
+    ("c1", "c2"), [(30.0, -2.5), (80.0, 0.1), (0.02, 0.01), (5.0, 0.0), (60.0, 40.0), (-60.0, 0.0), (-60.0, 40.0)]
+)
+def test_modes_of_a_damper_that_couples_them_are_the_eigenvalues_of_all_equations(c1, c2):
+    m, roots, vectors = coupled(c1, c2)
+    found = m.modes()
+    left = list(roots)
+    for mode in range(2):
+        pair = found.roots[mode]
+        for side in range(2):
+            k = int(np.argmin(np.abs(np.array(left) - pair[side])))
+            assert pair[side] == pytest.approx(left[k], rel=1e-12)
+            way, want = found.vectors[mode, side, [0, 3]], vectors[:, list(roots).index(left.pop(k))]
+            assert way[0] * want[1] == pytest.approx(way[1] * want[0], abs=1e-12 * abs(way).max())
+        if pair[0].imag:
+            assert found.omega[mode] == pytest.approx(abs(pair[0]), rel=1e-12)
+            assert found.damping[mode] == pytest.approx(-pair[0].real / abs(pair[0]), rel=1e-9)
+            assert found.damped_frequency[mode] == pytest.approx(pair[0].imag / (2 * math.pi), rel=1e-12)
+            assert np.isnan(found.time_constants[mode]).all()
+        elif pair[0].real < 0:
+            np.testing.assert_allclose(found.time_constants[mode], -1 / pair.real, rtol=1e-12)
+            assert found.damping[mode] > 1.0
+            assert found.omega[mode] == pytest.approx(math.sqrt((pair[0] * pair[1]).real), rel=1e-12)
+    assert not left
+    assert found.growth.max() == pytest.approx(max(roots.real.max(), 0.0), rel=1e-12)
+    assert ("grows" in str(found)) == (roots.real.max() > 0.0) == ("unstable by" in found.about)
+    assert found.note == ""
+
+
+def test_a_motion_released_in_a_coupled_mode_stays_in_it():
+    found = coupled(30.0, -2.5)[0].modes()
+    s, way = found.roots[1, 0], 1e-3 * found.vectors[1, 0, [0, 3]]
+    assert abs((way[1] / way[0]).imag) > 0.1  # the masses are out of phase
+    at, speed = way.real, (s * way).real
+    text = COUPLED.replace("C1", "30.0").replace("C2", "-2.5")
+    text = text.replace("a = { x = 0 }", f"a = {{ x = {at[0]}, vx = {speed[0]} }}")
+    let_go = rt.loads(text.replace("b = { x = 0 }", f"b = {{ x = {at[1]}, vx = {speed[1]} }}"))
+    t = np.linspace(0.0, 2.0, 21)
+    r = let_go.simulate(t_eval=t, rtol=1e-11, atol=1e-15)
+    want = (way[:, None] * np.exp(s * t)).real
+    np.testing.assert_allclose([r["a.x"], r["b.x"]], want, rtol=0, atol=1e-8 * np.abs(want).max())
+
+
+@nojit
+def test_a_vibration_out_of_phase_is_shown_with_its_phases():
+    found = coupled(30.0, -2.5)[0].modes()
+    r, phase = found.motion(1, amplitude=0.2), np.linspace(0.0, 2 * math.pi, 61)
+    want = 0.2 * (found.vectors[1, 0, [0, 3], None] * np.exp(1j * phase)).real
+    np.testing.assert_allclose([r["a.x"], r["b.x"]], want, rtol=0, atol=1e-12)
+    assert r.t[-1] == pytest.approx(1.0 / found.damped_frequency[1])
+    assert found.plot(1).axes
+
+
+@nojit
+def test_a_mode_with_negative_damping_grows_at_its_frequency():
+    found = slider("+ 3*mass.vx").modes()  # 2 s^2 - 3 s + 8 = 0
+    assert found.roots[0, 0] == pytest.approx(complex(0.75, math.sqrt(4 - 0.75**2)), rel=1e-13)
+    assert found.growth[0] == pytest.approx(0.75, rel=1e-13)
+    assert found.damping[0] == pytest.approx(-0.75 / 2, rel=1e-13)
+    assert "flutter at 0.31831 Hz, grows at 0.75 1/s, damping -37.5 %" in str(found)
+    fast = slider("+ 20*mass.vx").modes()  # 2 s^2 - 20 s + 8 = 0: no vibration is left
+    rates = 5 + math.sqrt(21), 5 - math.sqrt(21)
+    np.testing.assert_allclose(fast.roots[0], rates, rtol=1e-13)
+    assert fast.growth[0] == pytest.approx(rates[0], rel=1e-13)
+    assert f"unstable, grows at {rates[0]:.6g} and {rates[1]:.6g} 1/s" in str(fast)
+    assert fast.about.startswith("stable statically, unstable by negative damping")
+
+
+def crossed(stiffness: float, gyration: float) -> Modes:
+    """A body of 1 kg with springs [N/m] along x and y, and a force across its velocity [N s/m] (Foucault, Coriolis)."""
+    return rt.loads(f"""
+format = 1
+gravity = [0, 0]
+[bodies.mass]
+points = {{ P = [0, 0] }}
+mass = 1
+inertia = 1
+[loads.all]
+type = "force"
+at = "mass.P"
+force = ["-{stiffness}*mass.x + {gyration}*mass.vy", "-{stiffness}*mass.y - {gyration}*mass.vx"]
+[initial]
+mass = {{ x = 0, y = 0, angle = 0 }}
+""").modes()
+
+
+@nojit
+def test_gyroscopic_forces_split_frequencies_and_can_hold_what_would_fall():
+    found = crossed(4.0, 3.0)  # s = +- i (sqrt(g^2/4 + k) +- g/2), and the body turns freely
+    np.testing.assert_allclose(found.omega, [0.0, 1.0, 4.0], rtol=1e-13)
+    assert (found.damping == 0).all()
+    assert (found.growth == 0).all()
+    circles = found.vectors[1:, 0, 1] / found.vectors[1:, 0, 0]
+    np.testing.assert_allclose(circles, [-1j, 1j], atol=1e-12)  # one way round and the other
+    held = crossed(-2.0, 3.0)
+    np.testing.assert_allclose(held.omega, [0.0, 1.0, 2.0], rtol=1e-13)
+    assert held.about.startswith("held by forces without a potential (free")
+    fallen = crossed(-4.0, 3.0)  # 9/4 < 4: it spirals out
+    np.testing.assert_allclose(fallen.growth.max(), math.sqrt(4 - 9 / 4), rtol=1e-12)
+    assert fallen.about.startswith("unstable by flutter (free")
+
+
+@nojit
+def test_what_a_damper_alone_connects_comes_to_rest_together():
+    text = COUPLED.replace("-100*a.x - C1*a.vx + 50*(b.x - a.x) + C2*(b.vx - a.vx)", "6*(b.vx - a.vx)")
+    found = rt.loads(text.replace("-50*(b.x - a.x) - C2*(b.vx - a.vx)", "-6*(b.vx - a.vx)")).modes()
+    rate = 6 * (1 / 2 + 1 / 1)  # c/m of the reduced mass
+    np.testing.assert_allclose(np.sort(found.roots.ravel().real), [-rate, 0, 0, 0], rtol=1e-13, atol=0)
+    assert (found.roots.imag == 0).all()
+    assert (found.omega == 0).all()
+    assert f"0 Hz, comes to rest with time constant {1 / rate:.6g} s" in str(found)
+    assert "unstable" not in found.about
+
+
+@nojit
+@pytest.mark.parametrize("kind", ["symmetric", "neutral", "follower", "both"])
+def test_roots_and_shapes_solve_the_quadratic_eigenvalue_problem(kind):
+    random = np.random.default_rng(3)
+    for n in (1, 2, 3, 5, 8) * 5:
+        spread = random.normal(size=(n, n))
+        mass, stiffness = spread @ spread.T + np.eye(n), random.normal(size=(n, n))
+        damping = 10.0 ** random.uniform(-2, 1) * random.normal(size=(n, n))
+        if kind in ("symmetric", "neutral"):
+            stiffness, damping = stiffness @ stiffness.T, damping @ damping.T
+        if kind == "neutral":
+            free = random.normal(size=n)
+            stiffness -= np.outer(stiffness @ free, free @ stiffness) / (free @ stiffness @ free)
+        if kind == "follower":
+            damping *= 0.0
+        roots, shapes = small_motions(stiffness, damping, mass)
+        sizes = [np.linalg.norm(one) for one in (mass, damping, stiffness)]
+        for s, x in zip(roots.ravel(), shapes.reshape(-1, n), strict=True):
+            scale = (sizes[0] * abs(s) ** 2 + sizes[1] * abs(s) + sizes[2]) * np.linalg.norm(x)
+            # roots are right to rounding of the largest, here up to 1e4 times larger
+            assert np.linalg.norm((mass * s * s + damping * s + stiffness) @ x) <= 1e-9 * scale
+        # the determinant is det M times the product of s - root: no root is missing, none is there twice
+        point = 1.3 - 0.7j
+        want = np.linalg.det(mass * point**2 + damping * point + stiffness)
+        assert np.linalg.det(mass) * np.prod(point - roots) == pytest.approx(want, rel=1e-8)

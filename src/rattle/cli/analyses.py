@@ -299,7 +299,7 @@ def modes(
     if as_json:
         click.echo(to_json(modes_record(found)))
     else:
-        click.echo(f"about: {found.equilibrium}")
+        click.echo(f"about: {found.about}")
         click.echo(str(found))
     if output is not None:
         if output.lower().endswith(SUFFIXES):

@@ -107,7 +107,7 @@ def plot_mode(modes: Modes, mode: int, amplitude: float = 0.1) -> Figure:
     figure = new_figure(6.4, 5.4)
     ax = tidy(figure.subplots())
     half = len(motion.t) // 2
-    stage = Scene(motion, np.array([half // 2]), 1.0)
+    stage = Scene(modes.equilibrium.result, np.array([0]), 1.0)
     low, high = extent(stage)
     stage = stage._replace(size=float(max(high - low)) or 1.0)
     draw_mechanism(ax, stage, (GREY,))

@@ -121,7 +121,10 @@ class Equilibrium:
         return table(("body", "x", "y", "angle"), rows, str(self), forces)
 
     def __str__(self) -> str:
-        kind = "stable" if self.stable else "neutral" if self.eigenvalue == 0.0 else "unstable"
+        return self.described("stable" if self.stable else "neutral" if self.eigenvalue == 0.0 else "unstable")
+
+    def described(self, kind: str) -> str:
+        """The equilibrium in words, its kind first: "stable" or what else is known of it."""
         sides = f", {', '.join(self.pulled)} would have to pull" if self.pulled else ""
         pins = "".join(
             f", {name} presses with {abs(n):.4g} N" for name, n in self.normals.items() if name not in self.pulled

@@ -1,11 +1,12 @@
 """Small free vibrations about an equilibrium.
 
-Z^T M Z ddz + Z^T C Z dz + Z^T K Z z = 0,     shapes Z z, scaled so that the largest displacement is the
+(Z^T M Z s^2 + Z^T C Z s + Z^T K Z) z = 0,     shapes Z z, scaled so that the largest displacement is the
 mechanism's size;  K as in `balance`, C = -dQ/dv: exact derivatives, or differences where there are none
 """
 
 from __future__ import annotations
 
+import cmath
 import math
 import os
 from collections.abc import Iterable
@@ -17,6 +18,7 @@ import numpy as np
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.analyses.statics.exact_stiffness import exact_stiffness
+from rattle.analyses.statics.small_motions import DIFFERENCES, EXACT, small_motions
 from rattle.equations.motion import loads, place
 from rattle.equations.rest_force import force_at
 from rattle.errors import TraceError
@@ -31,45 +33,81 @@ if TYPE_CHECKING:
     from rattle.results.display import Picture
 
 FRAMES = 61
-EVEN = (
-    1e-6  # share of a stiffness by which it may be unsymmetric because of differences: frequencies change by its square
-)
-COUPLED = 0.01  # share of a root of all equations by which that of a mode alone may differ
-NOTHING = 1e-6  # share of the largest root that counts as none: roots of neutral motions are square roots of rounding
-SHOWN = 12  # roots in a note
-NEUTRAL = 1e-10  # share of the largest eigenvalue that counts as none
+STEPS = 8  # from the equilibrium outwards, so that pins with clearance keep their side
 
 
 @dataclass(repr=False)
 class Modes:
-    """Natural frequencies about an equilibrium, lowest first, and their shapes."""
+    """Natural modes about an equilibrium, lowest first: frequencies, damping ratios, rates of growth, and shapes.
+
+    They are the motions z exp(s t) of all equations together, so also those of damping that couples the undamped
+    modes, of gyroscopic and of follower forces.  Every mode has two roots s: a conjugate pair, or two real ones.
+    """
 
     equilibrium: Equilibrium
-    omega: np.ndarray  # (f,) natural circular frequencies [rad/s]; nan for an unstable mode (see growth)
-    growth: np.ndarray  # (f,) rate at which an unstable mode grows, damping included [1/s], 0 for stable modes
-    damping: np.ndarray  # (f,) damping ratio of the mode alone [-]
-    shapes: np.ndarray  # (f, 3 nb) x, y, angle of every body [m, m, rad] at the largest displacement
+    roots: np.ndarray  # (f, 2) complex s [1/s]; of a conjugate pair that with Im s > 0 first, of two real the larger
+    vectors: np.ndarray  # (f, 2, 3 nb) complex x, y, angle of every body that belong to them, largest as in shapes
     problem: StaticProblem = field(repr=False)
     note: str = ""  # how far the search for the equilibrium went, if it was cut short
     how: str = ""  # how stiffness and damping were found: "exact derivatives", or "differences" and why
 
     @property
+    def omega(self) -> np.ndarray:
+        """(f,) natural circular frequencies |s| [rad/s]; of two real roots sqrt(s1 s2); nan for a divergent mode.
+
+        Divergent: with a real root that grows (see `growth`).
+        """
+        one, other = self.roots.T
+        divergent = (one.imag == 0.0) & (one.real > 0.0)
+        size = np.where(one.imag != 0.0, np.abs(one), np.sqrt(np.abs(one * other)))
+        return np.asarray(np.where(divergent, np.nan, size))
+
+    @property
+    def growth(self) -> np.ndarray:
+        """(f,) rate Re s at which an unstable mode grows [1/s], 0 for one that does not grow."""
+        return np.asarray(np.maximum(self.roots[:, 0].real, 0.0))
+
+    @property
+    def damping(self) -> np.ndarray:
+        """(f,) damping ratio -Re s/|s| [-]: negative for flutter, 1 or more if overdamped, 0 for a divergent mode."""
+        loss, omega = -0.5 * self.roots.sum(axis=1).real, self.omega
+        return np.asarray(np.divide(loss, omega, out=np.zeros(len(omega)), where=omega > 0.0) + 0.0)
+
+    @property
     def frequency(self) -> np.ndarray:
-        """(f,) natural frequencies [Hz]."""
+        """(f,) natural frequencies |s|/(2 pi) [Hz]; nan for a divergent mode."""
         return np.asarray(self.omega / (2 * math.pi))
 
     @property
-    def time_constants(self) -> np.ndarray:
-        """(f, 2) slow and fast time constant [s] of overdamped modes; nan for modes that oscillate.
+    def damped_frequency(self) -> np.ndarray:
+        """(f,) frequencies at which the modes do vibrate, Im s/(2 pi) [Hz]; 0 for those that do not."""
+        return np.asarray(self.roots[:, 0].imag / (2 * math.pi))
 
-        Roots of s^2 + 2 zeta omega s + omega^2: -omega (zeta -+ sqrt(zeta^2 - 1)) = -1/T.
-        """
-        zeta = np.where(self.damping >= 1.0, self.damping, np.nan)
-        slow = zeta + np.sqrt(zeta * zeta - 1.0)
-        return np.stack([slow / self.omega, 1.0 / (slow * self.omega)], axis=1)
+    @property
+    def time_constants(self) -> np.ndarray:
+        """(f, 2) slow and fast time constant -1/s [s] of overdamped modes; nan for modes of any other kind."""
+        overdamped = (self.roots.imag == 0.0).all(axis=1) & (self.roots.real < 0.0).all(axis=1)
+        return np.asarray(-1.0 / np.where(overdamped[:, None], self.roots.real, np.nan))
+
+    @property
+    def shapes(self) -> np.ndarray:
+        """(f, 3 nb) x, y, angle of every body [m, m, rad] at the largest displacement; of the first root."""
+        return np.asarray(self.vectors[:, 0].real)
+
+    @property
+    def about(self) -> str:
+        """The equilibrium in words, and whether motions near it grow although it is stable at rest."""
+        rest, grows = self.equilibrium, self.growth > 0.0
+        divergent = np.isnan(self.omega).any()
+        if not grows.any():
+            return rest.described("held by forces without a potential") if rest.eigenvalue < 0.0 else str(rest)
+        if divergent and rest.eigenvalue < 0.0:
+            return str(rest)
+        still = "stable statically, " if rest.stable else "" if rest.eigenvalue < 0.0 else "neutral statically, "
+        return rest.described(f"{still}unstable by {'negative damping' if divergent else 'flutter'}")
 
     def __len__(self) -> int:
-        return len(self.omega)
+        return len(self.roots)
 
     def __repr__(self) -> str:
         found = ", ".join(self.behaviour(k, 4).partition(",")[0] for k in range(min(6, len(self))))
@@ -78,22 +116,27 @@ class Modes:
 
     def behaviour(self, mode: int, digits: int = 6) -> str:
         """Behaviour of a mode (0 = lowest) in words: frequency [Hz], time constants [s] or growth [1/s]."""
-        if math.isnan(self.omega[mode]):
-            return f"unstable, grows at {self.growth[mode]:.{digits}g} 1/s"
-        if self.damping[mode] >= 1.0:
+        one, other = (complex(root) for root in self.roots[mode])
+        cycles = f"{self.frequency[mode]:.{digits}g} Hz"
+        if one.imag != 0.0:
+            return f"flutter at {cycles}, grows at {one.real:.{digits}g} 1/s" if one.real > 0.0 else cycles
+        if one.real > 0.0:
+            also = f" and {other.real:.{digits}g}" if other.real > 0.0 else ""
+            return f"unstable, grows at {one.real:.{digits}g}{also} 1/s"
+        if one.real < 0.0:
             slow, fast = self.time_constants[mode]
             return f"overdamped, time constants {slow:.{digits}g} s and {fast:.{digits}g} s"
-        return f"{self.frequency[mode]:.{digits}g} Hz"
+        return f"{cycles}, comes to rest with time constant {-1.0 / other.real:.{digits}g} s" if other.real else cycles
 
     def _repr_html_(self) -> str:
-        return table(("mode", "frequency", "damping", "moving bodies"), self.rows(), f"about: {self.equilibrium}")
+        return table(("mode", "frequency", "damping", "moving bodies"), self.rows(), f"about: {self.about}")
 
     def rows(self) -> list[tuple[str, str, str, str]]:
         """One row per mode: number from 1, frequency [Hz], time constants or growth, damping, bodies that move most."""
         bodies = self.problem.system.bodies
         found = []
         for k in range(len(self)):
-            share = np.abs(self.shapes[k] / self.problem.scale).reshape(-1, 3).max(axis=1)
+            share = np.abs(self.vectors[k, 0] / self.problem.scale).reshape(-1, 3).max(axis=1)
             movers = ", ".join(bodies[int(n)] for n in np.argsort(-share)[:3] if share[n] > 0.1 * share.max())
             damping = "" if math.isnan(self.omega[k]) else f"{100 * self.damping[k]:.3g} %"
             found.append((str(k + 1), self.behaviour(k), damping, movers))
@@ -110,31 +153,23 @@ class Modes:
     def motion(self, mode: int = 0, amplitude: float = 0.1) -> Result:
         """One cycle of a mode (0 = lowest) as a result that can be plotted and animated.
 
-        amplitude: largest displacement as a share [-] of the mechanism's size; every position is assembled again, so
-        that the joints stay closed.  An unstable mode is shown over 1 s.  Raises ValueError if there is no such mode.
+        amplitude: largest displacement as a share [-] of the mechanism's size, which stays the same over the cycle;
+        every position is assembled again, so that the joints stay closed.  A mode that is not a vibration is shown as a
+        swing, over 1 s if it is unstable.  Raises ValueError if there is no such mode.
         """
         if not 0 <= mode < len(self):
             raise ValueError(f"mode {mode}: there are {len(self)} modes, numbered from 0")
-        problem, q0 = self.problem, self.equilibrium.q
-        omega = 2 * math.pi if math.isnan(self.omega[mode]) or self.omega[mode] == 0.0 else self.omega[mode]
-        t = np.linspace(0.0, 2 * math.pi / omega, FRAMES)
+        problem = self.problem
+        omega = float(self.roots[mode, 0].imag or self.omega[mode])
+        t = np.linspace(0.0, 2 * math.pi / omega if omega > 0.0 else 1.0, FRAMES)
         names = [name for name in self.equilibrium.result.stored if name.endswith((".x", ".y", ".angle", ".ex", ".ey"))]
         table = []
         problem.at(self.equilibrium.t)
-        steps = 8
-        swing = {0: q0.copy()}
-        for sign in (1, -1):  # outwards in small steps, so that pins with clearance keep their side
-            q = q0.copy()
-            for n in range(1, steps + 1):
-                q = q + sign * amplitude / steps * self.shapes[mode]
+        for turn in np.linspace(0.0, 2 * math.pi, FRAMES):
+            q = self.equilibrium.q.copy()
+            for _ in range(STEPS):
+                q += amplitude / STEPS * (self.vectors[mode, 0] * cmath.exp(1j * turn)).real
                 problem.close(q)
-                swing[sign * n] = q.copy()
-        keys = np.array(sorted(swing), dtype=float)
-        known = np.array([swing[int(k)] for k in keys])
-        for instant in t:
-            level = steps * math.cos(omega * instant)
-            q = np.array([np.interp(level, keys, known[:, k]) for k in range(len(q0))])
-            problem.close(q)
             one = problem.finish(q, 0)
             table.append([one[name] for name in names])
         base = self.equilibrium.result
@@ -172,85 +207,25 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
     problem.at(one.t)
     g, null = problem.reduce(one.q)
     if not len(g):
-        empty = np.zeros(0)
-        return Modes(one, empty, empty, empty, np.zeros((0, len(one.q))), problem, note)
-    h, c, how = _matrices(problem, one.q, null)
+        return Modes(one, np.zeros((0, 2), complex), np.zeros((0, 2, len(one.q)), complex), problem, note)
+    stiffness, damping, how, error = _matrices(problem, one.q, null)
     mass = null.T @ (problem.system.arrays["mass"][1:].ravel()[:, None] * null)
-    squares, vectors, left = _eigenvectors(h, mass)
-    modal = np.einsum("ik,ij,jk->k", left, c, vectors)
-    omega, growth, damping = _oscillations(squares, modal)
-    note = "\n".join(one for one in (note, _together(h, c, mass, squares, modal, growth)) if one)
-    if np.iscomplexobj(vectors):  # at the instant of the largest displacement
-        largest = vectors[np.abs(vectors).argmax(axis=0), range(len(g))]
-        vectors = np.real(vectors / largest)
-    shapes = (null @ vectors).T
-    largest = np.abs(shapes / problem.scale).max(axis=1, keepdims=True)
-    shapes *= problem.system.size / largest
-    return Modes(one, omega, growth, damping, shapes, problem, note, how)
+    roots, shapes = small_motions(stiffness, damping, mass, error)
+    vectors = shapes @ null.T
+    displacement = vectors / problem.scale
+    place = np.abs(displacement).argmax(axis=2)[:, :, None]
+    largest = np.take_along_axis(displacement, place, axis=2)
+    turned = np.where(np.isreal(largest), np.abs(largest), largest)  # a real shape keeps its sign
+    return Modes(one, roots, problem.system.size * vectors / turned, problem, note, how)
 
 
-def _eigenvectors(h: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Eigenvalues mu (f,) [1/s^2] of h x = mu mass x by their real parts, right and left vectors in columns (f, f).
-
-    left^T mass right = 1.  Loads without a potential make h unsymmetric, and mu may be complex (flutter).
-    """
-    lower = np.linalg.inv(np.linalg.cholesky(mass))
-    if np.abs(h - h.T).max() <= EVEN * np.abs(h).max():
-        squares, vectors = np.linalg.eigh(lower @ (0.5 * (h + h.T)) @ lower.T)
-        inverse = vectors.T
-    else:
-        squares, vectors = np.linalg.eig(lower @ h @ lower.T)
-        order = np.argsort(squares.real, kind="stable")
-        squares, vectors = squares[order], vectors[:, order]
-        inverse = np.linalg.pinv(vectors)
-    squares[np.abs(squares) < NEUTRAL * np.abs(squares).max(initial=0.0)] = 0.0
-    return squares, lower.T @ vectors, lower.T @ inverse.T
-
-
-def _oscillations(squares: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """omega [rad/s], growth [1/s] and damping ratio (f,) of s^2 + c s + mu = 0, as in `Modes`; mu = squares (f,)."""
-    half, flutter = 0.5 * c, np.imag(squares) != 0.0
-    reach = np.sqrt(half * half - squares + 0j)
-    roots = np.where(np.imag(squares) < 0.0, -reach, reach) - half  # of a pair of modes one grows, the other decays
-    unstable = np.where(flutter, roots.real > 0.0, np.real(squares) < 0.0)
-    omega = np.where(unstable, np.nan, np.where(flutter, np.abs(roots), np.sqrt(np.abs(squares))))
-    loss = np.where(flutter, -roots, half).real
-    damping = np.divide(loss, omega, out=np.zeros(len(omega)), where=omega > 0.0)
-    return omega, np.where(unstable, roots.real, 0.0), damping
-
-
-def _together(
-    h: np.ndarray, c: np.ndarray, mass: np.ndarray, squares: np.ndarray, modal: np.ndarray, growth: np.ndarray
-) -> str:
-    """What is said where the modes, each with its own damping, are not the motions of all equations; "" otherwise."""
-    half = 0.5 * modal
-    reach = np.sqrt(half * half - squares + 0j)
-    alone = list(np.concatenate([reach - half, -reach - half]))
-    f = len(h)
-    zero = np.zeros((f, f))
-    roots = np.linalg.eigvals(np.block([[zero, np.eye(f)], [-np.linalg.solve(mass, h), -np.linalg.solve(mass, c)]]))
-    largest = np.abs(roots).max()
-    unlike = False
-    for root in roots:
-        nearest = int(np.argmin([abs(root - one) for one in alone]))
-        unlike |= abs(root - alone.pop(nearest)) > COUPLED * abs(root) + NOTHING * largest
-    grows = roots.real.max() > NOTHING * largest
-    if not unlike and not (grows and not growth.any()):
-        return ""
-    shown = sorted((one for one in roots if one.imag >= 0.0), key=abs)[:SHOWN]
-    listed = ", ".join(f"{one.real:.4g}" + (f" +- {one.imag:.4g}i" if one.imag > 0.0 else "") for one in shown)
-    why = "forces by velocities couple the modes, which stand here each alone" if unlike else "damping is negative"
-    verdict = f"; the equilibrium is unstable, motions grow at {roots.real.max():.4g} 1/s" if grows else ""
-    return f"{why}: all equations together have the roots s = {listed} 1/s{verdict}"
-
-
-def _matrices(problem: StaticProblem, q: np.ndarray, null: np.ndarray) -> tuple[np.ndarray, np.ndarray, str]:
-    """Z^T K Z [N/m], Z^T C Z [N*s/m], (dof, dof), with Z = null (3 nb, dof), and how they were found."""
+def _matrices(problem: StaticProblem, q: np.ndarray, null: np.ndarray) -> tuple[np.ndarray, np.ndarray, str, float]:
+    """Z^T K Z [N/m], Z^T C Z [N*s/m], (dof, dof), with Z = null (3 nb, dof), how they were found, and their error."""
     try:
-        return *exact_stiffness(problem, q, null), "exact derivatives"
+        return *exact_stiffness(problem, q, null), "exact derivatives", EXACT
     except TraceError as error:
         damping = null.T @ _damping(problem, q) @ null
-        return problem.hessian(q, null), damping, f"differences, because {error}"
+        return problem.hessian(q, null), damping, f"differences, because {error}", DIFFERENCES
 
 
 def _damping(problem: StaticProblem, q: np.ndarray) -> np.ndarray:
