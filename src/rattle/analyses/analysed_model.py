@@ -201,7 +201,7 @@ class AnalysedModel(WrittenModel):
         )  # fmt: skip
 
     def modes(self, t: Seconds = 0.0, equilibrium: Equilibrium | None = None, *, effort: float = 1.0) -> Modes:
-        """Natural frequencies [Hz], damping ratios and shapes about an equilibrium.
+        """Natural frequencies [Hz], damping ratios, growth [1/s] and shapes about an equilibrium, all forces together.
 
         Pins with clearance are massless links that press.  Matrices are exact derivatives or differences: see `.how`.
         t: time of the drivers [s].  equilibrium: default the first of `equilibrium(t)`.  effort: as of `equilibrium`.
