@@ -104,7 +104,8 @@ def kind(family: str, name: str, kernel: KernelFunction | None = None) -> Callab
 
 def kinds(family: str) -> Mapping[str, Kind]:
     """All kinds of one family by name; its packages are searched on first use."""
-    discover(PACKAGES.get(family, ELEMENTS))
+    if not _searched.issuperset(packages := PACKAGES.get(family, ELEMENTS)):
+        discover(packages)
     return _families.setdefault(family, {})
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.equations.system import System
+from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
 LARGE = 400  # number of rows above which dense linear algebra is avoided and starting the machine code pays off
@@ -13,8 +14,8 @@ LARGE = 400  # number of rows above which dense linear algebra is avoided and st
 def dense_rows(system: System, workspace: Workspace) -> np.ndarray:
     """The Jacobian Phi_q of the rows in the workspace as a dense array (nr, 3 nb), SI units."""
     nr = system.row_count
-    full = np.zeros((nr, 3 * (system.body_count + 1)))
-    line = np.arange(nr)[:, None]
-    for side, columns in ((0, slice(3, 6)), (1, slice(6, 9))):
-        np.add.at(full, (line, 3 * system.arrays["row_body"][:, side, None] + np.arange(3)), workspace.rows[:, columns])
-    return full[:, 3:]
+    full = np.zeros((nr, system.body_count + 1, 3))
+    line, bodies, rows = np.arange(nr), system.arrays["row_body"], workspace.rows
+    full[line, bodies[:, at.ROW_A]] += rows[:, at.AX : at.AP + 1]
+    full[line, bodies[:, at.ROW_B]] += rows[:, at.BX : at.BP + 1]
+    return full.reshape(nr, 3 * full.shape[1])[:, 3:]

@@ -60,6 +60,14 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
     ideal: the assembled ideal mechanism at t, if it is known already.
     Raises AssemblyError if the joints cannot be closed; the message names the loop and the gap.
     """
+    made = _assembled(system, t, ideal)
+    if t != 0.0:
+        return made
+    return replace(made, notes=(*system.model.remarks, *start_notes(system, t, made.q, made.v)))
+
+
+def _assembled(system: System, t: float, ideal: Assembled | None = None) -> Assembled:
+    """As `assemble`, without notes."""
     model = system.model
     links = {name: one for name, one in model.joints.items() if is_link(one)}
     open_ = {name: one for name, one in model.joints.items() if has_contacts(one)}
@@ -69,7 +77,7 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
     missing: list[str] = []
     if offsets:
         try:
-            ideal = assemble(ideal_system, t)
+            ideal = _assembled(ideal_system, t)
         except AssemblyError:  # it need not close if the user's values determine everything
             if links or held:
                 raise
@@ -78,7 +86,7 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
             offsets.update(_along_reactions(ideal_system, ideal, missing))
             held = [*links, *held]  # closing would move the pins away from where the reactions press them
     workspace = system.workspace()
-    q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal)
+    q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal, ideal_system)
     if t == 0.0:  # the instant for which offsets are given
         _refuse_offsets_along(system, q)
     given = given_values(system, 1)
@@ -88,26 +96,32 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
         v = np.where(np.isnan(given), ideal.v, given)
         place_rates(system, q, v, given, ideal.v)
         v = _closed_rates(system, workspace, t, q, v, given)
-    _refuse_contradiction(system, t, q, v)
+    _refuse_contradiction(system, workspace, t, q, v)
     residual = float(open_by(workspace, t, q, v))
     outside = _outside(system, workspace)
     if outside:
         raise AssemblyError(outside)
-    return Assembled(t, q, v, residual, iterations, (*model.remarks, *start_notes(system, t, q, v)) if t == 0.0 else ())
+    return Assembled(t, q, v, residual, iterations)
 
 
 def _closed(
     system: System, workspace: Workspace, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
-    ideal: Assembled | None,
+    ideal: Assembled | None, ideal_system: System,
 ) -> tuple[np.ndarray, int]:  # fmt: skip
     """Positions (3 nb,) that satisfy every joint, with the pins of the `held` joints at their offsets if possible.
 
     Also returns the number of iterations.
     """
-    q = None
+    q, given = None, given_values(system, 0)
     if held and ideal is not None:
         try:
-            q, iterations = _hold_offsets(system, t, {name: offsets[name] for name in held}, ideal)
+            shut = {
+                name: replace(one, contact=None) if name in held else one for name, one in system.model.joints.items()
+            }
+            closed = replace(system.model, joints=shut)
+            closed_system = ideal_system if len(held) == len(offsets) else compile_system(closed)
+            there = {name: offsets[name] for name in held}
+            q, iterations = _hold_offsets(closed_system, closed, t, there, ideal, given)
             gap = close_position(workspace, t, q, np.empty_like(q), 1e-12 * system.size, 60)[0]
             if not gap <= 1e-9 * system.size or (missing and np.abs(q - ideal.q)[2::3].max() > FAR):
                 raise AssemblyError(_why_open(system, workspace, t, q))
@@ -118,10 +132,10 @@ def _closed(
     if q is None:
         q, iterations = _positions(system, workspace, t, offsets, ideal)
     if missing and system.row_count <= LARGE:
-        q = keep_places(system, workspace, t, q, given_values(system, 0))
+        q = keep_places(system, workspace, t, q, given)
     if system.row_count > LARGE or missing or any(name in system.model.initial.offsets for name in held):
         return q, iterations
-    kept = keep_positions(system, workspace, t, q, given_values(system, 0))
+    kept = keep_positions(system, workspace, t, q, given)
     open_by(workspace, t, kept, np.zeros_like(kept))
     return (q if _outside(system, workspace) else kept), iterations
 
@@ -146,28 +160,29 @@ def _placed(model: Model, joint: Joint) -> bool:
     return all(known(body) or (body in turning and body in reached) for body in bodies)
 
 
-def _hold_offsets(system: System, t: float, offsets: dict[str, Any], ideal: Assembled) -> tuple[np.ndarray, int]:
-    """Positions (3 nb,) with the pins of some open joints at given offsets [m], and the number of iterations.
+def _hold_offsets(
+    system: System, model: Model, t: float, offsets: dict[str, Any], ideal: Assembled, given: np.ndarray
+) -> tuple[np.ndarray, int]:
+    """Positions (3 nb,) with the pins of some joints at given offsets [m], and the number of iterations.
 
-    These joints are closed as ideal joints with shifted bushes.
+    system, model: with these joints closed; here their bushes are shifted.  given: (3 nb,), nan if not given.
     """
-    model, q, iterations = system.model, ideal.q.copy(), 0
+    q, iterations, workspace = ideal.q.copy(), 0, system.workspace()
+    on = {name: [name, *(key for key, one in model.drivers.items() if one.joint == name)] for name in offsets}
     for _ in range(6 if any(math.hypot(*one) for one in offsets.values()) else 1):
-        joints = dict(model.joints)
         for name, offset in offsets.items():
-            joint = joints[name]
-            shift = turned(-pose(system, q, joint.a.body)[2], offset)
-            spot = (joint.a.at[0] + float(shift[0]), joint.a.at[1] + float(shift[1]))
-            joints[name] = replace(joint, a=replace(joint.a, at=spot), contact=None)
-        shifted = compile_system(replace(model, joints=joints))
-        workspace = shifted.workspace()
+            point = model.joints[name].a
+            shift = turned(-pose(system, q, point.body)[2], offset)
+            for one in on[name]:  # the parameters of both begin with the point on A
+                place = system.first_value(one)
+                workspace.values[place : place + 2] = np.array(point.at) + shift
         before = q.copy()
         gap, more = close_position(workspace, t, q, np.empty_like(q), 1e-13 * system.size, 60)
         iterations += more
         if not gap <= 1e-9 * system.size:
-            raise AssemblyError(_why_open(shifted, workspace, t, q))
-        if shifted.row_count <= LARGE:
-            q = keep_positions(shifted, workspace, t, q, given_values(system, 0))
+            raise AssemblyError(_why_open(replace(system, model=model), workspace, t, q))
+        if system.row_count <= LARGE:
+            q = keep_positions(system, workspace, t, q, given)
         if np.abs(q - before).max() < 1e-14 * system.size:
             break
     return q, iterations
@@ -236,7 +251,7 @@ def _without_drivers(system: System, workspace: Workspace, t: float) -> None:
     if not system.model.drivers or system.row_count > LARGE:
         return
     try:
-        q = assemble(compile_system(replace(system.model, drivers={})), t).q
+        q = _assembled(compile_system(replace(system.model, drivers={})), t).q
     except AssemblyError:
         return
     place_only(workspace, q)
@@ -263,13 +278,13 @@ def _refuse_two_drivers(system: System, workspace: Workspace) -> None:
         )
 
 
-def _refuse_contradiction(system: System, t: float, q: np.ndarray, v: np.ndarray) -> None:
+def _refuse_contradiction(system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray) -> None:
     """Raise AssemblyError if the joints, or other drivers, contradict a driver."""
     from rattle.analyses.assembly.driver_conflicts import contradicted
 
     if system.row_count > LARGE:
         return
-    found = contradicted(system, t, q, v, system.model.settings.t_end)
+    found = contradicted(system, workspace, t, q, v, system.model.settings.t_end)
     if found:
         raise AssemblyError(found)
 

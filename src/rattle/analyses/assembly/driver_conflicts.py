@@ -23,15 +23,14 @@ MOST_STEPS = 200
 LATER = 8  # instants examined after the start; the nearest is span / 2^LATER away
 
 
-def contradicted(system: System, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
+def contradicted(system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
     """In words, the drivers that joints or other drivers contradict at the state (t, q, v) or soon after; "" if none.
 
-    t: [s]; q, v: (3 nb,) [m, rad], [m/s, rad/s]; span: how far to look ahead [s].
+    workspace: for its positions.  t: [s]; q, v: (3 nb,) [m, rad], [m/s, rad/s]; span: how far to look ahead [s].
     A dead centre is not a contradiction: from another position the driver works.
     """
     if not system.model.drivers:
         return ""
-    workspace = system.workspace()
     open_by(workspace, t, q, v)
     null = _with_drivers(system, left_null(system, workspace))
     if not null.shape[1]:
@@ -99,7 +98,7 @@ def _later(system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.
                 )
             close_rate(workspace, ahead, q, v)
             now, steps = ahead, steps + 1
-        found = contradicted(system, now, q, v, 0.0)
+        found = contradicted(system, workspace, now, q, v, 0.0)
         if found:
             return f"{found} (at t = {now:.4g} s)"
     return ""

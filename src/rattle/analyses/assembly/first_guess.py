@@ -124,19 +124,20 @@ def place_rates(system: System, q: np.ndarray, v: np.ndarray, given: np.ndarray,
     model = system.model
     number = {name: 3 * n for n, name in enumerate(system.bodies)}
 
-    def rate_of(point: Any) -> np.ndarray:
+    def rate_of(point: Any) -> tuple[float, float]:
         if point.body == "ground":
-            return np.zeros(2)
+            return 0.0, 0.0
         k = number[point.body]
-        x, y = turned(q[k + 2], point.at)
-        return np.array([v[k] - v[k + 2] * y, v[k + 1] + v[k + 2] * x])
+        x, y = turned(float(q[k + 2]), point.at).tolist()
+        vx, vy, omega = v[k : k + 3].tolist()
+        return vx - omega * y, vy + omega * x
 
     for body, _, joint in outward(model):
         k = number[body]
-        if _leaves_place(joint):
-            v[k : k + 2] = otherwise[k : k + 2]
-        else:
+        rate = otherwise[k : k + 2].tolist()
+        if not _leaves_place(joint):
             own, other = (joint.b, joint.a) if joint.b.body == body else (joint.a, joint.b)
             v[k : k + 2] = 0.0
-            v[k : k + 2] = rate_of(other) - rate_of(own)
-        v[k : k + 2] = np.where(np.isnan(given[k : k + 2]), v[k : k + 2], given[k : k + 2])
+            rate = [one - two for one, two in zip(rate_of(other), rate_of(own), strict=True)]
+        known = given[k : k + 2].tolist()
+        v[k : k + 2] = [way if math.isnan(one) else one for way, one in zip(rate, known, strict=True)]

@@ -14,19 +14,21 @@ UNLIKE = 1e9  # ratio of masses that leaves too few digits for the lighter body
 
 def scaled_rows(system: System, workspace: Workspace) -> np.ndarray:
     """(nr, 3 nb) Phi_q [-] with angles times the size of the mechanism as lengths, every row scaled to length 1."""
-    full = dense_rows(system, workspace)
-    full[:, 2::3] /= system.size
-    scaled: np.ndarray = full / row_lengths(system, workspace)[:, None]
+    full, length = _rows_and_lengths(system, workspace)
+    scaled: np.ndarray = full / length[:, None]
     return scaled
 
 
 def row_lengths(system: System, workspace: Workspace) -> np.ndarray:
     """(nr,) lengths of the rows of Phi_q, by which `scaled_rows` divides; 1 for a row of zeros."""
+    return _rows_and_lengths(system, workspace)[1]
+
+
+def _rows_and_lengths(system: System, workspace: Workspace) -> tuple[np.ndarray, np.ndarray]:
     full = dense_rows(system, workspace)
     full[:, 2::3] /= system.size
     length = np.linalg.norm(full, axis=1)
-    made: np.ndarray = np.where(length > 0, length, 1.0)
-    return made
+    return full, np.where(length > 0, length, 1.0)
 
 
 def rank(system: System, workspace: Workspace) -> int:

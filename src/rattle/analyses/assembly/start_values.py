@@ -32,9 +32,10 @@ ROUNDS = 40  # of Newton's method
 def given_values(system: System, turn: int) -> np.ndarray:
     """(3 nb,) given positions [m, m, rad] (turn 0) or rates [m/s, m/s, rad/s] (turn 1), nan if not given."""
     given = np.full(3 * system.body_count, math.nan)
-    for n, name in enumerate(system.bodies):
+    for name, values in system.model.initial.bodies.items():
+        n = system.bodies.index(name)
         for k, key in enumerate(KEYS[turn]):
-            given[3 * n + k] = system.model.initial.bodies.get(name, {}).get(key, math.nan)
+            given[3 * n + k] = values.get(key, math.nan)
     return given
 
 

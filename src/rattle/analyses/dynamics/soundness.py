@@ -212,7 +212,7 @@ def _cause(run: Running, t: float, ahead: float) -> str:
     nq = 3 * system.body_count
     q, v = workspace.state[:nq].copy(), workspace.state[nq : 2 * nq].copy()
     found = load_law.complaint(t) or not_finite(system, workspace, run.t_end)
-    found = found or jump(system, t, ahead) or contradicted(system, t, q, v, run.t_end - t)
+    found = found or jump(system, t, ahead) or contradicted(system, system.workspace(), t, q, v, run.t_end - t)
     if found:
         return found
     found = unlike_masses(system)
