@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -75,6 +75,26 @@ class Table:
             return SimpleNamespace(T=[self[:, c] for c in width])
         return Column(row[columns] for row in self.rows)
 
+    def take(self, columns: Sequence[int], axis: int) -> Taken:
+        """Some columns, in this order."""
+        assert axis == 1
+        return Taken([[row[c] for row in self.rows] for c in columns])
+
+
+class Taken:
+    """Columns of numbers or symbols, which can be replaced as in an array, and are gone through one by one."""
+
+    def __init__(self, columns: list[list[Any]]) -> None:
+        self.columns = columns
+
+    def __setitem__(self, place: tuple[slice, int], values: Column) -> None:
+        everything, column = place
+        assert everything == slice(None)
+        self.columns[column] = values.values
+
+    def __iter__(self) -> Iterator[list[Any]]:
+        return iter(self.columns)
+
 
 def arrays(graph: Graph) -> SimpleNamespace:
     """What functions over columns of symbols find under the name of NumPy."""
@@ -85,5 +105,4 @@ def arrays(graph: Graph) -> SimpleNamespace:
     return SimpleNamespace(
         hypot=each("hypot"), cos=each("cos"), sin=each("sin"), where=lambda *given: Column.each(select, *given),
         zeros_like=lambda x: Column([0.0] * len(x.values)), errstate=np.errstate, ndarray=np.ndarray,
-        array=lambda parts: SimpleNamespace(T=[one.values for one in parts]), ascontiguousarray=lambda x: x,
     )  # fmt: skip
