@@ -480,3 +480,29 @@ def test_roots_and_shapes_solve_the_quadratic_eigenvalue_problem(kind):
         point = 1.3 - 0.7j
         want = np.linalg.det(mass * point**2 + damping * point + stiffness)
         assert np.linalg.det(mass) * np.prod(point - roots) == pytest.approx(want, rel=1e-8)
+
+
+@nojit
+def test_an_equilibrium_of_another_mechanism_is_refused_in_words():
+    one, two = rt.loads(rods(second=False)), rt.loads(rods())
+    longer = rt.loads(rods(second=False).replace("length = 1", "length = 1.5"))
+    twisted = rt.loads(rods(twist(0.3).replace('"-pi/2"', '"-pi/3"'), second=False))
+    with pytest.raises(ValueError, match="it has the bodies rod, low, this one rod"):
+        one.modes(equilibrium=two.equilibrium()[0])
+    with pytest.raises(ValueError, match=r"open by 0\.25 m"):
+        one.modes(equilibrium=longer.equilibrium()[0])
+    with pytest.raises(ValueError, match=r"another mechanism: .* unbalanced by"):
+        one.modes(equilibrium=twisted.equilibrium()[0])
+    with pytest.raises(ValueError, match="another mechanism"):  # a pin that carries in its play is no pin without
+        one.modes(equilibrium=rt.loads(rods(clearance="clearance = 0.005", second=False)).equilibrium()[0])
+    with pytest.raises(TypeError, match=r"got Equilibria; take one of them, such as m.equilibrium\(\)\[0\]"):
+        one.modes(equilibrium=one.equilibrium())
+    with pytest.raises(TypeError, match="got int"):
+        one.modes(equilibrium=0)
+
+
+@nojit
+def test_an_equilibrium_that_stays_one_when_the_damping_changes_is_taken():
+    calm, damped = (rt.loads(rods(twist(c), second=False)) for c in (0.0, 0.3))
+    found = damped.modes(equilibrium=calm.equilibrium()[0])
+    assert found.damping[0] == pytest.approx(damped.modes().damping[0], rel=1e-9)

@@ -205,14 +205,14 @@ class AnalysedModel(WrittenModel):
 
         Pins with clearance are massless links that press.  Matrices are exact derivatives or differences: see `.how`.
         t: time of the drivers [s].  equilibrium: default the first of `equilibrium(t)`.  effort: as of `equilibrium`.
-        Raises ValueError if there is no equilibrium.
+        Raises ValueError if there is no equilibrium, or the one given is not one of this mechanism.
         """
         from rattle.analyses.statics.equilibria import static_problem
-        from rattle.analyses.statics.modes import modes
+        from rattle.analyses.statics.modes import modes, own_problem
 
         effort = arguments.effort(effort)
         if equilibrium is not None:
-            return modes(static_problem(self.system, equilibrium), equilibrium)
+            return modes(own_problem(self.system, equilibrium), equilibrium)
         found = self.equilibrium(seconds(t, "t"), effort=effort)
         first = found.first_at(seconds(t, "t"))
         return modes(static_problem(self.system, first), first, found.note)

@@ -16,11 +16,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.analyses.statics.balance import StaticProblem
-from rattle.analyses.statics.equilibrium import Equilibrium
+from rattle.analyses.statics.equilibria import static_problem
+from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
 from rattle.analyses.statics.exact_stiffness import exact_stiffness
 from rattle.analyses.statics.small_motions import DIFFERENCES, EXACT, small_motions
 from rattle.equations.motion import loads, place
 from rattle.equations.rest_force import force_at
+from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.results.build import build_result
 from rattle.results.display import table
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
     from rattle.results.display import Picture
 
 FRAMES = 61
+OTHER = 1e-6  # share of size and forces by which an equilibrium may be open or unbalanced, to be one of a mechanism
 STEPS = 8  # from the equilibrium outwards, so that pins with clearance keep their side
 
 
@@ -217,6 +220,31 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
     largest = np.take_along_axis(displacement, place, axis=2)
     turned = np.where(np.isreal(largest), np.abs(largest), largest)  # a real shape keeps its sign
     return Modes(one, roots, problem.system.size * vectors / turned, problem, note, how)
+
+
+def own_problem(system: System, one: Equilibrium) -> StaticProblem:
+    """The problem of which an equilibrium given by a user is a solution.
+
+    Raises TypeError if it is none, ValueError if it is one of another mechanism.
+    """
+    if not isinstance(one, Equilibrium):
+        hint = "; take one of them, such as m.equilibrium()[0]" if isinstance(one, Equilibria) else ""
+        raise TypeError(f"equilibrium must be one of m.equilibrium(), got {type(one).__name__}{hint}")
+    bodies, mine = tuple(one.table.geometry["bodies"]), tuple(system.bodies)
+    if bodies != mine:
+        raise ValueError(
+            f"the equilibrium is one of another mechanism: it has the bodies {', '.join(bodies)}, this one"
+            f" {', '.join(mine)}; take one of m.equilibrium()"
+        )
+    problem = static_problem(system, one)
+    found = problem.assess(one.q, 0)
+    open_by, unbalanced = found.gap, found.residual
+    if open_by > max(OTHER * system.size, one.gap) or not unbalanced <= max(OTHER * found.force, 2.0 * one.residual):
+        raise ValueError(
+            f"the equilibrium is one of another mechanism: this one is open by {open_by:.2g} m (or rad) there and"
+            f" unbalanced by {unbalanced:.2g} N; take one of m.equilibrium()"
+        )
+    return problem
 
 
 def _matrices(problem: StaticProblem, q: np.ndarray, null: np.ndarray) -> tuple[np.ndarray, np.ndarray, str, float]:
