@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
     from rattle.studies.bifurcation import Bifurcation
     from rattle.studies.compare import Comparison
+    from rattle.studies.ensemble.ensemble import Ensemble
+    from rattle.studies.ensemble.fields import Vary
     from rattle.studies.ensemble.sweep import Sweep
     from rattle.studies.lyapunov import Lyapunov
     from rattle.studies.many import Many
@@ -93,6 +95,35 @@ class Mechanism(AnalysedModel):
             step=seconds_or_none(step, "step"), threads=threads, progress=progress,
         )  # fmt: skip
 
+    def ensemble(
+        self, n: int, outputs: Sequence[str], vary: Vary = None, *, seed: int = 0, analysis: str = "simulate",
+        t_end: Seconds | None = None, design: str = "sobol", rtol: float | None = None, method: str | None = None,
+        threads: int | None = None, progress: bool = False,
+    ) -> Ensemble:  # fmt: skip
+        """Statistics of n mechanisms with tolerances: `m.ensemble(1000, ["max(O3.force)"]).summary()`.
+
+        outputs: numbers of a run as in `many`.  vary: parameters and their tolerances: all that have one in the model
+        file (default), a list of names, or {"l2": "0.1 mm", "r3": {"tol": 1e-4, "dist": "normal"}}.
+        seed: sample i depends on it and on i alone (and on n for lhs).  design: sobol, halton, lhs (spread evenly) or
+        random (independent).
+        analysis: simulate, kinematics, inverse-dynamics, equilibrium, accuracy (outputs of "rocker.angle.high",
+        .low, .nominal, .worst, .rss) or modes ("mode1.frequency", .damping, .growth).
+        t_end: [s] (default: as in the model; t = 0 alone for equilibrium and modes).  rtol (default 1e-8), method: of
+        motions.  threads: default one per core.  progress: show a progress bar.
+
+        Returns the samples, `e["max(O3.force)"]`, `e.table`, `e.sample(17)`, and what follows from them: `e.summary()`,
+        `e.yield_below("max(O3.force)", 5000)`.  A sample that cannot be run is a row with its message.  Ctrl-C returns
+        the samples so far.
+        Raises ModelError, UnknownName, ValueError for a question that makes no sense; MissingPackage without pandas
+        where tables are asked for.
+        """
+        from rattle.studies.ensemble.ensemble import ensemble
+
+        return ensemble(
+            self, n, outputs, vary, seed=seed, analysis=analysis, t_end=seconds_or_none(t_end, "t_end"), design=design,
+            rtol=rtol, method=method, threads=threads, progress=progress,
+        )  # fmt: skip
+
     def sweep(
         self, values: Mapping[str, Sequence[float | str] | np.ndarray], outputs: Sequence[str], *,
         analysis: str = "simulate", t_end: Seconds | None = None, rtol: float | None = None, method: str | None = None,
@@ -101,7 +132,7 @@ class Mechanism(AnalysedModel):
         """Outputs over all combinations of values: `m.sweep({"r3": [1e-3, 2e-3]}, ["max(O3.force)"]).table`.
 
         values: by parameter, numbers in SI or texts such as "1 mm"; the last parameter changes fastest.
-        outputs, t_end, rtol, method, threads: as in `many`.  `w.grid(output)` is an array with one axis per parameter.
+        All else as in `ensemble`.  `w.grid(output)` is an array with one axis per parameter.
         """
         from rattle.studies.ensemble.sweep import sweep
 

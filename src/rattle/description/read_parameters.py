@@ -130,12 +130,8 @@ def _parameter(values: Values, name: str, given: Any) -> Parameter:
         key: _limit(values, given[key], unit, seen, (*path, key)) for key in ("min", "max", "tol") if key in given
     }
     low, high, tol = (limits.get(key) for key in ("min", "max", "tol"))
-    if low is not None and high is not None and not low <= values.constants[name] <= high:
-        bare = f" (a number without a unit is SI: {_unit_of(given['min'])} here)" if _unit_missing(given) else ""
-        values.wrong(
-            (*path, "value"),
-            f"{said(given['value'])} is not between min = {said(given['min'])} and max = {said(given['max'])}{bare}",
-        )
+    if beyond := _beyond(values.constants[name], low, high, given):
+        values.wrong((*path, "value"), f"{said(given['value'])} is {beyond}")
     if tol is not None and tol < 0:
         values.wrong((*path, "tol"), f"{said(given['tol'])} must not be negative")
     dist = _distribution(values, given.get("dist", ""), unit, seen, (*path, "dist"))
@@ -206,9 +202,22 @@ def _unlike_its_limits(given: Mapping[str, Any], seen: Dimension | None) -> Dime
     return found[0]
 
 
+def _beyond(value: float, low: float | None, high: float | None, given: Mapping[str, Any]) -> str:
+    """What is said of a value [SI] that is not between its limits, "" if it is."""
+    if (low is None or value >= low) and (high is None or value <= high):
+        return ""
+    bare = f" (a number without a unit is SI: {_unit_of(given['min'])} here)" if _unit_missing(given) else ""
+    if high is None:
+        return f"below min = {said(given['min'])}"
+    if low is None:
+        return f"above max = {said(given['max'])}"
+    return f"not between min = {said(given['min'])} and max = {said(given['max'])}{bare}"
+
+
 def _unit_missing(given: Mapping[str, Any]) -> bool:
     """True if the limits have units and the value is a number without one."""
-    return not isinstance(given["value"], str) and isinstance(given["min"], str) and isinstance(given["max"], str)
+    limits = given.get("min"), given.get("max")
+    return not isinstance(given["value"], str) and all(isinstance(one, str) for one in limits)
 
 
 def _unit_of(limit: str) -> str:

@@ -16,7 +16,6 @@ Halton algorithm in R, arXiv:1706.02808; McKay, Beckman, Conover, Technometrics 
 
 from __future__ import annotations
 
-import inspect
 import threading
 from abc import ABC, abstractmethod
 from functools import cached_property
@@ -193,7 +192,5 @@ def _engine(name: str, asked: Points, **options: Any) -> Any:
     """An engine of SciPy with a generator of its own."""
     from scipy.stats import qmc
 
-    made = getattr(qmc, name)
-    seed = "rng" if "rng" in inspect.signature(made).parameters else "seed"  # its name before SciPy 1.15
     generator = np.random.Generator(np.random.PCG64(asked.seed))
-    return made(asked.draws, **options, **{seed: generator})
+    return getattr(qmc, name)(asked.draws, **options, rng=generator)

@@ -1,0 +1,157 @@
+"""Ensembles: what tolerances of lengths, clearances, friction and loads do to numbers of a mechanism.
+
+A sample is the mechanism with parameters drawn from their fields; sample i depends on the seed and on i alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rattle.analyses import arguments
+from rattle.errors import AssemblyError, ModelError, SolverError
+from rattle.results.archive import package
+from rattle.results.display import table
+from rattle.studies.ensemble import statistics
+from rattle.studies.ensemble.fields import Fields, Vary, fields_of
+from rattle.studies.ensemble.limits import limit_of
+from rattle.studies.ensemble.pieces import OK
+from rattle.studies.ensemble.plans import Drawn
+from rattle.studies.ensemble.samples import Samples
+from rattle.studies.ensemble.sampling import MOST, points
+from rattle.studies.ensemble.shown import aligned, in_one_unit
+from rattle.studies.ensemble.statistics import Bounded, Statistics
+from rattle.studies.ensemble.store import Memory
+from rattle.studies.ensemble.work import run_missing
+from rattle.studies.runs.task import Task, task_of
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Ensemble(Samples):
+    """n samples whose parameters were drawn from their fields, with statistics of the outputs."""
+
+    fields: Fields = field(repr=False)
+    design: str
+    seed: int
+    nominal: tuple[float, ...]  # the outputs without deviations [SI]
+    notes: tuple[str, ...]  # what is to be said of the mechanism without deviations
+
+    def statistics(self, output: str) -> Statistics:
+        """Statistics of an output [SI], of all samples in which it is finite."""
+        return statistics.statistics(self[output])
+
+    def summary(self) -> Any:
+        """A pandas DataFrame, one row per output [SI], with 95 % confidence bounds in columns ..._low and ..._high.
+
+        nominal, mean, sd, min, max, q05, q50, q95 (quantiles); n_ok samples with a finite value, n_failed without a
+        run, n_not_finite with a value that is not finite.  Bounds are those of independent draws, see `statistics`.
+        """
+        pandas = package("pandas", "a table of statistics")
+        failed = self.counts()["failed"]
+        run = len(self) - self.counts()["not run"]
+        rows = []
+        for output, nominal in zip(self.outputs, self.nominal, strict=True):
+            found = self.statistics(output)
+            row: dict[str, Any] = {"unit": self.unit(output), "nominal": nominal}
+            row |= _columns("mean", found.mean) | _columns("sd", found.sd)
+            row |= {"min": found.least, "max": found.most}
+            for share, bounded in found.quantiles.items():
+                row |= _columns(f"q{round(100 * share):02d}", bounded)
+            rows.append(row | {"n_ok": found.n, "n_failed": failed, "n_not_finite": run - failed - found.n})
+        return pandas.DataFrame(rows, index=pandas.Index(self.outputs, name="output"))
+
+    def yield_below(self, output: str, limit: float | str) -> Bounded:
+        """Share of the mechanisms with an output at or below a limit, [SI] or such as "5 kN": (share, low, high).
+
+        low and high hold the true share with 95 % confidence.  Samples without a run or a finite value count as beyond
+        the limit, for the upper bound as within.
+        """
+        return self.yield_between(output, None, limit)
+
+    def yield_above(self, output: str, limit: float | str) -> Bounded:
+        """Share of the mechanisms with an output at or above a limit; as `yield_below`."""
+        return self.yield_between(output, limit, None)
+
+    def yield_between(self, output: str, low: float | str | None, high: float | str | None) -> Bounded:
+        """Share of the mechanisms with an output between two limits; as `yield_below`."""
+        unit = self.unit(output) if output in self.outputs else ""
+        least, most = (None if one is None else limit_of(one, unit) for one in (low, high))
+        values, status = self[output], self.store.status()
+        known = np.isfinite(values)
+        inside = known.copy()
+        inside[known] &= values[known] >= (-math.inf if least is None else least)
+        inside[known] &= values[known] <= (math.inf if most is None else most)
+        never = ~known & (status == OK)  # a `first` that did not come true
+        unknown = int((~known & ~never & (status >= 0)).sum())
+        return statistics.share(int(inside.sum()), int((known | never).sum()), unknown)
+
+    def remarks(self) -> list[str]:
+        """What must be said of the samples, and of the mechanism without deviations."""
+        never = [(one, int((np.isnan(self[one]) & (self.store.status() == OK)).sum())) for one in self.outputs]
+        said = [f"{one} is reached in all but {count} samples" for one, count in never if count]
+        return [*super().remarks(), *said, *self.notes]
+
+    def __repr__(self) -> str:
+        return f"<rattle.Ensemble: {self._title()}>"
+
+    def _title(self) -> str:
+        return f"{len(self)} samples of {', '.join(self.parameters)} ({self.design}, seed {self.seed})"
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """Outputs with their statistics as texts, see HEADER."""
+        found = []
+        for output, nominal in zip(self.outputs, self.nominal, strict=True):
+            one = self.statistics(output)
+            half = 0.5 * (one.mean.high - one.mean.low)
+            rest = (q.value for q in one.quantiles.values())
+            *texts, unit = in_one_unit(
+                (nominal, one.mean.value, half, one.sd.value, *rest, one.least, one.most), self.unit(output)
+            )
+            found.append((output, unit, texts[0], f"{texts[1]} +- {texts[2]}", *texts[3:]))
+        return found
+
+    def __str__(self) -> str:
+        return "\n".join([self._title(), *aligned([HEADER, *self.rows()]), *self.remarks()])
+
+    def _repr_html_(self) -> str:
+        return table(HEADER, self.rows(), self._title(), self.remarks())
+
+
+HEADER = ("output", "unit", "nominal", "mean (95 %)", "sd", "5 %", "median", "95 %", "min", "max")
+
+
+def _columns(name: str, found: Bounded) -> dict[str, float]:
+    return {name: found.value, f"{name}_low": found.low, f"{name}_high": found.high}
+
+
+def ensemble(
+    m: Mechanism, n: int, outputs: Sequence[str], vary: Vary = None, *, seed: int = 0, analysis: str = "simulate",
+    t_end: float | None = None, design: str = "sobol", rtol: float | None = None, method: str | None = None,
+    threads: int | None = None, progress: bool = False,
+) -> Ensemble:  # fmt: skip
+    """Outputs of n samples; see `Mechanism.ensemble`."""
+    count = arguments.whole("n", n, 1, MOST)
+    fields = fields_of(m, vary)
+    task = task_of(m, fields.names, outputs, analysis=analysis, t_end=t_end, rtol=rtol, method=method)
+    plan = Drawn(fields, points(design, seed, fields.draws, count))
+    store = Memory(plan.names, task.texts, count)
+    nominal, notes = nominal_run(task)
+    how, interrupted = run_missing(task, plan, store, threads=threads, progress=progress)
+    return Ensemble(task, plan, store, how, interrupted, fields, design, int(seed), nominal, notes)
+
+
+def nominal_run(task: Task) -> tuple[tuple[float, ...], tuple[str, ...]]:
+    """The outputs of the mechanism without deviations [SI], and what is to be said of its run."""
+    try:
+        values, result = task.look(task.mechanism)
+    except (ModelError, AssemblyError, SolverError) as error:
+        return (math.nan,) * len(task.outputs), (f"without deviations: {error}",)
+    remarks = result.trust.remarks()
+    return tuple(values), ((f"without deviations: {remarks}",) if remarks else ())
