@@ -107,9 +107,7 @@ class System:
         """What a new workspace begins with, besides the tables of kernels."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
         nc, states = len(self.arrays["contact"]), (self.element_states,)
-        begin = {name: self.arrays[name] for name in ("values", "code")}  # branches of switches belong to one run
-        shared = {name: array for name, array in self.arrays.items() if name not in begin}
-        own = {
+        others = {
             "signals": (ns,),
             "jets": (ns, 3),
             "stack": (self.depth,),
@@ -132,15 +130,11 @@ class System:
             "element_state": states,
             "element_rate": states,
         }
-        image = Image(shared, begin, own)
+        image = Image(self.arrays, tuple(others.items()))
         image.array("body", image.block)[0, at.COS] = 1.0
         image.array("power", image.block)[:] = 1.0
         image.array("contact_memory", image.block)[:, at.CLOSED] = at.AUTO
         return image
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What is pickled: an image holds addresses of this process."""
-        return {key: value for key, value in vars(self).items() if key != "_image"}
 
 
 def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:

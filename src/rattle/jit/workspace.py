@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,7 +33,7 @@ class Array(NamedTuple):
 
 
 ARRAYS = {
-    # the mechanism: read-only in a run, shared by all runs
+    # the mechanism: read-only in a run
     "mass": Array("f2", "nb + 1, 3", "kg, kg, kg*m^2", "m, m, J of every body; row 0 is the ground"),
     "weight": Array("f2", "nb + 1, 3", "1/kg, 1/kg, 1/(kg*m^2)", "1 / mass, zero for the ground"),
     "gravity": Array("f1", "2", "m/s^2", "acceleration of free fall"),
@@ -154,43 +155,56 @@ ARRAYS = {
 PLACE = {name: place for place, name in enumerate(ARRAYS)}  # of an array in the table of a handle
 FLOAT, INTEGER = np.dtype(np.float64), np.dtype(np.int64)
 TYPES = {name: (FLOAT if one.kind[0] == "f" else INTEGER, int(one.kind[1])) for name, one in ARRAYS.items()}
-_NONE = np.zeros(1)  # where arrays without numbers stand
+Shapes = tuple[tuple[str, tuple[int, ...]], ...]  # by name
+
+
+class Layout(NamedTuple):
+    """Where arrays of given shapes lie in one block of memory: those of floats, those of integers, then all others."""
+
+    places: Mapping[str, tuple[int, tuple[int, ...]]]  # first number and shape of each
+    size: int  # of the block
+    floats: slice  # of the numbers that are given
+    integers: slice
+    table: np.ndarray  # (arrays, 3) of a handle, with places in bytes
+
+
+@lru_cache(maxsize=64)
+def _layout(given: Shapes, others: Shapes) -> Layout:
+    places: dict[str, tuple[int, tuple[int, ...]]] = {}
+    ends, size = [], 0
+    parts = ([one for one in given if TYPES[one[0]][0] is kind] for kind in (FLOAT, INTEGER))
+    for part in (*parts, others):
+        for name, shape in part:
+            places[name] = size, shape
+            size += math.prod(shape)
+        ends.append(size)
+    table = np.zeros((len(ARRAYS), 3), np.int64)
+    for name, (first, shape) in places.items():
+        table[PLACE[name]] = 8 * first, shape[0], shape[-1]
+    table.flags.writeable = False
+    return Layout(places, size, slice(0, ends[0]), slice(ends[0], ends[1]), table)
 
 
 class Image:
-    """What a new workspace holds: arrays that all of a system share, and the numbers with which its own ones begin.
+    """The numbers with which the arrays of a new workspace begin, in one block of memory.
 
-    Its own arrays lie in one block of memory, so that a workspace is made by copying a block and a table.
+    given: arrays of numbers.  others: shapes of those that begin with zeros.
     """
 
-    def __init__(
-        self, shared: Mapping[str, np.ndarray], begin: Mapping[str, np.ndarray], own: Mapping[str, tuple[int, ...]]
-    ) -> None:
-        """shared: arrays that a run only reads.  begin: with what those begin that it may write.
-
-        own: shapes of the others, which begin with zeros.
-        """
-        self.shared = _checked(shared)
-        self.places: dict[str, tuple[int, tuple[int, ...]]] = {}  # first number in the block, and shape
-        size = 0
-        for name, shape in {**{key: one.shape for key, one in begin.items()}, **own}.items():
-            self.places[name] = size, shape
-            size += math.prod(shape)
-        self.block = np.zeros(size)
-        for name, array in _checked(begin).items():
-            self.array(name, self.block)[...] = array
-        self.table = np.zeros((len(ARRAYS), 3), np.int64)  # of a handle; for own arrays the place in bytes
-        self.table[:, 0] = _NONE.ctypes.data
-        for name, array in shared.items():
-            self.table[PLACE[name]] = _row(array)
-        for name, (first, shape) in self.places.items():
-            self.table[PLACE[name]] = 8 * first, shape[0], shape[-1]
-        self.own = np.array([PLACE[name] for name in self.places], np.int64)
+    def __init__(self, given: Mapping[str, np.ndarray], others: Shapes) -> None:
+        _check(given)
+        shapes = tuple((name, array.shape) for name, array in given.items())
+        self.layout = _layout(shapes, others)
+        self.block = np.zeros(self.layout.size)
+        for kind, part in ((FLOAT, self.layout.floats), (INTEGER, self.layout.integers)):
+            numbers = [array.ravel() for array in given.values() if array.dtype == kind]
+            if numbers:
+                np.concatenate(numbers, out=self.block[part].view(kind))
 
     def array(self, name: str, block: np.ndarray) -> np.ndarray:
-        """One of the own arrays, in a block of memory; an empty one if there is none of this name."""
+        """One of the arrays, in a block of memory; an empty one if there is none of this name."""
         kind, dimensions = TYPES[name]
-        first, shape = self.places.get(name, (0, (0,) * dimensions))
+        first, shape = self.layout.places.get(name, (0, (0,) * dimensions))
         return np.ndarray(shape, kind, block, 8 * first)
 
 
@@ -211,23 +225,22 @@ class Handle:
 class Workspace:
     """The arrays of one run: attributes in plain Python; in machine code what `numba_types` makes of `handle`.
 
-    arrays: those of this workspace alone; a table of Python functions is a tuple.  All others are as in `image`; Python
-    makes them arrays when it first asks for them.
+    arrays: those that are not in the image; a table of Python functions is a tuple.  A workspace is a copy of the block
+    of its image, of which Python makes an array when it first asks for it.
     """
 
     def __init__(self, arrays: Mapping[str, Any], image: Image | None = None) -> None:
-        image = image or Image({}, {}, {})
-        block = image.block.copy()
-        self.__dict__.update(image.shared)
-        self.__dict__.update(_checked(arrays))
-        self._image, self._block = image, block
+        _check(arrays)
+        self.__dict__.update(arrays)
+        self._image = image or Image({}, ())
+        self._block = self._image.block.copy()
         self.handle: Any = functions.IN_PYTHON
         if isinstance(self.joint_table, np.ndarray) and functions.jit_runs():
-            table = image.table.copy()
-            table[image.own, 0] += block.ctypes.data
+            table = self._image.layout.table.copy()
+            table[:, 0] += self._block.ctypes.data
             for name, array in arrays.items():
-                table[PLACE[name]] = _row(array)
-            self.handle = Handle(table, (image, block, arrays))
+                table[PLACE[name]] = array.ctypes.data, array.shape[0], array.shape[-1]
+            self.handle = Handle(table, (self._block, arrays))
 
     def __getattr__(self, name: str) -> np.ndarray:
         if name not in ARRAYS:
@@ -237,8 +250,8 @@ class Workspace:
         return array
 
 
-def _checked(arrays: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The same arrays.  Raises TypeError for a name that is not declared, and for an array of another kind."""
+def _check(arrays: Mapping[str, Any]) -> None:
+    """Raise TypeError for a name that is not declared, and for an array of another kind."""
     if unknown := set(arrays) - set(ARRAYS):
         raise TypeError(f"a workspace has no array {', '.join(sorted(unknown))}")
     for name, array in arrays.items():
@@ -247,12 +260,6 @@ def _checked(arrays: Mapping[str, Any]) -> Mapping[str, Any]:
         if (array.dtype, array.ndim) != TYPES[name] or not array.flags.c_contiguous:
             kind = ARRAYS[name].kind
             raise TypeError(f"array '{name}' is not a contiguous {kind}: {array.dtype}, {array.shape}")
-    return arrays
-
-
-def _row(array: np.ndarray) -> tuple[int, int, int]:
-    """Address of an array, its length, numbers in a row."""
-    return array.ctypes.data, array.shape[0], array.shape[-1]
 
 
 @functions.before_compiling
