@@ -60,11 +60,16 @@ class Timetable:
         code[self.rows, SIDE] = self.sides[piece]
 
 
+ALWAYS = Timetable(np.zeros(0), np.zeros(0, np.int64), np.zeros((1, 0), np.int64), np.zeros(0, bool), (), ())
+
+
 def timetable(system: System, start: float, end: float) -> Timetable:
     """Timetable of a run between two times [s].  Raises ModelError if a driver jumps in position."""
     span = end - start
     switches = [replace(one) for one in system.switches if one.timed] if span > 0.0 else []
     beyond = end + BEYOND * span
+    if not switches:
+        return ALWAYS
     locate_all(system.signals, switches, start, beyond)
     every = merged(switches, span)
     instants = np.minimum(every[every <= end + SAME * span], end)

@@ -95,13 +95,13 @@ class WrittenModel(Building):
         Raises ModelError for an unknown name or a bad value.
         """
         made = type(self)()
-        made._document, made._text, made._file = self._document, self._text, self._file
+        made._document, made._text, made._file = model_file.copied(self._document), self._text, self._file
         made._changes = list(self._changes)
         for name, value in {**(values or {}), **parameters}.items():
             if not isinstance(name, str):
                 raise TypeError(f"expected the name of a parameter or entry, as in {{'r3': '2 mm'}}; got {name!r:.60}")
             path = self._path_of(name, made._document)
-            made._document = model_file.with_change(made._document, path, value)
+            model_file.put(made._document, path, value)
             made._changes.append((path, value))
         try:
             _ = made.model

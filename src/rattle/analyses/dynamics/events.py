@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ SHORTEST = 1e-12  # steps below this count as impossible [s]
 GAIN = 1e-12  # energy created by an impact, as a share of that of the run, below which it is rounding
 STEPS_WANTED = 10  # steps that the shortest contact should have
 DEEP = STEPS_WANTED * SHORTEST / 3.0  # depth of a contact at 1 m/s that lasts so long [m], see `contact_duration`
+NOTHING = (0.0, 0.0, 0.0, 0.0)  # duration, peak, impulse and loss of all events but contacts and impacts
 KINDS = ("contact", "release", "impact", "stick", "slip")  # in the order of their numbers in `plane`
 
 
@@ -34,18 +36,20 @@ def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Worksp
     """
     owner = system.arrays["contact"][:, at.OWNER]
     found = []
+    joints = [system.joints[n] for n in owner.tolist()]
     for instant, contact, what, *values in np.concatenate(rows).tolist() if rows else ():
         kind = KINDS[int(what)]
-        values = values if kind in ("contact", "impact") else values[:1]
-        found.append(Event(instant, system.joints[owner[int(contact)]], kind, *values))
+        if kind not in ("contact", "impact"):
+            values[1:] = NOTHING
+        found.append(Event._make((instant, joints[int(contact)], kind, *values)))
     memory, y, layout = workspace.contact_memory, workspace.state, state_layout(system)
     for n in np.flatnonzero(memory[:, at.CLOSED] == at.SHUT):
         account = y[layout.account(int(n))]
         since, speed, peak = (float(memory[n, c]) for c in (at.SINCE, at.SPEED, at.PEAK))
         impulse = float(account[IMPULSE] - memory[n, at.IMPULSE_0])
         lost = float(account[LOSS] - memory[n, at.LOSS_0])
-        found.append(Event(since, system.joints[owner[n]], "contact", speed, t - since, peak, impulse, lost))
-    return tuple(sorted(found, key=lambda event: event.t))
+        found.append(Event(since, joints[n], "contact", speed, t - since, peak, impulse, lost))
+    return tuple(sorted(found, key=itemgetter(0)))
 
 
 def require_workable(system: System) -> None:
