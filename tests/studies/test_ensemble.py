@@ -160,3 +160,15 @@ def test_a_limit_on_one_side_holds_too():
     with pytest.raises(ModelError, match=r"k\.value: 4 is below min = 5"):
         m.set(k=4)
     assert list(m.sweep({"k": [4, 6]}, [OF], t_end=T).status) == ["failed", "ok"]
+
+
+@pytest.mark.nojit
+def test_a_table_of_samples_is_a_file(tmp_path):
+    e = spring().ensemble(8, [OF], t_end=T)
+    e.to_csv(tmp_path / "e.csv")
+    head, *rows = (tmp_path / "e.csv").read_text().splitlines()
+    assert head == "sample,k,x0,final(block.x) [m],status,message"
+    assert [float(one) for one in rows[5].split(",")[:4]] == [5.0, e["k"][5], e["x0"][5], e[OF][5]]
+    assert e.record()["outputs"][OF]["mean"] == pytest.approx(e[OF].mean())
+    with pytest.raises(ValueError, match=r"\.csv"):
+        e.to_csv(tmp_path / "e.xlsx")

@@ -58,14 +58,19 @@ class Ensemble(Samples):
         run = len(self) - self.counts()["not run"]
         rows = []
         for output, nominal in zip(self.outputs, self.nominal, strict=True):
-            found = self.statistics(output)
-            row: dict[str, Any] = {"unit": self.unit(output), "nominal": nominal}
-            row |= _columns("mean", found.mean) | _columns("sd", found.sd)
-            row |= {"min": found.least, "max": found.most}
-            for share, bounded in found.quantiles.items():
-                row |= _columns(f"q{round(100 * share):02d}", bounded)
-            rows.append(row | {"n_ok": found.n, "n_failed": failed, "n_not_finite": run - failed - found.n})
+            known = np.isfinite(self[output])
+            row: dict[str, Any] = {"unit": self.unit(output), "nominal": nominal, **self.numbers(output)}
+            count = int(known.sum())
+            rows.append(row | {"n_ok": count, "n_failed": failed, "n_not_finite": run - failed - count})
         return pandas.DataFrame(rows, index=pandas.Index(self.outputs, name="output"))
+
+    def numbers(self, output: str) -> dict[str, Any]:
+        """Statistics of an output [SI] by their names in the summary."""
+        found = self.statistics(output)
+        row = _columns("mean", found.mean) | _columns("sd", found.sd) | {"min": found.least, "max": found.most}
+        for share, bounded in found.quantiles.items():
+            row |= _columns(f"q{round(100 * share):02d}", bounded)
+        return row
 
     def yield_below(self, output: str, limit: float | str) -> Bounded:
         """Share of the mechanisms with an output at or below a limit, [SI] or such as "5 kN": (share, low, high).

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import csv
+import os
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rattle.atomic_file import atomic
 from rattle.errors import suggest
 from rattle.results.archive import package
-from rattle.results.result import UnknownName
+from rattle.results.result import UnknownName, require_table
 from rattle.studies.ensemble.pieces import OK, STATUS, WAITING
 from rattle.studies.ensemble.plans import Plan
 from rattle.studies.ensemble.store import Store
@@ -26,7 +30,7 @@ MOST_REASONS = 6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Samples:
+class Samples(ABC):
     """n samples of one mechanism with their outputs: `found["max(O3.force)"]`, `found["r3"]` are (n,) arrays [SI]."""
 
     task: Task = field(repr=False)
@@ -95,6 +99,33 @@ class Samples:
         columns["status"] = self.status[run]
         columns["message"] = [messages.get(int(n), "") for n in numbers]
         return pandas.DataFrame(columns, index=pandas.Index(numbers, name="sample"))
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a row per sample that was run: number, parameters and outputs [SI] in full precision, status, message.
+
+        Raises ValueError for a suffix of another format, OSError; the file is written completely or not at all.
+        """
+        require_table(path)
+        names = [*self.parameters, *self.outputs]
+        columns, status, messages = [self[name] for name in names], self.status, self.messages
+        with atomic(path) as file, file.open("w", newline="", encoding="utf-8") as out:
+            writer = csv.writer(out, lineterminator="\n")
+            titles = [f"{name} [{unit}]" if (unit := self.unit(name)) else name for name in names]
+            writer.writerow(["sample", *titles, "status", "message"])
+            for n in np.flatnonzero(self.store.status() != WAITING).tolist():
+                writer.writerow([n, *(column[n] for column in columns), status[n], messages.get(n, "")])
+
+    def record(self) -> dict[str, Any]:
+        """What was found as plain data, in SI units."""
+        return {
+            "samples": len(self), "parameters": list(self.parameters), "counts": self.counts(), "failures": self.why(),
+            "how": self.how, "interrupted": self.interrupted,
+            "outputs": {one: {"unit": self.unit(one), **self.numbers(one)} for one in self.outputs},
+        }  # fmt: skip
+
+    @abstractmethod
+    def numbers(self, output: str) -> dict[str, Any]:
+        """What is known of an output as plain data [SI]."""
 
     def counts(self) -> dict[str, int]:
         """Number of samples by status."""

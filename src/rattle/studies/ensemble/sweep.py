@@ -37,6 +37,10 @@ class Sweep(Samples):
         """Number of values of every parameter."""
         return tuple(len(one) for one in self.axes.values())
 
+    def numbers(self, output: str) -> dict[str, Any]:
+        """Values of parameters and output [SI] over the grid."""
+        return {"axes": {name: axis.tolist() for name, axis in self.axes.items()}, "values": self.grid(output).tolist()}
+
     def grid(self, output: str) -> np.ndarray:
         """An output [SI] as an array with one axis per parameter, nan where it has no value."""
         return np.asarray(self[output].reshape(self.shape))
