@@ -56,6 +56,21 @@ def test_json_is_the_same_model():
     assert same(rt.loads(m.to_toml()), m)  # and is written as TOML
 
 
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_a_name_ending_in_json_is_written_as_json(path, tmp_path):
+    m = rt.load(path)
+    m.save(tmp_path / "m.JSON")
+    assert json.loads((tmp_path / "m.JSON").read_text()) == tomllib.loads(path.read_text())
+    assert same(rt.load(tmp_path / "m.JSON"), m)
+
+
+@pytest.mark.parametrize("name", ["m.csv", "m.nc", "m"])
+def test_a_model_is_not_written_under_the_name_of_something_else(name, tmp_path):
+    with pytest.raises(ValueError, match=r"a model is saved as TOML or JSON; give a name ending in \.toml or \.json"):
+        rt.loads(TEXT).save(tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
 def test_byte_order_mark_and_windows_line_ends_are_no_matter(tmp_path):
     file = tmp_path / "windows.toml"
     file.write_bytes(b"\xef\xbb\xbf" + TEXT.replace("\n", "\r\n").encode())

@@ -1,5 +1,6 @@
 """Searches find known optima, keep bounds and constraints, survive bad designs, and say what they did."""
 
+import json
 import math
 import re
 from dataclasses import replace
@@ -397,6 +398,25 @@ def test_the_command_writes_the_best_design_in_the_units_of_the_file(tmp_path):
     assert rt.load(target).parameters["x0"] == pytest.approx(best, rel=1e-8)
     assert f"500 mm -> {1e3 * best:.6g} mm  (from 100 mm to 900 mm)" in done.output
     assert ' mm"' in target.read_text()
+
+
+def test_the_command_writes_json_under_such_a_name_and_refuses_others_before_it_searches(tmp_path, monkeypatch):
+    source = tmp_path / "m.toml"
+    source.write_text(SPRING)
+    words = ["-q", "optimise", str(source), "--minimise", "(final(block.x) - 0.3)**2", "--vary", "k=5:20"]
+    target = tmp_path / "best.json"
+    done = CliRunner().invoke(main, [*words, "--t-end", f"{T}", "--starts", "1", "-o", str(target)])
+    assert done.exit_code == 0, done.output
+    assert json.loads(target.read_text())["parameters"]["x0"] == "500 mm"
+    assert rt.load(target).parameters["k"] != rt.load(source).parameters["k"]
+
+    def search(*_, **__):
+        raise AssertionError("the name should have been refused before")
+
+    monkeypatch.setattr(rt.Mechanism, "optimise", search)
+    done = CliRunner().invoke(main, [*words, "-o", str(tmp_path / "best.csv")])
+    assert done.exit_code == 2
+    assert "best.csv: a model is saved as TOML or JSON; give a name ending in .toml or .json" in done.output
 
 
 @pytest.mark.parametrize("vary", ["k", "k=5", "k=5:6:7", "=1:2"])

@@ -32,7 +32,12 @@ from rattle.cli.output import STOPPED, check_files, say_written
     help="Searches: the first from the present design, the others from designs drawn between the bounds.",
 )  # fmt: skip
 @click.option("--seed", default=0, show_default=True, help="Of the designs drawn; the same seed, the same answer.")
-@click.option("-o", "--output", metavar="FILE", help="Model file to write, with the best values; comments are kept.")
+@click.option(
+    "-o",
+    "--output",
+    metavar="FILE",
+    help="Model file to write with the best values: .toml (comments are kept) or .json.",
+)
 @click.pass_context
 def optimise(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, objective: str, varied: tuple[str, ...],
@@ -57,6 +62,10 @@ def optimise(
     The report lists what changed, which constraints and bounds hold the optimum, how many searches came to it, and
     whether a finer run confirms it.  Exit status 1 if no design meets the constraints or the finer run disagrees.
     """
+    from rattle.description.file import wants_json
+
+    if output is not None:
+        wants_json(output)  # refuses other names
     check_files(file, output)
     m = read_model(file, settings, ideal)
     vary = dict(map(_bounds, varied))

@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from rattle import registry
-from rattle.atomic_file import atomic
+from rattle.atomic_file import atomic, is_special
 from rattle.errors import ModelError, Problem, suggest
 
+SUFFIXES = (".toml", ".json")
 LARGEST = 8_000_000  # bytes; a chain of 10,000 links has about 2 MB
 MAY_BE_MISSING = ("simulate", "initial", "tolerances")  # tables that a change creates if they are missing
 IN_ONE_LINE = ("points", "contact", "dist")  # and the tables of a joint's kind of play
@@ -269,6 +270,19 @@ def _table(value: Any, short: bool = False) -> Any:
     for key, one in value.items():
         made[key] = _table(one, short or key in _in_one_line())
     return made
+
+
+def dump_json(document: Mapping[str, Any]) -> str:
+    """JSON text of a model."""
+    return json.dumps(plain(document), indent=2, ensure_ascii=False) + "\n"
+
+
+def wants_json(path: str | os.PathLike[str]) -> bool:
+    """True for a name ending in .json, False for .toml and what is no plain file.  Raises ValueError for any other."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES and not is_special(path) and not Path(path).is_dir():
+        raise ValueError(f"{os.fspath(path)}: a model is saved as TOML or JSON; give a name ending in .toml or .json")
+    return suffix == ".json"
 
 
 def save(path: str | os.PathLike[str], text: str) -> None:

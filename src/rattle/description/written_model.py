@@ -84,8 +84,12 @@ class WrittenModel(Building):
         return model_file.dump(self._document, self._text, self._changes)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the model file, completely or not at all. Raises OSError that says why."""
-        model_file.save(path, self.to_toml())
+        """Write the model file, completely or not at all: JSON if its name ends in .json, otherwise TOML.
+
+        Raises ValueError for a name that ends in neither .toml nor .json, OSError that says why it cannot be written.
+        """
+        json = model_file.wants_json(path)
+        model_file.save(path, model_file.dump_json(self._document) if json else self.to_toml())
 
     def set(self, values: Mapping[str, Any] | None = None, /, **parameters: Any) -> Self:
         """A new mechanism with some values changed; numbers are in SI units, texts may have units.
