@@ -92,6 +92,40 @@ def test_options_that_would_do_nothing_are_refused(tmp_path):
     seen = run("modes", "balanced_arm", "--mode", "7", "-o", str(tmp_path / "x.svg"))
     assert seen.exit_code == 2
     assert "the modes are numbered from 1 to 2" in seen.stderr
+    for words, said in (
+        ("equilibrium balanced_arm --t-end 1", "they need --path"),
+        ("equilibrium balanced_arm --points 5", "they need --path"),
+        ("equilibrium toggle_clamp --path --at 0.5", "a --path begins at t = 0"),
+        ("equilibrium toggle_clamp --path --branches near", "a --path begins at t = 0"),
+    ):
+        seen = run(*words.split())
+        assert seen.exit_code == 2
+        assert said in seen.stderr
+
+
+def test_a_name_for_a_mode_is_that_of_a_picture_or_of_an_animation():
+    for name in ("mode.txt", "mode"):
+        seen = run("modes", "balanced_arm", "-o", name)
+        assert seen.exit_code == 2
+        assert (
+            f"{name}: a picture needs a name ending in .svg, .png, .pdf, an animation one in .gif or .mp4"
+            in seen.stderr
+        )
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("lyapunov", "no command 'lyapunov'; it is `rattle poincare FILE --lyapunov`"),
+        ("bifurcation", "`rattle poincare FILE --parameter NAME`"),
+        ("simulate", "`rattle run FILE`"),
+        ("mode", "did you mean 'modes'"),
+    ],
+)
+def test_commands_that_have_another_name_are_pointed_to(name, said):
+    seen = run(name, "fourbar")
+    assert seen.exit_code == 2
+    assert said in seen.stderr
 
 
 def test_a_search_that_was_given_up_is_said_beside_the_results():
@@ -113,6 +147,37 @@ def test_efforts_at_a_dead_centre_are_left_out_and_said():
     assert record["success"] is True
     assert record["curves"]["guide.thrust"]["max"] > 0.0
     assert any("dead centre" in note for note in record["trust"]["notes"])
+
+
+def test_flutter_is_not_called_stable(tmp_path):
+    file = tmp_path / "flutter.toml"
+    file.write_text(FLUTTER)
+    seen = run("modes", str(file))
+    assert seen.stdout.splitlines()[0].startswith("about: stable statically, unstable by flutter")
+    assert "mode 1: flutter at 0.31831 Hz, grows at 0.05 1/s, damping -2.5 % (mass)" in seen.stdout
+    record = json.loads(run("modes", str(file), "--json").stdout)
+    assert record["grows"] is True
+    assert record["modes"][0]["roots"][0] == pytest.approx([0.05, 1.999375])
+    assert record["modes"][0]["damped_frequency"] == pytest.approx(1.999375 / 6.2831853)
+
+
+FLUTTER = """
+format = 1
+gravity = [0, 0]
+[ground.points]
+O = [0, 0]
+[bodies.mass]
+points = { P = [0, 0] }
+mass = 2
+inertia = 1
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "mass.P"]
+[loads.all]
+type = "force"
+at = "mass.P"
+force = ["-8*mass.x + 0.2*mass.vx", 0]
+"""
 
 
 def test_modes_as_json_hold_frequencies_and_shapes():

@@ -67,6 +67,25 @@ def test_an_equilibrium_is_one_instant_or_a_path():
     assert run(*words, "--t-end", "1", "--points", "3").exit_code == 0
 
 
+def test_a_result_that_cannot_be_saved_goes_to_the_fallback_folder(tmp_path, monkeypatch):
+    from rattle.results import result
+
+    def full(path, *given):
+        if path.parent == tmp_path:
+            raise OSError(28, "No space left on device")
+        path.write_bytes(b"")
+
+    monkeypatch.setattr(result.archive, "write", full)
+    (tmp_path / "other").mkdir()
+    words = ("slider_crank", "--ideal", "--analysis", "kinematics", "--of", "slider.x", "--points", "5")
+    seen = run(*words, "-o", str(tmp_path / "s.npz"))
+    assert seen.exit_code == 2
+    assert "--fallback FOLDER names another place" in seen.output  # an option of this command:
+    seen = run(*words, "-o", str(tmp_path / "s.npz"), "--fallback", str(tmp_path / "other"))
+    assert seen.exit_code == 0
+    assert (tmp_path / "other" / "s.npz").exists()
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -74,7 +93,14 @@ def test_an_equilibrium_is_one_instant_or_a_path():
         ("fourbar --of rocker.angel --to r3", "did you mean 'rocker.angle'"),
         ("fourbar --of rocker.angle --to r33", "no parameter 'r33'; did you mean 'r3'"),
         ("fourbar --of rocker.angle --to r3 --t-end 0", "--t-end must be positive"),
-        ("fourbar --of rocker.angle --to r3 -o s.gif", "s.gif"),
+        (
+            "fourbar --of rocker.angle --to r3 -o s.gif",
+            "s.gif: curves and derivatives are saved as .nc, .npz or .csv, a drawing as .svg, .png, .pdf",
+        ),
+        ("fourbar --of rocker.angle --to r3 -o s.npz --fallback nowhere", "--fallback needs a folder"),
+        ("fourbar --of rocker.angle --to r3 --at 0.1", "--at is of one equilibrium"),
+        ("balanced_arm --analysis equilibrium --of arm.angle --to angle --at 0 --t-end 1", "and no --t-end"),
+        ("balanced_arm --analysis equilibrium --of arm.angle --to angle --points 5", "--points is of a path"),
         ("fourbar --of rocker.angle --to r3 --analysis kinematics", "close it with ideal"),
     ],
 )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.cli.options import model_options, read_model, time
+from rattle.cli.options import given, model_options, read_model, time
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_pictures, check_results, finish, keep, save_options, say_written, zeroed
 from rattle.cli.positions import entry, listed, modes_record
@@ -232,6 +232,10 @@ def equilibrium(
     """
     if not path and (output, csv) != (None, None):
         raise click.UsageError("-o and --csv save a quasi-static motion; they need --path")
+    if not path and (given(ctx, "t_end") or given(ctx, "points")):
+        raise click.UsageError("--t-end and --points are those of a quasi-static motion; they need --path")
+    if path and (given(ctx, "t") or given(ctx, "branches")):
+        raise click.UsageError("--at and --branches are of equilibria at one time; a --path begins at t = 0")
     m = read_model(file, settings, ideal)
     if path:
         check_results(file, output, csv, fallback)

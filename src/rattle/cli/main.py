@@ -60,6 +60,13 @@ HELP = {
     "schema": "JSON Schema of model files, for editors.",
     "warmup": "Compile all kernels now, so that the first run is quick.",
 }
+# what commands are called elsewhere, or in Python
+ELSEWHERE = {
+    "lyapunov": "poincare FILE --lyapunov",
+    "bifurcation": "poincare FILE --parameter NAME",
+    "simulate": "run FILE",
+    "vibrations": "modes FILE",
+}
 
 
 QUIET = "No progress bar and no log messages, only results."
@@ -86,7 +93,8 @@ class Lazy(click.Group):
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             from rattle.errors import suggest
 
-            raise click.UsageError(f"no command '{args[0]}'{suggest(args[0], COMMANDS)}", ctx)
+            hint = f"; it is `rattle {ELSEWHERE[args[0]]}`" if args[0] in ELSEWHERE else suggest(args[0], COMMANDS)
+            raise click.UsageError(f"no command '{args[0]}'{hint}", ctx)
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

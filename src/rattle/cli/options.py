@@ -24,6 +24,11 @@ def time(value: str | float) -> float:
         raise click.BadParameter(str(error).removeprefix("time: ")) from None
 
 
+def given(ctx: click.Context, name: str) -> bool:
+    """True if the option was written on the command line, also with its default value."""
+    return ctx.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE
+
+
 class LateOption(click.Option):
     """An option whose help text is made when it is shown, so that the modules it needs are not imported before."""
 

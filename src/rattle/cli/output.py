@@ -34,13 +34,16 @@ def _finite(value: Any) -> Any:
 
 
 # ---------------------------------------------------------------- before the analysis: what can be refused is refused
+fallback_option = click.option(
+    "--fallback", metavar="FOLDER", help="Where to write saved results if their own disk is full."
+)
+
+
 def save_options(note: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Add the options -o, --csv and --fallback to a command; note: how their help texts begin."""
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
-        function = click.option(
-            "--fallback", metavar="FOLDER", help="Where to write these files if their own disk is full."
-        )(function)
+        function = fallback_option(function)
         function = click.option("--csv", metavar="FILE", help=f"{note}Also write all curves as CSV.")(function)
         return click.option(
             "-o", "--output", metavar="FILE", help=f"{note}Save the result (.nc or .npz), for plot, animate and export."
@@ -69,13 +72,15 @@ def check_pictures(read: str, *paths: str | Path | None, moving: bool = False) -
     Raises ValueError, OSError, MissingProgram.
     """
     from rattle.plots.curves import SUFFIXES
-    from rattle.plots.movie_file import require_film
+    from rattle.plots.movie_file import FILMS, require_film
 
     for path in paths:
-        if path is None or Path(path).suffix.lower() in SUFFIXES:
+        suffix = Path(path or "").suffix.lower()
+        if path is None or suffix in SUFFIXES:
             continue
-        if not moving:
-            raise ValueError(f"{path}: a picture needs a name ending in {', '.join(SUFFIXES)}")
+        if not moving or suffix not in (*FILMS, ".html"):
+            films = f", an animation one in {' or '.join(FILMS)}" if moving else ""
+            raise ValueError(f"{path}: a picture needs a name ending in {', '.join(SUFFIXES)}{films}")
         require_film(path)
     check_files(read, *paths)
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from rattle.cli.analyses import span_options
-from rattle.cli.options import model_options, read_model, time
+from rattle.cli.options import given, model_options, read_model, time
 from rattle.cli.output import as_json as to_json
-from rattle.cli.output import check_pictures, check_results, finish, keep, say_written
+from rattle.cli.output import check_pictures, check_results, fallback_option, finish, keep, say_written
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,18 +35,21 @@ PICTURES = (".svg", ".png", ".pdf")
     "--analysis", type=click.Choice(["simulate", "kinematics", "inverse-dynamics", "equilibrium"]),
     default="simulate", show_default=True, help="What makes the curves; equilibrium: at --at, or a path to --t-end.",
 )  # fmt: skip
-@click.option("--at", "t", type=time, default=0.0, help="Equilibrium: time at which the drivers are held.")
+@click.option(
+    "--at", "t", type=time, default=0.0, help="One equilibrium: time at which the drivers are held.  [default: 0]"
+)
 @span_options(201)
 @click.option(
     "-o", "--output", metavar="FILE",
     help="Save all curves and derivatives (.nc, .npz, .csv), or draw what each change does (.svg, .png, .pdf).",
 )  # fmt: skip
+@fallback_option
 @click.option("--json", "as_json", is_flag=True, help="The table as JSON, in SI units.")
 @click.pass_context
 def sensitivity(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, outputs: tuple[str, ...],
     parameters: tuple[str, ...], analysis: str, t: float, t_end: float | None, points: int, output: str | None,
-    as_json: bool,
+    fallback: str | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Derivatives of curves by parameters: which dimension matters, when, and how much.
 
@@ -65,11 +68,14 @@ def sensitivity(
               rattle sensitivity path_generator --ideal --analysis kinematics --of coupler.P.y -o dimensions.svg
               rattle sensitivity balanced_arm --analysis equilibrium --of arm.angle --to l,lamp_mass
     """
+    _require_used(ctx, analysis, t_end)
+    if output is not None:
+        _require_name(output)
     if output is not None and Path(output).suffix.lower() in PICTURES:
         check_pictures(file, output)
-    elif output is not None:
-        csv = output if output.lower().endswith(".csv") else None
-        check_results(file, None if csv else output, csv, None)
+    else:
+        csv = output if output is not None and output.lower().endswith(".csv") else None
+        check_results(file, None if csv else output, csv, fallback)
     m = read_model(file, settings, ideal)
     of, to = _names(outputs), _names(parameters) or _usual(m)
     result = m.sensitivity(of, to, _instants(m, analysis, t, t_end, points), analysis)
@@ -78,8 +84,31 @@ def sensitivity(
     elif len(result.t):
         click.echo(_table(result))
         click.echo(str(result.trust))
-    kept = output is None or _write(result, output, as_json)
+    kept = output is None or _write(result, output, fallback, as_json)
     finish(ctx, result, kept)
+
+
+def _require_used(ctx: click.Context, analysis: str, t_end: float | None) -> None:
+    """Refuse options that this analysis would leave aside."""
+    one = analysis == "equilibrium" and t_end is None
+    if given(ctx, "t") and not one:
+        raise click.UsageError(
+            "--at is of one equilibrium: it needs --analysis equilibrium and no --t-end; curves begin at t = 0"
+        )
+    if given(ctx, "points") and one:
+        raise click.UsageError("--points is of a path; --at is one equilibrium. Give --t-end for a path")
+
+
+def _require_name(output: str) -> None:
+    """Raise ValueError for a name that is none of a result, a table or a picture."""
+    from rattle.atomic_file import is_special
+    from rattle.results.archive import SUFFIXES
+
+    if Path(output).suffix.lower() not in (*SUFFIXES, ".csv", *PICTURES) and not is_special(output):
+        raise ValueError(
+            f"{output}: curves and derivatives are saved as {', '.join(SUFFIXES)} or .csv, a drawing as"
+            f" {', '.join(PICTURES)}; give a name ending in one of them"
+        )
 
 
 def _names(given: tuple[str, ...]) -> list[str]:
@@ -140,11 +169,11 @@ def _record(result: Result) -> dict[str, object]:
     }  # fmt: skip
 
 
-def _write(result: Result, output: str, silent: bool) -> bool:
+def _write(result: Result, output: str, fallback: str | None, silent: bool) -> bool:
     """Save or draw the result; False if it could not be saved."""
     if Path(output).suffix.lower() not in PICTURES:
         csv = output.lower().endswith(".csv")
-        return keep(result, None if csv else output, output if csv else None, None)
+        return keep(result, None if csv else output, output if csv else None, fallback)
     from rattle.plots.curves import save_figure
     from rattle.plots.sensitivity import plot_effects
 

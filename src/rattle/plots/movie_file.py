@@ -15,6 +15,7 @@ from rattle.plots.curves import BORE, CURVES, GREY, LINES, MORE
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+FILMS = (".gif", ".mp4")
 Update = Callable[[int], None]  # changes the drawing to the instant of one frame
 
 
@@ -25,7 +26,7 @@ def require_film(path: str | os.PathLike[str]) -> None:
     suffix = Path(path).suffix.lower()
     if suffix == ".html":
         raise ValueError(f"{os.fspath(path)}: .html is not available yet; use .gif or .mp4")
-    if suffix not in (".gif", ".mp4"):
+    if suffix not in FILMS:
         raise ValueError(f"{os.fspath(path)}: an animation needs a name ending in .gif or .mp4")
     if suffix == ".mp4" and not FFMpegWriter.isAvailable():
         raise MissingProgram("an .mp4 needs the program ffmpeg, which was not found; install it or use .gif")
