@@ -77,6 +77,18 @@ class System:
         """Number of constraint rows, drivers included."""
         return len(self.rows)
 
+    @cached_property
+    def extent(self) -> float:
+        """Size [m], independent of the position: its largest body, or the spread of its ground points."""
+        joints, bodies = self.model.joints.values(), self.model.bodies.values()
+        lengths = [one.distance for one in joints]
+        held = {end.at for joint in joints for end in (joint.a, joint.b) if end.body == "ground"}
+        for group in (list(held), *([*body.points.values(), (0.0, 0.0)] for body in bodies)):
+            if group:
+                x, y = zip(*group, strict=True)
+                lengths.append(float(np.hypot(max(x) - min(x), max(y) - min(y))))
+        return max([*lengths, 0.0]) or self.size
+
     @property
     def element_states(self) -> int:
         """Number of states that belong to elements, such as the bristles of a friction law; see `equations.state`."""

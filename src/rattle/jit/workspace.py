@@ -8,6 +8,7 @@ took 2.5 times as long to run and 1.5 times as long to compile); in plain Python
 
 from __future__ import annotations
 
+import ctypes
 import math
 from collections.abc import Mapping
 from functools import lru_cache
@@ -239,7 +240,7 @@ class Workspace:
             table = self._image.layout.table.copy()
             table[:, 0] += self._block.ctypes.data
             for name, array in arrays.items():
-                table[PLACE[name]] = array.ctypes.data, array.shape[0], array.shape[-1]
+                table[PLACE[name]] = _address(array), array.shape[0], array.shape[-1]
             self.handle = Handle(table, (self._block, arrays))
 
     def __getattr__(self, name: str) -> np.ndarray:
@@ -248,6 +249,14 @@ class Workspace:
         array = self._image.array(name, self._block)
         setattr(self, name, array)
         return array
+
+
+def _address(array: np.ndarray) -> int:
+    """Where an array stands in memory; `array.ctypes` takes four times as long."""
+    return ctypes.addressof(_NOTHING.from_buffer(array.data)) if array.flags.writeable else array.ctypes.data
+
+
+_NOTHING = ctypes.c_char * 0
 
 
 def _check(arrays: Mapping[str, Any]) -> None:

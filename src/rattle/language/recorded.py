@@ -114,6 +114,8 @@ def operate(op: int, value: float, *given: Any) -> float:
 
 def array_of(numbers: Iterable[Any]) -> np.ndarray:
     """An array of numbers (nested as they are); of objects if any of them is recorded."""
+    if {float, int}.issuperset(map(type, numbers := list(numbers))):
+        return np.array(numbers, dtype=float)
     made = np.array(numbers, dtype=object)
     recorded = any(isinstance(x, Recorded) for x in made.ravel())
     return made if recorded else made.astype(float)

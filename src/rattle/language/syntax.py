@@ -114,7 +114,13 @@ def parse(text: str, grammar: Grammar = MODEL) -> Node:
     """Read an expression.  Raises ExpressionError if the text is not an expression or is too long."""
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"the expression has {len(text)} characters; at most {MAX_LENGTH} are read", 0)
-    return _Parser(text, grammar).read()
+    return _of_model(text) if grammar is MODEL else _Parser(text, grammar).read()
+
+
+@functools.lru_cache(maxsize=256)
+def _of_model(text: str) -> Node:
+    """An expression of a model; a model is read again and again with other values of its parameters."""
+    return _Parser(text, MODEL).read()
 
 
 def names(node: Node) -> set[str]:

@@ -147,6 +147,7 @@ _QUANTITY = re.compile(rf"\s*+({_NUMBER}|[+-]?+(?i:nan|inf|infinity)\b)\s*+({_UN
 _TOKEN = re.compile(r"\s*+(\*\*|[*·/^()]|[+-]?[0-9]++(?:\.[0-9]++)?+|°|[^\W\d]\w*+|\S)")
 
 
+@functools.lru_cache(maxsize=1024)
 def parse_quantity(text: str) -> tuple[float, Dimension | None] | None:
     """Value in SI units and dimension of a text such as "5 mm"; None if it is not a quantity but an expression.
 

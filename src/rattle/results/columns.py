@@ -85,8 +85,8 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
 
     c = 0
     for body in system.bodies:
-        for k, (key, unit) in enumerate(at.OUTPUT_BODY.items()):
-            add(f"{body}.{key}", unit, c + k)
+        units.update([(f"{body}.{key}", unit) for key, unit in at.OUTPUT_BODY.items()])
+        taken += range(c, c + at.PER_BODY)
         c += at.PER_BODY
     for name in system.joints:
         if name in model.drivers:

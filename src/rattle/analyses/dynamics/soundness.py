@@ -54,26 +54,12 @@ class Running(Protocol):
 
 
 # ---------------------------------------------------------------- measures
-def extent(system: System) -> float:
-    """Size of the mechanism [m], independent of its position: its largest body, or the spread of its ground points."""
-    model = system.model
-    lengths = [one.distance for one in model.joints.values()]
-    held = {joint.a.at for joint in model.joints.values() if joint.a.body == "ground"}
-    held |= {joint.b.at for joint in model.joints.values() if joint.b.body == "ground"}
-    groups = [list(held), *([*body.points.values(), (0.0, 0.0)] for body in model.bodies.values())]
-    for group in groups:
-        if group:
-            x, y = zip(*group, strict=True)
-            lengths.append(float(np.hypot(max(x) - min(x), max(y) - min(y))))
-    return max([*lengths, 0.0]) or system.size
-
-
 def audit_arrays(system: System, energy_limit: float) -> dict[str, np.ndarray]:
     """Workspace arrays with which a run checks its steps, see `solvers.step_audit`; measures in 1/m, or -1 for rad.
 
     energy_limit: largest share [-] for the energy error, given by the stepper.
     """
-    size = extent(system)
+    size = system.extent
     seen = np.zeros(at.SUNK + 1)
     seen[at.OPEN_LIMIT], seen[at.UNREST_LIMIT] = LIMIT, energy_limit
     return {"measure": np.array([-1.0 if row.unit == "rad" else 1.0 / size for row in system.rows]), "audit": seen}
@@ -86,7 +72,7 @@ def set_floor(system: System, workspace: Workspace, rtol: float, atol: float) ->
     hundred thousand) times that.  The applied forces are those at the start.
     """
     forces = np.abs(workspace.force[1:])
-    size = extent(system)
+    size = system.extent
     moment = float(forces[:, 2].sum() + size * forces[:, :2].sum())
     slow = 1e5 * atol * np.array([1.0, 1.0, 1.0 / size])
     resting = 0.5 * float((system.arrays["mass"][1:] * slow**2).sum())
@@ -98,7 +84,7 @@ def remarks(system: System, workspace: Workspace, stepper: type[Stepper]) -> tup
     """Notes on a run whose drift or energy error is more than rounding."""
     seen = workspace.audit
     found = []
-    opened = max(float(seen[at.OPEN_LENGTH]) / extent(system), float(seen[at.OPEN_ANGLE]))
+    opened = max(float(seen[at.OPEN_LENGTH]) / system.extent, float(seen[at.OPEN_ANGLE]))
     shorter = "a smaller rtol" if stepper.adaptive else "a shorter step"
     if opened > SAID:
         found.append(f"joints opened by {opened:.2g} of the mechanism's size (or rad): {shorter} reduces this")
@@ -156,7 +142,7 @@ def _driver_rates(system: System) -> list[float]:
     for name in system.model.drivers:
         rate = abs(float(workspace.values[system.driver_slot(name) + 1]))
         turns = system.rows[system.first_row(name)].unit == "rad"
-        found.append(rate if turns else rate / extent(system))
+        found.append(rate if turns else rate / system.extent)
     return found
 
 
@@ -219,9 +205,9 @@ def _cause(run: Running, t: float, ahead: float) -> str:
     if found:
         return found
     away = float(np.abs(q.reshape(-1, 3)[:, :2]).max(initial=0.0))
-    if away > FAR * extent(system):
+    if away > FAR * system.extent:
         return (
-            f"the mechanism of {extent(system):.2g} m is {away:.2g} m away from the origin, too far for the digits of a"
+            f"the mechanism of {system.extent:.2g} m is {away:.2g} m away from the origin, too far for the digits of a"
             " number; put the origin near it"
         )
     if not run.stepper.leaf.adaptive:
@@ -245,7 +231,7 @@ def jump(system: System, start: float, end: float) -> str:
     for name in system.model.drivers:
         slot = system.driver_slot(name)
         unit = system.rows[system.first_row(name)].unit
-        scale = 1.0 if unit == "rad" else extent(system)
+        scale = 1.0 if unit == "rad" else system.extent
         for k, (what, per) in enumerate((("position", ""), ("speed", "/s"))):
             low, high = start - reach, end + reach
             before, after = value(low, slot + k), value(high, slot + k)

@@ -17,7 +17,6 @@ import time
 import numpy as np
 
 from rattle.analyses.dynamics import run as runs
-from rattle.analyses.dynamics.soundness import extent
 from rattle.analyses.sensitivity.functions import Functions, Rates
 from rattle.analyses.sensitivity.step import LONGEST, SAFETY, SHORTEST, Step, Tolerance, try_step
 from rattle.equations.state import state_layout
@@ -223,7 +222,7 @@ def _tolerance(functions: Functions, rtol: float, atol: float, t_end: float) -> 
     system = functions.model.system
     layout = state_layout(system)
     controlled = np.r_[layout.motion, layout.states]
-    weight = np.tile([extent(system), extent(system), 1.0], 2 * system.body_count)
+    weight = np.tile([system.extent, system.extent, 1.0], 2 * system.body_count)
     weight = np.concatenate([weight, np.ones(len(controlled) - len(weight))])
     given = np.abs(functions.parameters.values)
     return Tolerance(rtol, atol, weight, controlled, np.where(given > 0.0, given, 1.0))

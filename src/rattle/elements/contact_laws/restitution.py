@@ -15,6 +15,7 @@ The left side increases with x and with a, so either is found from the other by 
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 
@@ -39,6 +40,7 @@ def factor_returning(restitution: float) -> float:
     return -math.expm1(-_bisected(excess, 1.0 + 1.0 / x)) / x
 
 
+@functools.lru_cache(maxsize=64)
 def restitution_returned(factor: float) -> float:
     """Restitution x [-] that a free impact returns under F_static (1 + a ddelta/v0), a = factor.
 
