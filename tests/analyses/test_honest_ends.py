@@ -254,6 +254,39 @@ def test_two_loose_runs_are_never_compared_with_each_other():
     assert tighter(1e-11, 1e-8) == pytest.approx(1e-12)
 
 
+UNSTABLE = """
+format = 1
+[ground.points]
+O = [0, 0]
+[bodies.mass]
+points = { P = [0, 0] }
+mass = 1
+inertia = 1
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "mass.P"]
+[loads.push]
+type = "force"
+at = "mass.P"
+force = ["4*mass.x", 0]
+[initial]
+mass = { x = 3, vx = 4 }
+"""
+
+
+def test_a_motion_that_grows_beyond_numbers_is_said_to_grow():
+    run = rt.loads(UNSTABLE).simulate(400.0, t_eval=[0.0, 1.0])
+    assert not run.success
+    end = float(run.message.partition("t = ")[2].partition(" s:")[0])
+    # 4 exp(2 t) is the largest number, 1.8e308, at 354.2 s; a step needs a few powers of ten more
+    assert 340 < end < 354.3
+    assert "the motion grows beyond numbers (mass.vx is " in run.message
+    assert "end the run earlier" in run.message
+    assert "position that cannot be passed" not in run.message
+    with pytest.raises(ValueError, match=r"the motion grows beyond numbers .* so there is no exponent"):
+        rt.loads(UNSTABLE).lyapunov(400.0)
+
+
 # ---------------------------------------------------------------- Lyapunov exponent
 def test_no_exponent_is_given_where_nothing_can_grow():
     with pytest.raises(ValueError, match="the drivers fix every position"):

@@ -22,6 +22,7 @@ from rattle.solvers.stepper import FREE, usual_stepper
 NEAR = 10.0  # lengths of the failed step within which contact laws are evaluated
 GLANCE, SHARE = 1e-6, 1e-3  # how far to look back, as a share of the run, and a share of that
 GROWN = 20.0  # factor by which a value grows towards a pole when the time to it shrinks by SHARE
+BEYOND = 1e100  # of a position or rate in SI units, where no mechanism gets
 TINY = 1e-12  # a contact that needs shorter steps is too stiff [s]
 
 
@@ -34,7 +35,8 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
     t, h = float(clock[at.T]), float(clock[at.H])
     if status == ESCAPED:
         return _escaped(system, workspace)
-    what = load_law.complaint(t) or not_finite(system, workspace, t_end)
+    grown = _grown(system, workspace) if stepper.leaf.adaptive else ""  # a step that is too long makes motions grow too
+    what = load_law.complaint(t) or grown or not_finite(system, workspace, t_end)
     if what:
         return what
     if status == SLIDES:
@@ -69,6 +71,22 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
     return (
         f"cannot go on at t = {t:.6g} s: the step fell below {h:.1g} s (worst at body '{fastest}');"
         f" {'look' if rtol >= 1e-6 else 'try a larger rtol, and look'} for a position that cannot be passed"
+    )
+
+
+def _grown(system: System, workspace: Workspace) -> str:
+    """In words, which body is where no number can follow; "" if none."""
+    size = np.abs(workspace.state[: 6 * system.body_count])
+    if not size.max(initial=0.0) > BEYOND:
+        return ""
+    worst = int(np.argmax(size))
+    key, unit = (("x", "m"), ("y", "m"), ("angle", "rad"), ("vx", "m/s"), ("vy", "m/s"), ("omega", "rad/s"))[
+        worst % 3 + 3 * (worst >= 3 * system.body_count)
+    ]
+    return (
+        f"cannot go on at t = {workspace.clock[at.T]:.6g} s: the motion grows beyond numbers"
+        f" ({system.bodies[worst // 3 % system.body_count]}.{key} is {workspace.state[worst]:.3g} {unit}): it is"
+        " unstable, or a load feeds it without end; end the run earlier, or add what limits it"
     )
 
 
