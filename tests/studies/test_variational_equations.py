@@ -95,6 +95,24 @@ def test_exponent_of_an_overdamped_oscillator_is_its_slow_root():
 
 
 @pytest.mark.nojit
+@pytest.mark.parametrize(("force", "truth"), [("4*mass.x", 2.0), ("-25*mass.x - 26*mass.vx", -1.0), ("-4*mass.x", 0.0)])
+@pytest.mark.parametrize("t_end", [1e-6, 1e-3, 0.1, 1.0])
+def test_a_run_too_short_for_an_exponent_does_not_exclude_the_true_one(force, truth, t_end):
+    found = oscillator(force).lyapunov(t_end)  # a difference of rates makes one of positions, in proportion to time
+    assert abs(found.exponent - truth) < found.uncertainty
+    assert not found.chaotic
+    assert "no exponential growth of errors beyond the uncertainty" in str(found)
+    if t_end < 0.1:
+        assert "a longer run shows whether the growth continues" in str(found)
+
+
+@pytest.mark.nojit
+def test_a_run_long_enough_for_an_exponent_keeps_its_narrow_uncertainty():
+    found = oscillator("4*mass.x").lyapunov(10.0)
+    assert abs(found.exponent - 2.0) < found.uncertainty < 0.01
+
+
+@pytest.mark.nojit
 def test_growth_is_that_of_the_linearised_equations_along_the_same_chaotic_motion():
     """Ueda's form of Duffing's equation, its variational equations written down apart from the package."""
 

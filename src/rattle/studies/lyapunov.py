@@ -27,6 +27,7 @@ SHORTER = 6  # how often a stretch is cut to a quarter if the growth in it is no
 UNSURE = 0.8  # uncertainty, as a share of the exponent, above which the exponent is not determined
 ROUGH = 0.3  # the same above which it is called rough
 ENOUGH = 100.0  # growth of differences below which the motion may be regular: there they grow in proportion to time
+SEEN = 3.0  # growth of differences above which it is worth saying that it was not more
 BLOCKS = 10  # parts of the run from whose scatter the uncertainty follows
 SPREAD = 1.2  # variance of the slope of the best line through a random walk, as a share of that of its mean step
 STUDENT = 2.262  # 95 % of Student's t with BLOCKS - 1 degrees of freedom
@@ -36,7 +37,7 @@ class Lyapunov(NamedTuple):
     """Largest Lyapunov exponent: small differences grow as exp(exponent t)."""
 
     exponent: float  # [1/s]
-    uncertainty: float  # 95 %, from the scatter of 10 parts of the run [1/s]
+    uncertainty: float  # 95 %, from the scatter of 10 parts of the run; at least what a factor of 100 makes [1/s]
     span: float  # time over which it was measured [s]
     growth: np.ndarray  # (n,) natural logarithm of the growth in every stretch [-]
     stretch: float  # length of a stretch [s]
@@ -62,13 +63,14 @@ class Lyapunov(NamedTuple):
 
     def _finding(self) -> str:
         said = f"largest Lyapunov exponent {self.exponent:.3g} +- {self.uncertainty:.2g} 1/s over {self.span:.4g} s"
-        if not self.uncertainty <= UNSURE * abs(self.exponent) and self.uncertainty * self.span > math.log(ENOUGH):
+        seen, bounded = math.exp(min(self.exponent * self.span, 700.0)), 1.001 * math.log(ENOUGH) / self.span
+        if self.uncertainty > max(UNSURE * abs(self.exponent), bounded):
             return f"{said}: not determined, the uncertainty is as large as the exponent; run much longer"
-        if self.exponent > self.uncertainty and not self.chaotic:
-            seen = math.exp(self.exponent * self.span)
-            return f"{said}: differences grew only {seen:.2g}-fold; a longer run shows whether the growth continues"
         if not self.chaotic:
-            return f"{said}: no exponential growth of errors beyond the uncertainty"
+            more = (
+                f" (they grew {seen:.2g}-fold; a longer run shows whether the growth continues)" if seen > SEEN else ""
+            )
+            return f"{said}: no exponential growth of errors beyond the uncertainty{more}"
         tenfold = math.log(10.0) / self.exponent
         if self.uncertainty > ROUGH * self.exponent:
             said += f" (rough: uncertain by {100 * self.uncertainty / self.exponent:.0f} %)"
@@ -88,7 +90,8 @@ def lyapunov(
     t_end: duration [s] (default: that of the model).  stretch: [s] (default: t_end/400, shorter if a second run moves
     away too fast).  skip: share [-] of the run left out at the start, until the difference has turned to the direction
     of largest growth.  rtol: relative tolerance [-] of the motion and of the difference, or of both runs.
-    The exponent is the slope of the best line through the logarithm of the growth over time.
+    The exponent is the slope of the best line through the logarithm of the growth over time.  Where differences changed
+    less than a hundredfold it may be zero or any other that small, as in a run shorter than the mechanism's own times.
     With set-valued contacts two runs are event-driven; a stretch lasts a little longer if at its end one run has had
     an impact that the other is about to have.
     Raises ValueError if the drivers determine every position (then nothing can grow), or if a run cannot go on.
@@ -106,7 +109,10 @@ def lyapunov(
     kept = growth[int(skip * len(growth)) :]
     blocks = np.array([part.mean() for part in np.array_split(kept, BLOCKS)]) / length
     error = STUDENT * float(blocks.std(ddof=1)) * math.sqrt(SPREAD / BLOCKS)
-    return Lyapunov(_slope(kept) / length, error, len(kept) * length, growth, length, how)
+    exponent, seen = _slope(kept) / length, len(kept) * length
+    if abs(exponent) * seen < math.log(ENOUGH):  # so much may be a start that dies away, or growth with a power of time
+        error = max(error, math.log(ENOUGH) / seen)
+    return Lyapunov(exponent, error, seen, growth, length, how)
 
 
 def _slope(growth: np.ndarray) -> float:
