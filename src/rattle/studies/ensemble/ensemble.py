@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +23,7 @@ from rattle.studies.ensemble.pieces import OK
 from rattle.studies.ensemble.plans import Drawn
 from rattle.studies.ensemble.samples import Samples
 from rattle.studies.ensemble.sampling import MOST, points
-from rattle.studies.ensemble.shown import aligned, in_one_unit
+from rattle.studies.ensemble.shown import aligned, number, scale_of
 from rattle.studies.ensemble.statistics import Bounded, Statistics
 from rattle.studies.ensemble.store import Memory
 from rattle.studies.ensemble.work import run_missing
@@ -114,12 +114,12 @@ class Ensemble(Samples):
         found = []
         for output, nominal in zip(self.outputs, self.nominal, strict=True):
             one = self.statistics(output)
-            half = 0.5 * (one.mean.high - one.mean.low)
-            rest = (q.value for q in one.quantiles.values())
-            *texts, unit = in_one_unit(
-                (nominal, one.mean.value, half, one.sd.value, *rest, one.least, one.most), self.unit(output)
-            )
-            found.append((output, unit, texts[0], f"{texts[1]} +- {texts[2]}", *texts[3:]))
+            half, sd = 0.5 * (one.mean.high - one.mean.low), one.sd.value
+            values = (one.mean.value, nominal, *(q.value for q in one.quantiles.values()), one.least, one.most)
+            factor, unit = scale_of((*values, sd), self.unit(output))
+            mean, *texts = (number(factor * x, factor * sd) for x in values)
+            spread = f"{mean} +- {factor * half:.3g}", f"{factor * sd:.3g}"
+            found.append((output, unit, texts[0], *spread, *texts[1:]))
         return found
 
     def __str__(self) -> str:
@@ -158,5 +158,7 @@ def nominal_run(task: Task) -> tuple[tuple[float, ...], tuple[str, ...]]:
         values, result = task.look(task.mechanism)
     except (ModelError, AssemblyError, SolverError) as error:
         return (math.nan,) * len(task.outputs), (f"without deviations: {error}",)
-    remarks = result.trust.remarks()
+    trust = result.trust
+    of_start = task.mechanism.start.notes  # how given start values were taken: the same for every sample
+    remarks = replace(trust, notes=tuple(note for note in trust.notes if note not in of_start)).remarks()
     return tuple(values), ((f"without deviations: {remarks}",) if remarks else ())

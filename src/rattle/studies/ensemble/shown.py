@@ -7,19 +7,30 @@ from collections.abc import Sequence
 
 from rattle.results.display import MILLIMETRES, readable
 
+LONGEST = 10.0  # a length up to which mm are used beside short ones [m]
+FEWEST, MOST = 5, 10  # digits
+
 
 def scale_of(values: Sequence[float], unit: str) -> tuple[float, str]:
     """Factor from SI, and the unit in which these values [SI] are shown: angles in deg, short lengths in mm."""
-    sizes = [abs(x) for x in values if math.isfinite(x)]
-    if unit == "m" and 0.0 < max(sizes, default=0.0) < MILLIMETRES:
+    sizes = [abs(x) for x in values if math.isfinite(x) and x]
+    if unit == "m" and sizes and min(sizes) < MILLIMETRES and max(sizes) < LONGEST:
         return 1e3, "mm"
     return readable(1.0, unit)
 
 
-def in_one_unit(values: Sequence[float], unit: str, digits: int = 5) -> list[str]:
+def in_one_unit(values: Sequence[float], unit: str) -> list[str]:
     """Values [SI] as texts, then their common unit."""
     factor, shown = scale_of(values, unit)
-    return [*(f"{factor * x:.{digits}g}" if math.isfinite(x) else "-" for x in values), shown]
+    return [*(number(factor * x) for x in values), shown]
+
+
+def number(value: float, spread: float = math.nan) -> str:
+    """A number as text, with so many digits that a spread of its unit shows; "-" for what is not finite."""
+    if not math.isfinite(value):
+        return "-"
+    finer = math.log10(abs(value) / spread) if 0.0 < spread < abs(value) else 0.0
+    return f"{value:.{min(max(FEWEST, math.ceil(finer) + 2), MOST)}g}"
 
 
 def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
