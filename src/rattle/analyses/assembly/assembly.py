@@ -60,14 +60,14 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
     ideal: the assembled ideal mechanism at t, if it is known already.
     Raises AssemblyError if the joints cannot be closed; the message names the loop and the gap.
     """
-    made = _assembled(system, t, ideal)
+    made = consistent_start(system, t, ideal)
     if t != 0.0:
         return made
     return replace(made, notes=(*system.model.remarks, *start_notes(system, t, made.q, made.v)))
 
 
-def _assembled(system: System, t: float, ideal: Assembled | None = None) -> Assembled:
-    """As `assemble`, without notes."""
+def consistent_start(system: System, t: float, ideal: Assembled | None = None) -> Assembled:
+    """As `assemble`, without notes on what could not be kept."""
     model = system.model
     links = {name: one for name, one in model.joints.items() if is_link(one)}
     open_ = {name: one for name, one in model.joints.items() if has_contacts(one)}
@@ -77,7 +77,7 @@ def _assembled(system: System, t: float, ideal: Assembled | None = None) -> Asse
     missing: list[str] = []
     if offsets:
         try:
-            ideal = _assembled(ideal_system, t)
+            ideal = consistent_start(ideal_system, t)
         except AssemblyError:  # it need not close if the user's values determine everything
             if links or held:
                 raise
@@ -251,7 +251,7 @@ def _without_drivers(system: System, workspace: Workspace, t: float) -> None:
     if not system.model.drivers or system.row_count > LARGE:
         return
     try:
-        q = _assembled(compile_system(replace(system.model, drivers={})), t).q
+        q = consistent_start(compile_system(replace(system.model, drivers={})), t).q
     except AssemblyError:
         return
     place_only(workspace, q)

@@ -19,7 +19,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rattle.analyses.assembly.assembly import assemble, ideal_model
+from rattle.analyses.assembly.assembly import consistent_start, ideal_model
 from rattle.analyses.assembly.rank import scaled_rows
 from rattle.analyses.kinematics.singular_positions import why_stuck
 from rattle.analyses.kinematics.sweep import begin
@@ -125,11 +125,11 @@ def position_at(system: System, t: float) -> np.ndarray:
     Raises AssemblyError if it cannot be assembled, or cannot reach t.
     """
     try:
-        start = assemble(system)
+        start = consistent_start(system, 0.0)
     except AssemblyError:
         if t == 0.0:
             raise
-        return assemble(system, t).q
+        return consistent_start(system, t).q
     if t == 0.0:
         return start.q
     workspace = system.workspace()
@@ -139,7 +139,7 @@ def position_at(system: System, t: float) -> np.ndarray:
         system.row_count and np.linalg.matrix_rank(scaled_rows(system, workspace), tol=1e-9) == 3 * system.body_count
     )
     if not driven:
-        return assemble(system, t).q
+        return consistent_start(system, t).q
     led = begin(system, start)
     if not len(led.go(np.array([t]), False)):
         raise AssemblyError(f"the position at t = {t:g} s cannot be reached: {why_stuck(led)}")
