@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.linalg import eig
+from scipy.linalg import eig, eigh
 
 import rattle as rt
 from linkages import paper
@@ -453,6 +453,19 @@ def test_what_a_damper_alone_connects_comes_to_rest_together():
     assert (found.omega == 0).all()
     assert f"0 Hz, comes to rest with time constant {1 / rate:.6g} s" in str(found)
     assert "unstable" not in found.about
+
+
+@nojit
+def test_every_overdamped_mode_has_a_slow_and_a_fast_root():
+    # dampers far above the critical: every coordinate creeps, C dz + K z = 0, or loses its speed, M dv + C v = 0
+    random = np.random.default_rng(4)
+    n = 6
+    mass, stiffness, damping = (a @ a.T + np.eye(n) for a in random.normal(size=(3, n, n)))
+    roots, _ = small_motions(stiffness, 1e3 * damping, mass)
+    slow = eigh(stiffness, 1e3 * damping, eigvals_only=True)
+    fast = eigh(1e3 * damping, mass, eigvals_only=True)
+    np.testing.assert_allclose(np.sort(-roots[:, 0].real), slow, rtol=1e-3)  # to (slow/fast)
+    np.testing.assert_allclose(np.sort(-roots[:, 1].real), fast, rtol=1e-3)
 
 
 @nojit

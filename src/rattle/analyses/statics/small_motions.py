@@ -8,7 +8,7 @@ C' = X^-1 M^-1 C X:
     those that it couples, with u = D z, D = sqrt|mu|      s [u; v] = [[0, D], [-mu D^-1, -C']] [u; v]
 Columns of u with mu = 0 are left out: each is a root s = 0.
 
-Source: Tisseur and Meerbergen, The quadratic eigenvalue problem, SIAM Review 43 (2001) 235-286, sections 3.4 and 3.10.
+Source: Tisseur and Meerbergen, The quadratic eigenvalue problem, SIAM Review 43 (2001) 235-286, section 3.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def _together(c: np.ndarray, mu: np.ndarray, error: float) -> tuple[list[tuple[c
     real = np.flatnonzero(values.imag == 0.0)
     rest = np.concatenate([values[real].real, np.zeros(n - m)])
     ways = np.concatenate([shapes[:, real].real, neutral], axis=1)
-    pairs = _pairs(rest, ways)
+    pairs = _pairs(rest, ways, c)
     roots = [(complex(values[k]), complex(values[k].conjugate())) for k in swings]
     roots += [(complex(rest[i]), complex(rest[j])) for i, j in pairs]
     made = [np.stack([shapes[:, k], shapes[:, k].conj()]) for k in swings]
@@ -158,15 +158,17 @@ def _settled(values: np.ndarray, vectors: np.ndarray, noise: float) -> np.ndarra
     return values
 
 
-def _pairs(values: np.ndarray, shapes: np.ndarray) -> list[tuple[int, int]]:
-    """Real roots (2 p,) two by two, the larger first, those with the most similar shapes (n, 2 p) first.
+def _pairs(values: np.ndarray, shapes: np.ndarray, c: np.ndarray) -> list[tuple[int, int]]:
+    """Real roots (2 p,) two by two, the larger first: two of opposite type whose shapes x (n, 2 p) are most similar.
 
-    So the two roots of an overdamped oscillator stay together, also where weak damping couples it to others.
+    The type is the sign of x^T (2 s + C') x: of the two roots of an oscillator the slow one has +, the fast one -, and
+    only roots of opposite type meet and become a vibration when there is less damping.
     """
     if not len(values):
         return []
     unit = shapes / np.maximum(np.linalg.norm(shapes, axis=0), 1e-300)
-    alike = np.abs(unit.T @ unit)
+    kind = np.sign(2.0 * values + np.einsum("ik,ij,jk->k", unit, c, unit))
+    alike = np.abs(unit.T @ unit) + (np.multiply.outer(kind, kind) < 0.0)
     np.fill_diagonal(alike, -1.0)
     pairs = []
     while alike.max() >= 0.0:
