@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain, islice
+from itertools import accumulate, chain, islice
 
 import numpy as np
 
@@ -178,7 +178,7 @@ def concatenate(parts: Sequence[Program]) -> tuple[np.ndarray, np.ndarray, np.nd
     Program i is rows first[i] to first[i + 1] - 1 of `code`; its constants are indexed from the start of `const`.
     """
     first = np.zeros(len(parts) + 1, dtype=np.int64)
-    first[1:] = np.cumsum([len(part.code) for part in parts])
+    first[1:] = list(accumulate(len(part.code) for part in parts))
     code = np.zeros((int(first[-1]), 4), dtype=np.int64)
     const = array_of([number for part in parts for number in part.const])
     offset = 0

@@ -32,8 +32,8 @@ def contradicted(system: System, workspace: Workspace, t: float, q: np.ndarray, 
     if not system.model.drivers:
         return ""
     open_by(workspace, t, q, v)
-    null = _with_drivers(system, left_null(system, workspace))
-    if not null.shape[1]:
+    null = left_null(system, workspace)
+    if not null.shape[1] or not (null := _with_drivers(system, null)).shape[1]:
         return ""
     found = _at_odds(system, workspace, null)
     if not found:

@@ -158,20 +158,18 @@ def start_notes(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple
     changed: dict[str, list[str]] = {}
     free = functools.cache(lambda: _freedom(system, t, q, v))  # costly, and rarely needed
     for turn, now in enumerate((q, v)):
-        given = given_values(system, turn)
-        for k in np.flatnonzero(~np.isnan(given)):
+        for k, (given, got) in enumerate(zip(given_values(system, turn).tolist(), now.tolist(), strict=True)):
+            if math.isnan(given):
+                continue
             name, key = system.bodies[k // 3], KEYS[turn][k % 3]
-            size = (1.0 if key == "angle" else system.size) if turn == 0 else max(speed, abs(given[k]))
-            if abs(now[k] - given[k]) > SEEN * size:
+            size = (1.0 if key == "angle" else system.size) if turn == 0 else max(speed, abs(given))
+            if abs(got - given) > SEEN * size:
                 factor = 180.0 / math.pi if key == "angle" else 1.0
-                asked, found = (
-                    f"{given[k] * factor:.6g}",
-                    f"{now[k] * factor if abs(now[k]) > 1e-12 * size else 0.0:.6g}",
-                )
+                asked, found = f"{given * factor:.6g}", f"{got * factor if abs(got) > 1e-12 * size else 0.0:.6g}"
                 if asked == found:
-                    found = f"{now[k] * factor:.12g}"
+                    found = f"{got * factor:.12g}"
                 text = f"asked for {name}.{key} = {asked} {UNITS[key]}, got {found} {UNITS[key]}"
-                changed.setdefault(_holder(system, free(), int(k)), []).append(text)
+                changed.setdefault(_holder(system, free(), k), []).append(text)
     return tuple(f"{'; '.join(texts)}: {who}" for who, texts in changed.items())
 
 

@@ -25,7 +25,6 @@ SHORTEST = 1e-12  # steps below this count as impossible [s]
 GAIN = 1e-12  # energy created by an impact, as a share of that of the run, below which it is rounding
 STEPS_WANTED = 10  # steps that the shortest contact should have
 DEEP = STEPS_WANTED * SHORTEST / 3.0  # depth of a contact at 1 m/s that lasts so long [m], see `contact_duration`
-NOTHING = (0.0, 0.0, 0.0, 0.0)  # duration, peak, impulse and loss of all events but contacts and impacts
 KINDS = ("contact", "release", "impact", "stick", "slip")  # in the order of their numbers in `plane`
 
 
@@ -35,13 +34,13 @@ def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Worksp
     rows: arrays (n, 8) of the steppers: time [s], contact, kind, then up to five values of `Event` [SI].
     """
     owner = system.arrays["contact"][:, at.OWNER]
-    found = []
     joints = [system.joints[n] for n in owner.tolist()]
-    for instant, contact, what, *values in np.concatenate(rows).tolist() if rows else ():
-        kind = KINDS[int(what)]
-        if kind not in ("contact", "impact"):
-            values[1:] = NOTHING
-        found.append(Event._make((instant, joints[int(contact)], kind, *values)))
+    written = np.concatenate(rows) if rows else np.zeros((0, at.width("events")))
+    bare = (written[:, at.EVENT_KIND] != at.CONTACT_EVENT) & (written[:, at.EVENT_KIND] != at.IMPACT_EVENT)
+    written[bare, at.EVENT_DURATION :] = 0.0  # only contacts and impacts have more than a speed
+    instants, contact, what, *values = written.T.tolist()
+    owners, kinds = [joints[int(n)] for n in contact], [KINDS[int(n)] for n in what]
+    found = [Event._make(one) for one in zip(instants, owners, kinds, *values, strict=True)]
     memory, y, layout = workspace.contact_memory, workspace.state, state_layout(system)
     for n in np.flatnonzero(memory[:, at.CLOSED] == at.SHUT):
         account = y[layout.account(int(n))]
