@@ -87,6 +87,10 @@ class MissingProgram(RuntimeError):
     """A requested feature needs a program that is not installed; the message names it."""
 
 
+class WorkerError(RuntimeError):
+    """Processes that run samples could not do it; the message says why, and what is kept."""
+
+
 class AssemblyError(RuntimeError):
     """The mechanism cannot be assembled, or cannot take the position asked for."""
 

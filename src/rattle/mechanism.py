@@ -10,6 +10,9 @@ from rattle.errors import ModelError
 from rattle.language.units import Seconds, seconds_or_none
 
 if TYPE_CHECKING:
+    import os
+    from concurrent.futures import Executor
+
     import numpy as np
 
     from rattle.studies.bifurcation import Bifurcation
@@ -98,7 +101,9 @@ class Mechanism(AnalysedModel):
     def ensemble(
         self, n: int, outputs: Sequence[str], vary: Vary = None, *, seed: int = 0, analysis: str = "simulate",
         t_end: Seconds | None = None, design: str = "sobol", rtol: float | None = None, method: str | None = None,
-        threads: int | None = None, progress: bool = False,
+        threads: int | None = None, executor: Executor | None = None, scheduler: str | None = None,
+        workers: int | None = None, folder: str | os.PathLike[str] | None = None, resume: bool = True,
+        progress: bool = False,
     ) -> Ensemble:  # fmt: skip
         """Statistics of n mechanisms with tolerances: `m.ensemble(1000, ["max(O3.force)"]).summary()`.
 
@@ -109,25 +114,36 @@ class Mechanism(AnalysedModel):
         analysis: simulate, kinematics, inverse-dynamics, equilibrium, accuracy (outputs of "rocker.angle.high",
         .low, .nominal, .worst, .rss) or modes ("mode1.frequency", .damping, .growth).
         t_end: [s] (default: as in the model; t = 0 alone for equilibrium and modes).  rtol (default 1e-8), method: of
-        motions.  threads: default one per core.  progress: show a progress bar.
+        motions.  progress: show a progress bar with rate and time left.
+        threads: of this process, default one per core.  Instead of them, executor: any concurrent.futures.Executor;
+        workers: so many processes on this machine; scheduler: address of a Dask scheduler, "tcp://10.0.0.1:8786".
+        All give the same bits; laws written in Python must be known in the other processes.
+        folder: where samples are kept, piece by piece, as Parquet files.  The same call goes on where it ended, in
+        whatever way, also with a larger n (not for lhs); the folder of another run is refused.  resume: False refuses
+        every folder with a run.
 
         Returns the samples, `e["max(O3.force)"]`, `e.table`, `e.sample(17)`, and what follows from them: `e.summary()`,
         `e.yield_below("max(O3.force)", 5000)`.  A sample that cannot be run is a row with its message.  Ctrl-C returns
         the samples so far.
         Raises ModelError, UnknownName, ValueError for a question that makes no sense; MissingPackage without pandas
-        where tables are asked for.
+        where tables are asked for, pyarrow for a folder, distributed for workers; ConnectionError for a scheduler that
+        does not answer, WorkerError for workers that end, OSError if the folder cannot be written: what is finished
+        is kept in the folder, and the same call goes on.
         """
         from rattle.studies.ensemble.ensemble import ensemble
 
         return ensemble(
             self, n, outputs, vary, seed=seed, analysis=analysis, t_end=seconds_or_none(t_end, "t_end"), design=design,
-            rtol=rtol, method=method, threads=threads, progress=progress,
+            rtol=rtol, method=method, threads=threads, executor=executor, scheduler=scheduler, workers=workers,
+            folder=folder, resume=resume, progress=progress,
         )  # fmt: skip
 
     def sweep(
         self, values: Mapping[str, Sequence[float | str] | np.ndarray], outputs: Sequence[str], *,
         analysis: str = "simulate", t_end: Seconds | None = None, rtol: float | None = None, method: str | None = None,
-        threads: int | None = None, progress: bool = False,
+        threads: int | None = None, executor: Executor | None = None, scheduler: str | None = None,
+        workers: int | None = None, folder: str | os.PathLike[str] | None = None, resume: bool = True,
+        progress: bool = False,
     ) -> Sweep:  # fmt: skip
         """Outputs over all combinations of values: `m.sweep({"r3": [1e-3, 2e-3]}, ["max(O3.force)"]).table`.
 
@@ -138,7 +154,8 @@ class Mechanism(AnalysedModel):
 
         return sweep(
             self, values, outputs, analysis=analysis, t_end=seconds_or_none(t_end, "t_end"), rtol=rtol, method=method,
-            threads=threads, progress=progress,
+            threads=threads, executor=executor, scheduler=scheduler, workers=workers, folder=folder, resume=resume,
+            progress=progress,
         )  # fmt: skip
 
     def optimise(

@@ -33,6 +33,7 @@ PACKED = 1100  # largest compression ratio that deflate can reach
 NETCDF = b"\x89HDF\r\n\x1a\n"
 ZIP = b"PK\x03\x04"
 HINT = "pip install h5netcdf h5py xarray pandas"
+HINTS = {"pyarrow": "pip install pyarrow", "distributed": "pip install distributed"}  # where other packages are needed
 
 
 def package(module: str, what: str) -> Any:
@@ -40,7 +41,7 @@ def package(module: str, what: str) -> Any:
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise MissingPackage(f"{what} needs {module}; install it with: {HINT}") from error
+        raise MissingPackage(f"{what} needs {module}; install it with: {HINTS.get(module, HINT)}") from error
 
 
 def require(path: str | os.PathLike[str]) -> None:

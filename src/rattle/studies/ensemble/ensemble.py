@@ -6,7 +6,9 @@ A sample is the mechanism with parameters drawn from their fields; sample i depe
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +20,7 @@ from rattle.results.archive import package
 from rattle.results.display import table
 from rattle.studies.ensemble import statistics
 from rattle.studies.ensemble.fields import Fields, Vary, fields_of
+from rattle.studies.ensemble.folder import store_of
 from rattle.studies.ensemble.limits import limit_of
 from rattle.studies.ensemble.pieces import OK
 from rattle.studies.ensemble.plans import Drawn
@@ -25,7 +28,6 @@ from rattle.studies.ensemble.samples import Samples
 from rattle.studies.ensemble.sampling import MOST, points
 from rattle.studies.ensemble.shown import aligned, number, scale_of
 from rattle.studies.ensemble.statistics import Bounded, Statistics
-from rattle.studies.ensemble.store import Memory
 from rattle.studies.ensemble.work import run_missing
 from rattle.studies.runs.task import Task, task_of
 
@@ -139,16 +141,20 @@ def _columns(name: str, found: Bounded) -> dict[str, float]:
 def ensemble(
     m: Mechanism, n: int, outputs: Sequence[str], vary: Vary = None, *, seed: int = 0, analysis: str = "simulate",
     t_end: float | None = None, design: str = "sobol", rtol: float | None = None, method: str | None = None,
-    threads: int | None = None, progress: bool = False,
+    threads: int | None = None, executor: Executor | None = None, scheduler: str | None = None,
+    workers: int | None = None, folder: str | os.PathLike[str] | None = None, resume: bool = True,
+    progress: bool = False,
 ) -> Ensemble:  # fmt: skip
     """Outputs of n samples; see `Mechanism.ensemble`."""
     count = arguments.whole("n", n, 1, MOST)
     fields = fields_of(m, vary)
     task = task_of(m, fields.names, outputs, analysis=analysis, t_end=t_end, rtol=rtol, method=method)
     plan = Drawn(fields, points(design, seed, fields.draws, count))
-    store = Memory(plan.names, task.texts, count)
+    store = store_of(task, plan, folder, resume)
     nominal, notes = nominal_run(task)
-    how, interrupted = run_missing(task, plan, store, threads=threads, progress=progress)
+    how, interrupted = run_missing(
+        task, plan, store, executor=executor, scheduler=scheduler, workers=workers, threads=threads, progress=progress
+    )
     return Ensemble(task, plan, store, how, interrupted, fields, design, int(seed), nominal, notes)
 
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -142,6 +142,11 @@ class Fields:
     def names(self) -> tuple[str, ...]:
         """(k,) names of the parameters."""
         return tuple(one.name for one in self.fields)
+
+    @property
+    def description(self) -> dict[str, Any]:
+        """The fields and which are drawn together, as plain data."""
+        return {"fields": {one.name: asdict(one) for one in self.fields}, "draw": list(self.draw)}
 
     def values(self, points: np.ndarray) -> np.ndarray:
         """(k, c) values of the parameters [SI] at points (c, d) in [0, 1)."""

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rattle.studies.ensemble.plans import Plan
 from rattle.studies.runs.runner import Progress, Runner, not_finite
 
 WAITING, OK, FAILED, NOT_FINITE = -1, 0, 1, 2
@@ -23,7 +22,7 @@ class Piece:
     status: np.ndarray  # (c,) int8: OK, FAILED, NOT_FINITE
     messages: dict[int, str]  # why samples failed, by their number in the whole
     generic: np.ndarray  # (c,) bool: run one by one
-    reasons: dict[str, int] = field(default_factory=dict)  # why those could not run side by side, and how many
+    reasons: dict[str, int] = field(default_factory=dict)  # why those did not run side by side, and how many
 
     @property
     def last(self) -> int:
@@ -32,13 +31,13 @@ class Piece:
 
 
 def run_piece(
-    runner: Runner, plan: Plan, first: int, last: int, threads: int = 1, progress: Progress | None = None
+    runner: Runner, first: int, parameters: np.ndarray, threads: int = 1, progress: Progress | None = None
 ) -> Piece:
-    """Run the samples from `first` to before `last`.  Raises KeyboardInterrupt if the user stops it."""
-    parameters = plan.values(first, last)
+    """Run the samples from `first` on, with values (k, c) [SI].  Raises KeyboardInterrupt if the user stops it."""
     batch = runner.run(parameters, threads, progress)
+    count = parameters.shape[1]
     values = batch.values
-    status = np.full(last - first, OK, dtype=np.int8)
+    status = np.full(count, OK, dtype=np.int8)
     lacks = ~np.isfinite(values) & not_finite(runner.task, np.where(np.isfinite(values), values, np.nan))
     status[lacks.any(axis=0)] = NOT_FINITE
     texts = runner.task.texts
@@ -49,6 +48,7 @@ def run_piece(
     for n, said in batch.messages.items():
         status[n], messages[first + n] = FAILED, said
     values = np.where(np.isfinite(values) & (status != FAILED), values, np.nan)
-    generic = np.zeros(last - first, dtype=bool)
+    generic = np.zeros(count, dtype=bool)
     generic[batch.generic] = True
-    return Piece(first, parameters, values, status, messages, generic, batch.reasons)
+    reasons = {runner.why: count} if runner.why else batch.reasons
+    return Piece(first, parameters, values, status, messages, generic, reasons)

@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+
+KEPT_WHOLE = 1000  # values of an axis that a description lists; of more it has a checksum
 
 
 class Points(Protocol):
     """Points of a design, see `sampling`."""
+
+    @property
+    def design(self) -> str:
+        """Its name."""
+
+    @property
+    def seed(self) -> int:
+        """What its points were drawn with."""
+
+    @property
+    def grows(self) -> bool:
+        """Whether the first points stay as they are when there are more of them."""
 
     @property
     def count(self) -> int:
@@ -28,6 +43,10 @@ class Fields(Protocol):
     def names(self) -> tuple[str, ...]:
         """(k,) names of the parameters."""
 
+    @property
+    def description(self) -> dict[str, Any]:
+        """All that the values follow from, as plain data."""
+
     def values(self, points: np.ndarray) -> np.ndarray:
         """(k, c) values [SI] at points (c, d)."""
 
@@ -42,6 +61,14 @@ class Plan(Protocol):
     @property
     def count(self) -> int:
         """n."""
+
+    @property
+    def grows(self) -> bool:
+        """Whether the first samples stay as they are when n is larger."""
+
+    @property
+    def description(self) -> dict[str, Any]:
+        """All that the values follow from but n, as plain data, by which a plan is known again."""
 
     def values(self, first: int, last: int) -> np.ndarray:
         """(k, last - first) values [SI] of the samples from `first` to before `last`."""
@@ -63,6 +90,18 @@ class Drawn:
     def count(self) -> int:
         """n."""
         return self.points.count
+
+    @property
+    def grows(self) -> bool:
+        """Whether the first samples stay as they are when n is larger."""
+        return self.points.grows
+
+    @property
+    def description(self) -> dict[str, Any]:
+        """Design, seed and fields."""
+        return {
+            "kind": "ensemble", "design": self.points.design, "seed": self.points.seed, **self.fields.description
+        }  # fmt: skip
 
     def values(self, first: int, last: int) -> np.ndarray:
         """(k, last - first) values [SI]."""
@@ -90,6 +129,16 @@ class Grid:
         """n."""
         return math.prod(self.shape)
 
+    @property
+    def grows(self) -> bool:
+        """False: a larger grid has its combinations elsewhere."""
+        return False
+
+    @property
+    def description(self) -> dict[str, Any]:
+        """The values of all parameters."""
+        return {"kind": "sweep", "axes": {name: _kept(axis) for name, axis in self.axes.items()}}
+
     def values(self, first: int, last: int) -> np.ndarray:
         """(k, last - first) values [SI]."""
         places = np.unravel_index(np.arange(first, last), self.shape)
@@ -108,6 +157,23 @@ class Given:
         """n."""
         return int(self.table.shape[1])
 
+    @property
+    def grows(self) -> bool:
+        """False: it is not known which further samples there will be."""
+        return False
+
+    @property
+    def description(self) -> dict[str, Any]:
+        """The values of all parameters."""
+        return {"kind": "given samples", "axes": {n: _kept(row) for n, row in zip(self.names, self.table, strict=True)}}
+
     def values(self, first: int, last: int) -> np.ndarray:
         """(k, last - first) values [SI]."""
         return np.asarray(self.table[:, first:last])
+
+
+def _kept(values: np.ndarray) -> list[float] | str:
+    """Values (n,) as plain data: those themselves if there are few."""
+    if len(values) <= KEPT_WHOLE:
+        return [float(value) for value in values]
+    return f"{len(values)} values, sha256 {hashlib.sha256(np.ascontiguousarray(values, '<f8').tobytes()).hexdigest()}"

@@ -144,7 +144,8 @@ class Samples(ABC):
         counts = self.counts()
         said = [self.how] if self.how else []
         if counts["not run"]:
-            said.append(f"stopped after {len(self) - counts['not run']} of {len(self)} samples")
+            again = "; the same call goes on" if self.store.place else ""
+            said.append(f"stopped after {len(self) - counts['not run']} of {len(self)} samples{again}")
         if counts["failed"] or counts["not finite"]:
             parts = [f"{counts[one]} {what}" for one, what in WITHOUT.items() if counts[one]]
             said.append(f"of {len(self)} samples {' and '.join(parts)}:")

@@ -41,6 +41,7 @@ class Points(ABC):
     """Points 0 ... count - 1 of a design in [0, 1)."""
 
     design = ""
+    grows = True  # the first points stay as they are when there are more of them
 
     def __init__(self, seed: int, draws: int, count: int) -> None:
         self.seed = seed
@@ -150,6 +151,7 @@ class _Halton(_Sequence):
 @final
 class _LatinHypercube(Points):
     design = "lhs"
+    grows = False
 
     def _made(self, first: int, last: int) -> np.ndarray:
         return self._all[first:last]

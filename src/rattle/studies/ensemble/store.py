@@ -1,8 +1,8 @@
-"""Where the pieces of an ensemble are kept: in memory, or in a folder (see `folder`)."""
+"""Where the pieces of an ensemble are kept: in memory; `folder` keeps them in files."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -12,6 +12,10 @@ from rattle.studies.ensemble.pieces import WAITING, Piece
 
 class Store(Protocol):
     """The pieces of n samples of k parameters and o outputs."""
+
+    @property
+    def place(self) -> str:
+        """Where they are kept beyond the life of this process, "" if nowhere."""
 
     def add(self, piece: Piece) -> None:
         """Keep a piece.  Raises OSError if it cannot be written; those before it are kept."""
@@ -46,14 +50,18 @@ class Memory:
         self._messages: dict[int, str] = {}
         self._reasons: dict[str, int] = {}
 
+    @property
+    def place(self) -> str:
+        """Nowhere."""
+        return ""
+
     def add(self, piece: Piece) -> None:
         """Keep a piece."""
         place = slice(piece.first, piece.last)
         self._values[:, place] = np.concatenate([piece.parameters, piece.values])
         self._status[place], self._generic[place] = piece.status, piece.generic
         self._messages |= piece.messages
-        for said, count in piece.reasons.items():
-            self._reasons[said] = self._reasons.get(said, 0) + count
+        add_counts(self._reasons, piece.reasons)
 
     def missing(self) -> list[tuple[int, int]]:
         """Ranges (first, last) of samples that have not been run, increasing."""
@@ -78,6 +86,12 @@ class Memory:
     def reasons(self) -> dict[str, int]:
         """Why samples could not run side by side, and how many."""
         return self._reasons
+
+
+def add_counts(counts: dict[str, int], more: Mapping[str, int]) -> None:
+    """Add numbers to those under the same names."""
+    for said, count in more.items():
+        counts[said] = counts.get(said, 0) + count
 
 
 def gaps(done: np.ndarray) -> list[tuple[int, int]]:

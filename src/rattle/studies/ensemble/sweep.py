@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,11 +13,11 @@ import numpy as np
 
 from rattle.analyses.straight_line.recorded_model import require_parameters
 from rattle.results.display import table
+from rattle.studies.ensemble.folder import store_of
 from rattle.studies.ensemble.limits import limit_of
 from rattle.studies.ensemble.plans import Grid
 from rattle.studies.ensemble.samples import Samples
 from rattle.studies.ensemble.shown import aligned, in_one_unit
-from rattle.studies.ensemble.store import Memory
 from rattle.studies.ensemble.work import run_missing
 from rattle.studies.runs.task import task_of
 
@@ -84,14 +86,18 @@ class Sweep(Samples):
 def sweep(
     m: Mechanism, values: Mapping[str, Any], outputs: Sequence[str], *, analysis: str = "simulate",
     t_end: float | None = None, rtol: float | None = None, method: str | None = None, threads: int | None = None,
-    progress: bool = False,
+    executor: Executor | None = None, scheduler: str | None = None, workers: int | None = None,
+    folder: str | os.PathLike[str] | None = None, resume: bool = True, progress: bool = False,
 ) -> Sweep:  # fmt: skip
     """Outputs over a grid; see `Mechanism.sweep`."""
     axes = _axes(m, values)
     task = task_of(m, axes, outputs, analysis=analysis, t_end=t_end, rtol=rtol, method=method)
     plan = Grid(axes)
-    store = Memory(plan.names, task.texts, plan.count)
-    how, interrupted = run_missing(task, plan, store, threads=threads, progress=progress, what="sweep")
+    store = store_of(task, plan, folder, resume)
+    how, interrupted = run_missing(
+        task, plan, store, executor=executor, scheduler=scheduler, workers=workers, threads=threads, progress=progress,
+        what="sweep",
+    )  # fmt: skip
     return Sweep(task, plan, store, how, interrupted, axes)
 
 

@@ -1,0 +1,89 @@
+"""Worker processes on this machine: a Dask scheduler inside this process, and workers that it starts."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from rattle.errors import WorkerError
+from rattle.results.archive import package
+
+START = 60.0  # seconds in which the workers must be there
+END = 3.0  # seconds that a worker has to end by itself
+LOOPBACK = "127.0.0.1"
+
+
+@contextmanager
+def local_workers(count: int) -> Iterator[str]:
+    """The address of a scheduler with so many workers of one thread each; nothing but this machine can reach it.
+
+    Workers are programs of their own, not children that import the script of the user again.  A worker that dies is
+    started again; all of them end with this process, however it ends.  Raises WorkerError, MissingPackage.
+    """
+    distributed = package("distributed", "running on several processes")
+    with (
+        tempfile.TemporaryDirectory(prefix="rattle-", ignore_cleanup_errors=True) as folder,
+        distributed.LocalCluster(n_workers=0, host=LOOPBACK, dashboard_address=None, silence_logs=50) as cluster,
+    ):
+        address = str(cluster.scheduler_address)
+        started: list[subprocess.Popen[bytes]] = []
+        try:
+            for n in range(count):
+                started.append(_start(address, Path(folder), n))
+            _wait(cluster, started, count, Path(folder))
+            yield address
+        finally:
+            _end(started)
+
+
+def _start(address: str, folder: Path, n: int) -> subprocess.Popen[bytes]:
+    """Start a worker; what it says is in the folder."""
+    source = str(Path(__file__).parents[3])
+    path = os.pathsep.join(one for one in (source, os.environ.get("PYTHONPATH", "")) if one)
+    words = [
+        sys.executable, "-m", "distributed.cli.dask_worker", address, "--host", LOOPBACK, "--nthreads", "1",
+        "--no-dashboard", "--memory-limit", "0", "--death-timeout", "30", "--local-directory", str(folder),
+    ]  # fmt: skip
+    with (folder / f"worker-{n}.log").open("wb") as out:  # a session of its own: Ctrl-C is for this process alone
+        return subprocess.Popen(
+            words, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT, start_new_session=True,
+            env={**os.environ, "PYTHONPATH": path},
+        )  # fmt: skip
+
+
+def _wait(cluster: Any, started: list[subprocess.Popen[bytes]], count: int, folder: Path) -> None:
+    """Wait until all workers are there.  Raises WorkerError."""
+    end = time.monotonic() + START
+    while len(cluster.scheduler_info["workers"]) < count:
+        ended = [n for n, one in enumerate(started) if one.poll() is not None]
+        if ended or time.monotonic() > end:
+            said = (folder / f"worker-{(ended or [0])[0]}.log").read_text(errors="replace").strip().splitlines()
+            why = f"did not start: {said[-1] if said else 'it said nothing'}" if ended else "is not there"
+            raise WorkerError(f"a worker process {why} (waited up to {START:g} s)")
+        time.sleep(0.05)
+
+
+def _end(started: list[subprocess.Popen[bytes]]) -> None:
+    """End all workers with the processes that they have started."""
+    for one in started:
+        with suppress(ProcessLookupError):
+            one.terminate()
+    end = time.monotonic() + END
+    for one in started:
+        with suppress(subprocess.TimeoutExpired):
+            one.wait(max(0.0, end - time.monotonic()))
+    for one in started:
+        with suppress(ProcessLookupError, PermissionError):
+            if sys.platform == "win32":
+                one.kill()
+            else:
+                os.killpg(one.pid, signal.SIGKILL)
+        one.wait()
