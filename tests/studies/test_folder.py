@@ -1,4 +1,4 @@
-"""Samples in a folder: nothing is lost however a run ends, nothing is counted twice, and no run is taken for another."""
+"""Samples in a folder: nothing is lost however a run ends, nothing counts twice, no run is taken for another."""
 
 import errno
 import json
@@ -64,7 +64,7 @@ def piece(plan, first, last):
     """Samples with made-up numbers that say which sample they are: every fifth failed, every seventh is not finite."""
     numbers = np.arange(first, last)
     status = np.where(numbers % 5 == 4, FAILED, np.where(numbers % 7 == 6, NOT_FINITE, OK)).astype(np.int8)
-    values = np.where(status == OK, np.sin(numbers + [[0.1], [0.2]]), np.nan)
+    values = np.where(status == OK, np.sin(numbers + np.array([[0.1], [0.2]])), np.nan)
     messages = {int(n): f'sample {n} of "α" failed\nat once' for n in numbers[status != OK]}
     generic = numbers % 3 == 0
     return Piece(first, plan.values(first, last), values, status, messages, generic, {"is steep": int(generic.sum())})
@@ -187,7 +187,7 @@ def test_leftovers_of_killed_runs_are_ignored_and_removed(tmp_path):
     ("other", "said"),
     [
         ({"text": SPRING.replace("mass = 1", "mass = 2")}, "its model has bodies.block.mass: 1, now 2"),
-        ({"text": SPRING.replace("[loads.s]", '[loads.push]\ntype = "force"\nat = "block.P"\nforce = [1, 0]\n[loads.s]')},
+        ({"text": SPRING + '[loads.push]\ntype = "force"\nat = "block.P"\nforce = [1, 0]\n'},
          "its model has loads.push: none, now"),
         ({"of": OF[:1]}, "its outputs: final(block.x), max(block.vx), now final(block.x)"),
         ({"seed": 4}, "its seed: 3, now 4"),
@@ -201,7 +201,7 @@ def test_leftovers_of_killed_runs_are_ignored_and_removed(tmp_path):
 )  # fmt: skip
 def test_a_folder_of_another_run_is_refused_with_the_difference(tmp_path, other, said):
     Folder(tmp_path, *asked())
-    with pytest.raises(ValueError, match="holds another run, .*give another folder") as error:
+    with pytest.raises(ValueError, match=r"holds another run, .*give another folder") as error:
         Folder(tmp_path, *asked(**other))
     assert said in str(error.value)
     Folder(tmp_path, *asked())

@@ -146,9 +146,9 @@ def _open_streams() -> None:
 
 def _is_answer(error: Exception) -> bool:
     """True for an error that tells the user what is wrong; an error in rattle itself keeps its traceback."""
-    from rattle.errors import AssemblyError, MissingPackage, MissingProgram, ModelError, TraceError
+    from rattle.errors import AssemblyError, MissingPackage, MissingProgram, ModelError, TraceError, WorkerError
 
-    ours = ModelError | AssemblyError | SolverError | TraceError | MissingPackage | MissingProgram
+    ours = ModelError | AssemblyError | SolverError | TraceError | WorkerError | MissingPackage | MissingProgram
     if isinstance(error, ours | OSError):
         return True
     return isinstance(error, ValueError | KeyError) and type(error) is not KeyError and _said_by_us(error)
