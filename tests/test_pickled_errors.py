@@ -7,7 +7,7 @@ import pytest
 
 import rattle as rt
 from circling import circling
-from rattle.errors import MissingPackage
+from rattle.errors import MissingPackage, WorkerError
 from rattle.language.syntax import ExpressionError
 from rattle.results.result import UnknownName
 
@@ -29,6 +29,7 @@ def test_model_errors_keep_their_problems():
     [
         rt.AssemblyError("loop open"),
         MissingPackage("save needs h5py"),
+        WorkerError("a worker process ended"),
         UnknownName("no 'x'"),
         ExpressionError("expected a number", 4),
     ],

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
 from multiprocessing import get_context
 
 import numpy as np
@@ -235,7 +236,7 @@ def test_a_worker_of_another_version_is_refused(monkeypatch):
     m = pendulum()
     job = engines.job_of(m.sweep({"l": [0.5]}, ["final(rod.angle)"], t_end=0.1).task)
     with pytest.raises(WorkerError, match=f"has rattle {rt.__version__}, not 0.0.9; install the same version there"):
-        engines.work(job._replace(version="0.0.9"), 0, np.array([[0.5]]))
+        engines.work(replace(job, version="0.0.9"), 0, np.array([[0.5]]))
 
 
 def test_laws_in_python_run_on_threads_and_are_refused_by_processes_without_them(processes, laws):
@@ -295,7 +296,9 @@ def test_ctrl_c_ends_everything_and_leaves_a_folder_that_goes_on(tmp_path, optio
 def test_a_scheduler_without_workers_is_said(caplog):
     distributed = pytest.importorskip("distributed")
     logging.getLogger("rattle").setLevel(logging.WARNING)
-    with distributed.LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=None) as cluster:
-        with engines.engine(None, cluster.scheduler_address, None) as found:
-            assert found.name == f"Dask, {cluster.scheduler_address}"
+    with (
+        distributed.LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
+        engines.engine(None, cluster.scheduler_address, None) as found,
+    ):
+        assert found.name == f"Dask, {cluster.scheduler_address}"
     assert "has no workers yet: waiting for one" in caplog.text

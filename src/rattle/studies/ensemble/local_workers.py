@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
@@ -31,7 +32,13 @@ def local_workers(count: int) -> Iterator[str]:
     distributed = package("distributed", "running on several processes")
     with (
         tempfile.TemporaryDirectory(prefix="rattle-", ignore_cleanup_errors=True) as folder,
-        distributed.LocalCluster(n_workers=0, host=LOOPBACK, dashboard_address=None, silence_logs=50) as cluster,
+        distributed.LocalCluster(
+            n_workers=0,
+            host=LOOPBACK,
+            dashboard_address=None,
+            silence_logs=logging.CRITICAL,
+            scheduler_kwargs={"dashboard_address": f"{LOOPBACK}:0"},
+        ) as cluster,
     ):
         address = str(cluster.scheduler_address)
         started: list[subprocess.Popen[bytes]] = []

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from contextlib import contextmanager
 from socket import gethostname
 
 from rattle.analyses import arguments
@@ -118,10 +120,13 @@ def run_elsewhere(engine: Engine, job: Job, plan: Plan, store: Store, progress: 
                 last = min(end, first + min(size, _share(left, len(crew)), _most(plan)))
                 if last < end:
                     missing.insert(0, (last, end))
-                running[engine.executor.submit(work, job, first, plan.values(first, last))] = first
+                values = plan.values(first, last)
+                with _in_words(first, store):
+                    running[engine.executor.submit(work, job, first, values)] = first
                 left -= last - first
             for one in wait(running, timeout=GLANCE, return_when=FIRST_COMPLETED).done:
-                found = _outcome(one, running.pop(one), store)
+                with _in_words(running.pop(one), store):
+                    found = one.result()
                 store.add(found.piece)
                 crew.add(found.worker)
                 count = found.piece.last - found.piece.first
@@ -149,15 +154,15 @@ def _most(plan: Plan) -> int:
     return max(LEAST_SHARE, MOST_SENT // len(plan.names))
 
 
-def _outcome(one: Future[Done], first: int, store: Store) -> Done:
-    """What a worker has found.  Raises WorkerError with why it has not."""
+@contextmanager
+def _in_words(first: int, store: Store) -> Iterator[None]:
+    """Say what went wrong with a piece elsewhere.  Raises WorkerError."""
+    cause: Exception
     try:
-        return one.result()
-    except KeyboardInterrupt:
-        raise
+        yield
+        return
     except WorkerError as error:
-        why = str(error)
-        cause: BaseException = error
+        why, cause = str(error), error
     except BrokenExecutor as error:
         why, cause = "a worker process ended (killed, or out of memory)", error
     except CancelledError as error:
