@@ -20,6 +20,8 @@ from typing import Any, NamedTuple
 import llvmlite.binding as llvm
 import numpy as np
 
+from rattle.jit.address import address_of
+
 FIND = "rattle.find"  # symbol of the function that provides a missing address
 FAULT = "rattle.fault"  # symbol of the function that machine code tells of an error
 FINE = (0, -2)  # a function has returned a value, or None (numba.core.callconv)
@@ -188,7 +190,7 @@ def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any
             else:
                 if (one.dtype, one.ndim) != ARRAYS[kind] or not one.flags.c_contiguous:
                     raise TypeError(f"{name} takes a contiguous array of {ARRAYS[kind]}, got {one.dtype}, {one.shape}")
-                flat += (None, None, one.size, 8, one.__array_interface__["data"][0], *one.shape, *one.strides)
+                flat += (None, None, one.size, 8, address_of(one), *one.shape, *one.strides)
         answer, exception = room(), ctypes.c_void_p()
         status = target(ctypes.addressof(answer), ctypes.addressof(exception), *flat)
         if status not in FINE:
@@ -222,7 +224,7 @@ def packed_caller(name: str, letters: Sequence[str], code: Code) -> Callable[...
             elif kind in ARRAYS:
                 if not one.flags.c_contiguous:
                     raise TypeError(f"{name} takes contiguous arrays, got one with steps of {one.strides} bytes")
-                flat += (one.__array_interface__["data"][0], *one.shape)
+                flat += (address_of(one), *one.shape)
             else:
                 flat.append(int(one) if kind == "i" else one)  # it may be a truth value
         answer, exception = room(), ctypes.c_void_p()

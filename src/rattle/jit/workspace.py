@@ -8,7 +8,6 @@ took 2.5 times as long to run and 1.5 times as long to compile); in plain Python
 
 from __future__ import annotations
 
-import ctypes
 import math
 from collections.abc import Mapping
 from functools import lru_cache
@@ -17,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.jit import functions
+from rattle.jit.address import address_of
 
 
 class Array(NamedTuple):
@@ -220,7 +220,7 @@ class Handle:
     def __init__(self, table: np.ndarray, arrays: Any) -> None:
         self.arrays = arrays  # live as long as their addresses
         self.table = table
-        self.address = table.ctypes.data
+        self.address = address_of(table)
 
 
 class Workspace:
@@ -238,9 +238,9 @@ class Workspace:
         self.handle: Any = functions.IN_PYTHON
         if isinstance(self.joint_table, np.ndarray) and functions.jit_runs():
             table = self._image.layout.table.copy()
-            table[:, 0] += self._block.ctypes.data
+            table[:, 0] += address_of(self._block)
             for name, array in arrays.items():
-                table[PLACE[name]] = _address(array), array.shape[0], array.shape[-1]
+                table[PLACE[name]] = address_of(array), array.shape[0], array.shape[-1]
             self.handle = Handle(table, (self._block, arrays))
 
     def __getattr__(self, name: str) -> np.ndarray:
@@ -249,14 +249,6 @@ class Workspace:
         array = self._image.array(name, self._block)
         setattr(self, name, array)
         return array
-
-
-def _address(array: np.ndarray) -> int:
-    """Where an array stands in memory; `array.ctypes` takes four times as long."""
-    return ctypes.addressof(_NOTHING.from_buffer(array.data)) if array.flags.writeable else array.ctypes.data
-
-
-_NOTHING = ctypes.c_char * 0
 
 
 def _check(arrays: Mapping[str, Any]) -> None:

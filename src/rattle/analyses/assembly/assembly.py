@@ -377,7 +377,7 @@ def _along_reactions(ideal_system: System, ideal: Assembled, missing: list[str])
 # ---------------------------------------------------------------- rates
 def _free_rates(system: System, workspace: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Rates of an ideal mechanism: given ones are kept if the joints allow, the others follow."""
-    v: np.ndarray = np.nan_to_num(given)
+    v = np.where(np.isnan(given), 0.0, given)
     place_rates(system, q, v, given, v.copy())
     return _closed_rates(system, workspace, t, q, v, given)
 

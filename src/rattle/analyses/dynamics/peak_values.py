@@ -17,10 +17,10 @@ from rattle.solvers.peaks import samples
 
 def peak_arrays(system: System) -> dict[str, np.ndarray]:
     """Workspace arrays with which a run watches its forces for peaks, see `solvers.peaks`; lengths in m."""
-    watched = [(what, column) for _, what, column in quantities(system)]
+    watched = quantities(system)
     table = np.zeros((len(watched), samples.WIDTH))
     table[:, samples.BEST] = -math.inf
-    for row, (name, *_) in zip(table, quantities(system), strict=True):
+    for row, (name, *_) in zip(table, watched, strict=True):
         joint, _, of = name.rpartition(".")
         contact = system.model.joints[joint].contact if joint in system.model.joints else None
         if of == "moment":
@@ -28,7 +28,7 @@ def peak_arrays(system: System) -> dict[str, np.ndarray]:
         elif of == "penetration" and contact is not None and contact.rigid:
             row[samples.NOTHING] = DEEP * system.model.joints[joint].clearance  # at a rigid wall it is only drift
     return {
-        "quantity": np.array(watched, np.int64).reshape(-1, 2),
+        "quantity": np.array([one[1:] for one in watched], np.int64).reshape(-1, 2),
         "peaks": table,
         "peak_row": np.zeros(at.PER_JOINT * len(system.joints)),
     }
