@@ -27,6 +27,8 @@ MORE = ("#882255", "#44AA99", "#999933", "#332288", "#AA4499")
 GREY, SHADE, LINES, BORE = "#777777", "#ECECEC", "#DDDDDD", "#F4F4F4"
 AFTER = "after the horizon: statistics only"
 QUANTITY = {
+    "s": "time",
+    "Hz": "frequency",
     "m": "length",
     "rad": "angle",
     "N": "force",

@@ -10,7 +10,7 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -19,7 +19,9 @@ from rattle.errors import AssemblyError, ModelError, SolverError
 from rattle.results.archive import package
 from rattle.results.display import table
 from rattle.studies.ensemble import statistics
+from rattle.studies.ensemble.bands import band
 from rattle.studies.ensemble.fields import Fields, Vary, fields_of
+from rattle.studies.ensemble.first_order import FirstOrder, first_order
 from rattle.studies.ensemble.folder import store_of
 from rattle.studies.ensemble.limits import limit_of
 from rattle.studies.ensemble.pieces import OK
@@ -32,7 +34,12 @@ from rattle.studies.ensemble.work import run_missing
 from rattle.studies.runs.task import Task, task_of
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from rattle.mechanism import Mechanism
+
+Limit = float | str | tuple[float | str | None, float | str | None] | None  # upper one, or (lower, upper)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,6 +105,70 @@ class Ensemble(Samples):
         never = ~known & (status == OK)  # a `first` that did not come true
         unknown = int((~known & ~never & (status >= 0)).sum())
         return statistics.share(int(inside.sum()), int((known | never).sum()), unknown)
+
+    def contributions(self, output: str, ranks: bool | None = None) -> FirstOrder:
+        """Shares of the variance of an output that each parameter, or group of them, causes alone, from the samples.
+
+        ranks: of the ranks of the values instead; None: where a few samples carry most of the variance.  How shares
+        are found, and their bounds, see `rattle.studies.ensemble.first_order`.  Raises ValueError for too few samples.
+        """
+        return first_order(self.fields, [self[name] for name in self.parameters], self[output], ranks)
+
+    @overload
+    def plot(self, output: str, limit: Limit = None, ax: None = None) -> Figure: ...
+    @overload
+    def plot(self, output: str, limit: Limit = None, *, ax: Axes) -> Axes: ...
+    def plot(self, output: str, limit: Limit = None, ax: Axes | None = None) -> Figure | Axes:
+        """Plot the histogram of an output with its 5, 50 and 95 % quantiles and the value without deviations.
+
+        limit: upper limit, [SI] or such as "5 kN", or (lower, upper), with the share of the samples within, see
+        `yield_between`.  A few values that are orders of magnitude away are left out, and it is said how many; values
+        over several decades have a logarithmic axis.  Units are those of the tables (mm, deg).
+        Returns a new figure, or `ax` if it is given.  Raises UnknownName, ValueError if no sample has a value.
+        """
+        from rattle.plots.ensemble import plot_output
+
+        return plot_output(self, output, limit, ax)
+
+    def plot_scatter(self, outputs: Sequence[str] | None = None, parameters: Sequence[str] | None = None) -> Figure:
+        """Plot outputs (rows) over parameters (columns), with Spearman's rank correlation in every panel.
+
+        By default the first 6 outputs, and the 6 parameters with the closest relations to them.  Raises ValueError for
+        more of them, for unknown ones, or if no sample has a value.
+        """
+        from rattle.plots.scatter import plot_scatter
+
+        return plot_scatter(self, outputs, parameters)
+
+    @overload
+    def plot_band(self, curve: str, members: int = 100, ax: None = None) -> Figure: ...
+    @overload
+    def plot_band(self, curve: str, members: int = 100, *, ax: Axes) -> Axes: ...
+    def plot_band(self, curve: str, members: int = 100, ax: Axes | None = None) -> Figure | Axes:
+        """Plot the band of a curve over time [s]: 5 to 95 %, 25 to 75 %, median, some members, and the nominal one.
+
+        The first `members` samples are run again at 201 instants; those that cannot be run are left out, and it is said
+        how many.  Returns a new figure, or `ax` if it is given.
+        Raises UnknownName; ValueError for an analysis of one instant, or if no member can be run.
+        """
+        from rattle.plots.ensemble import plot_band
+
+        return plot_band(band(self, curve, members), ax)
+
+    @overload
+    def plot_contributions(self, output: str, ax: None = None, *, ranks: bool | None = None) -> Figure: ...
+    @overload
+    def plot_contributions(self, output: str, ax: Axes, *, ranks: bool | None = None) -> Axes: ...
+    def plot_contributions(
+        self, output: str, ax: Axes | None = None, *, ranks: bool | None = None
+    ) -> Figure | Axes:  # fmt: skip
+        """Plot `contributions` as bars with their 95 % bounds, and what they explain together.
+
+        Returns a new figure, or `ax` if it is given.
+        """
+        from rattle.plots.shares import plot_contributions
+
+        return plot_contributions(self, output, self.contributions(output, ranks), ax)
 
     def remarks(self) -> list[str]:
         """What must be said of the samples, and of the mechanism without deviations."""

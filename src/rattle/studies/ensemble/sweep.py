@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from rattle.studies.ensemble.work import run_missing
 from rattle.studies.runs.task import task_of
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from rattle.mechanism import Mechanism
 
 MOST = 2**30  # combinations
@@ -46,6 +49,24 @@ class Sweep(Samples):
     def grid(self, output: str) -> np.ndarray:
         """An output [SI] as an array with one axis per parameter, nan where it has no value."""
         return np.asarray(self[output].reshape(self.shape))
+
+    @overload
+    def plot(self, output: str, ax: None = None, at: Mapping[str, float | str] | None = None) -> Figure: ...
+    @overload
+    def plot(self, output: str, ax: Axes, at: Mapping[str, float | str] | None = None) -> Axes: ...
+    def plot(
+        self, output: str, ax: Axes | None = None, at: Mapping[str, float | str] | None = None
+    ) -> Figure | Axes:  # fmt: skip
+        """Plot an output over one parameter, or as a map over two; returns a new figure, or `ax` if it is given.
+
+        at: values of further parameters of the grid, [SI] or such as {"l3": "0.6 m"}.  Units are those of the tables
+        (mm, deg).  Where an output has no value the place is marked.  A few values that are orders of magnitude away do
+        not flatten all others: they lie outside of the range, and it is said how far.
+        Raises UnknownName; ValueError if nothing has a value, or more than two parameters are left.
+        """
+        from rattle.plots.sweep import plot_sweep
+
+        return plot_sweep(self, output, ax, at)
 
     def __repr__(self) -> str:
         return f"<rattle.Sweep: {self._title()}>"
