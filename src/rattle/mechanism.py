@@ -19,7 +19,10 @@ if TYPE_CHECKING:
     from rattle.studies.compare import Comparison
     from rattle.studies.ensemble.ensemble import Ensemble
     from rattle.studies.ensemble.fields import Vary
+    from rattle.studies.ensemble.largest import Largest
     from rattle.studies.ensemble.sweep import Sweep
+    from rattle.studies.ensemble.tolerance import Tolerance
+    from rattle.studies.ensemble.within import Within
     from rattle.studies.lyapunov import Lyapunov
     from rattle.studies.many import Many
     from rattle.studies.optimise.optimum import Optimum
@@ -136,6 +139,58 @@ class Mechanism(AnalysedModel):
             self, n, outputs, vary, seed=seed, analysis=analysis, t_end=seconds_or_none(t_end, "t_end"), design=design,
             rtol=rtol, method=method, threads=threads, executor=executor, scheduler=scheduler, workers=workers,
             folder=folder, resume=resume, progress=progress,
+        )  # fmt: skip
+
+    def tolerance(
+        self, of: str, vary: Vary = None, *, analysis: str = "simulate", t_end: Seconds | None = None,
+        n: int | None = None, seed: int = 0, threads: int | None = None, progress: bool = False,
+    ) -> Tolerance:  # fmt: skip
+        """What tolerances do to an output: `print(m.tolerance("at(rocker.angle, 0.3)", analysis="kinematics"))`.
+
+        of: a number of a run as in `many`.  vary, analysis, t_end: as in `ensemble`.  n: rows of samples, a power of
+        two (default 1024 side by side, 512 one by one); with d independent tolerances n (d + 2) mechanisms are run,
+        and all 2^d corners for d up to ten.
+        seed: of the samples.  threads: default one per core.  progress: show a progress bar.
+
+        Bands (low, high) in SI, side by side: `t.worst_case` at the corners, `t.root_sum_square` from exact slopes
+        (`t.slopes`, `t.how`), `t.monte_carlo` with 99.73 % of the samples.  `t.sobol`: shares of the variance by
+        parameter, with 95 % bounds; a group is one, "l2, l3".  `t.tighten`: what to tighten first.
+        `t.yield_within("0.1 deg")`, `t.allocate("0.1 deg")`.  str(t) is a report.
+        Raises what `ensemble` raises; ValueError if the output has no value without deviations.
+
+        Source: Chase, Parkinson, Research in Engineering Design 3 (1991) 23-37; Saltelli et al., Comput. Phys. Comm.
+        181 (2010) 259-270.
+        """
+        from rattle.studies.ensemble.tolerance_study import tolerance
+
+        return tolerance(
+            self, of, vary, analysis=analysis, t_end=seconds_or_none(t_end, "t_end"), n=n, seed=seed, threads=threads,
+            progress=progress,
+        )  # fmt: skip
+
+    def tolerance_for(
+        self, of: str, within: Within, parameter: str, share: float = 0.997, *, vary: Vary = None,
+        analysis: str = "simulate", t_end: Seconds | None = None, n: int | None = None, seed: int = 0,
+        threads: int | None = None, progress: bool = False,
+    ) -> Largest:  # fmt: skip
+        """The largest tolerance, or clearance, that keeps an accuracy: `m.tolerance_for("final(x)", "1 mm", "l2")`.
+
+        of, vary, analysis, t_end: as in `tolerance`; vary=[] leaves the others as they are.
+        within: deviation that is allowed, [SI] or such as "0.1 deg", or two limits (low, high).
+        parameter: whose tolerance is sought, with the distribution of its field.  The clearance itself is sought of a
+        parameter that is the clearance of joints and has no tolerance: deviations are then from the mechanism without
+        play, and with kinematics and inverse-dynamics all positions of the pins count.
+        share: of the mechanisms that have to keep the limits.  n: samples for each value that is tried (default
+        16 384 side by side, 1024 one by one, 512 if all positions of the pins count).
+
+        Returns a float [SI], to 0.1 %, that also has `report`, `share` and `unit`.
+        Raises what `tolerance` raises; ValueError if no value keeps the limits.
+        """
+        from rattle.studies.ensemble.largest import tolerance_for
+
+        return tolerance_for(
+            self, of, within, parameter, share, vary=vary, analysis=analysis, t_end=seconds_or_none(t_end, "t_end"),
+            n=n, seed=seed, threads=threads, progress=progress,
         )  # fmt: skip
 
     def sweep(

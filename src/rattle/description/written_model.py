@@ -79,6 +79,11 @@ class WrittenModel(Building):
             return set()
         return set(names(parse(text)))
 
+    def joints_with_clearance(self, parameter: str) -> list[str]:
+        """Joints whose clearance is this parameter itself, not an expression with it."""
+        joints = self._document.get("joints", {})
+        return [name for name, one in joints.items() if str(one.get("clearance", "")).strip() == parameter]
+
     def to_toml(self) -> str:
         """The model as TOML text; comments of the original text are kept."""
         return model_file.dump(self._document, self._text, self._changes)

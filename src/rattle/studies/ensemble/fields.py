@@ -181,22 +181,22 @@ def fields_of(m: Mechanism, vary: Vary = None) -> Fields:
 
 
 # ---------------------------------------------------------------- what is asked
-def _varies(one: Parameter) -> bool:
+def varies(one: Parameter) -> bool:
     return isinstance(one.dist, ValueTable) or bool(one.tol)
 
 
 def _with_tolerances(m: Mechanism) -> list[Parameter]:
     """All parameters with a tolerance.  Raises ValueError if there are none, ModelError for groups."""
     every = m.model.parameters
-    found = [one for one in every.values() if _varies(one)]
+    found = [one for one in every.values() if varies(one)]
     if not found:
         name = next(iter(every), "l2")
         raise ValueError(f"no parameter of the model has a tolerance; {_give_one(name)}")
     problems = []
     for n, names in enumerate(m.model.groups):
-        moved = [name for name in names if _varies(every[name])]
+        moved = [name for name in names if varies(every[name])]
         for name in names:
-            if moved and every[name].tol is None and not _varies(every[name]):
+            if moved and every[name].tol is None and not varies(every[name]):
                 said = f"'{name}' is made together with '{moved[0]}' but has no tolerance; {_give_one(name)}"
                 problems.append(Problem(("tolerances", "groups", n), said))
     if problems:
