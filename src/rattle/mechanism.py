@@ -126,8 +126,9 @@ class Mechanism(AnalysedModel):
         every folder with a run.
 
         Returns the samples, `e["max(O3.force)"]`, `e.table`, `e.sample(17)`, and what follows from them: `e.summary()`,
-        `e.yield_below("max(O3.force)", 5000)`.  A sample that cannot be run is a row with its message.  Ctrl-C returns
-        the samples so far.
+        `e.yield_below("max(O3.force)", 5000)`, and pictures: `e.plot("max(O3.force)", limit="5 kN")`,
+        `e.plot_scatter()`, `e.plot_band("rocker.angle")`, `e.plot_contributions("max(O3.force)")`.  A sample that
+        cannot be run is a row with its message.  Ctrl-C returns the samples so far.
         Raises ModelError, UnknownName, ValueError for a question that makes no sense; MissingPackage without pandas
         where tables are asked for, pyarrow for a folder, distributed for workers; ConnectionError for a scheduler that
         does not answer, WorkerError for workers that end, OSError if the folder cannot be written: what is finished

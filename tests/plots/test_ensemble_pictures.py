@@ -281,6 +281,17 @@ def test_a_band_is_that_of_the_curves_of_its_members(ran):
     assert said(ax) == "the first 8 of 96 samples of k, x0, m"
 
 
+def test_a_narrow_band_is_drawn_a_second_time_as_deviations(ran):
+    narrow = spring().ensemble(16, [OF], {"x0": "0.1 mm"}, t_end=1.0)
+    _, below = narrow.plot_band("block.x", members=4).axes
+    assert below.get_ylabel() == "deviation from the nominal [mm]"
+    (median,) = (one for one in below.lines if to_hex(one.get_color()) == BLUE.lower())
+    shift = 1e3 * (np.median(narrow["x0"][:4]) - 0.04)
+    t = np.linspace(0.0, 1.0, 201)
+    np.testing.assert_allclose(median.get_ydata(), shift * np.cos(np.sqrt(15) * t), atol=1e-5)
+    assert len(ran.plot_band("block.x", members=4).axes) == 1
+
+
 def test_failed_members_are_left_out_and_told(ran):
     ax = filled(ran, ran[OF], ran[FORCE], failed=(0, 2)).plot_band("block.x", members=3).axes[0]
     assert ax.get_title(loc="left") == "block.x, 1 member"
@@ -359,6 +370,13 @@ def test_a_map_has_every_value_at_its_place_and_hatches_what_failed():
     assert said(ax) == "12 runs, 1 without a value (grey)"
 
 
+def test_without_a_name_all_outputs_are_drawn():
+    w = spring().sweep({"k": [10.0, 15.0]}, [OF, FORCE], t_end=T)
+    assert [ax.get_title(loc="left") for ax in w.plot().axes] == [OF, FORCE]
+    with pytest.raises(ValueError, match="one axis shows one output; name one of"):
+        w.plot(ax=new_axes(4, 3)[0])
+
+
 def test_further_parameters_are_fixed_or_named():
     w = spring().sweep({"k": [10.0, 15.0], "x0": [0.03, 0.04], "m": [0.9, 1.0, 1.1]}, [OF], t_end=T)
     with pytest.raises(ValueError, match=r"varies with k, x0, m.*at=\{'m': 1.0\}"):
@@ -377,6 +395,6 @@ def test_the_bulk_holds_all_that_does_not_flatten_it():
     even = np.linspace(1.0, 2.0, 100)
     assert bulk_of(even, "N")[:2] == (1.0, 2.0)
     assert bulk_of(np.append(even, 2.9), "N").above == 0
-    assert bulk_of(np.append(even, [50.0, -40.0]), "N")[5:] == (1, 1, -40.0, 50.0)
+    assert bulk_of(np.append(even, [50.0, -40.0]), "N")[5:9] == (1, 1, -40.0, 50.0)
     mostly = bulk_of(np.append(np.zeros(1000), 7.0), "N")
     assert (mostly.low, mostly.high, mostly.above) == (0.0, 0.0, 1)

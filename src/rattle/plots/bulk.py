@@ -32,6 +32,7 @@ class Bulk(NamedTuple):
     above: int
     least: float  # of all values
     most: float
+    spread: float  # standard deviation of those inside
 
     @property
     def outside(self) -> str:
@@ -66,8 +67,11 @@ def bulk_of(values: np.ndarray, unit: str, also: Iterable[float] = ()) -> Bulk:
     further = [least, most, *(one for one in also if math.isfinite(one))]
     low, high = _extended(float(inside.min()), float(inside.max()), further, log)
     below, above = int((values < low).sum()), int((values > high).sum())
-    factor, shown = scale_of((low, high), unit)
-    return Bulk(factor * low, factor * high, log, factor, shown, below, above, factor * least, factor * most)
+    spread = float(inside.std())
+    factor, shown = scale_of((low, high, spread), unit)
+    return Bulk(
+        factor * low, factor * high, log, factor, shown, below, above, factor * least, factor * most, factor * spread
+    )
 
 
 def _extended(low: float, high: float, further: list[float], log: bool) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rattle.plots.bulk import Bulk, bulk_of, set_range, short
+from rattle.plots.bulk import Bulk, bulk_of, set_range
 from rattle.plots.curves import (
     BLACK,
     BLUE,
@@ -23,7 +23,7 @@ from rattle.plots.curves import (
     robust_limits,
 )  # fmt: skip
 from rattle.studies.ensemble.limits import limit_of
-from rattle.studies.ensemble.shown import scale_of
+from rattle.studies.ensemble.shown import number, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -118,7 +118,8 @@ def plot_output(e: Ensemble, output: str, limit: Limit, ax: Axes | None) -> Figu
 
 
 def _number(shown: float, bulk: Bulk) -> str:
-    return f"{short(shown, 5)} {bulk.unit}".rstrip().replace("*", "·")
+    text = number(shown, bulk.spread).replace("-", "\N{MINUS SIGN}")
+    return f"{text} {bulk.unit}".rstrip().replace("*", "·")
 
 
 def _ends(limit: Limit, unit: str) -> tuple[float | None, float | None]:
@@ -209,36 +210,53 @@ def _draw_marks(ax: Axes, marks: list[Mark]) -> None:
 # ---------------------------------------------------------------- curves
 def plot_band(found: Band, ax: Axes | None = None) -> Figure | Axes:
     """See `Ensemble.plot_band`."""
-    given, ax = ax, ax if ax is not None else new_axes(8.6, 4.6)[0]
-    low, lower, middle, upper, high = np.quantile(found.members, [0.05, 0.25, 0.5, 0.75, 0.95], axis=0)
-    seen = [low, high, *([found.nominal] if found.nominal is not None else [])]
-    factor, unit = scale_of([float(np.nanmax(np.abs(one))) for one in seen], found.unit)
-    ax.fill_between(found.t, factor * low, factor * high, color=BLUE, alpha=0.18, linewidth=0, label="5 to 95 %")
-    ax.fill_between(found.t, factor * lower, factor * upper, color=BLUE, alpha=0.3, linewidth=0, label="25 to 75 %")
-    few = found.members[: min(SINGLE, len(found.members))]
-    for n, one in enumerate(few):
-        label = f"{len(few)} members" if n == 0 and len(few) > 1 else None
-        ax.plot(found.t, factor * one, color=GREY, linewidth=0.5, alpha=0.8, label=label)
-    ax.plot(found.t, factor * middle, color=BLUE, linewidth=1.6, label="median")
-    if found.nominal is not None:
-        style: dict[str, Any] = {"color": ORANGE, "linewidth": 1.4, "linestyle": (0, (5, 2))}
-        ax.plot(found.t, factor * found.nominal, label="nominal", **style)
-    cut = robust_limits(ax, [factor * one for one in seen])
-    if not cut:
-        least, most = (factor * float(end([end(one) for one in seen])) for end in (np.nanmin, np.nanmax))
-        room = 0.06 * (most - least) or 0.05 * abs(most) or 0.5
-        ax.set_ylim(least - room, most + room)
-    ax.set_xlabel("time [s]")
-    ax.set_ylabel(axis_label(QUANTITY.get(found.unit, ""), unit) if found.unit else "no unit")
-    ax.margins(x=0.0)
+    low, high = np.quantile(found.members, [0.05, 0.95], axis=0)
+    narrow = float((high - low).max()) < NARROW * float(high.max() - low.min())
+    axes = [ax] if ax is not None else new_axes(8.6, 6.4 if narrow else 4.6, rows=2 if narrow else 1)
+    cut = _draw_band(axes[0], found.t, found.members, found.nominal, found.unit)
+    axes[0].set_ylabel(axis_label(QUANTITY.get(found.unit, ""), axes[0].get_ylabel()) if found.unit else "no unit")
+    if len(axes) > 1:
+        middle = np.median(found.members, axis=0) if found.nominal is None else found.nominal
+        nominal = None if found.nominal is None else 0.0 * middle
+        _draw_band(axes[1], found.t, found.members - middle, nominal, found.unit)
+        what = "deviation from the " + ("median" if nominal is None else "nominal")
+        axes[1].set_ylabel(axis_label(what, axes[1].get_ylabel()))
+    axes[-1].set_xlabel("time [s]")
     count = len(found.members)
     said = f"the first {count + found.failed} of {found.samples} samples of {listed(found.parameters)}"
     said += f", {found.failed} of them failed" if found.failed else ""
-    note(ax, said + ("\n" if cut else ""), "left")  # what is cut off stands below
+    note(axes[0], said + ("\n" if cut else ""), "left")  # what is cut off stands below
     title = f"{found.curve}, {count} member{'s' if count != 1 else ''}"
-    ax.set_title(title, loc="left", fontsize=11, pad=28 if cut else 16, parse_math=False)
-    ax.legend(**LEGEND)
-    return drawn(ax, given)
+    axes[0].set_title(title, loc="left", fontsize=11, pad=28 if cut else 16, parse_math=False)
+    axes[0].legend(**LEGEND)
+    return drawn(axes[0], ax)
 
 
+NARROW = 0.1  # width of a band, as a share of the range of its curve, below which its deviations are drawn too
 SINGLE = 5  # members that are drawn as lines
+
+
+def _draw_band(ax: Axes, t: np.ndarray, members: np.ndarray, nominal: np.ndarray | None, unit: str) -> bool:
+    """Draw members (n, k) [SI] at instants (k,) [s] and label the axis with the unit; True if spikes are cut off."""
+    low, lower, middle, upper, high = np.quantile(members, [0.05, 0.25, 0.5, 0.75, 0.95], axis=0)
+    seen = [low, high, *([] if nominal is None else [nominal])]
+    sizes = [float(np.abs(one).max()) for one in seen]
+    factor, shown = scale_of([max(sizes), float((high - low).max())], unit)
+    ax.fill_between(t, factor * low, factor * high, color=BLUE, alpha=0.18, linewidth=0, label="5 to 95 %")
+    ax.fill_between(t, factor * lower, factor * upper, color=BLUE, alpha=0.3, linewidth=0, label="25 to 75 %")
+    few = members[:SINGLE]
+    for n, one in enumerate(few):
+        label = f"{len(few)} members" if n == 0 and len(few) > 1 else None
+        ax.plot(t, factor * one, color=GREY, linewidth=0.5, alpha=0.8, label=label)
+    ax.plot(t, factor * middle, color=BLUE, linewidth=1.6, label="median")
+    if nominal is not None:
+        style: dict[str, Any] = {"color": ORANGE, "linewidth": 1.4, "linestyle": (0, (5, 2))}
+        ax.plot(t, factor * nominal, label="nominal", **style)
+    cut = robust_limits(ax, [factor * one for one in seen])
+    if not cut:
+        least, most = (factor * float(end([end(one) for one in seen])) for end in (np.min, np.max))
+        room = 0.06 * (most - least) or 0.05 * abs(most) or 0.5
+        ax.set_ylim(least - room, most + room)
+    ax.margins(x=0.0)
+    ax.set_ylabel(shown)
+    return cut

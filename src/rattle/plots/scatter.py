@@ -33,17 +33,20 @@ def plot_scatter(e: Ensemble, outputs: Sequence[str] | None = None, parameters: 
     strongest = sorted(e.parameters, key=lambda p: -max(np.nan_to_num(abs(correlations[o, p])) for o in rows))
     kept = [p for p in e.parameters if p in strongest[:MOST]]
     columns = _chosen(e, "parameters", parameters, kept)
-    figure = new_figure(1.3 + 2.15 * len(columns), 1.0 + 1.75 * len(rows))
+    figure = new_figure(1.3 + 2.2 * len(columns), 1.0 + 1.75 * len(rows))
     grid = figure.subplots(len(rows), len(columns), sharex="col", sharey="row", squeeze=False)
     far: list[str] = []
     for n, output in enumerate(rows):
         bulk = bulk_of(finite(e, output), e.unit(output))
         for k, parameter in enumerate(columns):
             ax = tidy(grid[n, k])
-            scale, unit = scale_of([float(np.nanmax(np.abs(e[parameter])))], e.unit(parameter))
-            _panel(ax, scale * e[parameter], bulk.factor * e[output], bulk)
+            x = e[parameter]
+            scale, unit = scale_of([float(np.nanmax(np.abs(x))), float(np.nanstd(x))], e.unit(parameter))
+            _panel(ax, scale * x, bulk.factor * e[output], bulk)
             _correlation(ax, correlations[output, parameter])
-            ax.locator_params(axis="x", nbins=4)
+            ax.locator_params(axis="x", nbins=3)
+            ax.ticklabel_format(axis="x", useOffset=False)
+            ax.tick_params(labelsize=8)
             if not bulk.log:
                 ax.locator_params(axis="y", nbins=5)
             if n == len(rows) - 1:

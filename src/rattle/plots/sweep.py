@@ -8,7 +8,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rattle.plots.bulk import Bulk, bulk_of, set_range
-from rattle.plots.curves import BLACK, BLUE, GREY, QUANTITY, RED, axis_label, drawn, figure_of, new_axes, note
+from rattle.plots.curves import (
+    BLACK,
+    BLUE,
+    GREY,
+    QUANTITY,
+    RED,
+    axis_label,
+    drawn,
+    figure_of,
+    new_axes,
+    new_figure,
+    note,
+    tidy,
+)
 from rattle.studies.ensemble.limits import limit_of
 from rattle.studies.ensemble.shown import in_one_unit, scale_of
 
@@ -18,6 +31,7 @@ if TYPE_CHECKING:
 
     from rattle.studies.ensemble.sweep import Sweep
 
+PANELS = 6  # outputs in one picture, at most
 MARKED = 60  # values up to which each one is marked
 LINES = 8  # contour lines, about
 FEWEST = 4  # values of both parameters, for contour lines
@@ -36,9 +50,22 @@ class Section(NamedTuple):
 
 
 def plot_sweep(
-    w: Sweep, output: str, ax: Axes | None = None, at: Mapping[str, float | str] | None = None
+    w: Sweep, output: str | None = None, ax: Axes | None = None, at: Mapping[str, float | str] | None = None
 ) -> Figure | Axes:
     """See `Sweep.plot`."""
+    if output is None and len(w.outputs) > 1:
+        if ax is not None:
+            raise ValueError(f"one axis shows one output; name one of {', '.join(w.outputs)}")
+        names = w.outputs[:PANELS]
+        figure = new_figure(8.0, 3.6 * len(names))
+        for name, panel in zip(names, figure.subplots(len(names), 1), strict=True):
+            plot_output(w, name, tidy(panel), at)
+        return figure
+    return plot_output(w, w.outputs[0] if output is None else output, ax, at)
+
+
+def plot_output(w: Sweep, output: str, ax: Axes | None, at: Mapping[str, float | str] | None) -> Figure | Axes:
+    """One output; on a new figure, or on `ax`, which is then returned."""
     found = section(w, output, {} if at is None else at)
     if not np.isfinite(found.values).any():
         why = next(iter(w.why()), "")

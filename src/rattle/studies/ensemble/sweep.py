@@ -51,17 +51,20 @@ class Sweep(Samples):
         return np.asarray(self[output].reshape(self.shape))
 
     @overload
-    def plot(self, output: str, ax: None = None, at: Mapping[str, float | str] | None = None) -> Figure: ...
-    @overload
-    def plot(self, output: str, ax: Axes, at: Mapping[str, float | str] | None = None) -> Axes: ...
     def plot(
-        self, output: str, ax: Axes | None = None, at: Mapping[str, float | str] | None = None
+        self, output: str | None = None, ax: None = None, at: Mapping[str, float | str] | None = None
+    ) -> Figure: ...
+    @overload
+    def plot(self, output: str | None = None, *, ax: Axes, at: Mapping[str, float | str] | None = None) -> Axes: ...
+    def plot(
+        self, output: str | None = None, ax: Axes | None = None, at: Mapping[str, float | str] | None = None
     ) -> Figure | Axes:  # fmt: skip
         """Plot an output over one parameter, or as a map over two; returns a new figure, or `ax` if it is given.
 
-        at: values of further parameters of the grid, [SI] or such as {"l3": "0.6 m"}.  Units are those of the tables
-        (mm, deg).  Where an output has no value the place is marked.  A few values that are orders of magnitude away do
-        not flatten all others: they lie outside of the range, and it is said how far.
+        output: None draws the first 6 outputs below each other.  at: values of further parameters of the grid, [SI]
+        or such as {"l3": "0.6 m"}.  Units are those of the tables (mm, deg).  Where an output has no value the place is
+        marked.  A few values that are orders of magnitude away do not flatten all others: they lie outside of the
+        range, and it is said how far.
         Raises UnknownName; ValueError if nothing has a value, or more than two parameters are left.
         """
         from rattle.plots.sweep import plot_sweep
