@@ -129,6 +129,18 @@ def test_comments_survive_a_change():
     ]
 
 
+def test_a_changed_mechanism_leaves_the_first_one_as_it_was():
+    first = rt.Mechanism.from_text(TEXT)
+    before = first.to_toml(), plain(first.model)
+    second = first.set({"bodies.crank.mass": 3.0})
+    second.parameter("another", 1.0)
+    for body in second._document["bodies"].values():
+        body["points"] = {}
+    assert (first.to_toml(), plain(rt.Mechanism.from_text(first.to_toml()).model)) == before
+    assert first._document != second._document
+    assert all(body["points"] for body in first._document["bodies"].values() if "points" in body)
+
+
 def test_groups_can_be_set_where_there_were_none():
     m = rt.loads(TEXT).set({"tolerances.groups": [["r3", "r4"]]})
     assert m.model.groups == (("r3", "r4"),)

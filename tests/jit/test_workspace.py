@@ -37,6 +37,25 @@ def test_machine_code_reads_the_arrays_that_python_sees():
     assert {"body", "rows", "joint"} <= set(ARRAYS)
 
 
+def test_workspaces_of_one_system_share_no_number():
+    system = rt.example("slider_crank_play").system
+    one, other = system.workspace(), system.workspace()
+    begin = {name: getattr(other, name).copy() for name in ARRAYS if not name.endswith("_table")}
+    for name in begin:
+        getattr(one, name)[...] = 7
+    for name, array in begin.items():
+        assert (getattr(other, name) == array).all()
+        assert (getattr(system.workspace(), name) == array).all()
+
+
+@pytest.mark.parametrize("clearance", [0.0004, 0.0006])
+def test_mechanisms_of_one_structure_keep_their_own_numbers(clearance):
+    system = rt.example("slider_crank_play").set(c=clearance).system
+    workspace = system.plain_workspace()
+    assert clearance in workspace.values
+    assert all((getattr(workspace, name) == array).all() for name, array in system.arrays.items())
+
+
 def test_a_wrong_name_does_not_compile():
     if not functions.start():
         pytest.skip("runs without machine code")
