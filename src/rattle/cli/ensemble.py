@@ -1,0 +1,226 @@
+"""The commands that run many mechanisms: ensembles with tolerances, and sweeps over grids."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rattle.cli.options import model_options, read_model, time
+from rattle.cli.output import STOPPED, as_json, check_files, check_pictures, say_written
+
+if TYPE_CHECKING:
+    from rattle.studies.ensemble.samples import Samples
+
+ANALYSES = ("simulate", "kinematics", "inverse-dynamics", "equilibrium", "accuracy", "modes")
+
+
+def question_options(several: bool = True) -> Callable[..., Any]:
+    """Add to a command what is asked of every mechanism: --of (several: more than once), --analysis, --t-end."""
+
+    def add(function: Callable[..., Any]) -> Callable[..., Any]:
+        function = click.option(
+            "--t-end", type=time,
+            help="End of the runs, in s or as '20 ms'.  [default: as in the model; t = 0 for equilibrium and modes]",
+        )(function)  # fmt: skip
+        function = click.option(
+            "--analysis", type=click.Choice(ANALYSES), default="simulate", show_default=True,
+            help="What is run; accuracy has curves such as rocker.angle.high (band of play), modes mode1.frequency.",
+        )(function)  # fmt: skip
+        more = "; may be given more than once." if several else "."
+        return click.option(
+            "--of", "outputs", multiple=several, required=True, metavar="OUTPUT",
+            help=f'A number of a run, e.g. "max(O3.force)" or "at(rocker.angle, 0.3)"{more}',
+        )(function)  # fmt: skip
+
+    return add
+
+
+def engine_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add to a command where runs take place, and where they are kept."""
+    for option in (
+        click.option("--json", "json_too", is_flag=True, help="The answer as JSON, in SI units."),
+        click.option("--plot", "picture", metavar="FILE", help="Draw the first output (.svg, .png, .pdf)."),
+        click.option("--csv", metavar="FILE", help="Write one row per mechanism, in SI units."),
+        click.option(
+            "-o", "--output", "folder", metavar="FOLDER",
+            help="Keep the runs there as they come (Parquet); the same command goes on after any interruption.",
+        ),
+        click.option("--scheduler", metavar="ADDRESS", help="Run on a Dask cluster, e.g. tcp://host:8786."),
+        click.option("--workers", type=click.IntRange(1), metavar="N", help="Run in N processes of this machine."),
+        click.option("--threads", type=click.IntRange(1), metavar="N", help="Threads.  [default: one per core]"),
+    ):  # fmt: skip
+        function = option(function)
+    return function
+
+
+@click.command()
+@model_options
+@click.option("-n", "count", type=int, default=1000, show_default=True, help="How many mechanisms.")
+@question_options()
+@click.option(
+    "--vary", "varied", multiple=True, metavar="NAMES",
+    help='Parameters with a tolerance in the file: r3,r4; or with one here: "r3=0.1 mm", "l2=0.5 mm:normal".  '
+    "[default: all that have a tolerance]",
+)  # fmt: skip
+@click.option("--seed", default=0, show_default=True, help="Mechanism i depends on the seed and on i alone.")
+@click.option(
+    "--design", type=click.Choice(["sobol", "halton", "lhs", "random"]), default="sobol", show_default=True,
+    help="How the fields are sampled: evenly (sobol, halton, lhs), or independently (random).",
+)  # fmt: skip
+@click.option("--limit", metavar="VALUE", help='Also: how many stay at or below it, e.g. "5 kN"; for one --of.')
+@engine_options
+@click.pass_context
+def ensemble(
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, count: int, outputs: tuple[str, ...],
+    analysis: str, t_end: float | None, varied: tuple[str, ...], seed: int, design: str, limit: str | None,
+    threads: int | None, workers: int | None, scheduler: str | None, folder: str | None, csv: str | None,
+    picture: str | None, json_too: bool,
+) -> None:  # fmt: skip
+    """What tolerances do: statistics of numbers over many mechanisms made with the same drawing.
+
+    FILE is a model file or the name of a shipped example.  Tolerances stand there beside the values:
+    r3 = { value = "5 mm", tol = "0.1 mm", dist = "normal" }.
+
+    \b
+    Examples: rattle ensemble slider_crank_play -n 200 --of "max(B.normal)" --t-end 12ms --limit 50kN
+              rattle ensemble fourbar --vary "r3=0.5 mm" --of "rms(rocker.omega)" --t-end 50ms --plot spread.svg
+              rattle ensemble fourbar -n 1000000 --of "final(rocker.angle)" --t-end 50ms -o runs
+
+    Motion with play is chaotic: a single run says little, the distribution of many is the answer.  The table gives
+    every mean with its 95 % confidence, quantiles, and how many mechanisms could not be run and why.
+    """
+    if limit is not None and len(outputs) > 1:
+        raise click.UsageError("--limit is for one --of; with several it is not clear which is meant")
+    _check(file, csv, picture)
+    m = read_model(file, settings, ideal)
+    found = m.ensemble(
+        count, list(outputs), tolerances(varied), seed=seed, analysis=analysis, t_end=t_end, design=design,
+        threads=threads, workers=workers, scheduler=scheduler, folder=folder, progress=not ctx.obj["quiet"],
+    )  # fmt: skip
+    share = None if limit is None else found.yield_below(outputs[0], value(limit))
+    if json_too:
+        record = found.record() | ({} if share is None else {"share_below": share._asdict()})
+        click.echo(as_json(record))
+    else:
+        click.echo(str(found))
+        if share is not None:
+            part, low, high = (100 * one for one in share)
+            click.echo(f"{part:.4g} % of the mechanisms stay at or below {limit} (95 %: {low:.4g} to {high:.4g} %)")
+    _keep(ctx, found, csv, picture, lambda: found.plot(outputs[0], limit=None if limit is None else value(limit)))
+
+
+@click.command()
+@model_options
+@click.option(
+    "--over", "ranges", multiple=True, required=True, metavar="NAME=FIRST:LAST:COUNT",
+    help='A parameter and its values: r3=0.001:0.005:21, "r3=1 mm:5 mm:21", or a list r3=0.001,0.002,0.005; '
+    "once for each parameter.",
+)  # fmt: skip
+@question_options()
+@engine_options
+@click.pass_context
+def sweep(
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, ranges: tuple[str, ...],
+    outputs: tuple[str, ...], analysis: str, t_end: float | None, threads: int | None, workers: int | None,
+    scheduler: str | None, folder: str | None, csv: str | None, picture: str | None, json_too: bool,
+) -> None:  # fmt: skip
+    """Numbers over all combinations of values of parameters: a curve for one, a map for two.
+
+    FILE is a model file or the name of a shipped example.
+
+    \b
+    Examples: rattle sweep slider_crank_play --over "c=0.1 mm:0.5 mm:9" --of "max(B.normal)" --t-end 12ms
+              rattle sweep path_generator --ideal --analysis kinematics --over a=0.03:0.05:21 --over "omega=1,2" \\
+                     --of "range(coupler.P.y)" --plot map.svg
+    """
+    _check(file, csv, picture)
+    m = read_model(file, settings, ideal)
+    axes: dict[str, list[float | str]] = {}
+    for one in ranges:
+        name, values = _axis(one)
+        if name in axes:
+            raise click.UsageError(f"--over: '{name}' is given twice")
+        axes[name] = values
+    found = m.sweep(
+        axes, list(outputs), analysis=analysis, t_end=t_end, threads=threads, workers=workers, scheduler=scheduler,
+        folder=folder, progress=not ctx.obj["quiet"],
+    )  # fmt: skip
+    click.echo(as_json(found.record()) if json_too else str(found))
+    _keep(ctx, found, csv, picture, lambda: found.plot(outputs[0]))
+
+
+def _check(file: str, csv: str | None, picture: str | None) -> None:
+    """Refuse files that cannot be written."""
+    if csv is not None:
+        from rattle.results.result import require_table
+
+        require_table(csv)
+    check_pictures(file, picture)
+    check_files(file, csv, picture)
+
+
+def _keep(ctx: click.Context, found: Samples, csv: str | None, picture: str | None, draw: Callable[[], Any]) -> None:
+    """Write table and picture, and end with the exit status of the runs."""
+    if csv is not None:
+        found.to_csv(csv)
+        say_written(csv)
+    if picture is not None:
+        from rattle.plots.curves import save_figure
+
+        save_figure(draw(), picture)
+        say_written(picture)
+    if found.interrupted:
+        ctx.exit(STOPPED)
+    if not found.counts()["ok"]:
+        ctx.exit(1)
+
+
+# ---------------------------------------------------------------- words of the command line
+def tolerances(varied: tuple[str, ...]) -> Any:
+    """What `vary` of an ensemble is: None, or parameters with what was said of them."""
+    found: dict[str, Any] = {}
+    for one in varied:
+        if "=" not in one:
+            found |= {name.strip(): {} for name in one.split(",") if name.strip()}
+            continue
+        name, _, text = one.partition("=")
+        tol, _, dist = text.partition(":")
+        found[name.strip()] = {"tol": value(tol)} | ({"dist": dist.strip()} if dist.strip() else {})
+    return found or None
+
+
+def _axis(text: str) -> tuple[str, list[float | str]]:
+    """A parameter and its values from NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE."""
+    from rattle.language.units import QuantityError, parse_quantity, unit_name
+
+    name, _, rest = text.partition("=")
+    parts = [one.strip() for one in rest.split(":")]
+    if not name.strip() or not rest.strip() or len(parts) not in (1, 3):
+        raise click.UsageError(f"--over needs NAME=FIRST:LAST:COUNT, as in r3=0.001:0.005:21, got '{text}'")
+    if len(parts) == 1:
+        return name.strip(), [value(one) for one in rest.split(",")]
+    try:
+        first, last = (parse_quantity(one) or (float(one), None) for one in parts[:2])
+        count = int(parts[2])
+    except (QuantityError, ValueError) as error:
+        raise click.UsageError(f"--over {text}: {error}") from None
+    if count < 1:
+        raise click.UsageError(f"--over {text}: the number of values must be at least 1")
+    if first[1] != last[1] and None not in (first[1], last[1]):
+        raise click.UsageError(f"--over {text}: both ends need the same kind of unit")
+    import numpy as np
+
+    dimension = last[1] if first[1] is None else first[1]
+    unit = "" if dimension is None else unit_name(dimension) or "rad"  # kept: it may not be that of the parameter
+    values = np.linspace(first[0], last[0], count).tolist()
+    return name.strip(), [f"{x!r} {unit}" if unit else x for x in values]
+
+
+def value(text: str) -> float | str:
+    """A number in SI, or a text with a unit."""
+    try:
+        return float(text)
+    except ValueError:
+        return text.strip()

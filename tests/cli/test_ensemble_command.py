@@ -1,0 +1,91 @@
+"""`rattle ensemble` and `rattle sweep`: their tables, files and refusals."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import rattle as rt
+from rattle.cli.main import main
+
+pytestmark = pytest.mark.nojit
+OF = "at(rocker.angle, 0.01)"
+SHORT = ("fourbar", "--of", OF, "--t-end", "10ms")
+
+
+def run(command, *words):
+    return CliRunner().invoke(main, ["-q", command, *words])
+
+
+def test_an_ensemble_says_what_the_python_interface_says():
+    seen = run("ensemble", *SHORT, "-n", "64", "--vary", "r3,r4", "--vary", "l2=0.2 mm:normal", "--seed", "3", "--json")
+    assert seen.exit_code == 0, seen.output
+    record = json.loads(seen.stdout)
+    vary = {"r3": {}, "r4": {}, "l2": {"tol": "0.2 mm", "dist": "normal"}}
+    e = rt.example("fourbar").ensemble(64, [OF], vary, seed=3, t_end=0.01)
+    assert record["parameters"] == ["r3", "r4", "l2"]
+    assert record["counts"] == {"ok": 64, "failed": 0, "not finite": 0, "not run": 0}
+    assert record["outputs"][OF]["mean"] == e.summary().loc[OF, "mean"]
+    assert record["outputs"][OF]["unit"] == "rad"
+
+
+def test_a_limit_gives_the_share_of_the_mechanisms_that_keep_it():
+    words = (*SHORT, "-n", "64", "--vary", "r3=0.5 mm")
+    e = rt.example("fourbar").ensemble(64, [OF], {"r3": "0.5 mm"}, t_end=0.01)
+    middle = float(np.rad2deg(np.median(e[OF])))
+    seen = run("ensemble", *words, "--limit", f"{middle} deg")
+    assert "50 % of the mechanisms stay at or below" in seen.stdout
+    seen = run("ensemble", *words, "--of", "final(rocker.omega)", "--limit", "1")
+    assert seen.exit_code == 2
+    assert "--limit is for one --of" in seen.output
+
+
+def test_tables_pictures_and_a_folder_that_goes_on(tmp_path):
+    words = (*SHORT, "--vary", "r3=0.5 mm", "-o", str(tmp_path / "runs"))
+    table, picture = tmp_path / "e.csv", tmp_path / "e.svg"
+    assert run("ensemble", *words, "-n", "16").exit_code == 0
+    seen = run("ensemble", *words, "-n", "32", "--csv", str(table), "--plot", str(picture))
+    assert seen.exit_code == 0, seen.output
+    assert f"kept in {tmp_path / 'runs'}" in seen.stdout
+    assert len(table.read_text().splitlines()) == 33
+    assert "rocker.angle" in picture.read_text()
+    seen = run("ensemble", *words, "-n", "32", "--seed", "1")
+    assert seen.exit_code == 2
+    assert "holds another run" in seen.output
+
+
+def test_a_sweep_takes_ranges_and_lists_with_units(tmp_path):
+    words = ("sweep", *SHORT, "--over", "r3=4 mm:6 mm:3", "--over", "r4=0.004,5 mm")
+    record = json.loads(run(*words, "--json").stdout)["outputs"][OF]
+    assert record["axes"] == {"r3": pytest.approx([0.004, 0.005, 0.006]), "r4": [0.004, 0.005]}
+    w = rt.example("fourbar").sweep({"r3": [0.004, 0.005, 0.006], "r4": [0.004, 0.005]}, [OF], t_end=0.01)
+    np.testing.assert_allclose(record["values"], w.grid(OF), rtol=1e-12)
+    picture = tmp_path / "map.svg"
+    assert run(*words, "--plot", str(picture)).exit_code == 0
+    assert picture.stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("sweep", *SHORT, "--over", "r3"), "NAME=FIRST:LAST:COUNT"),
+        (("sweep", *SHORT, "--over", "r3=1 mm:2 mm:0"), "at least 1"),
+        (("sweep", *SHORT, "--over", "r3=1 mm:2 s:3"), "same kind of unit"),
+        (("sweep", *SHORT, "--over", "r3=1 deg:2 deg:3"), "plain number or angle; expected a length"),
+        (("sweep", *SHORT, "--over", "r3=1 mm:many:3"), "many"),
+        (("sweep", *SHORT, "--over", "r3=0.001", "--over", "r3=0.002"), "given twice"),
+        (("ensemble", *SHORT, "-n", "0"), "n must be from 1"),
+        (("ensemble", *SHORT, "--vary", "r9"), "no parameter 'r9'"),
+        (("ensemble", *SHORT, "--vary", "r3=1 kg"), "mass"),
+        (("ensemble", "fourbar", "--of", "biggest(x)"), "biggest"),
+        (("ensemble", *SHORT, "--csv", "e.xlsx"), ".csv"),
+        (("ensemble", *SHORT, "--plot", "e.doc"), "picture"),
+        (("ensemble", *SHORT, "--scheduler", "tcp://127.0.0.1:1", "-n", "4"), "127.0.0.1:1"),
+    ],
+)
+def test_bad_words_are_refused_with_a_hint(words, message):
+    seen = run(*words)
+    assert seen.exit_code == 2, seen.output
+    assert message in seen.output
+    assert "Traceback" not in seen.output
