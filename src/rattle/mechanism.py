@@ -103,8 +103,9 @@ class Mechanism(AnalysedModel):
 
     def ensemble(
         self, n: int, outputs: Sequence[str], vary: Vary = None, *, seed: int = 0, analysis: str = "simulate",
-        t_end: Seconds | None = None, design: str = "sobol", rtol: float | None = None, method: str | None = None,
-        threads: int | None = None, executor: Executor | None = None, scheduler: str | None = None,
+        t_end: Seconds | None = None, design: str = "sobol", histories: Sequence[str] = (),
+        rtol: float | None = None, method: str | None = None, threads: int | None = None,
+        executor: Executor | None = None, scheduler: str | None = None,
         workers: int | None = None, folder: str | os.PathLike[str] | None = None, resume: bool = True,
         progress: bool = False,
     ) -> Ensemble:  # fmt: skip
@@ -117,13 +118,14 @@ class Mechanism(AnalysedModel):
         analysis: simulate, kinematics, inverse-dynamics, equilibrium, accuracy (outputs of "rocker.angle.high",
         .low, .nominal, .worst, .rss) or modes ("mode1.frequency", .damping, .growth).
         t_end: [s] (default: as in the model; t = 0 alone for equilibrium and modes).  rtol (default 1e-8), method: of
-        motions.  progress: show a progress bar with rate and time left.
+        motions.  histories: curves of all samples that are kept at 201 instants, `e.histories("rocker.angle")`; such
+        samples run one by one, and beyond 1 GB need a folder.  progress: show a progress bar with rate and time left.
         threads: of this process, default one per core.  Instead of them, executor: any concurrent.futures.Executor;
         workers: so many processes on this machine; scheduler: address of a Dask scheduler, "tcp://10.0.0.1:8786".
         All give the same bits; laws written in Python must be known in the other processes.
-        folder: where samples are kept, piece by piece, as Parquet files.  The same call goes on where it ended, in
-        whatever way, also with a larger n (not for lhs); the folder of another run is refused.  resume: False refuses
-        every folder with a run.
+        folder: where samples are kept, piece by piece, as Parquet files, histories as netCDF.  The same call goes on
+        where it ended, in whatever way, also with a larger n (not for lhs); the folder of another run is refused.
+        resume: False refuses every folder with a run.
 
         Returns the samples, `e["max(O3.force)"]`, `e.table`, `e.sample(17)`, and what follows from them: `e.summary()`,
         `e.yield_below("max(O3.force)", 5000)`, and pictures: `e.plot("max(O3.force)", limit="5 kN")`,
@@ -138,8 +140,8 @@ class Mechanism(AnalysedModel):
 
         return ensemble(
             self, n, outputs, vary, seed=seed, analysis=analysis, t_end=seconds_or_none(t_end, "t_end"), design=design,
-            rtol=rtol, method=method, threads=threads, executor=executor, scheduler=scheduler, workers=workers,
-            folder=folder, resume=resume, progress=progress,
+            histories=histories, rtol=rtol, method=method, threads=threads, executor=executor, scheduler=scheduler,
+            workers=workers, folder=folder, resume=resume, progress=progress,
         )  # fmt: skip
 
     def tolerance(

@@ -93,6 +93,21 @@ def test_ensembles_side_by_side_have_the_same_bits_elsewhere(processes):
     assert there.summary().equals(here.summary())
 
 
+def test_histories_come_back_from_other_processes(processes, tmp_path):
+    pytest.importorskip("pyarrow")
+    pytest.importorskip("h5netcdf")
+
+    def made(**options):
+        curves = ["rod.angle"]
+        return pendulum().ensemble(40, ["final(rod.angle)"], {"l": "1 mm"}, t_end=0.2, histories=curves, **options)
+
+    here, there = made(), made(executor=processes, folder=tmp_path)
+    t, angles = there.histories("rod.angle")
+    np.testing.assert_array_equal(angles, here.histories("rod.angle")[1])
+    np.testing.assert_array_equal(angles[:, -1], there["final(rod.angle)"])
+    assert t[-1] == 0.2
+
+
 def pendulum():
     return rt.loads("""
 format = 1

@@ -414,3 +414,75 @@ def test_a_run_that_is_killed_anywhere_goes_on_to_the_same_numbers(tmp_path):
     from pyarrow import parquet
 
     assert sum(parquet.read_metadata(one).num_rows for one in folder.glob("samples-*")) == 4000
+
+
+# ---------------------------------------------------------------- histories
+def kept(n=20, **options):
+    m = rt.loads(SPRING)
+    return m.ensemble(
+        n, OF[:1], seed=2, t_end=0.3, histories=["block.x", "energy.potential", "guide.force"], threads=1, **options
+    )
+
+
+@pytest.mark.nojit
+def test_histories_are_the_curves_of_the_samples(tmp_path, small_pieces):
+    """x = x0 cos(sqrt(k/m) t), the spring's energy k x^2/2, and the guide bears nothing."""
+    pytest.importorskip("h5netcdf")
+    memory, folder = kept(), kept(folder=tmp_path)
+    assert "20 one by one on 1 thread: whole curves are kept" in memory.how
+    for found in (memory, folder, kept(folder=tmp_path)):
+        t, x = found.histories("block.x")
+        np.testing.assert_allclose(t, np.linspace(0.0, 0.3, 201), rtol=0.0, atol=1e-15)
+        want = found["x0"][:, None] * np.cos(np.sqrt(found["k"])[:, None] * t)
+        np.testing.assert_allclose(x, want, rtol=0.0, atol=1e-7)
+        energy = 0.5 * found["k"][:, None] * want**2
+        np.testing.assert_allclose(found.histories("energy.potential")[1], energy, rtol=0.0, atol=1e-6)
+        np.testing.assert_allclose(found.histories("guide.force")[1], 0.0, atol=1e-12)
+        np.testing.assert_array_equal(found.history(13, "block.x")[1], x[13])
+        np.testing.assert_array_equal(x, memory.histories("block.x")[1])
+        assert (found.unit("block.x"), found.unit("guide.force")) == ("m", "N")
+    xarray = pytest.importorskip("xarray")
+    first = sorted(tmp_path.glob("histories-*.nc"))[1]
+    with xarray.open_dataset(first, engine="h5netcdf") as data:
+        np.testing.assert_array_equal(data["block.x"].sel(sample=9), x[9])
+        assert data["energy.potential"].attrs["units"] == "J"
+    with pytest.raises(KeyError, match=r"no history 'block.y'"):
+        memory.histories("block.y")
+    with pytest.raises(
+        ValueError, match=r"holds another run, its histories: block.x, energy.potential, guide.force, now"
+    ):
+        rt.loads(SPRING).ensemble(20, OF[:1], seed=2, t_end=0.3, folder=tmp_path)
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize("harm", ["cut", "gone"])
+def test_samples_whose_histories_are_lost_run_again(tmp_path, small_pieces, harm, caplog):
+    pytest.importorskip("h5netcdf")
+    whole = kept(folder=tmp_path)
+    file = sorted(tmp_path.glob("histories-*.nc"))[-1]
+    if harm == "cut":
+        file.write_bytes(file.read_bytes()[:-100])
+    else:
+        file.unlink()
+    again = kept(folder=tmp_path)
+    assert file.name in caplog.text
+    np.testing.assert_array_equal(again.histories("block.x")[1], whole.histories("block.x")[1])
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize(
+    ("histories", "error", "said"),
+    [
+        ("block.x", ValueError, r'write histories=\["block.x"\]'),
+        (["block.X"], KeyError, "no curve 'block.X'; did you mean"),
+    ],
+)
+def test_histories_that_make_no_sense_are_refused(histories, error, said):
+    with pytest.raises(error, match=said):
+        rt.loads(SPRING).ensemble(4, OF[:1], t_end=0.3, histories=histories)
+
+
+@pytest.mark.nojit
+def test_histories_beyond_the_memory_need_a_folder():
+    with pytest.raises(ValueError, match=r"1000000 samples of 1 curves take 1.6 GB; in memory .*: give a folder"):
+        rt.loads(SPRING).ensemble(10**6, OF[:1], t_end=0.3, histories=["block.x"])

@@ -107,6 +107,11 @@ def _netcdf(text: str, digest: str, t: Array, curves: Mapping[str, Array], units
         record[...] = text
         record.attrs[DIGEST] = digest
     content = buffer.getvalue()
+    return sealed(content)
+
+
+def sealed(content: bytes) -> bytes:
+    """An HDF5 file as bytes with their checksum behind."""
     return content + TRAILER + hashlib.sha256(content).hexdigest().encode() + b"\n"
 
 
@@ -139,7 +144,7 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Array, Array]:
         raise ValueError(f"{file} {NO_RESULT}{hint}")
     if reader is _read_netcdf:
         package("h5py", f"reading {file.name}, which is netCDF,")
-        _require_whole(file)
+        require_whole(file)
     try:
         text, record, digest, t, curves = reader(file)
         _require_plain(record, len(curves))
@@ -164,14 +169,14 @@ class Damaged(Exception):
     """Something is wrong with a file that seems to be a result."""
 
 
-def _require_whole(file: Path) -> None:
-    """Compare the checksum after the data, if there is one, with the bytes.  Raises ValueError."""
+def require_whole(file: Path) -> bool:
+    """Compare the checksum after the data with the bytes; False if there is none.  Raises ValueError, OSError."""
     size, length = file.stat().st_size, len(TRAILER) + 65
     with file.open("rb") as opened:
         opened.seek(max(0, size - length))
         trailer = opened.read()
         if not trailer.startswith(TRAILER):
-            return
+            return False
         opened.seek(0)
         found, left = hashlib.sha256(), size - length
         while left > 0:
@@ -182,6 +187,7 @@ def _require_whole(file: Path) -> None:
                 break
     if trailer[len(TRAILER) :].strip() != found.hexdigest().encode():
         raise ValueError(f"{file} is damaged: its bytes do not match its checksum; compute it again")
+    return True
 
 
 def _fits(count: int, n: int, size: int) -> None:

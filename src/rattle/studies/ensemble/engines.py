@@ -51,6 +51,7 @@ class Job:
     analysis: str
     t_end: float  # [s]
     how: Stepping
+    histories: tuple[str, ...]
 
 
 class Done(NamedTuple):
@@ -72,8 +73,9 @@ def job_of(task: Task) -> Job:
     """What a worker needs to run samples of a task."""
     laws = tuple(python_laws(task.mechanism.model).items())
     return Job(
-        __version__, task.mechanism.to_toml(), laws, task.names, tuple(task.texts), task.analysis, task.t_end, task.how
-    )
+        __version__, task.mechanism.to_toml(), laws, task.names, tuple(task.texts), task.analysis, task.t_end, task.how,
+        task.histories,
+    )  # fmt: skip
 
 
 # ---------------------------------------------------------------- in a worker
@@ -104,7 +106,7 @@ def _runner(job: Job) -> Runner:
     return Runner(
         task_of(
             Mechanism.from_text(job.model), job.names, job.outputs, analysis=job.analysis, t_end=job.t_end,
-            method=how.method, rtol=how.rtol, atol=how.atol, step=how.step,
+            method=how.method, rtol=how.rtol, atol=how.atol, step=how.step, histories=job.histories,
         )
     )  # fmt: skip
 

@@ -212,15 +212,17 @@ def _columns(name: str, found: Bounded) -> dict[str, float]:
 
 def ensemble(
     m: Mechanism, n: int, outputs: Sequence[str], vary: Vary = None, *, seed: int = 0, analysis: str = "simulate",
-    t_end: float | None = None, design: str = "sobol", rtol: float | None = None, method: str | None = None,
-    threads: int | None = None, executor: Executor | None = None, scheduler: str | None = None,
-    workers: int | None = None, folder: str | os.PathLike[str] | None = None, resume: bool = True,
-    progress: bool = False,
+    t_end: float | None = None, design: str = "sobol", histories: Sequence[str] = (), rtol: float | None = None,
+    method: str | None = None, threads: int | None = None, executor: Executor | None = None,
+    scheduler: str | None = None, workers: int | None = None, folder: str | os.PathLike[str] | None = None,
+    resume: bool = True, progress: bool = False,
 ) -> Ensemble:  # fmt: skip
     """Outputs of n samples; see `Mechanism.ensemble`."""
     count = arguments.whole("n", n, 1, MOST)
     fields = fields_of(m, vary)
-    task = task_of(m, fields.names, outputs, analysis=analysis, t_end=t_end, rtol=rtol, method=method)
+    task = task_of(
+        m, fields.names, outputs, analysis=analysis, t_end=t_end, rtol=rtol, method=method, histories=histories
+    )
     plan = Drawn(fields, points(design, seed, fields.draws, count))
     store = store_of(task, plan, folder, resume)
     nominal, notes = nominal_run(task)

@@ -2,6 +2,7 @@
 
     manifest.json                                    what the samples are of, see `identity`
     samples-000000000000-000000004095.parquet        one row per sample: number, parameters, outputs, status, message
+    histories-000000000000-000000004095.nc           curves of these samples, if they are asked for; written before
 
 Every file is written under a temporary name, with a dot in front, and renamed when it is whole: what has a name is
 complete, however a run ended.  A file also has checksums, for what may happen to it later.  Which samples are there
@@ -17,7 +18,7 @@ import logging
 import os
 import re
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -26,7 +27,8 @@ import numpy as np
 
 from rattle.atomic_file import atomic
 from rattle.results.archive import package
-from rattle.studies.ensemble import identity
+from rattle.studies.ensemble import history_files, identity
+from rattle.studies.ensemble.history_files import Damaged
 from rattle.studies.ensemble.pieces import STATUS, WAITING, Piece
 from rattle.studies.ensemble.plans import Plan
 from rattle.studies.ensemble.store import Memory, Store, add_counts
@@ -37,7 +39,7 @@ log = logging.getLogger("rattle")
 MANIFEST = "manifest.json"
 DAMAGED = ".damaged"  # added to the name of a file that cannot be read
 NAME = re.compile(r"samples-(\d+)-(\d+)\.parquet")
-LEFTOVER = re.compile(r"\.(manifest|samples-\d+-\d+)-[0-9a-f]{8}\.(json|parquet)")
+LEFTOVER = re.compile(r"\.(manifest|(samples|histories)-\d+-\d+)-[0-9a-f]{8}\.(json|parquet|nc)")
 STALE = 10.0  # seconds after which a temporary file is taken for one of a run that was killed
 OWN = ("sample", "status", "generic", "message")  # columns besides those of parameters and outputs
 REASONS = b"rattle.reasons"
@@ -47,7 +49,7 @@ CODES = {text: code for code, text in STATUS.items()}
 def store_of(task: Task, plan: Plan, folder: str | os.PathLike[str] | None, resume: bool = True) -> Store:
     """Where the samples of a task are kept: in memory, or in a folder.  Raises what `Folder` raises."""
     if folder is None:
-        return Memory(plan.names, task.texts, plan.count)
+        return Memory(plan.names, task.texts, plan.count, task.histories, len(task.history_times))
     return Folder(folder, task, plan, resume)
 
 
@@ -55,6 +57,11 @@ class _File(NamedTuple):
     path: Path
     first: int  # number of its first sample
     last: int  # one after that of its last one
+
+    @property
+    def curves(self) -> Path:
+        """The file of the histories of its samples."""
+        return self.path.with_name(self.path.stem.replace("samples", "histories") + ".nc")
 
 
 class Folder:
@@ -73,6 +80,10 @@ class Folder:
         self._units |= {one.text: one.unit for one in task.outputs}
         self._columns = {name: f"parameter {name}" if name in OWN else name for name in (*plan.names, *task.texts)}
         self._order = [*plan.names, *task.texts]
+        self._histories = dict(zip(task.histories, task.history_units, strict=True))
+        self._times = task.history_times
+        if self._histories:
+            package("h5netcdf", history_files.FOR)
         self._reasons: dict[str, int] = {}
         self._files: list[_File] = []
         self._open(identity.identity(task, plan), resume)
@@ -116,22 +127,18 @@ class Folder:
 
     def _find(self) -> None:
         """Find the samples that are there; what killed runs have left is removed, damaged files are put aside."""
-        found = []
+        found, reached = [], 0
         for path in sorted(self.path.iterdir()):
-            if LEFTOVER.fullmatch(path.name):
-                with suppress(OSError):  # another process may have removed it
-                    if time.time() - path.stat().st_mtime > STALE:
-                        path.unlink()
-            elif match := NAME.fullmatch(path.name):
+            if match := NAME.fullmatch(path.name):
                 found.append(_File(path, int(match[1]), int(match[2]) + 1))
-        reached = 0
+        self._remove_leftovers({one.curves.name for one in found})
         for file in sorted(found, key=lambda one: (one.first, -one.last)):
             new = min(file.last, self._count) - max(file.first, reached)
             if new <= 0:
                 continue
             try:
                 reasons = self._checked(file)
-            except _Damaged as error:
+            except Damaged as error:
                 aside = file.path.with_name(file.path.name + DAMAGED)
                 os.replace(file.path, aside)
                 log.warning(f"{file.path} is damaged ({error}): it is now {aside.name}, and its samples are run again")
@@ -140,13 +147,24 @@ class Folder:
             self._files.append(file)
             add_counts(self._reasons, {said: min(count, new) for said, count in reasons.items()})
 
+    def _remove_leftovers(self, wanted: Container[str]) -> None:
+        """Remove temporary files, and histories without samples, that no process can be about to finish."""
+        for path in self.path.iterdir():
+            histories = path.name.startswith("histories-") and path.name not in wanted
+            if LEFTOVER.fullmatch(path.name) or histories:
+                with suppress(OSError):  # another process may have removed it
+                    if time.time() - path.stat().st_mtime > STALE:
+                        path.unlink()
+
     def _checked(self, file: _File) -> dict[str, int]:
-        """Why samples of a file could not run side by side.  Raises _Damaged, and ValueError for other samples."""
+        """Why samples of a file could not run side by side.  Raises Damaged, and ValueError for other samples."""
         table = self._read(file)
         missing = {*OWN, *self._columns.values()} - {*table.column_names}
         numbers = np.arange(file.first, file.last)
         if missing or not np.array_equal(table["sample"].to_numpy(), numbers):
-            raise _Damaged("its samples are not those of its name" if not missing else f"no column {min(missing)}")
+            raise Damaged("its samples are not those of its name" if not missing else f"no column {min(missing)}")
+        if self._histories:
+            history_files.require(file.curves)
         last = min(file.last, self._count)
         parameters = self._plan.values(file.first, last)
         for name, values in zip(self._plan.names, parameters, strict=True):
@@ -158,7 +176,7 @@ class Folder:
         return dict(json.loads((table.schema.metadata or {}).get(REASONS, b"{}")))
 
     def _read(self, file: _File, columns: list[str] | None = None) -> Any:
-        """Columns of a file, by default all, as a table.  Raises _Damaged, PermissionError."""
+        """Columns of a file, by default all, as a table.  Raises Damaged, PermissionError."""
         import pyarrow
         from pyarrow import parquet
 
@@ -168,7 +186,7 @@ class Folder:
         except PermissionError:
             raise
         except (OSError, pyarrow.ArrowException) as error:
-            raise _Damaged(str(error).partition("\n")[0]) from error
+            raise Damaged(str(error).partition("\n")[0]) from error
 
     # ---------------------------------------------------------------- writing
     @property
@@ -179,10 +197,17 @@ class Folder:
     def add(self, piece: Piece) -> None:
         """Write a piece.  Raises OSError if it cannot be written; those before it are kept."""
         file = _File(self.path / f"samples-{piece.first:012d}-{piece.last - 1:012d}.parquet", piece.first, piece.last)
-        content = self._content(piece)
+        contents = {file.path: self._content(piece)}
+        if self._histories:
+            curves = dict(zip(self._histories, piece.curves, strict=True))
+            contents = {
+                file.curves: history_files.content(piece.first, self._times, curves, self._histories),
+                **contents,
+            }
         try:
-            with atomic(file.path) as temporary:
-                temporary.write_bytes(content)
+            for path, content in contents.items():
+                with atomic(path) as temporary:
+                    temporary.write_bytes(content)
         except OSError as error:
             kept = self._count - sum(b - a for a, b in self.missing())
             said = f"{error}; {kept} samples are kept, and the same call goes on once the folder can be written"
@@ -230,6 +255,21 @@ class Folder:
             found[place] = table[column].to_numpy()[: place.stop - place.start]
         return found
 
+    def curves(self, name: str) -> np.ndarray:
+        """(n, m) histories [SI], nan where they are not known."""
+        found = np.full((self._count, len(self._times)), np.nan)
+        for file in self._files:
+            last = min(file.last, self._count)
+            found[file.first : last] = history_files.read(file.curves, name)[: last - file.first]
+        return found
+
+    def curve(self, name: str, sample: int) -> np.ndarray:
+        """(m,) the history of a sample [SI], nan where it is not known."""
+        for file in self._files:
+            if file.first <= sample < file.last:
+                return history_files.read(file.curves, name, sample - file.first)
+        return np.full(len(self._times), np.nan)
+
     def status(self) -> np.ndarray:
         """(n,) int8, see `pieces`."""
         from pyarrow import array, compute
@@ -267,14 +307,10 @@ class Folder:
         for file in self._files:
             try:
                 yield slice(file.first, min(file.last, self._count)), self._read(file, list(columns))
-            except _Damaged as error:
+            except Damaged as error:
                 raise OSError(
                     f"{file.path} was damaged meanwhile ({error}); the same call runs its samples again"
                 ) from error
-
-
-class _Damaged(Exception):
-    """A file is not as it was written."""
 
 
 def _read_manifest(manifest: Path) -> dict[str, Any]:

@@ -36,7 +36,7 @@ def identity(task: Task, plan: Plan) -> dict[str, Any]:
     """All that the numbers of samples follow from, as plain data."""
     found = {
         "format": FORMAT, "rattle": __version__, **plan.description, "analysis": task.analysis,
-        "outputs": task.texts, "t_end": task.t_end, "how": task.how._asdict(),
+        "outputs": task.texts, "histories": list(task.histories), "t_end": task.t_end, "how": task.how._asdict(),
         "laws": python_laws(task.mechanism.model), "model": task.mechanism.to_toml(),
     }  # fmt: skip
     return dict(json.loads(json.dumps(found)))

@@ -23,6 +23,7 @@ class Piece:
     messages: dict[int, str]  # why samples failed, by their number in the whole
     generic: np.ndarray  # (c,) bool: run one by one
     reasons: dict[str, int] = field(default_factory=dict)  # why those did not run side by side, and how many
+    curves: np.ndarray = field(default_factory=lambda: np.empty((0, 0, 0)))  # (h, c, m) [SI], nan where there is none
 
     @property
     def last(self) -> int:
@@ -51,4 +52,4 @@ def run_piece(
     generic = np.zeros(count, dtype=bool)
     generic[batch.generic] = True
     reasons = {runner.why: count} if runner.why else batch.reasons
-    return Piece(first, parameters, values, status, messages, generic, reasons)
+    return Piece(first, parameters, values, status, messages, generic, reasons, batch.curves)

@@ -58,8 +58,25 @@ class Samples(ABC):
             raise UnknownName(f"no parameter or output '{name}'{suggest(str(name), known)}")
         return self.store.column(name)
 
+    def histories(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Instants (m,) [s] and the curves (n, m) [SI] of all samples that were kept, nan where a sample has none."""
+        self._require_history(name)
+        return self.task.history_times, self.store.curves(name)
+
+    def history(self, number: int, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Instants (m,) [s] and the curve (m,) [SI] of one sample that was kept."""
+        self._require_history(name)
+        return self.task.history_times, self.store.curve(name, self._number(number))
+
+    def _require_history(self, name: str) -> None:
+        if name not in self.task.histories:
+            known = suggest(str(name), self.task.histories)
+            raise UnknownName(f"no history '{name}'{known or '; ask for it with histories=[...]'}")
+
     def unit(self, name: str) -> str:
-        """SI unit of a parameter or output, "" if it has none or it is not known."""
+        """SI unit of a parameter, output or history, "" if it has none or it is not known."""
+        if name in self.task.histories:
+            return self.task.history_units[self.task.histories.index(name)]
         if name in self.outputs:
             return next(one.unit for one in self.task.outputs if one.text == name)
         return self.task.mechanism.model.parameters[name].unit
@@ -84,9 +101,14 @@ class Samples(ABC):
 
     def sample(self, number: int) -> Mechanism:
         """The mechanism of a sample.  Raises IndexError for a number that is not among them, ModelError."""
-        if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 0 <= number < len(self):
-            raise IndexError(f"sample {number!r}: samples are numbered from 0 to {len(self) - 1}")
-        return self.task.mechanism_at(self.plan.values(int(number), int(number) + 1)[:, 0])
+        n = self._number(number)
+        return self.task.mechanism_at(self.plan.values(n, n + 1)[:, 0])
+
+    def _number(self, given: int) -> int:
+        """The number of a sample.  Raises IndexError."""
+        if isinstance(given, bool) or not isinstance(given, int | np.integer) or not 0 <= given < len(self):
+            raise IndexError(f"sample {given!r}: samples are numbered from 0 to {len(self) - 1}")
+        return int(given)
 
     @cached_property
     def table(self) -> Any:

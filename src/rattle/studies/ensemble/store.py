@@ -9,6 +9,8 @@ import numpy as np
 
 from rattle.studies.ensemble.pieces import WAITING, Piece
 
+MOST_BYTES = 1e9  # of histories in memory
+
 
 class Store(Protocol):
     """The pieces of n samples of k parameters and o outputs."""
@@ -26,6 +28,12 @@ class Store(Protocol):
     def column(self, name: str) -> np.ndarray:
         """(n,) a parameter or output [SI], nan where it is not known."""
 
+    def curves(self, name: str) -> np.ndarray:
+        """(n, m) histories [SI], nan where they are not known."""
+
+    def curve(self, name: str, sample: int) -> np.ndarray:
+        """(m,) the history of a sample [SI], nan where it is not known."""
+
     def status(self) -> np.ndarray:
         """(n,) int8, see `pieces`."""
 
@@ -42,7 +50,19 @@ class Store(Protocol):
 class Memory:
     """All pieces as arrays."""
 
-    def __init__(self, parameters: Sequence[str], outputs: Sequence[str], count: int) -> None:
+    def __init__(
+        self, parameters: Sequence[str], outputs: Sequence[str], count: int, histories: Sequence[str] = (),
+        instants: int = 0,
+    ) -> None:  # fmt: skip
+        """Raises ValueError for histories that take too much memory."""
+        size = 8.0 * len(histories) * count * instants
+        if size > MOST_BYTES:
+            raise ValueError(
+                f"histories: {count} samples of {len(histories)} curves take {size / 1e9:.1f} GB; in memory at most"
+                f" {MOST_BYTES / 1e9:g} GB are kept: give a folder"
+            )
+        self._histories = list(histories)
+        self._curves = np.full((len(histories), count, instants), np.nan)
         self._names = [*parameters, *outputs]
         self._values = np.full((len(self._names), count), np.nan)
         self._status = np.full(count, WAITING, dtype=np.int8)
@@ -61,6 +81,8 @@ class Memory:
         self._values[:, place] = np.concatenate([piece.parameters, piece.values])
         self._status[place], self._generic[place] = piece.status, piece.generic
         self._messages |= piece.messages
+        if self._histories:
+            self._curves[:, place] = piece.curves
         add_counts(self._reasons, piece.reasons)
 
     def missing(self) -> list[tuple[int, int]]:
@@ -70,6 +92,14 @@ class Memory:
     def column(self, name: str) -> np.ndarray:
         """(n,) a parameter or output [SI], nan where it is not known."""
         return np.asarray(self._values[self._names.index(name)])
+
+    def curves(self, name: str) -> np.ndarray:
+        """(n, m) histories [SI], nan where they are not known."""
+        return np.asarray(self._curves[self._histories.index(name)])
+
+    def curve(self, name: str, sample: int) -> np.ndarray:
+        """(m,) the history of a sample [SI], nan where it is not known."""
+        return np.asarray(self._curves[self._histories.index(name), sample])
 
     def status(self) -> np.ndarray:
         """(n,) int8, see `pieces`."""

@@ -12,7 +12,7 @@ from socket import gethostname
 from rattle.analyses import arguments
 from rattle.analyses.dynamics.run import stop
 from rattle.errors import WorkerError
-from rattle.studies.ensemble.engines import Done, Engine, Job, engine, job_of, work
+from rattle.studies.ensemble.engines import Done, Engine, engine, job_of, work
 from rattle.studies.ensemble.pieces import WAITING, run_piece
 from rattle.studies.ensemble.plans import Plan
 from rattle.studies.ensemble.store import Store
@@ -23,7 +23,7 @@ PIECE_TIME = 10.0  # seconds of work in a piece, about
 FIRST_PIECE = {True: 4096, False: 16}  # samples of the first piece, side by side or one by one
 LARGEST_PIECE = 65_536
 LEAST_UNDER_WAY = 8  # pieces that are under way elsewhere while it is not known how many workers there are
-MOST_SENT = 500_000  # numbers of a piece that is sent
+MOST_NUMBERS = 1_000_000  # of a piece
 GLANCE = 1.0  # seconds between two looks for Ctrl-C
 PATIENCE = 2.0  # seconds for which runs in threads may take to end after Ctrl-C
 LEAST_SHARE = 8  # samples of each thread in a piece, at least: threads wait for each other at its end
@@ -48,7 +48,7 @@ def run_missing(
     try:
         with engine(executor, scheduler, workers, needed=done < plan.count) as other:
             if other is not None:
-                where = run_elsewhere(other, job_of(task), plan, store, bar)
+                where = run_elsewhere(other, task, plan, store, bar)
             elif done < plan.count:
                 where = f"on {threads} thread{'s' if threads > 1 else ''}"
                 run_here(Runner(task), plan, store, threads, bar)
@@ -75,12 +75,12 @@ def how(store: Store, where: str) -> str:
 
 def run_here(runner: Runner, plan: Plan, store: Store, threads: int, progress: Progress | None = None) -> None:
     """Run all samples that the store misses.  Raises KeyboardInterrupt; finished pieces are kept."""
-    size = max(FIRST_PIECE[runner.side_by_side], LEAST_SHARE * threads)
+    size, most = max(FIRST_PIECE[runner.side_by_side], LEAST_SHARE * threads), _most(runner.task)
     missing = store.missing()
     done = plan.count - sum(b - a for a, b in missing)
     for first, end in missing:
         while first < end:
-            last, began = min(end, first + size), time.perf_counter()
+            last, began = min(end, first + min(size, most)), time.perf_counter()
             told = None if progress is None else _from(progress, done, plan.count)
             store.add(run_piece(runner, first, plan.values(first, last), threads, told))
             done += last - first
@@ -103,13 +103,13 @@ def _next_size(size: int, taken: float, least: int) -> int:
 
 
 # ---------------------------------------------------------------- elsewhere
-def run_elsewhere(engine: Engine, job: Job, plan: Plan, store: Store, progress: Progress | None = None) -> str:
+def run_elsewhere(engine: Engine, task: Task, plan: Plan, store: Store, progress: Progress | None = None) -> str:
     """Run all samples that the store misses; returns where, in words.
 
     Pieces come back in any order.  So many are under way that no worker waits, but not more, whatever n is.
     Raises KeyboardInterrupt, WorkerError, OSError; finished pieces are kept.
     """
-    missing = store.missing()
+    job, most, missing = job_of(task), _most(task), store.missing()
     left = sum(b - a for a, b in missing)  # not yet handed out
     done, size, crew = plan.count - left, FIRST_PIECE[False], Crew()
     running: dict[Future[Done], int] = {}  # by number of the first sample
@@ -117,7 +117,7 @@ def run_elsewhere(engine: Engine, job: Job, plan: Plan, store: Store, progress: 
         while missing or running:
             while missing and len(running) < max(LEAST_UNDER_WAY, 2 * len(crew)):
                 first, end = missing.pop(0)
-                last = min(end, first + min(size, _share(left, len(crew)), _most(plan)))
+                last = min(end, first + min(size, _share(left, len(crew)), most))
                 if last < end:
                     missing.insert(0, (last, end))
                 values = plan.values(first, last)
@@ -149,9 +149,10 @@ def _share(left: int, workers: int) -> int:
     return max(LEAST_SHARE, left // (2 * max(workers, 1)))
 
 
-def _most(plan: Plan) -> int:
-    """Samples of a piece, at most, for its numbers to be sent in one message."""
-    return max(LEAST_SHARE, MOST_SENT // len(plan.names))
+def _most(task: Task) -> int:
+    """Samples of a piece, at most, for its numbers to be sent in one message and written in one file."""
+    numbers = len(task.names) + len(task.outputs) + len(task.histories) * len(task.history_times)
+    return max(LEAST_SHARE, MOST_NUMBERS // numbers)
 
 
 @contextmanager

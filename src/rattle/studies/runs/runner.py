@@ -28,6 +28,7 @@ class Batch:
     """What became of n samples."""
 
     values: np.ndarray  # (outputs, n) [SI], nan where there is none
+    curves: np.ndarray  # (histories, n, instants) [SI], nan likewise
     messages: dict[int, str] = field(default_factory=dict)  # of samples without a run, by their place
     generic: list[int] = field(default_factory=list)  # places of samples that ran one by one
     reasons: dict[str, int] = field(default_factory=dict)  # why those could not run side by side, and how many
@@ -61,7 +62,8 @@ class Runner:
         """
         values = np.asarray(values, dtype=float)
         count = values.shape[1]
-        batch = Batch(np.full((len(self.task.outputs), count), np.nan))
+        shape = len(self.task.histories), count, len(self.task.history_times)
+        batch = Batch(np.full((len(self.task.outputs), count), np.nan), np.full(shape, np.nan))
         waiting = np.arange(count)
         if self._together is not None and count:
             found = self._together.run(values, min(threads, count), progress)
@@ -73,7 +75,7 @@ class Runner:
                 if isinstance(outcome, str):
                     batch.messages[n] = outcome
                 else:
-                    batch.values[:, n] = outcome
+                    batch.values[:, n], batch.curves[:, n] = outcome
                 if progress is not None:
                     progress(count - len(waiting) + done, count)
         return batch
@@ -87,8 +89,8 @@ def cores() -> int:
 
 def _one_by_one(
     task: Task, values: np.ndarray, places: list[int], threads: int
-) -> Iterator[tuple[int, list[float] | str]]:
-    """Outputs of samples, or why they have none, as they come; the first alone, because it compiles."""
+) -> Iterator[tuple[int, tuple[list[float], np.ndarray] | str]]:
+    """Outputs and curves of samples, or why they have none, as they come; the first alone, because it compiles."""
     waiting = iter(places)
     for n in waiting:
         yield n, _one(task, values[:, n])
@@ -115,8 +117,8 @@ def _one_by_one(
         stop.clear()
 
 
-def _one(task: Task, values: np.ndarray) -> list[float] | str:
-    """The outputs [SI] of a sample, or why it has none."""
+def _one(task: Task, values: np.ndarray) -> tuple[list[float], np.ndarray] | str:
+    """The outputs and curves [SI] of a sample, or why it has none."""
     try:
         return task.run(values)
     except ModelError as error:

@@ -98,6 +98,8 @@ class SideBySide:
 
 def _require_lanes(task: Task, method: str) -> None:
     """Raise TraceError for what is known to have no straight-line code before anything is recorded."""
+    if task.histories:
+        raise TraceError("whole curves are kept")
     if task.analysis != "simulate":
         raise TraceError(f"{task.analysis} runs position by position")
     if why := next((why for one in task.outputs if (why := why_not_lanes(one, dict.fromkeys(task.names)))), ""):

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.analyses import arguments
-from rattle.errors import ModelError, Problem
+from rattle.errors import ModelError, Problem, suggest
 from rattle.language.syntax import names
 from rattle.registry import kinds
 from rattle.results.evaluation import evaluate
 from rattle.results.reductions import Known, Output, argument, needed_instants, read
-from rattle.results.result import Result
+from rattle.results.result import Result, UnknownName
 from rattle.solvers.stepper import ATOL
 from rattle.studies.runs.analyses import ANALYSES, Stepping, analysis_named
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
 RTOL = 1e-8  # of motions, unless given
+HISTORY_POINTS = 201  # of a curve that is kept
 READ_OFF = ("at", "final", "count")  # reductions that need no instants but their own
 
 
@@ -36,6 +37,8 @@ class Task:
     analysis: str  # one of ANALYSES
     t_end: float  # [s]
     how: Stepping
+    histories: tuple[str, ...] = ()  # (h,) names of curves that are kept
+    history_units: tuple[str, ...] = ()  # (h,) their SI units
 
     @property
     def texts(self) -> list[str]:
@@ -50,19 +53,26 @@ class Task:
             raise ModelError([Problem(("parameters", bad), f"{given[bad]} is not a finite number")])
         return self.mechanism.set(given)
 
-    def run(self, values: Sequence[float] | np.ndarray) -> list[float]:
-        """The outputs [SI] of one sample with these values (k,) [SI], nan where one is not finite.
+    @property
+    def history_times(self) -> np.ndarray:
+        """(m,) instants [s] of the curves that are kept."""
+        return np.linspace(0.0, self.t_end, HISTORY_POINTS if self.histories else 0)
+
+    def run(self, values: Sequence[float] | np.ndarray) -> tuple[list[float], np.ndarray]:
+        """Of one sample with these values (k,) [SI]: outputs [SI], nan where one is not finite; curves (h, m) [SI].
 
         Raises ModelError, AssemblyError, SolverError with why it has none.
         """
-        return self.look(self.mechanism_at(values))[0]
+        outputs, result = self.look(self.mechanism_at(values))
+        places = np.searchsorted(result.t, self.history_times)
+        return outputs, np.array([result[name][places] for name in self.histories]).reshape(-1, len(places))
 
     def look(self, m: Mechanism) -> tuple[list[float], Result]:
         """The outputs [SI] of a mechanism, and the result from which they come.  Raises as `run`."""
         if late := next((said for one in self.outputs if (said := outside(one, m.parameters, self.t_end))), ""):
             raise ModelError([Problem((), late)])
         times = self.instants(m)
-        needed = {name for one in self.outputs for name in one.names}
+        needed = {name for one in self.outputs for name in one.names} | {*self.histories}
         result = self.result(m, times, needed)
         needed = {name for one in self.outputs for name in one.ideal_names}
         ideal = self.result(m.ideal(), times, needed) if needed else None
@@ -77,15 +87,16 @@ class Task:
         every = [one for output in self.outputs for one in output.reductions]
         read_off = {t for output in self.outputs for t in needed_instants(output, m.parameters)}
         count = 1 if all(one.kind in READ_OFF for one in every) else ANALYSES[self.analysis].points
-        return np.array(sorted({*np.linspace(0.0, self.t_end, count + 1).tolist(), *read_off}))
+        kept = self.history_times.tolist()
+        return np.array(sorted({*np.linspace(0.0, self.t_end, count + 1).tolist(), *read_off, *kept}))
 
 
 def task_of(
     m: Mechanism, varied: Iterable[str], outputs: Sequence[str], *, analysis: str = "simulate",
     t_end: float | None = None, method: str | None = None, rtol: float | None = None, atol: float | None = None,
-    step: float | None = None,
+    step: float | None = None, histories: Sequence[str] = (),
 ) -> Task:  # fmt: skip
-    """A checked task; varied: parameters that differ from sample to sample.
+    """A checked task; varied: parameters that differ from sample to sample; histories: curves that are kept.
 
     Raises ValueError, TypeError, ModelError, and what an analysis of the present mechanism raises.
     """
@@ -109,7 +120,9 @@ def task_of(
     fixed = {name: value for name, value in m.parameters.items() if name not in follow}
     if late := next((said for output in found if (said := outside(output, fixed, end))), ""):
         raise ValueError(late)
-    return Task(m, given, found, analysis, end, Stepping(method, rtol, atol, step))
+    curves = _histories(histories, known, end)
+    how = Stepping(method, rtol, atol, step)
+    return Task(m, given, found, analysis, end, how, tuple(curves), tuple(curves.values()))
 
 
 def with_outputs(task: Task, outputs: Sequence[str]) -> Task:
@@ -123,6 +136,18 @@ def _texts(outputs: Sequence[str]) -> list[str]:
     if not texts or not all(isinstance(one, str) for one in texts):
         raise ValueError('outputs: expected a list such as ["max(abs(O3.normal))"]')
     return texts
+
+
+def _histories(given: Sequence[str], known: Known, end: float) -> dict[str, str]:
+    """Units of the curves that are kept, by name.  Raises ValueError, UnknownName."""
+    if isinstance(given, str):
+        raise ValueError(f'histories: expected a list of curves; write histories=["{given}"]')
+    for name in given:
+        if name not in known.units:
+            raise UnknownName(f"histories: no curve '{name}'{suggest(str(name), known.units)}")
+    if given and not end > 0.0:
+        raise ValueError("histories: curves need t_end; give it")
+    return {name: known.units[name] for name in given}
 
 
 def _end(m: Mechanism, varied: Sequence[str], analysis: str, t_end: float | None, step: float | None) -> float:
