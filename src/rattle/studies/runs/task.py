@@ -65,7 +65,9 @@ class Task:
         """
         outputs, result = self.look(self.mechanism_at(values))
         places = np.searchsorted(result.t, self.history_times)
-        return outputs, np.array([result[name][places] for name in self.histories]).reshape(len(self.histories), len(places))
+        return outputs, np.array([result[name][places] for name in self.histories]).reshape(
+            len(self.histories), len(places)
+        )
 
     def look(self, m: Mechanism) -> tuple[list[float], Result]:
         """The outputs [SI] of a mechanism, and the result from which they come.  Raises as `run`."""
