@@ -28,6 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle.studies.ensemble.contributors import labels, members
 from rattle.studies.ensemble.fields import Field, Fields
 from rattle.studies.ensemble.statistics import CONFIDENCE, Bounded
 
@@ -72,11 +73,7 @@ def first_order(
     """
     known = np.isfinite(values)
     y = np.asarray(values[known], dtype=float)
-    first = [fields.draw.index(draw) for draw in range(fields.draws)]
-    names = tuple(
-        ", ".join(name for name, draw in zip(fields.names, fields.draw, strict=True) if draw == one)
-        for one in range(fields.draws)
-    )
+    first, names = [places[0] for places in members(fields)], labels(fields)
     least = SAMPLES_PER_TERM * (len(names) + 1)
     if len(y) < least:
         raise ValueError(
