@@ -18,6 +18,7 @@ import rattle as rt
 from rattle.errors import MissingPackage
 from rattle.studies.ensemble import folder as folders
 from rattle.studies.ensemble import work
+from rattle.studies.ensemble.bands import band
 from rattle.studies.ensemble.fields import fields_of
 from rattle.studies.ensemble.folder import MANIFEST, Folder
 from rattle.studies.ensemble.pieces import FAILED, NOT_FINITE, OK, Piece
@@ -452,6 +453,18 @@ def test_histories_are_the_curves_of_the_samples(tmp_path, small_pieces):
         ValueError, match=r"holds another run, its histories: block.x, energy.potential, guide.force, now"
     ):
         rt.loads(SPRING).ensemble(20, OF[:1], seed=2, t_end=0.3, folder=tmp_path)
+
+
+@pytest.mark.nojit
+def test_a_band_is_drawn_from_the_histories_that_are_kept(tmp_path, monkeypatch):
+    pytest.importorskip("h5netcdf")
+    found = kept(folder=tmp_path)
+    again = band(rt.loads(SPRING).ensemble(20, OF[:1], seed=2, t_end=0.3), "block.x", 20)
+    monkeypatch.setattr(type(found), "sample", None)
+    drawn = band(found, "block.x", 20)
+    np.testing.assert_array_equal(drawn.members, found.histories("block.x")[1])
+    np.testing.assert_allclose(drawn.members, again.members, rtol=0.0, atol=1e-12)
+    assert drawn.unit == again.unit == "m"
 
 
 @pytest.mark.nojit

@@ -1,4 +1,4 @@
-"""Curves of an ensemble: members run again at common instants, for the band in which they lie."""
+"""Curves of an ensemble at common instants, kept or run again, for the band in which they lie."""
 
 from __future__ import annotations
 
@@ -16,12 +16,10 @@ from rattle.results.result import UnknownName
 from rattle.studies.ensemble.pieces import FAILED, WAITING
 from rattle.studies.ensemble.samples import Samples
 from rattle.studies.runs.runner import cores
-from rattle.studies.runs.task import Task
+from rattle.studies.runs.task import HISTORY_POINTS, Task
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
-
-INSTANTS = 201
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +37,7 @@ class Band:
 
 
 def band(e: Samples, curve: str, members: int, threads: int | None = None) -> Band:
-    """The curve of the first members of an ensemble, run again at common instants.
+    """The curve of the first members of an ensemble: as it was kept, or run again at common instants.
 
     Raises UnknownName; ValueError for an analysis at rest, or if no member can be run.
     """
@@ -47,7 +45,7 @@ def band(e: Samples, curve: str, members: int, threads: int | None = None) -> Ba
     task = e.task
     if not task.t_end > 0.0:
         raise ValueError(f"{curve}: a band is drawn over time, and this ensemble is of one instant; give it a t_end")
-    times = np.linspace(0.0, task.t_end, INSTANTS)
+    times = np.linspace(0.0, task.t_end, HISTORY_POINTS)
     numbers = [int(n) for n in np.flatnonzero(e.store.status() != WAITING)[:count]]
     known = e.store.status()[numbers] != FAILED
     first = _curve(task, task.mechanism, curve, times)  # alone, because it compiles
@@ -75,6 +73,8 @@ Outcome = tuple[np.ndarray, str] | str  # curve and unit, or why there is none
 
 
 def _sample(e: Samples, number: int, curve: str, times: np.ndarray) -> Outcome:
+    if curve in e.task.histories:
+        return _finite(curve, e.history(number, curve)[1], e.unit(curve))
     try:
         m = e.sample(number)
     except ModelError as error:
@@ -91,6 +91,9 @@ def _curve(task: Task, m: Mechanism, curve: str, times: np.ndarray) -> Outcome:
     if curve not in result:
         raise UnknownName(f"no curve '{curve}'{suggest(curve, result.names)}")
     values = np.asarray(result[curve], dtype=float)
-    if len(values) != len(times) or not np.isfinite(values).all():
-        return f"{curve} has no finite value at some instants"
-    return values, result.unit(curve)
+    return _finite(curve, values if len(values) == len(times) else np.full(len(times), np.nan), result.unit(curve))
+
+
+def _finite(curve: str, values: np.ndarray, unit: str) -> Outcome:
+    """Values of a curve with their unit, if all are finite."""
+    return (values, unit) if np.isfinite(values).all() else f"{curve} has no finite value at some instants"

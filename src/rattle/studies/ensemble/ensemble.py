@@ -147,8 +147,9 @@ class Ensemble(Samples):
     def plot_band(self, curve: str, members: int = 100, ax: Axes | None = None) -> Figure | Axes:
         """Plot the band of a curve over time [s]: 5 to 95 %, 25 to 75 %, median, some members, and the nominal one.
 
-        The first `members` samples are run again at 201 instants; those that cannot be run are left out, and it is said
-        how many.  A new figure has a second panel with the deviations from the nominal curve if the band is narrow.
+        The first `members` samples are run again at 201 instants, unless their histories were kept; those that cannot
+        be run are left out, and it is said how many.  A new figure has a second panel with the deviations from the
+        nominal curve if the band is narrow.
         Returns the figure, or `ax` if it is given.
         Raises UnknownName; ValueError for an analysis of one instant, or if no member can be run.
         """

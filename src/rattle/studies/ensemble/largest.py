@@ -146,7 +146,7 @@ class _Search:
         said = f"not even {sought.what} = {sought.shown(least)} keeps {sought.of} {limits}"
         if len(self.u) > 1:
             kept = _percent(self.shares[least])
-            said += f": {kept} of {len(self.u)} samples, wanted are {_percent(self.share)}"
+            said += f": {kept} of {len(self.u)} samples, expected are {_percent(self.share)}"
         return f"{said}; {sought.remedy}"
 
     def _report(self, found: Edge) -> list[str]:
