@@ -88,6 +88,19 @@ def test_the_best_designs_of_the_guide_are_found(tmp_path, monkeypatch):
     it_passes_the_ten_points(rt.load(tmp_path / "best.toml"))
 
 
+def test_the_questions_of_the_guide_to_tolerances_are_answered():
+    known = {}
+    for language, text in BLOCK.findall(DOCS["tolerances.md"]):
+        assert language == "python"
+        exec(text, known)
+    assert "worst case" in str(known["t"])
+    # the band of the rocker reaches 1.2 degrees; see tests of the largest tolerance for its closed form
+    r3 = known["r3"]
+    band = rt.example("fourbar").set(r3=float(r3)).accuracy("rocker.angle", [0.0, 0.05])
+    reach = max(band.high[1] - band.nominal[1], band.nominal[1] - band.low[1])
+    assert np.degrees(reach) == pytest.approx(1.2, rel=2e-3)
+
+
 # Nguyen-Van et al., Symmetry 14 (2022) 381, case 5: on an ellipse of 20 by 16 mm, 40 degrees apart, as printed
 TEN_POINTS = np.array([
     20 + 10j, 17.66 + 15.142j, 11.736 + 17.878j, 5 + 16.928j, 0.60307 + 12.736j,

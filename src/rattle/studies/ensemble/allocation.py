@@ -40,7 +40,7 @@ from rattle.studies.ensemble.trials import Trials
 from rattle.studies.ensemble.within import Limits
 
 ORDERS = {"worst-case": 1, "rss": 2}  # q by method
-SMALLEST, GREATEST = 1e-4, 1e4  # factors by which the tolerances may be scaled
+SMALLEST, GREATEST = 1e-4, 1e3  # factors by which the tolerances may be scaled
 SLACK = 1e-6  # by which an output may be beyond its limits, as a share of their distance: errors of runs
 HEADER = ("parameter", "now", "allocated", "by slopes alone")
 
@@ -204,7 +204,7 @@ class _Scaled:
             self.notes.append("NOT MONOTONE: some tighter tolerances do not keep the limits, though looser ones do")
         said = f"the output itself allows {scale:.4g} times the tolerances by slopes"
         if math.isnan(found.over):
-            said += "; all are as wide as the model lets them be (min, max)" if most < GREATEST else ", and more"
+            said += "; all are as wide as they may be" if most < GREATEST else ", and more"
         self.notes.insert(0, said)
         return self._made(self.tolerances(scale), self._look(scale))
 
@@ -283,7 +283,7 @@ class _Scaled:
         t, names = self.t, self.t.fields.names
         chosen = [k for k in range(len(names)) if self.free[k]]
         held = [names[k] for k in chosen if tolerances[k] >= self.room[k]]
-        limits = [f"as wide as the limits of the model allow: {', '.join(held)}"] if held else []
+        limits = [f"as wide as the limits of the model, or the nominal value, allow: {', '.join(held)}"] if held else []
         vary: dict[str, dict[str, Any]] = {}
         for one, tol in zip(t.fields.fields, tolerances.tolist(), strict=True):
             table_of = {"dist": {"values": list(one.values), "weights": list(one.shares)}}
@@ -301,6 +301,7 @@ class _Scaled:
 
 
 def _room(t: Linear, name: str) -> float:
-    """The greatest tolerance of a parameter [SI] that its limits in the model allow."""
+    """The greatest tolerance of a parameter [SI]: to its limits in the model, else all of its nominal value."""
     one = t.trials.task.mechanism.model.parameters[name]
-    return min((abs(limit - one.value) for limit in (one.minimum, one.maximum) if limit is not None), default=math.inf)
+    ends = [abs(limit - one.value) for limit in (one.minimum, one.maximum) if limit is not None]
+    return min(ends, default=abs(one.value) or math.inf)

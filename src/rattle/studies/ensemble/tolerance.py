@@ -195,7 +195,7 @@ def _rows(t: Tolerance) -> list[tuple[str, ...]]:
         for k in members(t.fields)[n]:
             one = t.fields.fields[k]
             scale, shown = scale_of([half_width(one)], one.unit)
-            per = f"{unit or '1'}/{shown}" if shown else unit
+            per = _per(unit, shown)
             cells[0].append(f"{number(scale * one.nominal, scale * half_width(one))} {shown}".rstrip())
             cells[1].append(f"+-{number(scale * half_width(one))} {shown}".rstrip() + _shape(one.dist))
             cells[2].append(f"{number(slopes[k] * factor / scale)} {per}".rstrip())
@@ -210,6 +210,11 @@ def _rows(t: Tolerance) -> list[tuple[str, ...]]:
             f"{first:.3f}" if math.isfinite(first) else "-", bounded,
         ))  # fmt: skip
     return found
+
+
+def _per(unit: str, by: str) -> str:
+    """The unit of a slope."""
+    return f"{unit or '1'}/{f'({by})' if set(by) & set('/*^') else by}" if by else unit
 
 
 def _shape(dist: str) -> str:
@@ -247,6 +252,8 @@ def _advice(t: Tolerance) -> str:
     n = t.order[0]
     squares = t.effects**2
     now = math.sqrt(float(squares.sum()))
+    if now == 0.0 and t.sd == 0.0:
+        return "nothing to tighten: no deviation has an effect"
     said = f"tighten {t.contributors[n]} first"
     if not now > 0.0:
         return said

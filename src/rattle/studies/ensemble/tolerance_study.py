@@ -113,7 +113,8 @@ def _linear(fields: Fields, found: Slopes, drawn: np.ndarray, value: float) -> l
         return []
     parts = added(fields, found.values * np.array([one.sd for one in fields.fields]))
     by_slopes, sampled = math.sqrt(float(parts @ parts)), float(known.std(ddof=1))
-    if abs(by_slopes - sampled) <= LINEAR * max(by_slopes, sampled) or sampled <= 1e-9 * abs(value):
+    doubt = LINEAR + 1.0 / math.sqrt(len(known))  # more than the sampling error of a standard deviation
+    if abs(by_slopes - sampled) <= doubt * max(by_slopes, sampled) or sampled <= 1e-9 * abs(value):
         return []
     ratio = f"{by_slopes / sampled:.2g} times" if sampled else "not"
     return [
