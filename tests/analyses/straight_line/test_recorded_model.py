@@ -49,6 +49,31 @@ torque = "0.1*m*g*l*sin(3*t) - 0.01*arm.omega"
 [initial]
 arm = { angle = "start", omega = "sqrt(g/l)" }
 """
+HUNG_ON_A_CRANK = """
+format = 1
+[parameters]
+c = "10 mm"
+w = "5 rad/s"
+[ground.points]
+O = [0, 0]
+[bodies.crank]
+bar = ["O", "A"]
+length = 0.3
+mass = 1
+[bodies.rod]
+bar = ["A", "B"]
+length = 0.5
+mass = 1
+[joints]
+O = { type = "revolute", connect = ["ground.O", "crank.O"] }
+A = { type = "revolute", connect = ["crank.A", "rod.A"], clearance = "c" }
+[drivers.motor]
+joint = "O"
+angle = "w*t"
+[initial]
+rod = { angle = -1.5, omega = 2 }
+A = { offset = [0, "-c"] }
+"""
 
 
 def evaluate(graph, outputs):
@@ -123,6 +148,17 @@ def test_a_parameter_reaches_masses_gravity_drivers_loads_and_the_start_through_
     torque = 0.1 * mass * g * l * np.sin(0.6) - 0.01 * y[5]
     want = (torque - mass * g * l / 2 * np.cos(start)) / (mass * l * l / 3)
     assert got == pytest.approx(want, rel=1e-13)
+
+
+def test_a_pin_that_starts_at_rest_in_its_bush_has_the_speed_of_the_bush_however_fast_that_turns():
+    m = rt.loads(HUNG_ON_A_CRANK)
+    begun = Starts(m.recorded(["c", "w"]), evaluate).begin(np.array([[0.02], [7.0]]))
+    assert not begun.assembled.any()
+    vx, vy, omega = begun.y[9:12, 0]
+    assert omega == 2.0
+    angle, half = -1.5, 0.25  # of the rod; from its end to its mass centre
+    speed = np.array([0.0, 0.3 * 7.0]) + 2.0 * half * np.array([-np.sin(angle), np.cos(angle)])
+    np.testing.assert_allclose([vx, vy], speed, atol=1e-14)
 
 
 def test_samples_that_cannot_be_put_together_have_a_message_and_leave_others_alone():

@@ -101,7 +101,10 @@ def _pins_at_offsets(system: System, start: Assembled) -> list[str]:
 
 
 def _pins_at_rest(system: System, start: Assembled) -> list[str]:
-    """Massless links that place a body, whose pins start without a rate relative to their bushes."""
+    """Massless links that place a body, whose pin centres start with the speed of the bush centres.
+
+    Constraint rows say so where the hinge is not moved to the pin: a bush that turns would carry it around.
+    """
     scale = max(1.0, float(np.abs(start.v).max(initial=0.0)))
     return [
         joint.name
@@ -133,7 +136,7 @@ def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept 
     if turn == 1 and np.isnan(given).all() and not system.watched:
         return Kept([], [], [])
     joints = _basis(system, start, [])
-    basis = _basis(_held(system.model, pins, []), start, pins)
+    basis = _basis(_held(system.model, pins, []), start, pins if turn == 0 else [])
     found = Kept(pins, [], [])
     for k in np.flatnonzero(_agrees(system, now, given)):
         unit = _unit(len(given), int(k))
@@ -204,7 +207,7 @@ def lacking(system: System, start: Assembled) -> str:
             values = ", ".join(f"{names[k]} = {now[k]:.12g} (not {given[k]:.6g})" for k in moved)
             said.append(f"give what the joints allow: {values}")
         if _kept(system, start, pins, turn) is None:
-            basis = _basis(_held(system.model, pins, []), start, pins)
+            basis = _basis(_held(system.model, pins, []), start, pins if turn == 0 else [])
             for k in np.flatnonzero(~np.isnan(given)):
                 _add(basis, _unit(len(given), int(k)))
             size = len(given)
@@ -303,7 +306,7 @@ def _rates(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> t
     held = Recording(replace(system, arrays={**system.arrays, "values": values}), recorder)
 
     def close() -> list[Any]:
-        closing, v = held.closing(0.0, _hinges(held.system, kept.pins)), np.zeros(len(q), dtype=object)
+        closing, v = held.closing(0.0), np.zeros(len(q), dtype=object)
         for _ in range(2):
             closing.begin(q, v)
             closing.close_rates(v)
