@@ -31,8 +31,8 @@ def runs() -> dict[str, Result]:
 @pytest.mark.nojit
 def test_these_examples_are_shipped():
     assert set(ALL) >= NAMES | {
-        "balanced_arm", "bouncing_pin", "ellipse", "fourbar_onesided", "guide_play", "path_generator", "scotch_yoke",
-        "three_plays", "toggle_clamp", "woodpecker",
+        "balanced_arm", "bouncing_pin", "crank_rocker_play", "ellipse", "fourbar_onesided", "guide_play",
+        "path_generator", "scotch_yoke", "three_plays", "toggle_clamp", "woodpecker",
     }  # fmt: skip
 
 

@@ -16,6 +16,7 @@ from making.tree import module_with
 NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
     "balanced_arm": ("Angle of the arm in equilibrium", lambda r: (r["arm.angle"][0], "rad")),
     "chain": ("Largest angular speed of the last link", lambda r: (np.abs(r["b20.omega"]).max(), "rad/s")),
+    "crank_rocker_play": ("Least force between pin and bush at A", lambda r: (r["A.normal"].min(), "N")),
     "ellipse": ("Radius of the circle", lambda r: (np.ptp(r["coupler.P.x"]) / 2, "m")),
     "door_hinge": ("Total rotation of the hatch", lambda r: (np.ptp(r["hatch.angle"]), "rad")),
     "double_pendulum": ("Largest energy that nothing accounts for", lambda r: (r.trust.energy_balance, "J")),
