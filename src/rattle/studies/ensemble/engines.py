@@ -160,7 +160,21 @@ def _require_address(scheduler: Any) -> None:
 def _client(address: str) -> Iterator[Any]:
     """A client of the Dask scheduler at an address.  Raises ConnectionError, ValueError."""
     distributed = package("distributed", "running on Dask")
-    logging.getLogger("distributed").setLevel(logging.ERROR)
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
+    levels = [one.level for one in loggers]
+    try:
+        for one in loggers:
+            one.setLevel(logging.CRITICAL)  # what goes wrong is said by our own errors
+        with _connected(distributed, address) as client:
+            yield client
+    finally:
+        for one, level in zip(loggers, levels, strict=True):
+            one.setLevel(level)
+
+
+@contextmanager
+def _connected(distributed: Any, address: str) -> Iterator[Any]:
+    """See `_client`."""
     try:
         client = distributed.Client(address, timeout=CONNECTION, set_as_default=False)
     except (OSError, TimeoutError) as error:
