@@ -7,6 +7,8 @@ import pytest
 
 import rattle as rt
 from rattle.errors import ModelError, SolverError
+from rattle.results.evaluation import evaluate
+from rattle.results.reductions import Known, read
 
 DATA = Path(__file__).parent.parent / "data"
 SPRING = """
@@ -394,3 +396,49 @@ def test_samples_are_arrays_of_numbers_by_parameter():
             m.many(wrong, ["final(block.x)"], 0.1)
     with pytest.raises(ValueError, match="'k': expected numbers in SI units"):
         m.many({"k": ["3 kg"]}, ["final(block.x)"], 0.1)
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize(
+    ("name", "parameter", "outputs", "analysis", "t_end"),
+    [
+        (
+            "path_generator",
+            "r",
+            ["at(coupler.P.y, 0.35)", "max(coupler.P.y)", "at(rocker.alpha, 0.3)"],
+            "kinematics",
+            1.0,
+        ),
+        ("quick_return", "r", ["max(abs(motor.torque))", "rms(motor.torque)"], "inverse-dynamics", None),
+        ("scotch_yoke", "r", ["final(motor.torque)"], "inverse-dynamics", None),
+    ],
+)
+def test_driven_mechanisms_side_by_side_have_the_positions_and_forces_of_their_own_analyses(
+    name, parameter, outputs, analysis, t_end
+):
+    m = rt.example(name).ideal()
+    values = m.parameters[parameter] * np.linspace(0.99, 1.01, 5)
+    found = m.sweep({parameter: values}, outputs, analysis=analysis, t_end=t_end)
+    assert "5 run side by side" in found.how
+    end = found.task.t_end
+    for n, value in enumerate(values):
+        run = getattr(m.set({parameter: value}), analysis.replace("-", "_"))
+        times = np.linspace(0.0, end, 2001)
+        r = run(np.union1d(times, [0.35, 0.3]) if t_end else times)
+        for output in outputs:
+            want = evaluate(read(output, Known.of(r)), r)
+            assert found[output][n] == pytest.approx(want, rel=1e-8, abs=1e-12)  # rms of 2001 instants: 2e-9
+
+
+@pytest.mark.nojit
+def test_driven_samples_that_reach_a_dead_centre_are_told_by_their_own_analysis():
+    m = rt.example("fourbar").ideal()
+    l2 = np.array([0.6, 0.52, 0.7, 0.79])
+    found = m.sweep({"l2": l2}, ["max(rocker.angle)"], analysis="kinematics", t_end=0.7)
+    for n, value in enumerate(l2):
+        r = m.set(l2=value).kinematics(np.linspace(0.0, 0.7, 2001))
+        assert (found.status[n] == "ok") == r.success
+        if r.success:
+            assert found["max(rocker.angle)"][n] == pytest.approx(r["rocker.angle"].max(), abs=1e-6)
+        else:
+            assert found.message(n) == r.message

@@ -1,4 +1,8 @@
-"""Samples of a smooth mechanism side by side, as straight-line machine code: compiled once, run batch by batch."""
+"""Samples of a smooth mechanism side by side, as straight-line machine code: compiled once, run batch by batch.
+
+Where drivers determine every position, kinematics and inverse dynamics have the curves of a motion in time: every step
+ends on the constraints, those of the drivers among them.
+"""
 
 from __future__ import annotations
 
@@ -24,6 +28,7 @@ from rattle.trace.lane_program import Program
 
 MOST_OPERATIONS = 20_000  # of right-hand side, projection and curves; beyond, machine code is slow to make
 METHODS = {"dop853": lane_methods.DOP853, "rk4": lane_methods.RK4}
+DRIVEN = ("kinematics", "inverse-dynamics")  # a motion that drivers determine: its integral is put on the constraints
 SHORT = 2000  # steps of a run where long ones would miss something
 
 
@@ -45,7 +50,7 @@ class SideBySide:
 
     def __init__(self, task: Task) -> None:
         self.task = task
-        method = "dop853" if task.how.method == usual_stepper(FREE) else task.how.method
+        method = "dop853" if task.analysis in DRIVEN or task.how.method == usual_stepper(FREE) else task.how.method
         _require_lanes(task, method)
         self.model = task.mechanism.recorded(list(task.names))
         follow = {*task.names, *self.model.dependent}
@@ -100,7 +105,7 @@ def _require_lanes(task: Task, method: str) -> None:
     """Raise TraceError for what is known to have no straight-line code before anything is recorded."""
     if task.histories:
         raise TraceError("whole curves are kept")
-    if task.analysis != "simulate":
+    if task.analysis not in ("simulate", *DRIVEN):
         raise TraceError(f"{task.analysis} runs position by position")
     if why := next((why for one in task.outputs if (why := why_not_lanes(one, dict.fromkeys(task.names)))), ""):
         raise TraceError(why)
