@@ -24,6 +24,7 @@ ASSEMBLED = {  # whose start only the assembly knows
     "path_generator": "the reactions of the mechanism without play place the pins",
     "squeezer": "its given angles contradict each other at other parameters",
 }
+GRAVITY = 'gravity = [0, "-9.81 m/s^2"]'
 PENDULUM = """
 format = 1
 gravity = [0, "-g"]
@@ -196,9 +197,21 @@ def test_a_number_that_no_expression_follows_is_found(monkeypatch):
     from rattle.equations import system
 
     monkeypatch.setattr(system, "array_of", lambda numbers: np.array(numbers, dtype=float))  # loses the record
-    with pytest.raises(TraceError, match="differ from the kernels' where 'M' is changed"):
+    with pytest.raises(TraceError, match="those of the kernels differ where 'M' is changed"):
         m.recorded(["M"])
     assert torque
+
+
+def test_a_driven_mechanism_that_starts_at_rest_under_its_weight_is_recorded():
+    """Its accelerations are differences of weights and reactions that cancel: rounding, in the kernels and here."""
+    m = rt.example("fourbar").ideal()
+    document = m.set(M="0 N*m").to_toml().replace("omega*t", "0.1 + 10*t**3").replace("gravity = [0, 0]", GRAVITY)
+    m = rt.loads(document)
+    t_eval = np.array([0.05, 0.1])
+    slope = m.sensitivity(["rocker.angle"], ["l2"], t_eval, analysis="kinematics")["d(rocker.angle)/d(l2)"]
+    l2, step = m.parameters["l2"], 1e-5
+    below, above = (m.set(l2=l2 + sign * step).kinematics(t_eval)["rocker.angle"] for sign in (-1.0, 1.0))
+    np.testing.assert_allclose(slope, (above - below) / (2.0 * step), rtol=1e-6)  # central differences: step^2
 
 
 def test_unknown_parameters_are_named():
