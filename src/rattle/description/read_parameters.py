@@ -135,7 +135,14 @@ def _parameter(values: Values, name: str, given: Any) -> Parameter:
     if tol is not None and tol < 0:
         values.wrong((*path, "tol"), f"{said(given['tol'])} must not be negative")
     dist = _distribution(values, given.get("dist", ""), unit, seen, (*path, "dist"))
+    unit = unit if seen is not None else _unit_of_limits(given)
     return Parameter(name, values.constants[name], unit, low, high, tol, dist)
+
+
+def _unit_of_limits(given: Mapping[str, Any]) -> str:
+    """SI unit of the limits of a value that says none, as 2*a does not; "" if they say none either."""
+    quantities = (parse_quantity(given[key]) for key in ("min", "max", "tol") if isinstance(given.get(key), str))
+    return next((unit_name(one[1]) for one in quantities if one is not None and one[1] is not None), "")
 
 
 def _distribution(values: Values, given: Any, unit: str, seen: Dimension | None, path: Path) -> str | ValueTable:

@@ -17,7 +17,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,6 +33,9 @@ from rattle.studies.ensemble.sobol import Indices
 from rattle.studies.ensemble.statistics import Bounded
 from rattle.studies.ensemble.trials import Trials
 from rattle.studies.ensemble.within import Limits, Within, limits_about
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 BAND = math.erf(3.0 / math.sqrt(2.0))  # share within three standard deviations of a normal distribution
 TAIL = 0.5 * (1.0 - BAND)
@@ -161,6 +164,26 @@ class Tolerance:
             len(self.drawn), self.seed,
         )  # fmt: skip
         return allocate(given, self.limits(within), method, cost, exponent, share)
+
+    def plot(self) -> Figure:
+        """The samples with the three bands, and the contributions with their bounds."""
+        from rattle.plots.tolerance import plot_tolerance
+
+        return plot_tolerance(self)
+
+    def record(self) -> dict[str, Any]:
+        """What was found as plain data, in SI units."""
+        names = [name for name in Indices._fields if name != "rows"]
+        indices = {name: getattr(self.indices, name) for name in names}
+        return {
+            "of": self.of, "unit": self.unit, "nominal": self.nominal, "worst_case": self.worst_case,
+            "root_sum_square": self.root_sum_square, "monte_carlo": self.monte_carlo, "mean": self.mean, "sd": self.sd,
+            "samples": len(self.known), "slopes": dict(self.slopes), "how": self.how, "tighten": list(self.tighten),
+            "sobol": {
+                one: {name: float(x[n]) for name, x in indices.items()} for n, one in enumerate(self.contributors)
+            },
+            "notes": [*self.samples.remarks(), *self.notes],
+        }  # fmt: skip
 
     def __repr__(self) -> str:
         name, low, high, *_ = _bands(self)[0]

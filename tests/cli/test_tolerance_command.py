@@ -1,0 +1,63 @@
+"""`rattle tolerance`: its tables, answers and refusals."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+import rattle as rt
+from rattle.cli.main import main
+
+pytestmark = pytest.mark.nojit
+OF = "at(coupler.P.y, 0.35)"
+WORDS = (
+    "path_generator", "--ideal", "--analysis", "kinematics", "--vary", "a,b,d,r", "--of", OF, "-n", "64", "--t-end",
+    "0.4",
+)  # fmt: skip
+
+
+def run(*words):
+    return CliRunner().invoke(main, ["-q", "tolerance", *words])
+
+
+def test_the_report_and_its_numbers_are_those_of_the_python_interface(tmp_path):
+    picture = tmp_path / "t.svg"
+    seen = run(*WORDS, "--limit", "0.1 mm", "--plot", str(picture))
+    assert seen.exit_code == 0, seen.output
+    t = rt.example("path_generator").ideal().tolerance(OF, ["a", "b", "d", "r"], analysis="kinematics", n=64, t_end=0.4)
+    assert str(t).splitlines()[2] in seen.stdout
+    assert "mm/mm" in seen.stdout  # the unit of r, which is 2.5*a, is that of its tolerance
+    assert "of the mechanisms are within 0.1 mm" in seen.stdout
+    assert "loosest tolerances that keep" in seen.stdout
+    assert all(word in picture.read_text() for word in ("worst case", "root sum square", "nominal"))
+    record = json.loads(run(*WORDS, "--limit", "0.1 mm", "--json").stdout)
+    assert record["worst_case"] == list(t.worst_case)
+    assert record["sobol"]["r"]["first"] == t.sobol.loc["r", "first"]
+    assert record["tighten"][0] == "r"
+    assert set(record["allocation"]) == {"a", "b", "d", "r"}
+
+
+def test_the_largest_tolerance_of_one_parameter():
+    words = [one if one != "a,b,d,r" else "a,b,d" for one in WORDS]
+    seen = run(*words, "--limit", "0.1 mm", "--largest", "r", "--share", "0.99")
+    assert seen.exit_code == 0, seen.output
+    assert seen.stdout.startswith("largest tolerance of r: +-0.0")
+    assert "99 % of the mechanisms keep" in seen.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--largest", "r"), "need --limit"),
+        (("--cost", "r=1"), "need --limit"),
+        (("--limit", "0.1 mm", "--cost", "r"), "NAME=COST"),
+        (("--limit", "0.1 N"), "force"),
+        (("--vary", "q"), "no parameter 'q'"),
+        (("--plot", "t.doc"), "picture"),
+    ],
+)
+def test_bad_words_are_refused_with_a_hint(words, message):
+    seen = run(*WORDS, *words)
+    assert seen.exit_code == 2, seen.output
+    assert message in seen.output
+    assert "Traceback" not in seen.output
