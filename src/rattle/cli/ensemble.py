@@ -84,9 +84,9 @@ def ensemble(
     r3 = { value = "5 mm", tol = "0.1 mm", dist = "normal" }.
 
     \b
-    Examples: rattle ensemble slider_crank_play -n 200 --of "max(B.normal)" --t-end 12ms --limit 50kN
+    Examples: rattle ensemble slider_crank_play -n 32 --of "max(B.normal)" --t-end 12ms --limit 50kN
               rattle ensemble fourbar --vary "r3=0.5 mm" --of "rms(rocker.omega)" --t-end 50ms --plot spread.svg
-              rattle ensemble fourbar -n 1000000 --of "final(rocker.angle)" --t-end 50ms -o runs
+              rattle ensemble fourbar -n 10000 --vary r3,r4 --of "final(rocker.angle)" --t-end 20ms -o runs
 
     Motion with play is chaotic: a single run says little, the distribution of many is the answer.  The table gives
     every mean with its 95 % confidence, quantiles, and how many mechanisms could not be run and why.
@@ -131,9 +131,8 @@ def sweep(
     FILE is a model file or the name of a shipped example.
 
     \b
-    Examples: rattle sweep slider_crank_play --over "c=0.1 mm:0.5 mm:9" --of "max(B.normal)" --t-end 12ms
-              rattle sweep path_generator --ideal --analysis kinematics --over a=0.03:0.05:21 --over "omega=1,2" \\
-                     --of "range(coupler.P.y)" --plot map.svg
+    Examples: rattle sweep slider_crank_play --over "c=0.1 mm:0.5 mm:9" --of "max(B.normal)" --t-end 6ms
+              rattle sweep slider_crank --analysis kinematics --over "rod_length=.1:.2:11" --of "max(slider.ax)"
     """
     _check(file, csv, picture)
     m = read_model(file, settings, ideal)

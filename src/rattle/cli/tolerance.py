@@ -56,11 +56,9 @@ def tolerance(
     l2 = { value = "0.6 m", tol = "0.1 mm", dist = "normal" }.
 
     \b
-    Examples: rattle tolerance path_generator --ideal --analysis kinematics --vary a,b,d,r --of "at(coupler.P.y, 0.35)"
-              rattle tolerance path_generator --ideal --analysis kinematics --vary a,b,d,r \\
-                     --of "at(coupler.P.y, 0.35)" --limit "0.1 mm"
-              rattle tolerance path_generator --ideal --analysis kinematics --vary a,b,d \\
-                     --of "at(coupler.P.y, 0.35)" --limit "0.1 mm" --largest r
+    Examples: rattle tolerance slider_crank --analysis kinematics --of "at(slider.x, 0.003)"
+              rattle tolerance slider_crank --analysis kinematics --of "at(slider.x, 0.003)" --limit "0.04 mm"
+              rattle tolerance fourbar --ideal --analysis kinematics --t-end .1 --of "at(rocker.angle, .1)" --plot t.svg
 
     The table has the slope of every parameter, exact where the mechanism can be recorded, and what its tolerance
     amounts to.  Sobol indices say which share of the scatter it causes, alone and together with others.
