@@ -9,6 +9,7 @@ import rattle as rt
 from rattle.errors import ModelError, SolverError
 from rattle.results.evaluation import evaluate
 from rattle.results.reductions import Known, read
+from rattle.studies.runs import analyses
 
 DATA = Path(__file__).parent.parent / "data"
 SPRING = """
@@ -442,3 +443,16 @@ def test_driven_samples_that_reach_a_dead_centre_are_told_by_their_own_analysis(
             assert found["max(rocker.angle)"][n] == pytest.approx(r["rocker.angle"].max(), abs=1e-6)
         else:
             assert found.message(n) == r.message
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize("output", ["final(rocker.angle)", "quantile(rocker.angle, 0.5)"])
+def test_a_sample_that_takes_too_many_steps_is_given_up_side_by_side_and_one_by_one(monkeypatch, output):
+    monkeypatch.setattr(analyses, "MOST_STEPS", 120)  # ten turns of the crank take more, three fewer
+    m = rt.example("fourbar").ideal()
+    omega = [5.0, 30.0, 2.0]
+    found = m.many({"omega": omega}, [output], t_end=2.0)
+    assert found.failed.tolist() == [1]
+    assert found.message(1).startswith("takes more than 120 steps")
+    assert 1 not in found.generic or len(found.generic) == 3  # what was given up is not tried again
+    assert np.isfinite(found[output][[0, 2]]).all()

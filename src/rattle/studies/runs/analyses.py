@@ -14,12 +14,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from rattle.analyses.dynamics.methods import contacts_of
 from rattle.analyses.straight_line.derived_curves import derived_names
 from rattle.errors import SolverError, suggest
+from rattle.registry import kinds
 from rattle.results.build import build_result
 from rattle.results.columns import columns, width
 from rattle.results.result import Result
 from rattle.results.trust import Trust
+from rattle.solvers.stepper import FREE
+from rattle.trace.lane_program import MOST_STEPS
 
 if TYPE_CHECKING:
     from rattle.analyses.accuracy.clearance_error import Accuracy
@@ -67,14 +71,35 @@ def _complete(result: Result) -> Result:
 
 
 # ---------------------------------------------------------------- motion and positions
+def steps_at_most(m: Mechanism, how: Stepping) -> int | None:
+    """Steps after which a sample is given up, so that one does not hold up all others; None: no limit.
+
+    Without contacts only a motion that is not credible needs so many steps that follow the tolerances.
+    """
+    follow = kinds("stepper")[how.method].leaf.adaptive and contacts_of(m.system) == FREE
+    return MOST_STEPS if follow else None
+
+
+def given_up(most: int) -> str:
+    """What is said of a sample that takes too many steps."""
+    return (
+        f"takes more than {most} steps: after a change point, or with lengths, masses or clearances out of proportion;"
+        " simulate this sample alone to see where"
+    )
+
+
 def _simulated(m: Mechanism, times: np.ndarray, names: Collection[str], how: Stepping) -> Result:
+    most = steps_at_most(m, how)
     try:
         return m.simulate(
-            float(times[-1]), t_eval=times, method=how.method, rtol=how.rtol, atol=how.atol, step=how.step, strict=True
-        )
+            float(times[-1]), t_eval=times, method=how.method, rtol=how.rtol, atol=how.atol, step=how.step, strict=True,
+            most_steps=most,
+        )  # fmt: skip
     except SolverError as error:
         if error.result.interrupted:  # the user stops all samples
             raise KeyboardInterrupt from None
+        if most is not None and error.result.stats["steps"] >= most:
+            raise SolverError(given_up(most), error.result) from None
         raise
 
 

@@ -67,7 +67,8 @@ class Runner:
         waiting = np.arange(count)
         if self._together is not None and count:
             found = self._together.run(values, min(threads, count), progress)
-            batch.values, waiting = found.values, np.flatnonzero(found.open)
+            batch.values, batch.messages = found.values, found.messages
+            waiting = np.setdiff1d(np.flatnonzero(found.open), list(found.messages))
             batch.reasons, batch.steps, batch.evaluations = found.reasons, found.steps, found.evaluations
         batch.generic = waiting.tolist()
         with _told_once():

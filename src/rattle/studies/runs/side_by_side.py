@@ -19,12 +19,13 @@ from rattle.errors import TraceError
 from rattle.language import arrays
 from rattle.language.syntax import names
 from rattle.solvers.stepper import FREE, LONGEST, usual_stepper
+from rattle.studies.runs.analyses import given_up, steps_at_most
 from rattle.studies.runs.task import Task
 from rattle.trace import lane_methods, lanes
 from rattle.trace.copying import bind
 from rattle.trace.elementary import lower
 from rattle.trace.lane_control import Status
-from rattle.trace.lane_program import Program
+from rattle.trace.lane_program import MOST_STEPS, Program
 
 MOST_OPERATIONS = 20_000  # of right-hand side, projection and curves; beyond, machine code is slow to make
 METHODS = {"dop853": lane_methods.DOP853, "rk4": lane_methods.RK4}
@@ -37,7 +38,8 @@ class Together(NamedTuple):
 
     values: np.ndarray  # (outputs, n) [SI], nan where `open`
     open: np.ndarray  # (n,) samples for which this cannot vouch
-    reasons: dict[str, int]  # why not, and how many
+    messages: dict[int, str]  # of those among them that no other program need try, by their place
+    reasons: dict[str, int]  # why not the others, and how many
     steps: int
     evaluations: int
 
@@ -72,13 +74,16 @@ class SideBySide:
         rows = [[outcome.values[k] for k in places] for places in self.asked.rows]
         found = [self._output(n, one, values, dependent) for n, one in enumerate(rows)]
         failed = outcome.status != Status.DONE
+        most = steps_at_most(self.task.mechanism, self.task.how) if self.task.analysis == "simulate" else None
+        endless = (outcome.status == Status.TOO_MANY_STEPS) & (most is not None)
         reasons = {}
-        for status in np.unique(outcome.status[failed]):
+        for status in np.unique(outcome.status[failed & ~endless]):
             reasons[Status(int(status)).words] = int((outcome.status == status).sum())
         if (count := int((beyond & ~failed).sum())) > 0:
             reasons["beyond the limits of a parameter"] = count
         made = np.where(failed | beyond, np.nan, np.array(found))
-        return Together(made, failed | beyond, reasons, int(outcome.steps.sum()), outcome.evaluations)
+        messages = dict.fromkeys(np.flatnonzero(endless & ~beyond).tolist(), given_up(most or 0))
+        return Together(made, failed | beyond, messages, reasons, int(outcome.steps.sum()), outcome.evaluations)
 
     def _beyond(self, values: np.ndarray, dependent: Mapping[str, np.ndarray]) -> np.ndarray:
         """(n,) samples with a parameter beyond its limits, which the reader of the model refuses."""
@@ -124,6 +129,7 @@ def _program(model: RecordedModel, asked: Asked, task: Task, method: str) -> Pro
         METHODS[method], asked.reductions, task.t_end,
         tolerances=lane_methods.Tolerances(how.rtol, how.atol, min(how.step or np.inf, longest)),
         step=min(how.step or LONGEST, longest), chain=functions.chain, tiled=True,
+        most_steps=steps_at_most(task.mechanism, how) or MOST_STEPS,
     )  # fmt: skip
     functions.compile()
     return program
