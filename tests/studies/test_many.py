@@ -456,3 +456,12 @@ def test_a_sample_that_takes_too_many_steps_is_given_up_side_by_side_and_one_by_
     assert found.message(1).startswith("takes more than 120 steps")
     assert 1 not in found.generic or len(found.generic) == 3  # what was given up is not tried again
     assert np.isfinite(found[output][[0, 2]]).all()
+
+
+@pytest.mark.nojit
+def test_why_samples_failed_stands_in_their_messages_and_is_not_said_of_each(caplog):
+    l2 = np.linspace(0.5, 0.55, 6)
+    driven = rt.example("fourbar").ideal().set(l1="0.25 m", alpha="50 deg")
+    found = driven.sweep({"l2": l2}, ["max(rocker.angle)"], analysis="kinematics", t_end=0.7)
+    assert [found.message(n).partition(" = ")[0] for n in range(6)] == ["no position beyond t"] * 6
+    assert not caplog.records

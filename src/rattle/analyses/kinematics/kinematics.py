@@ -115,10 +115,10 @@ def analyse(
         events.append(Event(ends, blocking(sweep), "dead centre" if "dead centre" in message else "end"))
     notes += jump_notes([jump for jump in jumps if len(reached) and jump.t <= reached[-1]], forces)
     result = _result(sweep, reached, raw, forces, motors, message, events, notes, time.perf_counter() - began)
+    if message and strict:
+        raise SolverError(message, result)
     if message:
         log.warning(message)
-        if strict:
-            raise SolverError(message, result)
     return result
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from rattle.analyses.dynamics.run import stop
 from rattle.errors import AssemblyError, ModelError, SolverError, TraceError
+from rattle.studies.runs.reasons import alike
 from rattle.studies.runs.side_by_side import SideBySide
 from rattle.studies.runs.task import Task
 
@@ -148,7 +149,7 @@ class _Once(logging.Filter):
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether to let it pass."""
-        text = record.getMessage()
+        text = alike(record.getMessage())  # its numbers differ from sample to sample
         with self._lock:
             new = record.levelno < logging.ERROR and text not in self._known
             self._known.add(text)
