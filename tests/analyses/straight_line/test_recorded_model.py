@@ -214,6 +214,13 @@ def test_a_driven_mechanism_that_starts_at_rest_under_its_weight_is_recorded():
     np.testing.assert_allclose(slope, (above - below) / (2.0 * step), rtol=1e-6)  # central differences: step^2
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_driver_whose_acceleration_has_no_value_at_the_start_is_said_and_nothing_else():
+    m = rt.loads(rt.example("fourbar").ideal().to_toml().replace("omega*t", "10*t**1.5"))
+    with pytest.raises(TraceError, match="no finite value at the start"):
+        m.recorded(["l2"])
+
+
 def test_unknown_parameters_are_named():
     with pytest.raises(KeyError, match="no parameter 'l22'; did you mean 'l2'"):
         rt.example("fourbar").recorded(["l22"])

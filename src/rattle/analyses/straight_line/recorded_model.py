@@ -224,9 +224,10 @@ def _at(
 def _require_equal(system: System, t: float, y: np.ndarray, found: np.ndarray, where: str) -> None:
     rate, row = np.zeros_like(y), np.zeros(width(system))
     workspace = system.plain_workspace()
-    derivative.python(workspace, t, y.copy(), rate)
-    record.python(workspace, t, y.copy(), row)
-    table, _, _ = columns(system, np.array([np.zeros_like(row), row]))
+    with np.errstate(all="ignore"):  # what is not finite is said below
+        derivative.python(workspace, t, y.copy(), rate)
+        record.python(workspace, t, y.copy(), row)
+        table, _, _ = columns(system, np.array([np.zeros_like(row), row]))
     pushed = np.abs(workspace.weight * workspace.force).max()  # at rest joints leave only rounding of these
     for title, want, got, size in (
         ("right-hand side", rate, found[: len(y)], pushed),
