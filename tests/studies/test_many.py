@@ -465,3 +465,14 @@ def test_why_samples_failed_stands_in_their_messages_and_is_not_said_of_each(cap
     found = driven.sweep({"l2": l2}, ["max(rocker.angle)"], analysis="kinematics", t_end=0.7)
     assert [found.message(n).partition(" = ")[0] for n in range(6)] == ["no position beyond t"] * 6
     assert not caplog.records
+
+
+@pytest.mark.parametrize("analysis", ["kinematics", "simulate"])
+def test_whole_curves_of_long_runs_have_enough_instants_in_every_turn(analysis):
+    m = rt.example("fourbar").ideal()
+    turn = 2.0 * np.pi / m.parameters["omega"]
+    outputs = ["quantile(rocker.omega, 1)", "sd(rocker.omega)"]  # a quantile: they run one by one
+    found = m.sweep({"omega": [m.parameters["omega"]]}, outputs, analysis=analysis, t_end=500.0 * turn)
+    once = m.kinematics(np.linspace(0.0, turn, 2000, endpoint=False))["rocker.omega"]
+    assert found[outputs[0]][0] == pytest.approx(once.max(), rel=1e-5)  # with 4 instants in a turn: 20 % off
+    assert found[outputs[1]][0] == pytest.approx(once.std(), rel=1e-4)  # squares of cubics: 2e-5

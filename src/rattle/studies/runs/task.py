@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 RTOL = 1e-8  # of motions, unless given
 HISTORY_POINTS = 201  # of a curve that is kept
+PER_TURN = 40  # instants in a turn of the body that turns most: cubics between them miss some 1e-5 of a curve
+MOST_INSTANTS = 100_000  # of a run
 READ_OFF = ("at", "final", "count")  # reductions that need no instants but their own
 
 
@@ -76,6 +78,9 @@ class Task:
         times = self.instants(m)
         needed = {name for one in self.outputs for name in one.names} | {*self.histories}
         result = self.result(m, times, needed)
+        if (finer := self._resolving(result)) > self._intervals:
+            times = self.instants(m, finer)
+            result = self.result(m, times, needed)
         needed = {name for one in self.outputs for name in one.ideal_names}
         ideal = self.result(m.ideal(), times, needed) if needed else None
         return [evaluate(output, result, m.parameters, ideal) for output in self.outputs], result
@@ -84,11 +89,25 @@ class Task:
         """The analysis of a mechanism at instants (n,) [s]."""
         return ANALYSES[self.analysis].run(m, times, frozenset(needed), self.how)
 
-    def instants(self, m: Mechanism) -> np.ndarray:
-        """(n,) instants [s] of a run: start, end, those that are read off; a grid where whole curves are needed."""
+    @property
+    def _intervals(self) -> int:
+        """Intervals between instants of a run, unless bodies turn often: 1 where no whole curve is needed."""
         every = [one for output in self.outputs for one in output.reductions]
+        return 1 if all(one.kind in READ_OFF for one in every) else ANALYSES[self.analysis].points
+
+    def _resolving(self, result: Result) -> int:
+        """Intervals that resolve the turns of the bodies in a result."""
+        bodies = [f"{name}.angle" for name in self.mechanism.model.bodies]
+        angles = [result[name] for name in bodies if name in result]
+        if self._intervals == 1 or not angles:
+            return 1
+        turns = float(np.abs(np.diff(angles)).sum(axis=1).max()) / (2.0 * math.pi)
+        return min(math.ceil(PER_TURN * turns), MOST_INSTANTS) if math.isfinite(turns) else 1
+
+    def instants(self, m: Mechanism, intervals: int | None = None) -> np.ndarray:
+        """(n,) instants [s] of a run: start, end, those that are read off; a grid where whole curves are needed."""
         read_off = {t for output in self.outputs for t in needed_instants(output, m.parameters)}
-        count = 1 if all(one.kind in READ_OFF for one in every) else ANALYSES[self.analysis].points
+        count = self._intervals if intervals is None else intervals
         kept = self.history_times.tolist()
         return np.array(sorted({*np.linspace(0.0, self.t_end, count + 1).tolist(), *read_off, *kept}))
 
