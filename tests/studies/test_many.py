@@ -10,6 +10,7 @@ from rattle.errors import ModelError, SolverError
 from rattle.results.evaluation import evaluate
 from rattle.results.reductions import Known, read
 from rattle.studies.runs import analyses
+from rattle.studies.runs.reasons import alike
 
 DATA = Path(__file__).parent.parent / "data"
 SPRING = """
@@ -454,6 +455,7 @@ def test_a_sample_that_takes_too_many_steps_is_given_up_side_by_side_and_one_by_
     found = m.many({"omega": omega}, [output], t_end=2.0)
     assert found.failed.tolist() == [1]
     assert found.message(1).startswith("takes more than 120 steps")
+    assert alike(found.message(1)).endswith("to see why")  # a summary of samples has room for all of it
     assert 1 not in found.generic or len(found.generic) == 3  # what was given up is not tried again
     assert np.isfinite(found[output][[0, 2]]).all()
 

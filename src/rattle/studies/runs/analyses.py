@@ -82,10 +82,7 @@ def steps_at_most(m: Mechanism, how: Stepping) -> int | None:
 
 def given_up(most: int) -> str:
     """What is said of a sample that takes too many steps."""
-    return (
-        f"takes more than {most} steps: after a change point, or with lengths, masses or clearances out of proportion;"
-        " simulate this sample alone to see where"
-    )
+    return f"takes more than {most} steps: its motion is not credible; simulate it alone to see why"
 
 
 def _simulated(m: Mechanism, times: np.ndarray, names: Collection[str], how: Stepping) -> Result:
