@@ -10,29 +10,8 @@ from scipy.optimize import brentq, minimize
 import rattle as rt
 from rattle.studies.ensemble.allocation import closed_form
 from rattle.studies.ensemble.edge import NARROW, NotReachedError, edge
+from springs import SPRING
 
-SPRING = """
-format = 1
-[parameters]
-k = { value = "15 N/m", min = 1, max = 40, tol = 1 }
-x0 = { value = "0.5 m", tol = 0.01 }
-[ground.points]
-O = [0, 0]
-[bodies.block]
-points = { P = [0, 0] }
-mass = 1
-inertia = 1
-[joints.guide]
-type = "prismatic"
-connect = ["ground.O", "block.P"]
-[loads.s]
-type = "spring"
-connect = ["ground.O", "block.P"]
-stiffness = "k"
-free_length = 0
-[initial]
-block = { x = "x0", vx = 0 }
-"""
 LINEAR = (
     SPRING.replace(", tol = 1 }", " }")
     .replace('x0 = { value = "0.5 m", tol = 0.01 }', "a = { value = 0.3, tol = 0.01 }\nb = { value = 0.1, tol = 0.02 }")
