@@ -55,6 +55,20 @@ def test_tables_pictures_and_a_folder_that_goes_on(tmp_path):
     assert "holds another run" in seen.output
 
 
+def test_curves_are_kept_in_the_folder(tmp_path):
+    words = ("ensemble", *SHORT, "--vary", "r3=0.5 mm", "-n", "3", "--history", "rocker.angle")
+    seen = run(*words)
+    assert seen.exit_code == 2
+    assert "give one with -o" in seen.output
+    assert run(*words, "-o", str(tmp_path / "runs")).exit_code == 0
+    e = rt.example("fourbar").ensemble(
+        3, [OF], {"r3": "0.5 mm"}, t_end=0.01, folder=tmp_path / "runs", histories=["rocker.angle"]
+    )
+    t, curves = e.histories("rocker.angle")
+    assert (t[-1], curves.shape) == (0.01, (3, 201))
+    np.testing.assert_allclose(curves[:, -1], e[OF], rtol=1e-9)
+
+
 def test_a_sweep_takes_ranges_and_lists_with_units(tmp_path):
     words = ("sweep", *SHORT, "--over", "r3=4 mm:6 mm:3", "--over", "r4=0.004,5 mm")
     record = json.loads(run(*words, "--json").stdout)["outputs"][OF]

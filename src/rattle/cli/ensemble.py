@@ -69,12 +69,20 @@ def engine_options(function: Callable[..., Any]) -> Callable[..., Any]:
     "--design", type=click.Choice(["sobol", "halton", "lhs", "random"]), default="sobol", show_default=True,
     help="How the fields are sampled: evenly (sobol, halton, lhs), or independently (random).",
 )  # fmt: skip
+@click.option(
+    "--history",
+    "histories",
+    multiple=True,
+    metavar="CURVE",
+    help="Keep this curve of every mechanism too, at 201 instants (netCDF, with -o); may be given more than once.",
+)
 @click.option("--limit", metavar="VALUE", help='Also: how many stay at or below it, e.g. "5 kN"; for one --of.')
 @engine_options
 @click.pass_context
 def ensemble(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, count: int, outputs: tuple[str, ...],
     analysis: str, t_end: float | None, varied: tuple[str, ...], seed: int, design: str, limit: str | None,
+    histories: tuple[str, ...],
     threads: int | None, workers: int | None, scheduler: str | None, folder: str | None, csv: str | None,
     picture: str | None, json_too: bool,
 ) -> None:  # fmt: skip
@@ -93,11 +101,14 @@ def ensemble(
     """
     if limit is not None and len(outputs) > 1:
         raise click.UsageError("--limit is for one --of; with several it is not clear which is meant")
+    if histories and folder is None:
+        raise click.UsageError("--history keeps curves in a folder: give one with -o")
     _check(file, csv, picture)
     m = read_model(file, settings, ideal)
     found = m.ensemble(
         count, list(outputs), tolerances(varied), seed=seed, analysis=analysis, t_end=t_end, design=design,
-        threads=threads, workers=workers, scheduler=scheduler, folder=folder, progress=not ctx.obj["quiet"],
+        threads=threads, workers=workers, scheduler=scheduler, folder=folder, histories=histories,
+        progress=not ctx.obj["quiet"],
     )  # fmt: skip
     share = None if limit is None else found.yield_below(outputs[0], value(limit))
     if json_too:
