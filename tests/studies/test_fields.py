@@ -10,7 +10,7 @@ import rattle as rt
 from rattle.results.result import UnknownName
 from rattle.studies.ensemble.fields import Field, fields_of
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]  # NumPy alone
 
 EVEN = (np.arange(100_000) + 0.5) / 100_000  # midpoints of equal shares: sums over them have no noise
 

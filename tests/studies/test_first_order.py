@@ -83,6 +83,7 @@ def test_effects_that_rise_and_fall_again_count_and_interactions_do_not():
     assert all(one.low == 0.0 and one.value < 0.05 for one in only.indices)
 
 
+@pytest.mark.plain
 @pytest.mark.parametrize("design", ["random", "lhs"])
 def test_bounds_hold_the_index_in_nineteen_of_twenty_ensembles(design):
     fields, held = [field("a"), field("b"), field("c")], np.zeros(3)

@@ -12,7 +12,7 @@ from scipy.stats import qmc
 
 from rattle.studies.ensemble.sampling import BELOW_ONE, BITS, DESIGNS, MOST_DRAWS, points
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]  # NumPy alone
 
 SEQUENCES = ("sobol", "halton")
 ENDLESS = (*SEQUENCES, "random")  # whose points do not depend on their number

@@ -7,7 +7,7 @@ import pytest
 
 from rattle.studies.ensemble import statistics
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]  # NumPy alone
 RUNS = 2000
 
 

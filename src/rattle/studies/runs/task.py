@@ -108,8 +108,8 @@ class Task:
         """(n,) instants [s] of a run: start, end, those that are read off; a grid where whole curves are needed."""
         read_off = {t for output in self.outputs for t in needed_instants(output, m.parameters)}
         count = self._intervals if intervals is None else intervals
-        kept = self.history_times.tolist()
-        return np.array(sorted({*np.linspace(0.0, self.t_end, count + 1).tolist(), *read_off, *kept}))
+        grid = np.linspace(0.0, self.t_end, count + 1)
+        return np.asarray(np.unique(np.concatenate([grid, list(read_off), self.history_times])))
 
 
 def task_of(
