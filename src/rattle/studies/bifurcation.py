@@ -74,9 +74,12 @@ def bifurcation(
     changed = [m.set({parameter: float(value)}) for value in given]
 
     def run(one: Mechanism) -> tuple[np.ndarray, Result]:
+        if stop.is_set():
+            raise KeyboardInterrupt
         times = period_of(one, period) * (skip + np.arange(points))
         r = one.simulate(float(times[-1]), t_eval=times, method=method, rtol=rtol, atol=atol, step=step)
         if r.interrupted:
+            stop.set()  # here, so that no other run begins
             raise KeyboardInterrupt
         found = np.full(points, np.nan)
         found[: len(r.t)] = r[of]
@@ -103,8 +106,7 @@ def bifurcation(
         stop.set()  # ends the runs in the other threads
     finally:
         pool.shutdown(cancel_futures=True)
-        if interrupted:
-            stop.clear()
+        stop.clear()
         if bar is not None:
             bar.close()
     if not (interrupted or first.success or np.isfinite(rows).any()):
