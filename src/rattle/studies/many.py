@@ -16,7 +16,8 @@ from rattle.analyses import arguments
 from rattle.analyses.straight_line.recorded_model import require_parameters
 from rattle.errors import suggest
 from rattle.results.result import UnknownName
-from rattle.studies.runs.runner import Batch, Runner, cores, not_finite
+from rattle.studies.runs.progress import Bar
+from rattle.studies.runs.runner import Batch, Runner, cores
 from rattle.studies.runs.task import Task, task_of
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def many(
     task = task_of(m, given, outputs, t_end=t_end, method=method, rtol=rtol, atol=atol, step=step)
     threads = cores() if threads is None else arguments.whole("threads", threads, 1)
     runner, values = Runner(task), np.array(list(given.values()))
-    bar = _Bar(values.shape[1]) if progress else None
+    bar = Bar(values.shape[1], "many") if progress else None
     try:
         batch = runner.run(values, min(threads, values.shape[1]), bar)
     finally:
@@ -108,13 +109,7 @@ def _samples(m: Mechanism, samples: Mapping[str, Any]) -> dict[str, np.ndarray]:
 
 def _result(task: Task, samples: dict[str, np.ndarray], why: str, batch: Batch) -> Many:
     """All that was found."""
-    messages, values = dict(batch.messages), batch.values
-    values[:, list(messages)] = np.nan
-    values[~np.isfinite(values)] = np.nan
-    lacks = not_finite(task, values)
-    for n in np.flatnonzero(lacks.any(axis=0)):
-        lacking = ", ".join(task.texts[k] for k in np.flatnonzero(lacks[:, n]))
-        messages.setdefault(int(n), f"no finite value: {lacking}")
+    values = batch.values
     generic = np.array(batch.generic, dtype=np.int64)
     side = values.shape[1] - len(generic)
     parts = [f"{side} run side by side" if side else "", f"{len(generic)} one by one" if len(generic) else ""]
@@ -127,19 +122,4 @@ def _result(task: Task, samples: dict[str, np.ndarray], why: str, batch: Batch) 
         "how": ", ".join(part for part in parts if part) + (f": {because}" if because else ""),
     }  # fmt: skip
     units = {one.text: one.unit for one in task.outputs}
-    return Many(tuple(task.texts), units, samples, values, messages, generic, stats)
-
-
-class _Bar:
-    """A progress bar over samples, called with those done and all."""
-
-    def __init__(self, total: int) -> None:
-        from tqdm import tqdm
-
-        self._bar = tqdm(total=total, desc="many", unit="sample", delay=1.0)
-
-    def __call__(self, done: int, total: int) -> None:
-        self._bar.update(done - self._bar.n)
-
-    def close(self) -> None:
-        self._bar.close()
+    return Many(tuple(task.texts), units, samples, values, batch.messages, generic, stats)

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rattle.analyses import arguments
-from rattle.analyses.dynamics.run import stop
 from rattle.errors import AssemblyError, ModelError, SolverError, suggest
 from rattle.results.result import UnknownName
 from rattle.studies.ensemble.pieces import FAILED, WAITING
 from rattle.studies.ensemble.samples import Samples
-from rattle.studies.runs.runner import cores
-from rattle.studies.runs.task import HISTORY_POINTS, Task
-
-if TYPE_CHECKING:
-    from rattle.mechanism import Mechanism
+from rattle.studies.runs.analyses import ANALYSES
+from rattle.studies.runs.runner import Runner, cores
+from rattle.studies.runs.task import Task
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,58 +36,45 @@ def band(e: Samples, curve: str, members: int, threads: int | None = None) -> Ba
     Raises UnknownName; ValueError for an analysis at rest, or if no member can be run.
     """
     count = min(arguments.whole("members", members, 1), len(e))
-    task = e.task
-    if not task.t_end > 0.0:
+    if not e.task.t_end > 0.0:
         raise ValueError(f"{curve}: a band is drawn over time, and this ensemble is of one instant; give it a t_end")
-    times = np.linspace(0.0, task.t_end, HISTORY_POINTS)
-    numbers = [int(n) for n in np.flatnonzero(e.store.status() != WAITING)[:count]]
-    known = e.store.status()[numbers] != FAILED
-    first = _curve(task, task.mechanism, curve, times)  # alone, because it compiles
-    with ThreadPoolExecutor(cores() if threads is None else threads) as pool:
-        try:
-            runs = [pool.submit(_sample, e, n, curve, times) for n, ok in zip(numbers, known, strict=True) if ok]
-            found: Sequence[Outcome] = [one.result() for one in runs]
-        except BaseException:
-            stop.set()  # ends the runs in the other threads
-            raise
-        finally:
-            pool.shutdown(cancel_futures=True)
-            stop.clear()
-    good = [one for one in found if not isinstance(one, str)]
-    if not good:
-        why = next((one for one in found if isinstance(one, str)), next(iter(e.messages.values()), ""))
+    known = ANALYSES[e.task.analysis].names(e.task.mechanism)
+    if curve not in known:
+        raise UnknownName(f"no curve '{curve}'{suggest(curve, known)}")
+    task = replace(e.task, outputs=(), histories=(curve,), history_units=(known[curve],))
+    status = e.store.status()
+    numbers = np.flatnonzero(status != WAITING)[:count]
+    sound = numbers[status[numbers] != FAILED]
+    curves, messages = _kept(e, curve, sound) if curve in e.task.histories else _run(e, task, sound, threads)
+    good = curves[np.isfinite(curves).all(axis=1)]
+    if not len(good):
+        why = next(iter(messages.values()), "") or next(iter(e.messages.values()), "it has no finite value")
         raise ValueError(f"{curve}: none of {len(numbers)} members could be run: {why}")
     return Band(
-        curve, good[0][1], times, np.array([one[0] for one in good]), None if isinstance(first, str) else first[0],
-        len(numbers) - len(good), len(e), e.parameters,
-    )  # fmt: skip
+        curve, known[curve], task.history_times, good, _nominal(task), len(numbers) - len(good), len(e), e.parameters
+    )
 
 
-Outcome = tuple[np.ndarray, str] | str  # curve and unit, or why there is none
+def _kept(e: Samples, curve: str, numbers: np.ndarray) -> tuple[np.ndarray, dict[int, str]]:
+    """Curves (n, k) [SI] of some samples as they were kept."""
+    curves = [e.history(n, curve)[1] for n in numbers.tolist()]
+    return np.array(curves).reshape(len(numbers), len(e.task.history_times)), {}
 
 
-def _sample(e: Samples, number: int, curve: str, times: np.ndarray) -> Outcome:
-    if curve in e.task.histories:
-        return _finite(curve, e.history(number, curve)[1], e.unit(curve))
+def _run(e: Samples, task: Task, numbers: np.ndarray, threads: int | None) -> tuple[np.ndarray, dict[int, str]]:
+    """Curves (n, k) [SI] of some samples, nan where there are none, and why."""
+    values = [e.plan.values(n, n + 1) for n in numbers.tolist()]
+    batch = Runner(task).run(
+        np.hstack([np.empty((len(task.names), 0)), *values]), cores() if threads is None else threads
+    )
+    return batch.curves[0], batch.messages
+
+
+def _nominal(task: Task) -> np.ndarray | None:
+    """The curve (k,) without deviations [SI], None if it cannot be run."""
     try:
-        m = e.sample(number)
-    except ModelError as error:
-        return str(error)
-    return _curve(e.task, m, curve, times)
-
-
-def _curve(task: Task, m: Mechanism, curve: str, times: np.ndarray) -> Outcome:
-    """A curve [SI] of a mechanism with its unit, or why there is none.  Raises UnknownName."""
-    try:
-        result = task.result(m, times, {curve})
-    except (ModelError, AssemblyError, SolverError) as error:
-        return str(error)
-    if curve not in result:
-        raise UnknownName(f"no curve '{curve}'{suggest(curve, result.names)}")
-    values = np.asarray(result[curve], dtype=float)
-    return _finite(curve, values if len(values) == len(times) else np.full(len(times), np.nan), result.unit(curve))
-
-
-def _finite(curve: str, values: np.ndarray, unit: str) -> Outcome:
-    """Values of a curve with their unit, if all are finite."""
-    return (values, unit) if np.isfinite(values).all() else f"{curve} has no finite value at some instants"
+        result = task.result(task.mechanism, task.history_times, task.histories)
+    except (ModelError, AssemblyError, SolverError):
+        return None
+    values = np.asarray(result[task.histories[0]], dtype=float)
+    return values if np.isfinite(values).all() else None

@@ -16,7 +16,7 @@ import numpy as np
 from rattle.studies.ensemble.contributors import at_ends, labels
 from rattle.studies.ensemble.fields import Fields
 from rattle.studies.ensemble.samples import Samples
-from rattle.studies.ensemble.shown import in_one_unit, number, scale_of
+from rattle.studies.ensemble.shown import number, scale_of
 from rattle.studies.ensemble.trials import Trials
 
 ALL = 10  # contributors up to which all corners are run
@@ -45,7 +45,7 @@ def extremes(samples: Samples, corners: np.ndarray, fields: Fields, outputs: np.
     if not len(lost):
         return Corners(float(outputs.min()), float(outputs.max()), len(corners))
     first = int(lost[0])
-    said = f"worst case unknown: {len(lost)} of {len(corners)} corners have no value, such as {_place(samples, first)}"
+    said = f"worst case unknown: {len(lost)} of {len(corners)} corners have no value, such as {samples.told(first)}"
     reason = samples.message(first) or "the output has no value there"
     return Corners(float("nan"), float("nan"), len(corners), (f"{said}: {reason}",))
 
@@ -68,7 +68,7 @@ def _climb(trials: Trials, fields: Fields, corner: np.ndarray, sign: float) -> t
     best = sign * float(run[run.outputs[0]][0])
     if not np.isfinite(best):
         reason = run.message(0) or "the output has no value there"
-        return float("nan"), 1, f"worst case unknown: {_place(run, 0)} has no value: {reason}"
+        return float("nan"), 1, f"worst case unknown: {run.told(0)} has no value: {reason}"
     count, lost = 1, ""
     for _ in range(PASSES):
         beside = corner ^ np.eye(len(corner), dtype=bool)
@@ -78,19 +78,12 @@ def _climb(trials: Trials, fields: Fields, corner: np.ndarray, sign: float) -> t
         bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
             reason = run.message(int(bad[0])) or "the output has no value there"
-            lost = f"worst case unknown: {_place(run, int(bad[0]))} has no value: {reason}"
+            lost = f"worst case unknown: {run.told(int(bad[0]))} has no value: {reason}"
             return float("nan"), count, lost
         if values.max() <= best:
             return sign * best, count, ""
         corner, best = beside[int(values.argmax())], float(values.max())
     return sign * best, count, f"the search for the worst corner was stopped after {PASSES} steps"
-
-
-def _place(samples: Samples, number: int) -> str:
-    """The parameters of a sample as text."""
-    values = samples.plan.values(number, number + 1)[:, 0]
-    pairs = zip(samples.parameters, values, strict=True)
-    return ", ".join(f"{name} = " + " ".join(in_one_unit([x], samples.unit(name))).rstrip() for name, x in pairs)
 
 
 # ---------------------------------------------------------------- inside of the fields

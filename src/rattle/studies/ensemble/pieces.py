@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rattle.studies.runs.runner import Progress, Runner, not_finite
+from rattle.studies.runs.runner import Progress, Runner
 
 WAITING, OK, FAILED, NOT_FINITE = -1, 0, 1, 2
 STATUS = {OK: "ok", FAILED: "failed", NOT_FINITE: "not finite", WAITING: "not run"}
@@ -37,19 +37,11 @@ def run_piece(
     """Run the samples from `first` on, with values (k, c) [SI].  Raises KeyboardInterrupt if the user stops it."""
     batch = runner.run(parameters, threads, progress)
     count = parameters.shape[1]
-    values = batch.values
     status = np.full(count, OK, dtype=np.int8)
-    lacks = ~np.isfinite(values) & not_finite(runner.task, np.where(np.isfinite(values), values, np.nan))
-    status[lacks.any(axis=0)] = NOT_FINITE
-    texts = runner.task.texts
-    messages = {
-        first + int(n): "no finite value: " + ", ".join(texts[k] for k in np.flatnonzero(lacks[:, n]))
-        for n in np.flatnonzero(status == NOT_FINITE)
-    }
-    for n, said in batch.messages.items():
-        status[n], messages[first + n] = FAILED, said
-    values = np.where(np.isfinite(values) & (status != FAILED), values, np.nan)
+    status[list(batch.messages)] = FAILED
+    status[batch.lacking] = NOT_FINITE
+    messages = {first + n: said for n, said in batch.messages.items()}
     generic = np.zeros(count, dtype=bool)
     generic[batch.generic] = True
     reasons = {runner.why: count} if runner.why else batch.reasons
-    return Piece(first, parameters, values, status, messages, generic, reasons, batch.curves)
+    return Piece(first, parameters, batch.values, status, messages, generic, reasons, batch.curves)

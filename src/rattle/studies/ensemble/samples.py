@@ -17,6 +17,7 @@ from rattle.results.archive import package
 from rattle.results.result import UnknownName, require_table
 from rattle.studies.ensemble.pieces import OK, STATUS, WAITING
 from rattle.studies.ensemble.plans import Plan
+from rattle.studies.ensemble.shown import in_one_unit
 from rattle.studies.ensemble.store import Store
 from rattle.studies.runs.reasons import alike
 from rattle.studies.runs.task import Task
@@ -109,6 +110,11 @@ class Samples(ABC):
         if isinstance(given, bool) or not isinstance(given, int | np.integer) or not 0 <= given < len(self):
             raise IndexError(f"sample {given!r}: samples are numbered from 0 to {len(self) - 1}")
         return int(given)
+
+    def told(self, number: int) -> str:
+        """The parameters of a sample as text: "r3 = 5 mm, l2 = 0.6 m"."""
+        values = zip(self.parameters, self.plan.values(number, number + 1)[:, 0], strict=True)
+        return ", ".join(f"{name} = " + " ".join(in_one_unit([x], self.unit(name))).rstrip() for name, x in values)
 
     @cached_property
     def table(self) -> Any:

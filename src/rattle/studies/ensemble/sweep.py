@@ -92,13 +92,8 @@ class Sweep(Samples):
                 continue
             ends = int(np.nanargmin(values)), int(np.nanargmax(values))
             low, high, unit = in_one_unit([values[n] for n in ends], self.unit(output))
-            found.append((output, unit, low, self._place(ends[0]), high, self._place(ends[1])))
+            found.append((output, unit, low, self.told(ends[0]), high, self.told(ends[1])))
         return found
-
-    def _place(self, n: int) -> str:
-        """The parameters of a sample as text."""
-        values = zip(self.parameters, self.plan.values(n, n + 1)[:, 0], strict=True)
-        return ", ".join(f"{name} = " + " ".join(in_one_unit([x], self.unit(name))).rstrip() for name, x in values)
 
     def __str__(self) -> str:
         return "\n".join([self._title(), *aligned([HEADER, *self.rows()]), *self.remarks()])

@@ -10,7 +10,8 @@ from rattle.analyses import arguments
 from rattle.studies.ensemble.plans import Given
 from rattle.studies.ensemble.samples import Samples
 from rattle.studies.ensemble.store import Memory
-from rattle.studies.ensemble.work import Bar, how, run_here
+from rattle.studies.ensemble.work import how, run_here
+from rattle.studies.runs.progress import Bar
 from rattle.studies.runs.runner import Runner, cores
 from rattle.studies.runs.task import Task
 

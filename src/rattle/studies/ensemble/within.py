@@ -40,16 +40,16 @@ def limits_about(within: Within, nominal: float, unit: str) -> Limits:
 
     Raises ValueError, TypeError.
     """
-    if isinstance(within, str) or np.ndim(within) == 0:
-        half = limit_of(within, unit, "within")  # type: ignore[arg-type]
+    if isinstance(within, str) or not isinstance(within, Sequence | np.ndarray):
+        half = limit_of(within, unit, "within")
         if not half > 0.0:
             raise ValueError(f"within: the deviation that is allowed must be positive, got {within!s:.60}")
         return about(nominal, half, unit)
-    if len(within) != 2:  # type: ignore[arg-type]
+    if len(within) != 2:
         raise ValueError(
             f'within: expected a deviation such as "0.1 deg" or two limits (low, high), got {within!r:.60}'
         )
-    low, high = (limit_of(one, unit, "within") for one in within)  # type: ignore[union-attr]
+    low, high = (limit_of(one, unit, "within") for one in within)
     if not low < high:
         raise ValueError(f"within: the lower limit comes first and is less than the upper one, got {within!r:.60}")
     least, most, shown = in_one_unit((low, high), unit)

@@ -16,6 +16,7 @@ from rattle.studies.ensemble.engines import Done, Engine, engine, job_of, work
 from rattle.studies.ensemble.pieces import WAITING, run_piece
 from rattle.studies.ensemble.plans import Plan
 from rattle.studies.ensemble.store import Store
+from rattle.studies.runs.progress import Bar
 from rattle.studies.runs.runner import Progress, Runner, cores
 from rattle.studies.runs.task import Task
 
@@ -220,18 +221,3 @@ class Crew:
 def _counted(count: int, what: str) -> str:
     plural = "es" if what.endswith("s") else "s"
     return f"{count} {what}{plural if count != 1 else ''}"
-
-
-class Bar:
-    """A progress bar over samples with their rate and the time left, called with those done and all."""
-
-    def __init__(self, total: int, what: str, done: int = 0) -> None:
-        from tqdm import tqdm
-
-        self._bar = tqdm(total=total, initial=done, desc=what, unit=" samples", delay=1.0)
-
-    def __call__(self, done: int, total: int) -> None:
-        self._bar.update(done - self._bar.n)
-
-    def close(self) -> None:
-        self._bar.close()

@@ -30,7 +30,8 @@ class Batch:
 
     values: np.ndarray  # (outputs, n) [SI], nan where there is none
     curves: np.ndarray  # (histories, n, instants) [SI], nan likewise
-    messages: dict[int, str] = field(default_factory=dict)  # of samples without a run, by their place
+    messages: dict[int, str] = field(default_factory=dict)  # of samples without all their numbers, by their place
+    lacking: list[int] = field(default_factory=list)  # places of those that were run
     generic: list[int] = field(default_factory=list)  # places of samples that ran one by one
     reasons: dict[str, int] = field(default_factory=dict)  # why those could not run side by side, and how many
     steps: int = 0
@@ -80,7 +81,19 @@ class Runner:
                     batch.values[:, n], batch.curves[:, n] = outcome
                 if progress is not None:
                     progress(count - len(waiting) + done, count)
+        self._finish(batch)
         return batch
+
+    def _finish(self, batch: Batch) -> None:
+        """Say which outputs have no finite value though they should; nan of a `first` says: never."""
+        values, outputs = batch.values, self.task.outputs
+        values[:, list(batch.messages)] = np.nan
+        values[~np.isfinite(values)] = np.nan
+        counted = np.array([not any(part.kind == "first" for part in one.reductions) for one in outputs], dtype=bool)
+        lacks = np.isnan(values) & counted[:, None]
+        batch.lacking = [n for n in np.flatnonzero(lacks.any(axis=0)).tolist() if n not in batch.messages]
+        for n in batch.lacking:
+            batch.messages[n] = "no finite value: " + ", ".join(outputs[k].text for k in np.flatnonzero(lacks[:, n]))
 
 
 def cores() -> int:
@@ -154,9 +167,3 @@ class _Once(logging.Filter):
             new = record.levelno < logging.ERROR and text not in self._known
             self._known.add(text)
         return new
-
-
-def not_finite(task: Task, values: np.ndarray) -> np.ndarray:
-    """(outputs, n) where an output has no finite value though it should; nan of a `first` says: never."""
-    counted = [not any(part.kind == "first" for part in one.reductions) for one in task.outputs]
-    return np.asarray(np.isnan(values) & np.array(counted)[:, None])
