@@ -137,7 +137,7 @@ def default_of(field: Any, required: Any) -> str:
 
 
 def _live(field: Any, family: str) -> str:
-    return "; may use `t`, state and signals" if field.live and family != "driver" else ""
+    return f"; may use {field.may_use}" if field.live and family != "driver" else ""
 
 
 # ---------------------------------------------------------------- examples

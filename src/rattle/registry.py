@@ -32,6 +32,20 @@ _searching: set[str] = set()
 
 
 @dataclass(frozen=True)
+class LocalName:
+    """A name that the expression of one field may use besides those of the whole model.
+
+    unit: its SI unit.  formula: an expression whose names begin with `A.` or `B.`, the bodies of the two ends; those of
+    the ground are zero.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    formula: str
+
+
+@dataclass(frozen=True)
 class Field:
     """One key that the user writes for a kind.
 
@@ -41,6 +55,8 @@ class Field:
     least: "positive" or "not negative" if the number is limited.
     default: a number in SI units, or a function of the fields read so far; REQUIRED if the key must be given.
     choices: the words allowed for shape "choice".
+    local: names that only its expression may use, if it is live.
+    turns: of shape "connect": the two bodies must be able to turn against each other.
     """
 
     unit: str
@@ -50,6 +66,14 @@ class Field:
     least: str = ""
     live: bool = False
     choices: tuple[str, ...] = ()
+    local: tuple[LocalName, ...] = ()
+    turns: bool = False
+
+    @property
+    def may_use(self) -> str:
+        """What an expression of it may use besides parameters, in words; "" if it is not live."""
+        own = "".join(f"{one.name} ({one.meaning} [{one.unit}]), " for one in self.local)
+        return f"{own}t, state and signals" if self.live else ""
 
 
 @dataclass(frozen=True)

@@ -135,7 +135,7 @@ def _unit(spec: Any) -> str:
 def _default(spec: Any, family: str) -> str:
     from rattle.registry import REQUIRED
 
-    more = ", may use t, state and signals" if spec.live and family != "driver" else ""
+    more = f", may use {spec.may_use}" if spec.live and family != "driver" else ""
     if spec.default is REQUIRED or callable(spec.default):
         return more
     if spec.default == math.inf:

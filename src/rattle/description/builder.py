@@ -134,6 +134,16 @@ class Building:
         """A load of any kind: `m.load("M", "torque", body="rocker", torque="40 N*m")`; see `rattle kinds`."""
         return self._enter("loads", name, {"type": type, **fields})
 
+    def actuator(self, name: str, a: str, b: str, *, force: float | str) -> Self:
+        """A force [N] along the line between the points a and b, which it pushes apart; an expression may be given."""
+        return self.load(name, "actuator", connect=[a, b], force=force)
+
+    def motor(self, name: str, housing: str, rotor: str, *, torque: float | str) -> Self:
+        """A moment [N*m] on the body `rotor` and back on `housing`; an expression may use `speed`, the rotor's rate
+        relative to the housing [rad/s]: `m.motor("M", "ground", "crank", torque="2 - 0.1*speed")`.
+        """
+        return self.load(name, "motor", connect=[housing, rotor], torque=torque)
+
     def initial(self, name: str, **values: Any) -> Self:
         """Start of a body: x, y [m], angle [rad], vx, vy [m/s], omega [rad/s]; of a clearance joint: offset [m]."""
         self._document.setdefault("initial", {}).setdefault(name, {}).update(values)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rattle import registry
@@ -12,6 +12,8 @@ from rattle.description.read_contact import contact_models, read_contact
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Path, Values, said
 from rattle.errors import suggest
+from rattle.language.expression import Name, Node, Number, names, parse, replaced
+from rattle.language.units import Dimension, dimension_of
 from rattle.registry import Field
 
 BODY = ("points", "center", "mass", "inertia")  # keys of a body
@@ -24,6 +26,38 @@ def moved_joints(driver: str = "") -> list[str]:
     """Kinds of joints that a kind of driver moves; all that can be driven if `driver` is ""."""
     found = registry.kinds("joint").items()
     return sorted(name for name, one in found if one.leaf.motor and driver in ("", one.leaf.motor.driver))
+
+
+def local_names(one: Field, a: Point, b: Point) -> dict[str, tuple[Node, Dimension]]:
+    """What the local names of a field stand for between two ends, and their dimensions."""
+    found: dict[str, tuple[Node, Dimension]] = {}
+    for local in one.local:
+        node = parse(local.formula)
+        ends: dict[str, Node] = {}
+        for word in names(node):
+            letter, _, key = word.partition(".")
+            body = {"A": a, "B": b}[letter].body
+            ends[word] = Name(f"{body}.{key}", 0) if body != "ground" else Number(0.0, 0)
+        found[local.name] = replaced(node, ends), dimension_of(local.unit)
+    return found
+
+
+def same_angle(joints: Iterable[Joint], a: str, b: str) -> list[str]:
+    """Names of joints that together keep two bodies at one angle to each other; none if they can turn."""
+    kept: dict[str, list[tuple[str, str]]] = {}
+    for joint in joints:
+        if joint.kept_angle is not None and (joint.contact is None or joint.contact.closed or joint.clearance == 0.0):
+            for one, other in ((joint.a.body, joint.b.body), (joint.b.body, joint.a.body)):
+                kept.setdefault(one, []).append((other, joint.name))
+    reached: dict[str, list[str]] = {a: []}
+    waiting = [a]
+    while waiting:
+        body = waiting.pop(0)
+        for other, joint_name in kept.get(body, ()):
+            if other not in reached:
+                reached[other] = [*reached[body], f"'{joint_name}'"]
+                waiting.append(other)
+    return reached.get(b, []) if a != b else []
 
 
 class Parts(FieldReader):
@@ -242,6 +276,7 @@ class Parts(FieldReader):
             return
         self.values.keys(given, ["type", *found.fields], path)
         a = b = Point("ground", "", (0.0, 0.0))
+        before = len(self.values.problems)
         written: list[Any] = []
         points = False
         for key, one in found.fields.items():
@@ -256,8 +291,27 @@ class Parts(FieldReader):
             elif one.shape == "pair":
                 written += self.field(one, key, given, {}, path)
             else:
-                written.append(self.field(one, key, given, {}, path))
+                with self.values.within(local_names(one, a, b)):
+                    written.append(self.field(one, key, given, {}, path))
+            if one.turns and len(self.values.problems) == before and not self.broken_joints:
+                self._can_turn(a, b, (*path, key))
         self.loads[name] = Load(name, found.name, a, b, tuple(written), points)
+
+    def _can_turn(self, a: Point, b: Point, path: Path) -> None:
+        """Refuse two bodies that cannot turn against each other, and two that nothing holds."""
+        held = {end.body for joint in self.joints.values() for end in (joint.a, joint.b)}
+        if "ground" not in (a.body, b.body) and not held & {a.body, b.body}:
+            self.values.wrong(
+                path,
+                f"neither '{a.body}' nor '{b.body}' has a joint: they would spin in opposite directions and move"
+                " nothing; join them, by a revolute joint for example",
+            )
+        elif same := same_angle(self.joints.values(), a.body, b.body):
+            self.values.wrong(
+                path,
+                f"{' and '.join(same)} keep{'s' if len(same) == 1 else ''} '{a.body}' and '{b.body}' from turning"
+                " against each other: a moment between them moves nothing; connect bodies that turn",
+            )
 
     def _place(self, one: Field, key: str, given: Mapping[str, Any], path: Path) -> Point:
         """The point at which a load on one body acts."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 from rattle.description.model import Vector
@@ -16,6 +17,7 @@ from rattle.language.expression import (
     dimension,
     names,
     parse,
+    replaced,
     require_finite,
     value,
     walk,
@@ -59,6 +61,7 @@ class Values:
         self.dimensions: dict[str, Dimension | None] = {}  # of parameters, signals and states
         self.live: dict[str, None] = {}  # names that change during a run, in the order of the file
         self.broken: set[str] = set()  # names whose own definition has a problem
+        self.local: dict[str, Node] = {}  # names of the field at hand, and what they stand for
 
     def wrong(self, path: Path, message: str, at_key: bool = False, column: int | None = None) -> None:
         """Add a problem to the list.  Raises TooManyProblems if there are very many."""
@@ -97,6 +100,17 @@ class Values:
         elif name in TAKEN:
             self.wrong(path, f"'{name}' is a reserved word; choose another name", at_key=True)
 
+    @contextmanager
+    def within(self, local: Mapping[str, tuple[Node, Dimension]]) -> Iterator[None]:
+        """While a field is read, its expression may use these names too: what each stands for, and its dimension."""
+        self.local = {name: node for name, (node, _) in local.items()}
+        before = self.dimensions
+        self.dimensions = {**before, **{name: dimension for name, (_, dimension) in local.items()}}
+        try:
+            yield
+        finally:
+            self.local, self.dimensions = {}, before
+
     # ------------------------------------------------------------ expressions
     def parse(self, text: str, path: Path) -> Node | None:
         """The tree of an expression; None after a problem."""
@@ -122,22 +136,29 @@ class Values:
         node = self.parse(text, path)
         if node is None or not self.names_known(node, text, path, unit, live):
             return None
-        return node if self.dimension_fits(node, text, path, unit) else None
+        if not self.dimension_fits(node, text, path, unit):
+            return None
+        return replaced(node, self.local) if self.local else node
 
     def names_known(self, node: Node, text: str, path: Path, unit: str | None, live: bool) -> bool:
         """True if every name is known and allowed here."""
 
         def allowed(one: str) -> bool:
-            return one in self.constants or (live and (one == "t" or one in self.live))
+            return one in self.constants or (live and (one == "t" or one in self.live or one in self.local))
 
         spots = {part.name: part.column for part in reversed(walk(node)) if isinstance(part, Name)}
+        for one in sorted(spots.keys() & self.local):
+            if one in self.constants or one in self.live:
+                kind = "parameter" if one in self.constants else "signal"
+                self.wrong(path, f"here '{one}' has a meaning of its own; give the {kind} '{one}' another name")
+                return False
         unknown = [one for one in sorted(spots) if not allowed(one)]
         for one in unknown:
             column = spots[one]
             if one in self.live or one == "t":
                 self.wrong(path, f"'{one}' changes during the run; only parameters are allowed here", column=column)
             elif one not in self.broken:
-                hint = suggest(one, [*self.constants, *(self.live if live else ())])
+                hint = suggest(one, [*self.constants, *(self.local if live else ()), *(self.live if live else ())])
                 if unit and text.strip() == one and "did you mean" not in hint:
                     hint = f"; expected {expected(unit)}: a quantity like '5 {unit}' or an expression"
                 if one in UNITS and "did you mean" not in hint:

@@ -100,7 +100,7 @@ def _connect(end: Schema) -> Schema:
 
 def _field(one: Field) -> Schema:
     """A field of a kind, as its class declares it."""
-    meaning = one.meaning + ("; may use t, state and signals" if one.live and not one.meaning.endswith("of t") else "")
+    meaning = one.meaning + (f"; may use {one.may_use}" if one.live and not one.meaning.endswith("of t") else "")
     if one.shape == "choice":
         made: Schema = {"enum": list(one.choices), "description": meaning}
     elif one.shape == "pair":

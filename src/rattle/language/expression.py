@@ -27,6 +27,7 @@ from rattle.language.syntax import (
     Number,
     names,
     parse,
+    replaced,
     walk,
 )
 from rattle.language.units import DIMENSIONLESS, TIME, Dimension, describe, unit_name
@@ -44,6 +45,7 @@ __all__ = [
     "dimension",
     "names",
     "parse",
+    "replaced",
     "require_finite",
     "value",
     "walk",

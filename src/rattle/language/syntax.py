@@ -128,6 +128,19 @@ def names(node: Node) -> set[str]:
     return {part.name for part in walk(node) if isinstance(part, Name)}
 
 
+def replaced(node: Node, parts: Mapping[str, Node]) -> Node:
+    """The expression with other nodes in place of the names that `parts` has."""
+    stack: list[Node] = []
+    for part in walk(node):
+        if isinstance(part, Apply):
+            given = tuple(stack[-len(part.operands) :])
+            del stack[-len(given) :]
+            stack.append(Apply(part.name, given, part.column))
+        else:
+            stack.append(parts.get(part.name, part) if isinstance(part, Name) else part)
+    return stack[0]
+
+
 def walk(node: Node) -> list[Node]:
     """All nodes from left to right, operands before the operation that uses them."""
     found, waiting = [], [node]
