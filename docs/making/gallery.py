@@ -93,8 +93,8 @@ def _draw(path: Path, name: str) -> None:
 
 def _mechanism(ax: Any, result: Any, share: float) -> None:
     """The mechanism to scale, in the colours of its animations."""
-    sketch = module_with("draw_mechanism", "Scene", "extent")
-    stage = sketch.Scene(result, np.array([int(share * (len(result.t) - 1))]), 1.0)
+    sketch = module_with("draw_mechanism", "extent")
+    stage = module_with("Scene", "draw_line").Scene(result, np.array([int(share * (len(result.t) - 1))]), 1.0)
     low, high = sketch.extent(stage)
     size = float(max(high - low)) or 1.0
     ax.set(aspect="equal", xlabel="m")

@@ -6,8 +6,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 import rattle as rt
+from circling import circling
+from rattle import registry
 from rattle.plots.animation import scene
-from rattle.plots.sketch import Scene, draw_mechanism
+from rattle.plots.drawings import Part, drawings
+from rattle.plots.scene import BODIES, Scene
+from rattle.plots.sketch import draw_mechanism
 from rattle.plots.statics import magnified, plot_accuracy
 
 CYLINDER = """
@@ -53,25 +57,67 @@ def test_a_cylinder_is_a_tube_that_holds_barrel_and_piston_all_the_time():
     stage = Scene(r, np.arange(len(r.t)), 1.0)
     ax = Figure().subplots()
     updates = draw_mechanism(ax, stage)
-    tube, piston = [patch for patch in ax.patches if isinstance(patch, Polygon) and len(patch.get_xy()) == 5][:2]
+    tube, rod, piston = [patch for patch in ax.patches if isinstance(patch, Polygon) and len(patch.get_xy()) == 5]
     bars = [line for line in ax.lines if line.get_linewidth() == 5]
-    assert len(bars) == 2  # boom and rod; the barrel is no bar beside the rod
+    assert len(bars) == 1  # the boom; barrel and rod are no bars beside each other
     for k in range(len(r.t)):
         for move in updates:
             move(k)
         outline = tube.get_path()
         for point in ("barrel.E", "barrel.Q", "rod.S"):
             assert outline.contains_point((r[f"{point}.x"][k], r[f"{point}.y"][k]))
+        assert not tube.get_path().contains_point((r["rod.R.x"][k], r["rod.R.y"][k]))
+        ends = rod.get_xy()[:4].reshape(2, 2, 2).mean(axis=1)
+        assert np.hypot(*(ends[0] - ends[1])) == pytest.approx(0.0, abs=0.02)  # its height
         centre = piston.get_xy()[:4].mean(axis=0)
         # a centre of four corners: rounding only
         assert centre == pytest.approx([r["rod.S.x"][k], r["rod.S.y"][k]], abs=1e-12)
+
+
+@pytest.mark.nojit
+def test_every_joint_and_every_spring_has_a_picture():
+    for family in ("joint", "load"):
+        for name, kind in registry.kinds(family).items():
+            form = getattr(kind.leaf, "drawn_as", "")
+            assert form in drawings() if form else family == "load", f"{family} '{name}' is drawn as '{form}'"
+
+
+@pytest.mark.nojit
+def test_thirty_bodies_have_thirty_colours():
+    assert len(set(BODIES)) == len(BODIES) == 30
+
+
+def strokes(**fields):
+    """Lines of a spring of 2 m that points upwards, in a mechanism of 1 m."""
+    ax = Figure().subplots()
+    form = {"bodies": ["ground", "ground"], "points": [[0.0, 0.0], [0.0, 2.0]], "fields": fields}
+    (move,) = drawings()["spring"].draw(ax, Scene(circling(3), np.array([0]), 1.0), Part("s", "load", form, False))
+    move(0)
+    (line,) = [one for one in ax.lines if one.get_linewidth() == pytest.approx(1.2)]
+    return np.array(line.get_data()).T
+
+
+@pytest.mark.nojit
+def test_a_spring_is_a_zigzag_a_damper_a_pot_and_both_are_side_by_side():
+    spring, damper = strokes(stiffness=1.0, damping=0.0), strokes(stiffness=0.0, damping=1.0)
+    both = strokes(stiffness=1.0, damping=1.0)
+    turns = np.sign(spring[1:-1, 0])
+    assert (turns[turns != 0][1:] == -turns[turns != 0][:-1]).all()  # from side to side
+    assert not np.isnan(spring).any()
+    assert np.isnan(damper).any(axis=1).sum() == 3  # pot, plunger and both rods are apart
+    left, right = both[both[:, 0] < 0.0], both[both[:, 0] > 0.0]
+    assert len(left) >= 9
+    assert len(right) >= 6
+    for line in (spring, damper, both):
+        assert (line[0] == [0.0, 0.0]).all()
+        assert (line[-1] == [0.0, 2.0]).all()
 
 
 def test_a_mode_is_drawn_with_its_springs_and_joints():
     modes = rt.example("balanced_arm").modes()
     ax = modes.plot().axes[0]
     rest = modes.equilibrium.result
-    zigzag = [line for line in ax.lines if len(line.get_xdata()) > 10]
+    zigzag = [line for line in ax.lines if line.get_linewidth() == pytest.approx(1.2) and len(line.get_xdata()) > 10]
     assert len(zigzag) == sum(form["type"] == "spring" for form in rest.geometry["loads"].values()) == 1
     assert any(isinstance(patch, Polygon) for patch in ax.patches)  # the pivot on the ground
     names = [text.get_text() for text in ax.get_legend().get_texts()]

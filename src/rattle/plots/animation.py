@@ -15,7 +15,8 @@ from rattle.atomic_file import atomic
 from rattle.plots.curves import AFTER, BLACK, BORE, CURVES, GREY, RED, SKY, new_figure, tidy
 from rattle.plots.movie_file import Update, require_film, write_gif, write_mp4
 from rattle.plots.orbit import clearance_joints, length_unit, pin_path, require_point
-from rattle.plots.sketch import Scene, draw_mechanism, draw_tag, extent
+from rattle.plots.scene import Scene, draw_tag
+from rattle.plots.sketch import draw_mechanism, extent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

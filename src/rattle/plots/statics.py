@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.plots.curves import BLACK, BLUE, GREY, ORANGE, QUANTITY, RED, axis_label, handy_unit, new_figure, tidy
-from rattle.plots.sketch import Scene, draw_mechanism, extent
+from rattle.plots.scene import Scene
+from rattle.plots.sketch import draw_mechanism, extent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -107,10 +108,10 @@ def plot_mode(modes: Modes, mode: int, amplitude: float = 0.1) -> Figure:
     figure = new_figure(6.4, 5.4)
     ax = tidy(figure.subplots())
     half = len(motion.t) // 2
-    stage = Scene(modes.equilibrium.result, np.array([0]), 1.0)
+    stage = Scene(modes.equilibrium.result, np.array([0]), 1.0, (GREY,))
     low, high = extent(stage)
     stage = stage._replace(size=float(max(high - low)) or 1.0)
-    draw_mechanism(ax, stage, (GREY,))
+    draw_mechanism(ax, stage)
     ax.plot([], [], color=GREY, linewidth=5, alpha=0.75, label="equilibrium")
     for k, colour, label in ((0, BLUE, "one end of the swing"), (half, ORANGE, "the other")):
         _draw(ax, motion, k, colour, label)

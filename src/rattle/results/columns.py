@@ -6,13 +6,15 @@ bush centre, and of a block the component across its guide.  Its travel along th
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from rattle import registry
-from rattle.description.model import Joint, Model
+from rattle.description.model import Joint, Load, Model, Value
 from rattle.equations.system import System, joint_rows
 from rattle.jit import layout as at
 
@@ -173,11 +175,17 @@ def geometry(model: Model) -> dict[str, Any]:
             joints[name]["axis"] = joint.line
             if math.isfinite(travel := joint.leaf.travel(joint.fields)):
                 joints[name]["travel"] = travel
+        joints[name]["fields"] = numbers(joint.fields)
         joints[name] |= {table: list(sizes) for table, sizes in joint.dimensions.items()}
         if joint.contact and joint.contact.bush_radius:
             joints[name]["bush_radius"] = joint.contact.bush_radius
     loads = {
-        name: {"type": load.kind, "bodies": [load.a.body, load.b.body], "points": [list(load.a.at), list(load.b.at)]}
+        name: {
+            "type": load.kind,
+            "bodies": [load.a.body, load.b.body],
+            "points": [list(load.a.at), list(load.b.at)],
+            "fields": numbers(load_fields(load)),
+        }
         for name, load in model.loads.items()
     }
     return {
@@ -190,3 +198,22 @@ def geometry(model: Model) -> dict[str, Any]:
         "loads": loads,
         "driven": [driver.joint for driver in model.drivers.values() if driver.joint],
     }
+
+
+def numbers(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Those values of fields [SI] that are finite numbers."""
+    return {key: value for key, value in fields.items() if isinstance(value, float | int) and math.isfinite(value)}
+
+
+def load_fields(load: Load) -> dict[str, Value | str]:
+    """Values of a load [SI] by the name of their field; those of fields with two values are left out."""
+    found: dict[str, Value | str] = {}
+    left = iter(load.values)
+    for key, one in registry.kinds("load")[load.kind].fields.items():
+        taken = list(itertools.islice(left, WIDTHS.get(one.shape, 1)))
+        if one.shape not in WIDTHS and taken:
+            found[key] = taken[0]
+    return found
+
+
+WIDTHS = {"connect": 4, "point": 2, "pair": 2, "body": 0}  # numbers of a load's field of this shape, if not one

@@ -25,7 +25,7 @@ class JointKind:
     moment: ClassVar[bool] = False  # True: the joint transmits a moment
     motor: ClassVar[Motor | None] = None  # None: no coordinate that a driver could move
     massless: ClassVar[str] = ""  # kind of joint for the clearance as a massless link; its one field is the clearance
-    drawn_as: ClassVar[str] = ""  # pin | rod | guide | slot | "" (not drawn)
+    drawn_as: ClassVar[str] = ""  # a form of rattle.plots.drawings: pin, rod, guide ...; "" if it is not drawn
 
     @staticmethod
     def kept_angle(fields: Mapping[str, float]) -> float | None:

@@ -33,6 +33,7 @@ class Fixed(JointKind):
     rows = ("m", "m", "rad")
     rows_in_ground = True
     moment = True
+    drawn_as = "weld"
     angle = Field("rad", "angle of B relative to A", default=0.0)
 
     @staticmethod

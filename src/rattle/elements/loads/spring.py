@@ -44,6 +44,7 @@ class Spring:
     Source: definition.
     """
 
+    drawn_as = "spring"
     connect = Field("", "its two ends", shape="connect")
     stiffness = Field("N/m", "force per elongation", live=True)
     free_length = Field("m", "length without force", default=0.0, least="not negative", live=True)

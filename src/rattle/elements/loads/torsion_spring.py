@@ -31,6 +31,7 @@ class TorsionSpring:
     Source: definition.
     """
 
+    drawn_as = "torsion-spring"
     connect = Field("", "the two bodies, or points of them", shape="connect")
     stiffness = Field("N*m/rad", "moment per twist", live=True)
     free_angle = Field("rad", "angle phi_B - phi_A without moment", default=0.0, live=True)

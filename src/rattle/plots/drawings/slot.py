@@ -1,0 +1,39 @@
+"""Pin in a slot with rounded ends, of its given length or else as long as the pin moves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rattle.plots.curves import BLACK, GREY
+from rattle.plots.drawings import Part, drawing
+from rattle.plots.drawings.guide import line_of, reach
+from rattle.plots.movie_file import Update
+from rattle.plots.scene import Scene, draw_area, draw_line, draw_wall
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@drawing("slot", reach=reach, name_at=1.0)
+def slot(ax: Axes, scene: Scene, part: Part) -> list[Update]:
+    """Draw one slot and its pin."""
+    form = part.form
+    line, centre = line_of(scene, form), scene.ends(form)[1]
+    way = line.coordinate(centre)
+    low, high = (-form["travel"], form["travel"]) if "travel" in form else (way.min(), way.max())
+    half = form.get("bush_radius") or 0.02 * scene.size + form["clearance"]
+    turns = np.linspace(-np.pi / 2, np.pi / 2, 19)
+    edge = [(high + half * np.cos(s), half * np.sin(s)) for s in turns]
+    edge += [(low - half * np.cos(s), -half * np.sin(s)) for s in turns]
+    outline = np.stack([line.at(np.full(len(way), x), y) for x, y in (*edge, edge[0])], axis=1)
+    size = half - form["clearance"]
+    pin = np.stack([centre + size * np.array([np.cos(s), np.sin(s)]) for s in 2.0 * turns], axis=1)
+    if form["bodies"][0] == "ground":
+        draw_wall(ax, outline[0, -2], outline[0, -1], 0.3 * half, color=GREY, linewidth=1.5, zorder=1)
+    return [
+        draw_line(ax, outline, color=GREY, linewidth=1.5, zorder=4),
+        draw_line(ax, pin, color=BLACK, linewidth=1.2, zorder=5),
+        draw_area(ax, pin, GREY),
+    ]
