@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 from rattle.analyses.analysed_model import AnalysedModel
 from rattle.errors import ModelError
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     import numpy as np
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from rattle.studies.bifurcation import Bifurcation
     from rattle.studies.compare import Comparison
@@ -59,6 +61,22 @@ class Mechanism(AnalysedModel):
         except ModelError as error:
             problems = [(one.key, one.message) for one in error.problems]
             return table(("where", "what is still wrong or missing"), problems, repr(self)[1:-1])
+
+    @overload
+    def plot(self, ax: None = None) -> Figure: ...
+    @overload
+    def plot(self, ax: Axes) -> Axes: ...
+    def plot(self, ax: Axes | None = None) -> Figure | Axes:
+        """The mechanism as put together, before any run: to scale, in m or mm, with everything by its name.
+
+        Bodies, joints with their play, points, mass centres, drivers, loads as they act at the start, gravity, and the
+        degrees of freedom that are left.  If it cannot be put together, its bodies where they were first guessed to
+        be, with the open joints and the reason in red.
+        ax: draw there.  Returns a new figure, or `ax` if it is given.  Raises ModelError.
+        """
+        from rattle.plots.diagram import plot_model
+
+        return plot_model(self, ax)
 
     def compare(
         self, *, joint: str | None = None, curve: str | None = None, t_end: Seconds | None = None,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled, ideal_model
+from rattle.analyses.assembly.freedoms import free_coordinates
 from rattle.analyses.assembly.loops import describe_loop, loops
 from rattle.analyses.assembly.rank import nonunique_reactions, rank
 from rattle.analyses.law_check import law_faults
@@ -38,6 +39,7 @@ class Check:
     branches: tuple[str, ...]  # the branch in which each pair of links was assembled
     clearances: tuple[str, ...]
     reach: tuple[str, ...]  # how far each driver can go
+    freedoms: tuple[str, ...]  # coordinates that may be chosen freely and determine all others
     laws: tuple[str, ...]  # contact laws of the user that pull or create energy
     start: tuple[str, ...]  # values given for the start that could not be kept, and why
     residual: float  # largest constraint residual after assembly [m or rad]
@@ -62,6 +64,9 @@ class Check:
         if self.redundant:
             rows = "1 redundant constraint" if self.redundant == 1 else f"{self.redundant} redundant constraints"
             lines.append(f"{rows}: reactions of {', '.join(self.redundant_joints)} are not unique")
+        if self.freedoms:
+            more = f" and {len(self.freedoms) - 8} more" if len(self.freedoms) > 8 else ""
+            lines.append(f"free: {', '.join(self.freedoms[:8])}{more}")
         lines += [f"loop: {one}" for one in self.loops[:8]]
         if len(self.loops) > 8:
             lines.append(f"... and {len(self.loops) - 8} more loops")
@@ -98,6 +103,7 @@ def check(system: System, start: Assembled) -> Check:
         loops=tuple(describe_loop(model, joint, path) for joint, path in loops(model)),
         branches=tuple(_branches(system, start)),
         clearances=tuple(_clearances(model)),
+        freedoms=free_coordinates(system, start.t, start.q),
         reach=(*reach, *jump_lines(jumps)),
         laws=tuple(law_faults(model)),
         start=(*start.notes, *past_ends(system, np.array([start.t]), start.q.reshape(1, -1, 3))),

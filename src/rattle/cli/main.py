@@ -20,6 +20,7 @@ COMMANDS = {
     "demo": "show",
     "example": "files",
     "check": "files",
+    "draw": "show",
     "run": "run",
     "compare": "studies",
     "poincare": "studies",
@@ -45,6 +46,7 @@ HELP = {
     "demo": "Run the paper's four-bar with and without play; write figures, orbits, CSV and GIF.",
     "example": "List the shipped examples, or print one as a model file.",
     "check": "Is the model as meant? Bodies, joints, mobility, redundant joints, loops, range of the driver.",
+    "draw": "The mechanism as put together, before any run: everything in it by name, and what moves freely.",
     "run": "Motion in time: joint forces, energy, and how far the result can be trusted.",
     "compare": "One page: ideal joint, massless link, one-sided impact and compliant contact side by side.",
     "poincare": "Poincare section, bifurcation diagram over a parameter, largest Lyapunov exponent.",
@@ -206,6 +208,7 @@ def main(ctx: click.Context, quiet: bool) -> None:
     rattle demo                      the paper's four-bar, figures into ./rattle-demo
     rattle example fourbar > f.toml  start from a shipped model file
     rattle check f.toml              is it assembled as meant?
+    rattle draw f.toml               a picture of it, everything by name
     rattle run f.toml -o out.nc      motion, forces, how far to trust them
     rattle plot out.nc O3.normal     draw a curve
 

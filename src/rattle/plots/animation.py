@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
-from rattle.plots.curves import AFTER, BLACK, BORE, CURVES, GREY, RED, SKY, new_figure, tidy
+from rattle.plots.curves import AFTER, BLACK, BORE, CURVES, GREY, RED, SKY, length_axes, new_figure, tidy
 from rattle.plots.movie_file import Update, require_film, write_gif, write_mp4
 from rattle.plots.orbit import clearance_joints, length_unit, pin_path, require_point
 from rattle.plots.scene import Scene, draw_tag
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 MOST_INSETS = 4
-SMALL = 0.2  # [m] below which a mechanism is measured in mm
 MOST_FRAMES = 3000
 
 
@@ -89,11 +88,8 @@ def scene(
 
     pins = list(clearance_joints(result))[:MOST_INSETS]
     figure, ax, insets = _stage(high - low, len(pins))
-    unit = "mm" if max(high - low) < SMALL else "m"
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
-    if unit == "mm":
-        for axis in (ax.xaxis, ax.yaxis):
-            axis.set_major_formatter(lambda value, _: f"{1e3 * value:g}")
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    length_axes(ax, float(max(high - low)))
     pace = float(result.t[pick[-1]] - result.t[pick[0]]) * fps / max(len(pick) - 1, 1)
     updates = [_clock(ax, stage, pace), *_traces(ax, stage, trace)]
     updates += draw_mechanism(ax, stage)

@@ -40,6 +40,7 @@ QUANTITY = {
     "J": "energy",
     "W": "power",
 }
+SMALL = 0.2  # [m] below which a drawing is measured in mm
 SUFFIXES = (".svg", ".png", ".pdf")
 
 
@@ -151,6 +152,15 @@ def handy_unit(unit: str, size: float) -> tuple[float, str]:
     return 1.0, unit
 
 
+def length_axes(ax: Axes, span: float) -> None:
+    """Label the axes of a drawing, whose data are in m, with x and y in mm if it spans less than `SMALL`, else in m."""
+    small = span < SMALL
+    unit = "mm" if small else "m"
+    ax.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
+    for axis in (ax.xaxis, ax.yaxis) if small else ():
+        axis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "\N{MINUS SIGN}"))
+
+
 # ---------------------------------------------------------------- common to all pictures
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure (width, height [inches]), independent of pyplot; it shows itself in a notebook."""
@@ -235,5 +245,8 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], dpi: float = 150) 
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
         raise ValueError(f"{os.fspath(path)}: a picture needs a name ending in {', '.join(SUFFIXES)}")
-    with atomic(path) as file:
-        figure.savefig(file, dpi=dpi, format=suffix[1:])
+    from matplotlib import rc_context
+
+    # text stays text in an .svg, and the same picture is the same file
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "rattle"}), atomic(path) as file:
+        figure.savefig(file, dpi=dpi, format=suffix[1:], metadata={"Date": None} if suffix == ".svg" else None)

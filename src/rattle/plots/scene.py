@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 Pair = tuple[float, float]
 FIRST = (BLUE, GREEN, ORANGE, PINK, SKY, *MORE)  # red is kept for forces that a bush cannot give
 DARKER = (1.0, 0.62, 0.36)  # further bodies have the same colours, mixed with so much black
+# behind a name; a white outline instead would turn it into curves in an .svg
+PAPER = {"boxstyle": "square,pad=0.05", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
 CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))
 
 
@@ -111,12 +113,10 @@ def draw_dot(ax: Axes, path: Array, **style: Any) -> Update:
 
 def draw_tag(ax: Axes, name: str, path: Array) -> Update:
     """The name of a joint or body, beside its point `path` (frames, 2) [m]."""
-    from matplotlib.patheffects import withStroke
-
     tag = ax.annotate(
-        name, (0, 0), (9, 5), textcoords="offset points", fontsize=9, color=BLACK, zorder=6, parse_math=False
-    )
-    tag.set_path_effects([withStroke(linewidth=3, foreground="white")])
+        name, (0, 0), (9, 5), textcoords="offset points", fontsize=9, color=BLACK, zorder=6, parse_math=False,
+        bbox=PAPER,
+    )  # fmt: skip
 
     def update(k: int) -> None:
         tag.xy = (path[k, 0], path[k, 1])

@@ -5,11 +5,13 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from rattle.description.model import Joint, Model, driven_ends
+from rattle.equations.motion import drive
 from rattle.equations.placement import turned
 from rattle.equations.system import System
 
@@ -75,7 +77,7 @@ def passed_angles(model: Model, functions: dict[str, float]) -> tuple[dict[str, 
 
 
 def place_positions(
-    system: System, angles: dict[str, float], offsets: dict[str, Any], functions: dict[str, float]
+    system: System, angles: dict[str, float], offsets: Mapping[str, Any], functions: dict[str, float]
 ) -> np.ndarray:
     """Positions (3 nb,) [m, m, rad] with given angles [rad] and offsets of joints [m], from the ground outwards.
 
@@ -113,6 +115,15 @@ def place_positions(
         x, y = at[name] if name in at else np.nan_to_num(given.get(name, np.zeros(2)))
         q[3 * n : 3 * n + 3] = x, y, angles[name]
     return q
+
+
+def first_guess(system: System, t: float = 0.0) -> np.ndarray:
+    """Positions (3 nb,) [m, m, rad] at time t [s] with which the search for closed ones begins."""
+    workspace = system.workspace()
+    drive(workspace, t)
+    functions = {name: float(workspace.values[system.driver_slot(name)]) for name in system.model.drivers}
+    functions = {name: value if math.isfinite(value) else 0.0 for name, value in functions.items()}
+    return place_positions(system, passed_angles(system.model, functions)[0], system.model.initial.offsets, functions)
 
 
 def place_rates(system: System, q: np.ndarray, v: np.ndarray, given: np.ndarray, otherwise: np.ndarray) -> None:

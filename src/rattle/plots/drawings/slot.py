@@ -1,4 +1,4 @@
-"""Pin in a slot with rounded ends, of its given length or else as long as the pin moves."""
+"""Pin in a slot with rounded ends, of its given length or else a little longer than the pin moves."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from rattle.plots.scene import Scene, draw_area, draw_line, draw_wall
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+MORE = 0.06  # of a slot without ends beyond the ways of its pin, as a share of the mechanism's size
+
 
 @drawing("slot", reach=reach, name_at=1.0)
 def slot(ax: Axes, scene: Scene, part: Part) -> list[Update]:
@@ -22,7 +24,8 @@ def slot(ax: Axes, scene: Scene, part: Part) -> list[Update]:
     form = part.form
     line, centre = line_of(scene, form), scene.ends(form)[1]
     way = line.coordinate(centre)
-    low, high = (-form["travel"], form["travel"]) if "travel" in form else (way.min(), way.max())
+    ends = (way.min() - MORE * scene.size, way.max() + MORE * scene.size)
+    low, high = (-form["travel"], form["travel"]) if "travel" in form else ends
     half = form.get("bush_radius") or 0.02 * scene.size + form["clearance"]
     turns = np.linspace(-np.pi / 2, np.pi / 2, 19)
     edge = [(high + half * np.cos(s), half * np.sin(s)) for s in turns]

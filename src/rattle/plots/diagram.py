@@ -1,0 +1,323 @@
+"""The mechanism as put together, before any run: everything in it by name, what drives it and what moves freely."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from textwrap import fill
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from rattle import registry
+from rattle.analyses.assembly.first_guess import first_guess
+from rattle.analyses.assembly.freedoms import free_coordinates
+from rattle.analyses.load_forces import load_forces
+from rattle.description.model import Driver, Model
+from rattle.equations.closure import open_by
+from rattle.equations.dense import LARGE
+from rattle.equations.placement import point_at, pose
+from rattle.equations.system import System
+from rattle.errors import AssemblyError
+from rattle.jit import layout as at
+from rattle.plots.arrows import straight, turning
+from rattle.plots.curves import BLACK, GREY, RED, drawn, length_axes, new_figure, tidy
+from rattle.plots.drawings import drawing_of, parts
+from rattle.plots.labels import Label, place_labels
+from rattle.plots.scene import Array, Scene
+from rattle.plots.sketch import draw_mechanism, extent
+from rattle.results.build import build_result
+from rattle.results.display import quantity
+from rattle.results.trust import Trust
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rattle.analyses.analysed_model import AnalysedModel
+
+ROOM = 0.2  # around the mechanism, as a share of its size
+FORCE, MOMENT, DRIVE, FREE = 0.13, 0.07, 0.055, 0.045  # length of an arrow, radii of arcs: same share
+TOGETHER = 1e-6  # distance of points that have one name, and gap that is open: same share
+MANY = 8  # free coordinates that are listed, and up to which they are marked
+WIDE = 110  # characters of a line below the title
+
+
+class Position(NamedTuple):
+    """A system with its bodies placed."""
+
+    system: System
+    q: Array  # (3 nb,)
+    v: Array
+    reason: str  # why the joints cannot be closed; "" if they are
+
+    def point(self, body: str, spot: Any) -> Array:
+        """(2,) a point of a body [m]."""
+        x, y, angle = pose(self.system, self.q, body)
+        c, s = math.cos(angle), math.sin(angle)
+        return np.array([x + c * spot[0] - s * spot[1], y + s * spot[0] + c * spot[1]])
+
+
+def plot_model(m: AnalysedModel, ax: Axes | None = None) -> Figure | Axes:
+    """See `Mechanism.plot`."""
+    position = _position(m)
+    scene = _scene(position)
+    low, high = extent(scene)
+    size = float(max(high - low)) or 1.0
+    scene = scene._replace(size=size)
+    low, high = low - ROOM * size, high + ROOM * size
+    given, ax = ax, ax if ax is not None else _axes(high - low)
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    tidy(ax).grid(False)
+    length_axes(ax, float(max(high - low)))
+    draw_mechanism(ax, scene, names=False)
+    labels = [*_joints(scene, position), *_bodies(ax, scene, position), *_points(ax, scene, position)]
+    labels += [
+        *_drivers(ax, scene, position),
+        *_loads(ax, scene, position),
+        *_gravity(ax, scene, position.system.model),
+    ]
+    free = () if position.reason else free_coordinates(position.system, 0.0, position.q)
+    if len(free) <= MANY:
+        _mark_free(ax, scene, position, free)
+    labels += _open_joints(ax, scene, position)
+    _say(ax, position, free)
+    place_labels(ax, labels)
+    return drawn(ax, given)
+
+
+def _position(m: AnalysedModel) -> Position:
+    """The assembled start, or else the first guess for it."""
+    try:
+        return Position(m.system, m.start.q, m.start.v, "")
+    except AssemblyError as error:
+        q = first_guess(m.system)
+        return Position(m.system, q, np.zeros_like(q), str(error))
+
+
+def _scene(position: Position) -> Scene:
+    system = position.system
+    names = [f"{body}.{key}" for body in system.bodies for key in ("x", "y", "angle")]
+    units = {name: "rad" if name.endswith(".angle") else "m" for name in names}
+    result = build_result(
+        system.model, "assembly", t=[0.0], data=position.q[None], names=names, units=units, trust=Trust(drift=0.0)
+    )
+    return Scene(result, np.array([0]), system.extent)
+
+
+def _axes(span: Array) -> Axes:
+    """Axes of a new figure for a picture of so many metres across and upwards."""
+    height = float(np.clip(8.0 * span[1] / span[0], 2.6, 7.6))
+    width = float(np.clip(height * span[0] / span[1], 6.4, 8.0))
+    return new_figure(width + 0.8, height + 1.4).subplots()
+
+
+# ---------------------------------------------------------------- names, and what is drawn with them
+def _joints(scene: Scene, position: Position) -> Iterator[Label]:
+    """Joints by name, with their play; those at one place have one label, and so have points of other names there."""
+    places: list[tuple[Array, list[str], list[str]]] = []
+    for part, how in parts(scene.result.geometry):
+        if part.family != "joint":
+            continue
+        a, b = (end[0] for end in scene.ends(part.form))
+        spot = a + how.name_at * (b - a)
+        loose = part.form["clearance"] > 0.0 and part.form["contact"] != "ideal"
+        name = f"{part.name} (play {quantity(part.form['clearance'], 'm')})" if loose else part.name
+        near = (one for one in places if float(np.hypot(*(one[0] - spot))) < TOGETHER * scene.size)
+        place = next(near, None)
+        if place is None:
+            place = (spot, [], [])
+            places.append(place)
+        place[1].append(name)
+        joint = position.system.model.joints[part.name]
+        ends = zip((joint.a, joint.b), (a, b), strict=True)
+        place[2].extend(one.name for one, end in ends if np.hypot(*(end - spot)) < TOGETHER * scene.size)
+    joints = position.system.model.joints
+    for spot, names, points in places:
+        more = ", ".join(dict.fromkeys(one for one in points if one and one not in joints))
+        yield Label(", ".join(names) + (f" ({more})" if more else ""), (float(spot[0]), float(spot[1])))
+
+
+def _bodies(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
+    """Bodies by name at their mass centres, which are marked."""
+    for body in scene.bodies:
+        x, y = position.point(body, (0.0, 0.0))
+        ax.plot(
+            [x],
+            [y],
+            "o",
+            markersize=6.5,
+            markerfacecolor="white",
+            markeredgecolor=BLACK,
+            markeredgewidth=0.8,
+            zorder=4.5,
+        )
+        ax.plot([x], [y], "+", markersize=6.5, markeredgecolor=BLACK, markeredgewidth=0.8, zorder=4.6)
+        yield Label(body, (float(x), float(y)), scene.colour(body), "italic", 9.5)
+
+
+def _points(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
+    """Named points that no joint has, as dots."""
+    model = position.system.model
+    taken = {(end.body, end.name) for joint in model.joints.values() for end in (joint.a, joint.b)}
+    every = [("ground", name, spot) for name, spot in model.ground.items()]
+    every += [(body, name, spot) for body, one in model.bodies.items() for name, spot in one.points.items()]
+    for body, name, spot in every:
+        if (body, name) in taken:
+            continue
+        x, y = position.point(body, spot)
+        ax.plot([x], [y], "o", markersize=3.5, color=BLACK, zorder=4.7)
+        yield Label(name, (float(x), float(y)), GREY, size=8.0)
+
+
+def _drivers(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
+    """Drivers as arrows of what they move: an arc, or an arrow along the line."""
+    system = position.system
+    workspace = system.workspace()
+    open_by(workspace, 0.0, position.q, position.v)
+    for name, driver in system.model.drivers.items():
+        spot = _driven_point(position, driver)
+        row = workspace.rows[system.first_row(name)]
+        way = np.array([row[at.BX], row[at.BY]])
+        if driver.sets_angle or not np.hypot(*way) > 0.0:
+            tip = turning(ax, spot, DRIVE * scene.size, 1.0, scene.size, color=BLACK)
+        else:
+            n = np.array([-way[1], way[0]])
+            start = spot + (0.07 * n - 0.06 * way) * scene.size
+            tip = straight(ax, start, 0.12 * scene.size * way, scene.size, color=BLACK) - 0.06 * scene.size * way
+        yield Label(name, (float(tip[0]), float(tip[1])), BLACK, "italic")
+
+
+def _driven_point(position: Position, driver: Driver) -> Array:
+    point = position.system.model.joints[driver.joint].b if driver.point is None else driver.point
+    return point_at(position.system, position.q, point)
+
+
+def _loads(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
+    """Springs and the like by name; other loads as arrows of what they exert at the start, broken lines if nothing."""
+    system = position.system
+    exerted = load_forces(system, 0.0, position.q, position.v)
+    for name, load in system.model.loads.items():
+        how = drawing_of("load", load.kind)
+        if how is not None:
+            a, b = (point_at(system, position.q, one) for one in (load.a, load.b))
+            spot = a + how.name_at * (b - a)
+            yield Label(name, (float(spot[0]), float(spot[1])), RED)
+            continue
+        fields = registry.kinds("load")[load.kind].fields.values()
+        turns = any(one.unit == "N*m" for one in fields) and not any(one.unit == "N" for one in fields)
+        for k, end in enumerate((load.b, load.a)):
+            if end.body == "ground":
+                continue
+            effect = exerted[name][1 + system.bodies.index(end.body)]
+            if k and not np.any(effect):
+                continue
+            tip = _exerted(ax, scene, position, point_at(system, position.q, end), end.body, effect, turns)
+            if not k:
+                yield Label(name, (float(tip[0]), float(tip[1])), RED)
+
+
+def _exerted(ax: Axes, scene: Scene, position: Position, spot: Array, body: str, effect: Array, turns: bool) -> Array:
+    """Arrows of a force and a moment (3,) [N, N*m] on a body at one of its points; returns a tip (2,) [m]."""
+    size, force = scene.size, float(np.hypot(effect[0], effect[1]))
+    arm = spot - position.point(body, (0.0, 0.0))
+    moment = float(effect[2] - (arm[0] * effect[1] - arm[1] * effect[0]))
+    nothing = not np.any(effect)
+    style: dict[str, Any] = {"color": RED, "linestyle": (0, (3, 2)) if nothing else "-"}
+    tip = spot
+    if abs(moment) > 1e-9 * force * size or (nothing and turns):
+        tip = turning(ax, spot, MOMENT * size, 1.0 if nothing else moment, size, 0.9, **style)
+    if force > 0.0 or (nothing and not turns):
+        way = effect[:2] / force if force > 0.0 else np.array([1.0, 0.0])
+        tip = straight(ax, spot, FORCE * size * way, size, **style)
+    return tip
+
+
+def _gravity(ax: Axes, scene: Scene, model: Model) -> Iterator[Label]:
+    """The direction of gravity, in the upper right corner."""
+    g = np.array(model.gravity)
+    strength = float(np.hypot(*g))
+    if not strength > 0.0:
+        return
+    (_, right), (_, top) = ax.get_xlim(), ax.get_ylim()
+    middle = np.array([right, top]) - 0.08 * scene.size
+    tip = straight(
+        ax, middle - 0.05 * scene.size * g / strength, 0.1 * scene.size * g / strength, scene.size, color=GREY
+    )
+    yield Label("g", (float(tip[0]), float(tip[1])), GREY, "italic")
+
+
+def _mark_free(ax: Axes, scene: Scene, position: Position, free: tuple[str, ...]) -> None:
+    """Free coordinates of joints as thin broken arrows with two heads."""
+    style: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (3, 2)), "zorder": 5.5, "both": True}
+    for name in free:
+        joint = position.system.model.joints.get(name.rpartition(".")[0])
+        if joint is None or joint.leaf.motor is None or not name.endswith(f".{joint.leaf.motor.driver}"):
+            continue
+        spot = point_at(position.system, position.q, joint.b)
+        if registry.kinds("driver")[joint.leaf.motor.driver].leaf.sets_angle:
+            turning(ax, spot, FREE * scene.size, 1.0, scene.size, 1.2, **style)
+        else:
+            angle = pose(position.system, position.q, joint.a.body)[2] + (joint.line or 0.0)
+            u, n = np.array([math.cos(angle), math.sin(angle)]), np.array([-math.sin(angle), math.cos(angle)])
+            straight(ax, spot + scene.size * (0.06 * n - 0.06 * u), 0.12 * scene.size * u, scene.size, **style)
+
+
+def _open_joints(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
+    """Joints that do not close in the guessed position: a red line between their two points."""
+    if not position.reason:
+        return
+    system = position.system
+    workspace = system.workspace()
+    open_by(workspace, 0.0, position.q, position.v)
+    for name, joint in system.model.joints.items():
+        rows = [k for k, row in enumerate(system.rows) if row.owner == name and row.unit == "m"]
+        gap = float(np.linalg.norm(workspace.rows[rows, at.RES]))
+        if gap <= TOGETHER * scene.size:
+            continue
+        a, b = (point_at(system, position.q, one) for one in (joint.a, joint.b))
+        ax.plot(
+            *np.array([a, b]).T, color=RED, linewidth=1.6, linestyle=(0, (3, 1.5)), marker="x", markersize=9, zorder=7
+        )
+        middle = 0.5 * (a + b)
+        yield Label(f"{name} open by {quantity(gap, 'm', 3)}", (float(middle[0]), float(middle[1])), RED, size=9.5)
+
+
+# ---------------------------------------------------------------- what is said
+def _say(ax: Axes, position: Position, free: tuple[str, ...]) -> None:
+    """The title, below it what there is and what moves; below the picture why it does not close."""
+    model = position.system.model
+    counts = [_count(len(model.bodies), "body", "bodies"), _count(len(model.joints), "joint", "joints")]
+    said = ", ".join(counts)
+    if model.drivers:
+        said += "; driven: " + ", ".join(_driven(model, name, one) for name, one in model.drivers.items())
+    if free:
+        many = f" and {len(free) - MANY} more" if len(free) > MANY else ""
+        said += f"; {_count(len(free), 'degree', 'degrees')} of freedom: {', '.join(free[:MANY])}{many}"
+    elif position.reason:
+        said += "; not put together: bodies as first guessed"
+    elif position.system.row_count <= LARGE:
+        said += "; nothing else is free" if model.drivers else "; no degree of freedom"
+    lines = fill(said, WIDE)
+    ax.annotate(
+        lines, (0, 1), (0, 4), "axes fraction", "offset points", color=GREY, fontsize=8, va="bottom", parse_math=False
+    )
+    pad = 8 + 10.5 * (lines.count("\n") + 1)
+    ax.set_title(model.name or "mechanism", loc="left", fontsize=11, pad=pad, parse_math=False)
+    if position.reason:
+        ax.annotate(
+            fill(position.reason, WIDE), (0, 0), (0, -34), "axes fraction", "offset points", color=RED, fontsize=8.5,
+            va="top", parse_math=False,
+        )  # fmt: skip
+
+
+def _count(n: int, one: str, many: str) -> str:
+    return f"{n} {one if n == 1 else many}"
+
+
+def _driven(model: Model, name: str, driver: Driver) -> str:
+    """ "crank.angle by motor", in the names of coordinates."""
+    if driver.point is None:
+        return f"{driver.joint}.{driver.kind} by {name}"
+    place = f"{driver.point.body}.{driver.point.name}" if driver.point.name else driver.point.body
+    return f"{place}.{driver.kind.rpartition('-')[2]} by {name}"
