@@ -5,8 +5,8 @@ fields say what the user writes, its kernel says what it does.  Kernels are reac
 addresses, so one compile serves every mechanism and a new kind recompiles nothing else.
 
 What other modules need to know about a kind are attributes and methods of its class; no code tests for the name of a
-kind or of its fields.  The interfaces, with their defaults, are the classes `JointKind`, `DriverKind`, `ClearanceKind`
-and `ContactKind` in the folders of `rattle.elements`.
+kind or of its fields.  The interfaces, with their defaults, are the classes `JointKind`, `DriverKind`, `ClearanceKind`,
+`StopKind` and `ContactKind` in the folders of `rattle.elements`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 from rattle.jit.functions import KernelFunction, jit_runs
 
 REQUIRED: Any = object()
-ELEMENTS = tuple(f"rattle.elements.{one}" for one in ("joints", "clearances", "contact_laws", "loads"))
+ELEMENTS = tuple(f"rattle.elements.{one}" for one in ("joints", "clearances", "stops", "contact_laws", "loads"))
 PACKAGES = {"stepper": ("rattle.solvers.steppers",)}  # packages of the families that are elsewhere
 _lock = threading.RLock()
 _families: dict[str, dict[str, Kind]] = {}
@@ -136,6 +136,12 @@ def kinds(family: str) -> Mapping[str, Kind]:
 def play_of(joint: str) -> Kind | None:
     """The kind of clearance of a kind of joint; None if it cannot have clearance."""
     return next((one for one in kinds("clearance").values() if one.leaf.joint == joint), None)
+
+
+def stop_of(joint: str) -> Kind | None:
+    """The kind of stop of a kind of joint: that of the coordinate that a motor moves; None if it has no coordinate."""
+    motor = kinds("joint")[joint].leaf.motor
+    return kinds("stop").get(motor.driver) if motor else None
 
 
 def names(family: str) -> tuple[str, ...]:

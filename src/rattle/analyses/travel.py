@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from rattle.description.model import Model, Point
-from rattle.equations.system import System, has_contacts
+from rattle.equations.system import System
 from rattle.jit import layout as at
 
 
@@ -25,7 +25,7 @@ def past_ends(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:
     notes = []
     for name, joint in system.model.joints.items():
         travel = joint.leaf.travel(joint.fields)
-        if not math.isfinite(travel) or joint.line is None or has_contacts(joint):
+        if not math.isfinite(travel) or joint.line is None or joint.is_loose:
             continue
         (ax, ay, turned), (bx, by, _) = (_path(system, q, point) for point in (joint.a, joint.b))
         axis = turned + joint.line

@@ -18,7 +18,7 @@ from rattle.errors import ModelError, Problem, suggest
 SUFFIXES = (".toml", ".json")
 LARGEST = 8_000_000  # bytes; a chain of 10,000 links has about 2 MB
 MAY_BE_MISSING = ("simulate", "initial", "tolerances")  # tables that a change creates if they are missing
-IN_ONE_LINE = ("points", "contact", "dist")  # and the tables of a joint's kind of play
+IN_ONE_LINE = ("points", "contact", "stop", "dist")  # and the tables of a joint's kind of play
 MOST_ENTRIES = 200_000  # a chain of 10,000 links has about 80,000
 DEEPEST_KEY = 12  # parts of a dotted key, at most; no table of a model is nested so deep
 _LONG_TEXT = re.compile(  # no possessive repeats of groups with lookahead: Python 3.11.0 to 3.11.4 match them wrongly

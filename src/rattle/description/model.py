@@ -13,6 +13,7 @@ from rattle import registry
 from rattle.language.expression import Node
 
 DEFAULT_CONTACT = "massless-link"  # of a joint that says its clearance only
+DEFAULT_STOP = "impact"  # of a stop that says its ends only
 Vector = tuple[float, float]
 Value = float | Node  # a number [SI], or an expression in t, state and signals
 
@@ -83,6 +84,15 @@ class Contact:
 
 
 @dataclass(frozen=True)
+class Stop:
+    """The ends of the coordinate of a joint [m or rad], infinite where there is none, and what happens there."""
+
+    minimum: float
+    maximum: float
+    contact: Contact
+
+
+@dataclass(frozen=True)
 class Joint:
     """A joint between A (bush or guide side) and B (pin or block side)."""
 
@@ -94,6 +104,7 @@ class Joint:
     clearance: float = 0.0  # radial [m]
     contact: Contact | None = None
     dimensions: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # tables of its kind of clearance [m]
+    stop: Stop | None = None
 
     @property
     def leaf(self) -> Any:
@@ -123,6 +134,17 @@ class Joint:
         """Distance of the two points [m] that the joint enforces."""
         found: float = self.leaf.distance(self.fields)
         return found
+
+    @property
+    def is_loose(self) -> bool:
+        """True if the joint has clearance and no constraint: only contacts act on it."""
+        return self.contact is not None and self.clearance > 0.0 and self.contact.acts
+
+    @property
+    def stops_angle(self) -> bool:
+        """True if the joint has a stop of its angle, which exerts a moment."""
+        kind = registry.stop_of(self.kind)
+        return self.stop is not None and kind is not None and bool(kind.leaf.angular)
 
     @property
     def is_hinge(self) -> bool:

@@ -1,4 +1,4 @@
-"""Reading the `contact` of a joint with clearance: a name or a table -> `Contact` with its laws.
+"""Reading the `contact` of a joint with clearance or of a stop: a name or a table -> `Contact` with its laws.
 
 A table may hold fields of other models, so that one word changes the model; they are checked and listed as unused.
 """
@@ -6,7 +6,7 @@ A table may hold fields of other models, so that one word changes the model; the
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from rattle import registry
 from rattle.description.model import Choice, Contact
@@ -14,7 +14,24 @@ from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Path, said
 from rattle.errors import suggest
 
+ALONG = ("friction", "tangential_restitution")  # keys of what happens along a wall
 GEOMETRY = ("bush_material", "pin_material", "length", "geometry")
+
+
+OF_ANGLE = {"m": "rad", "m/s": "rad/s", "kg": "kg*m^2", "N": "N*m"}  # units of a contact whose gap is an angle
+
+
+class Site(NamedTuple):
+    """Where a contact is: in the clearance of a joint, or at its stop."""
+
+    title: str  # in messages
+    leaf: Any  # class of its geometry, a `ContactGeometry`; None where no contact can be
+    models: list[str]  # names that `contact` may have there
+    clearance: float = 0.0  # [m]
+
+    def unit(self, unit: str) -> str:
+        """Unit of a number of a contact law here: of an angle and a moment where the gap is an angle."""
+        return OF_ANGLE.get(unit, unit) if self.leaf.angular else unit
 
 
 def contact_models(joint: str = "") -> list[str]:
@@ -28,15 +45,24 @@ def contact_models(joint: str = "") -> list[str]:
     return [*(name for name, one in known.items() if massless or not one.leaf.link), *registry.kinds("normal")]
 
 
-def _play(joint: str) -> Any:
-    """The class of the kind of clearance of a kind of joint, a `ClearanceKind`."""
-    found = registry.play_of(joint)
-    assert found is not None, "called only for joints with a contact"
-    return found.leaf
+def stop_models() -> list[str]:
+    """Every name that the `contact` of a stop may have: models with contacts."""
+    return [*(name for name, one in registry.kinds("contact").items() if one.leaf.contacts), *registry.kinds("normal")]
 
 
-def read_contact(reader: FieldReader, written: Any, joint: str, clearance: float, path: Path) -> Contact | None:
-    """One contact model, for a joint with a given clearance [m]; None after a problem."""
+def site_of_clearance(joint: str, clearance: float) -> Site:
+    """The contact of a kind of joint with a given clearance [m]."""
+    play = registry.play_of(joint)
+    return Site(f"a {joint} joint", play.leaf if play else None, contact_models(joint), clearance)
+
+
+def site_of_stop(stop: registry.Kind) -> Site:
+    """The contact of a kind of stop."""
+    return Site("a stop", stop.leaf, stop_models())
+
+
+def read_contact(reader: FieldReader, written: Any, site: Site, path: Path) -> Contact | None:
+    """One contact model; None after a problem."""
     values = reader.values
     table = {"model": written} if isinstance(written, str) else values.table(written, path)
     known = contact_models()
@@ -50,24 +76,26 @@ def read_contact(reader: FieldReader, written: Any, joint: str, clearance: float
         near = hint if "did you mean" in hint else f"; expected {', '.join(known)}"
         values.wrong(here, f"unknown contact {said(model)}{near}")
         return None
-    if model not in contact_models(joint):
-        others = contact_models(joint)
-        wanted = f"; expected {', '.join(others)}" if others else "; leave the clearance out"
-        values.wrong(here, f"'{model}' does not work on a {joint} joint{wanted}")
+    if model not in site.models:
+        wanted = f"; expected {', '.join(site.models)}" if site.models else "; leave the clearance out"
+        values.wrong(here, f"'{model}' does not work on {site.title}{wanted}")
+        return None
+    if not site.leaf.slides and (along := [key for key in ALONG if key in table]):
+        for key in along:
+            why = f"{site.title} has no friction: it pushes along the coordinate of the joint only; leave it out"
+            values.wrong((*path, key), why, at_key=True)
         return None
     if model in registry.kinds("contact"):
-        return _plain(reader, table, str(model), joint, clearance, path)
-    return _compliant(reader, table, str(model), joint, clearance, path)
+        return _plain(reader, table, str(model), site, path)
+    return _compliant(reader, table, str(model), site, path)
 
 
-def _radius(
-    reader: FieldReader, table: Mapping[str, Any], joint: str, clearance: float, needed: str, path: Path
-) -> float:
+def _radius(reader: FieldReader, table: Mapping[str, Any], site: Site, needed: str, path: Path) -> float:
     """Radius of the bush [m]; required if something depends on it."""
-    play = _play(joint)
-    if not play.has_radius:
+    clearance = site.clearance
+    if not site.leaf.has_radius:
         if "bush_radius" in table:
-            reader.values.wrong((*path, "bush_radius"), f"a {play.bearer} has no bush", at_key=True)
+            reader.values.wrong((*path, "bush_radius"), f"{site.leaf.wall} has no bush", at_key=True)
         return 0.0
     if "bush_radius" not in table:
         if needed:
@@ -82,7 +110,7 @@ def _radius(
 
 
 def _unused(
-    reader: FieldReader, table: Mapping[str, Any], used: Collection[str], joint: str, clearance: float, path: Path
+    reader: FieldReader, table: Mapping[str, Any], used: Collection[str], site: Site, path: Path
 ) -> tuple[str, ...]:
     """Keys of a table that only other contact models use; they are checked too.  Unknown keys are refused."""
     fields: dict[str, registry.Field | None] = {"friction": None, "bush_radius": None, "geometry": None}
@@ -99,28 +127,26 @@ def _unused(
         if key == "friction":
             _pack(reader, "friction", _friction(reader, table[key], (*path, key)), path)
         elif key == "bush_radius":
-            _radius(reader, table, joint, clearance, "", path)
+            _radius(reader, table, site, "", path)
         elif key == "geometry":
             _geometry(reader, table[key], path)
         elif field is not None and field.shape == "material":  # any formula does to check the material
             given = {
-                "bush_material": _elastic(reader, field, key, table, {}, path),
+                "bush_material": _elastic(reader, field, key, table, {}, path, site),
                 "bush_radius": 1.0,
                 "clearance": 0.1,
             }
             _pack(reader, "stiffness", Choice("sphere", given | {"pin_material": given["bush_material"]}), path)
         elif field is not None:
-            _unit_interval(reader, {key: _elastic(reader, field, key, table, {}, path)}, path)
+            _unit_interval(reader, {key: _elastic(reader, field, key, table, {}, path, site)}, path)
     return found
 
 
-def _plain(
-    reader: FieldReader, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path
-) -> Contact:
+def _plain(reader: FieldReader, table: Mapping[str, Any], model: str, site: Site, path: Path) -> Contact:
     kind = registry.kinds("contact")[model]
     contacts = kind.leaf.contacts
     used = ["model", *kind.fields, *(["bush_radius"] if contacts else [])]
-    unused = _unused(reader, table, used, joint, clearance, path)
+    unused = _unused(reader, table, used, site, path)
     given = dict(table)
     if "friction" in kind.fields and isinstance(given.get("friction"), Mapping):
         law = _friction(reader, given["friction"], (*path, "friction"))
@@ -135,7 +161,7 @@ def _plain(
         unfit = f'works with restitution_law = "newton" only, not with "{other}"'
         reader.values.wrong((*path, "tangential_restitution"), unfit, at_key=True)
     needed = "friction" if fields.get("friction", 0.0) > 0.0 or fields.get("tangential_restitution", 0.0) > 0.0 else ""
-    radius = _radius(reader, table, joint, clearance, needed, path) if contacts else 0.0
+    radius = _radius(reader, table, site, needed, path) if contacts else 0.0
     return Contact(model, fields, radius, unused=unused)
 
 
@@ -145,9 +171,7 @@ def _unit_interval(reader: FieldReader, fields: Mapping[str, Any], path: Path) -
             reader.values.wrong((*path, key), f"{fields[key]:g} is outside [0, 1]")
 
 
-def _compliant(
-    reader: FieldReader, table: Mapping[str, Any], model: str, joint: str, clearance: float, path: Path
-) -> Contact | None:
+def _compliant(reader: FieldReader, table: Mapping[str, Any], model: str, site: Site, path: Path) -> Contact | None:
     values = reader.values
     law = registry.kinds("normal")[model]
     statics = registry.kinds("stiffness")
@@ -163,26 +187,20 @@ def _compliant(
         name = table.get("geometry", "sphere")
         if not _geometry(reader, name, path):
             return None
-        if not _play(joint).from_materials:
+        if not site.leaf.from_materials:
             said = "needs stiffness and exponent: these formulas are for pins in bushes"
-            values.wrong((*path, "geometry"), f"a {_play(joint).bearer} {said}")
+            values.wrong((*path, "geometry"), f"{site.leaf.wall} {said}")
             return None
     static = statics[name]
     own = [key for key in static.fields if key != "bush_radius"]
     used = ["model", "friction", "bush_radius", "geometry" if by_geometry else "stiffness", *law.fields, *own]
-    unused = _unused(reader, table, used, joint, clearance, path)
-    radius = _radius(
-        reader,
-        table,
-        joint,
-        clearance,
-        "friction" if "friction" in table else "the stiffness" if by_geometry else "",
-        path,
-    )
-    elastic: dict[str, Any] = {"clearance": clearance, "bush_radius": radius}
+    unused = _unused(reader, table, used, site, path)
+    needed = "friction" if "friction" in table else "the stiffness" if by_geometry else ""
+    radius = _radius(reader, table, site, needed, path)
+    elastic: dict[str, Any] = {"clearance": site.clearance, "bush_radius": radius}
     for key in own:
-        elastic[key] = _elastic(reader, static.fields[key], key, table, elastic, path)
-    normal = reader.fields(law, table, path)
+        elastic[key] = _elastic(reader, static.fields[key], key, table, elastic, path, site)
+    normal = reader.fields(law, table, path, site.unit)
     _unit_interval(reader, normal, path)
     friction = _friction(reader, table["friction"], (*path, "friction")) if "friction" in table else None
     found = Contact("compliant", {}, radius, Choice(model, normal), Choice(name, elastic), friction, unused)
@@ -199,8 +217,9 @@ def _geometry(reader: FieldReader, name: Any, path: Path) -> bool:
 
 
 def _elastic(
-    reader: FieldReader, field: registry.Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path
-) -> Any:
+    reader: FieldReader, field: registry.Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path,
+    site: Site,
+) -> Any:  # fmt: skip
     if field.shape == "material":
         default = field.default(read) if key not in table and callable(field.default) else field.default
         given = table.get(key, default)
@@ -215,7 +234,8 @@ def _elastic(
         return given
     if key == "stiffness":
         exponent = reader.values.value(table.get("exponent", 1.5), "", (*path, "exponent"), "positive")
-        unit = f"N/m^{exponent:g}" if exponent == exponent else "N/m"
+        force, length = site.unit("N"), site.unit("m")
+        unit = f"{force}/{length}^{exponent:g}" if exponent == exponent else f"{force}/{length}"
         return reader.values.value(table[key], unit, (*path, key), "positive")
     return reader.field(field, key, table, read, path)
 

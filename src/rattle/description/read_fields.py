@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from rattle import registry
@@ -49,9 +50,11 @@ class FieldReader:
             return self.values.vector(given[key], one.unit, here, one.live)
         return self.values.value(given[key], one.unit, here, one.least, one.live)
 
-    def fields(self, kind: registry.Kind, given: Mapping[str, Any], path: Path) -> dict[str, float]:
-        """All fields of a kind [SI], in the order of its declaration."""
+    def fields(
+        self, kind: registry.Kind, given: Mapping[str, Any], path: Path, unit: Callable[[str], str] = str
+    ) -> dict[str, float]:
+        """All fields of a kind [SI], in the order of its declaration; unit: what a unit of a field is here."""
         read: dict[str, float] = {}
         for key, one in kind.fields.items():
-            read[key] = self.field(one, key, given, read, path)
+            read[key] = self.field(replace(one, unit=unit(one.unit)), key, given, read, path)
         return read

@@ -7,8 +7,19 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rattle import registry
-from rattle.description.model import DEFAULT_CONTACT, Body, Contact, Driver, Joint, Load, Point, Vector
-from rattle.description.read_contact import contact_models, read_contact
+from rattle.description.model import (
+    DEFAULT_CONTACT,
+    DEFAULT_STOP,
+    Body,
+    Contact,
+    Driver,
+    Joint,
+    Load,
+    Point,
+    Stop,
+    Vector,
+)
+from rattle.description.read_contact import contact_models, read_contact, site_of_clearance, site_of_stop
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Path, Values, said
 from rattle.errors import suggest
@@ -18,7 +29,7 @@ from rattle.registry import Field
 
 BODY = ("points", "center", "mass", "inertia")  # keys of a body
 BAR = ("bar", "length", "points", "mass", "inertia")
-JOINT = ("type", "connect", "clearance", "contact")  # and the fields of its kind
+JOINT = ("type", "connect", "clearance", "contact", "stop")  # and the fields of its kind
 NOWHERE = Point("", "", (math.nan, math.nan))
 
 
@@ -177,6 +188,7 @@ class Parts(FieldReader):
             contact = self._contact(given, found.name, clearance, path)
         elif "contact" in given:
             values.wrong((*path, "contact"), "needs a clearance of the joint (radial, in m)", at_key=True)
+        stop = self._stop(given["stop"], found.name, (*path, "stop")) if "stop" in given else None
         dimensions = {}
         for key, wanted in tables.items():
             if key in given:
@@ -184,7 +196,7 @@ class Parts(FieldReader):
             elif contact is not None and not contact.closed and play is not None:
                 inside = ", ".join(wanted)
                 values.wrong(path, f"a {play.leaf.bearer} with clearance needs {key} = {{ {inside} }} in m")
-        self.joints[name] = Joint(name, found.name, a, b, fields, clearance, contact, dimensions)
+        self.joints[name] = Joint(name, found.name, a, b, fields, clearance, contact, dimensions, stop)
         if len(values.problems) > before:
             self.broken_joints.add(name)
 
@@ -196,15 +208,36 @@ class Parts(FieldReader):
 
     def _contact(self, given: Mapping[str, Any], joint: str, clearance: float, path: Path) -> Contact | None:
         if "contact" in given:
-            return read_contact(self, given["contact"], joint, clearance, (*path, "contact"))
+            return read_contact(self, given["contact"], site_of_clearance(joint, clearance), (*path, "contact"))
         suited = contact_models(joint)
         if DEFAULT_CONTACT in suited:
-            return read_contact(self, DEFAULT_CONTACT, joint, clearance, path)
+            return read_contact(self, DEFAULT_CONTACT, site_of_clearance(joint, clearance), path)
         if suited:
             self.values.wrong(path, f"a {joint} joint with clearance needs a contact: {', '.join(suited)}")
         else:
             self.values.wrong((*path, "clearance"), f"a {joint} joint cannot have clearance; leave it out", at_key=True)
         return None
+
+    def _stop(self, written: Any, joint: str, path: Path) -> Stop | None:
+        """The ends of the coordinate of a joint, with their contact model; None after a problem."""
+        values, kind = self.values, registry.stop_of(joint)
+        if kind is None:
+            where = " or ".join(name for name in registry.kinds("joint") if registry.stop_of(name))
+            values.wrong(
+                path, f"a {joint} joint has no coordinate that a stop could end; expected {where}", at_key=True
+            )
+            return None
+        given = values.table(written, path)
+        values.keys(given, (*kind.fields, "contact"), path)
+        if not any(key in given for key in kind.fields):
+            ends = " or ".join(f"{key} in {one.unit}" for key, one in kind.fields.items())
+            values.wrong(path, f"needs an end: {ends} ({', '.join(one.meaning for one in kind.fields.values())})")
+        least, largest = self.fields(kind, given, path).values()
+        if least >= largest:
+            unit = next(iter(kind.fields.values())).unit
+            values.wrong(path, f"min = {least:g} {unit} must be less than max = {largest:g} {unit}")
+        contact = read_contact(self, given.get("contact", DEFAULT_STOP), site_of_stop(kind), (*path, "contact"))
+        return Stop(least, largest, contact) if contact is not None else None
 
     # ------------------------------------------------------------ drivers and loads
     def add_driver(self, name: str, given: Mapping[str, Any]) -> None:

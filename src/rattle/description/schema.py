@@ -193,6 +193,7 @@ def _joint(kind: Kind) -> Schema:
         "clearance": _number("m", "radial clearance", "not negative"),
         "contact": _contact(),
         **_dimensions(kind),
+        **_stop(kind),
         **_fields(kind),
     }
     return _object(properties, ("type", "connect", *_needed(kind)), kind.summary)
@@ -205,6 +206,14 @@ def _dimensions(joint: Kind) -> dict[str, Schema]:
     return {
         table: _object({key: _field(one) for key, one in wanted.items()}, wanted) for table, wanted in tables.items()
     }
+
+
+def _stop(joint: Kind) -> dict[str, Schema]:
+    """The ends of the coordinate of a joint, if it has one."""
+    kind = registry.stop_of(joint.name)
+    if kind is None:
+        return {}
+    return {"stop": _object({**_fields(kind), "contact": _contact()}, (), kind.summary)}
 
 
 def _contact() -> Schema:

@@ -2,6 +2,7 @@
 
 force on B  = -N n - T t   at the contact point (t = n turned by 90 degrees)
 force on A  = +N n + T t
+couple on B = -N m, on A = +N m         m of the normal; with n = 0 the gap is an angle and N a moment [N m]
 power taken from the motion = N ddelta + T u = (stored: F_static ddelta) + (lost: the remainder)    [W]
 """
 
@@ -75,15 +76,16 @@ def add_contact_forces(m):
 
 @compiled
 def add_contact_force(force, kinematics, a, b, n, normal, tangent):
-    """Add the force (normal, tangent) [N] of contact n, and its moment, to both bodies."""
+    """Add the force (normal, tangent) [N] of contact n, its moment and its couple to both bodies."""
     fx = normal * kinematics[n, at.NX] - tangent * kinematics[n, at.NY]
     fy = normal * kinematics[n, at.NY] + tangent * kinematics[n, at.NX]
+    couple = normal * kinematics[n, at.TURN]
     force[a, at.X] += fx
     force[a, at.Y] += fy
-    force[a, at.PHI] += kinematics[n, at.PAX] * fy - kinematics[n, at.PAY] * fx
+    force[a, at.PHI] += kinematics[n, at.PAX] * fy - kinematics[n, at.PAY] * fx + couple
     force[b, at.X] -= fx
     force[b, at.Y] -= fy
-    force[b, at.PHI] -= kinematics[n, at.PBX] * fy - kinematics[n, at.PBY] * fx
+    force[b, at.PHI] -= kinematics[n, at.PBX] * fy - kinematics[n, at.PBY] * fx + couple
 
 
 @compiled

@@ -67,6 +67,7 @@ class StateLayout:
     bodies: tuple[str, ...]
     contacts: tuple[str, ...]  # joint of every contact point
     state_owners: tuple[str, ...]  # joint of every state of an element
+    angular: tuple[bool, ...]  # of every contact point: its gap is an angle, its N a moment
 
     @property
     def motion(self) -> slice:
@@ -96,7 +97,10 @@ class StateLayout:
         for part in (columns[at.PLACE : at.RATE], columns[at.RATE : at.RATE_RATE]):
             found += [(f"{body}.{key}", unit) for body in self.bodies for key, unit in part]
         found += [(f"energy.{key}", unit) for key, unit in ENERGIES.items()]
-        found += [(f"{joint}.{key}", unit) for joint in self.contacts for key, unit in ACCOUNTS.items()]
+        for joint, angular in zip(self.contacts, self.angular, strict=True):
+            found += [(f"{joint}.{key}", unit) for key, unit in ACCOUNTS.items()]
+            if angular:
+                found[-PER_CONTACT + IMPULSE] = (f"{joint}.impulse", "N*m*s")
         return found + [(f"{joint}.state", "of its law") for joint in self.state_owners]
 
 
@@ -105,4 +109,5 @@ def state_layout(system: System) -> StateLayout:
     contact = system.arrays["contact"]
     owners = [system.joints[n] for n in contact[:, at.OWNER]]
     held = np.repeat(np.arange(len(contact)), contact[:, at.STATES])
-    return StateLayout(system.bodies, tuple(owners), tuple(owners[n] for n in held))
+    angular = tuple((system.arrays["lever"][:, at.ANGULAR] > 0.0).tolist())
+    return StateLayout(system.bodies, tuple(owners), tuple(owners[n] for n in held), angular)

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from rattle import registry
-from rattle.description.model import Choice, Joint, Model, driven_ends
+from rattle.description.model import Joint, Model, driven_ends
 from rattle.equations import schur
+from rattle.equations.contact_table import CONTACT_TABLES, contact_table
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Image, Workspace
@@ -19,8 +20,6 @@ from rattle.language.expression import Node, compile_program, concatenate
 from rattle.language.recorded import array_of
 from rattle.language.switching import Signals, Switch, find_switches
 
-# families of kernels that contacts call, and the columns of `contact` that name them
-CONTACT_FAMILIES = {"clearance": at.SHAPE, "stiffness": at.STATIC, "normal": at.NORMAL_LAW, "friction": at.FRICTION}
 STATE = {"x": at.X, "y": at.Y, "angle": at.PHI, "vx": at.VX, "vy": at.VY, "omega": at.W}  # columns of `body`
 
 
@@ -110,8 +109,8 @@ class System:
             "joint_table": registry.table("joint", "driver", machine=machine, used=[*joint, *also]),
             "load_table": registry.table("load", machine=machine, used=self.arrays["load"][:, at.KERNEL].tolist()),
         }
-        for family, column in CONTACT_FAMILIES.items() if len(contact) else ():
-            tables[f"{family}_table"] = registry.table(family, machine=machine, used=contact[:, column].tolist())
+        for name, (families, column) in CONTACT_TABLES.items() if len(contact) else ():
+            tables[name] = registry.table(*families, machine=machine, used=contact[:, column].tolist())
         return tables
 
     @cached_property
@@ -151,17 +150,12 @@ class System:
 
 def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:
     """The kind whose constraint rows this joint has, and the values of its fields; None if only contacts act on it."""
-    if has_contacts(joint):
+    if joint.is_loose:
         return None, ()
     contact, known = joint.contact, registry.kinds("joint")
     if contact is not None and joint.clearance > 0.0 and registry.kinds("contact")[contact.model].leaf.link:
         return known[joint.leaf.massless], (joint.clearance,)
     return known[joint.kind], tuple(joint.fields.values())
-
-
-def has_contacts(joint: Joint) -> bool:
-    """True if the joint has clearance and no constraint: only contacts act on it."""
-    return joint.contact is not None and joint.clearance > 0.0 and joint.contact.acts
 
 
 def is_link(joint: Joint) -> bool:
@@ -213,7 +207,8 @@ def compile_system(model: Model) -> System:
         for unit in one.leaf.rows:
             rows.append(Row(name, unit, True))
             row_body.append((a, b))
-    contact, lever = _contacts(model, number, values)
+    length = _size(model)
+    contact, lever = contact_table(model, number, values, length)
     load, live = _loads(model, number, values, programs)
     signals = [programs.add(node, f"signals.{name}") for name, node in model.signals.items()]
     code, const, first, depth = concatenate(programs.programs)
@@ -232,7 +227,7 @@ def compile_system(model: Model) -> System:
         "joint": _table(joint, at.width("joint")),
         "load": _table(load, at.width("load")),
         "contact": _table(contact, at.width("contact")),
-        "lever": array_of(lever).reshape(-1, 4),
+        "lever": array_of(lever).reshape(-1, at.width("lever")),
         "values": array_of(values),
         "code": code,
         "const": const,
@@ -247,7 +242,7 @@ def compile_system(model: Model) -> System:
     }
     return System(
         model, arrays, tuple(model.bodies), (*model.joints, *model.drivers), tuple(rows), tuple(watched), depth + 1,
-        tuple(programs.names), tuple(int(n) for n in first[:-1]), _size(model), tuple(switches),
+        tuple(programs.names), tuple(int(n) for n in first[:-1]), length, tuple(switches),
     )  # fmt: skip
 
 
@@ -271,57 +266,6 @@ def _joints(
             rows.append(Row(name, unit, False))
             row_body.append((a, b))
     return joint, rows, row_body, watch, watched
-
-
-def _contacts(
-    model: Model, number: Mapping[str, int], values: list[float]
-) -> tuple[list[tuple[int, ...]], list[tuple[float, ...]]]:
-    """One entry per contact point, see `layout`: geometry and laws with their parameters; the levers of its bodies."""
-    found: list[tuple[int, ...]] = []
-    levers: list[tuple[float, ...]] = []
-    states = 0
-    for n, joint in enumerate(model.joints.values()):
-        contact, shape = joint.contact, registry.play_of(joint.kind)
-        if contact is None or shape is None or not has_contacts(joint):
-            continue
-        a, b = number[joint.a.body], number[joint.b.body]
-        place = len(values)
-        values += [*joint.a.at, *joint.b.at, joint.clearance, contact.bush_radius, *joint.fields.values()]
-        values += [size for table in joint.dimensions.values() for size in table]
-        lever = (*shape.leaf.levers(values[place:]), float(shape.leaf.walls_turn), float(shape.leaf.rounded))
-        laws: tuple[int, ...]
-        if contact.normal is None:
-            laws = (-1, -1, -1, len(values), -1, -1)
-            values += contact.fields.values()
-        else:
-            laws = (
-                *_law("stiffness", contact.static, values),
-                *_law("normal", _with_mass(contact.normal, model, joint), values),
-                *_law("friction", contact.friction, values),
-            )
-        own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
-        for corner in range(shape.leaf.contacts):
-            found.append((shape.tag, a, b, place, corner, *laws, n, int(contact.rigid), states, own))
-            states += own
-            levers.append(lever)
-    return found, levers
-
-
-def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, int]:
-    if choice is None:
-        return -1, -1
-    kind = registry.kinds(family)[choice.kind]
-    place = len(values)
-    values += kind.leaf.pack(choice.values)
-    return kind.tag, place
-
-
-def _with_mass(choice: Choice, model: Model, joint: Joint) -> Choice:
-    """Fill in the effective mass [kg] if a law needs one: that of the two bodies as if they were free."""
-    if choice.values.get("effective_mass", 1.0) > 0.0:
-        return choice
-    light = sum(1.0 / model.bodies[name].mass for name in (joint.a.body, joint.b.body) if name in model.bodies)
-    return Choice(choice.kind, {**choice.values, "effective_mass": 1.0 / light})
 
 
 def _loads(

@@ -116,16 +116,21 @@ _declare("contact", """
     IMPACT [] 1 for a set-valued contact, 0 for a compliant one
     FIRST_STATE [] first state of its friction law among those of all elements
     STATES [] number of states of that law
+    FORCE_COLUMN [] column of its joint in an output row to which N is added
+    SENSE [] 1 or -1: N there counts positive or negative
 """)
 SHAPE, A_BODY, B_BODY, SHAPE_P, CORNER, STATIC, STATIC_P, NORMAL_LAW, NORMAL_P, FRICTION, FRICTION_P = range(11)
-OWNER, IMPACT, FIRST_STATE, STATES = range(11, 15)
+OWNER, IMPACT, FIRST_STATE, STATES, FORCE_COLUMN, SENSE = range(11, 17)
 _declare("lever", """
     ARM_A [m] longest arm on A to its contact points
     ARM_B [m] longest arm on B
     WALLS_TURN [] 1 if straight walls turn with A
     ROUNDED [] 1 if a wall is curved
+    ANGULAR [] 1 if the gap is an angle, N a moment
+    SCALE [m or rad] size of the gap by which tolerances are set: the clearance, the range between two stops
+    SIZE_OF_GAP [m or rad] typical length of the mechanism, or 1 rad
 """)
-ARM_A, ARM_B, WALLS_TURN, ROUNDED = range(4)
+ARM_A, ARM_B, WALLS_TURN, ROUNDED, ANGULAR, SCALE, SIZE_OF_GAP = range(7)
 # parameters of a joint, driver or load between two points start with these (x, y each); those of contacts go on with
 # the clearance, the radius of the bush, the fields of the joint and its dimensions
 POINTS = 4
@@ -150,8 +155,8 @@ OWN_CODE, OPERANDS = 2, 3
 
 # ---------------------------------------------------------------- contacts
 _declare("contact_kinematics", """
-    GAP [m] gap g; negative: penetration
-    DGAP [m/s] its rate
+    GAP [m or rad] gap g; negative: penetration
+    DGAP [m/s or rad/s] its rate
     NX [] normal n from A outwards; the force on B is -N n - T t, t = n turned by 90 degrees
     NY [] the same along y
     PAX [m] arm of the contact point from the mass centre of A
@@ -159,29 +164,30 @@ _declare("contact_kinematics", """
     PBX [m] arm from the mass centre of B
     PBY [m] the same along y
     SLIP [m/s] u . t of B's material against A's
-    GAMMA_N [m/s^2] gamma of the normal row
+    GAMMA_N [m/s^2 or rad/s^2] gamma of the normal row
     GAMMA_T [m/s^2] gamma of the tangential row
-    NORMAL [N] N
+    NORMAL [N or N*m] N
     TANGENT [N] T
     LOSS [W] power taken from the motion and lost
     STORE [W] power taken from the motion and stored
     ACROSS [m/s] speed of a pin's centre along t
+    TURN [] couple of the normal: the moment on B is -N TURN besides that of the force; alone (n = 0) for an angular gap
 """)
-GAP, DGAP, NX, NY, PAX, PAY, PBX, PBY, SLIP, GAMMA_N, GAMMA_T, NORMAL, TANGENT, LOSS, STORE, ACROSS = range(16)
+GAP, DGAP, NX, NY, PAX, PAY, PBX, PBY, SLIP, GAMMA_N, GAMMA_T, NORMAL, TANGENT, LOSS, STORE, ACROSS, TURN = range(17)
 _declare("contact_memory", """
     CLOSED [] OPEN, SHUT or AUTO
-    SPEED [m/s] approach speed
+    SPEED [m/s or rad/s] approach speed
     SINCE [s] start of the contact
-    PEAK [N] largest N so far
-    IMPULSE_0 [N*s] impulse at its start
+    PEAK [N or N*m] largest N so far
+    IMPULSE_0 [N*s or N*m*s] impulse at its start
     LOSS_0 [J] energy lost at its start
     STEPS_IN [] steps so far in a compliant contact
-    GAP_0 [m] gap at the start of the step
-    DGAP_0 [m/s] its rate there
-    N_0 [N] N there
-    GAP_1 [m] gap at the end of the step
-    DGAP_1 [m/s] its rate there
-    N_1 [N] N there
+    GAP_0 [m or rad] gap at the start of the step
+    DGAP_0 [m/s or rad/s] its rate there
+    N_0 [N or N*m] N there
+    GAP_1 [m or rad] gap at the end of the step
+    DGAP_1 [m/s or rad/s] its rate there
+    N_1 [N or N*m] N there
     BOUNCES_END [s] end of a series of bounces that is not followed further; 0: none
     ROUNDING [m/s] velocity scale before the last impact, relative to which rounding is judged
     RATE_BEFORE [m/s] rate of the gap before an impact
@@ -268,7 +274,7 @@ _declare("audit", """
     OPEN_ROW [] the row with that residual
     UNREST [] of the present step: energy error as a share of the turnover
     CORRECTION [] openness that was corrected in the present step
-    SUNK [] largest depth of a set-valued contact in its wall [clearances], Moreau-Jean only
+    SUNK [] largest depth of a set-valued contact in its wall, in its SCALE, Moreau-Jean only
 """)
 OPEN_LIMIT, UNREST_LIMIT, FLOOR, STARTED, TOTAL_0, WORK_0, MOST_KINETIC, MOST_WORK, LEAST_POTENTIAL = range(9)
 MOST_POTENTIAL, MOST_UNREST, OPEN_ANGLE, OPEN_LENGTH, OPENNESS, OPEN_ROW, UNREST, CORRECTION, SUNK = range(9, 18)
@@ -290,10 +296,10 @@ _declare("events", """
     EVENT_T [s] instant
     EVENT_CONTACT [] number of the contact
     EVENT_KIND [] kind of event
-    EVENT_SPEED [m/s] along the normal
+    EVENT_SPEED [m/s or rad/s] along the normal
     EVENT_DURATION [s] of a contact that has ended
-    EVENT_PEAK [N] its largest force
-    EVENT_IMPULSE [N*s] impulse
+    EVENT_PEAK [N or N*m] its largest force
+    EVENT_IMPULSE [N*s or N*m*s] impulse
     EVENT_LOSS [J] energy lost
 """)
 EVENT_T, EVENT_CONTACT, EVENT_KIND, EVENT_SPEED, EVENT_DURATION, EVENT_PEAK, EVENT_IMPULSE, EVENT_LOSS = range(8)
@@ -312,13 +318,14 @@ OUTPUT_BODY = {
     "ax": "m/s^2", "ay": "m/s^2", "alpha": "rad/s^2",
 }
 # force on B, its moment about the joint's point on B, offset of that point from the one on A; minus the multiplier of
-# the first row, work rate of the rows; N, T and penetration of the contacts
+# the first row, work rate of the rows; N, T and penetration of the contacts of a clearance; force or moment of its
+# stops on B
 OUTPUT_JOINT = {
     "fx": "N", "fy": "N", "moment": "N*m", "ex": "m", "ey": "m", "effort": "N or N*m", "power": "W",
-    "normal": "N", "tangential": "N", "penetration": "m",
+    "normal": "N", "tangential": "N", "penetration": "m", "stop": "N or N*m",
 }
 OUTPUT_ENERGY = {"kinetic": "J", "potential": "J", "work": "J", "dissipated": "J"}
 PER_BODY, PER_JOINT, ENERGIES = len(OUTPUT_BODY), len(OUTPUT_JOINT), len(OUTPUT_ENERGY)
 PLACE, RATE, RATE_RATE = 0, 3, 6  # of a body: first of x, y, angle, of their rates and of their accelerations
-FX, FY, MOMENT, EX, EY, EFFORT, POWER, JOINT_NORMAL, JOINT_TANGENT, PENETRATION = range(PER_JOINT)
+FX, FY, MOMENT, EX, EY, EFFORT, POWER, JOINT_NORMAL, JOINT_TANGENT, PENETRATION, STOP = range(PER_JOINT)
 KINETIC, STORED, WORK, LOST = range(ENERGIES)

@@ -40,10 +40,8 @@ ARRAYS = {
     "gravity": Array("f1", "2", "m/s^2", "acceleration of free fall"),
     "joint": Array("i2", "nj, 5", "", "joints, then drivers"),
     "load": Array("i2", "nl, 5", "", "loads"),
-    "contact": Array("i2", "nc, 15", "", "geometry and laws of every contact point"),
-    "lever": Array(
-        "f2", "nc, 4", "m", "longest arms on A and B to contact points; 1 if walls turn with A; 1 if one is curved"
-    ),
+    "contact": Array("i2", "nc, 17", "", "geometry and laws of every contact point"),
+    "lever": Array("f2", "nc, 7", "m or rad", "what bounds the gap of every contact, and by what it is judged"),
     "code": Array(
         "i2", "nk, 4", "", "programs of all expressions, one after the other, with the branches of their switches"
     ),
@@ -62,7 +60,7 @@ ARRAYS = {
     "row_body": Array("i2", "nr, 2", "", "bodies A, B of every row"),
     "joint_table": Array("i1", "kinds", "", "kernels of joints and drivers"),
     "load_table": Array("i1", "kinds", "", "kernels of loads"),
-    "clearance_table": Array("i1", "kinds", "", "kernels of clearances"),
+    "clearance_table": Array("i1", "kinds", "", "kernels of clearances and stops"),
     "stiffness_table": Array("i1", "kinds", "", "kernels of static contact forces"),
     "normal_table": Array("i1", "kinds", "", "kernels of normal forces"),
     "friction_table": Array("i1", "kinds", "", "kernels of friction"),
@@ -85,7 +83,7 @@ ARRAYS = {
     "multiplier": Array("f1", "nr", "N or N*m", "lambda"),
     "acceleration": Array("f2", "nb + 1, 3", "m/s^2, rad/s^2", "of every body"),
     "change": Array("f1", "3 nb", "m, rad or m/s, rad/s", "a correction of positions or rates"),
-    "contact_kinematics": Array("f2", "nc, 16", "m, m/s, N", "geometry and forces of every contact"),
+    "contact_kinematics": Array("f2", "nc, 17", "m, m/s, N or rad, rad/s, N*m", "geometry and forces of every contact"),
     "contact_memory": Array("f2", "nc, 22", "", "memory of every contact"),
     "element_state": Array("f1", "states of elements", "SI", "of friction laws; see `equations.state`"),
     "element_rate": Array("f1", "states of elements", "SI/s", "their rates"),

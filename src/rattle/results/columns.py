@@ -59,8 +59,10 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
         joint = system.model.joints[name]
         kind = joint_rows(joint)[0]
         found.append((f"{name}.force", at.OF_VECTOR, c + at.FX))
-        if kind is None or kind.leaf.moment:
+        if passes_moment(joint):
             found.append((f"{name}.moment", at.OF_SIZE, c + at.MOMENT))
+        if joint.stop is not None:
+            found.append((f"{name}.stop", at.OF_SIZE, c + at.STOP))
         if joint.contact is None:
             continue
         if kind is None:
@@ -70,6 +72,12 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
         elif kind.name != joint.kind:
             found.append((f"{name}.pressing", at.OF_NEGATIVE, c + at.EFFORT))
     return found
+
+
+def passes_moment(joint: Joint) -> bool:
+    """True if the joint may transmit a moment: by its rows, by contacts in their place, or by a stop of its angle."""
+    kind = joint_rows(joint)[0]
+    return kind is None or kind.leaf.moment or joint.stops_angle
 
 
 def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dict[str, str]]:
@@ -100,8 +108,10 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
             kind = joint_rows(joint)[0]
             add(f"{name}.fx", "N", c + at.FX)
             add(f"{name}.fy", "N", c + at.FY)
-            if kind is None or kind.leaf.moment:
+            if passes_moment(joint):
                 add(f"{name}.moment", "N*m", c + at.MOMENT)
+            if joint.stop is not None:
+                add(f"{name}.stop", "N*m" if joint.stops_angle else "N", c + at.STOP)
             if joint.contact is not None:
                 made = _of_contact(system, joint, kind, raw, c)
                 for key, column in OF_CONTACT.items():
@@ -176,6 +186,9 @@ def geometry(model: Model) -> dict[str, Any]:
             if math.isfinite(travel := joint.leaf.travel(joint.fields)):
                 joints[name]["travel"] = travel
         joints[name]["fields"] = numbers(joint.fields)
+        if joint.stop is not None:  # an end that there is not is None
+            ends = (joint.stop.minimum, joint.stop.maximum)
+            joints[name]["stop"] = [end if math.isfinite(end) else None for end in ends]
         joints[name] |= {table: list(sizes) for table, sizes in joint.dimensions.items()}
         if joint.contact and joint.contact.bush_radius:
             joints[name]["bush_radius"] = joint.contact.bush_radius

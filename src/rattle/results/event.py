@@ -15,10 +15,10 @@ class Event(NamedTuple):
     t: float  # [s]
     joint: str
     kind: str  # contact | release | impact | stick | slip | jolt
-    normal_speed: float = 0.0  # approach speed [m/s]
+    normal_speed: float = 0.0  # approach speed [m/s]; of a stop of an angle [rad/s]
     duration: float = 0.0  # [s]
-    peak_force: float = 0.0  # [N]
-    impulse: float = 0.0  # [N s]
+    peak_force: float = 0.0  # [N]; of a stop of an angle a moment [N m]
+    impulse: float = 0.0  # [N s]; of a stop of an angle [N m s]
     energy_lost: float = 0.0  # [J]
 
 

@@ -75,6 +75,7 @@ def write_joints(m, row, first):
         row[c + at.EFFORT] = -multiplier[r] if end > r else 0.0
         row[c + at.POWER] = effort_power
         row[c + at.JOINT_NORMAL], row[c + at.JOINT_TANGENT], row[c + at.PENETRATION] = 0.0, 0.0, 0.0
+        row[c + at.STOP] = 0.0
         c += at.PER_JOINT
     write_contacts(m, row, first)
     return c
@@ -82,7 +83,7 @@ def write_joints(m, row, first):
 
 @compiled
 def write_contacts(m, row, first):
-    """Add the forces of all contacts [N] to the columns of their joints, which start at `first`."""
+    """Add the forces of all contacts [N, N m] to the columns of their joints, which start at `first`."""
     contact, kinematics, joint, body, values = m.contact, m.contact_kinematics, m.joint, m.body, m.values
     for n in range(contact.shape[0]):
         c = first + at.PER_JOINT * contact[n, at.OWNER]
@@ -94,7 +95,11 @@ def write_contacts(m, row, first):
         row[c + at.FX] += fx
         row[c + at.FY] += fy
         row[c + at.MOMENT] += (kinematics[n, at.PBX] - sbx) * fy - (kinematics[n, at.PBY] - sby) * fx
-        row[c + at.JOINT_NORMAL] += normal
+        row[c + at.MOMENT] -= normal * kinematics[n, at.TURN]
+        column = contact[n, at.FORCE_COLUMN]
+        row[c + column] += contact[n, at.SENSE] * normal
+        if column != at.JOINT_NORMAL:
+            continue
         row[c + at.JOINT_TANGENT] += tangent
         depth = -kinematics[n, at.GAP]
         row[c + at.PENETRATION] = depth if contact[n, at.CORNER] == 0 else max(row[c + at.PENETRATION], depth)

@@ -15,15 +15,15 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses.assembly.first_guess import outward, passed_angles, place_positions, place_rates
+from rattle.analyses.assembly.outside import outside
 from rattle.analyses.assembly.start_values import given_values, keep_places, keep_positions, keep_rates, start_notes
 from rattle.analyses.assembly.unclosed import why_open, without_value
 from rattle.description.model import Contact, Joint, Model
 from rattle.equations.closure import close_position, close_rate, open_by, place_only
-from rattle.equations.compliant import locate_contacts
 from rattle.equations.dense import LARGE, dense_rows
 from rattle.equations.motion import constraints, drive, solve_motion
 from rattle.equations.placement import pose, turned
-from rattle.equations.system import System, compile_system, has_contacts, is_link
+from rattle.equations.system import System, compile_system, is_link
 from rattle.errors import AssemblyError
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
@@ -70,7 +70,7 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
     """As `assemble`, without notes on what could not be kept."""
     model = system.model
     links = {name: one for name, one in model.joints.items() if is_link(one)}
-    open_ = {name: one for name, one in model.joints.items() if has_contacts(one)}
+    open_ = {name: one for name, one in model.joints.items() if one.is_loose}
     offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
     ideal_system = compile_system(ideal_model(model)) if offsets else system
     held = [name for name in open_ if not _placed(model, open_[name])]
@@ -98,9 +98,8 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
         v = _closed_rates(system, workspace, t, q, v, given)
     _refuse_contradiction(system, workspace, t, q, v)
     residual = float(open_by(workspace, t, q, v))
-    outside = _outside(system, workspace)
-    if outside:
-        raise AssemblyError(outside)
+    if beyond := outside(system, workspace):
+        raise AssemblyError(beyond)
     return Assembled(t, q, v, residual, iterations)
 
 
@@ -137,7 +136,7 @@ def _closed(
         return q, iterations
     kept = keep_positions(system, workspace, t, q, given)
     open_by(workspace, t, kept, np.zeros_like(kept))
-    return (q if _outside(system, workspace) else kept), iterations
+    return (q if outside(system, workspace) else kept), iterations
 
 
 def _placed(model: Model, joint: Joint) -> bool:
@@ -147,7 +146,7 @@ def _placed(model: Model, joint: Joint) -> bool:
     """
     if joint.name in model.initial.offsets:
         return False
-    without = replace(model, joints={name: one for name, one in model.joints.items() if not has_contacts(one)})
+    without = replace(model, joints={name: one for name, one in model.joints.items() if not one.is_loose})
     reached = {"ground"} | {body for body, _, _ in outward(without)}
 
     def known(body: str) -> bool:
@@ -192,7 +191,7 @@ def _refuse_offsets_along(system: System, q: np.ndarray) -> None:
     """Raise AssemblyError if the offset given for a guide or slot has a part along it, where nothing is play."""
     for name, offset in system.model.initial.offsets.items():
         joint = system.model.joints[name]
-        if joint.line is None or not has_contacts(joint):
+        if joint.line is None or not joint.is_loose:
             continue
         axis = pose(system, q, joint.a.body)[2] + joint.line
         along = offset[0] * math.cos(axis) + offset[1] * math.sin(axis)
@@ -202,23 +201,6 @@ def _refuse_offsets_along(system: System, q: np.ndarray) -> None:
                 f" points to {math.degrees(axis):.4g} deg: only the part across it is play; place the"
                 f" {joint.play.borne} along it by x or y of its body"
             )
-
-
-def _outside(system: System, workspace: Workspace) -> str:
-    """In words, which pin is outside its bush or block outside its guide at the state in the workspace; "" if none."""
-    contact = system.arrays["contact"]
-    if not len(contact):
-        return ""
-    locate_contacts(workspace)
-    for entry, gap in zip(contact, workspace.contact_kinematics[:, at.GAP], strict=True):
-        name = system.joints[entry[at.OWNER]]
-        clearance = system.model.joints[name].clearance
-        if gap < -1e-6 * clearance:
-            return (
-                f"joint '{name}' starts {-gap:.3g} m outside its clearance of {clearance:.3g} m: give the bodies"
-                f" positions with the pin inside, or an offset of '{name}' in [initial]"
-            )
-    return ""
 
 
 # ---------------------------------------------------------------- positions

@@ -13,6 +13,7 @@ from rattle import registry
 from rattle.analyses.law_check import law_faults
 from rattle.description.model import Joint, Model
 from rattle.equations.compliant import contact_duration
+from rattle.equations.contact_table import ContactGroup, contact_groups, effective_mass
 from rattle.equations.state import IMPULSE, LOSS, state_layout
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
@@ -54,29 +55,29 @@ def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Worksp
 def require_workable(system: System) -> None:
     """Raise ModelError, with the joint, for contacts so stiff that no step could resolve them."""
     problems = []
-    for name, joint in system.model.joints.items():
-        contact = joint.contact
-        if contact is None or contact.static is None or joint.clearance <= 0.0:
+    for joint, group in _groups(system.model):
+        contact, angular = group.contact, group.kind.leaf.angular
+        if contact.static is None:
             continue
-        kind, mass = registry.kinds("stiffness")[contact.static.kind], _mass(system, joint)
+        kind, mass = registry.kinds("stiffness")[contact.static.kind], effective_mass(system.model, joint, angular)
         p = np.array([*kind.leaf.pack(contact.static.values), 0.0])
         if call_stiffness(kind.kernel, (DEEP, p, 0)) * DEEP <= mass:  # at 1 m/s it goes deeper
             continue
         lasting = float(contact_duration.python(kind.kernel, p, 0, mass, 1.0))
         if lasting < STEPS_WANTED * SHORTEST:
+            unit = "rad" if angular else "m"
             said = (
-                f"so stiff that a contact at 1 m/s would last {lasting:.1g} s and steps fall below {SHORTEST:g} s;"
+                f"so stiff that a contact at 1 {unit}/s would last {lasting:.1g} s and steps fall below {SHORTEST:g} s;"
                 ' lower the stiffness, or use contact = "impact" for rigid bodies'
             )
-            problems.append(Problem(("joints", name, "contact"), said))
+            problems.append(Problem(group.path, said))
     if problems:
         raise ModelError(problems)
 
 
-def _mass(system: System, joint: Joint) -> float:
-    """Effective mass [kg] of an impact in a joint: that of its two bodies as if they were free."""
-    bodies = system.model.bodies
-    return 1.0 / sum(1.0 / bodies[name].mass for name in (joint.a.body, joint.b.body) if name in bodies)
+def _groups(model: Model) -> list[tuple[Joint, ContactGroup]]:
+    """All contacts of a mechanism, with their joints."""
+    return [(joint, group) for joint in model.joints.values() for group in contact_groups(joint)]
 
 
 def contact_counts(system: System, events: Sequence[Event], fewest: float) -> dict[str, Any]:
@@ -94,9 +95,11 @@ def _unused(model: Model) -> list[str]:
     """Notes on keys that only other contact models use than the one of the joint."""
     joints: dict[str, list[str]] = {}
     for name, joint in model.joints.items():
-        if joint.contact is not None and joint.contact.unused and joint.clearance > 0.0:
-            what = f"{joint.contact.title} does not use {', '.join(joint.contact.unused)}"
-            joints.setdefault(what, []).append(name)
+        used = [joint.contact] if joint.clearance > 0.0 else []
+        for contact in (*used, joint.stop.contact if joint.stop else None):
+            if contact is not None and contact.unused:
+                what = f"{contact.title} does not use {', '.join(contact.unused)}"
+                joints.setdefault(what, []).append(name)
     return [f"{', '.join(names)}: {what}" for what, names in joints.items()]
 
 
@@ -126,9 +129,9 @@ def contact_notes(system: System, events: Sequence[Event], energy: float) -> tup
             f"{len(gains)} impact{'s' if len(gains) > 1 else ''} created energy, {sum(gains):.3g} J in total:"
             " Newton's and Poisson's restitution with friction can; restitution_law = \"energetic\" cannot"
         )
-    for name, joint in system.model.joints.items():
-        contact = joint.contact
-        if contact is None or contact.normal is None or contact.static is None:
+    for joint, group in _groups(system.model):
+        name, contact = joint.name, group.contact
+        if contact.normal is None or contact.static is None:
             continue
         peak = max((event.peak_force for event in events if event.joint == name), default=0.0)
         static, normal = (

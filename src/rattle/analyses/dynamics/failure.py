@@ -93,18 +93,21 @@ def _grown(system: System, workspace: Workspace) -> str:
 def _escaped(system: System, workspace: Workspace) -> str:
     """In words, which contact is inside its wall, and by how much, from the gaps in the workspace."""
     contact = system.arrays["contact"]
-    clearance = workspace.values[contact[:, at.SHAPE_P] + at.CLEARANCE]
+    lever = system.arrays["lever"]
+    scale = lever[:, at.SCALE]
     rigid = contact[:, at.IMPACT] == 1
     off = np.resize(workspace.mode == OFF, len(contact)) if rigid.any() else rigid
-    shares = -workspace.contact_kinematics[:, at.GAP] / clearance
+    shares = -workspace.contact_kinematics[:, at.GAP] / scale
     depth = np.where(np.where(rigid, off, workspace.contact_memory[:, at.CLOSED] == at.OPEN), shares, -np.inf)
     if not (depth > 0.1 * DEEP).any():  # Moreau-Jean: contacts have no modes between steps
         depth = shares
     n = int(np.argmax(depth))
     joint = system.joints[contact[n, at.OWNER]]
+    unit = "rad" if lever[n, at.ANGULAR] > 0.0 else "m"
+    size = f"clearance {scale[n]:g} m" if contact[n, at.FORCE_COLUMN] == at.JOINT_NORMAL else "its stop"
     return (
         f"a contact was missed: at t = {workspace.clock[at.TROUBLE]:.9g} s joint '{joint}' is"
-        f" {depth[n] * clearance[n]:.3g} m inside its wall (clearance {clearance[n]:g} m), though not in contact;"
+        f" {depth[n] * scale[n]:.3g} {unit} inside its wall ({size}), though not in contact;"
         " try a smaller rtol, or a shorter step"
     )
 

@@ -12,6 +12,7 @@ from rattle.analyses.dynamics.event_driven_run import EventDrivenRun
 from rattle.analyses.dynamics.moreau_jean_run import MoreauJeanRun
 from rattle.analyses.dynamics.run import How, Run
 from rattle.analyses.dynamics.smooth_run import SmoothRun
+from rattle.equations.contact_table import contact_groups
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
 from rattle.jit import layout as at
@@ -79,13 +80,12 @@ def note_choice(system: System, asked: str, ran: Kind) -> tuple[str, ...]:
 
 def require_one_model(system: System) -> None:
     """Raise ModelError if impact and compliant contacts are mixed."""
-    rows = system.arrays["contact"]
-    models = {system.joints[row[at.OWNER]]: SET_VALUED if row[at.IMPACT] else COMPLIANT for row in rows}
+    groups = [group for joint in system.model.joints.values() for group in contact_groups(joint)]
+    models = {group.path: SET_VALUED if group.contact.rigid else COMPLIANT for group in groups}
     if COMPLIANT in models.values():
-        listed = ", ".join(f"{name}: {model}" for name, model in models.items())
-        said = f"impact and compliant contacts cannot be combined ({listed}); give all joints the same kind"
-        first = next(name for name, model in models.items() if model == COMPLIANT)
-        raise ModelError([Problem(("joints", first, "contact"), said)])
+        listed = ", ".join(f"{_named(path)}: {model}" for path, model in models.items())
+        said = f"impact and compliant contacts cannot be combined ({listed}); give all joints and stops the same kind"
+        raise ModelError([Problem(next(path for path, model in models.items() if model == COMPLIANT), said)])
 
 
 def require_one_law(system: System, stepper: type[Stepper]) -> None:
@@ -94,17 +94,20 @@ def require_one_law(system: System, stepper: type[Stepper]) -> None:
     An impact at several joints is one problem, with one law.
     """
     choices = registry.kinds("contact")["impact"].fields["restitution_law"].choices
-    laws = {
-        system.joints[row[at.OWNER]]: choices[int(system.arrays["values"][row[at.NORMAL_P] + at.RESTITUTION_LAW])]
-        for row in system.arrays["contact"]
-    }
+    groups = [group for joint in system.model.joints.values() for group in contact_groups(joint)]
+    laws = {group.path: choices[int(group.contact.fields["restitution_law"])] for group in groups}
     first = next(iter(laws))
-    for name, law in laws.items():
+    for path, law in laws.items():
         if law != laws[first]:
-            listed = ", ".join(f"{one}: {which}" for one, which in laws.items())
+            listed = ", ".join(f"{_named(one)}: {which}" for one, which in laws.items())
             said = f"impacts at several joints are one problem, which needs one law for all joints (now {listed})"
-            raise ModelError([Problem(("joints", name, "contact", "restitution_law"), said)])
+            raise ModelError([Problem((*path, "restitution_law"), said)])
     if stepper.restitution_laws and laws[first] not in stepper.restitution_laws:
         has = " or ".join(f'"{law}"' for law in stepper.restitution_laws)
         said = f'"{laws[first]}" works with method "{usual_stepper(SET_VALUED)}" only; {stepper.title} has {has}'
-        raise ModelError([Problem(("joints", first, "contact", "restitution_law"), said)])
+        raise ModelError([Problem((*first, "restitution_law"), said)])
+
+
+def _named(path: tuple[str, ...]) -> str:
+    """The joint of a contact model, and whether it is that of its stop."""
+    return path[1] + (" (stop)" if "stop" in path[2:] else "")

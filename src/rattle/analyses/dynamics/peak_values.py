@@ -23,7 +23,7 @@ def peak_arrays(system: System) -> dict[str, np.ndarray]:
     for row, (name, *_) in zip(table, watched, strict=True):
         joint, _, of = name.rpartition(".")
         contact = system.model.joints[joint].contact if joint in system.model.joints else None
-        if of == "moment":
+        if of == "moment" or (of == "stop" and system.model.joints[joint].stops_angle):
             row[samples.ARM] = system.size
         elif of == "penetration" and contact is not None and contact.rigid:
             row[samples.NOTHING] = DEEP * system.model.joints[joint].clearance  # at a rigid wall it is only drift

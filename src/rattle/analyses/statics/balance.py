@@ -25,7 +25,7 @@ from rattle.equations.dense import dense_rows
 from rattle.equations.motion import drive
 from rattle.equations.placement import point_at
 from rattle.equations.rest_force import force_at
-from rattle.equations.system import System, has_contacts, is_link
+from rattle.equations.system import System, is_link
 from rattle.jit import layout as at
 from rattle.results.build import provenance
 from rattle.results.columns import columns, geometry, width
@@ -96,7 +96,7 @@ class StaticProblem:
         ]
         length = min([1e-4 * system.size] + [3e-3 * one for one in arms])
         if len(self.workspace.contact_memory):  # penetrations are small
-            length = min([length] + [1e-5 * one.clearance for one in joints if has_contacts(one)])
+            length = min([length] + [1e-5 * one.clearance for one in joints if one.is_loose])
         self.length, self.step = length, length * self.scale
         self.out = np.zeros(3 * system.body_count)
         self.links = [name for name, one in system.model.joints.items() if is_link(one)]

@@ -31,7 +31,7 @@ from rattle.description.model import Contact
 from rattle.elements.custom import load_law
 from rattle.equations.closure import merit_at
 from rattle.equations.motion import drive
-from rattle.equations.system import System, compile_system, has_contacts, is_link
+from rattle.equations.system import System, compile_system, is_link
 from rattle.errors import AssemblyError
 from rattle.jit import functions
 from rattle.solvers.positions import position_sweep
@@ -82,7 +82,7 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
         partners.explore(position_at(rigid, t), True)
     reference = start + _first_offset(problem, rigid, start)
     pressing = play.describe(partners.found)
-    if any(has_contacts(joint) and _compliant(joint.contact) for joint in system.model.joints.values()):
+    if any(joint.is_loose and _compliant(joint.contact) for joint in system.model.joints.values()):
         pressing = partners.pressed(system, pressing)
     stopped = search.stopped or partners.stopped
     extent = f"without play {search.extent}; every pin was put on either side of its bush" if search.extent else ""
@@ -103,7 +103,7 @@ def without_guide_play(system: System) -> System:
     """The mechanism with every guide closed."""
     joints = dict(system.model.joints)
     for name, one in joints.items():
-        if not one.leaf.massless and has_contacts(one):
+        if not one.leaf.massless and one.is_loose:
             joints[name] = replace(one, contact=Contact("ideal"))
     changed = any(joints[name] is not one for name, one in system.model.joints.items())
     return compile_system(replace(system.model, joints=joints)) if changed else system
@@ -113,7 +113,7 @@ def rigid_model(system: System) -> System | None:
     """The mechanism with every pin with clearance on a massless link; None if no joint has clearance."""
     joints = dict(system.model.joints)
     for name, one in joints.items():
-        if one.leaf.massless and (has_contacts(one) or is_link(one)):
+        if one.leaf.massless and (one.is_loose or is_link(one)):
             joints[name] = replace(one, contact=Contact("massless-link"))
     model = replace(system.model, joints=joints)
     return compile_system(model) if any(is_link(one) for one in joints.values()) else None

@@ -12,6 +12,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from rattle.elements.contact_geometry import ContactGeometry
+from rattle.jit import layout as at
 from rattle.registry import Field
 
 Fields = Mapping[str, float]
@@ -52,23 +54,24 @@ class FreePlay:
         return ""
 
 
-class ClearanceKind:
+class ClearanceKind(ContactGeometry):
     """Interface of the kinds of clearance; the defaults are those of a pin in a bush."""
 
     joint: ClassVar[str]  # the kind of joint that has this clearance
     borne, bearer = "pin", "bush"  # names of the parts on B and A
-    contacts: ClassVar[int] = 1  # number of places that may touch; `corner` of the kernel is their index
-    walls_turn: ClassVar[bool] = False  # True: straight walls, which turn with A
-    rounded: ClassVar[bool] = True  # True: a curved wall, whose normal turns as B moves; its speed is in touch[ACROSS]
-    has_radius: ClassVar[bool] = True  # True: forces depend on the radius of the bush, which the contact may give
-    from_materials: ClassVar[bool] = False  # True: stiffness from materials, by the formulas for a pin in a bush
+    wall = "a bush"
     orbit: ClassVar[bool] = False  # True: a circle in which the path of the pin is drawn
     dimensions: ClassVar[Mapping[str, Mapping[str, Field]]] = {}  # tables of dimensions of a joint with this clearance
 
     @staticmethod
     def levers(p: Sequence[float]) -> tuple[float, float]:
-        """Longest arms [m] from the mass centres of A and B to the points that determine the gap (centres, corners)."""
+        """Arms [m] of the two centres."""
         return math.hypot(p[0], p[1]), math.hypot(p[2], p[3])
+
+    @staticmethod
+    def scale(p: Sequence[float], size: float) -> float:
+        """The clearance [m]."""
+        return p[at.CLEARANCE]
 
     @staticmethod
     def play_along(fields: Fields, along: np.ndarray) -> np.ndarray:

@@ -157,6 +157,7 @@ class BlockInGuide(ClearanceKind):
 
     joint = "prismatic"
     borne, bearer = "block", "guide"
+    wall = "a guide"
     contacts = 4
     walls_turn = True
     rounded = False

@@ -92,6 +92,7 @@ class PinInSlot(ClearanceKind):
 
     joint = "slot"
     borne, bearer = "pin", "slot"
+    wall = "a slot"
     walls_turn = True
 
     @staticmethod

@@ -55,7 +55,8 @@ def contact_time(m, n):
     """Estimated duration of contact n [s]; 0 if unknown."""
     contact, mass, speed = m.contact, m.mass, m.contact_memory[n, at.SPEED]
     a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
-    light = mass[b, 0] if a == 0 else (mass[a, 0] if b == 0 else min(mass[a, 0], mass[b, 0]))
+    q = 2 if m.lever[n, at.ANGULAR] > 0.0 else 0
+    light = mass[b, q] if a == 0 else (mass[a, q] if b == 0 else min(mass[a, q], mass[b, q]))
     if speed <= 0.0:
         return 0.0
     return contact_duration(m.stiffness_table[contact[n, at.STATIC]], m.values, contact[n, at.STATIC_P], light, speed)
@@ -63,7 +64,7 @@ def contact_time(m, n):
 
 @compiled
 def remember_end(m):
-    """Store gaps [m], rates [m/s] and forces [N] at the end of the step just computed."""
+    """Store gaps, their rates and forces [SI] at the end of the step just computed."""
     kinematics, memory = m.contact_kinematics, m.contact_memory
     for n in range(kinematics.shape[0]):
         memory[n, at.GAP_1], memory[n, at.DGAP_1], memory[n, at.N_1] = (

@@ -12,6 +12,8 @@ in e.  If this does not decide, three samples and the rates give a cubic, whose 
 sample plus a bound for the rotation, (E + (n')^2 |e|) (W dt)^2 dt^2 / 384; if that does not decide either, the
 interval is halved.  Contacts out of reach need no sample at all.
 
+A gap that is an angle between two bodies has |g''| <= |alpha_B - alpha_A| = E.
+
 Accelerations are bounded by those of the stages of the step plus their spread.
 
 Source: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems (1996), on bounds for the time to
@@ -25,7 +27,7 @@ import math
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.families import call_clearance
 from rattle.jit.functions import compiled, native
-from rattle.solvers.contacts.penetration import clearance_of
+from rattle.solvers.contacts.penetration import scale_of
 
 NONE = 2.0  # a share of the step that does not exist
 STAGES = 12  # slopes of a step whose accelerations bound those in it
@@ -37,15 +39,17 @@ FEW_LOOKS = 20_000  # for contacts whose step may be repeated with a shorter len
 
 @compiled
 def rounding(m, n):
-    """Penetration of contact n that may be rounding [m]: coordinates and angles may be large."""
+    """Penetration of contact n that may be rounding [m or rad]: coordinates and angles may be large."""
     contact, lever, y = m.contact, m.lever, m.state
-    size = 0.0
+    size, angular = 0.0, lever[n, at.ANGULAR] > 0.0
     for end in range(2):
         i = contact[n, at.A_BODY + end]
         size += lever[n, end]
-        if i > 0:
+        if i > 0 and angular:
+            size += abs(y[3 * i - 1])
+        elif i > 0:
             size += abs(y[3 * i - 3]) + abs(y[3 * i - 2]) + lever[n, end] * abs(y[3 * i - 1])
-    return 1e-12 * clearance_of(m, n) + 1e-15 * size
+    return 1e-12 * scale_of(m, n) + 1e-15 * size
 
 
 @compiled
@@ -84,11 +88,13 @@ def apart(m, y, a, b, k):
 
 @compiled
 def bounds(m, h, n):
-    """E [m/s^2] and the largest angular velocity W [rad/s] of contact n over the step of length h [s], see above."""
+    """E [m/s^2 or rad/s^2] and the largest angular velocity W [rad/s] of contact n over the step of length h [s]."""
     contact, lever, y, y_new = m.contact, m.lever, m.state, m.state_new
     a, b, s_a, s_b = contact[n, at.A_BODY], contact[n, at.B_BODY], lever[n, at.ARM_A], lever[n, at.ARM_B]
     wa, alpha_a = fastest(m, h, a)
     wb, alpha_b = fastest(m, h, b)
+    if lever[n, at.ANGULAR] > 0.0:
+        return largest(m, a, b, 2), max(wa, wb)
     ax, ay = largest(m, a, b, 0), largest(m, a, b, 1)
     linear = math.sqrt(ax * ax + ay * ay)
     bend = linear + s_b * (wb * wb + alpha_b) + s_a * (wa * wa + alpha_a)
@@ -103,7 +109,7 @@ def bounds(m, h, n):
 @compiled
 def sweep(m, n, bend, dt, gap):
     """Angular velocity of the normal of contact n as the pin moves round its bush [rad/s], and |e| there [m]."""
-    c = clearance_of(m, n)
+    c = scale_of(m, n)
     distance = max(0.25 * c, c - gap)
     if m.lever[n, at.ROUNDED] == 0.0:
         return 0.0, distance

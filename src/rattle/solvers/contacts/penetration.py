@@ -8,19 +8,19 @@ from rattle.equations.motion import place
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
-DEEP = 1e-6  # share of the clearance that a gap may be below zero: errors of integration and rounding are far smaller
+DEEP = 1e-6  # share of its scale that a gap may be below zero: errors of integration and rounding are far smaller
 ESCAPED = 21  # end of a run: a contact is inside its wall
 
 
 @compiled
-def clearance_of(m, n):
-    """Clearance of contact n [m]."""
-    return m.values[m.contact[n, at.SHAPE_P] + at.CLEARANCE]
+def scale_of(m, n):
+    """Size of the gap of contact n by which tolerances are set [m or rad]: for a pin or a block its clearance."""
+    return m.lever[n, at.SCALE]
 
 
 @native("i", "h", "v")
 def escaped(m, y):
-    """True if an open contact is inside its wall in the state y, deeper than DEEP clearances.
+    """True if an open contact is inside its wall in the state y, deeper than DEEP of its scale.
 
     One that was inside after the projection may be as deep as at the start of the step.
     """
@@ -38,15 +38,15 @@ def inside_wall(m):
     contact, kinematics, memory = m.contact, m.contact_kinematics, m.contact_memory
     for n in range(contact.shape[0]):
         free = m.mode[n] == OFF if contact[n, at.IMPACT] == 1 else memory[n, at.CLOSED] == at.OPEN
-        if free and not kinematics[n, at.GAP] >= min(memory[n, at.GAP_0], 0.0) - DEEP * clearance_of(m, n):
+        if free and not kinematics[n, at.GAP] >= min(memory[n, at.GAP_0], 0.0) - DEEP * scale_of(m, n):
             return True
     return False
 
 
 @compiled
 def deepest(m):
-    """Largest depth of a contact in its wall, in clearances, from the present gaps."""
+    """Largest depth of a contact in its wall, as a share of its scale, from the present gaps."""
     kinematics, worst = m.contact_kinematics, 0.0
     for n in range(kinematics.shape[0]):
-        worst = max(worst, -kinematics[n, at.GAP] / clearance_of(m, n))
+        worst = max(worst, -kinematics[n, at.GAP] / scale_of(m, n))
     return worst

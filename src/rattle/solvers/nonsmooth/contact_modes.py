@@ -34,7 +34,7 @@ from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.families import call_problem
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.event_rows import note, note_end
-from rattle.solvers.contacts.penetration import clearance_of
+from rattle.solvers.contacts.penetration import scale_of
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 
@@ -114,7 +114,7 @@ def part(m, count, apart, attempt):
         if leaves(m, n, apart, attempt):
             contact_rows_of_one(m, count, n)
             opening = kinematics[n, at.GAMMA_N] - along(m, 2 * count, n, acceleration, 0)
-            size = turning(m, n) + largest_acceleration(m)
+            size = turning(m, n) + largest_acceleration(m, n)
             if opening < -1e-9 * size or (n != apart and opening > SLOWLY * size):
                 return False
     return True
@@ -207,9 +207,9 @@ def end_creep(m, count):
 
 @compiled
 def turning(m, n):
-    """Magnitude of the terms of gamma of contact n [m/s^2], which may cancel; its rounding is relative to it."""
+    """Magnitude of the terms of gamma of contact n [SI], which may cancel: its rounding is relative to it."""
     contact, kinematics, lever, body = m.contact, m.contact_kinematics, m.lever, m.body
-    size = abs(kinematics[n, at.GAMMA_N]) + kinematics[n, at.ACROSS] * kinematics[n, at.ACROSS] / clearance_of(m, n)
+    size = abs(kinematics[n, at.GAMMA_N]) + kinematics[n, at.ACROSS] * kinematics[n, at.ACROSS] / scale_of(m, n)
     for end in range(2):
         rate = body[contact[n, at.A_BODY + end], at.W]
         size += lever[n, end] * rate * rate

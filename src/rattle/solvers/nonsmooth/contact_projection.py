@@ -8,18 +8,26 @@ from rattle.equations.motion import constraints, free_motion, place
 from rattle.equations.unilateral import contact_rows, push_all, reach, shift, solve_modes, velocity_scale
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.contacts.penetration import clearance_of
+from rattle.solvers.contacts.penetration import scale_of
 from rattle.solvers.projection import project
 
-NEAR = 1e-6  # share of the clearance within which contacts hit at the same instant: well above the integration error
+NEAR = 1e-6  # share of its scale within which contacts hit at the same instant: well above the integration error
 FAR = 100.0  # how far a contact may move along its wall, in gaps, when it is projected onto the wall
+EXACT = 1e-16  # share of the typical size of a gap to which closed ones are brought onto their walls
 STILL = 1e-12  # share of its terms below which a contact velocity counts as zero
 
 
 @compiled
 def noise(m, n):
-    """Penetration of contact n that may be rounding [m]."""
-    return 1e-12 * clearance_of(m, n) + 1e-15 * m.held[at.SIZE]
+    """Penetration of contact n that may be rounding [m or rad]."""
+    return 1e-12 * scale_of(m, n) + 1e-15 * m.lever[n, at.SIZE_OF_GAP]
+
+
+@compiled
+def note_open(m, n, gap):
+    """Count the error of a gap [m or rad] of contact n as drift."""
+    column = at.OPEN_ANGLE if m.lever[n, at.ANGULAR] > 0.0 else at.OPEN_LENGTH
+    m.audit[column] = max(m.audit[column], gap)
 
 
 @compiled
@@ -48,7 +56,7 @@ def add_hitting(m, count, who):
     for n in range(contact.shape[0]):
         if who < 0 or contact[n, at.IMPACT] == 0 or mode[n] != OFF:
             continue
-        if n == who or abs(kinematics[n, at.GAP]) <= NEAR * clearance_of(m, n):
+        if n == who or abs(kinematics[n, at.GAP]) <= NEAR * scale_of(m, n):
             active[closed] = n
             closed += 1
     return closed
@@ -56,11 +64,15 @@ def add_hitting(m, count, who):
 
 @compiled
 def goes_far(m, count, gap):
-    """True if the present forces, taken as displacements, move contact points by more than FAR times a gap [m]."""
+    """True if the present forces, taken as displacements, move contact points by more than FAR times a gap.
+
+    gap: as a share of the typical size of such a gap.
+    """
     dv, active = m.velocity_change, m.active
     push_all(m, count)
     for k in range(count):
-        if reach(m, 2 * k, active[k], dv, 0) > FAR * gap or reach(m, 2 * k + 1, active[k], dv, 0) > FAR * gap:
+        far = FAR * gap * m.lever[active[k], at.SIZE_OF_GAP]
+        if reach(m, 2 * k, active[k], dv, 0) > far or reach(m, 2 * k + 1, active[k], dv, 0) > far:
             return True
     return False
 
@@ -78,18 +90,20 @@ def project_on_contacts(m, t, y, who):
     closed = add_hitting(m, count, who)
     if closed == 0:
         return
-    active, candidate, side, kinematics, audit = m.active, m.candidate, m.side, m.contact_kinematics, m.audit
+    active, candidate, side, kinematics = m.active, m.candidate, m.side, m.contact_kinematics
     nq = m.change.shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
-    exact, bend = 1e-16 * m.held[at.SIZE], 1.0
+    bend = 1.0
     for attempt in range(4):
-        worst, left = 0.0, bend
+        worst, left = 0.0, bend  # as shares of the typical sizes of gaps
         bend = 0.0
         for k in range(closed):
+            size = m.lever[active[k], at.SIZE_OF_GAP]
             gap = abs(kinematics[active[k], at.GAP])
-            worst, bend = max(worst, gap), max(bend, gap * gap / clearance_of(m, active[k]))
-        if worst < exact or left < exact or attempt == 3:  # error by curved walls: gap^2 / clearance
-            audit[at.OPEN_LENGTH] = max(audit[at.OPEN_LENGTH], worst)
+            worst, bend = max(worst, gap / size), max(bend, gap * gap / (scale_of(m, active[k]) * size))
+        if worst < EXACT or left < EXACT or attempt == 3:  # error by curved walls: gap^2 / clearance
+            for k in range(closed):
+                note_open(m, active[k], abs(kinematics[active[k], at.GAP]))
             break
         contact_rows(m, closed)
         for k in range(closed):
@@ -122,17 +136,20 @@ def motion_without(m, t, y):
 
 
 @compiled
-def largest_acceleration(m):
-    """Largest acceleration of a mass centre along x or y [m/s^2]."""
-    acceleration = m.acceleration
+def largest_acceleration(m, n):
+    """Largest acceleration of a mass centre along x or y [m/s^2]; for a contact n with angular gap, of an angle."""
+    acceleration, angular = m.acceleration, m.lever[n, at.ANGULAR] > 0.0
     total = 0.0
     for i in range(1, acceleration.shape[0]):
-        total = max(total, abs(acceleration[i, 0]), abs(acceleration[i, 1]))
+        if angular:
+            total = max(total, abs(acceleration[i, 2]))
+        else:
+            total = max(total, abs(acceleration[i, 0]), abs(acceleration[i, 1]))
     return total
 
 
 @compiled
 def at_rest(m, r, n, u, before):
-    """True if the velocity u [m/s] of row r of contact n is rounding; before: magnitude of its terms before an impact
-    [m/s]."""
-    return abs(u) <= STILL * max(velocity_scale(m, r, n), before) + 1e-14 * m.held[at.SIZE]
+    """True if the velocity u [m/s or rad/s] of row r of contact n is rounding; before: magnitude of its terms before an
+    impact."""
+    return abs(u) <= STILL * max(velocity_scale(m, r, n), before) + 1e-14 * m.lever[n, at.SIZE_OF_GAP]

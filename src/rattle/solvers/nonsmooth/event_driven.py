@@ -24,10 +24,10 @@ from rattle.jit import layout as at
 from rattle.jit.families import call_stepper
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.gap_search import NONE, may_reach
-from rattle.solvers.contacts.penetration import ESCAPED, clearance_of, escaped, inside_wall
+from rattle.solvers.contacts.penetration import ESCAPED, escaped, inside_wall, scale_of
 from rattle.solvers.dense_output import interpolate, prepare_dense
 from rattle.solvers.nonsmooth.contact_modes import CREEPS, HIT, NOTHING, TURN, update_modes
-from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, project_on_contacts
+from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, note_open, project_on_contacts
 from rattle.solvers.nonsmooth.event_search import any_closed, first_event
 from rattle.solvers.nonsmooth.impacts import collide
 from rattle.solvers.output_row import record
@@ -62,7 +62,7 @@ CROWDED = 1e-6
 
 @compiled
 def remember(m):
-    """Store gaps [m] and their rates [m/s] for the start of the next step."""
+    """Store gaps [m or rad] and their rates for the start of the next step."""
     kinematics, memory = m.contact_kinematics, m.contact_memory
     for n in range(kinematics.shape[0]):
         memory[n, at.GAP_0], memory[n, at.DGAP_0] = kinematics[n, at.GAP], kinematics[n, at.DGAP]
@@ -70,10 +70,10 @@ def remember(m):
 
 @compiled
 def count_shift(m):
-    """Error of a located event [m], from gaps before and after the projection; it counts as drift."""
-    memory, kinematics, audit = m.contact_memory, m.contact_kinematics, m.audit
+    """Error of a located event [m or rad], from gaps before and after the projection; it counts as drift."""
+    memory, kinematics = m.contact_memory, m.contact_kinematics
     for n in range(memory.shape[0]):
-        audit[at.OPEN_LENGTH] = max(audit[at.OPEN_LENGTH], abs(kinematics[n, at.GAP] - memory[n, at.GAP_1]))
+        note_open(m, n, abs(kinematics[n, at.GAP] - memory[n, at.GAP_1]))
 
 
 @compiled
@@ -127,7 +127,7 @@ def start(m, t):
     locate_contacts(m)
     who, nearest = -1, -1
     for n in range(contact.shape[0]):
-        near = max(NEAR * clearance_of(m, n), 4.0 * noise(m, n))
+        near = max(NEAR * scale_of(m, n), 4.0 * noise(m, n))
         if contact[n, at.IMPACT] == 0 or mode[n] != OFF or kinematics[n, at.GAP] > near:
             continue
         if nearest < 0 or kinematics[n, at.GAP] < kinematics[nearest, at.GAP]:

@@ -1,9 +1,9 @@
 """Impacts of set-valued contacts: impulses, energy lost, and the end of infinite sequences of impacts.
 
-A bounce that would rise less than LOW clearances, or less than the rounding of its gap (4e-15 of the size of the
-mechanism, more where coordinates or angles are large), is not followed: restitution is taken as zero, and the contact
-counts as closed from the end of the geometric series of bounces on, t + 2 v / (|g''| (1 - e)).  In a clearance of 1 mm
-such a bounce has a few 1e-6 m/s.
+A bounce that would rise less than LOW clearances (of a stop: of its range), or less than the rounding of its gap
+(4e-15 of the size of the mechanism, more where coordinates or angles are large), is not followed: restitution is taken
+as zero, and the contact counts as closed from the end of the geometric series of bounces on,
+t + 2 v / (|g''| (1 - e)).  In a clearance of 1 mm such a bounce has a few 1e-6 m/s.
 
 The same holds if one contact lifts because another one hits, as under a rocking block: one that would rise less
 is held down, and its rate is lost like that of a bounce.  The intervals d between impacts of a contact shrink
@@ -41,13 +41,13 @@ from rattle.jit.families import call_problem
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.event_rows import note_impact
 from rattle.solvers.contacts.gap_search import rounding
-from rattle.solvers.contacts.penetration import clearance_of
+from rattle.solvers.contacts.penetration import scale_of
 from rattle.solvers.nonsmooth.contact_projection import STILL, at_rest, at_wall, motion_without
 from rattle.solvers.nonsmooth.impact_path import BEFORE, E
 from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, law_of
 
 NOTICED = 1e-11  # share of the largest impulse of an impact below which one is rounding and no event
-LOW = 1e-11  # bounces that rise less than this share of the clearance are not followed
+LOW = 1e-11  # bounces that rise less than this share of the scale of the gap are not followed
 
 
 @native("i", "h", "f", "v", "i")
@@ -188,7 +188,7 @@ def low_bounce(m, t, y, count):
         side[F, r] = side[OTHER, r]
     for k in range(count):
         n = active[k]
-        least = max(LOW * clearance_of(m, n), 4e-15 * m.held[at.SIZE], rounding(m, n))
+        least = max(LOW * scale_of(m, n), 4e-15 * m.lever[n, at.SIZE_OF_GAP], rounding(m, n))
         speed, came = kinematics[n, at.DGAP], -bounce[BEFORE, 2 * n]
         if memory[n, at.BOUNCES_END] != 0.0 or speed <= STILL * velocity_scale(m, 2 * k, n):
             continue

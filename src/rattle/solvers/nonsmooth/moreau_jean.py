@@ -47,7 +47,7 @@ from rattle.equations.unilateral import along, contact_rows, ending, push_all, s
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.event_rows import note, note_end, note_impact
-from rattle.solvers.contacts.penetration import ESCAPED, deepest
+from rattle.solvers.contacts.penetration import ESCAPED, deepest, scale_of
 from rattle.solvers.output_row import write
 from rattle.solvers.peaks.samples import START, add_step, gauge
 from rattle.solvers.projection import project
@@ -55,7 +55,7 @@ from rattle.solvers.sign_watch import cross_at_once
 from rattle.solvers.step_audit import UNSOUND, note_drift, stands
 from rattle.solvers.step_control import has_room
 
-ACTIVE = 1e-8  # share of the clearance within which a contact takes part
+ACTIVE = 1e-8  # share of its scale within which a contact takes part
 KEPT = 1e-4  # the same for one that pressed in the step before: on curved paths a gap of O(h^2) is no separation
 LASTING = 3  # steps in a row after which a contact counts as closed, or as released
 
@@ -79,15 +79,12 @@ def start(m, t):
 @compiled
 def choose_active(m):
     """Choose the contacts that are closed, with the modes of the step before as a start; the others are off."""
-    contact, kinematics, mode, values = m.contact, m.contact_kinematics, m.mode, m.values
+    contact, kinematics, mode = m.contact, m.contact_kinematics, m.mode
     active, candidate, slide = m.active, m.candidate, m.slide
     count = 0
     for n in range(contact.shape[0]):
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = 0.0, 0.0
-        if (
-            kinematics[n, at.GAP]
-            <= (ACTIVE if mode[n] == OFF else KEPT) * values[contact[n, at.SHAPE_P] + at.CLEARANCE]
-        ):
+        if kinematics[n, at.GAP] <= (ACTIVE if mode[n] == OFF else KEPT) * scale_of(m, n):
             active[count], candidate[count], slide[count] = n, mode[n], 0
             count += 1
     return count

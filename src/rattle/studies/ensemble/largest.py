@@ -19,7 +19,7 @@ from rattle.results.display import lines
 from rattle.studies.ensemble.edge import Edge, NotReachedError, edge
 from rattle.studies.ensemble.fields import Vary, fields_of, varies
 from rattle.studies.ensemble.sampling import MOST, points
-from rattle.studies.ensemble.sought import Asked, Sought, clearance_of, tolerance_of
+from rattle.studies.ensemble.sought import Asked, Sought, scale_of, tolerance_of
 from rattle.studies.ensemble.within import Within
 from rattle.studies.runs.analyses import analysis_named
 
@@ -75,7 +75,7 @@ def tolerance_for(
     named = _with_entries(m, vary)
     asked = Asked(m, of, within, m.model.parameters[parameter], named, analysis_named(analysis), t_end)
     play = m.joints_with_clearance(parameter) if parameter not in named else []
-    sought = clearance_of(asked, play, threads, progress) if play else tolerance_of(asked, threads, progress)
+    sought = scale_of(asked, play, threads, progress) if play else tolerance_of(asked, threads, progress)
     return _Search(sought, kept, count, seed).result()
 
 

@@ -211,7 +211,7 @@ class _Clearance(Sought):
         return _text(x, self.parameter.unit)
 
 
-def clearance_of(asked: Asked, joints: list[str], threads: int | None, progress: bool) -> Sought:
+def scale_of(asked: Asked, joints: list[str], threads: int | None, progress: bool) -> Sought:
     """The clearance of joints.  Raises what `fields_of` and `task_of` raise, ValueError."""
     m, end = asked.mechanism, asked.t_end
     fields = fields_of(m, asked.vary) if asked.vary else None

@@ -1,0 +1,48 @@
+"""Contacts that would be inside their walls at the start, in words."""
+
+from __future__ import annotations
+
+import math
+
+from rattle.description.model import Joint
+from rattle.equations.compliant import locate_contacts
+from rattle.equations.system import System
+from rattle.jit import layout as at
+from rattle.jit.workspace import Workspace
+
+
+def outside(system: System, workspace: Workspace) -> str:
+    """In words, which pin is outside its bush, block outside its guide or joint beyond its stop; "" if none is."""
+    contact, lever = system.arrays["contact"], system.arrays["lever"]
+    if not len(contact):
+        return ""
+    locate_contacts(workspace)
+    for entry, one, gap in zip(contact, lever, workspace.contact_kinematics[:, at.GAP], strict=True):
+        name = system.joints[entry[at.OWNER]]
+        joint = system.model.joints[name]
+        if gap >= -1e-6 * one[at.SCALE]:
+            continue
+        if entry[at.FORCE_COLUMN] == at.STOP and joint.stop is not None:
+            if joint.stop.contact.rigid:
+                return _beyond(joint, int(entry[at.SENSE]), float(gap))
+        else:
+            clearance = joint.clearance
+            return (
+                f"joint '{name}' starts {-gap:.3g} m outside its clearance of {clearance:.3g} m: give the bodies"
+                f" positions with the pin inside, or an offset of '{name}' in [initial]"
+            )
+    return ""
+
+
+def _beyond(joint: Joint, sense: int, gap: float) -> str:
+    """In words, that a joint starts beyond a rigid stop; gap [m or rad]."""
+    assert joint.stop is not None, "called for a contact of the stop"
+    end, words = (joint.stop.minimum, "min") if sense > 0 else (joint.stop.maximum, "max")
+    value, deg = end + sense * gap, 180.0 / math.pi
+    if not joint.stops_angle:
+        where = f"at {value:.6g} m, beyond {words} = {end:.6g} m"
+    else:
+        where = f"at {deg * value:.6g} deg, beyond {words} = {deg * end:.6g} deg"
+    turns = round(-gap / (2.0 * math.pi)) if joint.stops_angle else 0
+    also = f"; angles are continuous: start {turns} turn{'s' if turns > 1 else ''} away" if turns else ""
+    return f"joint '{joint.name}' starts {where} of its stop: give its bodies other values in [initial]{also}"

@@ -1,0 +1,46 @@
+"""What the equations and the solvers need to know of the geometry of a contact: the interface of its kinds.
+
+A contact is one-sided: a gap g >= 0 and N >= 0 that opens it.  It may belong to a joint in place of its rows
+(clearance) or besides them (stop).  With n and the arms p_A, p_B, and the couple m (columns NX to PBY and TURN of
+`contact_kinematics`), its normal row is
+
+    -g' = w . v,   w = A (-n, -p_A x n - m), B (n, p_B x n + m)
+
+so the gap is a length [m], N a force [N]; or, with n = 0 and m = +-1, an angle [rad] and a moment [N m].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+from rattle.jit import layout as at
+
+
+class ContactGeometry:
+    """Interface of the kinds of geometry; the defaults are those of a point on a curved wall."""
+
+    contacts: ClassVar[int] = 1  # number of places that may touch; `corner` of the kernel is their index
+    walls_turn: ClassVar[bool] = False  # True: straight walls, which turn with A
+    rounded: ClassVar[bool] = True  # True: a curved wall, whose normal turns as B moves; its speed is in touch[ACROSS]
+    wall: ClassVar[str]  # what bears, in messages, with an article
+    angular: ClassVar[bool] = False  # True: the gap is an angle [rad], N a moment [N m]
+    slides: ClassVar[bool] = True  # True: it has a tangential row, on which friction acts
+    column: ClassVar[int] = at.JOINT_NORMAL  # of an output row of its joint: N of its contacts is added there
+    has_radius: ClassVar[bool] = True  # True: forces depend on the radius of the bush, which the contact may give
+    from_materials: ClassVar[bool] = False  # True: stiffness from materials, by the formulas for a pin in a bush
+
+    @staticmethod
+    def levers(p: Sequence[float]) -> tuple[float, float]:
+        """Longest arms [m] from the mass centres of A and B to the points that determine the gap (centres, corners)."""
+        raise NotImplementedError
+
+    @staticmethod
+    def scale(p: Sequence[float], size: float) -> float:
+        """Size of the gap by which tolerances are set [m or rad]; size: of the mechanism [m], or 1 rad."""
+        raise NotImplementedError
+
+    @staticmethod
+    def sense(corner: int) -> int:
+        """1 or -1: N of this contact counts positive or negative in its column."""
+        return 1

@@ -1,0 +1,107 @@
+"""The contacts of a mechanism as flat arrays: which joints have them, their geometry and laws with parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from rattle import registry
+from rattle.description.model import Choice, Contact, Joint, Model
+from rattle.jit import layout as at
+
+GEOMETRIES = ("clearance", "stop")  # families of kernels that give the geometry of a contact, in one table
+# tables of kernels that contacts call: the families in them, and the column of `contact` that names an entry
+CONTACT_TABLES = {
+    "clearance_table": (GEOMETRIES, at.SHAPE),
+    "stiffness_table": (("stiffness",), at.STATIC),
+    "normal_table": (("normal",), at.NORMAL_LAW),
+    "friction_table": (("friction",), at.FRICTION),
+}
+
+
+class ContactGroup(NamedTuple):
+    """Contacts of one joint with the same geometry: those of its clearance, or those of its stop."""
+
+    kind: registry.Kind  # its class is a `ContactGeometry`
+    contact: Contact
+    parameters: tuple[float, ...]  # of the kernel [SI]
+    corners: tuple[int, ...]  # contacts of the kind that there are
+    path: tuple[str, ...]  # of its contact model in the model file
+
+
+def contact_groups(joint: Joint) -> list[ContactGroup]:
+    """All contacts of a joint, which act in place of its rows (clearance) or besides them (stop)."""
+    found = []
+    points = (*joint.a.at, *joint.b.at)
+    play = registry.play_of(joint.kind)
+    if joint.contact is not None and play is not None and joint.is_loose:
+        sizes = [size for table in joint.dimensions.values() for size in table]
+        p = (*points, joint.clearance, joint.contact.bush_radius, *joint.fields.values(), *sizes)
+        corners = tuple(range(play.leaf.contacts))
+        found.append(ContactGroup(play, joint.contact, p, corners, ("joints", joint.name, "contact")))
+    kind = registry.stop_of(joint.kind)
+    if joint.stop is not None and kind is not None:
+        ends = (joint.stop.minimum, joint.stop.maximum)
+        p = (*points, *ends, 0.0 if joint.line is None else joint.line)
+        corners = tuple(k for k, end in enumerate(ends) if math.isfinite(end))
+        found.append(ContactGroup(kind, joint.stop.contact, p, corners, ("joints", joint.name, "stop", "contact")))
+    return found
+
+
+def contact_table(
+    model: Model, number: Mapping[str, int], values: list[float], length: float
+) -> tuple[list[tuple[int, ...]], list[tuple[float, ...]]]:
+    """One entry per contact point, see `layout`: geometry and laws with their parameters; its entry in `lever`.
+
+    Parameters are appended to `values`; length: of the mechanism [m].
+    """
+    found: list[tuple[int, ...]] = []
+    levers: list[tuple[float, ...]] = []
+    states = 0
+    for n, joint in enumerate(model.joints.values()):
+        a, b = number[joint.a.body], number[joint.b.body]
+        for kind, contact, parameters, corners, _ in contact_groups(joint):
+            leaf, place, size = kind.leaf, len(values), 1.0 if kind.leaf.angular else length
+            values += parameters
+            laws: tuple[int, ...]
+            if contact.normal is None:
+                laws = (-1, -1, -1, len(values), -1, -1)
+                values += contact.fields.values()
+            else:
+                laws = (
+                    *_law("stiffness", contact.static, values),
+                    *_law("normal", _with_mass(contact.normal, model, joint, leaf.angular), values),
+                    *_law("friction", contact.friction, values),
+                )
+            own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
+            lever = (*leaf.levers(parameters), *map(float, (leaf.walls_turn, leaf.rounded, leaf.angular)))
+            tag = kind.tag + sum(len(registry.kinds(one)) for one in GEOMETRIES[: GEOMETRIES.index(kind.family)])
+            for corner in corners:
+                owned = (n, int(contact.rigid), states, own, leaf.column, leaf.sense(corner))
+                found.append((tag, a, b, place, corner, *laws, *owned))
+                states += own
+                levers.append((*lever, leaf.scale(parameters, size), size))
+    return found, levers
+
+
+def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, int]:
+    if choice is None:
+        return -1, -1
+    kind = registry.kinds(family)[choice.kind]
+    place = len(values)
+    values += kind.leaf.pack(choice.values)
+    return kind.tag, place
+
+
+def effective_mass(model: Model, joint: Joint, angular: bool) -> float:
+    """Mass [kg] that a contact of a joint moves, or inertia [kg m^2] if its gap is an angle, as if bodies were free."""
+    bodies = [model.bodies[name] for name in (joint.a.body, joint.b.body) if name in model.bodies]
+    return 1.0 / sum(1.0 / (one.inertia if angular else one.mass) for one in bodies)
+
+
+def _with_mass(choice: Choice, model: Model, joint: Joint, angular: bool) -> Choice:
+    """Fill in the effective mass [kg or kg m^2] if a law needs one."""
+    if choice.values.get("effective_mass", 1.0) > 0.0:
+        return choice
+    return Choice(choice.kind, {**choice.values, "effective_mass": effective_mass(model, joint, angular)})
