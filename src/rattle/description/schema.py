@@ -9,10 +9,11 @@ Source: JSON Schema, draft 2020-12.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from rattle import registry
+from rattle.description.read_contact import ALONG, stop_models
 from rattle.description.read_parameters import DISTRIBUTIONS, TABLE
 from rattle.description.read_parts import moved_joints
 from rattle.description.reader import SETTING_UNITS, STATE_UNITS
@@ -213,12 +214,18 @@ def _stop(joint: Kind) -> dict[str, Schema]:
     kind = registry.stop_of(joint.name)
     if kind is None:
         return {}
-    return {"stop": _object({**_fields(kind), "contact": _contact()}, (), kind.summary)}
+    contact = _contact(stop_models(), ALONG, "contact model of the stop")
+    return {"stop": _object({**_fields(kind), "contact": contact}, (), kind.summary)}
 
 
-def _contact() -> Schema:
+def _contact(
+    models: Collection[str] | None = None,
+    without: Collection[str] = (),
+    meaning: str = "contact model of the clearance",
+) -> Schema:
     """The contact model: its name, or a table with its fields, which may also hold fields of other models."""
-    plain, laws, statics = registry.kinds("contact"), registry.kinds("normal"), registry.kinds("stiffness")
+    known, laws, statics = registry.kinds("contact"), registry.kinds("normal"), registry.kinds("stiffness")
+    plain = {name: one for name, one in known.items() if models is None or name in models}
     radius = {"bush_radius": _number("m", "radius of the bush; the pin radius is smaller by the clearance", "positive")}
     friction = {"friction": _friction()}
     own = [key for key in statics if key != "power"]
@@ -226,11 +233,12 @@ def _contact() -> Schema:
     for kind in (*statics.values(), *laws.values(), *plain.values()):
         every |= _fields(kind)
     every |= {**radius, **friction}
+    every = {key: value for key, value in every.items() if key not in without}
     tables = []
     for kind in (*plain.values(), *laws.values()):
-        own_fields = {key: value for key, value in _fields(kind).items() if key != "friction"}
+        own_fields = {key: one for key, one in _fields(kind).items() if key != "friction" and key not in without}
         tables.append(_object({"model": _choice(kind), **every, **own_fields}, ("model", *_needed(kind))))
-    return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": "contact model of the clearance"}
+    return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": meaning}
 
 
 def _friction() -> Schema:

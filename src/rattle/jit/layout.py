@@ -127,10 +127,10 @@ _declare("lever", """
     WALLS_TURN [] 1 if straight walls turn with A
     ROUNDED [] 1 if a wall is curved
     ANGULAR [] 1 if the gap is an angle, N a moment
-    SCALE [m or rad] size of the gap by which tolerances are set: the clearance, the range between two stops
-    SIZE_OF_GAP [m or rad] typical length of the mechanism, or 1 rad
+    GAP_SCALE [m or rad] size of the gap by which tolerances are set: the clearance, the range between two stops
+    GAP_SIZE [m or rad] typical length of the mechanism, or 1 rad
 """)
-ARM_A, ARM_B, WALLS_TURN, ROUNDED, ANGULAR, SCALE, SIZE_OF_GAP = range(7)
+ARM_A, ARM_B, WALLS_TURN, ROUNDED, ANGULAR, GAP_SCALE, GAP_SIZE = range(7)
 # parameters of a joint, driver or load between two points start with these (x, y each); those of contacts go on with
 # the clearance, the radius of the bush, the fields of the joint and its dimensions
 POINTS = 4
@@ -274,7 +274,7 @@ _declare("audit", """
     OPEN_ROW [] the row with that residual
     UNREST [] of the present step: energy error as a share of the turnover
     CORRECTION [] openness that was corrected in the present step
-    SUNK [] largest depth of a set-valued contact in its wall, in its SCALE, Moreau-Jean only
+    SUNK [] largest depth of a set-valued contact in its wall, as a share of GAP_SCALE, Moreau-Jean only
 """)
 OPEN_LIMIT, UNREST_LIMIT, FLOOR, STARTED, TOTAL_0, WORK_0, MOST_KINETIC, MOST_WORK, LEAST_POTENTIAL = range(9)
 MOST_POTENTIAL, MOST_UNREST, OPEN_ANGLE, OPEN_LENGTH, OPENNESS, OPEN_ROW, UNREST, CORRECTION, SUNK = range(9, 18)

@@ -20,7 +20,7 @@ def outside(system: System, workspace: Workspace) -> str:
     for entry, one, gap in zip(contact, lever, workspace.contact_kinematics[:, at.GAP], strict=True):
         name = system.joints[entry[at.OWNER]]
         joint = system.model.joints[name]
-        if gap >= -1e-6 * one[at.SCALE]:
+        if gap >= -1e-6 * one[at.GAP_SCALE]:
             continue
         if entry[at.FORCE_COLUMN] == at.STOP and joint.stop is not None:
             if joint.stop.contact.rigid:

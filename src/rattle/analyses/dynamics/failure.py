@@ -94,7 +94,7 @@ def _escaped(system: System, workspace: Workspace) -> str:
     """In words, which contact is inside its wall, and by how much, from the gaps in the workspace."""
     contact = system.arrays["contact"]
     lever = system.arrays["lever"]
-    scale = lever[:, at.SCALE]
+    scale = lever[:, at.GAP_SCALE]
     rigid = contact[:, at.IMPACT] == 1
     off = np.resize(workspace.mode == OFF, len(contact)) if rigid.any() else rigid
     shares = -workspace.contact_kinematics[:, at.GAP] / scale

@@ -15,7 +15,7 @@ ESCAPED = 21  # end of a run: a contact is inside its wall
 @compiled
 def scale_of(m, n):
     """Size of the gap of contact n by which tolerances are set [m or rad]: for a pin or a block its clearance."""
-    return m.lever[n, at.SCALE]
+    return m.lever[n, at.GAP_SCALE]
 
 
 @native("i", "h", "v")

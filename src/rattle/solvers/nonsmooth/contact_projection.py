@@ -20,7 +20,7 @@ STILL = 1e-12  # share of its terms below which a contact velocity counts as zer
 @compiled
 def noise(m, n):
     """Penetration of contact n that may be rounding [m or rad]."""
-    return 1e-12 * scale_of(m, n) + 1e-15 * m.lever[n, at.SIZE_OF_GAP]
+    return 1e-12 * scale_of(m, n) + 1e-15 * m.lever[n, at.GAP_SIZE]
 
 
 @compiled
@@ -71,7 +71,7 @@ def goes_far(m, count, gap):
     dv, active = m.velocity_change, m.active
     push_all(m, count)
     for k in range(count):
-        far = FAR * gap * m.lever[active[k], at.SIZE_OF_GAP]
+        far = FAR * gap * m.lever[active[k], at.GAP_SIZE]
         if reach(m, 2 * k, active[k], dv, 0) > far or reach(m, 2 * k + 1, active[k], dv, 0) > far:
             return True
     return False
@@ -98,7 +98,7 @@ def project_on_contacts(m, t, y, who):
         worst, left = 0.0, bend  # as shares of the typical sizes of gaps
         bend = 0.0
         for k in range(closed):
-            size = m.lever[active[k], at.SIZE_OF_GAP]
+            size = m.lever[active[k], at.GAP_SIZE]
             gap = abs(kinematics[active[k], at.GAP])
             worst, bend = max(worst, gap / size), max(bend, gap * gap / (scale_of(m, active[k]) * size))
         if worst < EXACT or left < EXACT or attempt == 3:  # error by curved walls: gap^2 / clearance
@@ -152,4 +152,4 @@ def largest_acceleration(m, n):
 def at_rest(m, r, n, u, before):
     """True if the velocity u [m/s or rad/s] of row r of contact n is rounding; before: magnitude of its terms before an
     impact."""
-    return abs(u) <= STILL * max(velocity_scale(m, r, n), before) + 1e-14 * m.lever[n, at.SIZE_OF_GAP]
+    return abs(u) <= STILL * max(velocity_scale(m, r, n), before) + 1e-14 * m.lever[n, at.GAP_SIZE]

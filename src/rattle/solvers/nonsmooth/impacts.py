@@ -188,7 +188,7 @@ def low_bounce(m, t, y, count):
         side[F, r] = side[OTHER, r]
     for k in range(count):
         n = active[k]
-        least = max(LOW * scale_of(m, n), 4e-15 * m.lever[n, at.SIZE_OF_GAP], rounding(m, n))
+        least = max(LOW * scale_of(m, n), 4e-15 * m.lever[n, at.GAP_SIZE], rounding(m, n))
         speed, came = kinematics[n, at.DGAP], -bounce[BEFORE, 2 * n]
         if memory[n, at.BOUNCES_END] != 0.0 or speed <= STILL * velocity_scale(m, 2 * k, n):
             continue
