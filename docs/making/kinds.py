@@ -22,7 +22,14 @@ FAMILIES = {
         "Joints with clearance",
         "What a joint becomes with `clearance`: pin (journal) in bush (bushing, bearing), block in guide, pin in slot.",
     ),
-    "contact": ("Contact models", "`contact = NAME` or `contact = { model = NAME, ... }` of a joint with clearance."),
+    "stop": (
+        "Stops",
+        "`stop = { min, max, contact }` of a joint: one-sided ends of its coordinate, either of which may be left out.",
+    ),
+    "contact": (
+        "Contact models",
+        "`contact = NAME` or `contact = { model = NAME, ... }` of a joint with clearance or of its `stop`.",
+    ),
     "normal": ("Normal force laws", "Also a `model` of `contact`: elastic pin and bush."),
     "stiffness": ("Stiffness", "`geometry` in `contact`: static force from material and shape; `power` from numbers."),
     "friction": ("Friction laws", "`friction = { model = NAME, ... }` in the `contact` of a normal force law."),
@@ -143,9 +150,8 @@ def _live(field: Any, family: str) -> str:
 # ---------------------------------------------------------------- examples
 def example(catalog: Any, kind: Any) -> str:
     """A few lines of a model file with this kind, read by the program; empty if the kind is not written in files."""
-    made = {"joint": _joint, "driver": _driver, "load": _load, "clearance": _clearance, "stepper": _stepper}.get(
-        kind.family
-    )
+    families = {"joint": _joint, "driver": _driver, "load": _load}
+    made = {**families, "clearance": _clearance, "stop": _stop, "stepper": _stepper}.get(kind.family)
     lines = made(catalog, kind) if made else _contact(catalog, kind)
     text = "\n".join(lines)
     rt.loads(FRAME + text)  # raises if the example is not valid
@@ -177,6 +183,12 @@ def _clearance(catalog: Any, kind: Any) -> list[str]:
         sizes = ", ".join(f'{key} = "{40 // n} mm"' for n, key in enumerate(wanted, 1))
         tables.append(f"{table_} = {{ {sizes} }}")
     return [*joint, 'clearance = "0.2 mm"', *tables, 'contact = { model = "impact", restitution = 0.5 }']
+
+
+def _stop(catalog: Any, kind: Any) -> list[str]:
+    stopped = next(one for one in catalog.kinds("joint").values() if catalog.stop_of(one.name) is kind)
+    ends = ", ".join(f"{key} = {_value(key, one, False)}" for key, one in list(kind.fields.items())[1:])
+    return [*_joint(catalog, stopped), f'stop = {{ {ends}, contact = {{ model = "impact", restitution = 0.5 }} }}']
 
 
 def _stepper(catalog: Any, kind: Any) -> list[str]:

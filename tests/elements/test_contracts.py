@@ -18,7 +18,7 @@ from rattle.language.units import dimension_of
 
 pytestmark = pytest.mark.nojit
 
-BUILT_IN = ("joint", "driver", "load", "contact", "normal", "stiffness", "friction", "clearance")
+BUILT_IN = ("joint", "driver", "load", "contact", "normal", "stiffness", "friction", "clearance", "stop")
 JOINTS = [(family, name) for family in ("joint", "driver") for name in registry.kinds(family)]
 LOADS = [name for name, one in registry.kinds("load").items() if not isinstance(one.kernel, LawKernel)]
 

@@ -50,7 +50,9 @@ def common(family: str, kind: str) -> list[str]:
     properties: Mapping[str, Any] = schema()["properties"]
     if family == "joint":
         one = _variant(properties["joints"], "type", kind)
-        return [_line(key, one[key]) for key in ("connect", "clearance", "contact") if key in one] + (_dimensions(kind))
+        return [_line(key, one[key]) for key in ("connect", "clearance", "contact") if key in one] + (
+            _dimensions(kind) + _stop(kind)
+        )
     if family == "driver":
         if kind.startswith("body-"):
             where = f'coordinate = "{kind.removeprefix("body-")}"'
@@ -69,6 +71,15 @@ def _dimensions(joint: str) -> list[str]:
         f" the {table} of a {play.leaf.bearer} with clearance"
         for table, wanted in play.leaf.dimensions.items()
     ]
+
+
+def _stop(joint: str) -> list[str]:
+    """The ends of the coordinate of a joint, as a line; none if it has no coordinate."""
+    kind = registry.stop_of(joint)
+    if kind is None:
+        return []
+    ends = ", ".join(f"{key} [{one.unit}]" for key, one in kind.fields.items())
+    return [f"stop {{ {ends}, contact }}: one-sided ends of its coordinate ({kind.name})"]
 
 
 def _variant(table: Mapping[str, Any], key: str, value: str) -> Mapping[str, Any]:

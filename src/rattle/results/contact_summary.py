@@ -76,34 +76,38 @@ def extreme(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:
 
 
 class ContactSummary(NamedTuple):
-    """The contacts of one joint with clearance over a whole run."""
+    """The contacts of one joint with clearance or a stop over a whole run.
+
+    Forces are normal forces [N] in the clearance; of a joint with a stop only, those of the stop, in its unit.
+    """
 
     share: float  # share of the time in which pin and bush press on each other, 0 to 1
     contacts: int  # contacts that started
     impacts: int  # impacts without duration
-    peak: float  # largest normal force [N], from within the steps
-    rms: float  # of the normal force over the whole run [N]
+    peak: float  # largest force [N or N m], from within the steps
+    rms: float  # of the force over the whole run [N or N m]
     longest_flight: float  # longest time without contact [s]
     energy_lost: float  # in impacts and contacts, friction included [J]
     power_lost: float  # mean power lost over the run [W]
 
 
 def contacts(result: Curves) -> dict[str, ContactSummary]:
-    """Summary of every joint whose clearance is not closed (ideal), by name; units as in `ContactSummary`."""
-    return {name: _summary(result, name) for name in _loose(result)}
+    """Summary of every joint with a stop or a clearance that is not closed (ideal); units as in `ContactSummary`."""
+    return {name: _summary(result, name, force) for name, force in _touching(result)}
 
 
-def _loose(result: Curves) -> list[str]:
-    """Joints with clearance that is not closed."""
+def _touching(result: Curves) -> list[tuple[str, str]]:
+    """Joints with a stop, or with clearance that is not closed, and the name of the force of their contacts."""
     found = []
-    for name, form in result.geometry["joints"].items():
-        if form.get("clearance") and form.get("contact") != "ideal" and f"{name}.normal" in result and len(result.t):
-            found.append(name)
+    for name, form in result.geometry["joints"].items() if len(result.t) else ():
+        loose = bool(form.get("clearance")) and form.get("contact") != "ideal" and f"{name}.normal" in result
+        if loose or (form.get("stop") and f"{name}.stop" in result):
+            found.append((name, f"{name}.normal" if loose else f"{name}.stop"))
     return found
 
 
-def _summary(result: Curves, joint: str) -> ContactSummary:
-    t, normal = result.t, result[f"{joint}.normal"]
+def _summary(result: Curves, joint: str, force: str) -> ContactSummary:
+    t, normal = result.t, result[force] if force.endswith(".normal") else np.abs(result[force])
     start, end = float(t[0]), max(float(t[-1]), result.trust.t_end)
     span = end - start
     events = [event for event in result.events if event.joint == joint]
@@ -125,18 +129,20 @@ def _summary(result: Curves, joint: str) -> ContactSummary:
         share=share,
         contacts=len(lasting),
         impacts=sum(event.kind == "impact" for event in events),
-        peak=max([_pressing(result, joint), *(event.peak_force for event in lasting)]),
-        rms=rms_of(result, f"{joint}.normal"),
+        peak=max([_pressing(result, joint, force), *(event.peak_force for event in lasting)]),
+        rms=rms_of(result, force),
         longest_flight=flight,
         energy_lost=lost,
         power_lost=lost / span if span else 0.0,
     )
 
 
-def _pressing(result: Curves, joint: str) -> float:
-    """Largest normal force [N]; of a massless link, which may also pull, the largest while it presses."""
-    known = result.peaks.get(f"{joint}.pressing") or result.peaks.get(f"{joint}.normal")
-    return known.value if known is not None else float(result[f"{joint}.normal"].max())
+def _pressing(result: Curves, joint: str, force: str) -> float:
+    """Largest magnitude of a contact force [SI]; of a massless link, which may pull, the largest while it presses."""
+    known = result.peaks.get(f"{joint}.pressing") or result.peaks.get(force)
+    if known is not None:
+        return known.value
+    return float(result[force].max() if force.endswith(".normal") else np.abs(result[force]).max())
 
 
 def pressing_spans(events: list[Event]) -> list[tuple[float, float]]:
