@@ -13,7 +13,7 @@ from rattle.analyses.assembly.loops import describe_loop, loops
 from rattle.analyses.assembly.rank import nonunique_reactions, rank
 from rattle.analyses.law_check import law_faults
 from rattle.analyses.timetable import jump_lines, timetable
-from rattle.analyses.travel import past_ends, with_ends
+from rattle.analyses.travel import past_ends, stop_lines, with_ends, with_stops
 from rattle.description.model import Model
 from rattle.equations.closure import close_position, open_by
 from rattle.equations.dense import LARGE
@@ -38,6 +38,7 @@ class Check:
     loops: tuple[str, ...]
     branches: tuple[str, ...]  # the branch in which each pair of links was assembled
     clearances: tuple[str, ...]
+    stops: tuple[str, ...]  # ends of coordinates of joints
     reach: tuple[str, ...]  # how far each driver can go
     freedoms: tuple[str, ...]  # coordinates that may be chosen freely and determine all others
     laws: tuple[str, ...]  # contact laws of the user that pull or create energy
@@ -72,6 +73,7 @@ class Check:
             lines.append(f"... and {len(self.loops) - 8} more loops")
         lines += [f"branch: {one}" for one in self.branches[:8]]
         lines += [f"play: {one}" for one in self.clearances]
+        lines += [f"stop: {one}" for one in self.stops]
         lines += [f"driver: {one}" for one in self.reach]
         lines += [f"law: {one}" for one in self.laws]
         lines += [f"start: {one}" for one in self.start]
@@ -93,6 +95,8 @@ def check(system: System, start: Assembled) -> Check:
     reach, ends = _reach(system, start), with_ends(model)
     if reach and ends:
         reach.append(f"the ends of {ends} are left out of the range")
+    if reach and (stopped := with_stops(model)):
+        reach.append(f"the stops of {stopped} are left out of the range")
     return Check(
         name=model.name,
         bodies=system.body_count,
@@ -104,6 +108,7 @@ def check(system: System, start: Assembled) -> Check:
         branches=tuple(_branches(system, start)),
         clearances=tuple(_clearances(model)),
         freedoms=free_coordinates(system, start.t, start.q),
+        stops=tuple(stop_lines(model)),
         reach=(*reach, *jump_lines(jumps)),
         laws=tuple(law_faults(model)),
         start=(*start.notes, *past_ends(system, np.array([start.t]), start.q.reshape(1, -1, 3))),
@@ -154,7 +159,7 @@ def _reach(system: System, start: Assembled) -> list[str]:
     model = system.model
     if not model.drivers or system.row_count > LARGE:
         return []
-    links = any(is_link(joint) for joint in model.joints.values())
+    links = any(is_link(joint) or joint.stop for joint in model.joints.values())
     ideal = compile_system(ideal_model(model)) if links else system
     frozen, slots, at_start = _hold_drivers(ideal, start.t)
     found = []

@@ -1,12 +1,13 @@
-"""Joints of limited travel, such as slots, where a model leaves their ends out: what a result has to say about that."""
+"""Joints of limited travel, such as slots, or with stops: what a result has to say where their ends are left out."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
-from rattle.description.model import Model, Point
+from rattle.description.model import Joint, Model, Point
 from rattle.equations.system import System
 from rattle.jit import layout as at
 
@@ -15,6 +16,12 @@ def places(system: System, raw: np.ndarray) -> np.ndarray:
     """Positions (n, nb, 3) [m, m, rad] of all bodies, a view of output rows (n, width); see `results.columns`."""
     rows = raw[:, : at.PER_BODY * system.body_count].reshape(len(raw), system.body_count, at.PER_BODY)
     return rows[:, :, at.PLACE : at.PLACE + 3]
+
+
+def rates(system: System, raw: np.ndarray) -> np.ndarray:
+    """Rates (n, nb, 3) [m/s, m/s, rad/s] of all bodies, a view of output rows (n, width)."""
+    rows = raw[:, : at.PER_BODY * system.body_count].reshape(len(raw), system.body_count, at.PER_BODY)
+    return rows[:, :, at.RATE : at.RATE + 3]
 
 
 def past_ends(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:
@@ -40,6 +47,75 @@ def past_ends(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:
     return tuple(notes)
 
 
+PARTS = 8  # of an interval between two instants, in which a coordinate is followed
+
+
+def without_stops(model: Model) -> Model:
+    """The same mechanism without stops."""
+    return replace(model, joints={name: replace(one, stop=None) for name, one in model.joints.items()})
+
+
+def past_stops(system: System, t: np.ndarray, q: np.ndarray, v: np.ndarray) -> tuple[str, ...]:
+    """Notes on joints whose coordinate goes beyond a stop, which acts in a run in time only.
+
+    t: (n,) [s].  q, v: (n, nb, 3) positions [m, m, rad] of all bodies and their rates.  Between instants the coordinate
+    is the cubic with its rates.
+    """
+    notes = []
+    for name, joint in system.model.joints.items():
+        if joint.stop is None or not len(t):
+            continue
+        x, rate = _coordinate(system, joint, q, v)
+        fine, values = _followed(t, x, rate)
+        for sense, end in ((1.0, joint.stop.minimum), (-1.0, joint.stop.maximum)):
+            beyond = sense * (end - values)
+            slight = 1e-9 * (abs(end) + 1.0 if joint.stops_angle else abs(end) + system.size)
+            if not math.isfinite(end) or not (beyond > slight).any():
+                continue
+            first = int(np.argmax(beyond > slight))
+            depth, word = float(np.nanmax(beyond)), "min" if sense > 0.0 else "max"
+            far = f"{math.degrees(depth):.3g} deg" if joint.stops_angle else f"{depth:.3g} m"
+            since = fine[first]
+            if first > 0 and beyond[first - 1] < 0.0:
+                since -= (fine[first] - fine[first - 1]) * beyond[first] / (beyond[first] - beyond[first - 1])
+            notes.append(
+                f"joint '{name}' goes beyond its stop ({word}), by up to {far}, first at t = {since:.4g} s: stops"
+                " act in runs in time and in equilibria only"
+            )
+    return tuple(notes)
+
+
+def _followed(t: np.ndarray, x: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Instants [s] and values between those given, (n,) each, by the cubics with these rates."""
+    h, s = np.diff(t)[:, None], np.arange(PARTS) / PARTS
+    left, right = x[:-1, None], x[1:, None]
+    a, b = rate[:-1, None] * h - (right - left), (right - left) - rate[1:, None] * h
+    values = (1.0 - s) * left + s * right + s * (1.0 - s) * ((1.0 - s) * a + s * b)
+    return np.append((t[:-1, None] + s * h).ravel(), t[-1]), np.append(values.ravel(), x[-1])
+
+
+def _coordinate(system: System, joint: Joint, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The coordinate of a joint (n,) [m or rad] and its rate."""
+    (ax, ay, a), (bx, by, b) = (_path(system, q, point) for point in (joint.a, joint.b))
+    (avx, avy, aw), (bvx, bvy, bw) = (_speed(system, q, v, point) for point in (joint.a, joint.b))
+    if joint.line is None:
+        return b - a, bw - aw
+    c, s = np.cos(a + joint.line), np.sin(a + joint.line)
+    across = c * (by - ay) - s * (bx - ax)
+    return c * (bx - ax) + s * (by - ay), c * (bvx - avx) + s * (bvy - avy) + aw * across
+
+
+def _speed(system: System, q: np.ndarray, v: np.ndarray, point: Point) -> np.ndarray:
+    """Velocity of a point of a body, or of the ground, and rate of the angle of the body: (3, n) [m/s, m/s, rad/s]."""
+    if point.body == "ground":
+        return np.zeros((3, len(q)))
+    vx, vy, w = v[:, system.bodies.index(point.body)].T
+    angle = q[:, system.bodies.index(point.body), 2]
+    c, s = np.cos(angle), np.sin(angle)
+    px, py = point.at
+    return np.array([vx - w * (s * px + c * py), vy + w * (c * px - s * py), w])
+
+
 def _path(system: System, q: np.ndarray, point: Point) -> np.ndarray:
     """Place of a point of a body, or of the ground, and angle of the body: (3, n) [m, m, rad]."""
     px, py = point.at
@@ -53,6 +129,24 @@ def _path(system: System, q: np.ndarray, point: Point) -> np.ndarray:
 def with_ends(model: Model) -> str:
     """Names of the joints of limited travel, in quotes; "" if there are none."""
     return ", ".join(f"'{name}'" for name, one in model.joints.items() if math.isfinite(one.leaf.travel(one.fields)))
+
+
+def with_stops(model: Model) -> str:
+    """Names of the joints with stops, in quotes; "" if there are none."""
+    return ", ".join(f"'{name}'" for name, one in model.joints.items() if one.stop is not None)
+
+
+def stop_lines(model: Model) -> list[str]:
+    """The stops of every joint that has them, in words."""
+    found = []
+    for name, one in model.joints.items():
+        if one.stop is None:
+            continue
+        scale, unit = (180.0 / math.pi, "deg") if one.stops_angle else (1.0, "m")
+        ends = (("from", one.stop.minimum), ("to", one.stop.maximum))
+        said = " ".join(f"{word} {scale * end:.6g} {unit}" for word, end in ends if math.isfinite(end))
+        found.append(f"{name} {said}, {one.stop.contact.title}")
+    return found
 
 
 def left_out(model: Model) -> str:

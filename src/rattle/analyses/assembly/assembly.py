@@ -47,9 +47,10 @@ class Assembled:
 
 
 def ideal_model(model: Model) -> Model:
-    """The same mechanism with every clearance closed."""
+    """The same mechanism with every clearance closed, and without stops."""
+    closed = Contact("ideal", {})
     joints = {
-        name: replace(one, contact=Contact("ideal", {})) if one.contact else one for name, one in model.joints.items()
+        name: replace(one, contact=closed if one.contact else None, stop=None) for name, one in model.joints.items()
     }
     return replace(model, joints=joints)
 

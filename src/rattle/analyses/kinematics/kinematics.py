@@ -16,12 +16,13 @@ from rattle.analyses.kinematics.motors import motors_at, without_effort
 from rattle.analyses.kinematics.singular_positions import blocking, branch_points, why_stuck
 from rattle.analyses.kinematics.sweep import Sweep, begin
 from rattle.analyses.timetable import jump_notes, timetable
-from rattle.analyses.travel import past_ends, places
+from rattle.analyses.travel import past_ends, past_stops, places, rates, with_stops, without_stops
 from rattle.analyses.undefined import undefined
+from rattle.description.model import Model
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import loads, place
-from rattle.equations.system import System
+from rattle.equations.system import System, compile_system
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError
 from rattle.jit import functions
 from rattle.results.build import build_result
@@ -78,7 +79,9 @@ def analyse(
     See `Mechanism.kinematics` and `Mechanism.inverse_dynamics`, which also say what is raised.
     """
     began = time.perf_counter()
-    times = instants(t_eval)
+    times, given = instants(t_eval), system
+    if with_stops(system.model):  # they do not hold what drivers move
+        system = compile_system(without_stops(system.model))
     what = "inverse dynamics" if forces else "kinematics"
     functions.start()
     if start is None:
@@ -108,13 +111,15 @@ def analyse(
     events, notes = branch_points(first, sweep, times, raw, bool(message))
     notes = [*start.notes, *notes, *without_effort(sweep, reached, raw, motors)]
     notes += past_ends(system, reached, places(system, raw))
+    notes += past_stops(given, reached, places(system, raw), rates(system, raw))
     if forces:
         notes += _without_value(sweep, reached, raw)
     if message:
         ends = float(sweep.clock[swept.NOW])
         events.append(Event(ends, blocking(sweep), "dead centre" if "dead centre" in message else "end"))
     notes += jump_notes([jump for jump in jumps if len(reached) and jump.t <= reached[-1]], forces)
-    result = _result(sweep, reached, raw, forces, motors, message, events, notes, time.perf_counter() - began)
+    spent = time.perf_counter() - began
+    result = _result(given.model, sweep, reached, raw, forces, motors, message, events, notes, spent)
     if message and strict:
         raise SolverError(message, result)
     if message:
@@ -146,10 +151,10 @@ def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
 
 # ---------------------------------------------------------------- the result
 def _result(
-    sweep: Sweep, t: np.ndarray, raw: np.ndarray, forces: bool, motors: list[tuple[int, str]], message: str,
-    events: list[Event], notes: list[str], wall: float,
+    model: Model, sweep: Sweep, t: np.ndarray, raw: np.ndarray, forces: bool, motors: list[tuple[int, str]],
+    message: str, events: list[Event], notes: list[str], wall: float,
 ) -> Result:  # fmt: skip
-    system, model = sweep.system, sweep.system.model
+    system = sweep.system
     nonunique: tuple[str, ...] = ()
     if forces:
         data, names, units = columns(system, raw[:, : width(system)])

@@ -25,8 +25,9 @@ from rattle.analyses.kinematics.singular_positions import why_stuck
 from rattle.analyses.kinematics.sweep import begin
 from rattle.analyses.statics.balance import MOST_TURN, Found, StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
+from rattle.analyses.statics.resting import MOST, Stopped, combinations, resting_system
 from rattle.analyses.statics.starts import Turning, along, apart, around, opened, sides
-from rattle.analyses.travel import left_out
+from rattle.analyses.travel import left_out, with_stops
 from rattle.description.model import Contact
 from rattle.elements.custom import load_law
 from rattle.equations.closure import merit_at
@@ -62,6 +63,29 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
         raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
     functions.start()
     load_law.forget()
+    if not with_stops(system.model):
+        return _equilibria(system, t, branches, effort)
+    stopped, found, parts = Stopped(without_guide_play(system), t), [], []
+    ways = list(itertools.islice(combinations(system.model), MOST + 1))
+    for resting in ways[:MOST]:
+        try:
+            part = _equilibria(resting_system(system, resting, {}), t, branches, effort)
+        except AssemblyError:  # both ends cannot be reached together
+            if not resting:
+                raise
+            continue
+        parts.append(part)
+        found += stopped.taken(part, resting)
+    start = position_at(resting_system(system, {}), t)
+    cut = len(ways) > MOST or any(part.stopped for part in parts)
+    undefined = next((part.undefined for part in parts if part.undefined), "")
+    extent = f"every combination of stops: {parts[0].extent}" if parts[0].extent else ""
+    starts = sum(part.starts for part in parts)
+    return Equilibria(_sorted(found, start), starts, cut, extent, effort, undefined, parts[0].left_out)
+
+
+def _equilibria(system: System, t: float, branches: str, effort: float) -> Equilibria:
+    """`equilibria` of a mechanism without stops."""
     ends = left_out(system.model)
     system = without_guide_play(system)
     rigid = rigid_model(system)
@@ -382,8 +406,10 @@ def _sorted(found: list[Equilibrium], start: np.ndarray) -> list[Equilibrium]:
 
 
 def static_problem(system: System, one: Equilibrium) -> StaticProblem:
-    """The equilibrium problem to which an equilibrium belongs, with rigid or with compliant pins."""
+    """The equilibrium problem to which an equilibrium belongs, with rigid or with compliant pins, held at its stops."""
     system = without_guide_play(system)
+    if with_stops(system.model):
+        system = resting_system(system, one.resting)
     rigid = rigid_model(system)
     if rigid is not None and rigid.row_count == len(one.multiplier):
         return StaticProblem(rigid, one.t)

@@ -48,6 +48,9 @@ class Equilibrium:
     falling: int  # number of unstable directions (negative eigenvalues)
     row: np.ndarray = field(repr=False)  # (columns of the table,) [SI]
     table: Table = field(repr=False)
+    resting: Mapping[str, int] = field(
+        default_factory=dict
+    )  # joints on a stop: 1 at its least value, -1 at its largest
 
     def __getitem__(self, name: str) -> float:
         """Any quantity by its result name, in SI units.  Raises UnknownName."""
@@ -80,13 +83,14 @@ class Equilibrium:
 
     @property
     def pulled(self) -> tuple[str, ...]:
-        """Pins at which the bush would have to pull."""
+        """Pins at which the bush would have to pull, and joints whose stop would have to."""
         scale = max([abs(n) for n in self.normals.values()] + [1e-300])
-        return tuple(name for name, n in self.normals.items() if n < -1e-9 * scale)
+        stops = [name for name, side in self.resting.items() if side * self[f"{name}.stop"] < 0.0]
+        return (*(name for name, n in self.normals.items() if n < -1e-9 * scale), *stops)
 
     @property
     def admissible(self) -> bool:
-        """True if no bush would have to pull (all N >= 0)."""
+        """True if no bush and no stop would have to pull (all N >= 0)."""
         return not self.pulled
 
     @property
@@ -129,6 +133,9 @@ class Equilibrium:
         pins = "".join(
             f", {name} presses with {abs(n):.4g} N" for name, n in self.normals.items() if name not in self.pulled
         )
+        for name in self.resting:
+            force = f"{abs(self[f'{name}.stop']):.4g} {self.unit(f'{name}.stop')}"
+            pins += f", {name} rests on its stop with {force}" if name not in self.pulled else ""
         if self.neutral:
             kind += f" (free to move in {self.neutral} degree{'s' if self.neutral > 1 else ''} of freedom)"
         hold = f", stiffness {self.eigenvalue:.3g} N/m" if math.isfinite(self.eigenvalue) else ""

@@ -22,6 +22,7 @@ from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibria import equilibria, rigid_model, without_guide_play
 from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.analyses.statics.starts import opened
+from rattle.analyses.travel import past_stops, without_stops
 from rattle.equations.dense import dense_rows
 from rattle.equations.placement import turned
 from rattle.equations.rest_force import stiffness
@@ -80,7 +81,7 @@ def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Resu
     began = time.perf_counter()
     times = instants(t_eval)
     functions.start()
-    system = without_guide_play(system)
+    given, system = system, without_guide_play(compile_system(without_stops(system.model)))
     first = equilibria(system, float(times[0]), effort=effort)
     rigid = rigid_model(system)
     ideal = StaticProblem(compile_system(ideal_model(system.model)), float(times[0])) if rigid is not None else None
@@ -97,7 +98,11 @@ def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Resu
         kept.append(path.last)
     if message:
         log.warning(message)
-    return _result(path.problem, kept, events, message, first.note, time.perf_counter() - began)
+    t, q = np.array([one.t for one in kept]), np.array([one.q for one in kept])
+    v = np.gradient(q, t, axis=0) if len(t) > 1 else np.zeros_like(q)
+    beyond = past_stops(given, t, q.reshape(len(t), -1, 3), v.reshape(len(t), -1, 3))
+    notes = (*(one for one in (first.note,) if one), *beyond)
+    return _result(path.problem, kept, events, message, notes, time.perf_counter() - began)
 
 
 def _on_links(path: Path, start: Equilibrium) -> Equilibrium:
@@ -233,7 +238,12 @@ ADVANTAGE_UNITS = {("torque", "N*m"): "", ("force", "N"): "", ("force", "N*m"): 
 
 
 def _result(
-    problem: StaticProblem, kept: list[Equilibrium], events: list[Event], message: str, note: str, wall: float
+    problem: StaticProblem,
+    kept: list[Equilibrium],
+    events: list[Event],
+    message: str,
+    notes: tuple[str, ...],
+    wall: float,
 ) -> Result:
     system, first = problem.system, kept[0].result
     names, units = list(first.stored), {name: first.unit(name) for name in first.stored}
@@ -251,7 +261,7 @@ def _result(
     first_pull = {name: next((one.t for one in kept if name in one.pulled), None) for name in pulled}
     trust = Trust(
         drift=max(one.gap for one in kept), t_end=kept[-1].t, horizon=kept[-1].t, pulled=pulled, first_pull=first_pull,
-        nonunique=kept[0].nonunique, notes=(note,) if note else (),
+        nonunique=kept[0].nonunique, notes=notes,
     )  # fmt: skip
     return build_result(
         system.model, "quasi-static path", t=[one.t for one in kept], data=np.array(table, dtype=float),
