@@ -27,7 +27,7 @@ from rattle.analyses.kinematics.kinematics import instants, require_driven
 from rattle.analyses.kinematics.singular_positions import why_stuck
 from rattle.analyses.kinematics.sweep import Sweep, begin
 from rattle.analyses.statics.balance import StaticProblem
-from rattle.analyses.statics.equilibria import rigid_model, without_guide_play
+from rattle.analyses.statics.closed_play import rigid_model, without_guide_play
 from rattle.analyses.statics.starts import opened
 from rattle.analyses.travel import past_ends
 from rattle.description.model import Joint

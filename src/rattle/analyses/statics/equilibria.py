@@ -15,7 +15,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from rattle.analyses.assembly.rank import scaled_rows
 from rattle.analyses.kinematics.singular_positions import why_stuck
 from rattle.analyses.kinematics.sweep import begin
 from rattle.analyses.statics.balance import MOST_TURN, Found, StaticProblem
+from rattle.analyses.statics.closed_play import rigid_model, without_guide_play
 from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
 from rattle.analyses.statics.resting import MOST, Stopped, combinations, resting_system
 from rattle.analyses.statics.starts import Turning, along, apart, around, opened, sides
@@ -121,26 +121,6 @@ def _height(one: Equilibrium) -> tuple[bool, float]:
 
 def _compliant(contact: Contact | None) -> bool:
     return contact is not None and contact.normal is not None
-
-
-def without_guide_play(system: System) -> System:
-    """The mechanism with every guide closed."""
-    joints = dict(system.model.joints)
-    for name, one in joints.items():
-        if not one.leaf.massless and one.is_loose:
-            joints[name] = replace(one, contact=Contact("ideal"))
-    changed = any(joints[name] is not one for name, one in system.model.joints.items())
-    return compile_system(replace(system.model, joints=joints)) if changed else system
-
-
-def rigid_model(system: System) -> System | None:
-    """The mechanism with every pin with clearance on a massless link; None if no joint has clearance."""
-    joints = dict(system.model.joints)
-    for name, one in joints.items():
-        if one.leaf.massless and (one.is_loose or is_link(one)):
-            joints[name] = replace(one, contact=Contact("massless-link"))
-    model = replace(system.model, joints=joints)
-    return compile_system(model) if any(is_link(one) for one in joints.values()) else None
 
 
 def position_at(system: System, t: float) -> np.ndarray:

@@ -19,7 +19,8 @@ from rattle import registry
 from rattle.analyses.assembly.assembly import ideal_model
 from rattle.analyses.kinematics.kinematics import instants
 from rattle.analyses.statics.balance import StaticProblem
-from rattle.analyses.statics.equilibria import equilibria, rigid_model, without_guide_play
+from rattle.analyses.statics.closed_play import rigid_model, without_guide_play
+from rattle.analyses.statics.equilibria import equilibria
 from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.analyses.statics.starts import opened
 from rattle.analyses.travel import past_stops, without_stops

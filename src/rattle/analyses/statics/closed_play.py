@@ -1,0 +1,28 @@
+"""The mechanisms that stand for one with play in an equilibrium: guides closed, pins on massless links."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rattle.description.model import Contact
+from rattle.equations.system import System, compile_system, is_link
+
+
+def without_guide_play(system: System) -> System:
+    """The mechanism with every guide closed."""
+    joints = dict(system.model.joints)
+    for name, one in joints.items():
+        if not one.leaf.massless and one.is_loose:
+            joints[name] = replace(one, contact=Contact("ideal"))
+    changed = any(joints[name] is not one for name, one in system.model.joints.items())
+    return compile_system(replace(system.model, joints=joints)) if changed else system
+
+
+def rigid_model(system: System) -> System | None:
+    """The mechanism with every pin with clearance on a massless link; None if no joint has clearance."""
+    joints = dict(system.model.joints)
+    for name, one in joints.items():
+        if one.leaf.massless and (one.is_loose or is_link(one)):
+            joints[name] = replace(one, contact=Contact("massless-link"))
+    model = replace(system.model, joints=joints)
+    return compile_system(model) if any(is_link(one) for one in joints.values()) else None
