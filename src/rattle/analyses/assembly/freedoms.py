@@ -12,7 +12,7 @@ from rattle.description.model import Joint
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.placement import point_at, pose, turned
-from rattle.equations.system import System, has_contacts, is_link
+from rattle.equations.system import System, is_link
 
 Array = np.ndarray
 Coordinate = Callable[[Array], float]  # of positions (3 nb,); angles times the size of the mechanism [m]
@@ -73,7 +73,7 @@ def coordinates(system: System) -> Iterator[tuple[str, Coordinate]]:
             angle = registry.kinds("driver")[motor.driver].leaf.sets_angle
             yield f"{joint.name}.{motor.driver}", (_turning if angle else _sliding)(system, joint)
     for joint in joints:
-        if has_contacts(joint) or is_link(joint):
+        if joint.is_loose or is_link(joint):
             for k, key in enumerate(("ex", "ey")):
                 yield f"{joint.name}.{key}", _offset(system, joint, k)
     for n, body in enumerate(system.bodies):
