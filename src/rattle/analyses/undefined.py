@@ -41,6 +41,7 @@ def undefined(system: System, workspace: Workspace, t: float, contacts: bool = T
 def evaluated(system: System, workspace: Workspace) -> Iterator[tuple[int, np.ndarray]]:
     """First row in `code`, and present values [SI], of every expression."""
     where = {"jet_signal": ("jets", 0), "jet": ("values", 3), "signal": ("signals", 1), "live": ("values", 1)}
+    where["state_rate"] = ("element_rate", 1)
     for table, (array, count) in where.items():
         for first, _, place in system.arrays[table]:
             values = getattr(workspace, array)

@@ -62,6 +62,14 @@ class Building:
         self._forget()
         return self
 
+    def state(self, name: str, rate: float | str, start: float | str = 0.0) -> Self:
+        """A state of the model's own: its rate, an expression in parameters, t, the motion, signals and states [SI/s],
+        and its value at the start [SI]; loads, signals and rates of states may use it, and results record it.
+
+        `m.state("i", "(U - R*i - k*rotor.omega)/L")`
+        """
+        return self._enter("states", name, {"rate": rate, "start": start})
+
     def ground(self, **points: Pair) -> Self:
         """Points of the ground [m]: `m.ground(O=[0, 0], A=[1, 0])`."""
         self._document.setdefault("ground", {}).setdefault("points", {}).update({k: list(v) for k, v in points.items()})

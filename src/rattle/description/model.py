@@ -187,6 +187,16 @@ class Load:
 
 
 @dataclass(frozen=True)
+class State:
+    """A state of the model's own: its rate [unit/s], an expression, its value at the start [SI]."""
+
+    name: str
+    rate: Node
+    start: float
+    unit: str  # SI unit, "" if it cannot be told
+
+
+@dataclass(frozen=True)
 class ValueTable:
     """A distribution of single values."""
 
@@ -249,6 +259,13 @@ class Model:
     constants: Mapping[str, float]
     remarks: tuple[str, ...] = ()  # on values that may be mistakes
     groups: tuple[tuple[str, ...], ...] = ()  # parameters that are made together: one draw moves all of a group
+    states: Mapping[str, State] = field(default_factory=dict)
+
+    @property
+    def recorded(self) -> dict[str, str]:
+        """Names and SI units of the quantities that a run records besides bodies, joints and energies."""
+        units = {name: one.unit for name, one in self.states.items()}
+        return units | {name: self.signal_units.get(name, "") for name in self.signals}
 
 
 def driven_ends(model: Model, driver: Driver) -> tuple[Point, Point, tuple[float, ...]]:

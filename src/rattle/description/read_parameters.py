@@ -36,7 +36,7 @@ def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Pa
             values.broken.add(name)
     dependent: dict[str, Node] = {}
     for name, (given, path) in written.items():
-        quantity = _quantity(values, given, path)
+        quantity = read_quantity(values, given, path)
         if isinstance(quantity, tuple):
             values.set_constant(name, *quantity)
         elif quantity is not None:
@@ -82,7 +82,7 @@ def parameters_with(
     return found
 
 
-def _quantity(values: Values, given: Any, path: Path) -> tuple[float, Dimension | None] | Node | None:
+def read_quantity(values: Values, given: Any, path: Path) -> tuple[float, Dimension | None] | Node | None:
     """Value [SI] and dimension of a number or quantity, the tree of an expression, or None after a problem."""
     if not isinstance(given, str):
         number = values.value(given, "", path)
@@ -238,7 +238,7 @@ def _unit_of(limit: str) -> str:
 
 def _limit(values: Values, given: Any, unit: str, seen: Dimension | None, path: Path) -> float | None:
     """One of min, max, tol in SI units: a quantity of the parameter's dimension, or an expression."""
-    found = _quantity(values, given, path)
+    found = read_quantity(values, given, path)
     if found is None:
         return None
     if not isinstance(found, tuple):
@@ -299,7 +299,7 @@ def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str,
         if isinstance(given, bool) or not isinstance(given, int | float | str):
             values.wrong(path, f"expected an expression, got {said(given)}")
             continue
-        found = _quantity(values, given, path)
+        found = read_quantity(values, given, path)
         if isinstance(found, tuple):
             nodes[name], fixed[name] = Number(found[0], 0), found[1]
         elif found is not None and values.names_known(found, str(given), path, None, live=True):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from rattle import registry
 from rattle.description.model import Driver, Initial, Model, Settings, Vector
 from rattle.description.read_parameters import read_groups, read_parameters, read_signals
 from rattle.description.read_parts import Parts
+from rattle.description.read_states import declare_states, read_states
 from rattle.description.read_values import Chosen, Path, TooManyProblems, Values, said
 from rattle.errors import ModelError, shown, suggest
 from rattle.language.expression import Node, names
@@ -18,8 +19,8 @@ STATE_UNITS = {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "om
 SETTING_UNITS = {"t_end": "s", "rtol": "", "atol": "", "step": "s", "output": "s"}
 NAMED = ("bodies", "joints", "drivers", "loads")
 TABLES = (
-    "format", "name", "gravity", "parameters", "tolerances", "signals", "ground", "bodies", "joints", "drivers",
-    "loads", "initial", "simulate",
+    "format", "name", "gravity", "parameters", "tolerances", "signals", "states", "ground", "bodies", "joints",
+    "drivers", "loads", "initial", "simulate",
 )  # fmt: skip
 DEEPEST = 10  # nested tables and lists
 
@@ -65,14 +66,16 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     """The whole model; it is valid only if no problem was found."""
     title = _header(document, values)
     tables = {key: _named(values, document, key) for key in NAMED}
-    _one_namespace(values, {**tables, "signals": document.get("signals", {})})
+    _one_namespace(values, {**tables, **{key: document.get(key, {}) for key in ("signals", "states")}})
     parameters = read_parameters(values, document)
     groups = read_groups(values, document)
     for name in tables["bodies"]:
         for key, unit in STATE_UNITS.items():
             values.live[f"{name}.{key}"] = None
             values.dimensions[f"{name}.{key}"] = dimension_of(unit)
+    starts = declare_states(values, document)
     signals, units = read_signals(values, document)
+    states = read_states(values, document, starts)
     gravity = values.vector(document.get("gravity", (0.0, 0.0)), "m/s^2", ("gravity",))
     parts = Parts(values)
     ground = values.table(document.get("ground", {}), ("ground",))
@@ -89,10 +92,10 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     for name, given in tables["loads"].items():
         parts.add_load(name, given)
     initial, settings = _initial(values, document, parts), _settings(values, document)
-    _drivers_follow_time(values, parts.drivers, signals)
+    _drivers_follow_time(values, parts.drivers, signals, states)
     return Model(
         title, gravity, parameters, signals, units, parts.ground, parts.bodies, parts.joints, parts.drivers,
-        parts.loads, initial, settings, values.constants, tuple(values.remarks), groups,
+        parts.loads, initial, settings, values.constants, tuple(values.remarks), groups, states,
     )  # fmt: skip
 
 
@@ -122,9 +125,9 @@ def _named(values: Values, document: Mapping[str, Any], key: str) -> dict[str, M
 
 
 def _one_namespace(values: Values, tables: Mapping[str, Any]) -> None:
-    """Bodies, joints, drivers and signals share one namespace."""
+    """Bodies, joints, drivers, signals and states share one namespace."""
     seen: dict[str, str] = {}
-    for table in ("bodies", "joints", "drivers", "signals"):
+    for table in ("bodies", "joints", "drivers", "signals", "states"):
         for name in tables[table] if isinstance(tables[table], Mapping) else ():
             if name in seen:
                 message = f"the name '{name}' is already used in [{seen[name]}]; choose another"
@@ -175,14 +178,17 @@ def _settings(values: Values, document: Mapping[str, Any]) -> Settings:
     return Settings(**found)
 
 
-def _drivers_follow_time(values: Values, drivers: Mapping[str, Driver], signals: Mapping[str, Node]) -> None:
-    """Refuse drivers whose function depends on the motion: its exact time derivatives would not be known."""
-    moving = {name for name in values.live if "." in name}
+def _drivers_follow_time(
+    values: Values, drivers: Mapping[str, Driver], signals: Mapping[str, Node], states: Collection[str]
+) -> None:
+    """Refuse drivers whose function depends on the motion or a state: its exact time derivatives would not be known."""
+    moving = {name for name in values.live if "." in name} | set(states)
     for name, node in signals.items():  # in order of evaluation
         if names(node) & moving:
             moving.add(name)
     for name, driver in drivers.items():
         if not isinstance(driver.value, float):
             for one in sorted(names(driver.value) & moving):
+                why = "is a state" if one in states else "depends on the motion"
                 path = ("drivers", name, next(iter(registry.kinds("driver")[driver.kind].fields)))
-                values.wrong(path, f"a driver must depend on time only, but '{one}' depends on the motion")
+                values.wrong(path, f"a driver must depend on time only, but '{one}' {why}")

@@ -42,7 +42,7 @@ def topics() -> dict[str, Topic]:
     return {one.name: one for one in made}
 
 
-TABLES = ("gravity", "parameters", "tolerances", "signals", "ground", "bodies", "initial", "simulate")
+TABLES = ("gravity", "parameters", "tolerances", "signals", "states", "ground", "bodies", "initial", "simulate")
 
 
 def common(family: str, kind: str) -> list[str]:
@@ -108,9 +108,10 @@ def _line(key: str, one: Mapping[str, Any]) -> str:
 
 def _names() -> Topic:
     lines = [f"<body>.{key} [{unit}]" for key, unit in STATE_UNITS.items()]
-    lines += ["t [s]: the time", "pi", "every parameter; every signal defined in the file"]
+    lines += ["t [s]: the time", "pi", "every parameter; every signal and state defined in the file"]
     said = (
-        "in loads and signals all of these; in drivers t, parameters, and signals over them; elsewhere parameters only"
+        "in loads, signals and rates of states all of these; in drivers t, parameters, and signals over them;"
+        " elsewhere parameters only"
     )
     return Topic("names", f"names in expressions: {said}", tuple(lines))
 

@@ -38,6 +38,7 @@ def schema() -> Schema:
                 "parameters": _named(_parameter(), "values that expressions use"),
                 "tolerances": _tolerances(),
                 "signals": _named(_number("", "expression over parameters, t and state"), "recorded quantities"),
+                "states": _named(_state(), "first-order states of the model's own, usable like signals"),
                 "ground": _object({"points": _points("points of the ground")}),
                 "bodies": _named({"anyOf": [_bar(), _body()]}, "rigid bodies"),
                 "joints": _named({"anyOf": [_joint(kind) for kind in registry.kinds("joint").values()]}, "joints"),
@@ -144,6 +145,11 @@ def _parameter() -> Schema:
     said = f"distribution: {' | '.join(DISTRIBUTIONS)} on value +- tol, or {{ values = [...], weights = [...] }}"
     dist = {"anyOf": [{"enum": list(DISTRIBUTIONS)}, table], "description": said}
     return {"anyOf": [number, _object({"value": number, **limits, "dist": dist}, ("value",))]}
+
+
+def _state() -> Schema:
+    rate = _number("", "expression over parameters, t, the motion, signals and states, per second")
+    return _object({"rate": rate, "start": _number("", "value at the start, default 0")}, ("rate",))
 
 
 def _tolerances() -> Schema:

@@ -77,7 +77,10 @@ def constraints(m):
 
 @native("void", "h", "f")
 def loads(m, t):
-    """Applied forces Q [N, N m], potential energy [J], work rate and dissipation [W] at the state in `body`."""
+    """Applied forces Q [N, N m], potential energy [J], work rate and dissipation [W] at the state in `body`, and rates.
+
+    The rates are those of the states of elements and of the model, which are at hand: see `equations.state`.
+    """
     force, body, energy, power = m.force, m.body, m.energy, m.power
     mass, gravity, load, table, values = (
         m.mass,
@@ -96,6 +99,11 @@ def loads(m, t):
     for n in range(live.shape[0]):
         values[live[n, at.TARGET]] = evaluate(
             code, const, live[n, at.FIRST_CODE], live[n, at.END_CODE], t, body, signals, stack
+        )
+    state_rate, element_rate = m.state_rate, m.element_rate
+    for n in range(state_rate.shape[0]):
+        element_rate[state_rate[n, at.TARGET]] = evaluate(
+            code, const, state_rate[n, at.FIRST_CODE], state_rate[n, at.END_CODE], t, body, signals, stack
         )
     gx, gy = gravity[0], gravity[1]
     for i in range(body.shape[0]):

@@ -1,11 +1,13 @@
 """The state vector y of a run and its layout.
 
-    y = [q, v, work, dissipated;  impulse, loss, stored of every contact;  states of elements]
+    y = [q, v, work, dissipated;  impulse, loss, stored of every contact;  states of elements;  states of the model]
 
 q and v (3 nb each) are x, y [m], angle [rad] of every body in turn and their rates.  Energies and impulses are part of
 y, so that they are integrated as accurately as the motion.  A kind with states of its own, such as a friction law with
 bristles, declares how many it has (`states`); the row of the contact gives their place among those of all elements
 (`at.FIRST_STATE`, `at.STATES`).  A kernel reads the values in `element_state` and writes their rates to `element_rate`.
+States of the model ([states] of its file) come after those; their rates are expressions (`state_rate`), and expressions
+find their values at the head of `signals`.
 """
 
 from __future__ import annotations
@@ -46,10 +48,14 @@ def states_at(m):
 
 @compiled
 def take_states(m, y):
-    """Copy the states of the elements from y to `element_state`, where kernels read them."""
-    states, first = m.element_state, states_at(m)
+    """Copy the states from y to `element_state`, where kernels read them, those of the model to `signals` too."""
+    states, first, signals = m.element_state, states_at(m), m.signals
+    own = m.state_rate.shape[0]
+    of_elements = states.shape[0] - own
     for k in range(states.shape[0]):
         states[k] = y[first + k]
+    for k in range(own):
+        signals[k] = y[first + of_elements + k]
 
 
 @compiled
@@ -68,6 +74,7 @@ class StateLayout:
     contacts: tuple[str, ...]  # joint of every contact point
     state_owners: tuple[str, ...]  # joint of every state of an element
     angular: tuple[bool, ...]  # of every contact point: its gap is an angle, its N a moment
+    own: tuple[tuple[str, str], ...] = ()  # name and unit of every state of the model
 
     @property
     def motion(self) -> slice:
@@ -76,9 +83,14 @@ class StateLayout:
 
     @property
     def states(self) -> slice:
-        """Slice of the states of elements."""
+        """Slice of the states of elements and of the model."""
         first = self.motion.stop + FIRST_ACCOUNT + PER_CONTACT * len(self.contacts)
-        return slice(first, first + len(self.state_owners))
+        return slice(first, first + len(self.state_owners) + len(self.own))
+
+    @property
+    def own_states(self) -> slice:
+        """Slice of the states of the model."""
+        return slice(self.states.stop - len(self.own), self.states.stop)
 
     @property
     def size(self) -> int:
@@ -101,7 +113,7 @@ class StateLayout:
             found += [(f"{joint}.{key}", unit) for key, unit in ACCOUNTS.items()]
             if angular:
                 found[-PER_CONTACT + IMPULSE] = (f"{joint}.impulse", "N*m*s")
-        return found + [(f"{joint}.state", "of its law") for joint in self.state_owners]
+        return found + [(f"{joint}.state", "of its law") for joint in self.state_owners] + list(self.own)
 
 
 def state_layout(system: System) -> StateLayout:
@@ -110,4 +122,5 @@ def state_layout(system: System) -> StateLayout:
     owners = [system.joints[n] for n in contact[:, at.OWNER]]
     held = np.repeat(np.arange(len(contact)), contact[:, at.STATES])
     angular = tuple((system.arrays["lever"][:, at.ANGULAR] > 0.0).tolist())
-    return StateLayout(system.bodies, tuple(owners), tuple(owners[n] for n in held), angular)
+    own = tuple((one.name, one.unit) for one in system.model.states.values())
+    return StateLayout(system.bodies, tuple(owners), tuple(owners[n] for n in held), angular, own)

@@ -57,7 +57,7 @@ class System:
     def signals(self) -> Signals:
         """Compiled expressions of all signals."""
         rows = [(int(a), int(b), int(k)) for a, b, k in self.arrays["signal"]]
-        return Signals(self.arrays["code"], self.arrays["const"], rows)
+        return Signals(self.arrays["code"], self.arrays["const"], rows, states=len(self.model.states))
 
     def first_row(self, name: str) -> int:
         """Index of the first constraint row of a joint or driver."""
@@ -90,8 +90,8 @@ class System:
 
     @property
     def element_states(self) -> int:
-        """Number of states that belong to elements, such as the bristles of a friction law; see `equations.state`."""
-        return int(self.arrays["contact"][:, at.STATES].sum())
+        """Number of states of elements, such as the bristles of a friction law, and of the model; `equations.state`."""
+        return int(self.arrays["contact"][:, at.STATES].sum()) + len(self.model.states)
 
     def workspace(self, also: Iterable[int] = (), **more: np.ndarray) -> Workspace:
         """A new workspace for one run.  also: other joint kernels called.  more: arrays of the time integration."""
@@ -116,7 +116,7 @@ class System:
     @cached_property
     def _image(self) -> Image:
         """What a new workspace begins with, besides the tables of kernels."""
-        nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.signals))
+        nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.recorded))
         nc, states = len(self.arrays["contact"]), (self.element_states,)
         others = {
             "signals": (ns,),
@@ -145,6 +145,9 @@ class System:
         image.array("body", image.block)[0, at.COS] = 1.0
         image.array("power", image.block)[:] = 1.0
         image.array("contact_memory", image.block)[:, at.CLOSED] = at.AUTO
+        own = [one.start for one in self.model.states.values()]
+        image.array("signals", image.block)[: len(own)] = own
+        image.array("element_state", image.block)[self.element_states - len(own) :] = own
         return image
 
 
@@ -174,7 +177,7 @@ class _Programs:
             for name, i in bodies.items()
             for key, column in STATE.items()
         }
-        self.signals = {name: n for n, name in enumerate(model.signals)}
+        self.signals = {name: n for n, name in enumerate(model.recorded)}
         self.programs: list[Any] = []
         self.names: list[str] = []
 
@@ -209,11 +212,15 @@ def compile_system(model: Model) -> System:
             row_body.append((a, b))
     length = _size(model)
     contact, lever = contact_table(model, number, values, length)
+    of_contacts = sum(one[at.STATES] for one in contact)
     load, live = _loads(model, number, values, programs)
-    signals = [programs.add(node, f"signals.{name}") for name, node in model.signals.items()]
+    signals = {programs.signals[name]: programs.add(node, f"signals.{name}") for name, node in model.signals.items()}
+    rates = [programs.add(one.rate, f"states.{name}.rate") for name, one in model.states.items()]
     code, const, first, depth = concatenate(programs.programs)
     needed = _needed_by_drivers(programs, [program for program, _ in jets], signals)
-    switches = _switches(programs, code, const, first, [n for n, _ in jets], [n for n, _ in live], signals)
+    spans = [(int(first[n]), int(first[n + 1]), k) for k, n in signals.items()]
+    known = Signals(code, const.astype(float), spans, [programs.names[n] for n in signals.values()], len(rates))
+    switches = _switches(programs, known, first, [n for n, _ in jets], [*(n for n, _ in live), *rates])
     ends = [*(entry[4] for entry in joint[1:]), len(rows)]
     blocks = [range(entry[4], end) for entry, end in zip(joint, ends, strict=False) if end > entry[4]]
     pattern = schur.analyse(row_body, blocks)
@@ -233,8 +240,9 @@ def compile_system(model: Model) -> System:
         "const": const,
         "jet": _table([(first[n], first[n + 1], slot) for n, slot in jets], 3),
         "jet_signal": _table([(first[signals[k]], first[signals[k] + 1], k) for k in needed], 3),
-        "signal": _table([(first[n], first[n + 1], k) for k, n in enumerate(signals)], 3),
+        "signal": _table(spans, 3),
         "live": _table([(first[n], first[n + 1], slot) for n, slot in live], 3),
+        "state_rate": _table([(first[n], first[n + 1], k) for k, n in enumerate(rates, of_contacts)], 3),
         "switch": _table([(one.first, one.last, one.row, one.count) for one in switches if not one.timed], 4),
         "watch": np.array(watch, np.int64),
         **pattern._asdict(),
@@ -287,17 +295,15 @@ def _loads(
 
 
 def _switches(
-    programs: _Programs, code: np.ndarray, const: np.ndarray, first: np.ndarray, drivers: Sequence[int],
-    live: Sequence[int], signals: Sequence[int],
-) -> list[Switch]:  # fmt: skip
-    """Switches of all expressions on which the motion depends."""
+    programs: _Programs, signals: Signals, first: np.ndarray, drivers: Sequence[int], acting: Sequence[int]
+) -> list[Switch]:
+    """Switches of all expressions on which the motion depends: those of drivers, and others that act on it."""
     names = programs.names
-    rows = [(int(first[n]), int(first[n + 1]), k) for k, n in enumerate(signals)]
-    used = [(int(first[n]), int(first[n + 1]), names[n], n in drivers) for n in (*drivers, *live)]
-    return find_switches(Signals(code, const.astype(float), rows, [names[n] for n in signals]), used)
+    used = [(int(first[n]), int(first[n + 1]), names[n], n in drivers) for n in (*drivers, *acting)]
+    return find_switches(signals, used)
 
 
-def _needed_by_drivers(programs: _Programs, jets: Sequence[int], signals: Sequence[int]) -> list[int]:
+def _needed_by_drivers(programs: _Programs, jets: Sequence[int], signals: Mapping[int, int]) -> list[int]:
     """Signals that drivers use, directly or through others, in order of evaluation."""
     wanted: set[int] = set()
     open_ = [k for n in jets for k in programs.programs[n].signals]

@@ -140,9 +140,9 @@ RESTITUTION, TANGENTIAL_RESTITUTION, MU, RESTITUTION_LAW, JAM = range(5)
 _declare("signal", """
     FIRST_CODE [] first row of its program in `code`
     END_CODE [] row after the last one
-    TARGET [] where its value goes: number of the signal, or place in `values`
+    TARGET [] where its value goes: place in `signals`, `values` or `element_rate`
 """)
-for _other in ("jet", "jet_signal", "live"):
+for _other in ("jet", "jet_signal", "live", "state_rate"):
     COLUMNS[_other] = COLUMNS["signal"]
 FIRST_CODE, END_CODE, TARGET = range(3)
 _declare("switch", """

@@ -23,7 +23,8 @@ class Array(NamedTuple):
     """One array of a workspace.
 
     kind: f float64, i int64, and the number of dimensions; a table of kernels is a vector of addresses.
-    shape: nb bodies, nj joints and drivers, nr constraint rows, nl loads, nc contact points, ns signals, np parameters,
+    shape: nb bodies, nj joints and drivers, nr constraint rows, nl loads, nc contact points, ns recorded quantities
+    (states of the model, signals), np parameters,
     nw monitored forces, ny numbers of a state, nk rows of program code.
     """
 
@@ -50,6 +51,7 @@ ARRAYS = {
     "jet_signal": Array("i2", "signals, 3", "", "program of every signal that a driver uses"),
     "signal": Array("i2", "ns, 3", "", "program of every signal"),
     "live": Array("i2", "values, 3", "", "program of every changing value of a load"),
+    "state_rate": Array("i2", "states of the model, 3", "", "program of the rate of every state of the model"),
     "switch": Array("i2", "switches, 4", "", "switches of expressions that depend on the state"),
     "watch": Array("i1", "nw", "", "rows whose force must not become negative (massless links)"),
     "place": Array("i1", "nr", "", "position of each row in the order of elimination, see `schur.Pattern`"),
@@ -66,7 +68,7 @@ ARRAYS = {
     "friction_table": Array("i1", "kinds", "", "kernels of friction"),
     # this instant, in the order in which it is filled
     "values": Array("f1", "np", "SI", "parameters of joints, drivers, loads and contacts"),
-    "signals": Array("f1", "ns", "SI", "values of signals"),
+    "signals": Array("f1", "ns", "SI", "states of the model, then values of signals"),
     "jets": Array("f2", "ns, 3", "SI", "value, first and second derivative of the signals that drivers use"),
     "stack": Array("f1", "depth", "SI", "scratch of expressions"),
     "jet_stack": Array("f2", "depth, 3", "SI", "the same for expressions with derivatives"),
@@ -85,8 +87,8 @@ ARRAYS = {
     "change": Array("f1", "3 nb", "m, rad or m/s, rad/s", "a correction of positions or rates"),
     "contact_kinematics": Array("f2", "nc, 17", "m, m/s, N or rad, rad/s, N*m", "geometry and forces of every contact"),
     "contact_memory": Array("f2", "nc, 22", "", "memory of every contact"),
-    "element_state": Array("f1", "states of elements", "SI", "of friction laws; see `equations.state`"),
-    "element_rate": Array("f1", "states of elements", "SI/s", "their rates"),
+    "element_state": Array("f1", "all states", "SI", "of friction laws, then of the model; see `equations.state`"),
+    "element_rate": Array("f1", "all states", "SI/s", "their rates"),
     # set-valued contacts; two rows (normal, tangential) for each active contact
     "mode": Array("i1", "nc", "", "mode of each contact: OFF, STICK, FORWARD, BACKWARD"),
     "active": Array("i1", "nc", "", "active contacts"),

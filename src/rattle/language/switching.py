@@ -44,6 +44,8 @@ class Switch:
 class Signals:
     """Programs of all signals in order of evaluation; `rows` gives first row, last row + 1 and index of each.
 
+    states: number of states of the model, whose indices come before those of signals and which have no program.
+
     code: (n, 4), const: (nc,) [SI], as in `language.expression.Program`.
     """
 
@@ -51,6 +53,7 @@ class Signals:
     const: np.ndarray
     rows: Sequence[tuple[int, int, int]]
     names: Sequence[str] = ()
+    states: int = 0
 
     def used(self, spans: Iterable[tuple[int, int]]) -> set[int]:
         """Indices of the signals used by rows first..last-1 of any of the spans, directly or through other signals."""
@@ -61,14 +64,14 @@ class Signals:
             a, b = ahead.pop()
             part = self.code[a:b]
             for k in part[part[:, 0] == bytecode.SIGNAL, 1].tolist():
-                if k not in found:
+                if k not in found and k >= self.states:
                     found.add(k)
                     ahead.append(where[k])
         return found
 
     def of_state(self) -> set[int]:
         """Indices of the signals that depend on the state."""
-        found: set[int] = set()
+        found = set(range(self.states))
         for a, b, k in self.rows:  # in order: what a signal uses comes before it
             part = self.code[a:b]
             if (part[:, 0] == bytecode.STATE).any() or found & set(part[part[:, 0] == bytecode.SIGNAL, 1].tolist()):
@@ -83,7 +86,8 @@ def find_switches(signals: Signals, used: Sequence[tuple[int, int, str, bool]]) 
     """
     wanted = signals.used((a, b) for a, b, _, _ in used)
     driving = signals.used((a, b) for a, b, _, drives in used if drives)
-    spans = [(a, b, signals.names[k], k in driving) for a, b, k in signals.rows if k in wanted]
+    named = zip(signals.rows, signals.names, strict=True)
+    spans = [(a, b, name, k in driving) for (a, b, k), name in named if k in wanted]
     of_state = signals.of_state()
     return [one for span in (*spans, *used) for one in _switches_of(signals.code, of_state, *span)]
 

@@ -25,15 +25,21 @@ def width(system: System) -> int:
 
 
 def motion_width(system: System) -> int:
-    """Number of columns of a raw row without forces: bodies and signals."""
-    return at.PER_BODY * system.body_count + len(system.model.signals)
+    """Number of columns of a raw row without forces: bodies, states of the model and signals."""
+    return at.PER_BODY * system.body_count + len(system.model.recorded)
 
 
 def motion_columns(system: System) -> tuple[list[str], dict[str, str]]:
     """Names and SI units of the columns of a raw row without forces."""
     units = {f"{body}.{key}": unit for body in system.bodies for key, unit in at.OUTPUT_BODY.items()}
-    units |= {name: system.model.signal_units.get(name, "") for name in system.model.signals}
+    units |= system.model.recorded
     return list(units), units
+
+
+def states_of(system: System) -> slice:
+    """Columns of a raw row that hold the states of the model."""
+    first = at.PER_BODY * system.body_count + at.PER_JOINT * len(system.joints)
+    return slice(first, first + len(system.model.states))
 
 
 def motion(system: System, row: np.ndarray) -> np.ndarray:
@@ -117,8 +123,8 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
                 for key, column in OF_CONTACT.items():
                     add(f"{name}.{key}", at.OUTPUT_JOINT[key], c + column, made.get(key))
         c += at.PER_JOINT
-    for name in model.signals:
-        add(name, model.signal_units.get(name, ""), c)
+    for name, unit in model.recorded.items():
+        add(name, unit, c)
         c += 1
     for k, (key, unit) in enumerate(at.OUTPUT_ENERGY.items()):
         add(f"energy.{key}", unit, c + k)

@@ -26,7 +26,7 @@ def record(m, t, y, row):
 @native("void", "h", "f", "f", "v")
 def write(m, work_done, dissipated, row):
     """Copy the values of this instant from the workspace into one output row; work and dissipated energy [J]."""
-    body, signal, signals = m.body, m.signal, m.signals
+    body, signals = m.body, m.signals
     mass, acceleration, power = m.mass, m.acceleration, m.power
     c = 0
     kinetic = 0.0
@@ -38,8 +38,8 @@ def write(m, work_done, dissipated, row):
             kinetic += 0.5 * mass[i, k] * body[i, at.VX + k] ** 2
         c += at.PER_BODY
     c = write_joints(m, row, c)
-    for n in range(signal.shape[0]):
-        row[c] = signals[signal[n, at.TARGET]]
+    for n in range(m.state_rate.shape[0] + m.signal.shape[0]):
+        row[c] = signals[n]
         c += 1
     row[c + at.KINETIC] = kinetic
     row[c + at.STORED] = power[at.POTENTIAL_ENERGY]

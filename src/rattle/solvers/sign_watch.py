@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rattle.equations.motion import solve_motion
+from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.dense_output import interpolate
@@ -26,6 +27,7 @@ def force_at(m, t, h, theta, n):
     stage, multiplier, watch = m.stage, m.multiplier, m.watch
     nq = m.change.shape[0]
     interpolate(m, theta, stage)
+    take_states(m, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
     m.tally[at.EVALUATIONS] += 1
     return multiplier[watch[n]]

@@ -9,6 +9,7 @@ released for one step, whose error control then passes the kink as well as it ca
 from __future__ import annotations
 
 from rattle.equations.motion import derivative, place
+from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.language.bytecode import CROSSED, SIDE, evaluate
@@ -33,6 +34,7 @@ def argument(m, n, t):
 def see(m, t, y):
     """Copy the state y at t [s] with its signals into the workspace."""
     nq, signal, signals = m.change.shape[0], m.signal, m.signals
+    take_states(m, y)
     place(m, y[:nq], y[nq : 2 * nq])
     for n in range(signal.shape[0]):
         signals[signal[n, at.TARGET]] = evaluate(
@@ -63,8 +65,9 @@ def choose_sides(m, t, ahead):
     m.tally[at.EVALUATIONS] += 1
     see(m, t, y)
     take_sides(m, t)
+    for k in range(y.shape[0]):
+        stage[k] = y[k] + ahead * f[k]
     for k in range(nq):
-        stage[nq + k] = y[nq + k] + ahead * f[nq + k]
         stage[k] = y[k] + 0.5 * ahead * (y[nq + k] + stage[nq + k])
     see(m, t + ahead, stage)
     take_sides(m, t + ahead)

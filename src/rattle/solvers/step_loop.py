@@ -20,6 +20,7 @@ from rattle.equations.motion import (
     loads,
 )
 from rattle.equations.schur import WEAK
+from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.families import call_stepper
 from rattle.jit.functions import compiled, native
@@ -124,6 +125,7 @@ def begin(m, t, t_end, rtol, atol, h_max):
 def finish_step(m, t, y_new, f_new):
     """Projection and derivative at the end of a step."""
     project(m, t, y_new)
+    take_states(m, y_new)
     loads(m, t)
     accelerate(m)
     nq = m.change.shape[0]

@@ -35,6 +35,9 @@ def growths(m: Mechanism, first: np.ndarray, weight: np.ndarray, times: np.ndarr
     if m.system.switches:
         names = ", ".join(sorted({one.name for one in m.system.switches}))
         raise TraceError(f"steps must end where expressions switch ({names})")
+    if m.system.model.states:
+        states = ", ".join(m.system.model.states)
+        raise TraceError(f"differences of states ({states}) have no size beside those of positions")
     made = VariationalModel(m.recorded(), weight)
     if made.operations > MOST_OPERATIONS:
         raise TraceError(

@@ -26,6 +26,7 @@ from rattle.analyses.assembly.assembly import assemble, ideal_model
 from rattle.analyses.kinematics.kinematics import instants, require_driven
 from rattle.analyses.kinematics.singular_positions import why_stuck
 from rattle.analyses.kinematics.sweep import Sweep, begin
+from rattle.analyses.own_states import require_no_states
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.closed_play import rigid_model, without_guide_play
 from rattle.analyses.statics.starts import opened
@@ -147,6 +148,7 @@ def accuracy(
     """Band of an output at the times t_eval [s]; see `Mechanism.accuracy`."""
     began = time.perf_counter()
     times = instants(t_eval)
+    require_no_states(system.model, "accuracy")
     functions.start()
     ideal = compile_system(ideal_model(system.model))
     joints = [one for one in system.model.joints.values() if one.clearance > 0.0 and one.contact is not None]

@@ -119,7 +119,7 @@ class Displaced:
         owner, _, last = self.output.rpartition(".")
         body, _, point = owner.partition(".")
         bodies = self.system.model.bodies
-        signal = self.output in self.system.model.signals
+        signal = self.output in self.system.model.recorded
         if not signal and (
             body not in bodies or last not in ("x", "y", "angle") or (point and point not in bodies[body].points)
         ):
@@ -149,7 +149,7 @@ class Displaced:
 
     def _signal_slopes(self, t: float, q: np.ndarray, v: np.ndarray, slope: np.ndarray) -> bool:
         """Write d signal / dq into `slope` (3 nb,) [SI], by differences; True if the signal depends on rates too."""
-        workspace, k = self.sweep.workspace, list(self.system.model.signals).index(self.output)
+        workspace, k = self.sweep.workspace, list(self.system.model.recorded).index(self.output)
 
         def at(q: np.ndarray, v: np.ndarray) -> float:
             open_by(workspace, t, q, v)

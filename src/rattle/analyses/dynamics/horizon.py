@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.dynamics.run import Run
+from rattle.equations.state import state_layout
 from rattle.jit import layout as at
-from rattle.results.columns import columns, motion
+from rattle.results.columns import columns, motion, states_of
 from rattle.solvers.output_row import record
 
 AGREE = 0.01  # share of its range within which two curves agree
@@ -56,11 +57,11 @@ def agreement(run: Run, second: Run) -> Reach:
         widest[linear], widest[angular] = wide, wide / arm
     # a curve that is constant beside others of its unit, or varies less than the tolerance, has no range of its own
     wide_ = np.array([widest[units[names[k]]] for k in keep])
-    signal = np.array([names[k] in run.system.model.signals for k in keep])
+    signal = np.array([names[k] in run.system.model.recorded for k in keep])
     shaken = _rounding(run, n)[keep]
     floor = np.maximum(STILL * wide_, np.where(signal, shaken, np.minimum(shaken, MOST_NOISE * wide_)))
     apart = np.abs(one - other) > np.maximum(AGREE * span, floor)
-    moving = np.array([units[names[k]] in MOTION and names[k] not in run.system.model.signals for k in keep])
+    moving = np.array([units[names[k]] in MOTION and names[k] not in run.system.model.recorded for k in keep])
 
     def until(some: np.ndarray) -> float:
         parted = some.any(axis=1)
@@ -72,13 +73,14 @@ def agreement(run: Run, second: Run) -> Reach:
 
 def _rounding(run: Run, n: int) -> np.ndarray:
     """(columns,) change [SI] of every curve when positions and rates are perturbed by NOISE tolerances."""
-    nq = 3 * run.system.body_count
+    nq, own = 3 * run.system.body_count, state_layout(run.system).own_states
     y = np.zeros_like(run.workspace.state)
     random = np.random.default_rng(0)
     rows = np.zeros((2, run.raw.shape[1]))
     most = np.zeros(len(columns(run.system, rows[:1])[1]))
     for k in np.unique(np.linspace(0, n - 1, SHAKEN).astype(int)):
         y[:nq], y[nq : 2 * nq], _ = motion(run.system, run.raw[k])
+        y[own] = run.raw[k, states_of(run.system)]
         record(run.workspace, run.t_eval[k], y, rows[0])
         near = y.copy()
         near[: 2 * nq] += NOISE * (run.atol + run.rtol * np.abs(y[: 2 * nq])) * random.uniform(-1.0, 1.0, 2 * nq)

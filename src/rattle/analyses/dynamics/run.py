@@ -239,8 +239,11 @@ class Run(ABC):
 
 def start_state(system: System, start: Assembled) -> np.ndarray:
     """The state vector y [SI] at the start, see `equations.state`."""
-    motion = np.concatenate([start.q, start.v])
-    return np.concatenate([motion, np.zeros(state_layout(system).size - len(motion))])
+    layout = state_layout(system)
+    y = np.zeros(layout.size)
+    y[layout.motion] = np.concatenate([start.q, start.v])
+    y[layout.own_states] = [one.start for one in system.model.states.values()]
+    return y
 
 
 def pulls(run: Run, reached: float) -> tuple[dict[str, float], dict[str, float | None], dict[str, np.ndarray]]:

@@ -15,6 +15,7 @@ from rattle.analyses.assembly.rank import describe_rank_loss, left_null, nonuniq
 from rattle.analyses.kinematics.motors import motors_at, without_effort
 from rattle.analyses.kinematics.singular_positions import blocking, branch_points, why_stuck
 from rattle.analyses.kinematics.sweep import Sweep, begin
+from rattle.analyses.own_states import require_no_states
 from rattle.analyses.timetable import jump_notes, timetable
 from rattle.analyses.travel import past_ends, past_stops, places, rates, with_stops, without_stops
 from rattle.analyses.undefined import undefined
@@ -83,6 +84,7 @@ def analyse(
     if with_stops(system.model):  # they do not hold what drivers move
         system = compile_system(without_stops(system.model))
     what = "inverse dynamics" if forces else "kinematics"
+    require_no_states(system.model, what)
     functions.start()
     if start is None:
         try:

@@ -16,6 +16,7 @@ from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.kinematics.kinematics import analyse, instants
+from rattle.analyses.own_states import require_no_states
 from rattle.analyses.sensitivity.at_rest import AtRest, record_rest
 from rattle.analyses.sensitivity.driven import Driven, positions
 from rattle.analyses.sensitivity.effects import derivative_name, quotient, usual_change
@@ -97,6 +98,8 @@ def sensitivity(
     atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
     outputs, parameters = _names("outputs", outputs), _names("parameters", parameters)
     require_parameters(system, parameters)
+    if analysis != "simulate":
+        require_no_states(system.model, analysis)
     times = _times(system, t_eval, analysis)
     arguments.require_room(len(times), len(outputs) * (1 + len(parameters)))
     model = _recorded(document, system, begin, parameters)

@@ -11,6 +11,7 @@ import numpy as np
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.recorded_start import driven_bodies
 from rattle.analyses.straight_line.starts import Starts
+from rattle.equations.state import state_layout
 from rattle.language.syntax import Apply, Name, Node, Number, walk
 from rattle.results.reductions import Output, argument
 from rattle.trace import reductions
@@ -149,7 +150,9 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
         return begun.y, constants[:, :count], np.isfinite(begun.y).all(axis=0)
 
     first = len(asked.curves)
+    own = state_layout(model.system).own_states
+    controlled = (*range(6 * nb), *range(own.start, own.stop))
     return Model(
-        ny, len(prepared), len(curves), 6 * nb, tuple(range(6 * nb)), begin, rate, None, row,
+        ny, len(prepared), len(curves), 6 * nb, controlled, begin, rate, None, row,
         (first, first + 1, first + 2, first + 3, first + 4), watch[0] if watch else None, watched, arrive,
     )  # fmt: skip

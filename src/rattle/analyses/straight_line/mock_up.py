@@ -21,6 +21,7 @@ from rattle.analyses.straight_line.starts import CLOSED, FAR, MISSED, ROUNDS, SM
 from rattle.equations.state import state_layout
 from rattle.errors import TraceError
 from rattle.jit.layout import OUTPUT_ENERGY
+from rattle.language.units import TIME, dimension_of, unit_name
 from rattle.solvers.stepper import ATOL, RTOL
 from rattle.trace import fmu
 from rattle.trace.elementary import lower
@@ -142,9 +143,12 @@ def _variables(model: RecordedModel, curves: Mapping[str, Any], inputs: set[str]
     first, states = len(found), state_layout(model.system).units()
     for k, (name, unit) in enumerate(states):
         nominal = size if k < nq and unit == "m" else 1.0
-        found.append(Variable(name, Kind.STATE, unit, said(name), nominal=nominal))
+        meaning = said(name) if "." in name else "state of the model"
+        found.append(Variable(name, Kind.STATE, unit, meaning, nominal=nominal))
     for k, (name, unit) in enumerate(states):
-        rate = {"m": "m/s", "rad": "rad/s", "m/s": "m/s^2", "rad/s": "rad/s^2", "J": "W"}[unit]
+        rate = {"m": "m/s", "rad": "rad/s", "m/s": "m/s^2", "rad/s": "rad/s^2", "J": "W"}.get(unit, "")
+        if unit and not rate:
+            rate = unit_name(dimension_of(unit).over(TIME))
         found.append(Variable(f"der({name})", Kind.RATE, rate, f"rate of {name}", state=first + k))
     return found + [Variable(name, Kind.CURVE, model.units.get(name, "m"), said(name)) for name in curves]
 

@@ -108,6 +108,7 @@ def record_model(
     inputs = [graph.input() for _ in names]
     chosen = {name: functools.partial(recorder.number, symbol=one) for name, one in zip(names, inputs, strict=True)}
     recorded = compile_system(read(document, chosen=chosen)) if names else system
+    _require_known_states(recorded)
     recording = Recording(recorded, recorder)
     row = np.zeros(width(system), dtype=object)
     rate, sound_rate = recording.guarded(lambda: recording.derivative(t, y))
@@ -160,6 +161,13 @@ def _require_smooth(system: System) -> None:
             f"{', '.join(driving)} switches (abs, sign, min, max, if): code would step over the jumps of a driver;"
             " use a smooth function of t"
         )
+
+
+def _require_known_states(recorded: System) -> None:
+    """Raise TraceError for a state whose start depends on a chosen parameter."""
+    for name, one in recorded.model.states.items():
+        if isinstance(one.start, Recorded):
+            raise TraceError(f"the start of the state '{name}' depends on a parameter that is changed")
 
 
 def _require_same(made: RecordedModel) -> None:

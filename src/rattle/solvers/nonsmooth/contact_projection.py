@@ -5,6 +5,7 @@ from __future__ import annotations
 from rattle.equations.complementarity import FORWARD, OFF, STICK, B
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import constraints, free_motion, place
+from rattle.equations.state import take_states
 from rattle.equations.unilateral import contact_rows, push_all, reach, shift, solve_modes, velocity_scale
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
@@ -132,6 +133,7 @@ def project_on_contacts(m, t, y, who):
 def motion_without(m, t, y):
     """The equations of motion at y without the forces of closed contacts."""
     nq = m.change.shape[0]
+    take_states(m, y)
     free_motion(m, t, y[:nq], y[nq : 2 * nq])
 
 

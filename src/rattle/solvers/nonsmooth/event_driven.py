@@ -19,6 +19,7 @@ from __future__ import annotations
 from rattle.equations.complementarity import OFF, STICK
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
+from rattle.equations.state import take_states
 from rattle.equations.unilateral import CHATTER, LOCKED, NOT_FOUND
 from rattle.jit import layout as at
 from rattle.jit.families import call_stepper
@@ -83,6 +84,7 @@ def new_modes(m, t, y, who, what):
     status = update_modes(m, t, y, who, what)
     if status == CREEPS:
         project_on_contacts(m, t, y, -1)
+        take_states(m, y)
         solve_motion(m, t, y[:nq], y[nq : 2 * nq])
         status = update_modes(m, t, y, who, what)
     if status == OK:
@@ -115,6 +117,7 @@ def handle_event(m, t, y, who, what):
         project_on_contacts(m, t, y, -1)
         if what == TURN:
             mode[who] = old
+        take_states(m, y)
         solve_motion(m, t, y[:nq], y[nq : 2 * nq])
     return new_modes(m, t, y, who, what)
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from rattle.equations.complementarity import FORWARD, OFF, friction_of
 from rattle.equations.motion import solve_motion
+from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 from rattle.solvers.contacts.gap_search import NONE, may_reach, search
@@ -38,6 +39,7 @@ def at_share(m, t, h, theta):
     """State and forces at the share theta (0 to 1) of the step from t [s] of length h [s]."""
     stage, nq = m.stage, m.change.shape[0]
     interpolate(m, theta, stage)
+    take_states(m, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
 
 

@@ -1,10 +1,10 @@
 """Moreau-Jean time stepping: contact impulses over fixed steps, without locating events.
 
     q_M  = q + h/2 v                                 contacts with g(q_M) <= 0 take part
-    v_M  = v + h/2 (change of v in the step before)  for the forces
+    v_M  = v + h/2 (change of v in the step before)  for the forces; so the states z of the model, z_M
     M (v+ - v) = h Q(q_M, v_M, t_M) - Phi_q^T Lambda - W P,   Phi_q v+ = nu
     0 <= g'+ + e_N g'-,  0 <= P_N,  complementary;   P_T in -mu P_N Sgn(-(u_t+ + e_T u_t-))
-    q+   = q_M + h/2 v+
+    q+   = q_M + h/2 v+,   z+ = z + h z'(q_M, v_M, z_M, t_M)
 
 The contact problem is solved by `unilateral.solve_contacts`, started from the modes of the step before.  The approach
 speed of a bounce is that at its hit, at the time that follows from g(q_M), with free motion before and after it.
@@ -42,7 +42,7 @@ from rattle.equations.motion import (
     residual,
 )  # fmt: skip
 from rattle.equations.schur import factorise
-from rattle.equations.state import DISSIPATED, IMPULSE, LOSS, WORK, account_at, energies_at
+from rattle.equations.state import DISSIPATED, IMPULSE, LOSS, WORK, account_at, energies_at, states_at, take_states
 from rattle.equations.unilateral import along, contact_rows, ending, push_all, shift, solve_contacts, solve_modes
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
@@ -265,6 +265,7 @@ def write_until(m, t, h, t_out, out):
         for c in range(nq):
             stage[nq + c] = y[nq + c] if share == 0.0 else y_new[nq + c]
             acceleration[1 + c // 3, c % 3] = (y_new[nq + c] - y[nq + c]) / h
+        take_states(m, stage)
         place(m, stage[:nq], stage[nq : 2 * nq])
         drive(m, t_out[k])
         constraints(m)
@@ -285,6 +286,9 @@ def move_free(m, t, h):
     for c in range(nq):
         y_new[c] += 0.5 * h * y[nq + c]
         y_new[nq + c] += 0.5 * h * rate[c]
+    for c in range(states_at(m), y.shape[0]):
+        y_new[c] += 0.5 * h * rate[c]
+    take_states(m, y_new)
     place(m, y_new[:nq], y_new[nq : 2 * nq])
     drive(m, t + 0.5 * h)
     constraints(m)
@@ -321,6 +325,10 @@ def end_step(m, t, h, active):
     for c in range(nq):
         rate[c] = m.acceleration[1 + c // 3, c % 3] if impact else (y_new[nq + c] - y[nq + c]) / h
         y_new[c] += 0.5 * h * y_new[nq + c]
+    first = states_at(m)
+    for c in range(first, y.shape[0]):
+        rate[c] = m.element_rate[c - first]
+        y_new[c] = y[c] + h * rate[c]
     place(m, y_new[:nq], y_new[nq : 2 * nq])
     if active > 0:
         locate_contacts(m)
@@ -339,6 +347,7 @@ def end_stands(m, t, h):
     m.tally[at.EVALUATIONS] += 1
     gauge(m, START, t + 0.5 * h)
     add_step(m, h)
+    take_states(m, y_new)
     loads(m, t + h)
     if not stands(m, y_new):
         m.clock[at.TROUBLE] = t + h

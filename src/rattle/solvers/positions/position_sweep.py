@@ -227,10 +227,10 @@ def put(m, t, q, v, a, forces, probe, line, row):
 
 @compiled
 def write_signals(m, row):
-    """Write the values of all signals to an output row, in their SI units."""
-    signal, signals = m.signal, m.signals
-    for n in range(signal.shape[0]):
-        row[n] = signals[signal[n, at.TARGET]]
+    """Write the states of the model and the values of all signals to an output row, in their SI units."""
+    signals = m.signals
+    for n in range(m.state_rate.shape[0] + m.signal.shape[0]):
+        row[n] = signals[n]
 
 
 @compiled

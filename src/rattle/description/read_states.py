@@ -1,0 +1,131 @@
+"""The table [states]: first-order states of the model's own, { rate = EXPRESSION, start = VALUE }."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any
+
+from rattle.description.model import State
+from rattle.description.read_parameters import read_quantity
+from rattle.description.read_values import Path, Values, said
+from rattle.language.expression import ExpressionError, Node, Number, parse
+from rattle.language.units import TIME, Dimension, QuantityError, describe, parse_quantity, unit_name
+
+STATE = ("rate", "start")  # keys of a state
+
+
+def declare_states(values: Values, document: Mapping[str, Any]) -> dict[str, float]:
+    """Enter the names of all states, with their dimensions, and return their values at the start [SI].
+
+    The dimension is that of `start`, if it says one, else that of the rate times a time; it is unknown if neither says
+    one, or if the rate does not fit.
+    """
+    table = values.table(document.get("states", {}), ("states",))
+    starts: dict[str, float] = {}
+    for name, given in table.items():
+        path: Path = ("states", name)
+        values.name(name, path)
+        if name in values.constants:
+            values.wrong(path, f"'{name}' is already a parameter; choose another name", at_key=True)
+        values.live[name] = None
+        if not isinstance(given, Mapping):
+            values.wrong(path, f'expected {{ rate = "expression", start = 0 }}, got {said(given)}')
+            continue
+        values.keys(given, STATE, path)
+        starts[name], values.dimensions[name] = _start(values, given.get("start", 0.0), (*path, "start"))
+    rates = {name: _tree(table[name].get("rate")) for name in starts}
+    signals = document.get("signals", {})
+    trees = {name: _tree(one) for name, one in signals.items()} if isinstance(signals, Mapping) else {}
+    _infer(values, {name: node for name, node in rates.items() if node is not None}, trees)
+    return starts
+
+
+def _start(values: Values, given: Any, path: Path) -> tuple[float, Dimension | None]:
+    """Value at the start [SI] and its dimension: a number, a quantity or an expression over parameters."""
+    found = read_quantity(values, given, path)
+    if isinstance(found, tuple):
+        return found
+    if found is None:
+        return 0.0, None
+    node = values.expression(str(given), path, None, live=False)
+    number = values.constant(node, path) if node is not None else None
+    return (0.0, None) if node is None or number is None else (number, values.dimension(node))
+
+
+def _tree(given: Any) -> Node | None:
+    """The tree of an expression that may have faults; None if there is none."""
+    with suppress(ExpressionError, QuantityError):
+        if isinstance(given, str) and parse_quantity(given) is None:
+            return parse(given)
+    return None
+
+
+def _infer(values: Values, rates: Mapping[str, Node], signals: Mapping[str, Node | None]) -> None:
+    """Find the dimensions of states that do not say theirs, through signals as far as needed."""
+    known = values.dimensions
+    guessed: dict[str, Dimension] = {}
+    signal_of = {name: node for name, node in signals.items() if node is not None and name not in known}
+    for _ in range(len(rates) + len(signal_of)):
+        before = len(guessed)
+        values.dimensions = {**known, **guessed}
+        for name, node in (*rates.items(), *signal_of.items()):
+            if values.dimensions.get(name) is None:
+                with suppress(ExpressionError):
+                    seen = values.dimension(node)
+                    if seen is not None:
+                        guessed[name] = seen.times(TIME) if name in rates else seen
+        if len(guessed) == before:
+            break
+    values.dimensions = {**known, **guessed}
+    for name, node in rates.items():
+        if name in guessed and not _fits(values, node, guessed[name]):
+            del guessed[name]
+    values.dimensions = {**known, **{name: guessed[name] for name in rates if name in guessed}}
+
+
+def _fits(values: Values, node: Node, of_state: Dimension) -> bool:
+    """True if a rate has the dimension of its state per time, or none that can be told."""
+    try:
+        seen = values.dimension(node)
+    except ExpressionError:
+        return False
+    return seen is None or seen.times(TIME) == of_state
+
+
+def read_states(values: Values, document: Mapping[str, Any], starts: Mapping[str, float]) -> dict[str, State]:
+    """Read the rates of all states, which may use every live name."""
+    found = {}
+    for name, start in starts.items():
+        path: Path = ("states", name, "rate")
+        given = document["states"][name]
+        if "rate" not in given:
+            values.wrong(path[:2], "needs rate: how fast it changes, an expression over parameters, t, states and all")
+            continue
+        node, seen = _rate(values, given["rate"], path)
+        if node is None:
+            continue
+        of_state = values.dimensions.get(name)
+        if of_state is not None and seen is not None and seen.times(TIME) != of_state:
+            fitting = describe(of_state.over(TIME))
+            values.wrong(
+                path,
+                f"{said(given['rate'])} is {describe(seen)}; expected {fitting}: the state is {describe(of_state)}",
+            )
+        found[name] = State(name, node, start, unit_name(of_state) if of_state is not None else "")
+    return found
+
+
+def _rate(values: Values, given: Any, path: Path) -> tuple[Node | None, Dimension | None]:
+    """The tree of a rate and its dimension, None if unknown; no tree after a problem."""
+    quantity = read_quantity(values, given, path)
+    if isinstance(quantity, tuple):
+        return Number(quantity[0], 0), quantity[1]
+    if quantity is None:
+        return None, None
+    text = str(given)
+    if not values.names_known(quantity, text, path, None, live=True) or not values.dimension_fits(
+        quantity, text, path, None
+    ):
+        return None, None
+    return (quantity, values.dimension(quantity)) if values.is_finite(quantity, path) else (None, None)
