@@ -23,7 +23,7 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.fixture
 def laws():
     """Laws of a test leave the registry after it."""
-    before = {family: dict(registry.kinds(family)) for family in ("normal", "friction")}
+    before = {family: dict(registry.kinds(family)) for family in ("load", "normal", "friction")}
     yield
     for family, kinds in before.items():
         entries = registry._families[family]

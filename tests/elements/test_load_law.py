@@ -48,6 +48,23 @@ def constant(t, state, p):
     return 2.0, 0.0, 0.0
 
 
+def pull(t, length, rate, p):
+    return -p.stiffness * (length - p.rest) - p.damping * rate
+
+
+def pull_slowly(t, length, rate, p):
+    import json  # Numba compiles no imports
+
+    json.dumps([])
+    return pull(t, length, rate, p)
+
+
+def bushing(t, a, b, p):
+    """Elastic in both directions and in turning, with a force that is not along the line."""
+    swing = p.twist * (b[2] - a[2]) + 0.1 * (b[5] - a[5])
+    return -p.k * (b[0] - a[0]) - 0.3 * (b[3] - a[3]), -2 * p.k * (b[1] - a[1]) + math.sin(t), -swing
+
+
 UNITS = {"stiffness": "N*m/rad", "damping": "N*m*s/rad"}
 
 
@@ -64,6 +81,12 @@ def laws():
     rt.load_law("lost")(lost)
     rt.load_law("constant")(constant)
     rt.load_law("constant in Python", compiled=False)(constant)
+    spring = {"stiffness": "N/m", "rest": "m", "damping": "N*s/m"}
+    rt.load_law("pull", between="points", **spring)(pull)
+    rt.load_law("pull plainly", between="points", compiled=False, **spring)(pull)
+    rt.load_law("pull slowly", between="points", **spring)(pull_slowly)
+    rt.load_law("bushing", between="bodies", k="N/m", twist="N*m/rad")(bushing)
+    rt.load_law("bushing plainly", between="bodies", compiled=False, k="N/m", twist="N*m/rad")(bushing)
     yield
     entries = registry.kinds("load")
     for name in [name for name, one in entries.items() if isinstance(one.kernel, LawKernel)]:
@@ -213,3 +236,58 @@ def test_inverse_dynamics_says_which_law_has_no_value_and_how_often():
     assert np.isnan(r["x.force"][2:]).all()
     (note,) = [one for one in r.trust.notes if "loads.w" in one]
     assert "raised ValueError: no wind any more at t = 0.06 s; no forces at 2 of 4 instants" in note
+
+
+# ---------------------------------------------------------------- between two
+def pair():
+    """Two free bodies that turn and fly."""
+    m = rt.Mechanism("pair")
+    for n, name in enumerate(("one", "two"), 1):
+        m.body(name, mass=n, inertia=0.3 * n, points={"P": [0.2, 0.1 * n]})
+        m.initial(name, x=0.7 * n, y=0.1 - n, vx=0.5 - n, vy=0.2, angle=0.3 * n, omega=1.5 - n)
+    return m
+
+
+@pytest.mark.parametrize("kind", ["pull", "pull plainly", "pull slowly"])
+def test_spring_between_two_points_written_in_python_moves_like_the_built_in_one(kind):
+    fields = {"connect": ["one.P", "two.P"], "stiffness": 20, "damping": 0.4}
+    own = pair().load("L", kind, rest="0.5 m", **fields).simulate(1.0, rtol=1e-10, t_eval=[0.5, 1.0])
+    built_in = pair().load("L", "spring", free_length="0.5 m", **fields).simulate(1.0, rtol=1e-10, t_eval=[0.5, 1.0])
+    for name in ("one.x", "one.angle", "two.y", "two.omega"):
+        np.testing.assert_allclose(own[name], built_in[name], atol=1e-11)
+
+
+@pytest.mark.parametrize("kind", ["bushing", "bushing plainly"])
+def test_law_between_bodies_keeps_momentum_and_angular_momentum_and_its_work_is_what_the_pair_gains(kind):
+    m = pair().load("L", kind, connect=["one.P", "two.P"], k=15, twist="2 N*m/rad")
+    r = m.simulate(1.0, rtol=1e-11, t_eval=np.linspace(0, 1, 5))
+    px, py, turn = 0.0, 0.0, 0.0
+    for mass, name in ((1, "one"), (2, "two")):
+        x, y, vx, vy = (r[f"{name}.{key}"] for key in ("x", "y", "vx", "vy"))
+        px, py = px + mass * vx, py + mass * vy
+        turn = turn + mass * (x * vy - y * vx) + 0.3 * mass * r[f"{name}.omega"]
+    for kept in (px, py, turn):
+        np.testing.assert_allclose(kept, kept[0], atol=1e-9)
+    gained = r["energy.kinetic"] - r["energy.kinetic"][0]
+    assert np.abs(gained).max() > 0.1
+    np.testing.assert_allclose(r["energy.work"], gained, atol=1e-8)
+
+
+def test_law_between_two_points_has_a_kind_and_names_its_faults():
+    assert list(registry.kinds("load")["pull"].fields) == ["connect", "stiffness", "rest", "damping"]
+    with pytest.raises(rt.ModelError, match=r"loads.L: needs connect"):
+        _ = pair().load("L", "pull", stiffness=1, rest=0, damping=0).model
+    with pytest.raises(ValueError, match="between must be 'points' or 'bodies', got 'line'"):
+        rt.load_law("other", between="line")(pull)
+    with pytest.raises(ValueError, match="a field cannot be called 'connect'"):
+        rt.load_law("other", between="points", connect="m")(pull)
+    rt.load_law("broken", between="points")(lambda t, length, rate, p: 1.0 / (t - 0.1) if t > 0.2 else math.nan)
+    r = pair().load("L", "broken", connect=["one.P", "two.P"]).simulate(0.1)
+    assert not r.success
+    assert "loads.L: load law 'broken' gives nan at t = 0" in r.message
+
+
+def test_function_in_place_of_a_value_is_refused_with_what_to_do():
+    m = block().load("L", "torque", body="block", torque=math.sin)
+    with pytest.raises(rt.ModelError, match=r"loads.L.torque: a Python function cannot stand for .*@rt.load_law"):
+        _ = m.model

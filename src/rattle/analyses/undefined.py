@@ -27,7 +27,7 @@ def undefined(system: System, workspace: Workspace, t: float, contacts: bool = T
                 " (square root, logarithm, division by zero)"
             )
     for (name, load), row in zip(system.model.loads.items(), system.arrays["load"], strict=True):
-        why = load_law.failure(load.kind, t, workspace.body[row[2]], workspace.values[row[3] :])
+        why = load_law.failure(load.kind, t, workspace.body, row, workspace.values)
         if why:
             return f"loads.{name}: {why}"
     for n, row in enumerate(system.arrays["contact"] if contacts else ()):

@@ -46,8 +46,28 @@ def _leave_out(ctx: click.Context, param: click.Parameter, paths: tuple[str, ...
     ctx.meta["rattle.without"] = paths
 
 
+def _note_laws(ctx: click.Context, param: click.Parameter, files: tuple[str, ...]) -> None:
+    ctx.meta["rattle.laws"] = files
+
+
+def _run_laws() -> None:
+    """Run the files of --laws, and say so."""
+    for file in click.get_current_context().meta.get("rattle.laws", ()):
+        import logging
+
+        from rattle.elements.custom.law_file import run_law_file
+
+        found = run_law_file(file)
+        logging.getLogger("rattle").info(f"{file}: its Python code was run; laws: {', '.join(found)}")
+
+
 def model_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the argument FILE and the options --set, --without and --ideal to a command."""
+    """Add the argument FILE and the options --set, --without, --ideal and --laws to a command."""
+    function = click.option(
+        "--laws", multiple=True, metavar="FILE.py", expose_value=False, callback=_note_laws,
+        help="Run this Python file, which defines loads or contact laws of your own (@rt.load_law); may be given more"
+        " than once.",
+    )(function)  # fmt: skip
     function = click.option(
         "--without", multiple=True, metavar="PATH", expose_value=False, callback=_leave_out,
         help="Leave out one entry of the model, e.g. loads.M or drivers.motor; may be given more than once.",
@@ -85,6 +105,7 @@ def read_model(file: str, settings: tuple[str, ...], ideal: bool) -> Mechanism:
 
     from rattle.loading import example, examples, load
 
+    _run_laws()
     known = examples()
     if file not in known and not Path(file).expanduser().exists() and Path(file).suffix == "":
         from rattle.errors import suggest

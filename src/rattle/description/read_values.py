@@ -205,6 +205,10 @@ class Values:
         """A float [SI], or a Node if `live` and the value changes during the run; nan after a problem."""
         if isinstance(given, bool) or not isinstance(given, int | float | str):
             like = f" as a number or a text like '5 {unit}'" if unit else ""
+            if callable(given):
+                law = "write @rt.load_law(NAME) above it and give a load the type NAME"
+                self.wrong(path, f"a Python function cannot stand for {expected(unit)}; {law}")
+                return math.nan
             self.wrong(path, f"expected {expected(unit)}{like}, got {said(given)}")
             return math.nan
         if isinstance(given, str):

@@ -1,4 +1,4 @@
-"""Loads written in Python: `@rt.load_law` turns a function into a kind of load.
+"""Loads written in Python: `@rt.load_law` turns a function into a kind of load, on one body or between two.
 
     @rt.load_law("drag", c="N*s^2/m^2")
     def drag(t, state, p):
@@ -6,7 +6,12 @@
         speed = math.hypot(vx, vy)
         return -p.c * speed * vx, -p.c * speed * vy, 0.0
 
+    @rt.load_law("gas spring", between="points", F0="N", k="N/m", rest="m")
+    def gas_spring(t, length, rate, p):         # pushes the points apart if positive
+        return p.F0 + p.k * (p.rest - length)
+
     m.load("air", "drag", body="ball", c=0.02)
+    m.load("lift", "gas spring", connect=["ground.F", "lid.P"], F0="200 N", k="300 N/m", rest="0.4 m")
 
 The function is compiled by Numba and runs as fast as the built-in loads.  If Numba cannot compile it, or with
 compiled=False, it runs as plain Python: slower, because every evaluation goes through the interpreter.
@@ -26,6 +31,7 @@ from typing import Any
 import numpy as np
 
 from rattle import registry
+from rattle.elements.custom.law_forms import FORMS, Form
 from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction, users_law
 from rattle.language.units import dimension_of
@@ -33,21 +39,27 @@ from rattle.registry import Field
 
 log = logging.getLogger("rattle")
 
-Law = Callable[..., Any]  # (t, state, p) -> (fx, fy, torque)
-FIELDS = ("type", "body")  # keys of every load, not available as fields of a law
+Law = Callable[..., Any]  # see `load_law`
+FIELDS = ("type", "body", "connect")  # keys of loads, not available as fields of a law
 _raised = threading.local()  # the exception that a law raised while machine code called it
 
 
-def load_law(name: str, *, compiled: bool = True, **fields: str) -> Callable[[Law], Law]:
-    """Decorator: register a function as a kind of load on one body.
+def load_law(name: str, *, between: str = "", compiled: bool = True, **fields: str) -> Callable[[Law], Law]:
+    """Decorator: register a function as a kind of load on one body, or between two.
 
     law(t, state, p) -> (fx, fy, torque): force at the mass centre in the ground frame [N], moment [N*m], from the
     time [s], state = (x, y, angle, vx, vy, omega) of the body [SI] and p, a named tuple of the fields [SI].
+    between="points": law(t, length, rate, p) -> force [N] along the line between two points, which pushes them apart,
+    from their distance [m] and its rate [m/s].
+    between="bodies": law(t, a, b, p) -> (fx, fy, torque) on B at its point [N, N*m], from the state of both points,
+    with angle and rate of their bodies; the reaction acts on A at the same place.
     name: the name used in model files.  fields: name and unit of every number that the user gives; their values may
     be expressions in t, state and signals.  compiled: False runs the function as plain Python, which is slower.
 
-    Raises ValueError for a name in use, a field that is not an identifier, and an unknown unit.
+    Raises ValueError for a name in use, a field that is not an identifier, an unknown unit and another `between`.
     """
+    if between not in FORMS:
+        raise ValueError(f"load law '{name}': between must be 'points' or 'bodies', got {between!r}")
     for key, unit in fields.items():
         if key in FIELDS or key.startswith("_"):
             raise ValueError(f"load law '{name}': a field cannot be called '{key}'")
@@ -57,10 +69,10 @@ def load_law(name: str, *, compiled: bool = True, **fields: str) -> Callable[[La
         text = (law.__doc__ or f"The load '{name}', written in Python.").strip()
         if "Source:" not in text:
             text += f"\n\nSource: {law.__module__}.{law.__qualname__}"
+        form = FORMS[between]
         own = {key: Field(unit, key.replace("_", " "), live=True) for key, unit in fields.items()}
-        place = Field("", "body on which the load acts", shape="body")
-        leaf = type(law.__name__, (), {"__doc__": text, "__module__": law.__module__, "body": place, **own})
-        registry.kind("load", name, LawKernel(name, law, tuple(fields), compiled))(leaf)
+        leaf = type(law.__name__, (), {"__doc__": text, "__module__": law.__module__, **form.place, **own})
+        registry.kind("load", name, LawKernel(name, law, tuple(fields), compiled, form))(leaf)
         return law
 
     if name in registry.kinds("load") and not isinstance(registry.kinds("load")[name].kernel, LawKernel):
@@ -71,10 +83,10 @@ def load_law(name: str, *, compiled: bool = True, **fields: str) -> Callable[[La
 class LawKernel(KernelFunction):
     """The kernel of a law: calls the user's function with the kernel signature of loads."""
 
-    def __init__(self, name: str, law: Law, keys: Sequence[str], compiled: bool) -> None:
-        self.name, self.law, self.keys, self.compiled = name, law, tuple(keys), compiled
+    def __init__(self, name: str, law: Law, keys: Sequence[str], compiled: bool = True, form: Form = FORMS[""]) -> None:
+        self.name, self.law, self.keys, self.compiled, self.form = name, law, tuple(keys), compiled, form
         self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
-        super().__init__(_plain(self), "load", ours=False)
+        super().__init__(self._plain(self.evaluate), "load", ours=False)
         self._native: KernelFunction | None = None
         self._callback: Any = None  # must live as long as machine code may call it
 
@@ -88,7 +100,7 @@ class LawKernel(KernelFunction):
     def _make(self) -> KernelFunction:
         if self.compiled:
             try:
-                made = KernelFunction(_native(self), "load", ours=False)
+                made = KernelFunction(self._compiled(), "load", ours=False)
                 _ = made.dispatcher
                 return made
             except Exception as error:  # whatever Numba's error is, plain Python works
@@ -96,22 +108,53 @@ class LawKernel(KernelFunction):
                 log.warning(f"load law '{self.name}' runs as plain Python, slower: Numba cannot compile it ({reason})")
         else:
             log.info(f"load law '{self.name}' runs as plain Python, slower (compiled=False)")
+        return KernelFunction(self._through(), "load", ours=False)
+
+    # ------------------------------------------------------------ the kernel in its three forms
+    def _plain(self, law: Law) -> Callable[..., None]:
+        """The kernel for plain Python.  law: (t, arguments, values) -> result."""
+        count = len(self.keys)
+        return self.form.kernel(
+            lambda t, *given: law(float(t), _floats(given[:-1]), given[-1]), lambda p, k: _floats(p[k : k + count])
+        )
+
+    def _compiled(self) -> Callable[..., None]:
+        """The kernel for machine code, with the law compiled into it."""
+        law, part = users_law(self.law, len(self.keys))
+        pack = self.pack
+        given, _ = users_law(lambda p, k: pack(*part(p, k)), 0)
+        return self.form.kernel(law, given)
+
+    def _through(self) -> Callable[..., None]:
+        """The kernel for machine code that calls back into Python."""
         self._callback = _callback(self)
-        return KernelFunction(_through(self._callback), "load", ours=False)
+        law, _ = users_law(self.form.called(self._callback), 0)
+        given, _ = users_law(lambda p, k: p[k:], 0)
+        return self.form.kernel(law, given)
 
-    def evaluate(self, t: float, state: Sequence[float], values: Sequence[float]) -> tuple[float, float, float]:
-        """Force [N] (fx, fy) and moment [N*m]; nan if the law raises, and the exception is kept for `complaint`.
+    def evaluate(self, t: float, arguments: Sequence[Any], values: Sequence[float]) -> Any:
+        """What the law returns [N, N*m]; nan if it raises, and the exception is kept for `complaint`.
 
-        t: time [s]; state: (6,) of the body [m, rad, m/s, rad/s]; values: of the fields [SI].
+        t: time [s]; arguments: of the law between t and the fields [SI]; values: of the fields [SI].
         """
+        several = self.form.results > 1
+        nothing = (math.nan,) * self.form.results if several else math.nan
         if isinstance(getattr(_raised, "error", None), KeyboardInterrupt):  # do not call the law again: the run ends
-            return math.nan, math.nan, math.nan
+            return nothing
         try:
-            fx, fy, torque = self.law(t, tuple(state), self.pack(*values))
+            found = self.law(t, *arguments, self.pack(*values))
+            if not several:
+                return float(found)
+            fx, fy, torque = found
             return float(fx), float(fy), float(torque)
         except BaseException as error:  # machine code cannot pass on an exception, not even Ctrl-C
             _raised.law, _raised.t, _raised.error = self.name, t, error
-            return math.nan, math.nan, math.nan
+            return nothing
+
+
+def _floats(given: Any) -> Any:
+    """Numbers of Python in place of those of NumPy, which divide by zero without an exception."""
+    return float(given) if np.isscalar(given) else tuple(_floats(one) for one in given)
 
 
 def forget() -> None:
@@ -133,77 +176,41 @@ def complaint(since: float) -> str:
     return f"load law '{_raised.law}' raised {type(error).__name__}: {error} at t = {_raised.t:.6g} s"
 
 
-def failure(kind: str, t: float, body: np.ndarray, values: np.ndarray) -> str:
-    """Why the user's law of a kind of load has no finite value, found by running it as plain Python; "" if it has one.
+def failure(kind: str, t: float, body: np.ndarray, load: np.ndarray, values: np.ndarray) -> str:
+    """Why the user's law of a load has no finite value, found by running it as plain Python; "" if it has one.
 
-    t: time [s]; body: (8,) row of the body [SI]; values: (n,) of the fields [SI], in their order.
+    t: time [s]; body, load: arrays of the workspace [SI], `load` the row of the load; values: of all elements [SI].
     """
     kernel = registry.kinds("load")[kind].kernel
     if not isinstance(kernel, LawKernel):
         return ""
     forget()
-    found = kernel.evaluate(t, [float(one) for one in body[:6]], [float(one) for one in values[: len(kernel.keys)]])
-    if all(math.isfinite(one) for one in found):
+    heard: list[Any] = []
+
+    def law(*given: Any) -> Any:
+        heard.append(kernel.evaluate(*given))
+        return heard[-1]
+
+    a, b, k = (int(load[one]) for one in (at.END_A, at.END_B, at.FIRST_P))
+    kernel._plain(law)(t, body, a, b, values, k, np.zeros((len(body), 3)), np.zeros(4))
+    if np.isfinite(heard[0]).all():
         return ""
-    return complaint(t) or f"load law '{kernel.name}' gives {found} at t = {t:.6g} s"
-
-
-# ---------------------------------------------------------------- the kernel in its three forms
-def _plain(kernel: LawKernel) -> Callable[..., None]:
-    """The kernel for plain Python."""
-    count = len(kernel.keys)
-
-    def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
-        values = [float(one) for one in p[k : k + count]]
-        fx, fy, torque = kernel.evaluate(float(t), [float(one) for one in body[b, :6]], values)
-        force[b, at.X] += fx
-        force[b, at.Y] += fy
-        force[b, at.PHI] += torque
-        energy[at.OUTSIDE] += fx * body[b, at.VX] + fy * body[b, at.VY] + torque * body[b, at.W]
-
-    return run
-
-
-def _native(kernel: LawKernel) -> Callable[..., None]:
-    """The kernel for machine code, with the law compiled into it."""
-    law, part = users_law(kernel.law, len(kernel.keys))
-    pack = kernel.pack
-
-    def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
-        kept = force[b, at.X]
-        force[b, at.X] = math.nan  # stays nan if the law raises: machine code does not stop at an exception
-        state = (body[b, at.X], body[b, at.Y], body[b, at.PHI], body[b, at.VX], body[b, at.VY], body[b, at.W])
-        fx, fy, torque = law(t, state, pack(*part(p, k)))
-        force[b, at.X] = kept + fx
-        force[b, at.Y] += fy
-        force[b, at.PHI] += torque
-        energy[at.OUTSIDE] += fx * body[b, at.VX] + fy * body[b, at.VY] + torque * body[b, at.W]
-
-    return run
+    return complaint(t) or f"load law '{kernel.name}' gives {heard[0]} at t = {t:.6g} s"
 
 
 def _callback(kernel: LawKernel) -> Any:
-    """The law as a C function of pointers to state, field values and result."""
+    """The law as a C function of t and pointers to its arguments, the field values and its result."""
     number = ctypes.POINTER(ctypes.c_double)
-    count = len(kernel.keys)
+    form, count = kernel.form, len(kernel.keys)
 
-    def call(t: float, row: int, values: int, force: int, energy: int) -> None:
-        state = ctypes.cast(row, number)[:6]
+    def call(t: float, arguments: int, values: int, result: int) -> None:
+        passed = ctypes.cast(arguments, number)[: form.size]
         # an empty array of values has no address
         given = ctypes.cast(values, number)[:count] if count else []
-        on_body, rate = ctypes.cast(force, number), ctypes.cast(energy, number)
-        for n, part in enumerate(kernel.evaluate(t, state, given)):
-            on_body[n] += part
-            rate[at.OUTSIDE] += part * state[at.VX + n]
+        found = kernel.evaluate(t, form.inputs(passed), given)
+        out = ctypes.cast(result, number)
+        for n, one in enumerate(found if form.results > 1 else (found,)):
+            out[n] = one
 
     address = ctypes.c_void_p
-    return ctypes.CFUNCTYPE(None, ctypes.c_double, address, address, address, address)(call)
-
-
-def _through(callback: Any) -> Callable[..., None]:
-    """The kernel for machine code that calls back into Python."""
-
-    def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
-        callback(t, body[b].ctypes, p[k:].ctypes, force[b].ctypes, energy.ctypes)
-
-    return run
+    return ctypes.CFUNCTYPE(None, ctypes.c_double, address, address, address)(call)
