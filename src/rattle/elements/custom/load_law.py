@@ -154,7 +154,7 @@ class LawKernel(KernelFunction):
 
 def _floats(given: Any) -> Any:
     """Numbers of Python in place of those of NumPy, which divide by zero without an exception."""
-    return float(given) if np.isscalar(given) else tuple(_floats(one) for one in given)
+    return float(given) if np.ndim(given) == 0 else tuple(_floats(one) for one in given)
 
 
 def forget() -> None:
