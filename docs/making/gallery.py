@@ -29,6 +29,7 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
 }
 CURVES = {"squeezer": "k1.angle", "balanced_arm": ""}  # where the header has no `rattle plot` with a name
 INSTANT = {"toggle_clamp": 0.3, "slider_crank": 0.09, "slider_crank_play": 0.09}  # share of the run that is drawn
+PATHS = {"five_bar": "left_forearm.pen", "ellipse": "coupler.P"}  # the path of a point shows more than a curve
 ORBITS = {"bouncing_pin": "O"}  # a single pin in its bush: its path shows more than a drawing
 WIDE, HIGH, DOTS = 8.6, 2.9, 100  # inches, inches, dots per inch
 
@@ -86,6 +87,8 @@ def _draw(path: Path, name: str) -> None:
     _mechanism(left, one.result, INSTANT.get(name, 0.0))
     if right and one.accuracy is not None:
         _band(right[0], one.accuracy)
+    elif right and name in PATHS:
+        _path(right[0], one.result, PATHS[name])
     elif right:
         _curve(right[0], one.result, curve)
     figure.savefig(path, dpi=DOTS)
@@ -102,6 +105,13 @@ def _mechanism(ax: Any, result: Any, share: float) -> None:
     sketch.draw_mechanism(ax, stage._replace(size=size))
     ax.set(xlim=(low[0] - 0.12 * size, high[0] + 0.12 * size), ylim=(low[1] - 0.12 * size, high[1] + 0.12 * size))
     ax.locator_params(nbins=5)
+    ax.tick_params(labelsize=8)
+
+
+def _path(ax: Any, result: Any, point: str) -> None:
+    module_with("plot_path", "plot_orbit").plot_path(result, point, ax=ax)
+    ax.set_title(f"path of {point}", fontsize=9)
+    ax.get_legend().remove()
     ax.tick_params(labelsize=8)
 
 

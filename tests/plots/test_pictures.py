@@ -16,6 +16,7 @@ from rattle.plots.animation import animate, scene
 from rattle.plots.chaos import plot_section
 from rattle.plots.curves import handy_unit, plot
 from rattle.plots.orbit import plot_path
+from rattle.results.display import quantity
 from rattle.results.result import Result
 from rattle.studies.compare import newton
 from rattle.studies.poincare import Section
@@ -38,6 +39,9 @@ def test_units_are_those_in_which_a_number_is_handy():
     assert handy_unit("rad", 1.0) == (180 / math.pi, "deg")
     assert [handy_unit("m", size)[1] for size in (2.0, 0.02, 2e-5, 0.0)] == ["m", "mm", "µm", "m"]
     assert handy_unit("N", 1e-9) == (1.0, "N")
+    for unit, value in (("rad/s", 3.0), ("rad", 2.0), ("m", 0.03), ("m", 0.07), ("N", 5.0)):
+        factor, shown = handy_unit(unit, value)
+        assert quantity(value, unit, 6) == f"{factor * value:.6g} {shown}"
     r = circling(101)
     (line,) = plot(r, "arm.angle").axes[0].lines[:1]
     np.testing.assert_allclose(line.get_ydata(), np.degrees(r["arm.angle"]), rtol=1e-14)

@@ -60,7 +60,7 @@ HELP = {
     "tolerance": "What each tolerance does to a number, which to tighten, and which tolerances keep an accuracy.",
     "sweep": "Numbers over all combinations of values of parameters, as table, curve or map.",
     "optimise": "Values of parameters that make a number, such as a peak force or an error, as small as possible.",
-    "plot": "Plot curves, paths of points or pin orbits of a saved result.",
+    "plot": "Plot curves, spectra, paths of points or pin orbits of a saved result.",
     "animate": "Animate a saved result (GIF or MP4).",
     "export": "Write a saved result as CSV, or in the other result format.",
     "code": "Write a mechanism without contacts as a C program.",

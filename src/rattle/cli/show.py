@@ -71,31 +71,36 @@ def draw(ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, 
     "--xy", multiple=True, metavar="POINT", help="Draw the path of a point, or of a body's mass centre, e.g. coupler.P."
 )
 @click.option("--over", metavar="NAME", help="Put this curve on the horizontal axis, e.g. crank.angle; default: time.")
+@click.option("--spectrum", is_flag=True, help="Draw the amplitude spectra of the curves instead.")
+@click.option("--compare", multiple=True, metavar="[LABEL=]FILE", help="Another saved result, whose curves are dashed.")
+@click.option(
+    "--robust", is_flag=True, help="Leave rare spikes out of the range of the axis; a note says how far they reach."
+)
 @click.option(
     "-o",
     "--output",
     metavar="FILE",
     default=None,
-    help="Picture to write (.png, .svg, .pdf); default: RESULT.png, and RESULT-JOINT.png or RESULT-path.png for "
-    "orbits and paths.",
+    help="Picture to write (.png, .svg, .pdf); default: RESULT.png, and RESULT-JOINT.png, RESULT-path.png or "
+    "RESULT-spectrum.png for orbits, paths and spectra.",
 )
 def plot(
     result: str, names: tuple[str, ...], orbit: tuple[str, ...], xy: tuple[str, ...], over: str | None,
-    output: str | None,
+    spectrum: bool, compare: tuple[str, ...], robust: bool, output: str | None,
 ) -> None:  # fmt: skip
-    """Plot curves, paths of points or pin orbits of a saved result; without NAMES lists all names.
+    """Plot curves, their spectra, paths of points or pin orbits of a saved result; without NAMES lists all names.
 
     \b
     Example:  rattle plot out.nc O3.normal O4.normal -o forces.svg
               rattle plot out.nc motor.torque --over crank.angle
+              rattle plot out.nc rocker.angle --compare "no play=ideal.nc"
+              rattle plot out.nc O3.fx O3.fy --spectrum
               rattle plot out.nc --xy coupler.O3
               rattle plot out.nc --orbit O3
     """
     from pathlib import Path
 
-    from rattle.plots.curves import plot as curves
     from rattle.plots.curves import save_figure
-    from rattle.plots.orbit import plot_orbit, plot_path
     from rattle.results.result import load_result
 
     target = Path(output) if output else Path(result).with_suffix(".png")
@@ -104,8 +109,16 @@ def plot(
             raise click.UsageError(f"{option} needs a name; `rattle plot {result}` lists all names")
     if output and not (names or orbit or xy):
         raise click.UsageError(f"name what to draw; `rattle plot {result}` lists all names")
-    if over is not None and not names:
-        raise click.UsageError("--over needs curves to draw: rattle plot RESULT NAME... --over NAME")
+    for option, used in {
+        "--over": over is not None,
+        "--spectrum": spectrum,
+        "--compare": compare,
+        "--robust": robust,
+    }.items():
+        if used and not names:
+            raise click.UsageError(f"{option} needs curves to draw: rattle plot RESULT NAME... {option}")
+    if spectrum and (over is not None or robust):
+        raise click.UsageError("--spectrum has the frequency on its horizontal axis; leave --over and --robust out")
     if names or orbit or xy:
         check_pictures(result, target)
     loaded = load_result(result)
@@ -113,15 +126,29 @@ def plot(
         for name in loaded.names:
             click.echo(f"{name}  [{loaded.unit(name) or '-'}]")
         return
-    figures = [(curves(loaded, *names, over=over), target)] if names else []
+    others = [(label, load_result(file)) for label, file in map(_labelled, compare)]
+    figures = []
     alone = output is not None and bool(names) + bool(xy) + len(orbit) == 1
+    if names and spectrum:
+        place = target if alone else target.with_stem(f"{target.stem}-spectrum")
+        figures.append((loaded.plot_spectrum(*names, compare=others), place))
+    elif names:
+        figures.append((loaded.plot(*names, over=over, compare=others, robust=robust), target))
     if xy:
-        figures.append((plot_path(loaded, *xy), target if alone else target.with_stem(f"{target.stem}-path")))
+        figures.append((loaded.plot_path(*xy), target if alone else target.with_stem(f"{target.stem}-path")))
     for joint in orbit:
-        figures.append((plot_orbit(loaded, joint), target if alone else target.with_stem(f"{target.stem}-{joint}")))
+        figures.append((loaded.plot_orbit(joint), target if alone else target.with_stem(f"{target.stem}-{joint}")))
     for figure, path in figures:
         save_figure(figure, path)
         say_written(path)
+
+
+def _labelled(text: str) -> tuple[str, str]:
+    """Label and file of LABEL=FILE; the name of the file without its suffix if there is no label."""
+    from pathlib import Path
+
+    label, equals, file = text.partition("=")
+    return (label.strip(), file.strip()) if equals and not Path(text).exists() else (Path(text).stem, text)
 
 
 @click.command()

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
+from rattle.results.display import scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,7 +95,7 @@ def plot(
         every = [r[name] for _, r in [("", result), *others] for name in curves if name in r]
         largest = max((float(np.nanmax(np.abs(one), initial=0.0)) for one in every), default=0.0)
         factor, shown = (1.0, unit) if ax is not None else handy_unit(unit, largest)
-        _panel(panel, result, curves, others, factor, across)
+        panel_of(panel, result, curves, others, lambda r, name: (across(r), r[name]), factor)
         panel.set_ylabel(axis_label(QUANTITY.get(unit, ""), shown) if unit else "no unit")
         if robust:
             robust_limits(panel, [factor * one for one in every])
@@ -105,13 +106,14 @@ def plot(
     if shade_after_horizon(axes[0], result, draw=False):
         span = f"t = {result.t[0]:g} to {result.t[-1]:g} s; after t = {result.trust.horizon:.3g} s statistics only"
         note(axes[0], AFTER if over is None else span)
-    if ax is None and (title := str(result.provenance.get("model", ""))):
-        axes[0].set_title(title, loc="left", fontsize=10, parse_math=False)
+    if ax is None:
+        title_of(axes[0], result)
     axes[-1].set_xlabel(along)
     return drawn(axes[0], ax)
 
 
 Across = Callable[["Result"], Array]
+Curve = Callable[["Result", str], tuple[Array, Array]]  # of a result and a name
 
 
 def _across(result: Result, over: str | None) -> tuple[Across, str]:
@@ -122,20 +124,29 @@ def _across(result: Result, over: str | None) -> tuple[Across, str]:
     return (lambda r: factor * r[over]), axis_label(over, unit)
 
 
-def _panel(
-    ax: Axes, result: Result, names: list[str], others: list[tuple[str, Result]], factor: float, across: Across
+def title_of(ax: Axes, result: Result) -> None:
+    """The name of the model above the axes."""
+    if title := str(result.provenance.get("model", "")):
+        ax.set_title(title, loc="left", fontsize=10, parse_math=False)
+
+
+def panel_of(
+    ax: Axes, result: Result, names: list[str], others: list[tuple[str, Result]], curve: Curve, factor: float
 ) -> None:
+    """Curves of a result, and dashed those of others, with a legend beside them; factor: on their values."""
     from matplotlib.colors import to_rgb
 
     lines = []
     for k, name in enumerate(names):
         colour = CURVES[k % len(CURVES)]
-        lines += ax.plot(across(result), factor * result[name], color=colour, linewidth=0.9, label=name)
+        x, y = curve(result, name)
+        lines += ax.plot(x, factor * y, color=colour, linewidth=0.9, label=name)
         for n, (label, other) in enumerate(others):
             if name in other:
                 style: dict[str, Any] = {"linestyle": (0, (4, 1 + 2 * n)), "linewidth": 1.1}
                 style |= {"color": tuple(0.45 * part for part in to_rgb(colour)), "label": f"{name}, {label}"}
-                lines += ax.plot(across(other), factor * other[name], **style)
+                x, y = curve(other, name)
+                lines += ax.plot(x, factor * y, **style)
     place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0), "borderaxespad": 0.0}
     # matplotlib leaves out names that begin with an underscore: they are written after the legend is made
     legend = ax.legend(lines, [str(k) for k in range(len(lines))], frameon=False, fontsize=9, **place)
@@ -144,12 +155,11 @@ def _panel(
 
 
 def handy_unit(unit: str, size: float) -> tuple[float, str]:
-    """A factor from the SI unit, and the unit in which a quantity of this size [SI] is easy to read."""
-    if unit == "rad":
-        return 180 / np.pi, "deg"
-    if unit == "m" and 0.0 < size < 0.1:
-        return (1e3, "mm") if size >= 1e-4 else (1e6, "µm")
-    return 1.0, unit
+    """Factor from the SI unit, and the unit in which a picture shows a quantity of this size [SI].
+
+    As in tables, and lengths below 0.1 mm in µm.
+    """
+    return (1e6, "µm") if unit == "m" and 0.0 < size < 1e-4 else scale(unit, size)
 
 
 def length_axes(ax: Axes, span: float) -> None:

@@ -14,6 +14,7 @@ from rattle.plots.curves import (
     CURVES,
     GREY,
     RED,
+    SMALL,
     Array,
     axis_label,
     drawn,
@@ -50,7 +51,8 @@ def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | 
     for name in points:
         require_point(result, name)
     paths = [(name, result[f"{name}.x"], result[f"{name}.y"]) for name in dict.fromkeys(points)]
-    factor, unit = handy_unit("m", max(float(np.nanmax(np.abs(one[1:]), initial=0.0)) for one in paths))
+    wide = max(float(np.ptp(c[np.isfinite(c)])) if np.isfinite(c).any() else 0.0 for _, *way in paths for c in way)
+    factor, unit = (1e3, "mm") if 1e-4 <= wide < SMALL else handy_unit("m", wide)
     given, ax = ax, ax if ax is not None else new_axes(6.8, 5.4)[0]
     for k, (name, x, y) in enumerate(paths):
         colour = CURVES[k % len(CURVES)]

@@ -18,21 +18,32 @@ _KIND_OF_FILE = {".gif": "image/gif", ".png": "image/png", ".svg": "image/svg+xm
 LARGEST = 20_000_000  # size of an animation that is embedded in a notebook [bytes]
 
 
+def scale(unit: str, size: float) -> tuple[float, str]:
+    """Factor from the SI unit, and the unit in which tables and pictures show a quantity of this size [SI].
+
+    Angles and their rates are in degrees, lengths below 50 mm in mm, all else as it is.
+    """
+    if unit in _READ_AS:
+        return DEGREES, _READ_AS[unit]
+    return (1e3, "mm") if unit == "m" and 0.0 < size < MILLIMETRES else (1.0, unit)
+
+
 def readable(value: float, unit: str) -> tuple[float, str]:
     """A value [SI] and its unit for display: angles in degrees (0 if only rounding is left), others unchanged."""
     if unit == "rad" and abs(value) < ROUNDING:
         value = 0.0
-    return (value * DEGREES, _READ_AS[unit]) if unit in _READ_AS else (value, unit)
+    factor, shown = scale(unit, 0.0)
+    return factor * value, shown
 
 
 def quantity(value: float, unit: str, digits: int = 4) -> str:
     """A value [SI] as text with its unit, angles in degrees and short lengths in mm."""
     if unit == "m" and abs(value) < 1e-15:
         value = 0.0
-    if unit == "m" and 0.0 < abs(value) < MILLIMETRES:
-        return f"{1e3 * value:.{digits}g} mm"
-    number, shown = readable(value, unit)
-    return f"{number:.{digits}g} {shown}".rstrip()
+    if unit == "rad" and abs(value) < ROUNDING:
+        value = 0.0
+    factor, shown = scale(unit, abs(value))
+    return f"{factor * value:.{digits}g} {shown}".rstrip()
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", below: Iterable[str] = ()) -> str:

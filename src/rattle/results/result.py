@@ -257,6 +257,39 @@ class Result:
 
         return curves_.plot(self, *names, ax=ax, compare=compare, robust=robust, over=over)
 
+    def plot_spectrum(self, *names: str, compare: Iterable[tuple[str, Result]] = ()) -> Figure:
+        """Amplitude spectra of curves over the frequency [Hz], and multiples of the driver's turning if it is steady.
+
+        From all output instants, with the window of Hann: see `spectrum`.  compare: further results as (label, result).
+        Raises UnknownName, ValueError.
+        """
+        from rattle.plots import spectrum
+
+        return spectrum.plot_spectrum(self, *names, compare=compare)
+
+    def spectrum(self, name: str) -> tuple[Array, Array]:
+        """Frequencies [Hz] and amplitudes [SI] of a curve from its output instants, which must be evenly spaced.
+
+        The mean is taken out, the window is that of Hann: a sine of amplitude A shows as A.
+        Raises UnknownName, ValueError.  For all details see `rattle.results.spectrum`.
+        """
+        from rattle.results.spectrum import amplitude_spectrum
+
+        return amplitude_spectrum(self.t, self[name])
+
+    @overload
+    def plot_path(self, *points: str, ax: None = None) -> Figure: ...
+    @overload
+    def plot_path(self, *points: str, ax: Axes) -> Axes: ...
+    def plot_path(self, *points: str, ax: Axes | None = None) -> Figure | Axes:
+        """Paths of points such as "coupler.P", or of mass centres ("coupler"), in the plane [m or mm].
+
+        ax: draw there.  Returns a new figure, or `ax` if it is given.  Raises UnknownName, ValueError without a point.
+        """
+        from rattle.plots import orbit
+
+        return orbit.plot_path(self, *points, ax=ax)
+
     @overload
     def plot_orbit(self, joint: str, ax: None = None) -> Figure: ...
     @overload
