@@ -21,7 +21,7 @@ from rattle.equations.system import System
 from rattle.errors import AssemblyError
 from rattle.jit import layout as at
 from rattle.plots.arrows import straight, turning
-from rattle.plots.curves import BLACK, GREY, RED, drawn, length_axes, new_figure, tidy
+from rattle.plots.curves import BLACK, GREY, RED, drawn, figure_of, length_axes, new_figure, tidy
 from rattle.plots.drawings import drawing_of, parts
 from rattle.plots.labels import Label, place_labels
 from rattle.plots.scene import Array, Scene
@@ -83,6 +83,8 @@ def plot_model(m: AnalysedModel, ax: Axes | None = None) -> Figure | Axes:
     labels += _open_joints(ax, scene, position)
     _say(ax, position, free)
     place_labels(ax, labels)
+    if given is None:
+        figure_of(ax).set_layout_engine("none")  # names are placed for this layout
     return drawn(ax, given)
 
 
@@ -276,6 +278,10 @@ def _open_joints(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
         if gap <= TOGETHER * scene.size:
             continue
         a, b = (point_at(system, position.q, one) for one in (joint.a, joint.b))
+        if joint.line is not None:  # the nearest point of the line
+            angle = pose(system, position.q, joint.a.body)[2] + joint.line
+            u = np.array([math.cos(angle), math.sin(angle)])
+            a = a + ((b - a) @ u) * u
         ax.plot(
             *np.array([a, b]).T, color=RED, linewidth=1.6, linestyle=(0, (3, 1.5)), marker="x", markersize=9, zorder=7
         )

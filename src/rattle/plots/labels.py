@@ -27,6 +27,7 @@ FIRST = np.pi / 4  # direction that is tried first [rad]: right above
 LEADER = 12.0  # distance [pt] from which on a thin line leads to the point
 SPACING = 3.0  # of the points that stand for lines [pt]
 NAME, EDGE, LINE = 1e6, 1e4, 20.0  # cost of covering another name, the edge, one point of a line
+SETTLED = 3  # layouts after which axes of fixed scale stay in their place
 AIR = 1.5  # around a name [pt]
 
 
@@ -56,7 +57,8 @@ class Box(NamedTuple):
 def place_labels(ax: Axes, labels: Sequence[Label]) -> list[Annotation]:
     """Write the names into finished axes; their limits and size must not change any more."""
     figure = figure_of(ax)
-    figure.draw_without_rendering()  # settles the place of the axes
+    for _ in range(SETTLED):
+        figure.draw_without_rendering()
     points = 72.0 / figure.dpi
     lines = points * drawn_points(ax, SPACING / points)
     frame = ax.get_window_extent()
