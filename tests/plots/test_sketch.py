@@ -156,3 +156,63 @@ def test_few_frames_show_the_whole_path_of_a_point():
     for axis, limits in (("x", ax.get_xlim()), ("y", ax.get_ylim())):
         assert limits[0] < r[f"boom.P.{axis}"].min()
         assert r[f"boom.P.{axis}"].max() < limits[1]
+
+
+STOPS = """
+format = 1
+[ground.points]
+O = [0, 0]
+R = [0, 0.6]
+Z = [0.2, 0]
+[bodies.hatch]
+bar = ["O", "P"]
+length = 1
+mass = 5
+[bodies.block]
+points = { C = [0, 0] }
+mass = 1
+inertia = 0.01
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "hatch.O"]
+stop = { min = "30 deg", max = "90 deg" }
+[joints.rail]
+type = "prismatic"
+connect = ["ground.R", "block.C"]
+stop = { min = "-0.1 m", max = "0.5 m" }
+[loads.lifter]
+type = "actuator"
+connect = ["ground.Z", "hatch.P"]
+force = 300
+[initial]
+hatch = { angle = "60 deg" }
+block = { x = 0.2 }
+"""
+
+
+@pytest.mark.nojit
+def test_stops_are_marked_where_the_body_is_held():
+    ax = rt.loads(STOPS).plot().axes[0]
+    thick = [np.array(line.get_data()).T for line in ax.lines if line.get_linewidth() == pytest.approx(3.0)]
+    walls = sorted(float(one[0, 0]) for one in thick if np.ptp(one[:, 0]) < 1e-12 and one[:, 1].max() > 0.6)
+    boxes = [patch.get_xy() for patch in ax.patches if isinstance(patch, Polygon) and len(patch.get_xy()) == 5]
+    (block,) = [box for box in boxes if box[:, 1].mean() == pytest.approx(0.6, abs=0.02)]
+    half = np.ptp(block[:, 0]) / 2
+    assert walls == pytest.approx([-0.1 - half, 0.5 + half])  # the block touches them with its ends
+    marks = [one for one in thick if one[:, 1].max() < 0.3]
+    angles = sorted(np.degrees(np.arctan2(one[1, 1], one[1, 0])) for one in marks)
+    assert angles == pytest.approx([30.0, 90.0])
+
+
+@pytest.mark.nojit
+def test_an_actuator_reaches_from_point_to_point():
+    m = rt.loads(STOPS)
+    ax = m.plot().axes[0]
+    outlines = [np.array(line.get_data()).T for line in ax.lines if line.get_linewidth() == pytest.approx(1.4)]
+    (barrel,) = [one for one in outlines if len(one) == 5]
+    foot, end = barrel[[0, 3]].mean(axis=0), barrel[[1, 2]].mean(axis=0)
+    tip = np.array([0.5, np.sqrt(0.75)])
+    assert foot == pytest.approx([0.2, 0.0])
+    share = np.hypot(*(end - foot)) / np.hypot(*(tip - foot))
+    assert 0.0 < share < 1.0
+    assert end - foot == pytest.approx(share * (tip - foot))

@@ -78,7 +78,9 @@ def _at(system: System, workspace: Workspace, t: float) -> str:
     for name in system.model.drivers:
         value = workspace.values[system.driver_slot(name)]
         unit = system.rows[system.first_row(name)].unit
-        functions.append(f"{name} = {math.degrees(value) + 0.0:.4g} deg" if unit == "rad" else f"{name} = {value:.4g} m")
+        functions.append(
+            f"{name} = {math.degrees(value) + 0.0:.4g} deg" if unit == "rad" else f"{name} = {value:.4g} m"
+        )
     return f" at t = {t:.6g} s" + (f" ({', '.join(functions)})" if functions else "")
 
 

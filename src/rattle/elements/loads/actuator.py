@@ -38,5 +38,6 @@ class Actuator:
     Source: definition.
     """
 
+    drawn_as = "actuator"
     connect = Field("", "its two ends", shape="connect")
     force = Field("N", "force that pushes the ends apart", live=True)

@@ -75,7 +75,8 @@ def barrel_and_rod(scene: Scene, form: Form) -> list[str]:
 def reach(form: Form) -> list[tuple[str, Pair]]:
     """Both points, and how far the guide goes if it has ends."""
     (a, b), (p, q) = form["bodies"], form["points"]
-    ways = (-form["travel"], form["travel"]) if "travel" in form else ()
+    ways = [-form["travel"], form["travel"]] if "travel" in form else []
+    ways += [end for end in form.get("stop", ()) if end is not None]
     cos, sin = np.cos(form["axis"]), np.sin(form["axis"])
     return [(a, tuple(p)), (b, tuple(q)), *((a, (p[0] + way * cos, p[1] + way * sin)) for way in ways)]
 
@@ -89,8 +90,9 @@ def guide(ax: Axes, scene: Scene, part: Part) -> list[Update]:
     line = line_of(scene, form)
     length, height = form.get("block") or (0.12 * scene.size, 0.07 * scene.size)
     way = line.coordinate(scene.ends(form)[1])
-    low, high = way.min() - 0.8 * length, way.max() + 0.8 * length
-    updates = []
+    stops = [end for end in form.get("stop", ()) if end is not None]
+    low, high = min([way.min(), *stops]) - 0.8 * length, max([way.max(), *stops]) + 0.8 * length
+    updates = draw_stops(ax, form, line, length / 2, 0.7 * height)
     for side in (-1, 1) if form["clearance"] else (0,):
         y = side * (height / 2 + form["clearance"])
         wall = np.stack([line.at(np.full(len(way), x), y) for x in (low, high)], axis=1)
@@ -100,6 +102,17 @@ def guide(ax: Axes, scene: Scene, part: Part) -> list[Update]:
         else:
             updates.append(draw_line(ax, wall, color=GREY, linewidth=1.5, zorder=1))
     return updates + _block(ax, scene, form, line, length, height)
+
+
+def draw_stops(ax: Axes, form: Form, line: Line, before: float, half: float) -> list[Update]:
+    """Stops of the position as walls across the line, as far before B's point as the block reaches; lengths in m."""
+    updates = []
+    for way, end in zip((-1.0, 1.0), form.get("stop", ()), strict=False):
+        if end is not None:
+            x = np.full(len(line.origin), end + way * before)
+            wall = np.stack([line.at(x, -half), line.at(x, half)], axis=1)
+            updates.append(draw_line(ax, wall, color=BLACK, linewidth=3, solid_capstyle="butt", zorder=3.6))
+    return updates
 
 
 def _block(ax: Axes, scene: Scene, form: Form, line: Line, length: float, height: float) -> list[Update]:
@@ -121,12 +134,15 @@ def _cylinder(ax: Axes, scene: Scene, form: Form) -> list[Update]:
     half = height / 2 + form["clearance"]
     own = [line.coordinate(scene.path(a, point))[0] for point in scene.points(a)] or [0.0]
     tips = [line.coordinate(scene.path(b, point)) for point in scene.points(b)] if b != "ground" else []
-    low, high = min(*own, piston.min() - 0.8 * length), max(*own, piston.max() + 0.8 * length)
+    stops = [end for end in form.get("stop", ()) if end is not None]
+    low = min(*own, piston.min() - 0.8 * length, *(end - 0.5 * length for end in stops))
+    high = max(*own, piston.max() + 0.8 * length, *(end + 0.5 * length for end in stops))
     out = max(tips, key=lambda tip: float(np.abs(tip - piston).max()), default=piston)
     if np.ptp(own) < 0.1 * size and float((out - piston)[0]) > 0.0:  # no point says where the barrel ends
         high = max(high, OUT * float(out.min()))
     barrel = line.outline(np.tile([low - 0.3 * half, high + 0.3 * half], (len(piston), 1)), half)
-    updates = [draw_area(ax, barrel, scene.colour(a), alpha=0.3, zorder=2)]
+    updates = draw_stops(ax, form, line, length / 2, half)
+    updates += [draw_area(ax, barrel, scene.colour(a), alpha=0.3, zorder=2)]
     updates.append(draw_line(ax, barrel, color=scene.colour(a), linewidth=2, zorder=3.4))
     if b in barrel_and_rod(scene, form):
         rod = line.outline(np.column_stack([piston, out]), ROD * size)

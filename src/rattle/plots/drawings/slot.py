@@ -8,7 +8,7 @@ import numpy as np
 
 from rattle.plots.curves import BLACK, GREY
 from rattle.plots.drawings import Part, drawing
-from rattle.plots.drawings.guide import line_of, reach
+from rattle.plots.drawings.guide import draw_stops, line_of, reach
 from rattle.plots.movie_file import Update
 from rattle.plots.scene import Scene, draw_area, draw_line, draw_wall
 
@@ -36,6 +36,7 @@ def slot(ax: Axes, scene: Scene, part: Part) -> list[Update]:
     if form["bodies"][0] == "ground":
         draw_wall(ax, outline[0, -2], outline[0, -1], 0.3 * half, color=GREY, linewidth=1.5, zorder=1)
     return [
+        *draw_stops(ax, form, line, size, 1.3 * half),
         draw_line(ax, outline, color=GREY, linewidth=1.5, zorder=4),
         draw_line(ax, pin, color=BLACK, linewidth=1.2, zorder=5),
         draw_area(ax, pin, GREY),
