@@ -206,6 +206,14 @@ def test_the_pull_of_a_massless_link_is_no_normal_force():
     assert of(r, "max(O.normal)") == 3.0
 
 
+def test_a_curve_drawn_through_outputs_beside_a_peak_is_no_higher_peak():
+    t = np.linspace(0.0, 0.2, 6)
+    curves = {"O.fx": np.array([0.0, 4.0, 6.9, 6.9, 4.0, 0.0]), "O.fy": np.zeros(6)}
+    assert of(made(curves, None, t), "max(O.force)") > 7.0  # the cubic between the two highest outputs
+    r = made(curves, {"O.force": Peak(7.0, 0.1, 1.0)}, t)
+    assert (of(r, "max(O.force)"), of(r, "range(O.force)")) == (7.0, 7.0)
+
+
 def test_peaks_outside_the_outputs_are_not_theirs():
     assert of(sparse((0.1, 0.15, 0.2)), "max(O.force)") == pytest.approx(np.sqrt(2))
     assert of(sparse(t_end=0.3), "rms(O.normal)") == 1.0

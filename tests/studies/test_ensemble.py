@@ -7,6 +7,7 @@ import pytest
 
 import rattle as rt
 from rattle.errors import ModelError
+from rattle.studies.runs.task import task_of
 from springs import SPRING
 
 T = math.pi / 10
@@ -107,6 +108,28 @@ def test_mechanisms_with_contacts():
     assert (e[of[1]] >= 1).all()
     assert "8 one by one" in str(e)
     assert "without deviations" in str(e)  # of a single run: contacts, and how finely they were followed
+    for n in (0, 7):  # whatever the instants of its outputs
+        alone = e.sample(n).simulate(2e-3, rtol=1e-8)
+        assert e[of[0]][n] == alone.peak("B.normal")[0]
+        assert e[of[1]][n] == alone.contacts["B"].contacts
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize(
+    ("output", "instants"),
+    [
+        ("max(abs(motor.torque)) / rms(A.force)", 2),
+        ("final(rocker.angle)", 2),
+        ("at(rocker.angle, 5e-6)", 3),
+        ("max(motor.torque)", 2001),  # the steps watch its magnitude
+        ("max(A.force) - min(A.force)", 2001),
+        ("max(2*A.force)", 2001),
+    ],
+)
+def test_a_run_is_looked_at_between_its_ends_only_where_the_steps_do_not_tell_all(output, instants):
+    m = rt.example("crank_rocker_play").ideal()
+    task = task_of(m, list(m.parameters)[:1], [output], t_end=1e-5)
+    assert len(task.look(m)[1].t) == instants
 
 
 @pytest.mark.nojit

@@ -1,21 +1,21 @@
 """The number that an output is, computed from a result: see `results.reductions` for what each reduction means.
 
 Times are those of the result: from its first to its last instant, with cubic polynomials between them.  Peaks and RMS
-of forces, efforts and penetrations come from within the steps where the result has them, see `Result.peak`.
+of forces, efforts and penetrations come from within the steps where the result has them, see `Result.peak`: they are
+the same numbers whatever the instants.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rattle.language import arrays
 from rattle.language.syntax import Apply, Name, Node
-from rattle.results.event import Peak
-from rattle.results.reductions import CONDITIONS, EVENTS, IDEAL, Output, Reduction, argument
+from rattle.results.reductions import CONDITIONS, EVENTS, IDEAL, READ_OFF, Output, Reduction, argument
 from rattle.results.result import Result
 from rattle.results.sampled_curve import SampledCurve
 
@@ -107,13 +107,12 @@ def _reduce(one: Reduction, known: _Curves) -> float:
 
 def _number(one: Reduction, curve: SampledCurve, result: Result) -> float:
     """Reductions of a whole curve."""
-    peak = _peak(one.inner, result)
     if one.kind == "max":
-        return max(curve.greatest(), peak.value if peak else -math.inf)
+        return _greatest(one.inner, curve, result)
     if one.kind == "min":
         return curve.least()
     if one.kind == "range":
-        return max(curve.greatest(), peak.value if peak else -math.inf) - curve.least()
+        return _greatest(one.inner, curve, result) - curve.least()
     if one.kind == "mean":
         return curve.mean()
     if one.kind == "integral":
@@ -122,8 +121,14 @@ def _number(one: Reduction, curve: SampledCurve, result: Result) -> float:
         return float(curve.values[-1])
     if one.kind == "sd":
         return math.sqrt(curve.mean_square(curve.mean()))
-    known = _rms(one.inner, result)
-    return math.sqrt(curve.mean_square()) if known is None else known
+    known = watched(one.inner, result.peaks)[0] if _covers(result) else ""
+    return result.peaks[known].rms if known else math.sqrt(curve.mean_square())
+
+
+def _greatest(node: Node, curve: SampledCurve, result: Result) -> float:
+    """The greatest value of a curve: the peak from within the steps, where there is one."""
+    name = peak_of(node, result.peaks, result.geometry.get("joints", {})) if _covers(result) else ""
+    return result.peaks[name].value if name else curve.greatest()
 
 
 def _at(one: Reduction, curve: SampledCurve, known: _Curves) -> float:
@@ -175,35 +180,37 @@ def _count(one: Reduction, result: Result) -> float:
 
 
 # ---------------------------------------------------------------- from within the steps
-def _within(node: Node, result: Result) -> tuple[str, str, bool] | None:
-    """Owner and quantity of a curve or of its magnitude (True), if the result covers the run from its start."""
+def needs_curve(one: Reduction, quantities: Collection[str], joints: Collection[str]) -> bool:
+    """True if a reduction of a run needs instants between those that it reads off.
+
+    quantities: names of those that a run of the mechanism watches from within its steps.  joints: names of its joints.
+    """
+    if one.kind == "max":
+        return not peak_of(one.inner, quantities, joints)
+    if one.kind == "rms":
+        return not watched(one.inner, quantities)[0]
+    return one.kind not in READ_OFF
+
+
+def _covers(result: Result) -> bool:
+    """True if the result has the instants of its run from start to end, as its peaks have."""
+    return not (result.t[0] > 0.0 or result.t[-1] < result.trust.t_end)
+
+
+def watched(node: Node, quantities: Collection[str]) -> tuple[str, bool]:
+    """The quantity that a curve is, and whether it is its magnitude; "" if it is not one that a run watches."""
     magnitude = isinstance(node, Apply) and node.name == "abs"
     inside = node.operands[0] if isinstance(node, Apply) and magnitude else node
-    if not isinstance(inside, Name) or inside.name not in result.peaks or inside.name not in result:
-        return None
-    if result.t[0] > 0.0 or result.t[-1] < result.trust.t_end:
-        return None
-    owner, _, quantity = inside.name.rpartition(".")
-    return owner, quantity, magnitude
+    return (inside.name if isinstance(inside, Name) and inside.name in quantities else ""), magnitude
 
 
-def _peak(node: Node, result: Result) -> Peak | None:
-    """The peak from within the steps that is the maximum of this curve."""
-    found = _within(node, result)
-    if found is None:
-        return None
-    owner, quantity, magnitude = found
-    joint = owner in result.geometry.get("joints", {})
+def peak_of(node: Node, quantities: Collection[str], joints: Collection[str]) -> str:
+    """The quantity whose peak from within the steps is the maximum of this curve, "" if there is none."""
+    name, magnitude = watched(node, quantities)
+    owner, _, quantity = name.rpartition(".")
     if magnitude:
-        return result.peaks[f"{owner}.{quantity}"]
-    if joint and quantity == "normal":  # of a massless link, which may also pull, the peak is that of the magnitude
-        return result.peaks.get(f"{owner}.pressing") or result.peaks[f"{owner}.normal"]
-    if joint and (quantity == "force" or quantity in SIGNED):
-        return result.peaks[f"{owner}.{quantity}"]
-    return None
-
-
-def _rms(node: Node, result: Result) -> float | None:
-    """The RMS from within the steps of this curve, if the result has it."""
-    found = _within(node, result)
-    return result.peaks[f"{found[0]}.{found[1]}"].rms if found is not None else None
+        return name
+    if owner in joints and quantity == "normal":  # of a massless link, which may also pull, `normal` is the magnitude
+        pressing = f"{owner}.pressing"
+        return pressing if pressing in quantities else name
+    return name if owner in joints and (quantity == "force" or quantity in SIGNED) else ""

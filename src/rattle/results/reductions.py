@@ -52,6 +52,7 @@ ONE = ("max", "min", "mean", "rms", "sd", "range", "integral", "final", "count")
 TWO = ("at", "quantile")  # of a curve and a number
 CONDITIONS = ("share", "first")
 KINDS = (*ONE, *TWO, *CONDITIONS)
+READ_OFF = ("at", "final", "count")  # those that need no instants but their own
 EVENTS = {"impacts": "impact", "contacts": "contact", "releases": "release", "sticks": "stick", "slips": "slip"}
 IDEAL = "ideal."
 NAMES = "an output may use the names of a result, parameters and t"

@@ -34,6 +34,12 @@ def peak_arrays(system: System) -> dict[str, np.ndarray]:
     }
 
 
+def peak_names(system: System) -> set[str]:
+    """Names of what `peak_values` finds."""
+    contacts = {f"{name}.normal" for name, joint in system.model.joints.items() if joint.contact is not None}
+    return {name for name, *_ in quantities(system)} | contacts
+
+
 def peak_values(system: System, workspace: Workspace, span: float) -> dict[str, Peak]:
     """Largest absolute value [SI], its time [s] and RMS [SI] of every watched quantity, in a run of `span` [s]."""
     found = {}

@@ -236,7 +236,7 @@ def ensemble(
 def nominal_run(task: Task) -> tuple[tuple[float, ...], tuple[str, ...]]:
     """The outputs of the mechanism without deviations [SI], and what is to be said of its run."""
     try:
-        values, result = task.look(task.mechanism)
+        values, result = task.look(task.mechanism, whole=True)
     except (ModelError, AssemblyError, SolverError) as error:
         return (math.nan,) * len(task.outputs), (f"without deviations: {error}",)
     trust = result.trust

@@ -15,7 +15,16 @@ from rattle.analyses.straight_line.recorded_model import require_parameters
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.syntax import Number, names
 from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
-from rattle.results.reductions import Constraint, Known, Output, argument, needed_instants, read, read_constraint
+from rattle.results.reductions import (
+    READ_OFF,
+    Constraint,
+    Known,
+    Output,
+    argument,
+    needed_instants,
+    read,
+    read_constraint,
+)  # fmt: skip
 from rattle.results.result import Result
 from rattle.solvers.stepper import ATOL
 
@@ -24,7 +33,6 @@ if TYPE_CHECKING:
 
 ANALYSES = ("simulate", "kinematics", "inverse-dynamics")
 RTOL = 1e-10  # of a motion, at most: errors of the values are then far below the changes that a search looks at
-READ_OFF = ("at", "final", "count")  # reductions that need no instants but their own
 FEWEST = 400  # intervals between the instants of a run
 BESIDE = 3  # instants on either side of one that moves, on which a curve between them depends
 SAME = 1e-9  # share of the run within which two instants are one

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.analyses import arguments
+from rattle.analyses.dynamics.peak_values import peak_names
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.syntax import names
 from rattle.registry import kinds
-from rattle.results.evaluation import evaluate
+from rattle.results.evaluation import evaluate, needs_curve
 from rattle.results.reductions import Known, Output, argument, needed_instants, read
 from rattle.results.result import Result, UnknownName
 from rattle.solvers.stepper import ATOL
@@ -26,7 +27,6 @@ RTOL = 1e-8  # of motions, unless given
 HISTORY_POINTS = 201  # of a curve that is kept
 PER_TURN = 40  # instants in a turn of the body that turns most: cubics between them miss some 1e-5 of a curve
 MOST_INSTANTS = 100_000  # of a run
-READ_OFF = ("at", "final", "count")  # reductions that need no instants but their own
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,14 +71,18 @@ class Task:
             len(self.histories), len(places)
         )
 
-    def look(self, m: Mechanism) -> tuple[list[float], Result]:
-        """The outputs [SI] of a mechanism, and the result from which they come.  Raises as `run`."""
+    def look(self, m: Mechanism, whole: bool = False) -> tuple[list[float], Result]:
+        """The outputs [SI] of a mechanism, and the result from which they come.  Raises as `run`.
+
+        whole: with the curves of all outputs, also of those that are known from within the steps of a run.
+        """
         if late := next((said for one in self.outputs if (said := outside(one, m.parameters, self.t_end))), ""):
             raise ModelError([Problem((), late)])
-        times = self.instants(m)
+        intervals = self._intervals(m, whole)
+        times = self.instants(m, intervals)
         needed = {name for one in self.outputs for name in one.names} | {*self.histories}
         result = self.result(m, times, needed)
-        if (finer := self._resolving(result)) > self._intervals:
+        if intervals > 1 and (finer := self._resolving(result)) > intervals:
             times = self.instants(m, finer)
             result = self.result(m, times, needed)
         needed = {name for one in self.outputs for name in one.ideal_names}
@@ -89,26 +93,26 @@ class Task:
         """The analysis of a mechanism at instants (n,) [s]."""
         return ANALYSES[self.analysis].run(m, times, frozenset(needed), self.how)
 
-    @property
-    def _intervals(self) -> int:
-        """Intervals between instants of a run, unless bodies turn often: 1 where no whole curve is needed."""
+    def _intervals(self, m: Mechanism, whole: bool) -> int:
+        """Intervals between instants of a run, unless bodies turn often: 1 where no curve is needed; see `look`."""
+        of_run = peak_names(m.system) if self.analysis == "simulate" and not whole else ()
         every = [one for output in self.outputs for one in output.reductions]
-        return 1 if all(one.kind in READ_OFF for one in every) else ANALYSES[self.analysis].points
+        needed = any(needs_curve(one, of_run, m.model.joints) for one in every)
+        return ANALYSES[self.analysis].points if needed else 1
 
     def _resolving(self, result: Result) -> int:
         """Intervals that resolve the turns of the bodies in a result."""
         bodies = [f"{name}.angle" for name in self.mechanism.model.bodies]
         angles = [result[name] for name in bodies if name in result]
-        if self._intervals == 1 or not angles:
+        if not angles:
             return 1
         turns = float(np.abs(np.diff(angles)).sum(axis=1).max()) / (2.0 * math.pi)
         return min(math.ceil(PER_TURN * turns), MOST_INSTANTS) if math.isfinite(turns) else 1
 
-    def instants(self, m: Mechanism, intervals: int | None = None) -> np.ndarray:
-        """(n,) instants [s] of a run: start, end, those that are read off; a grid where whole curves are needed."""
+    def instants(self, m: Mechanism, intervals: int) -> np.ndarray:
+        """(n,) instants [s] of a run: start, end, those that are read off; a grid of `intervals` for whole curves."""
         read_off = {t for output in self.outputs for t in needed_instants(output, m.parameters)}
-        count = self._intervals if intervals is None else intervals
-        grid = np.linspace(0.0, self.t_end, count + 1)
+        grid = np.linspace(0.0, self.t_end, intervals + 1)
         return np.asarray(np.unique(np.concatenate([grid, list(read_off), self.history_times])))
 
 
