@@ -27,6 +27,7 @@ ELEMENTS = tuple(f"rattle.elements.{one}" for one in ("joints", "clearances", "s
 PACKAGES = {"stepper": ("rattle.solvers.steppers",)}  # packages of the families that are elsewhere
 _lock = threading.RLock()
 _families: dict[str, dict[str, Kind]] = {}
+_complete: dict[str, dict[str, Kind]] = {}  # those of them whose packages were searched
 _searched: set[str] = set()  # packages
 _searching: set[str] = set()
 
@@ -128,9 +129,14 @@ def kind(family: str, name: str, kernel: KernelFunction | None = None) -> Callab
 
 def kinds(family: str) -> Mapping[str, Kind]:
     """All kinds of one family by name; its packages are searched on first use."""
-    if not _searched.issuperset(packages := PACKAGES.get(family, ELEMENTS)):
-        discover(packages)
-    return _families.setdefault(family, {})
+    found = _complete.get(family)
+    if found is None:
+        if not _searched.issuperset(packages := PACKAGES.get(family, ELEMENTS)):
+            discover(packages)
+        found = _families.setdefault(family, {})
+        if _searched.issuperset(packages):  # not while a kind that is being imported asks
+            _complete[family] = found
+    return found
 
 
 def play_of(joint: str) -> Kind | None:

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle.analyses.assembly import without_play
 from rattle.analyses.assembly.assembly import assemble
+from rattle.analyses.assembly.rank import independent, left_null
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE, dense_rows
 
@@ -253,3 +255,42 @@ def test_joints_of_a_redundant_mechanism_are_named():
 def test_two_drivers_for_two_freedoms_are_no_problem():
     m = pendulum(2).driver("one", "J0", angle="1 + t").driver("two", "J1", angle="0.5*sin(t)")
     assert m.check().mobility == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        (
+            "slider_crank_play",
+            [{"c": "0.2 mm"}, {"speed": 100.0}, {"initial.B.offset": [1e-4, 0]}],
+        ),
+        ("slider_crank", [{"c": "0.2 mm"}, {"rod_length": 0.13}, {"speed": 100.0}]),  # pins along reactions
+    ],
+)
+def test_a_start_is_the_same_whatever_was_assembled_before(name, changes, monkeypatch):
+    models = [rt.example(name), *(rt.example(name).set(one) for one in changes)]
+    alone = []
+    for m in models:
+        monkeypatch.setattr(without_play, "_kept", ())
+        alone.append(assemble(m.system))
+    for first in range(len(models)):
+        monkeypatch.setattr(without_play, "_kept", ())
+        for k in range(len(models)):
+            n = (first + k) % len(models)
+            made = assemble(models[n].system)
+            np.testing.assert_array_equal(made.q, alone[n].q)
+            np.testing.assert_array_equal(made.v, alone[n].v)
+    assert len({one.q.tobytes() + one.v.tobytes() for one in alone}) > 2
+
+
+def test_rows_are_called_independent_where_their_singular_values_say_so():
+    def seen(m):
+        workspace = m.system.workspace()
+        open_by(workspace, 0.0, m.start.q, m.start.v)
+        return independent(workspace), left_null(m.system, workspace).shape[1] == 0
+
+    for name in rt.examples():
+        assert seen(rt.example(name)) == (True, True), name
+    twice = rt.example("fourbar")
+    twice.revolute("again", "ground.O1", "crank.O1")
+    assert seen(twice) == (False, False)

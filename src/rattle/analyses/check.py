@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rattle.analyses.assembly.assembly import Assembled, ideal_model
+from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.assembly.freedoms import free_coordinates
 from rattle.analyses.assembly.loops import describe_loop, loops
 from rattle.analyses.assembly.rank import nonunique_reactions, rank
+from rattle.analyses.assembly.without_play import ideal_model
 from rattle.analyses.law_check import law_faults
 from rattle.analyses.timetable import jump_lines, timetable
 from rattle.analyses.travel import past_ends, stop_lines, with_ends, with_stops

@@ -22,7 +22,8 @@ import numpy as np
 
 from rattle.analyses.accuracy.displaced_pins import Displaced
 from rattle.analyses.accuracy.extremes import extreme
-from rattle.analyses.assembly.assembly import assemble, ideal_model
+from rattle.analyses.assembly.assembly import assemble
+from rattle.analyses.assembly.without_play import ideal_model
 from rattle.analyses.kinematics.kinematics import instants, require_driven
 from rattle.analyses.kinematics.singular_positions import why_stuck
 from rattle.analyses.kinematics.sweep import Sweep, begin

@@ -18,10 +18,11 @@ from rattle.analyses.assembly.first_guess import outward, passed_angles, place_p
 from rattle.analyses.assembly.outside import outside
 from rattle.analyses.assembly.start_values import given_values, keep_places, keep_positions, keep_rates, start_notes
 from rattle.analyses.assembly.unclosed import why_open, without_value
-from rattle.description.model import Contact, Joint, Model
+from rattle.analyses.assembly.without_play import along_reactions, ideal_start
+from rattle.description.model import Joint, Model
 from rattle.equations.closure import close_position, close_rate, open_by, place_only
 from rattle.equations.dense import LARGE, dense_rows
-from rattle.equations.motion import constraints, drive, solve_motion
+from rattle.equations.motion import constraints, drive
 from rattle.equations.placement import pose, turned
 from rattle.equations.system import System, compile_system, is_link
 from rattle.errors import AssemblyError
@@ -46,15 +47,6 @@ class Assembled:
     notes: tuple[str, ...] = ()  # on values of [initial] that could not be kept
 
 
-def ideal_model(model: Model) -> Model:
-    """The same mechanism with every clearance closed, and without stops."""
-    closed = Contact("ideal", {})
-    joints = {
-        name: replace(one, contact=closed if one.contact else None, stop=None) for name, one in model.joints.items()
-    }
-    return replace(model, joints=joints)
-
-
 def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> Assembled:
     """Positions and rates at time t [s], from the model's [initial] table.
 
@@ -73,18 +65,18 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
     links = {name: one for name, one in model.joints.items() if is_link(one)}
     open_ = {name: one for name, one in model.joints.items() if one.is_loose}
     offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
-    ideal_system = compile_system(ideal_model(model)) if offsets else system
-    held = [name for name in open_ if not _placed(model, open_[name])]
+    ideal_system, held = system, [name for name in open_ if not _placed(model, open_[name])]
     missing: list[str] = []
     if offsets:
-        try:
-            ideal = consistent_start(ideal_system, t)
-        except AssemblyError:  # it need not close if the user's values determine everything
-            if links or held:
-                raise
+        ideal_system, found = ideal_start(model, t, consistent_start)
+        if isinstance(found, Assembled):
+            ideal = found
+        elif links or held:  # it need not close if the user's values determine everything
+            raise found
         missing = [name for name in links if math.hypot(*offsets[name]) < 1e-9 * links[name].clearance]
         if missing and ideal is not None:
-            offsets.update(_along_reactions(ideal_system, ideal, missing))
+            pressed = {name: links[name].clearance for name in missing}
+            offsets.update(along_reactions(ideal_system, t, ideal.q, ideal.v, pressed))
             held = [*links, *held]  # closing would move the pins away from where the reactions press them
     workspace = system.workspace()
     q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal, ideal_system)
@@ -340,21 +332,6 @@ def _why_open(system: System, workspace: Workspace, t: float, q: np.ndarray) -> 
     place_only(workspace, q)
     constraints(workspace)
     return why_open(system, workspace, t)
-
-
-def _along_reactions(ideal_system: System, ideal: Assembled, missing: list[str]) -> dict[str, tuple[float, float]]:
-    """Pin offsets [m] at which the pins press on their bushes in the directions of the ideal mechanism's reactions."""
-    workspace = ideal_system.workspace()
-    solve_motion(workspace, ideal.t, ideal.q, ideal.v)
-    found = {}
-    for name in missing:
-        row = ideal_system.first_row(name)
-        force = -workspace.multiplier[row : row + 2]  # on B
-        size = float(np.hypot(*force))
-        n = -force / size if size > 1e-12 * ideal_system.arrays["mass"].max() else np.array([1.0, 0.0])
-        clearance = ideal_system.model.joints[name].clearance
-        found[name] = (float(n[0]) * clearance, float(n[1]) * clearance)
-    return found
 
 
 # ---------------------------------------------------------------- rates

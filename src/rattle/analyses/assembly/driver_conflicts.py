@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rattle.analyses.assembly.rank import RANK, left_null, row_lengths, scaled_rows
+from rattle.analyses.assembly.rank import RANK, independent, left_null, row_lengths, scaled_rows
 from rattle.equations.closure import close_position, close_rate, open_by
 from rattle.equations.system import System, compile_system
 from rattle.jit import layout as at
@@ -32,6 +32,8 @@ def contradicted(system: System, workspace: Workspace, t: float, q: np.ndarray, 
     if not system.model.drivers:
         return ""
     open_by(workspace, t, q, v)
+    if independent(workspace):
+        return ""
     null = left_null(system, workspace)
     if not null.shape[1] or not (null := _with_drivers(system, null)).shape[1]:
         return ""

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.equations.dense import LARGE, dense_rows
+from rattle.equations.schur import WEAK, factorise
 from rattle.equations.system import System
+from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
 RANK = 1e-9  # a singular value below this share of the largest counts as zero
@@ -39,6 +41,12 @@ def rank(system: System, workspace: Workspace) -> int:
         return system.row_count - int(workspace.redundant.sum())
     values = np.linalg.svd(scaled_rows(system, workspace), compute_uv=False)
     return int((values > RANK * values[0]).sum())
+
+
+def independent(workspace: Workspace) -> bool:
+    """True if all rows in the workspace are clearly independent: what their factor shows, without singular values."""
+    workspace.power[at.PIVOT_SHARE] = 1.0
+    return factorise(workspace) == 0 and bool(workspace.power[at.PIVOT_SHARE] > WEAK)
 
 
 def left_null(system: System, workspace: Workspace, tolerance: float = RANK) -> np.ndarray:

@@ -49,10 +49,10 @@ def least_change(
     noise: (nr,) rounding error of `wanted`; combinations of rows that are not larger do not change known coordinates.
     """
     root = np.sqrt(system.arrays["weight"][1:].ravel())
-    scale = np.tile([1.0, 1.0, 1.0 / system.size], system.body_count)
     change = np.zeros(len(root))
     others = jacobian[:, ~known]
     if known.any():
+        scale = np.tile([1.0, 1.0, 1.0 / system.size], system.body_count)
         left = np.eye(len(wanted))
         if others.size:
             u, values, _ = np.linalg.svd(others * scale[~known])
@@ -137,11 +137,12 @@ def keep_rates(
     """Rates (3 nb,) [m/s, m/s, rad/s] near v that satisfy the constraints and keep given ones as far as possible."""
     known = ~np.isnan(given)
     made = np.where(known, given, v)
+    open_by(workspace, t, q, made)  # Phi_q and nu follow from the positions
+    jacobian, nu = dense_rows(system, workspace), workspace.rows[:, at.NU].copy()
+    sizes = np.abs(jacobian)
     for _ in range(2):
-        open_by(workspace, t, q, made)
-        jacobian = dense_rows(system, workspace)
-        wanted = workspace.rows[:, at.NU] - jacobian @ made
-        noise = 8.0 * NOISE * (np.abs(jacobian) @ np.abs(made) + np.abs(workspace.rows[:, at.NU]))
+        wanted = nu - jacobian @ made
+        noise = 8.0 * NOISE * (sizes @ np.abs(made) + np.abs(nu))
         if (np.abs(wanted) <= noise).all():
             break
         made = made + least_change(system, jacobian, wanted, known, noise)

@@ -18,8 +18,9 @@ from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
-from rattle.analyses.assembly.assembly import consistent_start, ideal_model
+from rattle.analyses.assembly.assembly import consistent_start
 from rattle.analyses.assembly.rank import scaled_rows
+from rattle.analyses.assembly.without_play import ideal_model
 from rattle.analyses.kinematics.singular_positions import why_stuck
 from rattle.analyses.kinematics.sweep import begin
 from rattle.analyses.statics.balance import MOST_TURN, Found, StaticProblem

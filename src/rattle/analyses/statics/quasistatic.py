@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle import registry
-from rattle.analyses.assembly.assembly import ideal_model
+from rattle.analyses.assembly.without_play import ideal_model
 from rattle.analyses.kinematics.kinematics import instants
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.closed_play import rigid_model, without_guide_play

@@ -1,0 +1,92 @@
+"""The mechanism without play, at whose start the assembly of one with play begins.
+
+Of mechanisms that differ only in what their clearances and contacts are, as samples and designs often do, it is the
+same: the last few that were found are kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from rattle.description.model import Contact, Model
+from rattle.equations.motion import solve_motion
+from rattle.equations.system import System, compile_system
+from rattle.errors import AssemblyError
+from rattle.language.syntax import Node, names
+
+Start = TypeVar("Start")
+KEPT = 4  # mechanisms
+
+
+class IdealStart(NamedTuple):
+    """A start of a mechanism without play."""
+
+    model: Model  # see `_of_importance`
+    t: float  # [s]
+    system: System
+    start: Any  # what `ideal_start` was told to find
+
+
+_kept: tuple[IdealStart, ...] = ()  # replaced, never changed: threads may look at it at any time
+
+
+def ideal_model(model: Model) -> Model:
+    """The same mechanism with every clearance closed, and without stops."""
+    closed = Contact("ideal", {})
+    joints = {
+        name: replace(one, contact=closed if one.contact else None, stop=None) for name, one in model.joints.items()
+    }
+    return replace(model, joints=joints)
+
+
+def ideal_start(model: Model, t: float, find: Callable[[System, float], Start]) -> tuple[System, Start | AssemblyError]:
+    """The mechanism without play, and its start at t [s] that `find` finds, or why it finds none."""
+    global _kept
+    key = _of_importance(model)
+    for one in _kept:
+        if one.t == t and one.model == key:
+            return one.system, one.start
+    system = compile_system(ideal_model(model))
+    try:
+        start = find(system, t)
+    except AssemblyError as error:
+        return system, error
+    _kept = (IdealStart(key, t, system, start), *_kept[: KEPT - 1])
+    return system, start
+
+
+def _of_importance(model: Model) -> Model:
+    """What the start without play depends on; constants are those that expressions use."""
+    joints = {
+        name: replace(one, contact=None, clearance=0.0, dimensions={}, stop=None) if one.contact or one.stop else one
+        for name, one in model.joints.items()
+    }
+    values = [one.value for one in model.drivers.values()]
+    values += [value for one in model.loads.values() for value in one.values]
+    used = {name for node in (*values, *model.signals.values()) if isinstance(node, Node) for name in names(node)}
+    constants = {name: value for name, value in model.constants.items() if name in used}
+    return replace(model, joints=joints, constants=constants, parameters={}, remarks=(), groups=())
+
+
+def along_reactions(
+    system: System, t: float, q: np.ndarray, v: np.ndarray, clearances: Mapping[str, float]
+) -> dict[str, tuple[float, float]]:
+    """Pin offsets [m] at which pins press on their bushes in the directions of the reactions without play.
+
+    system: without play; t: [s]; q, v: (3 nb,) its start [m, m, rad and their rates].
+    clearances: of the joints that are asked for [m].
+    """
+    workspace = system.workspace()
+    solve_motion(workspace, t, q, v)
+    found = {}
+    for name, clearance in clearances.items():
+        row = system.first_row(name)
+        force = -workspace.multiplier[row : row + 2]  # on B
+        size = float(np.hypot(*force))
+        n = -force / size if size > 1e-12 * system.arrays["mass"].max() else np.array([1.0, 0.0])
+        found[name] = (float(n[0]) * clearance, float(n[1]) * clearance)
+    return found
