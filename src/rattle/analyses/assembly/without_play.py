@@ -67,6 +67,7 @@ def _of_importance(model: Model) -> Model:
     }
     values = [one.value for one in model.drivers.values()]
     values += [value for one in model.loads.values() for value in one.values]
+    values += [one.rate for one in model.states.values()]
     used = {name for node in (*values, *model.signals.values()) if isinstance(node, Node) for name in names(node)}
     constants = {name: value for name, value in model.constants.items() if name in used}
     return replace(model, joints=joints, constants=constants, parameters={}, remarks=(), groups=())
