@@ -120,6 +120,35 @@ def test_damped_stop_returns_the_speed_of_its_law():
     assert one.energy_lost == pytest.approx(0.5 / 3 * (9 - 1.8**2), rel=1e-6)
 
 
+def test_a_linear_stop_with_damping_reckons_with_the_inertia_about_the_hinge():
+    """Kelvin-Voigt, w'' + 2 zeta w0 w' + w0^2 w = 0 with J = 1/3: it leaves where its force vanishes."""
+    law = 'contact = { model = "kelvin-voigt", restitution = 0.5, stiffness = 1e4, exponent = 1 }'
+    r = rod(f"{{ min = 0, {law} }}", g=0.0, start="angle = 0.5, omega = -2").simulate(0.5, t_eval=[0, 0.5], **FINE)
+    zeta = -math.log(0.5) / math.hypot(math.pi, math.log(0.5))
+    left = math.exp(-2 * zeta * math.acos(zeta) / math.sqrt(1 - zeta**2))
+    assert r["rod.omega"][-1] == pytest.approx(2 * left, rel=1e-8)
+
+
+def test_a_driver_that_pushes_through_a_stop_is_named():
+    """A driver goes on to the stop, and there the run ends with the reason; a compliant stop gives way."""
+    drive = '[drivers.motor]\njoint = "hinge"\nangle = "-2*t"\n'
+    r = rod(impact(0.5, 'min = "-90 deg"'), more=drive).simulate(1.0)
+    assert not r.success
+    assert "drivers push 'hinge' on at t = 0.785398163 s where a stop or wall is" in r.message
+    soft = '{ min = "-90 deg", contact = { model = "hertz", stiffness = 100, exponent = 1 } }'
+    r = rod(soft, g=0.0, more=drive).simulate(1.0, t_eval=[0, 1.0], **FINE)
+    assert r["motor.torque"][-1] == pytest.approx(-100 * (2 - math.pi / 2), rel=1e-9)
+
+
+def test_a_count_of_impacts_at_a_stop_is_an_output():
+    m = rt.loads(rod(impact(0.5, 'min = "-90 deg"')).to_toml() + "[parameters]\nw = 0\n").set(
+        {"initial.rod.omega": "w"}
+    )
+    found = m.many({"w": np.array([0.0, -1.0])}, t_end=1.4, outputs=["count(hinge.impacts)"])
+    assert found["count(hinge.impacts)"] == pytest.approx([2, 2])
+    assert len(found.generic) == 2  # lanes do not follow impacts
+
+
 def test_many_bounces_end_and_the_rod_rests_on_its_stop():
     """Pushed by a constant moment M against the stop, without gravity: the series of bounces ends at a known time."""
     moment, e, w0 = 2.0, 0.4, 3.0

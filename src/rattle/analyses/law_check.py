@@ -27,9 +27,8 @@ _known: dict[Any, str] = {}
 def law_faults(model: Model) -> list[str]:
     """Faults of the user's laws of a model in words, joint by joint; empty if there are none."""
     found = []
-    for name, joint in model.joints.items():
-        contact = joint.contact
-        if contact is None or contact.normal is None:
+    for name, contact in ((name, one) for name, joint in model.joints.items() for one in joint.contacts):
+        if contact.normal is None:
             continue
         laws = (("normal", contact.normal), ("friction", contact.friction))
         for family, choice in laws:

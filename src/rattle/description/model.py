@@ -141,6 +141,12 @@ class Joint:
         return self.contact is not None and self.clearance > 0.0 and self.contact.acts
 
     @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Contact models of its clearance and of its stop."""
+        stop = self.stop.contact if self.stop is not None else None
+        return tuple(one for one in (self.contact, stop) if one is not None)
+
+    @property
     def stops_angle(self) -> bool:
         """True if the joint has a stop of its angle, which exerts a moment."""
         kind = registry.stop_of(self.kind)

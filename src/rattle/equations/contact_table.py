@@ -95,9 +95,16 @@ def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, 
 
 
 def effective_mass(model: Model, joint: Joint, angular: bool) -> float:
-    """Mass [kg] that a contact of a joint moves, or inertia [kg m^2] if its gap is an angle, as if bodies were free."""
-    bodies = [model.bodies[name] for name in (joint.a.body, joint.b.body) if name in model.bodies]
-    return 1.0 / sum(1.0 / (one.inertia if angular else one.mass) for one in bodies)
+    """Mass [kg] that a contact of a joint moves, as if both bodies were free.
+
+    If its gap is an angle: inertia [kg m^2], as if each body turned about the point of the joint.
+    """
+    light = 0.0
+    for end in (joint.a, joint.b):
+        if end.body in model.bodies:
+            one = model.bodies[end.body]
+            light += 1.0 / (one.inertia + one.mass * math.hypot(*end.at) ** 2 if angular else one.mass)
+    return 1.0 / light
 
 
 def _with_mass(choice: Choice, model: Model, joint: Joint, angular: bool) -> Choice:

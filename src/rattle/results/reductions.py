@@ -86,7 +86,11 @@ class Known:
     def of(cls, result: Result, parameters: Mapping[str, str] | None = None) -> Known:
         """Names of a result; parameters with their units, by default those of its provenance, without units."""
         named = dict.fromkeys(result.provenance.get("parameters", {}), "") if parameters is None else parameters
-        joints = [name for name, form in result.geometry.get("joints", {}).items() if form.get("clearance")]
+        joints = [
+            name
+            for name, form in result.geometry.get("joints", {}).items()
+            if form.get("clearance") or form.get("stop")
+        ]
         return cls({name: result.unit(name) for name in result.names}, named, joints)
 
     def unit(self, name: str) -> str | None:
@@ -338,9 +342,9 @@ def _require_events(node: Node, known: Known) -> None:
     if joint.startswith(IDEAL) or joint == IDEAL[:-1]:
         raise ExpressionError("a joint without play has no impacts to count", node.column)
     if not options:
-        raise ExpressionError("no joint has play, so there are no impacts to count", node.column)
+        raise ExpressionError("no joint has play or a stop, so there are no impacts to count", node.column)
     hint = suggest(name, options) if name else f", as in count({options[0]})"
-    raise ExpressionError(f"count takes events of a joint with play: {', '.join(EVENTS)}{hint}", node.column)
+    raise ExpressionError(f"count takes events of a joint with play or a stop: {', '.join(EVENTS)}{hint}", node.column)
 
 
 def _require_argument(kind: str, node: Node, known: Known) -> None:

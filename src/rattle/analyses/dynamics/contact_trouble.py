@@ -28,6 +28,11 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
     """
     names = ", ".join(closed_joints(system, workspace)) or "the contacts"
     other = f"method {stepper_of(TIME_STEPPING)}"
+    if status == unilateral.NO_SOLUTION and not rough(system, workspace)[touching(system, workspace)].any():
+        return (
+            f"drivers push {names} on at t = {t:.9g} s where a stop or wall is and nothing can give way: change the"
+            " motion of the drivers or the stop, or give it a compliant contact"
+        )
     if status == unilateral.NO_SOLUTION and workspace.held[at.OUTCOME] == complementarity.JAMMED:
         return (
             f"no solution of the contact problem at {names} was found at t = {t:.9g} s: on every path that was"
@@ -67,16 +72,25 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
 
 def closed_joints(system: System, workspace: Workspace) -> list[str]:
     """Names of the joints whose contacts are closed, in quotes."""
-    owner, mode = system.arrays["contact"][:, at.OWNER], workspace.mode
-    touching = (mode != complementarity.OFF) | (workspace.contact_kinematics[:, at.GAP] < 1e-6 * system.size)
-    return [f"'{name}'" for name in dict.fromkeys(system.joints[n] for n in owner[touching])]
+    owner = system.arrays["contact"][touching(system, workspace), at.OWNER]
+    return [f"'{name}'" for name in dict.fromkeys(system.joints[n] for n in owner)]
+
+
+def touching(system: System, workspace: Workspace) -> np.ndarray:
+    """(nc,) True for contacts that are closed, or about to."""
+    near = workspace.contact_kinematics[:, at.GAP] < 1e-6 * system.arrays["lever"][:, at.GAP_SIZE]
+    return np.asarray((workspace.mode != complementarity.OFF) | near)
+
+
+def rough(system: System, workspace: Workspace) -> np.ndarray:
+    """(nc,) True for contacts with friction."""
+    return np.asarray(workspace.values[system.arrays["contact"][:, at.NORMAL_P] + at.MU] > 0.0)
 
 
 def friction_locks(system: System, workspace: Workspace, t: float) -> bool:
     """True if sliding contacts are about to lock by friction at t [s], alone or together (Painleve's paradox)."""
-    mode, contact = workspace.mode, system.arrays["contact"]
-    rough = workspace.values[contact[:, at.NORMAL_P] + at.MU] > 0.0
-    slides = (((mode == FORWARD) | (mode == BACKWARD)) & rough).any()
+    mode = workspace.mode
+    slides = (((mode == FORWARD) | (mode == BACKWARD)) & rough(system, workspace)).any()
     if not slides:
         return False
     return float(jams.lock_share(workspace, t)) < NEARLY_LOCKED or firmness(system, workspace) < TOGETHER

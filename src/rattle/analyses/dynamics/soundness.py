@@ -90,8 +90,8 @@ def remarks(system: System, workspace: Workspace, stepper: type[Stepper]) -> tup
         found.append(f"joints opened by {opened:.2g} of the mechanism's size (or rad): {shorter} reduces this")
     if seen[at.SUNK] > SUNK:
         found.append(
-            f"contacts sank up to {100 * seen[at.SUNK]:.2g} % of the clearance into their walls:"
-            f" {stepper.title} detects contact only once per step, a shorter step detects it sooner"
+            f"contacts sank up to {100 * seen[at.SUNK]:.2g} % of the clearance, or of the range between stops, into"
+            f" their walls: {stepper.title} detects contact only once per step, a shorter step detects it sooner"
         )
     share = float(seen[at.MOST_UNREST])
     if share > SAID and stepper.title:

@@ -101,11 +101,9 @@ def _short(value: Any) -> str:
 def python_laws(model: Model) -> dict[str, str]:
     """Laws of users in a model, "load 'drag'", each with a checksum of its code: a model text only names them."""
     used = {("load", one.kind) for one in model.loads.values()}
-    for joint in model.joints.values():
-        contact = joint.contact
-        if contact is not None:
-            choices = {"normal": contact.normal, "friction": contact.friction}
-            used |= {(family, one.kind) for family, one in choices.items() if one is not None}
+    for contact in (one for joint in model.joints.values() for one in joint.contacts):
+        choices = {"normal": contact.normal, "friction": contact.friction}
+        used |= {(family, one.kind) for family, one in choices.items() if one is not None}
     return {f"{family} '{name}'": code for family, name in sorted(used) if (code := _code(family, name))}
 
 

@@ -136,7 +136,7 @@ def task_of(
     atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
     step = settings.step if step is None else arguments.positive("step", step)
     units = {name: one.unit for name, one in m.model.parameters.items()}
-    loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0]
+    loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0 or joint.stop is not None]
     known = Known(ANALYSES[analysis].names(m), units, loose if analysis == "simulate" else ())
     found = tuple(_read(text, known, analysis) for text in texts)
     if text := next((one.text for one in found if not one.reductions), ""):
