@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rattle.studies.ensemble import statistics
+from rattle.studies.runs.reasons import counted
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]  # NumPy alone
 RUNS = 2000
@@ -64,3 +65,20 @@ def test_few_and_no_values():
     assert (one.n, one.mean.value, one.least, one.most) == (1, 2.0, 2.0, 2.0)
     assert math.isnan(one.sd.value)
     assert statistics.sd(np.full(5, 3.0)) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("unit", [1e300, 1e90, 1e-90, 1e-300])
+def test_statistics_do_not_depend_on_the_unit(unit):
+    values = np.random.default_rng(3).exponential(size=200)
+    one, other = statistics.statistics(values), statistics.statistics(unit * values)
+    for a, b in ((one.mean, other.mean), (one.sd, other.sd)):
+        np.testing.assert_allclose(np.array(b) / unit, a, rtol=1e-12)
+
+
+def test_reasons_keep_the_numbers_that_they_have_in_common():
+    said = [f"parameters.a: {x} is not between min = 0 and max = 5\nmore" for x in (-1, 7.5, 1e9)]
+    assert counted([*said, "no start at 0.2 s"]) == {
+        "parameters.a: ... is not between min = 0 and max = 5": 3,
+        "no start at 0.2 s": 1,
+    }
+    assert counted(["1 of 3", "2 of 3", "1 of 3"]) == {"... of 3": 3}

@@ -30,7 +30,7 @@ import numpy as np
 
 from rattle.studies.ensemble.contributors import labels, members
 from rattle.studies.ensemble.fields import Field, Fields
-from rattle.studies.ensemble.statistics import CONFIDENCE, Bounded
+from rattle.studies.ensemble.statistics import CONFIDENCE, Bounded, in_size
 
 HIGHEST = 20  # degree
 SAMPLES_PER_TERM = 3  # at least
@@ -82,6 +82,7 @@ def first_order(
         )
     if np.ptp(y) == 0.0:
         raise ValueError(f"all {len(y)} samples have the value {y[0]:.6g}: nothing varies that could be shared")
+    y, _ = in_size(y)
     ranks = carried_by_few(y) if ranks is None else ranks
     if ranks:
         from scipy.stats import rankdata

@@ -19,7 +19,7 @@ from rattle.studies.ensemble.pieces import OK, STATUS, WAITING
 from rattle.studies.ensemble.plans import Plan
 from rattle.studies.ensemble.shown import in_one_unit
 from rattle.studies.ensemble.store import Store
-from rattle.studies.runs.reasons import alike
+from rattle.studies.runs.reasons import counted
 from rattle.studies.runs.task import Task
 
 if TYPE_CHECKING:
@@ -162,10 +162,7 @@ class Samples(ABC):
 
     def why(self) -> dict[str, int]:
         """Why samples have no numbers, alike reasons counted together, the most frequent first."""
-        found: dict[str, int] = {}
-        for said in self.messages.values():
-            found[alike(said)] = found.get(alike(said), 0) + 1
-        return dict(sorted(found.items(), key=lambda item: -item[1]))
+        return counted(self.messages.values())
 
     def remarks(self) -> list[str]:
         """What must be said of the samples: how they ran, how many have no numbers, and why."""

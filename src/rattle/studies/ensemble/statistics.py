@@ -30,15 +30,25 @@ class Bounded(NamedTuple):
 NOTHING = Bounded(math.nan, math.nan, math.nan)
 
 
+def in_size(values: np.ndarray) -> tuple[np.ndarray, float]:
+    """Values (n,) of which the greatest is about 1, and the power of two that makes them the given ones.
+
+    Their powers neither overflow nor vanish, whatever the unit; no digit is lost.
+    """
+    exponent = min(max(int(np.frexp(np.abs(values).max())[1]), -1021), 1023)
+    return np.ldexp(values, -exponent), math.ldexp(1.0, exponent)
+
+
 def mean(values: np.ndarray) -> Bounded:
     """Mean of values (n,)."""
     n = len(values)
     if not n:
         return NOTHING
-    middle = float(values.mean())
+    sized, size = in_size(values)
+    middle = size * float(sized.mean())
     if n == 1:
         return Bounded(middle, math.nan, math.nan)
-    half = float(stats.t.ppf(0.5 + CONFIDENCE / 2, n - 1) * values.std(ddof=1) / math.sqrt(n))
+    half = size * float(stats.t.ppf(0.5 + CONFIDENCE / 2, n - 1) * sized.std(ddof=1) / math.sqrt(n))
     return Bounded(middle, middle - half, middle + half)
 
 
@@ -47,14 +57,15 @@ def sd(values: np.ndarray) -> Bounded:
     n = len(values)
     if n < 2:
         return NOTHING
-    off = values - values.mean()
+    sized, size = in_size(values)
+    off, finer = in_size(sized - sized.mean())
     variance = float(off @ off) / (n - 1)
     if variance == 0.0:
         return Bounded(0.0, 0.0, 0.0)
     # the variance of the variance is (mu4 - sigma^4)/n; its logarithm is the more normal one
     relative = math.sqrt(max(float((off**4).mean()) / variance**2 - 1.0, 0.0) / n)
     factor = math.exp(0.5 * float(stats.norm.ppf(0.5 + CONFIDENCE / 2)) * relative)
-    found = math.sqrt(variance)
+    found = size * (finer * math.sqrt(variance))
     return Bounded(found, found / factor, found * factor)
 
 

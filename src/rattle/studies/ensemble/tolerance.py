@@ -100,12 +100,12 @@ class Tolerance:
     @property
     def mean(self) -> float:
         """Mean of the samples."""
-        return float(self.known.mean()) if len(self.known) else math.nan
+        return statistics.mean(self.known).value
 
     @property
     def sd(self) -> float:
         """Standard deviation of the samples."""
-        return float(self.known.std(ddof=1)) if len(self.known) > 1 else math.nan
+        return statistics.sd(self.known).value
 
     @property
     def sobol(self) -> Any:
