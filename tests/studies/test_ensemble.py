@@ -7,6 +7,7 @@ import pytest
 
 import rattle as rt
 from rattle.errors import ModelError
+from rattle.studies.ensemble import statistics
 from rattle.studies.runs.task import task_of
 from springs import SPRING
 
@@ -88,6 +89,26 @@ def test_what_is_never_reached_is_no_failure():
     assert (e.status == "ok").all()
     assert f"is reached in all but {never.sum()} samples" in str(e)
     assert e.yield_below(e.outputs[0], 0.3).value == pytest.approx((~never).mean())
+    # never within the run is later than its end: all that are early enough are, whatever comes later
+    early = e[e.outputs[0]] < 0.299
+    assert e.yield_above(e.outputs[0], 0.299) == statistics.share(int((~early).sum()), 64)
+    later = e.yield_below(e.outputs[0], 0.5)  # of those it is not known
+    assert later == statistics.share(int((~never).sum()), int((~never).sum()), int(never.sum()))
+
+
+@pytest.mark.nojit
+def test_what_is_computed_from_an_instant_that_never_comes_is_not_known():
+    e = spring().ensemble(64, [f"-first(block.x < {0.5 * math.cos(0.3 * math.sqrt(15))})"], t_end=0.3, seed=1)
+    never = int(np.isnan(e[e.outputs[0]]).sum())
+    assert e.yield_below(e.outputs[0], 0.0) == statistics.share(64 - never, 64 - never, never)
+
+
+@pytest.mark.nojit
+def test_one_sample_has_a_mean_without_bounds():
+    lines = str(spring().ensemble(1, [OF], t_end=T)).splitlines()
+    assert lines[0].startswith("1 sample of")
+    assert "nan" not in lines[2]
+    assert " -  " in lines[2]  # no standard deviation
 
 
 @pytest.mark.nojit

@@ -149,6 +149,11 @@ def test_an_accuracy_that_the_others_spoil_is_refused():
         rt.loads(SPRING).tolerance_for(X, 1e-3, "k", t_end=T, n=64)
 
 
+def test_limits_that_the_nominal_output_does_not_keep_are_not_laid_to_the_other_tolerances():
+    with pytest.raises(ValueError, match=r"the output without deviations, .*, is not between the limits"):
+        rt.loads(SPRING).tolerance_for(X, (0.6, 0.7), "k", t_end=T, n=4)
+
+
 @pytest.mark.nojit
 def test_the_result_is_a_number_that_can_be_copied():
     found = rt.loads(SPRING).tolerance_for(X, 0.01, "k", vary=ALONE, t_end=T, n=64)

@@ -22,7 +22,6 @@ from rattle.plots.curves import (
     note,
     robust_limits,
 )  # fmt: skip
-from rattle.studies.ensemble.limits import limit_of
 from rattle.studies.ensemble.shown import number, scale_of
 
 if TYPE_CHECKING:
@@ -85,7 +84,7 @@ def plot_output(e: Ensemble, output: str, limit: Limit, ax: Axes | None) -> Figu
 
     values = finite(e, output)
     unit = e.unit(output)
-    given, ends = ax, _ends(limit, unit)
+    given, ends = ax, _ends(e, output, limit)
     nominal = dict(zip(e.outputs, e.nominal, strict=True))[output]
     bulk = bulk_of(values, unit, [nominal, *(one for one in ends if one is not None)])
     ax = ax if ax is not None else new_axes(8.6, 4.6)[0]
@@ -122,10 +121,10 @@ def _number(shown: float, bulk: Bulk) -> str:
     return f"{text} {bulk.unit}".rstrip().replace("*", "·")
 
 
-def _ends(limit: Limit, unit: str) -> tuple[float | None, float | None]:
+def _ends(e: Ensemble, output: str, limit: Limit) -> tuple[float | None, float | None]:
     """Limits (low, high) [SI].  Raises ValueError, TypeError."""
     low, high = limit if isinstance(limit, tuple) else (None, limit)
-    found = tuple(None if one is None else limit_of(one, unit) for one in (low, high))
+    found = tuple(None if one is None else e.limit(output, one) for one in (low, high))
     if found[0] is not None and found[1] is not None and found[0] >= found[1]:
         raise ValueError(f"limit: the lower one, {low}, is not below the upper one, {high}")
     return found[0], found[1]

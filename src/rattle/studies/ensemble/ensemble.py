@@ -16,6 +16,7 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.errors import AssemblyError, ModelError, SolverError
+from rattle.language.syntax import Name
 from rattle.results.archive import package
 from rattle.results.display import table
 from rattle.studies.ensemble import statistics
@@ -85,7 +86,7 @@ class Ensemble(Samples):
         """Share of the mechanisms with an output at or below a limit, [SI] or such as "5 kN": (share, low, high).
 
         low and high hold the true share with 95 % confidence.  Samples without a run or a finite value count as beyond
-        the limit, for the upper bound as within.
+        the limit, for the upper bound as within; but a `first` that does not come true is later than the run.
         """
         return self.yield_between(output, None, limit)
 
@@ -95,16 +96,31 @@ class Ensemble(Samples):
 
     def yield_between(self, output: str, low: float | str | None, high: float | str | None) -> Bounded:
         """Share of the mechanisms with an output between two limits; as `yield_below`."""
-        unit = self.unit(output) if output in self.outputs else ""
-        least, most = (None if one is None else limit_of(one, unit) for one in (low, high))
+        least, most = (None if one is None else self.limit(output, one) for one in (low, high))
+        least, most = (-math.inf if least is None else least), (math.inf if most is None else most)
+        if least > most:
+            raise ValueError(f"the lower limit, {low}, is above the upper one, {high}")
         values, status = self[output], self.store.status()
         known = np.isfinite(values)
         inside = known.copy()
-        inside[known] &= values[known] >= (-math.inf if least is None else least)
-        inside[known] &= values[known] <= (math.inf if most is None else most)
-        never = ~known & (status == OK)  # a `first` that did not come true
-        unknown = int((~known & ~never & (status >= 0)).sum())
-        return statistics.share(int(inside.sum()), int((known | never).sum()), unknown)
+        inside[known] &= (values[known] >= least) & (values[known] <= most)
+        if self._instant(output):  # one that did not come true in the run is later than its end
+            never, end = ~known & (status == OK), self.task.t_end
+            late_enough = least <= end and most == math.inf
+            inside |= never & late_enough
+            known |= never & (late_enough or most <= end)
+        unknown = int((~known & (status >= 0)).sum())
+        return statistics.share(int(inside.sum()), int(known.sum()), unknown)
+
+    def limit(self, name: str, given: float | str) -> float:
+        """A limit of an output or parameter, [SI] or such as "5 kN", in SI.  Raises ValueError, TypeError."""
+        dimension = self.task.outputs[self.outputs.index(name)].dimension if name in self.outputs else None
+        return limit_of(given, self.unit(name) if name in (*self.outputs, *self.parameters) else "", "limit", dimension)
+
+    def _instant(self, name: str) -> bool:
+        """Whether an output is one `first`."""
+        found = [one for one in self.task.outputs if one.text == name]
+        return bool(found) and isinstance(found[0].outer, Name) and found[0].reductions[0].kind == "first"
 
     def contributions(self, output: str, ranks: bool | None = None) -> FirstOrder:
         """Shares of the variance of an output that each parameter, or group of them, causes alone, from the samples.
@@ -182,7 +198,8 @@ class Ensemble(Samples):
         return f"<rattle.Ensemble: {self._title()}>"
 
     def _title(self) -> str:
-        return f"{len(self)} samples of {', '.join(self.parameters)} ({self.design}, seed {self.seed})"
+        count = f"{len(self)} sample{'s' if len(self) > 1 else ''}"
+        return f"{count} of {', '.join(self.parameters)} ({self.design}, seed {self.seed})"
 
     def rows(self) -> list[tuple[str, ...]]:
         """Outputs with their statistics as texts, see HEADER."""
@@ -193,7 +210,8 @@ class Ensemble(Samples):
             values = (one.mean.value, nominal, *(q.value for q in one.quantiles.values()), one.least, one.most)
             factor, unit = scale_of((*values, sd), self.unit(output))
             mean, *texts = (number(factor * x, factor * sd) for x in values)
-            spread = f"{mean} +- {factor * half:.3g}", f"{factor * sd:.3g}"
+            known = math.isfinite(half)
+            spread = (f"{mean} +- {factor * half:.3g}", f"{factor * sd:.3g}") if known else (mean, "-")
             found.append((output, unit, texts[0], *spread, *texts[1:]))
         return found
 
@@ -231,6 +249,15 @@ def ensemble(
         task, plan, store, executor=executor, scheduler=scheduler, workers=workers, threads=threads, progress=progress
     )
     return Ensemble(task, plan, store, how, interrupted, fields, design, int(seed), nominal, notes)
+
+
+def require_limit(
+    m: Mechanism, output: str, limit: float | str, vary: Vary = None, *, analysis: str = "simulate",
+    t_end: float | None = None,
+) -> None:  # fmt: skip
+    """Check a limit of an output before anything runs.  Raises ValueError, TypeError, and what `ensemble` raises."""
+    one = task_of(m, fields_of(m, vary).names, [output], analysis=analysis, t_end=t_end).outputs[0]
+    limit_of(limit, one.unit, dimension=one.dimension)
 
 
 def nominal_run(task: Task) -> tuple[tuple[float, ...], tuple[str, ...]]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from rattle.analyses import arguments
-from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
+from rattle.language.units import Dimension, QuantityError, describe, dimension_of, parse_quantity
 
 
-def limit_of(given: float | str, unit: str, what: str = "limit") -> float:
+def limit_of(given: float | str, unit: str, what: str = "limit", dimension: Dimension | None = None) -> float:
     """A limit [SI] of an output with this SI unit ("" if it has none or it is not known).
+
+    dimension: of an output without a unit, None if it is not known.
 
     Raises ValueError, TypeError.
     """
@@ -19,8 +21,8 @@ def limit_of(given: float | str, unit: str, what: str = "limit") -> float:
         raise ValueError(f"{what}: {error}") from None
     if found is None:
         raise ValueError(f"{what}: {given!r:.60} is not a value; expected a number in SI or such as '0.1 deg'")
-    number, dimension = found
-    expected = dimension_of(unit) if unit else None
-    if dimension is not None and expected is not None and dimension != expected:
-        raise ValueError(f"{what}: {given} is {describe(dimension)}; expected {describe(expected)}")
+    number, seen = found
+    expected = dimension_of(unit) if unit else dimension
+    if seen is not None and expected is not None and seen != expected:
+        raise ValueError(f"{what}: {given} is {describe(seen)}; expected {describe(expected)}")
     return number

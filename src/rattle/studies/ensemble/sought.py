@@ -108,6 +108,9 @@ class _Tolerance(Sought):
         self.least = LEAST * self.start
         others = tuple(field for field in fields.fields if field is not one)
         self.remedy = "the other tolerances alone are too wide" if others else "widen the limits"
+        if not self._limits.low < nominal < self._limits.high:
+            value = _text(nominal, trials.task.outputs[0].unit)
+            self.remedy = f"the output without deviations, {value}, is not between the limits: move the nominal values"
         together = [name for name, draw in zip(fields.names, fields.draw, strict=True)
                     if draw == fields.draw[self._place] and name != one.name]  # fmt: skip
         self.notes = [

@@ -80,7 +80,7 @@ class Sweep(Samples):
             low, high, unit = in_one_unit([one.min(), one.max()], self.unit(name))
             count = f"{len(one)} value{'s' if len(one) > 1 else ''}"
             spans.append(f"{name} = {low} to {high} {unit}".rstrip() + f" ({count})")
-        return f"{len(self)} combinations of {', '.join(spans)}"
+        return f"{len(self)} combination{'s' if len(self) > 1 else ''} of {', '.join(spans)}"
 
     def rows(self) -> list[tuple[str, ...]]:
         """Outputs with least and greatest value and where they are, see HEADER."""
