@@ -80,17 +80,49 @@ def test_a_sweep_takes_ranges_and_lists_with_units(tmp_path):
     assert picture.stat().st_size > 1000
 
 
+def test_one_word_names_parameters_with_and_without_a_tolerance():
+    seen = run("ensemble", *SHORT, "-n", "8", "--vary", "r4, r3=min(1, 2)*0.1e-3:normal ,l2=0.2 mm", "--json")
+    e = rt.example("fourbar").ensemble(
+        8, [OF], {"r4": {}, "r3": {"tol": 1e-4, "dist": "normal"}, "l2": "0.2 mm"}, t_end=0.01
+    )
+    assert json.loads(seen.stdout)["outputs"][OF]["mean"] == e.summary().loc[OF, "mean"]
+
+
+def test_a_range_may_begin_at_a_plain_zero():
+    words = ("sweep", "path_generator", "--ideal", "--analysis", "kinematics", "--of", "final(coupler.P.y)")
+    seen = run(*words, "--over", "a=0:60 mm:3", "--json")
+    axes = json.loads(seen.stdout)["outputs"]["final(coupler.P.y)"]["axes"]
+    assert axes["a"] == pytest.approx([0.0, 0.03, 0.06])
+
+
+def test_a_limit_of_another_unit_is_refused_before_anything_runs(monkeypatch):
+    def never(*words, **more):
+        raise AssertionError("samples were run")
+
+    monkeypatch.setattr(rt.Mechanism, "ensemble", never)
+    seen = run("ensemble", *SHORT, "--vary", "r3=1 mm", "--limit", "5 kN")
+    assert seen.exit_code == 2, seen.output
+    assert "5 kN is a force" in seen.output
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (("sweep", *SHORT, "--over", "r3"), "NAME=FIRST:LAST:COUNT"),
-        (("sweep", *SHORT, "--over", "r3=1 mm:2 mm:0"), "at least 1"),
+        (("sweep", *SHORT, "--over", "r3=1 mm:2 mm:0"), "from 1 to"),
+        (("sweep", *SHORT, "--over", "r3=1 mm:2 mm:2000000000"), "from 1 to"),  # not made first, then counted
+        (("sweep", *SHORT, "--over", "r3=1 mm:2 mm:2.5"), "a whole number"),
+        (("sweep", *SHORT, "--over", "r3=1:5 mm:3"), "same kind of unit"),  # 1 m?
         (("sweep", *SHORT, "--over", "r3=1 mm:2 s:3"), "same kind of unit"),
         (("sweep", *SHORT, "--over", "r3=1 deg:2 deg:3"), "plain number or angle; expected a length"),
         (("sweep", *SHORT, "--over", "r3=1 mm:many:3"), "many"),
         (("sweep", *SHORT, "--over", "r3=0.001", "--over", "r3=0.002"), "given twice"),
         (("ensemble", *SHORT, "-n", "0"), "n must be from 1"),
         (("ensemble", *SHORT, "--vary", "r9"), "no parameter 'r9'"),
+        (("ensemble", *SHORT, "--vary", ""), "--vary needs"),  # a variable of the shell that is not set
+        (("ensemble", *SHORT, "--vary", "r3="), "--vary needs"),
+        (("ensemble", *SHORT, "--vary", "r3", "--vary", "r3=1 mm"), "'r3' is given twice"),
+        (("ensemble", "fourbar", "--vary", "r3=1 mm", "--of", "share(O3.normal > 0)", "--limit", "5 kN"), "force"),
         (("ensemble", *SHORT, "--vary", "r3=1 kg"), "mass"),
         (("ensemble", "fourbar", "--of", "biggest(x)"), "biggest"),
         (("ensemble", *SHORT, "--csv", "e.xlsx"), ".csv"),

@@ -45,12 +45,44 @@ def test_the_largest_tolerance_of_one_parameter():
     assert "99 % of the mechanisms keep" in seen.stdout
 
 
+@pytest.mark.parametrize("words", [("--limit", "0.1 N"), ("--limit", "-1 mm"), ("--limit", "1 mm", "--cost", "r=1")])
+def test_what_cannot_be_answered_is_refused_before_anything_runs(monkeypatch, words):
+    def never(*given, **more):
+        raise AssertionError("samples were run")
+
+    monkeypatch.setattr(rt.Mechanism, "tolerance", never)
+    seen = run(*WORDS, *words)
+    assert seen.exit_code == 2, seen.output
+    assert "error" in seen.output
+
+
+def test_the_report_is_not_lost_where_no_tolerances_keep_the_limit(tmp_path):
+    file = tmp_path / "m.toml"
+    table = 'r = { value = "100 mm", dist = { values = ["99 mm", "101 mm"] } }'
+    text = rt.example("path_generator").ideal().to_toml()
+    file.write_text("\n".join(table if line.startswith("r = ") else line for line in text.splitlines()))
+    words = (str(file), *WORDS[2:], "--limit", "0.01 mm")
+    seen = run(*words)
+    assert seen.exit_code == 1, seen.output
+    assert "root sum square" in seen.stdout
+    assert "of the mechanisms are within 0.01 mm" in seen.stdout
+    assert "no tolerances: within: tables of values (r) alone take more than is allowed" in seen.stdout
+    record = json.loads(run(*words, "--json").stdout)
+    assert record["allocation"] is None
+    assert record["share_within"]["value"] == 0.0
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--largest", "r"), "need --limit"),
-        (("--cost", "r=1"), "need --limit"),
+        (("--largest", "r"), "--largest needs --limit"),
+        (("--cost", "r=1"), "--cost needs --limit"),
         (("--limit", "0.1 mm", "--cost", "r"), "NAME=COST"),
+        (("--limit", "0.1 mm", "--cost", "r=1", "--cost", "r=2"), "'r' is given twice"),
+        (("--share", "0.9"), "--share needs --largest"),
+        (("--allocate", "rss"), "--allocate needs --limit"),
+        (("--limit", "0.1 mm", "--largest", "r", "--plot", "t.svg"), "--plot says nothing to --largest"),
+        (("--limit", "0.1 mm", "--largest", "r", "--cost", "r=2"), "--cost says nothing to --largest"),
         (("--limit", "0.1 N"), "force"),
         (("--vary", "q"), "no parameter 'q'"),
         (("--plot", "t.doc"), "picture"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from rattle.cli.output import STOPPED, as_json, check_files, check_pictures, say
 if TYPE_CHECKING:
     from rattle.studies.ensemble.samples import Samples
 
+MOST_VALUES = 2**20  # of one parameter of a sweep
 ANALYSES = ("simulate", "kinematics", "inverse-dynamics", "equilibrium", "accuracy", "modes")
 
 
@@ -61,7 +63,7 @@ def engine_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @question_options()
 @click.option(
     "--vary", "varied", multiple=True, metavar="NAMES",
-    help='Parameters with a tolerance in the file: r3,r4; or with one here: "r3=0.1 mm", "l2=0.5 mm:normal".  '
+    help='Parameters with a tolerance in the file: r3,r4; or with one here: "r3=0.1 mm,l2=0.5 mm:normal".  '
     "[default: all that have a tolerance]",
 )  # fmt: skip
 @click.option("--seed", default=0, show_default=True, help="Mechanism i depends on the seed and on i alone.")
@@ -105,8 +107,13 @@ def ensemble(
         raise click.UsageError("--history keeps curves in a folder: give one with -o")
     _check(file, csv, picture)
     m = read_model(file, settings, ideal)
+    vary = tolerances(varied)
+    if limit is not None:
+        from rattle.studies.ensemble.ensemble import require_limit
+
+        require_limit(m, outputs[0], value(limit), vary, analysis=analysis, t_end=t_end)
     found = m.ensemble(
-        count, list(outputs), tolerances(varied), seed=seed, analysis=analysis, t_end=t_end, design=design,
+        count, list(outputs), vary, seed=seed, analysis=analysis, t_end=t_end, design=design,
         threads=threads, workers=workers, scheduler=scheduler, folder=folder, histories=histories,
         progress=not ctx.obj["quiet"],
     )  # fmt: skip
@@ -190,15 +197,19 @@ def _keep(ctx: click.Context, found: Samples, csv: str | None, picture: str | No
 # ---------------------------------------------------------------- words of the command line
 def tolerances(varied: tuple[str, ...]) -> Any:
     """What `vary` of an ensemble is: None, or parameters with what was said of them."""
+    if not varied:
+        return None
     found: dict[str, Any] = {}
-    for one in varied:
-        if "=" not in one:
-            found |= {name.strip(): {} for name in one.split(",") if name.strip()}
-            continue
-        name, _, text = one.partition("=")
-        tol, _, dist = text.partition(":")
-        found[name.strip()] = {"tol": value(tol)} | ({"dist": dist.strip()} if dist.strip() else {})
-    return found or None
+    for given in varied:
+        for one in re.split(r",(?![^(]*\))", given):  # a tolerance may be an expression: min(a, b)
+            name, equals, text = (part.strip() for part in one.partition("="))
+            tol, _, dist = (part.strip() for part in text.partition(":"))
+            if not name or (equals and not tol):
+                raise click.UsageError(f"--vary needs NAME or NAME=TOL, as in r3,r4 or \"r3=0.1 mm\", got '{given}'")
+            if name in found:
+                raise click.UsageError(f"--vary: '{name}' is given twice")
+            found[name] = {"tol": value(tol)} | ({"dist": dist} if dist else {}) if equals else {}
+    return found
 
 
 def _axis(text: str) -> tuple[str, list[float | str]]:
@@ -213,13 +224,13 @@ def _axis(text: str) -> tuple[str, list[float | str]]:
         return name.strip(), [value(one) for one in rest.split(",")]
     try:
         first, last = (parse_quantity(one) or (float(one), None) for one in parts[:2])
-        count = int(parts[2])
     except (QuantityError, ValueError) as error:
         raise click.UsageError(f"--over {text}: {error}") from None
-    if count < 1:
-        raise click.UsageError(f"--over {text}: the number of values must be at least 1")
-    if first[1] != last[1] and None not in (first[1], last[1]):
-        raise click.UsageError(f"--over {text}: both ends need the same kind of unit")
+    if not parts[2].isdecimal() or not 1 <= (count := int(parts[2])) <= MOST_VALUES:
+        said = f"the number of values must be a whole number from 1 to {MOST_VALUES}, got '{parts[2]}'"
+        raise click.UsageError(f"--over {text}: {said}")
+    if first[1] != last[1] and all(end[0] or end[1] is not None for end in (first, last)):  # 0 has every unit
+        raise click.UsageError(f"--over {text}: both ends need the same kind of unit, as in r3=1 mm:5 mm:21")
     import numpy as np
 
     dimension = last[1] if first[1] is None else first[1]

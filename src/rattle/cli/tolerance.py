@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from rattle.cli.ensemble import question_options, tolerances, value
 from rattle.cli.options import model_options, read_model
@@ -16,7 +17,7 @@ from rattle.cli.output import as_json, check_pictures, say_written
 @question_options(several=False)
 @click.option(
     "--vary", "varied", multiple=True, metavar="NAMES",
-    help='Parameters with a tolerance in the file: r3,r4; or with one here: "r3=0.1 mm", "l2=0.5 mm:normal".  '
+    help='Parameters with a tolerance in the file: r3,r4; or with one here: "r3=0.1 mm,l2=0.5 mm:normal".  '
     "[default: all that have a tolerance]",
 )  # fmt: skip
 @click.option(
@@ -63,14 +64,12 @@ def tolerance(
     The table has the slope of every parameter, exact where the mechanism can be recorded, and what its tolerance
     amounts to.  Sobol indices say which share of the scatter it causes, alone and together with others.
     """
-    if limit is None and (parameter is not None or costs):
-        raise click.UsageError("--largest and --cost need --limit: the deviation that is allowed")
+    _require_sense(ctx)
     check_pictures(file, picture)
     m = read_model(file, settings, ideal)
-    common: dict[str, Any] = {
-        "vary": tolerances(varied), "analysis": analysis, "t_end": t_end, "n": count, "seed": seed, "threads": threads,
-        "progress": not ctx.obj["quiet"],
-    }  # fmt: skip
+    vary, cost = tolerances(varied), _costs(costs)
+    common: dict[str, Any] = {"vary": vary, "analysis": analysis, "t_end": t_end, "n": count, "seed": seed,
+                              "threads": threads, "progress": not ctx.obj["quiet"]}  # fmt: skip
     if parameter is not None and limit is not None:
         largest = m.tolerance_for(outputs, value(limit), parameter, share, **common)
         record: dict[str, Any] = {
@@ -78,29 +77,67 @@ def tolerance(
         }  # fmt: skip
         click.echo(as_json(record) if json_too else largest.report)
         return
+    if limit is not None:
+        from rattle.studies.ensemble.tolerance_study import require_limit
+
+        require_limit(m, outputs, value(limit), cost, vary, analysis=analysis, t_end=t_end)
     study = m.tolerance(outputs, **common)
     parts, record = [str(study)], study.record()
+    refused = ""
     if limit is not None:
         within = study.yield_within(value(limit))
-        allocation = study.allocate(value(limit), allocate, _costs(costs))
-        record |= {"share_within": within._asdict(), "allocation": allocation.tolerances}
         part, low, high = (100 * one for one in within)
         said = (
             f"{part:.4g} % of the mechanisms are within {limit} of the nominal value (95 %: {low:.4g} to {high:.4g} %)"
         )
-        parts += ["", said, "", str(allocation)]
+        record |= {"share_within": within._asdict()}
+        try:
+            allocation = study.allocate(value(limit), allocate, cost)
+        except ValueError as error:  # what is known all the same is worth its runs
+            refused = str(error)
+            parts += ["", said, f"no tolerances: {refused}"]
+            record |= {"allocation": None, "refused": refused}
+        else:
+            parts += ["", said, "", str(allocation)]
+            record |= {"allocation": allocation.tolerances}
     click.echo(as_json(record) if json_too else "\n".join(parts))
     if picture is not None:
         from rattle.plots.curves import save_figure
 
         save_figure(study.plot(), picture)
         say_written(picture)
+    if refused:
+        ctx.exit(1)
+
+
+NEEDED = {
+    "costs": ("--cost", "--limit"),
+    "allocate": ("--allocate", "--limit"),
+    "parameter": ("--largest", "--limit"),
+    "share": ("--share", "--largest"),
+}  # options, and those without which they have no meaning
+USELESS = {"costs": "--cost", "allocate": "--allocate", "picture": "--plot"}  # beside --largest
+
+
+def _require_sense(ctx: click.Context) -> None:
+    """Refuse options that would be left out of account.  Raises UsageError."""
+    given = {name for name in ctx.params if ctx.get_parameter_source(name) == ParameterSource.COMMANDLINE}
+    asked = {"--limit": "limit" in given, "--largest": "parameter" in given}
+    for name, (option, other) in NEEDED.items():
+        if name in given and not asked[other]:
+            what = {"--limit": ": the deviation that is allowed", "--largest": ": the parameter that is meant"}[other]
+            raise click.UsageError(f"{option} needs {other}{what}")
+    for name, option in USELESS.items():
+        if name in given and asked["--largest"]:
+            raise click.UsageError(f"{option} says nothing to --largest, which looks for one value; leave it out")
 
 
 def _costs(given: tuple[str, ...]) -> dict[str, float] | None:
-    found = {}
+    found: dict[str, float] = {}
     for one in given:
         name, _, text = one.partition("=")
+        if name.strip() in found:
+            raise click.UsageError(f"--cost: '{name.strip()}' is given twice")
         try:
             found[name.strip()] = float(text)
         except ValueError:

@@ -150,10 +150,10 @@ def allocate(
         raise ValueError(
             "within: the output without deviations is not between the limits; move the nominal values first"
         )
-    return _Scaled(t, limits, method, _costs(t.fields, cost), exponent, share).result(room)
+    return _Scaled(t, limits, method, costs_of(t.fields, cost), exponent, share).result(room)
 
 
-def _costs(fields: Fields, cost: Mapping[str, float] | None) -> dict[str, float]:
+def costs_of(fields: Fields, cost: Mapping[str, float] | None) -> dict[str, float]:
     """Costs by parameter, empty if there are none.  Raises ValueError, TypeError."""
     if cost is None:
         return {}

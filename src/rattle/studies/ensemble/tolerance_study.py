@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rattle.analyses import arguments
 from rattle.studies.ensemble import corners
+from rattle.studies.ensemble.allocation import costs_of
 from rattle.studies.ensemble.contributors import added, at_ends, half_widths
 from rattle.studies.ensemble.ensemble import nominal_run
 from rattle.studies.ensemble.fields import Fields, Vary, fields_of
@@ -16,6 +18,7 @@ from rattle.studies.ensemble.slopes import Slopes, slopes
 from rattle.studies.ensemble.sobol import Indices, Rows, indices, unknown
 from rattle.studies.ensemble.tolerance import Tolerance
 from rattle.studies.ensemble.trials import Trials
+from rattle.studies.ensemble.within import Within, limits_about
 from rattle.studies.runs.task import task_of
 
 if TYPE_CHECKING:
@@ -67,6 +70,16 @@ def tolerance(
         of, task.outputs[0].unit, value, fields, dict(zip(fields.names, found.values.tolist(), strict=True)), found.how,
         (worst.low, worst.high), shares, table[:2].ravel(), samples, trials, int(seed), tuple(notes),
     )  # fmt: skip
+
+
+def require_limit(
+    m: Mechanism, of: str, within: Within, cost: Mapping[str, float] | None, vary: Vary = None, *,
+    analysis: str = "simulate", t_end: float | None = None,
+) -> None:  # fmt: skip
+    """Check, before anything runs, what is asked beside a tolerance study.  Raises what `Tolerance.allocate` raises."""
+    fields = fields_of(m, vary)
+    costs_of(fields, cost)
+    limits_about(within, 0.0, task_of(m, fields.names, [of], analysis=analysis, t_end=t_end).outputs[0].unit)
 
 
 def _require_rows(n: int) -> None:
