@@ -139,7 +139,9 @@ def default_of(field: Any, required: Any) -> str:
     if callable(field.default):
         return f"follows from other fields{limit}"
     number = isinstance(field.default, float)
-    shown = "no limit" if field.default == math.inf else f"{field.default:g}" if number else str(field.default)
+    shown = (
+        "no limit" if number and math.isinf(field.default) else f"{field.default:g}" if number else str(field.default)
+    )
     return f"{shown}{limit}"
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle.errors import TraceError
 
 G = 9.81
 
@@ -104,6 +105,21 @@ def test_a_driven_motion_that_turns_back_between_two_instants_is_seen_to_pass():
     drive = '[drivers.motor]\njoint = "hinge"\nangle = "sin(t)"\n'
     r = rod("{ min = -2, max = 0.95 }", drive, angle=0.0).kinematics(np.linspace(0, math.pi, 5))
     assert any("beyond its stop" in one for one in r.trust.notes)
+
+
+def test_a_driver_that_holds_a_joint_beyond_its_stop_leaves_no_equilibrium_and_that_is_said():
+    drive = '[drivers.motor]\njoint = "hinge"\nangle = "2*t"\n'
+    m = rod('{ min = "-30 deg", max = "60 deg" }', drive)
+    assert len(m.equilibrium(0.5)) == 1
+    found = m.equilibrium(0.8)
+    assert not found
+    assert found.note == "the positions of balance without stops are beyond those of hinge"
+
+
+def test_sensitivities_say_that_stops_are_in_the_way():
+    m = rt.loads(rod("{ min = -2 }").to_toml() + "[parameters]\nw = 0\n").set({"initial.rod.angle": "w"})
+    with pytest.raises(TraceError, match=r"without stops \(set joints.hinge.stop to None\)"):
+        m.sensitivity(["rod.angle"], ["w"], [0.0, 0.1])
 
 
 def test_check_lists_stops():

@@ -138,7 +138,7 @@ def _default(spec: Any, family: str) -> str:
     more = f", may use {spec.may_use}" if spec.live and family != "driver" else ""
     if spec.default is REQUIRED or callable(spec.default):
         return more
-    if spec.default == math.inf:
+    if spec.default in (math.inf, -math.inf):
         return f" (default: no limit){more}"
     return (
         f" (default {spec.default:g}){more}" if isinstance(spec.default, float) else f" (default {spec.default}){more}"

@@ -137,7 +137,10 @@ def _recorded(
         model = record_model(document, system, begin, parameters)
     except TraceError as error:
         remedy = ""
-        if len(system.arrays["contact"]):
+        if stopped := [f"joints.{name}.stop" for name, one in system.model.joints.items() if one.stop is not None]:
+            remedy = f"; take derivatives of the mechanism without stops (set {', '.join(stopped)} to None), or compare"
+            remedy += " two runs with set()"
+        elif len(system.arrays["contact"]):
             remedy = (
                 "; take derivatives of the mechanism without play (ideal(), --ideal) or with massless links, or compare"
                 " two runs with set()"

@@ -80,6 +80,8 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
     start = position_at(resting_system(system, {}), t)
     cut = len(ways) > MOST or any(part.stopped for part in parts)
     undefined = next((part.undefined for part in parts if part.undefined), "")
+    if stopped.passed and not found and not undefined:
+        undefined = f"the positions of balance without stops are beyond those of {', '.join(stopped.passed)}"
     extent = f"every combination of stops: {parts[0].extent}" if parts[0].extent else ""
     starts = sum(part.starts for part in parts)
     return Equilibria(_sorted(found, start), starts, cut, extent, effort, undefined, parts[0].left_out)

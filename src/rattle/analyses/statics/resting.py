@@ -75,6 +75,7 @@ class Stopped:
     def __init__(self, system: System, t: float) -> None:
         self.system, self.t = system, t
         self.workspace = system.workspace()
+        self.passed: dict[str, None] = {}  # joints that were beyond their stops in positions without them
 
     def taken(self, found: Iterable[Equilibrium], resting: Ends) -> list[Equilibrium]:
         """The equilibria in which no joint is beyond its stop, with the forces of stops; compliant ones sink in."""
@@ -95,14 +96,16 @@ class Stopped:
 
     def beyond(self, q: np.ndarray, resting: Ends) -> bool:
         """True if a joint that does not rest is beyond its stop at q (3 nb,) [m, m, rad]."""
-        contact, lever = self.system.arrays["contact"], self.system.arrays["lever"]
+        contact, lever, found = self.system.arrays["contact"], self.system.arrays["lever"], False
         place(self.workspace, q, np.zeros_like(q))
         locate_contacts(self.workspace)
         for entry, one, kinematics in zip(contact, lever, self.workspace.contact_kinematics, strict=True):
-            stops = entry[at.FORCE_COLUMN] == at.STOP and self.system.joints[entry[at.OWNER]] not in resting
+            name = self.system.joints[entry[at.OWNER]]
+            stops = entry[at.FORCE_COLUMN] == at.STOP and name not in resting
             if stops and kinematics[at.GAP] < -SLIGHT * one[at.GAP_SIZE]:
-                return True
-        return False
+                self.passed[name] = None
+                found = True
+        return found
 
     def _contact(self, name: str) -> Contact:
         stop = self.system.model.joints[name].stop
