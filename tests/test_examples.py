@@ -32,7 +32,7 @@ def runs() -> dict[str, Result]:
 def test_these_examples_are_shipped():
     assert set(ALL) >= NAMES | {
         "balanced_arm", "bouncing_pin", "crank_rocker_play", "ellipse", "fourbar_onesided", "guide_play",
-        "path_generator", "scotch_yoke", "three_plays", "toggle_clamp", "woodpecker",
+        "path_generator", "scotch_yoke", "three_plays", "toggle_clamp", "woodpecker", "dc_motor_pid", "excavator",
     }  # fmt: skip
 
 
@@ -367,3 +367,22 @@ def test_scotch_yoke_knocks_once_it_has_flown_across_the_play_of_its_slot():
     assert [one.normal_speed for one in knocks] == pytest.approx([radius * w * (1 - math.cos(phi))] * 3, rel=1e-9)
     assert r["slot.normal"][r["slot.normal"] > 0.0].max() == pytest.approx(500.0, rel=1e-3)  # m r w^2
     assert np.hypot(r["slot.ex"], r["slot.ey"]).max() == pytest.approx(play, rel=1e-9)
+
+
+# ---------------------------------------------------------------- DC motor
+@pytest.mark.nojit
+def test_dc_motor_accounts_for_what_its_supply_gave_and_holds_the_arm_with_the_current_of_the_balance():
+    r = rt.example("dc_motor_pid").simulate()
+    stored = 0.5 * 2e-3 * r["i"] ** 2
+    np.testing.assert_allclose(r["spent"], r["heat"] + stored + r["energy.work"], atol=1e-8)
+    assert np.abs(r["U"]).max() == 24.0  # the supply is at its limit for a while
+    assert r["arm.angle"][-1] == pytest.approx(np.radians(60), abs=2e-6)
+    assert r["i"][-1] == pytest.approx(0.5 * G * 0.15 * 0.5 / (50 * 0.05), rel=1e-4)
+
+
+@pytest.mark.nojit
+def test_without_its_integral_part_the_controller_leaves_the_error_that_ohms_law_says():
+    """At rest Kp (target - angle) = R i with n k i = m g (l/2) cos(angle)."""
+    r = rt.example("dc_motor_pid").set(Ki=0.0).simulate(3.0, t_eval=[3.0])
+    at_rest = brentq(lambda a: 60 * (np.pi / 3 - a) - 2 * 0.5 * G * 0.15 * np.cos(a) / 2.5, 0.5, 1.1, xtol=1e-14)
+    assert r["arm.angle"][-1] == pytest.approx(at_rest, abs=1e-8)
