@@ -386,3 +386,18 @@ def test_without_its_integral_part_the_controller_leaves_the_error_that_ohms_law
     r = rt.example("dc_motor_pid").set(Ki=0.0).simulate(3.0, t_eval=[3.0])
     at_rest = brentq(lambda a: 60 * (np.pi / 3 - a) - 2 * 0.5 * G * 0.15 * np.cos(a) / 2.5, 0.5, 1.1, xtol=1e-14)
     assert r["arm.angle"][-1] == pytest.approx(at_rest, abs=1e-8)
+
+
+# ---------------------------------------------------------------- excavator
+@pytest.mark.nojit
+def test_excavator_holds_its_arm_with_the_force_that_the_moment_of_all_weights_says():
+    r = rt.example("excavator").simulate(t_eval=[0.0, 12.0])
+    assert np.degrees([r[f"{name}.angle"][-1] for name in ("boom", "stick", "bucket")]) == pytest.approx(
+        [45, -100, -190], abs=1e-3
+    )
+    masses = {"boom": 700, "stick": 350, "bucket": 550, "rocker": 20, "link": 20}
+    moment = sum(mass * G * r[f"{name}.x"][-1] for name, mass in masses.items())
+    end = np.array([r["boom.L.x"][-1], r["boom.L.y"][-1]])
+    along = (end - [0.6, -0.4]) / np.hypot(*(end - [0.6, -0.4]))
+    lever = end[0] * along[1] - end[1] * along[0]
+    assert r["F_lift"][-1] == pytest.approx(moment / lever, rel=1e-4)  # creeps by 1e-5 rad/s still
