@@ -62,7 +62,7 @@ def test_the_comment_on_top_gives_commands_and_names_that_exist(name):
         known |= {*mechanism.equilibrium(np.linspace(0.0, 1e-3, 3)).names}
     for line in re.findall(r"rattle plot .*", head):
         for word in re.split(r"\s{2,}", line)[0].split()[3:]:
-            assert word in known or word == "--orbit" or word in mechanism.model.joints
+            assert word in ("--orbit", "--xy") or {word, f"{word}.x"} & known or word in mechanism.model.joints
 
 
 @pytest.mark.parametrize("name", sorted(NAMES))

@@ -7,7 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rattle.plots.curves import BLACK, BLUE, GREY, ORANGE, QUANTITY, RED, axis_label, handy_unit, new_figure, tidy
+from rattle.plots.curves import (
+    BLACK,
+    BLUE,
+    GREY,
+    ORANGE,
+    QUANTITY,
+    RED,
+    axis_label,
+    handy_unit,
+    length_axes,
+    new_figure,
+    tidy,
+)
 from rattle.plots.scene import Scene
 from rattle.plots.sketch import draw_mechanism, extent
 
@@ -102,7 +114,7 @@ def _contributions(ax: Axes, found: Accuracy, factor: float, unit: str) -> None:
 def plot_mode(modes: Modes, mode: int, amplitude: float = 0.1) -> Figure:
     """The mechanism in equilibrium (grey) with joints, guides and springs, and its bodies at both ends of a swing.
 
-    mode: counted from 0.  amplitude: largest displacement as a share of the mechanism's size.  Axes in m.
+    mode: counted from 0.  amplitude: largest displacement as a share of the mechanism's size.
     """
     motion = modes.motion(mode, amplitude)
     figure = new_figure(6.4, 5.4)
@@ -116,8 +128,7 @@ def plot_mode(modes: Modes, mode: int, amplitude: float = 0.1) -> Figure:
     for k, colour, label in ((0, BLUE, "one end of the swing"), (half, ORANGE, "the other")):
         _draw(ax, motion, k, colour, label)
     ax.set_aspect("equal", adjustable="datalim")
-    ax.set_xlabel("x [m]")
-    ax.set_ylabel("y [m]")
+    length_axes(ax, stage.size)
     ax.set_title(f"mode {mode + 1}: {modes.behaviour(mode, 4)}", loc="left", fontsize=11)
     ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize=9)
     return figure
