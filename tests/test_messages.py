@@ -52,7 +52,7 @@ def test_units_where_they_cannot_stand(text, said):
         ("1 if not t > 1 else 0", "'not' is not known"),
         ("max(1, t and 2)", "'and' is not known"),
         ("max(t, 2 N)", "enter x = '2 N' under [parameters]"),
-        ("ln(t)", "log is the natural logarithm"),
+        ("log10(t)", "write log(x)/log(10)"),
         ("floor(t)", "known: sin, cos"),
         ("b.C.x", "<body>.x .y .angle"),
         ("C.force", "<body>.x .y .angle"),

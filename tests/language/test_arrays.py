@@ -18,6 +18,7 @@ TEXTS = [
     *(f"{name}(a, b)" for name, size in FUNCTIONS.items() if size != 1),
     *(f"a {operator} b" for operator in ("+", "-", "*", "/", "**")),
     *(f"1 if a {test} b else 2" for test in ("<", "<=", ">", ">=")),
+    *(f"1 if {test} else 2" for test in ("a < b and b <= c", "a > b or not c >= b", "not (a < b and a > c)")),
     "-a + 2*pi*b**2 - c",
     "max(a, b, c)",
 ]

@@ -83,6 +83,19 @@ def jet(text, t=0.0, jets=None):
         ("1 if (2 >= 2) else 1/0", 1),
         ("(1 if 2 < 1 else 2)*3", 6),
         ("1 +\n\t2", 3),
+        ("floor(7.5) + floor(-7.5)", -1),
+        ("mod(-7.5, 2)", 0.5),
+        ("mod(7.5, -2)", -0.5),
+        ("ln(exp(2))", 2),
+        ("1 if 1 < 2 and 3 < 2 else 2", 2),
+        ("1 if 3 < 2 or 1 < 2 else 2", 1),
+        ("1 if not 3 < 2 else 2", 1),
+        ("1 if 1 < 2 or 1 < 2 and 3 < 2 else 2", 1),  # and binds more closely than or
+        ("1 if (1 < 2 or 1 < 2) and 3 < 2 else 2", 2),
+        ("1 if not 1 < 2 and 3 < 2 else 2", 2),  # not binds more closely than and
+        ("1 if not (1 < 2 and 3 < 2) else 2", 1),
+        ("1 if not not 1 + 1 < 3 else 2", 1),
+        ("10 if 1 < 2 and 3 < 2 else 20 if 2 > 1 or 1 > 2 else 30", 20),
         ("a*b + m_1", 0.7 * -1.3 + 2.5),
     ],
 )
@@ -146,8 +159,19 @@ HOSTILE = [
     "1 if 2 else 3",
     "1 if 2 < 3",
     "1 if a < b < c else 2",
-    "1 if a < b and c < d else 2",
+    "1 if a < b and 2 else 2",
+    "1 if and else 2",
+    "1 if not 2 else 3",
+    "1 and 2",
+    "a < b and a < c",
+    "(1 if a < b or not c else 2)",
+    "1 + (a < b and c < d)",
+    "1 if (a < b) < c else 2",
+    "1 if a < not b else 2",
+    "a < b if a < b and c < d else 2",
     "not 1",
+    "floor(1, 2)",
+    "mod(1)",
     "if",
     "else",
     "1e400",
@@ -199,6 +223,11 @@ def test_hostile_text_is_refused_at_once(text):
         ("1 + (2", 6, "'(' in column 5 is not closed"),
         ("1 if 2 else 3", 5, "compared"),
         ("2*(3 < 4)", 5, "only between"),
+        ("1 if 2 < 3 and 4 else 5", 15, "'and' joins two conditions, as in x > 0 and y > 0"),
+        ("1 if not 4 else 5", 9, "'not' takes a condition, as in not x > 0"),
+        ("1 + (2 < 3 or 3 < 4)", 11, "'or' is allowed only between"),
+        ("1 if 2 < 3 < 4 else 5", 7, "'<' is allowed only between"),
+        ("ceil(2)", 0, "write -floor(-x)"),
         ("atan2(1)", 0, "2 arguments, not 1"),
         ("min(1)", 0, "2 or more arguments"),
         ("1 + 1/(2 - 2)", 5, "not a finite number"),
@@ -240,13 +269,23 @@ def test_long_sums_are_no_nesting():
 def _expressions(leaves):
     def longer(inner):
         one = st.sampled_from([name for name, n in FUNCTIONS.items() if n == 1])
-        two = st.sampled_from(["atan2", "hypot", "min", "max"])
+        two = st.sampled_from(["atan2", "hypot", "min", "max", "mod"])
         return st.one_of(
             st.builds("({} {} {})".format, inner, st.sampled_from(["+", "-", "*", "/", "**"]), inner),
             st.builds("{}*{} - {}".format, inner, inner, inner),
             st.builds("(-{})".format, inner),
             st.builds("{}({})".format, one, inner),
             st.builds("{}({}, {})".format, two, inner, inner),
+            st.builds(
+                "({} if {} < {} {} not {} >= {} else {})".format,
+                inner,
+                inner,
+                inner,
+                st.sampled_from(["and", "or"]),
+                inner,
+                inner,
+                inner,
+            ),
             st.builds(
                 "({} if {} {} {} else {})".format, inner, inner, st.sampled_from(["<", "<=", ">", ">="]), inner, inner
             ),
@@ -257,6 +296,8 @@ def _expressions(leaves):
 
 _PYTHON = {
     **{name: getattr(math, name) for name in FUNCTIONS if hasattr(math, name)},
+    "ln": math.log,
+    "mod": lambda x, y: x - y * math.floor(x / y),  # where x/y is an integer but for rounding, x % y may be y more
     "abs": abs,
     "min": min,
     "max": max,
@@ -296,9 +337,8 @@ def test_program_gives_what_python_gives(text, t, x, s):
 @pytest.mark.parametrize("t", [-1.5, -1.0, -0.0, 0.0, 0.3, 1.0, 2.0, 800.0, 1e308, math.inf, -math.inf, math.nan])
 @pytest.mark.parametrize("text", [*(f"{name}(t)" for name, n in FUNCTIONS.items() if n == 1), "-t", "t**2"])
 def test_functions_never_raise_and_agree_with_numpy(mode, text, t):
-    name = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "-t": "negative", "t**2": "square"}.get(
-        text.removesuffix("(t)"), text.removesuffix("(t)")
-    )
+    others = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "-t": "negative", "t**2": "square", "ln": "log"}
+    name = others.get(text.removesuffix("(t)"), text.removesuffix("(t)"))
     with np.errstate(all="ignore"):
         expected = np.heaviside(t, 1.0) if name == "step" else getattr(np, name)(t)
     assert run(text, t) == pytest.approx(float(expected), rel=1e-14, nan_ok=True)
@@ -308,7 +348,7 @@ _EDGE = [-math.inf, -2.0, -0.5, 0.0, 0.5, 1.0, 3.0, 1e200, math.inf, math.nan]
 
 
 @pytest.mark.parametrize("x", _EDGE)
-@pytest.mark.parametrize("name", ["+", "-", "*", "/", "**", "atan2", "hypot", "min", "max"])
+@pytest.mark.parametrize("name", ["+", "-", "*", "/", "**", "atan2", "hypot", "min", "max", "mod"])
 def test_operators_never_raise_and_agree_with_numpy(mode, name, x):
     text = f"{name}(t, reach)" if name.isalnum() else f"t{name}reach"
     functions = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "**": "power", "atan2": "arctan2"}
@@ -318,6 +358,8 @@ def test_operators_never_raise_and_agree_with_numpy(mode, name, x):
             continue  # C gives 0 and inf here, ours is nan as for every other negative number
         with np.errstate(all="ignore"):
             expected = float(getattr(np, functions.get(name, name))(x, y))
+            if name == "mod" and not math.isnan(expected):
+                expected = x - y * math.floor(x / y) if math.isfinite(x / y) and math.isfinite(y) else math.nan
         assert run(text, x, signals=np.array([y, 0.0])) == pytest.approx(expected, rel=1e-14, nan_ok=True), (x, y)
 
 
@@ -411,6 +453,14 @@ CLOSED = [  # expression, t, value, first and second derivative by hand
     ("t**2 if t < 1 else 2*t - 1", 1.0, (1, 2, 0)),
     ("1/t if t > 0 else 4*t", 0.0, (0, 4, 0)),
     ("abs(t)", 0.0, (0, 1, 0)),
+    ("floor(3*t)", 0.5, (1, 0, 0)),
+    ("mod(3*t**2, 0.5)", 0.5, (0.25, 3, 6)),
+    ("mod(7, 3*t)", 0.5, (1, -4 * 3, 0)),
+    ("ln(t)", 0.25, (math.log(0.25), 4, -16)),
+    ("t**2 if t > 0 and t < 1 else 2*t - 1", 0.5, (0.25, 1, 2)),
+    ("t**2 if t > 0 and not t >= 1 else 2*t - 1", 1.0, (1, 2, 0)),
+    ("1/t if t > 0 and t < 5 else 4*t", 0.0, (0, 4, 0)),  # the branch without a finite value is not taken
+    ("4*t if t < 0 or t > 5 else 1/t", 0.0, (0, 4, 0)),
 ]
 
 
@@ -489,6 +539,9 @@ def _dimension(text):
         ("l if w < 3 else 2", "m"),
         ("l/t", "m/s"),
         ("alpha + pi/2", ""),
+        ("mod(l, 2*l)", "m"),
+        ("floor(l/3)", ""),
+        ("l if w < 3 and l > 2 else 2", "m"),
     ],
 )
 def test_dimension_follows_the_rules(text, unit):
@@ -508,6 +561,10 @@ def test_dimension_follows_the_rules(text, unit):
         ("1 + sin(l)", 4, "cannot take sin of m"),
         ("exp(t)", 0, "cannot take exp of s"),
         ("2**l", 1, "exponent must be a plain number, not m"),
+        ("mod(l, w)", 0, "cannot take mod of m and 1/s"),
+        ("floor(l*k)", 0, "cannot take floor of N"),
+        ("1 if l < 2 and l < m else 2", 17, "cannot compare m and kg"),
+        ("l if w < 2 or w < 3 else m", 2, "cannot choose between m and kg"),
     ],
 )
 def test_mixed_dimensions_are_refused(text, column, message):

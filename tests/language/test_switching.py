@@ -79,6 +79,15 @@ def wavy(t):
         ("step(hypot(t - 1, 0.2) - 0.5)", 4.0, [1 - math.sqrt(0.21), 1 + math.sqrt(0.21)]),
         ("min(sqrt(t), 0.7)", 1.0, [0.49]),
         ("abs(log(t + 0.1))", 4.0, [0.9]),
+        ("floor(t*t)", 2.0, np.sqrt([1.0, 2.0, 3.0])),
+        ("floor(1 - 3*t)", 1.0, [1 / 3, 2 / 3]),  # from 1 at t = 0 it falls at once, at t = 1 it ends
+        ("mod(t, 0.25)", 1.0, [0.25, 0.5, 0.75]),
+        (
+            "floor(2.5*sin(t))",
+            3.0,
+            np.sort([math.asin(0.4), math.asin(0.8), math.pi - math.asin(0.4), math.pi - math.asin(0.8)]),
+        ),
+        ("mod(t, 0.001)", 20.0, np.arange(1, 20000) / 1000),
         ("step(acos(0.1*t) - 1)", 9.0, [10 * math.cos(1)]),
         ("sign(1/t - 3)", 4.0, [1 / 3]),
         ("sign(sin(t)/(t + 1) - tanh(t)*atan(t)/9)", 3.0, [brentq(wavy, 1.0, 3.0, xtol=1e-15)]),
@@ -112,6 +121,14 @@ def test_switches_inside_switches_and_signals():
 
 
 @pytest.mark.nojit
+def test_every_joined_condition_switches_by_itself():
+    one, two, three = switches("sin(t) if t > 0.3 and not t >= 0.7 or 2*t > 1.8 else 0", 1.0)
+    assert (one.instants, two.instants, three.instants) == ([0.3], [0.7], [0.9])
+    kink = switches("abs((1 if t > 0.3 and t < 0.7 else -1)*(t - 0.5))", 1.0)[-1]  # beyond the jumps it has one zero
+    np.testing.assert_allclose(kink.instants, [0.3, 0.5, 0.7], atol=1e-13)
+
+
+@pytest.mark.nojit
 def test_too_many_instants_are_given_up_within_a_budget():
     for text in ("step(sin(1e7*t))", "step(sin(t)**2 + cos(t)**2 - 1)"):  # a rounding that never settles
         (switch,) = switches(text, 1.0)
@@ -131,6 +148,17 @@ def test_a_load_that_switches_on_is_exact():
     np.testing.assert_allclose(result["rotor.angle"], 3.0 * late**2, atol=1e-14)
     np.testing.assert_allclose(result["rotor.omega"], 6.0 * late, atol=1e-14)
     assert result.stats["switchings"] == 1
+    assert result.stats["rejected"] == 0
+
+
+@pytest.mark.parametrize(
+    "torque",
+    ["3*floor(2*t + 0.38)", "3*(2*t + 0.38 - mod(2*t + 0.38, 1))", "3 if t > 0.31 and t < 0.81 or t >= 0.91 else 0"],
+)
+def test_a_torque_in_steps_is_exact(torque):
+    result = rotor(torque=torque).simulate(0.8)
+    late = np.maximum(0.0, result.t - 0.31)
+    np.testing.assert_allclose(result["rotor.angle"], 3.0 * late**2, atol=1e-14)
     assert result.stats["rejected"] == 0
 
 
@@ -158,8 +186,12 @@ def test_energy_balances_through_switches():
 
 
 @pytest.mark.parametrize(
-    "torque", ["3*step(t - 0.31)", "3*max(0, t - 0.77)", "4*max(0, rod.x - 0.1)", "-0.7*sign(rod.omega)"]
-)
+    "torque",
+    [
+        "3*step(t - 0.31)", "3*max(0, t - 0.77)", "4*max(0, rod.x - 0.1)", "-0.7*sign(rod.omega)",
+        "2*floor(4.3*rod.x)", "2*mod(rod.angle, 0.7)", "2 if rod.x > 0.1 and not rod.omega > 0 else 0",
+    ],
+)  # fmt: skip
 def test_rk4_keeps_its_order_through_kinks(torque):
     m = pendulum(torque)
     exact = m.simulate(t_eval=[1.5], rtol=1e-13)["rod.angle"][0]

@@ -29,6 +29,9 @@ MEANING: Mapping[str, str] = {
     "sign": "-1, 0 or 1",
     "step": "0 below zero, 1 from zero on",
     "log": "natural logarithm",
+    "ln": "the same as log",
+    "floor": "largest whole number that is not above x",
+    "mod": "x - y*floor(x/y), between 0 and y: mod(-7.5, 2) = 0.5",
     "atan2": "angle of the direction (x, y)",
     "hypot": "sqrt(x**2 + y**2)",
     "min": "smallest of two or more",
@@ -122,7 +125,7 @@ def _functions() -> Topic:
         + (f": {MEANING[name]}" if name in MEANING else "")
         for name, count in FUNCTIONS.items()
     ]
-    lines += ["a if x < y else b: also with <= > >=", "+ - * / ** ( )"]
+    lines += ["a if x < y else b: also with <= > >=, and with conditions joined by and, or, not", "+ - * / ** ( )"]
     return Topic("functions", "functions and operators of expressions; angles in rad", tuple(lines))
 
 

@@ -149,7 +149,7 @@ _declare("switch", """
     FIRST_CODE [] first row of the program of its operands in `code`
     END_CODE [] row after the last one
     OWN_CODE [] row of the switch itself
-    OPERANDS [] number of operands: the switching function is one, or the difference of two
+    OPERANDS [] number of operands of the switching function, 1 or 2
 """)
 OWN_CODE, OPERANDS = 2, 3
 

@@ -29,11 +29,22 @@ def _power(x: Array, y: Array) -> Array:
     return np.where(root, np.nan, np.power(x + 0.0, y))
 
 
+def _mod(x: Array, y: Array) -> Array:
+    return np.asarray(x - y * np.floor(x / y))
+
+
+def _compared(test: Callable[[Array, Array], NDArray[np.bool_]]) -> Callable[[Array, Array], Array]:
+    """A comparison as a number: 1 where it holds, -1 where not."""
+    return lambda x, y: np.where(test(x, y), 1.0, -1.0)
+
+
 _FUNCTIONS: Mapping[str, Callable[..., Array]] = {
     "neg": np.negative, "+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide, "**": _power,
     "sin": np.sin, "cos": np.cos, "tan": np.tan, "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan,
     "tanh": np.tanh, "sqrt": np.sqrt, "exp": np.exp, "log": np.log, "abs": np.abs, "sign": np.sign, "step": _step,
-    "atan2": np.arctan2, "hypot": np.hypot, "min": np.minimum, "max": np.maximum,
+    "atan2": np.arctan2, "hypot": np.hypot, "min": np.minimum, "max": np.maximum, "floor": np.floor, "mod": _mod,
+    "and": np.minimum, "or": np.maximum, "not": np.negative,
+    **{name[2:]: _compared(test) for name, test in _CHOICES.items()},
 }  # fmt: skip
 
 
@@ -61,4 +72,6 @@ def _apply(part: Apply, given: list[Array]) -> Array:
     """One operation."""
     if part.name in _CHOICES:
         return np.asarray(np.where(_CHOICES[part.name](given[0], given[1]), given[2], given[3]))
+    if part.name == "choose":
+        return np.asarray(np.where(given[0] > 0.0, given[1], given[2]))
     return np.asarray(_FUNCTIONS[part.name](*given))

@@ -2,14 +2,17 @@
 
 A program is an integer array with rows (op, argument, side, crossed).  An op takes its operands from the top of the
 stack and leaves its result there.  A choice takes four operands (the two compared, then, otherwise), so that
-there are no jumps.  Outside its domain a function gives nan or inf and never raises: the guards below give what
+there are no jumps; CHOOSE takes three (condition, then, otherwise).  A condition is a number: positive where it holds.
+Outside its domain a function gives nan or inf and never raises: the guards below give what
 C would give, and keep plain Python from raising.  All values are in SI units.
 
-Switches (abs, sign, step, min, max, if) have a switching function s: their operand, or the difference of the two
-operands that are compared.  A side of +1 or -1 in the program selects the branch for s > 0 or s < 0 whatever the value
-of s, so that the right-hand side is smooth between two switching instants; `crossed` is set to 1 when s has the other
-sign.  With side 0 the value of s decides: at s = 0 values are those of the definition (sign(0) = 0, step(0) = 1).  A
-branch without a finite value at s = 0 is not taken there, so that "sin(t)/t if t > 0 else 1" is allowed.
+Switches (abs, sign, step, min, max, if, comparisons, floor, mod) have a switching function s: their operand, or the
+difference of the two operands that are compared; of floor(x), and of mod(x, y) with x/y, the distance from the nearest
+integer, positive after even integers and negative after odd ones (`wave`).  A side of +1 or -1 in the program selects
+the branch for s > 0 or s < 0 whatever the value of s, so that the right-hand side is smooth between two switching
+instants; `crossed` is set to 1 when s has the other sign.  With side 0 the value of s decides: at s = 0 values are
+those of the definition (sign(0) = 0, step(0) = 1).  A branch without a finite value at s = 0 is not taken there, so
+that "sin(t)/t if t > 0 else 1" is allowed.
 
 `language.jets` runs the same programs on values with their time derivatives.
 """
@@ -23,15 +26,27 @@ from rattle.jit.functions import compiled, native
 
 # operands, then functions of one operand, of two, and choices: the loops rely on this order
 CONST, TIME, STATE, SIGNAL = range(4)
-NEG, SQUARE, ABS, SIGN, STEP, SQRT, EXP, LOG, SIN, COS, TAN, ASIN, ACOS, ATAN, TANH = range(4, 19)
-ADD, SUB, MUL, DIV, POW, ATAN2, HYPOT, MIN, MAX = range(19, 28)
-LESS, AT_MOST, MORE, AT_LEAST = range(28, 32)
+NEG, SQUARE, ABS, SIGN, STEP, FLOOR, SQRT, EXP, LOG, SIN, COS, TAN, ASIN, ACOS, ATAN, TANH = range(4, 20)
+ADD, SUB, MUL, DIV, POW, ATAN2, HYPOT, MOD = range(20, 28)
+BELOW, BELOW_OR_AT, ABOVE, ABOVE_OR_AT, BOTH, EITHER, MIN, MAX = range(28, 36)
+LESS, AT_MOST, MORE, AT_LEAST, CHOOSE = range(36, 41)
+COMPARED = LESS - BELOW  # from a comparison to the choice by it
 
 SIDE, CROSSED = 2, 3  # columns of a program
 
 NAN = math.nan
 INF = math.inf
 LARGEST = 709.78  # exp of more than this is inf
+WHOLE = 2.0**52  # numbers of this size and beyond have no fraction
+
+
+def operands_of(op: int) -> int:
+    """Number of operands of an operation."""
+    if op <= SIGNAL:
+        return 0
+    if op < ADD:
+        return 1
+    return 2 if op < LESS else (3 if op == CHOOSE else 4)
 
 
 @compiled
@@ -73,6 +88,38 @@ def power(x, y):
 
 
 @compiled
+def whole(x):
+    """Largest integer that is not above x."""
+    return float(math.floor(x)) if abs(x) < WHOLE else x
+
+
+@compiled
+def wave(x):
+    """Distance of x from the nearest integer, positive from an even integer to the next, negative from an odd one."""
+    nearest = whole(x + 0.5)
+    return x - nearest if nearest % 2.0 == 0.0 else nearest - x
+
+
+@compiled
+def held(side, x):
+    """Largest integer not above x, where `wave` of x has this sign, or had it less than half ago."""
+    n = whole(x)
+    if (n % 2.0 == 0.0) == (side > 0):
+        return n
+    return n - 1.0 if x - n < 0.5 else n + 1.0
+
+
+@compiled
+def switching(op, x, y):
+    """Switching function of the switch `op`; y is 0 for one operand."""
+    if op == FLOOR:
+        return wave(x)
+    if op == MOD:
+        return wave(quotient(x, y))
+    return x - y
+
+
+@compiled
 def unary(op, x):
     """Value of the function `op` of one operand [SI]."""
     if op == NEG:
@@ -85,6 +132,8 @@ def unary(op, x):
         return 1.0 if x > 0.0 else (-1.0 if x < 0.0 else x)
     if op == STEP:
         return 1.0 if x >= 0.0 else (0.0 if x < 0.0 else x)
+    if op == FLOOR:
+        return whole(x)
     if op == SQRT:
         return math.sqrt(x) if x >= 0.0 else NAN
     if op == EXP:
@@ -125,7 +174,11 @@ def binary(op, x, y):
         return math.atan2(x, y)
     if op == HYPOT:
         return math.hypot(x, y)
-    if op == MIN:
+    if op == MOD:
+        return x - y * whole(quotient(x, y))
+    if op <= ABOVE_OR_AT:
+        return 1.0 if holds(op + COMPARED, x, y) else -1.0
+    if op in (BOTH, MIN):
         return x if x <= y or x != x else y
     return x if x >= y or x != x else y
 
@@ -144,9 +197,19 @@ def holds(op, x, y):
 
 @compiled
 def branch(op, side, x, y):
-    """Value [SI] of a switch on a given side of its switching function; abs, sign and step do not use y."""
+    """Value [SI] of a switch on a given side of its switching function; those of one operand do not use y.
+
+    A comparison is 1 where it holds and -1 where not; half as large at s = 0, where it could be otherwise.
+    """
     if op == ABS:
         return x if side > 0 else -x
+    if op == FLOOR:
+        return held(side, x)
+    if op == MOD:
+        return x - y * held(side, quotient(x, y))
+    if BELOW <= op <= ABOVE_OR_AT:
+        sure = 0.5 if x == y else 1.0
+        return sure if (side < 0) == (op <= BELOW_OR_AT) else -sure
     if op == MIN:
         return y if side > 0 else x
     if op == MAX:
@@ -156,6 +219,15 @@ def branch(op, side, x, y):
     if op == SIGN:
         return 1.0 if side > 0 else -1.0
     return 1.0 if side > 0 else 0.0
+
+
+@compiled
+def chosen(condition, yes, no):
+    """Value [SI] of a choice; where the condition could be otherwise, a branch without a finite value is not taken."""
+    value = yes if condition > 0.0 else no
+    if abs(condition) < 1.0 and not abs(value) < INF:
+        value = no if condition > 0.0 else yes
+    return value
 
 
 @native("f", "n", "v", "i", "i", "f", "m", "v", "v")
@@ -188,7 +260,7 @@ def evaluate(code, const, first, last, t, body, signals, stack):
                 stack[top] = unary(op, x)
             else:
                 stack[top] = branch(op, side, x, 0.0)
-                if x * side < 0.0:
+                if switching(op, x, 0.0) * side < 0.0:
                     code[row, CROSSED] = 1
         elif op < LESS:
             top -= 1
@@ -199,8 +271,11 @@ def evaluate(code, const, first, last, t, body, signals, stack):
                 stack[top] = binary(op, x, y)
             else:
                 stack[top] = branch(op, side, x, y)
-                if (x - y) * side < 0.0:
+                if switching(op, x, y) * side < 0.0:
                     code[row, CROSSED] = 1
+        elif op == CHOOSE:
+            top -= 2
+            stack[top] = chosen(stack[top], stack[top + 1], stack[top + 2])
         else:
             top -= 3
             side = code[row, SIDE]

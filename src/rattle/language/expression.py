@@ -1,7 +1,7 @@
 """Expressions in a model file: checked for dimensions and translated into small stack programs.
 
 An expression consists of numbers, names (`l1`, `rocker.omega`), `+ - * / **`, parentheses, the functions of
-`FUNCTIONS`, `pi`, the time `t`, and `a if x < y else b`.  Everything else is refused, so a model file can
+`FUNCTIONS`, `pi`, the time `t`, and `a if x < y and not z > 0 else b`.  Everything else is refused, so a model file can
 never run code.
 """
 
@@ -18,8 +18,11 @@ from rattle.errors import suggest
 from rattle.language import bytecode
 from rattle.language.recorded import Recorded, array_of, operate
 from rattle.language.syntax import (
+    COMPARISONS,
     FUNCTIONS,
+    JOINING,
     RESERVED,
+    SAME,
     Apply,
     ExpressionError,
     Name,
@@ -62,7 +65,15 @@ OPERATIONS = {
     "if<=": bytecode.AT_MOST,
     "if>": bytecode.MORE,
     "if>=": bytecode.AT_LEAST,
-    **{name: getattr(bytecode, name.upper()) for name in FUNCTIONS},
+    "<": bytecode.BELOW,
+    "<=": bytecode.BELOW_OR_AT,
+    ">": bytecode.ABOVE,
+    ">=": bytecode.ABOVE_OR_AT,
+    "and": bytecode.BOTH,
+    "or": bytecode.EITHER,
+    "not": bytecode.NEG,
+    "choose": bytecode.CHOOSE,
+    **{name: getattr(bytecode, name.upper()) for name in FUNCTIONS if name not in SAME},
 }
 
 
@@ -98,10 +109,13 @@ def _combine(part: Apply, given: list[Dimension | None]) -> Dimension | None:
         return _combine_power(part, x, y)
     if name in ("+", "-"):
         return _same(part, x, y, "add" if name == "+" else "subtract")
-    if name.startswith("if"):
+    if name in COMPARISONS or name.startswith("if"):
         _same(part, x, y, "compare")
-        return _same(part, given[2], given[3], "choose between")
-    if name in ("min", "max", "hypot", "atan2"):
+    if name in COMPARISONS or name in JOINING:
+        return DIMENSIONLESS
+    if name == "choose" or name.startswith("if"):
+        return _same(part, given[-2], given[-1], "choose between")
+    if name in ("min", "max", "hypot", "atan2", "mod"):
         common = _same(part, x, y, f"take {name} of")
         return DIMENSIONLESS if name == "atan2" else common
     if name in ("neg", "abs"):
@@ -277,4 +291,6 @@ def _fold(op: int, given: list[float]) -> float:
         return operate(op, float(bytecode.unary.python(op, *map(float, given))), *given)
     if len(given) == 2:
         return operate(op, float(bytecode.binary.python(op, *map(float, given))), *given)
+    if op == bytecode.CHOOSE:
+        return given[1] if given[0] > 0.0 else given[2]
     return given[2] if bytecode.holds.python(op, *given[:2]) else given[3]

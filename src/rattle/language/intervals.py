@@ -57,6 +57,10 @@ def enclose(
             stack.append(_switch(op, operands, side_of(row)))
         elif op < p.ADD:
             stack.append(_unary(op, stack.pop()))
+        elif op == p.CHOOSE:
+            operands = stack[-3:]
+            del stack[-3:]
+            stack.append(_choice(*operands))
         else:
             right = stack.pop()
             stack.append(_binary(op, stack.pop(), right))
@@ -65,7 +69,9 @@ def enclose(
 
 SWITCHES = {
     p.ABS: 1, p.SIGN: 1, p.STEP: 1, p.MIN: 2, p.MAX: 2, p.LESS: 4, p.AT_MOST: 4, p.MORE: 4, p.AT_LEAST: 4,
+    p.BELOW: 2, p.BELOW_OR_AT: 2, p.ABOVE: 2, p.ABOVE_OR_AT: 2, p.FLOOR: 1, p.MOD: 2,
 }  # fmt: skip
+COMPARISONS = (p.BELOW, p.BELOW_OR_AT, p.ABOVE, p.ABOVE_OR_AT)
 
 
 def minus(x: Span, y: Span) -> Span:
@@ -177,6 +183,10 @@ def _binary(op: int, x: Span, y: Span) -> Span:
         return _quotient(x, y)
     if op == p.POW:
         return _power(x, y)
+    if op in (p.BOTH, p.EITHER):
+        least = np.minimum if op == p.BOTH else np.maximum
+        slow, fast = np.minimum(x.slow, y.slow), np.maximum(x.fast, y.fast)
+        return Span(least(x.low, y.low), least(x.high, y.high), slow, fast)
     if op == p.ATAN2:
         return _angle(x, y)
     squares = Span(*_square(x.low, x.high), *_times(x, x)[2:]), Span(*_square(y.low, y.high), *_times(y, y)[2:])
@@ -229,12 +239,63 @@ def _angle(y: Span, x: Span) -> Span:
 
 # ---------------------------------------------------------------- switches
 def argument(op: int, operands: list[Span]) -> Span:
-    """The switching function of a switch."""
+    """The switching function of a switch, see `bytecode.switching`."""
+    if op in (p.FLOOR, p.MOD):
+        return _wave(_counted(op, operands))
     return operands[0] if SWITCHES[op] == 1 else minus(operands[0], operands[1])
+
+
+def _counted(op: int, operands: list[Span]) -> Span:
+    """What floor and mod count integers of."""
+    return operands[0] if op == p.FLOOR else _quotient(operands[0], operands[1])
+
+
+def _wave(x: Span) -> Span:
+    """`bytecode.wave`: it rises at the rate of x around even integers, and falls around odd ones."""
+    first, last = np.floor(x.low + 0.5), np.floor(x.high + 0.5)  # nearest integers
+    ways = [np.where(np.mod(n, 2.0) == 0.0, 1.0, -1.0) for n in (first, last)]
+    one, two = ways[0] * (x.low - first), ways[1] * (x.high - last)
+    low, high = np.minimum(one, two), np.maximum(one, two)  # with the peaks between the nearest integers
+    low = np.where((last > first) & ((last > first + 1.0) | (ways[0] < 0.0)), -0.5, low)
+    high = np.where((last > first) & ((last > first + 1.0) | (ways[0] > 0.0)), 0.5, high)
+    size = np.maximum(np.abs(x.slow), np.abs(x.fast))
+    slow = np.where(last > first, -size, np.where(ways[0] > 0.0, x.slow, -x.fast))
+    fast = np.where(last > first, size, np.where(ways[0] > 0.0, x.fast, -x.slow))
+    unknown = np.isnan(x.low) | np.isnan(x.high)
+    return Span(*(np.where(unknown, math.nan, one) for one in (low, high, slow, fast)))
+
+
+def _whole(x: Span, side: Array | None) -> Span:
+    """floor(x): one integer of its parity where the side is known, otherwise all from floor(low) to floor(high)."""
+    low, high = np.floor(x.low), np.floor(x.high)
+    none = np.zeros_like(low)
+    leaps = np.where(high > low, math.inf, 0.0)
+    if side is None:
+        return Span(low, high, -leaps, leaps)
+    odd = np.where(side > 0.0, 0.0, 1.0)
+    inner, outer = low + (np.mod(low, 2.0) != odd), high - (np.mod(high, 2.0) != odd)
+    held = (side != 0.0) & (inner <= outer)
+    return Span(
+        np.where(held, inner, low), np.where(held, outer, high),
+        np.where(held, none, -leaps), np.where(held, none, leaps),
+    )  # fmt: skip
+
+
+def _choice(condition: Span, yes: Span, no: Span) -> Span:
+    """One of two branches, or their union where the condition is not known."""
+    both = Span(
+        np.minimum(yes.low, no.low), np.maximum(yes.high, no.high),
+        np.full_like(yes.low, -math.inf), np.full_like(yes.low, math.inf),
+    )  # fmt: skip
+    holds, fails = condition.low > 0.0, condition.high <= 0.0
+    return Span(*(np.where(holds, a, np.where(fails, b, c)) for a, b, c in zip(yes, no, both, strict=True)))
 
 
 def _switch(op: int, operands: list[Span], side: Array | None) -> Span:
     """A switch on a known side, or the union of both branches if the side is not known."""
+    if op in (p.FLOOR, p.MOD):
+        whole = _whole(_counted(op, operands), side)
+        return whole if op == p.FLOOR else minus(operands[0], _times(operands[1], whole))
     s = argument(op, operands)
     way = np.where(s.low > 0.0, 1.0, 0.0) - np.where(s.high < 0.0, 1.0, 0.0)
     if side is not None:
@@ -264,6 +325,9 @@ def _branches(op: int, operands: list[Span]) -> tuple[Span, Span, bool]:
     if op in (p.SIGN, p.STEP):
         below = zero - 1.0 if op == p.SIGN else zero
         return Span(zero + 1.0, zero + 1.0, zero, zero), Span(below, below, zero, zero), True
+    if op in COMPARISONS:
+        holds, fails = Span(zero + 1.0, zero + 1.0, zero, zero), Span(zero - 1.0, zero - 1.0, zero, zero)
+        return (fails, holds, True) if op <= p.BELOW_OR_AT else (holds, fails, True)
     if op in (p.MIN, p.MAX):
         return (operands[1], x, False) if op == p.MIN else (x, operands[1], False)
     then, otherwise = operands[2], operands[3]
@@ -279,4 +343,7 @@ def _at_zero(op: int, operands: list[Span], above: Span, below: Span) -> Span:
         return above
     if op in (p.ABS, p.MIN, p.MAX):
         return operands[0]
+    if op in COMPARISONS:
+        holds = np.ones_like(above.low) if op in (p.BELOW_OR_AT, p.ABOVE_OR_AT) else -np.ones_like(above.low)
+        return Span(holds, holds, 0.0 * holds, 0.0 * holds)
     return operands[2] if op in (p.AT_MOST, p.AT_LEAST) else operands[3]

@@ -15,21 +15,27 @@ from __future__ import annotations
 from rattle.jit.choices import select
 from rattle.jit.functions import compiled
 from rattle.language.bytecode import (
+    ABOVE_OR_AT,
     ABS,
     ADD,
     ASIN,
     AT_MOST,
     ATAN,
     ATAN2,
+    BELOW,
+    BOTH,
+    CHOOSE,
     CONST,
     COS,
     DIV,
     EXP,
+    FLOOR,
     HYPOT,
     INF,
     LESS,
     LOG,
     MIN,
+    MOD,
     MUL,
     NAN,
     NEG,
@@ -48,10 +54,12 @@ from rattle.language.bytecode import (
     TIME,
     binary,
     branch,
+    held,
     holds,
     power,
     quotient,
     unary,
+    whole,
 )
 
 
@@ -81,7 +89,7 @@ def slopes(op, x, f):
         return 2.0 * x, 2.0
     if op == ABS:
         return select(x >= 0.0, 1.0, -1.0), 0.0
-    if op in (SIGN, STEP):
+    if op in (SIGN, STEP, FLOOR):
         return 0.0, 0.0
     if op == SQRT:
         f1 = quotient(0.5, f)
@@ -150,6 +158,13 @@ def binary_jet(op, side, x, dx, ddx, y, dy, ddy):
             if (side < 0) == (op == MIN):
                 return x, dx, ddx
             return y, dy, ddy
+    if op == MOD:
+        n = whole(quotient(x, y)) if side == 0 else held(side, quotient(x, y))
+        return x - y * n, dx - dy * n, ddx - ddy * n
+    if op >= BELOW and op <= ABOVE_OR_AT:
+        if side == 0:
+            side = heading(x - y, dx - dy, ddx - ddy)
+        return (binary(op, x, y) if side == 0 else branch(op, side, x, y)), 0.0, 0.0
     z = binary(op, x, y)
     dz = NAN
     ddz = NAN
@@ -174,11 +189,24 @@ def binary_jet(op, side, x, dx, ddx, y, dy, ddy):
     elif op == HYPOT:
         dz = quotient(x * dx + y * dy, z)
         ddz = quotient(dx * dx + x * ddx + dy * dy + y * ddy - dz * dz, z)
-    else:  # MIN or MAX
-        first = (x <= y) if op == MIN else (x >= y) | (x != x)
+    else:  # MIN or MAX, BOTH or EITHER
+        first = (x <= y) if op in (MIN, BOTH) else (x >= y) | (x != x)
         dz = select(first, dx, dy)
         ddz = select(first, ddx, ddy)
     return z, dz, ddz
+
+
+@compiled
+def choose_jet(stack, top):
+    """A choice by the condition in row `top` of the stack between the two jets after it; see `bytecode.chosen`."""
+    yes, no = top + 1, top + 2
+    holds_ = stack[top, 0] > 0.0
+    if abs(stack[top, 0]) < 1.0:
+        taken = yes if holds_ else no
+        if not abs(stack[taken, 0]) + abs(stack[taken, 1]) + abs(stack[taken, 2]) < INF:
+            holds_ = not holds_
+    for n in range(3):
+        stack[top, n] = select(holds_, stack[yes, n], stack[no, n])
 
 
 @compiled
@@ -223,6 +251,9 @@ def evaluate_jet(code, const, first, last, t, jets, stack, out):
             stack[top, 0] = z
             stack[top, 1] = dz
             stack[top, 2] = ddz
+        elif op == CHOOSE:
+            top -= 2
+            choose_jet(stack, top)
         else:
             top -= 3
             side = code[row, SIDE]

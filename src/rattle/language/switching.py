@@ -1,4 +1,4 @@
-"""Switches of expressions (abs, sign, step, min, max, if), and the instants of those that depend on time only.
+"""Switches of expressions (abs, sign, step, floor, mod, min, max, comparisons), and the instants of those of time.
 
 A switching function of time is bounded, with its rate, over spans of time.  A span is halved until the function has no
 zero in it or is monotone there; then the signs at both ends decide, and false position finds the first instant after
@@ -26,12 +26,12 @@ SAME = 1e-13  # share of the whole time within which two instants count as one
 
 @dataclass
 class Switch:
-    """One switch in a program, in `row`; its switching function is the operand or the difference of two operands."""
+    """One switch in a program, in `row`, with its switching function, see `bytecode.switching`."""
 
     row: int
     first: int  # rows of the operands: first..last-1
     last: int
-    count: int  # operands compared, 1 or 2
+    count: int  # operands of the switching function, 1 or 2
     name: str  # path of the expression in the model
     timed: bool  # True: depends on time only
     driving: bool = False  # a driver depends on it
@@ -102,7 +102,7 @@ def _switches_of(
         if op <= bytecode.SIGNAL:
             stack.append((row, op == bytecode.STATE or (op == bytecode.SIGNAL and k in of_state)))
             continue
-        count = 1 if op < bytecode.ADD else 2 if op < bytecode.LESS else 4
+        count = bytecode.operands_of(op)
         operands = stack[-count:]
         del stack[-count:]
         stack.append((operands[0][0], any(live for _, live in operands)))
@@ -155,7 +155,7 @@ class _Function:
                 if k in self.needed:
                     spans[k] = intervals.enclose(code, const, a, b, low, high, spans, side_of)[0]
             stack = intervals.enclose(code, const, self.switch.first, self.switch.last, low, high, spans, side_of)
-            return stack[0] if self.switch.count == 1 else intervals.minus(stack[0], stack[1])
+            return intervals.argument(int(code[self.switch.row, 0]), stack)
 
     def value(self, t: np.ndarray, at: np.ndarray) -> np.ndarray:
         """The function at times t (n,) [s], with the nested switches on their sides at the times `at`."""

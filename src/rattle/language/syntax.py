@@ -1,8 +1,8 @@
 """Syntax of expressions: tokens, precedence, and the tree that `parse` returns.
 
 Precedence is that of Python; `parse` refuses everything but numbers, names, operators, the functions of
-`FUNCTIONS` and `a if x < y else b`.  Nesting is limited, and the tree is walked in loops, so that no
-text leads to deep recursion.
+`FUNCTIONS` and `a if x < y else b`, where conditions are joined by `and`, `or`, `not`.  Nesting is limited, and
+the tree is walked in loops, so that no text leads to deep recursion.
 """
 
 from __future__ import annotations
@@ -24,15 +24,21 @@ MAX_NODES = 1000
 # name: number of arguments (-2: two or more)
 FUNCTIONS: Mapping[str, int] = {
     **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "tanh", "sqrt", "exp", "log"), 1),
-    **dict.fromkeys(("abs", "sign", "step"), 1),
-    **dict.fromkeys(("atan2", "hypot"), 2),
+    **dict.fromkeys(("abs", "sign", "step", "floor", "ln"), 1),
+    **dict.fromkeys(("atan2", "hypot", "mod"), 2),
     **dict.fromkeys(("min", "max"), -2),
 }
-RESERVED = frozenset(kwlist) | FUNCTIONS.keys() | {"pi", "t"}  # not allowed as name of a parameter, signal or body
+SAME = {"ln": "log"}  # two names of one function
+# not allowed as name of a parameter, signal or body; floor, mod and ln are, with a parenthesis they are functions
+RESERVED = frozenset(kwlist) | (FUNCTIONS.keys() - {"floor", "mod", "ln"}) | {"pi", "t"}
 
-_BINDING = {"if": 1, "<": 2, "<=": 2, ">": 2, ">=": 2, "+": 3, "-": 3, "*": 4, "/": 4, "**": 6}
-_SIGN = 5  # -x**2 is -(x**2), -x*y is (-x)*y
+_BINDING = {
+    "if": 1, "or": 2, "and": 3, "<": 5, "<=": 5, ">": 5, ">=": 5, "+": 6, "-": 6, "*": 7, "/": 7, "**": 9,
+}  # fmt: skip
+_NOT = 4  # not x < y is not (x < y)
+_SIGN = 8  # -x**2 is -(x**2), -x*y is (-x)*y
 COMPARISONS = ("<", "<=", ">", ">=")
+JOINING = ("and", "or", "not")
 _REFUSED = {
     "^": "'^' is not an operator; use ** for powers",
     "=": "'=' is not allowed in an expression; compare with < <= > >=",
@@ -43,7 +49,6 @@ _REFUSED = {
 
 
 OTHERWISE = {  # functions of other languages that have another name here, or none
-    "ln": "log is the natural logarithm",
     "log10": "write log(x)/log(10)",
     "log2": "write log(x)/log(2)",
     "pow": "write x**y",
@@ -53,6 +58,9 @@ OTHERWISE = {  # functions of other languages that have another name here, or no
     "arctan2": "write atan2",
     "sgn": "write sign",
     "heaviside": "write step",
+    "fmod": "write mod",
+    "ceil": "write -floor(-x)",
+    "round": "write floor(x + 0.5)",
 }
 KNOWN = "an expression may use <body>.x .y .angle .vx .vy .omega of mass centres, t, parameters and signals"
 
@@ -67,7 +75,7 @@ class Grammar:
     compared: bool = False  # the whole may be a comparison
     otherwise: Mapping[str, str] = field(default_factory=dict)  # more of OTHERWISE
     known: str = KNOWN
-    joined: str = "for two conditions put one choice inside the other: 'a if x < y else b' with a or b in parentheses"
+    joined: str = ""  # what is said where conditions are joined in a function of one condition
 
 
 MODEL = Grammar()  # of model files
@@ -100,7 +108,11 @@ class Name:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Apply:
-    """An operator, function or choice: "+", "neg", "sin", "if<" (left, right, then, otherwise)."""
+    """An operator, function or choice: "+", "neg", "sin", "if<" (left, right, then, otherwise).
+
+    A choice by conditions that are joined is "choose" (condition, then, otherwise); its condition consists of
+    comparisons ("<"), "and", "or" and "not".
+    """
 
     name: str
     operands: tuple[Node, ...]
@@ -168,8 +180,8 @@ class _Parser:
         node = self.expression(1)
         if self.tokens[self.at][0] != "end":
             raise self.no_operator()
-        if not self.grammar.compared:
-            self.refuse_comparison(node)
+        if not self.grammar.compared or (isinstance(node, Apply) and node.name in JOINING):
+            self.refuse_condition(node)
         return node
 
     def no_operator(self) -> ExpressionError:
@@ -218,15 +230,16 @@ class _Parser:
         self.at += 1
         if kind == "number":
             return self.number(word, column)
-        if kind == "name":
+        if kind == "name" and word != "not":
             return self.name(word, column)
         if word == "-":
             return self.apply("neg", (self.expression(_SIGN),), column)
         if word == "+":
             return self.expression(_SIGN)
+        if word == "not":
+            return self.apply("not", (self.expression(_NOT),), column)
         if word == "(":
             inner = self.expression(1)
-            self.refuse_joining()
             self.expect(")", f"the '(' in column {column + 1} is not closed")
             return inner
         found = "the end" if kind == "end" else f"'{word}'"
@@ -242,12 +255,9 @@ class _Parser:
     def name(self, word: str, column: int) -> Node:
         if self.tokens[self.at][1] == "(":
             return self.call(word, column)
-        if word in ("and", "or", "not"):
-            self.at -= 1
-            self.refuse_joining()
         if word in kwlist:
             raise ExpressionError(f"'{word}' is not allowed here", column)
-        if word in FUNCTIONS:
+        if word in FUNCTIONS and word in RESERVED:
             raise ExpressionError(f"'{word}' is a function; write {word}(...)", column)
         self.count(column)
         return Number(math.pi, column) if word == "pi" else Name(word, column)
@@ -267,7 +277,6 @@ class _Parser:
             if self.tokens[self.at][1] != ",":
                 break
             self.at += 1
-        self.refuse_joining()
         if self.tokens[self.at][0] in ("name", "number"):
             raise self.no_operator()
         self.expect(")", f"the '(' of {word} is not closed")
@@ -278,6 +287,7 @@ class _Parser:
         if word in self.grammar.conditions:
             return self.condition(word, arguments[0], column)
         first = wanted if wanted > 0 else min(len(arguments), 2)
+        word = SAME.get(word, word)
         node = self.apply(word, tuple(arguments[:first]), column)
         for argument in arguments[first:]:
             node = self.apply(word, (node, argument), column)
@@ -285,6 +295,10 @@ class _Parser:
 
     def condition(self, word: str, test: Node, column: int) -> Apply:
         """A function of a comparison."""
+        if isinstance(test, Apply) and test.name in JOINING:
+            raise ExpressionError(
+                f"{word} takes one comparison, without '{test.name}'; {self.grammar.joined}", test.column
+            )
         if not isinstance(test, Apply) or test.name not in COMPARISONS:
             raise ExpressionError(f"{word} takes a condition, as in {word}(x > 0)", test.column)
         self.count(column)
@@ -292,18 +306,16 @@ class _Parser:
 
     def choice(self, then: Node, column: int) -> Node:
         test = self.expression(2)
-        if not isinstance(test, Apply) or test.name not in COMPARISONS:
+        if not _is_condition(test):
             raise ExpressionError("after 'if' two values must be compared with < <= > >=", test.column)
-        self.refuse_joining()
         self.expect("else", "this 'if' has no 'else'", column)
         otherwise = self.expression(1)
-        return self.apply(f"if{test.name}", (*test.operands, then, otherwise), column)
-
-    def refuse_joining(self) -> None:
-        """Refuse "and", "or", "not", and say how two conditions are written."""
-        _, word, column = self.tokens[self.at]
-        if word in ("and", "or", "not"):
-            raise ExpressionError(f"'{word}' is not known; {self.grammar.joined}", column)
+        if isinstance(test, Apply) and test.name in COMPARISONS:
+            return self.apply(f"if{test.name}", (*test.operands, then, otherwise), column)
+        for branch in (then, otherwise):
+            self.refuse_condition(branch)
+        self.count(column)
+        return Apply("choose", (test, then, otherwise), column)
 
     def expect(self, word: str, message: str, column: int | None = None) -> None:
         if self.tokens[self.at][1] != word:
@@ -312,7 +324,11 @@ class _Parser:
 
     def apply(self, name: str, operands: tuple[Node, ...], column: int) -> Apply:
         for operand in operands:
-            self.refuse_comparison(operand)
+            if name not in JOINING:
+                self.refuse_condition(operand)
+            elif not _is_condition(operand):
+                joins = "joins two conditions" if name != "not" else "takes a condition"
+                raise ExpressionError(f"'{name}' {joins}, as in {_JOINED[name]}", operand.column)
         self.count(column)
         return Apply(name, operands, column)
 
@@ -321,10 +337,17 @@ class _Parser:
         if self.nodes > MAX_NODES:
             raise ExpressionError(f"the expression has more than {MAX_NODES} parts", column)
 
-    def refuse_comparison(self, node: Node) -> None:
-        if isinstance(node, Apply) and node.name in COMPARISONS:
+    def refuse_condition(self, node: Node) -> None:
+        if isinstance(node, Apply) and _is_condition(node):
             places = "".join(f" and in {word}(...)" for word in sorted(self.grammar.conditions))
             raise ExpressionError(f"'{node.name}' is allowed only between 'if' and 'else'{places}", node.column)
+
+
+_JOINED = {"and": "x > 0 and y > 0", "or": "x > 0 or y > 0", "not": "not x > 0"}
+
+
+def _is_condition(node: Node) -> bool:
+    return isinstance(node, Apply) and (node.name in COMPARISONS or node.name in JOINING)
 
 
 @functools.cache

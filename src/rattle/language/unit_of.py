@@ -29,9 +29,9 @@ def unit_of(node: Node, lookup: Callable[[str], str], seen: Dimension | None) ->
 
 def _of_operation(name: str, given: list[str | None]) -> str | None:
     """Unit of an operation if it is that of its operands, "" if it is another one, None for numbers."""
-    if name.startswith("if"):
-        given = given[2:]
-    elif name not in ("neg", "abs", "+", "-", "min", "max", "hypot", "*", "/"):
+    if name == "choose" or name.startswith("if"):
+        given = given[-2:]
+    elif name not in ("neg", "abs", "+", "-", "min", "max", "mod", "hypot", "*", "/"):
         return None if all(one is None for one in given) else ""
     units = {one for one in given if one is not None}
     if (name == "*" and None not in given) or (name == "/" and given[1] is not None):

@@ -12,7 +12,7 @@ from rattle.equations.motion import derivative, place
 from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.language.bytecode import CROSSED, SIDE, evaluate
+from rattle.language.bytecode import CROSSED, LESS, SIDE, evaluate, switching
 from rattle.solvers.contacts.gap_search import NONE
 from rattle.solvers.dense_output import interpolate
 
@@ -27,7 +27,9 @@ def argument(m, n, t):
     """Switching function n (in its own unit) at the state in `body`; signals must be up to date."""
     switch, stack = m.switch, m.stack
     evaluate(m.code, m.const, switch[n, at.FIRST_CODE], switch[n, at.END_CODE], t, m.body, m.signals, stack)
-    return stack[0] - stack[1] if switch[n, at.OPERANDS] == 2 else stack[0]
+    other = float(stack[1]) if switch[n, at.OPERANDS] == 2 else 0.0
+    op = m.code[switch[n, at.OWN_CODE], 0]
+    return stack[0] - other if op >= LESS else switching(op, float(stack[0]), other)
 
 
 @compiled

@@ -167,6 +167,11 @@ def _larger(*given: Any) -> Any:
 
 
 # ---------------------------------------------------------------- the language of expressions
+COMPARISONS = {
+    code.BELOW: operator.lt, code.BELOW_OR_AT: operator.le, code.ABOVE: operator.gt, code.ABOVE_OR_AT: operator.ge,
+}  # fmt: skip
+
+
 def _language(graph: Graph) -> dict[KernelFunction, Callable[..., Any]]:
     """What the functions of `bytecode` that branch on values are in a graph."""
     names = {
@@ -187,6 +192,8 @@ def _language(graph: Graph) -> dict[KernelFunction, Callable[..., Any]]:
             return x * x
         if op == code.ABS:
             return abs(x)
+        if op == code.FLOOR:
+            return whole(x)
         if op == code.SIGN:
             return select(x > 0.0, 1.0, select(x < 0.0, -1.0, x))
         return select(x >= 0.0, 1.0, select(x < 0.0, 0.0, x))  # STEP
@@ -196,8 +203,27 @@ def _language(graph: Graph) -> dict[KernelFunction, Callable[..., Any]]:
             return code.binary.python(op, x, y)
         if op in pairs:
             return graph.apply(pairs[op], x, y)
-        first = (x <= y) if op == code.MIN else (x >= y)
+        if op == code.MOD:
+            return x - y * whole(graph.apply("div", x, y))
+        if op in COMPARISONS:
+            return select(COMPARISONS[op](x, y), 1.0, -1.0)
+        first = (x <= y) if op in (code.MIN, code.BOTH) else (x >= y)
         return select(first | (x != x), x, y)
+
+    def whole(x: Any) -> Any:
+        return graph.apply("floor", x) if isinstance(x, Symbol) else code.whole.python(x)
+
+    def chosen(condition: Any, yes: Any, no: Any) -> Any:
+        known = not isinstance(condition, Symbol)
+        return code.chosen.python(condition, yes, no) if known else select(condition > 0.0, yes, no)
+
+    def choose_jet(stack: Any, top: int) -> None:
+        condition = stack[top, 0]
+        if not isinstance(condition, Symbol):
+            jets.choose_jet.python(stack, top)
+            return
+        for n in range(3):
+            stack[top, n] = select(condition > 0.0, stack[top + 1, n], stack[top + 2, n])
 
     def quotient(x: Any, y: Any) -> Any:
         known = not (isinstance(x, Symbol) or isinstance(y, Symbol))
@@ -212,7 +238,10 @@ def _language(graph: Graph) -> dict[KernelFunction, Callable[..., Any]]:
             return 0  # the values of the definition: where s = 0 itself counts, runs are left to the generic kernels
         return int(jets.heading.python(s, ds, dds))
 
-    return {code.unary: unary, code.binary: binary, code.quotient: quotient, code.power: power, jets.heading: heading}
+    return {
+        code.unary: unary, code.binary: binary, code.quotient: quotient, code.power: power, code.whole: whole,
+        code.chosen: chosen, jets.heading: heading, jets.choose_jet: choose_jet,
+    }  # fmt: skip
 
 
 def operation(graph: Graph, name: str, *given: Any) -> Any:
@@ -222,7 +251,8 @@ def operation(graph: Graph, name: str, *given: Any) -> Any:
         compare = {"if<": operator.lt, "if<=": operator.le, "if>": operator.gt, "if>=": operator.ge}[name]
         return select(compare(a, b), yes, no)
     op = OPERATIONS[name]
-    return _language(graph)[code.unary if len(given) == 1 else code.binary](op, *given)
+    kernel = (code.unary, code.binary, code.chosen)[len(given) - 1]
+    return _language(graph)[kernel](*(given if op == code.CHOOSE else (op, *given)))
 
 
 # ---------------------------------------------------------------- one model

@@ -23,7 +23,7 @@ from rattle.trace.recording import operation
 from rattle.trace.reductions import CONDITIONS, EXTREMES, KINDS, SAMPLED, Reduction
 
 ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
-JUMPS = ("sign", "step", "if<", "if<=", "if>", "if>=")  # operations whose curves may jump
+JUMPS = ("sign", "step", "floor", "mod", "choose", "if<", "if<=", "if>", "if>=")  # operations whose curves may jump
 STEADY = ("+", "-", "*", "/", "**", "neg", "sqrt", "hypot")  # operations that change as fast as their operands
 PEAKS = {"max": ("abs", "max"), "min": ("min",)}  # by kind of extreme: kinks that point away from it
 TINY = 1e-300  # what a condition that holds at zero is raised by there
