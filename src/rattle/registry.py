@@ -58,6 +58,8 @@ class Field:
     choices: the words allowed for shape "choice".
     local: names that only its expression may use, if it is live.
     turns: of shape "connect": the two bodies must be able to turn against each other.
+    function_of: name of a variable [`of_unit`]: the value is an expression of it and of parameters, which the kernel
+    evaluates with its derivatives, see `rattle.language.local_function`.
     """
 
     unit: str
@@ -69,6 +71,8 @@ class Field:
     choices: tuple[str, ...] = ()
     local: tuple[LocalName, ...] = ()
     turns: bool = False
+    function_of: str = ""
+    of_unit: str = "rad"
 
     @property
     def may_use(self) -> str:

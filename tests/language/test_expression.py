@@ -51,7 +51,7 @@ def jet(text, t=0.0, jets=None):
     code, const, first, depth = concatenate([program])
     jets = np.zeros((2, 3)) if jets is None else jets
     out = np.empty(3)
-    evaluate_jet(code, const, int(first[0]), int(first[1]), t, jets, np.empty((depth, 3)), out)
+    evaluate_jet(code, const, int(first[0]), int(first[1]), t, jets, np.empty(3 * depth), out)
     return out
 
 

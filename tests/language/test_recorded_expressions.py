@@ -32,7 +32,7 @@ def test_values_and_derivatives_on_record_are_those_of_programs(text, monkeypatc
     graph = Graph()
     inputs = [graph.input() for _ in range(6)]  # a, b, each with two derivatives
     recorder = Recorder(graph)
-    stack, made = np.zeros((depth, 3), dtype=object), np.zeros(3, dtype=object)
+    stack, made = np.zeros(3 * depth, dtype=object), np.zeros(3, dtype=object)
     given = np.array(inputs, dtype=object).reshape(2, 3)
     recorder.recorded(jets.evaluate_jet.python)(code, const, 0, int(first[1]), 0.0, given, stack, made)
     value = recorder.recorded(bytecode.evaluate.python)(
@@ -42,7 +42,7 @@ def test_values_and_derivatives_on_record_are_those_of_programs(text, monkeypatc
     found = graph_values(graph, [value, *made], states)
     for k, state in enumerate(states.T):
         out = np.empty(3)
-        jets.evaluate_jet(code, const, 0, int(first[1]), 0.0, state.reshape(2, 3), np.empty((depth, 3)), out)
+        jets.evaluate_jet(code, const, 0, int(first[1]), 0.0, state.reshape(2, 3), np.empty(3 * depth), out)
         np.testing.assert_allclose(found[1:, k], out, rtol=1e-13, atol=1e-13)
         assert found[0, k] == pytest.approx(out[0], rel=1e-13, abs=1e-13)
 

@@ -10,6 +10,7 @@ from rattle.elements.custom import contact_law, load_law
 from rattle.equations.system import System
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
+from rattle.language.table_limits import left_table
 
 
 def undefined(system: System, workspace: Workspace, t: float, contacts: bool = True) -> str:
@@ -21,6 +22,8 @@ def undefined(system: System, workspace: Workspace, t: float, contacts: bool = T
     for first, values in evaluated(system, workspace):
         if not np.isfinite(values).all():
             name = system.live_names[system.program_starts.index(first)]
+            if left := left_a_table(system, workspace, first, t):
+                return f"{name} has no value at t = {t:.6g} s: {left}"
             seen = values[~np.isfinite(values)][0]
             return (
                 f"{name} has no finite value at t = {t:.6g} s ({seen:g}); check its domain"
@@ -35,6 +38,28 @@ def undefined(system: System, workspace: Workspace, t: float, contacts: bool = T
         why = contact_law.failure(row, kinematics, memory, workspace.element_state, workspace.values)
         if why:
             return f"joint '{system.joints[row[at.OWNER]]}': {why} at t = {t:.6g} s"
+    return ""
+
+
+def left_a_table(system: System, workspace: Workspace, first: int, t: float) -> str:
+    """Which table is left at time t [s] by the expression whose program begins at row `first`, in words; "" if none."""
+    if not system.model.tables.curves:
+        return ""
+    place = system.program_starts.index(first)
+    last = [*system.program_starts, len(system.arrays["code"])][place + 1]
+    signals = workspace.signals.copy()
+    for _, _, k in system.arrays["jet_signal"]:
+        signals[k] = workspace.jets[k, 0]
+    code, const = workspace.code, system.arrays["const"]
+    return left_table(code, const, first, last, t, workspace.body, signals, system.model.tables)
+
+
+def driver_left_a_table(system: System, workspace: Workspace, driver: str, t: float) -> str:
+    """Which table the function of a driver leaves at time t [s], in words; "" if none."""
+    slot = system.driver_slot(driver)
+    for first, _, place in system.arrays["jet"]:
+        if place == slot and (left := left_a_table(system, workspace, int(first), t)):
+            return f"driver '{driver}' has no value at t = {t:.6g} s: {left}"
     return ""
 
 

@@ -56,6 +56,18 @@ class Building:
         self._forget()
         return self
 
+    def table(
+        self, name: str, x: Sequence[float | str], y: Sequence[float | str], *, kind: str = "linear",
+        period: float | str | None = None,
+    ) -> Self:  # fmt: skip
+        """A function y(x) through points with increasing x, which expressions use as `name(x)`; numbers in SI units.
+
+        kind: "linear", "monotone" (without overshoot) or "spline" (with continuous second derivative).
+        period: in x, after which y repeats.
+        """
+        given = {"x": file.plain(x), "y": file.plain(y), "kind": kind, "period": file.plain(period)}
+        return self._enter("tables", name, given)
+
     def signal(self, name: str, expression: str) -> Self:
         """A named quantity: an expression in parameters, the time t [s] and the state [SI]; results record it."""
         self._document.setdefault("signals", {})[name] = expression

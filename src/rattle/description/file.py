@@ -17,7 +17,7 @@ from rattle.errors import ModelError, Problem, suggest
 
 SUFFIXES = (".toml", ".json")
 LARGEST = 8_000_000  # bytes; a chain of 10,000 links has about 2 MB
-MAY_BE_MISSING = ("simulate", "initial", "tolerances")  # tables that a change creates if they are missing
+MAY_BE_MISSING = ("simulate", "initial", "tolerances", "tables")  # tables that a change creates if they are missing
 IN_ONE_LINE = ("points", "contact", "stop", "dist")  # and the tables of a joint's kind of play
 MOST_ENTRIES = 200_000  # a chain of 10,000 links has about 80,000
 DEEPEST_KEY = 12  # parts of a dotted key, at most; no table of a model is nested so deep
@@ -216,7 +216,8 @@ def put(table: Any, path: Sequence[str], value: Any) -> None:
         return
     last = path[-1]
     if value is not None:
-        table[last] = plain(value)
+        one_line = path[0] == "tables" and isinstance(value, Mapping) and type(table) is not dict
+        table[last] = _table(value, short=True) if one_line else plain(value)
     elif last in table:
         del table[last]
     else:

@@ -11,6 +11,7 @@ from typing import Any
 
 from rattle import registry
 from rattle.language.expression import Node
+from rattle.language.tables import NO_TABLES, Tables
 
 DEFAULT_CONTACT = "massless-link"  # of a joint that says its clearance only
 DEFAULT_STOP = "impact"  # of a stop that says its ends only
@@ -266,6 +267,7 @@ class Model:
     remarks: tuple[str, ...] = ()  # on values that may be mistakes
     groups: tuple[tuple[str, ...], ...] = ()  # parameters that are made together: one draw moves all of a group
     states: Mapping[str, State] = field(default_factory=dict)
+    tables: Tables = NO_TABLES
 
     @property
     def recorded(self) -> dict[str, str]:

@@ -39,6 +39,8 @@ class FieldReader:
                 self.values.wrong(path, f"needs {key}: {one.meaning}" + (f" [{one.unit}]" if one.unit else ""))
                 return (math.nan, math.nan) if one.shape == "pair" else math.nan
             default = one.default(read) if callable(one.default) else one.default
+            if one.function_of:
+                return self.values.function(default, one, here)
             return float(one.choices.index(default)) if one.shape == "choice" else default
         if one.shape == "choice":
             if given[key] in one.choices:
@@ -46,6 +48,8 @@ class FieldReader:
             hint = suggest(str(given[key]), one.choices)
             self.values.wrong(here, f"expected one of {', '.join(one.choices)}, got {said(given[key])}{hint}")
             return math.nan
+        if one.function_of:
+            return self.values.function(given[key], one, here)
         if one.shape == "pair":
             return self.values.vector(given[key], one.unit, here, one.live)
         return self.values.value(given[key], one.unit, here, one.least, one.live)

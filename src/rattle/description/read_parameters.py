@@ -7,8 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
+from rattle.description.dependence import describe_cycle, in_order
 from rattle.description.model import Parameter, ValueTable
-from rattle.description.read_values import Path, TooManyProblems, Values, describe_cycle, expected, in_order, said
+from rattle.description.read_values import Path, TooManyProblems, Values, expected, said
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.expression import Node, Number
 from rattle.language.units import Dimension, QuantityError, describe, parse_quantity, unit_name

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from rattle.description.model import Vector
 from rattle.errors import MOST, Problem, suggest
 from rattle.language.expression import (
     RESERVED,
+    Apply,
     ExpressionError,
     Name,
     Node,
+    Number,
+    argument_of,
     dimension,
     names,
     parse,
@@ -22,7 +25,9 @@ from rattle.language.expression import (
     value,
     walk,
 )
-from rattle.language.syntax import KNOWN
+from rattle.language.local_function import LocalFunction, local_function
+from rattle.language.syntax import CALL, KNOWN
+from rattle.language.tables import NO_TABLES, Curve, Tables, tables_of
 from rattle.language.units import (
     DIMENSIONLESS,
     UNITS,
@@ -32,12 +37,12 @@ from rattle.language.units import (
     dimension_of,
     parse_quantity,
 )
+from rattle.registry import Field
 
 Path = tuple[str | int, ...]
 Chosen = Callable[[float], float]  # makes of the value of a parameter [SI] the number that stands for it
 
 MOST_CHARACTERS = 600_000  # of all expressions of a model, at most: two seconds of reading
-LONGEST_CYCLE = 10  # names that a message shows, at most
 TAKEN = RESERVED | {"ground", "energy"}
 LIMITS: Mapping[str, Callable[[float], bool]] = {"positive": lambda x: x > 0.0, "not negative": lambda x: x >= 0.0}
 
@@ -61,6 +66,10 @@ class Values:
         self.dimensions: dict[str, Dimension | None] = {}  # of parameters, signals and states
         self.live: dict[str, None] = {}  # names that change during a run, in the order of the file
         self.broken: set[str] = set()  # names whose own definition has a problem
+        self.curves: dict[str, Curve] = {}  # tables
+        self.tables: Tables = NO_TABLES  # the same
+        self.broken_tables: set[str] = set()  # whose definition has a problem
+        self.later_tables: set[str] = set()  # those that are read after the parameters
         self.local: dict[str, Node] = {}  # names of the field at hand, and what they stand for
 
     def wrong(self, path: Path, message: str, at_key: bool = False, column: int | None = None) -> None:
@@ -73,6 +82,12 @@ class Values:
         """Enter a parameter with its value [SI]."""
         self.constants[name] = self.chosen[name](number) if name in self.chosen else number
         self.dimensions[name] = dimension
+
+    def enter_table(self, name: str, one: Curve | None) -> None:
+        """Enter a table."""
+        if one is not None:
+            self.curves[name] = one
+            self.tables = tables_of(self.curves)
 
     # ------------------------------------------------------------ tables and names
     def table(self, given: Any, path: Path) -> Mapping[str, Any]:
@@ -119,10 +134,19 @@ class Values:
             self.wrong(path, f"up to here the expressions have more than {MOST_CHARACTERS} characters in all")
             raise TooManyProblems
         try:
-            return parse(text)
+            node = parse(text, tables=(*self.curves, *self.broken_tables, *self.later_tables))
         except ExpressionError as error:
             self.in_expression(error, path)
             return None
+        called = [part for part in walk(node) if isinstance(part, Apply) and part.name.endswith(CALL)]
+        for part in called:
+            name = part.name.removesuffix(CALL)
+            if name in self.later_tables:
+                said_of = f"the table '{name}' is made with parameters, so parameters cannot be made with it"
+                self.wrong(path, said_of, column=part.column)
+            if name not in self.curves:
+                return None
+        return node
 
     def in_expression(self, error: ExpressionError, path: Path) -> None:
         """Add the problem of an expression, with its column."""
@@ -144,7 +168,7 @@ class Values:
         """True if every name is known and allowed here."""
 
         def allowed(one: str) -> bool:
-            return one in self.constants or (live and (one == "t" or one in self.live or one in self.local))
+            return one in self.constants or one in self.local or (live and (one == "t" or one in self.live))
 
         spots = {part.name: part.column for part in reversed(walk(node)) if isinstance(part, Name)}
         for one in sorted(spots.keys() & self.local):
@@ -156,9 +180,10 @@ class Values:
         for one in unknown:
             column = spots[one]
             if one in self.live or one == "t":
-                self.wrong(path, f"'{one}' changes during the run; only parameters are allowed here", column=column)
+                only = " and ".join(["parameters", *self.local])
+                self.wrong(path, f"'{one}' changes during the run; only {only} are allowed here", column=column)
             elif one not in self.broken:
-                hint = suggest(one, [*self.constants, *(self.local if live else ()), *(self.live if live else ())])
+                hint = suggest(one, [*self.constants, *self.local, *(self.live if live else ())])
                 if unit and text.strip() == one and "did you mean" not in hint:
                     hint = f"; expected {expected(unit)}: a quantity like '5 {unit}' or an expression"
                 if one in UNITS and "did you mean" not in hint:
@@ -187,14 +212,18 @@ class Values:
         have a dimension, `t` is a time, or the plain number of seconds if only that is consistent, as in "A*sin(t)".
         """
         used = names(node)
-        if all(self.dimensions.get(one) is None for one in used):
+        calls = {part.name for part in walk(node) if isinstance(part, Apply) and part.name.endswith(CALL)}
+        known = {*used, *calls, *map(argument_of, calls)}
+        if all(self.dimensions.get(one) is None for one in known):
             return None
         try:
             seen = dimension(node, self.dimensions.get)
-        except ExpressionError:
+        except ExpressionError as error:
             if "t" not in used:
                 raise
-            return dimension(node, self.dimensions.get, DIMENSIONLESS)
+            with suppress(ExpressionError):
+                return dimension(node, self.dimensions.get, DIMENSIONLESS)
+            raise error from None
         if unit is None or seen is None or seen == dimension_of(unit) or "t" not in used:
             return seen
         again = dimension(node, self.dimensions.get, DIMENSIONLESS)
@@ -253,7 +282,7 @@ class Values:
     def is_finite(self, node: Node, path: Path) -> bool:
         """False if a constant part of a live expression has no finite value."""
         try:
-            require_finite(node, self.constants)
+            require_finite(node, self.constants, self.tables)
         except ExpressionError as error:
             self.in_expression(error, path)
             return False
@@ -262,10 +291,46 @@ class Values:
     def constant(self, node: Node, path: Path) -> float | None:
         """Value [SI] of an expression in parameters; None after a problem."""
         try:
-            return value(node, self.constants)
+            return value(node, self.constants, self.tables)
         except ExpressionError as error:
             self.in_expression(error, path)
             return None
+
+    def function(self, given: Any, one: Field, path: Path) -> LocalFunction | float:
+        """A field that is a function of a variable of its kind; nan after a problem."""
+        node: Node | None = None
+        quantity = None
+        with self.within({one.function_of: (Name(one.function_of, 0), dimension_of(one.of_unit))}):
+            if isinstance(given, str):
+                with suppress(QuantityError):
+                    quantity = parse_quantity(given)
+            if isinstance(given, str) and quantity is None:
+                node = self.expression(given, path, one.unit, live=False)
+            else:
+                number = self.value(given, one.unit, path, one.least)
+                node = None if math.isnan(number) else Number(number, 0)
+        if node is None:
+            return math.nan
+        try:
+            return local_function(node, one.function_of, self.constants, self.tables)
+        except ExpressionError as error:
+            self.in_expression(error, path)
+            return math.nan
+
+    def any_number(self, given: Any, path: Path) -> tuple[float, Dimension | None]:
+        """A number of any unit [SI] and its dimension, None if it has none; nan after a problem."""
+        if isinstance(given, str):
+            try:
+                quantity = parse_quantity(given)
+            except QuantityError as error:
+                self.wrong(path, str(error))
+                return math.nan, None
+            if quantity is not None:
+                return quantity
+            node = self.expression(given, path, None, live=False)
+            number = self.constant(node, path) if node is not None else None
+            return (math.nan, None) if node is None or number is None else (number, self.dimension(node))
+        return self.value(given, "", path), None
 
     def vector(self, given: Any, unit: str, path: Path, live: bool = False) -> Any:
         """Two values [SI]; if `live`, each may be a Node."""
@@ -301,47 +366,6 @@ def _is_bare(given: Any) -> bool:
         return True
     quantity = parse_quantity(given)
     return quantity is not None and quantity[1] is None
-
-
-def in_order(nodes: Mapping[str, Node]) -> tuple[list[str], list[list[str]]]:
-    """Names ordered so that each follows those it uses, and the first cycles found; names in cycles are left out."""
-    uses = {name: sorted(names(node) & nodes.keys()) for name, node in nodes.items()}
-    order: list[str] = []
-    cycles: list[list[str]] = []
-    depth: dict[str, int] = {}  # of names on the trail, -1 if finished
-    for root in nodes:
-        if root in depth:
-            continue
-        depth[root] = 0
-        trail, ahead, back = [root], [iter(uses[root])], [1]  # back: depth of the outermost name that it leads back to
-        while trail:
-            for one in ahead[-1]:
-                if one not in depth:
-                    depth[one] = len(trail)
-                    trail.append(one)
-                    ahead.append(iter(uses[one]))
-                    back.append(len(trail))
-                    break
-                if depth[one] >= 0:
-                    back[-1] = min(back[-1], depth[one])
-                    if len(cycles) < MOST:
-                        cycles.append(trail[depth[one] : depth[one] + LONGEST_CYCLE + 1])
-            else:
-                name = trail.pop()
-                ahead.pop()
-                outermost = back.pop()
-                if outermost > len(trail):
-                    order.append(name)
-                elif trail:
-                    back[-1] = min(back[-1], outermost)
-                depth[name] = -1
-    return order, cycles
-
-
-def describe_cycle(cycle: list[str]) -> str:
-    """A cycle in words."""
-    shown = cycle if len(cycle) <= LONGEST_CYCLE else [*cycle[: LONGEST_CYCLE - 1], "..."]
-    return "defined by itself: " + " -> ".join([*shown, cycle[0]]) + "; one of them must not depend on the others"
 
 
 def said(given: Any) -> str:

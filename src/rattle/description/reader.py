@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from rattle import registry
@@ -10,6 +10,7 @@ from rattle.description.model import Driver, Initial, Model, Settings, Vector
 from rattle.description.read_parameters import read_groups, read_parameters, read_signals
 from rattle.description.read_parts import Parts
 from rattle.description.read_states import declare_states, read_states
+from rattle.description.read_tables import read_tables
 from rattle.description.read_values import Chosen, Path, TooManyProblems, Values, said
 from rattle.errors import ModelError, shown, suggest
 from rattle.language.expression import Node, names
@@ -19,8 +20,8 @@ STATE_UNITS = {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "om
 SETTING_UNITS = {"t_end": "s", "rtol": "", "atol": "", "step": "s", "output": "s"}
 NAMED = ("bodies", "joints", "drivers", "loads")
 TABLES = (
-    "format", "name", "gravity", "parameters", "tolerances", "signals", "states", "ground", "bodies", "joints",
-    "drivers", "loads", "initial", "simulate",
+    "format", "name", "gravity", "parameters", "tolerances", "tables", "signals", "states", "ground", "bodies",
+    "joints", "drivers", "loads", "initial", "simulate",
 )  # fmt: skip
 DEEPEST = 10  # nested tables and lists
 SCALARS = (str, float, int, bool)
@@ -73,7 +74,10 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     title = _header(document, values)
     tables = {key: _named(values, document, key) for key in NAMED}
     _one_namespace(values, {**tables, **{key: document.get(key, {}) for key in ("signals", "states")}})
+    read_tables(values, document, known=True)
     parameters = read_parameters(values, document)
+    read_tables(values, document, known=False)
+    _tables_are_no_names(values, parameters, document)
     groups = read_groups(values, document)
     for name in tables["bodies"]:
         for key, unit in STATE_UNITS.items():
@@ -101,7 +105,7 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     _drivers_follow_time(values, parts.drivers, signals, states)
     return Model(
         title, gravity, parameters, signals, units, parts.ground, parts.bodies, parts.joints, parts.drivers,
-        parts.loads, initial, settings, values.constants, tuple(values.remarks), groups, states,
+        parts.loads, initial, settings, values.constants, tuple(values.remarks), groups, states, values.tables,
     )  # fmt: skip
 
 
@@ -139,6 +143,15 @@ def _one_namespace(values: Values, tables: Mapping[str, Any]) -> None:
                 message = f"the name '{name}' is already used in [{seen[name]}]; choose another"
                 values.wrong((table, name), message, at_key=True)
             seen.setdefault(name, table)
+
+
+def _tables_are_no_names(values: Values, parameters: Iterable[str], document: Mapping[str, Any]) -> None:
+    """Refuse a table that has the name of a parameter or signal."""
+    others = {key: values.table(document.get(key, {}), (key,)) for key in ("signals", "states")}
+    for name in values.curves:
+        for other in (key for key, names_ in {"parameters": parameters, **others}.items() if name in names_):
+            message = f"the name '{name}' is already used in [{other}]; choose another"
+            values.wrong(("tables", name), message, at_key=True)
 
 
 def _initial(values: Values, document: Mapping[str, Any], parts: Parts) -> Initial:

@@ -45,7 +45,9 @@ def topics() -> dict[str, Topic]:
     return {one.name: one for one in made}
 
 
-TABLES = ("gravity", "parameters", "tolerances", "signals", "states", "ground", "bodies", "initial", "simulate")
+TABLES = (
+    "gravity", "parameters", "tolerances", "tables", "signals", "states", "ground", "bodies", "initial", "simulate",
+)  # fmt: skip
 
 
 def common(family: str, kind: str) -> list[str]:
@@ -111,7 +113,12 @@ def _line(key: str, one: Mapping[str, Any]) -> str:
 
 def _names() -> Topic:
     lines = [f"<body>.{key} [{unit}]" for key, unit in STATE_UNITS.items()]
-    lines += ["t [s]: the time", "pi", "every parameter; every signal and state defined in the file"]
+    lines += [
+        "t [s]: the time",
+        "pi",
+        "<table>(x): every table, with one argument",
+        "every parameter; every signal and state defined in the file",
+    ]
     said = (
         "in loads, signals and rates of states all of these; in drivers t, parameters, and signals over them;"
         " elsewhere parameters only"

@@ -16,6 +16,7 @@ from rattle import registry
 from rattle.description.read_contact import ALONG, stop_models
 from rattle.description.read_parameters import DISTRIBUTIONS, TABLE
 from rattle.description.read_parts import moved_joints
+from rattle.description.read_tables import KINDS
 from rattle.description.reader import SETTING_UNITS, STATE_UNITS
 from rattle.registry import REQUIRED, Field, Kind
 
@@ -37,6 +38,7 @@ def schema() -> Schema:
                 "gravity": _vector("m/s^2", "acceleration of gravity"),
                 "parameters": _named(_parameter(), "values that expressions use"),
                 "tolerances": _tolerances(),
+                "tables": _named(_table(), "functions of one number that expressions use: lift(x)"),
                 "signals": _named(_number("", "expression over parameters, t and state"), "recorded quantities"),
                 "states": _named(_state(), "first-order states of the model's own, usable like signals"),
                 "ground": _object({"points": _points("points of the ground")}),
@@ -103,6 +105,8 @@ def _connect(end: Schema) -> Schema:
 def _field(one: Field) -> Schema:
     """A field of a kind, as its class declares it."""
     meaning = one.meaning + (f"; may use {one.may_use}" if one.live and not one.meaning.endswith("of t") else "")
+    if one.function_of:
+        meaning += f"; an expression in {one.function_of} [{one.of_unit}], which may use tables"
     if one.shape == "choice":
         made: Schema = {"enum": list(one.choices), "description": meaning}
     elif one.shape == "pair":
@@ -150,6 +154,24 @@ def _parameter() -> Schema:
 def _state() -> Schema:
     rate = _number("", "expression over parameters, t, the motion, signals and states, per second")
     return _object({"rate": rate, "start": _number("", "value at the start, default 0")}, ("rate",))
+
+
+def _table() -> Schema:
+    """A table: its points, or a file that holds them."""
+    numbers = {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 2}
+    units = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
+    said = "straight lines, cubics without overshoot, or cubics with continuous second derivative"
+    shape = {
+        "kind": {"enum": list(KINDS), "description": said, "default": KINDS[0]},
+        "period": _number("", "of x, after which y repeats", "positive"),
+    }
+    points = {
+        "x": {**numbers, "description": "arguments, increasing"},
+        "y": {**numbers, "description": "values"},
+        "units": {**units, "description": "units of x and y where numbers have none"},
+    }
+    file = {"type": "string", "description": "file beside the model file: two columns, the header may hold units"}
+    return {"anyOf": [_object({**points, **shape}, ("x", "y")), _object({"file": file, **shape}, ("file",))]}
 
 
 def _tolerances() -> Schema:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Self
 
 from rattle.description import file as model_file
 from rattle.description.builder import Building
 from rattle.description.model import Model, Parameter
+from rattle.description.read_tables import with_files
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.expression import names, parse
 from rattle.language.units import parse_quantity, unit_of_quantity
@@ -21,11 +23,15 @@ class WrittenModel(Building):
 
     @classmethod
     def from_text(cls, text: str, file: str = "") -> Self:
-        """Read model text (TOML or JSON). Raises ModelError."""
+        """Read model text (TOML or JSON); file: the name of its file, in whose folder tables are. Raises ModelError."""
         made = cls()
         made._document = model_file.parse(text, file)
         made._text = text
         made._file = file
+        try:
+            made._document = with_files(made._document, Path(file).parent if file else None, file)
+        except ModelError as error:
+            raise model_file.point_out(error, text) from None
         _ = made.model
         return made
 
@@ -77,7 +83,7 @@ class WrittenModel(Building):
         text = self._document.get("simulate", {}).get(key)
         if not isinstance(text, str) or parse_quantity(text) is not None:
             return set()
-        return set(names(parse(text)))
+        return set(names(parse(text, tables=self._document.get("tables", {}))))
 
     def joints_with_clearance(self, parameter: str) -> list[str]:
         """Joints whose clearance is this parameter itself, not an expression with it."""
@@ -85,16 +91,37 @@ class WrittenModel(Building):
         return [name for name, one in joints.items() if str(one.get("clearance", "")).strip() == parameter]
 
     def to_toml(self) -> str:
-        """The model as TOML text; comments of the original text are kept."""
-        return model_file.dump(self._document, self._text, self._changes)
+        """The model as TOML text; comments of the original text are kept.  Tables of files are written out."""
+        return self._dumped(lambda name: False)
+
+    def _dumped(self, stays: Callable[[str], bool]) -> str:
+        """The model as TOML text; stays: whether the file of a table is still found under this name."""
+        document, changes = self._written_out(stays)
+        return model_file.dump(document, self._text, [*self._changes, *changes])
+
+    def _written_out(self, stays: Callable[[str], bool]) -> tuple[dict[str, Any], list[model_file.Change]]:
+        """The document as it is written: of each table either the file or the numbers; and the changes to the text."""
+        tables = self._document.get("tables", {})
+        made, changes = dict(tables), list[model_file.Change]()
+        for name, one in tables.items():
+            if "file" in one:
+                leave = ("x", "y", "units") if stays(one["file"]) else ("file",)
+                made[name] = {key: value for key, value in one.items() if key not in leave}
+                if "file" in leave:
+                    changes.append((("tables", name), made[name]))
+        return {**self._document, "tables": made} if tables else self._document, changes
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the model file, completely or not at all: JSON if its name ends in .json, otherwise TOML.
 
+        A table that was read from a file stays in it if the model is saved in the same folder; otherwise its numbers
+        are written into the model file.
         Raises ValueError for a name that ends in neither .toml nor .json, OSError that says why it cannot be written.
         """
         json = model_file.wants_json(path)
-        model_file.save(path, model_file.dump_json(self._document) if json else self.to_toml())
+        here = bool(self._file) and Path(self._file).resolve().parent == Path(path).resolve().parent
+        document, _ = self._written_out(lambda name: here)
+        model_file.save(path, model_file.dump_json(document) if json else self._dumped(lambda name: here))
 
     def set(self, values: Mapping[str, Any] | None = None, /, **parameters: Any) -> Self:
         """A new mechanism with some values changed; numbers are in SI units, texts may have units.
@@ -110,8 +137,12 @@ class WrittenModel(Building):
             if not isinstance(name, str):
                 raise TypeError(f"expected the name of a parameter or entry, as in {{'r3': '2 mm'}}; got {name!r:.60}")
             path = self._path_of(name, made._document)
+            if path[0] == "tables" and value is not None:
+                path, value = made._table_with(path, value)
             model_file.put(made._document, path, value)
             made._changes.append((path, value))
+        folder, read = Path(made._file).parent if made._file else None, self._document.get("tables", {})
+        made._document = with_files(made._document, folder, made._file, read)
         try:
             _ = made.model
         except ModelError as error:
@@ -120,6 +151,17 @@ class WrittenModel(Building):
                     one.line, one.caret = None, ""
             raise ModelError(error.problems, error.file) from None
         return made
+
+    def _table_with(self, path: tuple[str, ...], value: Any) -> tuple[tuple[str, ...], Any]:
+        """Path and new value that change a table as a whole, if its numbers come from a file or shall do so."""
+        entry = self._document.get("tables", {}).get(path[1] if len(path) > 1 else "")
+        if len(path) < 3 or not isinstance(entry, Mapping) or ("file" not in entry and path[2] != "file"):
+            return path, value
+        whole = model_file.copied(dict(entry))
+        model_file.put(whole, path[2:], value)
+        for key in ("x", "y", "units") if path[2] == "file" else ("file",):
+            whole.pop(key, None)
+        return path[:2], whole
 
     def written_unit(self, name: str) -> tuple[float, str]:
         """Unit of a parameter as the model file writes its value: its size in SI units, and its name; 1 and "" if none.

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from rattle import registry
 from rattle.description.model import Choice, Contact, Joint, Model
 from rattle.jit import layout as at
+from rattle.language.local_function import packed
 
 GEOMETRIES = ("clearance", "stop")  # families of kernels that give the geometry of a contact, in one table
 # tables of kernels that contacts call: the families in them, and the column of `contact` that names an entry
@@ -37,7 +38,8 @@ def contact_groups(joint: Joint) -> list[ContactGroup]:
     play = registry.play_of(joint.kind)
     if joint.contact is not None and play is not None and joint.is_loose:
         sizes = [size for table in joint.dimensions.values() for size in table]
-        p = (*points, joint.clearance, joint.contact.bush_radius, *joint.fields.values(), *sizes)
+        own = joint.fields.values()
+        p = tuple(packed([*points, joint.clearance, joint.contact.bush_radius, *own, *sizes]))
         corners = tuple(range(play.leaf.contacts))
         found.append(ContactGroup(play, joint.contact, p, corners, ("joints", joint.name, "contact")))
     kind = registry.stop_of(joint.kind)

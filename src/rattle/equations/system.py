@@ -17,6 +17,7 @@ from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Image, Workspace
 from rattle.language.expression import Node, compile_program, concatenate
+from rattle.language.local_function import packed
 from rattle.language.recorded import array_of
 from rattle.language.switching import Signals, Switch, find_switches
 
@@ -122,7 +123,7 @@ class System:
             "signals": (ns,),
             "jets": (ns, 3),
             "stack": (self.depth,),
-            "jet_stack": (self.depth, 3),
+            "jet_stack": (3 * self.depth,),
             "jet_out": (3,),
             "body": (nb, at.width("body")),
             "rows": (nr, at.width("rows")),
@@ -171,7 +172,7 @@ class _Programs:
     """Collects expressions and the places of their values."""
 
     def __init__(self, model: Model, bodies: Mapping[str, int]) -> None:
-        self.constants = model.constants
+        self.constants, self.tables = model.constants, model.tables
         self.state = {
             f"{name}.{key}": at.width("body") * i + column
             for name, i in bodies.items()
@@ -182,7 +183,7 @@ class _Programs:
         self.names: list[str] = []
 
     def add(self, node: Node, name: str) -> int:
-        self.programs.append(compile_program(node, self.constants, self.state, self.signals))
+        self.programs.append(compile_program(node, self.constants, self.state, self.signals, self.tables))
         self.names.append(name)
         return len(self.programs) - 1
 
@@ -216,7 +217,7 @@ def compile_system(model: Model) -> System:
     load, live = _loads(model, number, values, programs)
     signals = {programs.signals[name]: programs.add(node, f"signals.{name}") for name, node in model.signals.items()}
     rates = [programs.add(one.rate, f"states.{name}.rate") for name, one in model.states.items()]
-    code, const, first, depth = concatenate(programs.programs)
+    code, const, first, depth = concatenate(programs.programs, model.tables)
     needed = _needed_by_drivers(programs, [program for program, _ in jets], signals)
     spans = [(int(first[n]), int(first[n + 1]), k) for k, n in signals.items()]
     known = Signals(code, const.astype(float), spans, [programs.names[n] for n in signals.values()], len(rates))
@@ -269,7 +270,7 @@ def _joints(
         if is_link(one):
             watch.append(len(rows))
             watched.append(name)
-        values += [*one.a.at, *one.b.at, *fields]
+        values += packed([*one.a.at, *one.b.at, *fields])
         for unit in found.leaf.rows if found else ():
             rows.append(Row(name, unit, False))
             row_body.append((a, b))
@@ -284,7 +285,7 @@ def _loads(
     for name, one in model.loads.items():
         tag = registry.kinds("load")[one.kind].tag
         start, before = len(values), len(live)
-        for n, value in enumerate(one.values):
+        for n, value in enumerate(packed(one.values)):
             if isinstance(value, float | int):
                 values.append(value)
             else:

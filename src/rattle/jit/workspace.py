@@ -71,7 +71,7 @@ ARRAYS = {
     "signals": Array("f1", "ns", "SI", "states of the model, then values of signals"),
     "jets": Array("f2", "ns, 3", "SI", "value, first and second derivative of the signals that drivers use"),
     "stack": Array("f1", "depth", "SI", "scratch of expressions"),
-    "jet_stack": Array("f2", "depth, 3", "SI", "the same for expressions with derivatives"),
+    "jet_stack": Array("f1", "3 depth", "SI", "the same for expressions with derivatives"),
     "jet_out": Array("f1", "3", "SI", "value and derivatives of one expression"),
     "body": Array("f2", "nb + 1, 8", "m, rad, m/s, rad/s", "state of every body; row 0 is the ground"),
     "rows": Array("f2", "nr, 9", "m or rad", "residual, nu, gamma and Jacobian of every constraint row"),

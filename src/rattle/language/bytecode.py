@@ -6,13 +6,13 @@ there are no jumps; CHOOSE takes three (condition, then, otherwise).  A conditio
 Outside its domain a function gives nan or inf and never raises: the guards below give what
 C would give, and keep plain Python from raising.  All values are in SI units.
 
-Switches (abs, sign, step, min, max, if, comparisons, floor, mod) have a switching function s: their operand, or the
-difference of the two operands that are compared; of floor(x), and of mod(x, y) with x/y, the distance from the nearest
-integer, positive after even integers and negative after odd ones (`wave`).  A side of +1 or -1 in the program selects
-the branch for s > 0 or s < 0 whatever the value of s, so that the right-hand side is smooth between two switching
-instants; `crossed` is set to 1 when s has the other sign.  With side 0 the value of s decides: at s = 0 values are
-those of the definition (sign(0) = 0, step(0) = 1).  A branch without a finite value at s = 0 is not taken there, so
-that "sin(t)/t if t > 0 else 1" is allowed.
+Switches (abs, sign, step, min, max, if, comparisons, floor, mod, tables with kinks) have a switching function s: their
+operand, or the difference of the two operands that are compared; of floor(x), and of mod(x, y) with x/y, the distance
+from the nearest integer, positive after even integers and negative after odd ones (`wave`), and of a table the same of
+its knot coordinate.  A side of +1 or -1 in the program selects the branch for s > 0 or s < 0 whatever the value of s,
+so that the right-hand side is smooth between two switching instants; `crossed` is set to 1 when s has the other sign.
+With side 0 the value of s decides: at s = 0 values are those of the definition (sign(0) = 0, step(0) = 1).  A branch
+without a finite value at s = 0 is not taken there, so that "sin(t)/t if t > 0 else 1" is allowed.
 
 `language.jets` runs the same programs on values with their time derivatives.
 """
@@ -23,13 +23,15 @@ import math
 
 from rattle.jit.choices import select
 from rattle.jit.functions import compiled, native
+from rattle.language.table_reading import knot_coordinate, on_segment
 
 # operands, then functions of one operand, of two, and choices: the loops rely on this order
 CONST, TIME, STATE, SIGNAL = range(4)
 NEG, SQUARE, ABS, SIGN, STEP, FLOOR, SQRT, EXP, LOG, SIN, COS, TAN, ASIN, ACOS, ATAN, TANH = range(4, 20)
-ADD, SUB, MUL, DIV, POW, ATAN2, HYPOT, MOD = range(20, 28)
-BELOW, BELOW_OR_AT, ABOVE, ABOVE_OR_AT, BOTH, EITHER, MIN, MAX = range(28, 36)
-LESS, AT_MOST, MORE, AT_LEAST, CHOOSE = range(36, 41)
+CURVE, BENT = range(20, 22)  # tables, without and with kinks; their argument is the place of their block in `const`
+ADD, SUB, MUL, DIV, POW, ATAN2, HYPOT, MOD = range(22, 30)
+BELOW, BELOW_OR_AT, ABOVE, ABOVE_OR_AT, BOTH, EITHER, MIN, MAX = range(30, 38)
+LESS, AT_MOST, MORE, AT_LEAST, CHOOSE = range(38, 43)
 COMPARED = LESS - BELOW  # from a comparison to the choice by it
 
 SIDE, CROSSED = 2, 3  # columns of a program
@@ -107,6 +109,21 @@ def held(side, x):
     if (n % 2.0 == 0.0) == (side > 0):
         return n
     return n - 1.0 if x - n < 0.5 else n + 1.0
+
+
+@compiled
+def read_table(table, k, side, x, dx, ddx):
+    """Value and first and second derivative at x of the table whose block begins at table[k]; see `language.tables`.
+
+    side: as of any switch.  dx, ddx: rates of x, which decide at a knot if there is no side.
+    """
+    z = knot_coordinate(table, k, x)
+    if z != z:
+        return NAN, NAN, NAN
+    segment = whole(z) if side == 0 else held(side, z)
+    if side == 0 and segment == z and (dx < 0.0 or (dx == 0.0 and ddx < 0.0)):
+        segment -= 1.0
+    return on_segment(table, k, segment, x)
 
 
 @compiled
@@ -253,6 +270,13 @@ def evaluate(code, const, first, last, t, body, signals, stack):
         elif op == SIGNAL:
             top += 1
             stack[top] = signals[k]
+        elif op in (CURVE, BENT):
+            x = float(stack[top])
+            side = code[row, SIDE]
+            value, _, _ = read_table(const, k, side, x, 0.0, 0.0)
+            stack[top] = value
+            if side != 0 and wave(knot_coordinate(const, k, x)) * side < 0.0:
+                code[row, CROSSED] = 1
         elif op < ADD:
             x = float(stack[top])
             side = code[row, SIDE]

@@ -16,8 +16,9 @@ import numpy as np
 
 from rattle.errors import suggest
 from rattle.language import bytecode
-from rattle.language.recorded import Recorded, array_of, operate
+from rattle.language.recorded import Recorded, array_of, operate, read
 from rattle.language.syntax import (
+    CALL,
     COMPARISONS,
     FUNCTIONS,
     JOINING,
@@ -33,16 +34,19 @@ from rattle.language.syntax import (
     replaced,
     walk,
 )
+from rattle.language.tables import NO_TABLES, Tables
 from rattle.language.units import DIMENSIONLESS, TIME, Dimension, describe, unit_name
 
 __all__ = [
     "FUNCTIONS",
     "RESERVED",
+    "Apply",
     "ExpressionError",
     "Name",
     "Node",
     "Number",
     "Program",
+    "argument_of",
     "compile_program",
     "concatenate",
     "dimension",
@@ -82,7 +86,8 @@ def dimension(node: Node, lookup: Callable[[str], Dimension | None], time: Dimen
     """Dimension of an expression, None if it cannot be determined.
 
     lookup: dimension of a name, None if unknown.  time: dimension of `t`.  A number in the expression is assumed to
-    have any dimension that fits, as in "9.81*m".  Raises ExpressionError for "m + kg", "sin(m)" and the like.
+    have any dimension that fits, as in "9.81*m".  Tables are looked up by `call_name` and `argument_of`.  Raises
+    ExpressionError for "m + kg", "sin(m)" and the like.
     """
     stack: list[Dimension | None] = []
     for part in walk(node):
@@ -94,8 +99,23 @@ def dimension(node: Node, lookup: Callable[[str], Dimension | None], time: Dimen
             size = len(part.operands)
             operands = stack[-size:]
             del stack[-size:]
-            stack.append(_combine(part, operands))
+            table = part.name.endswith(CALL)
+            stack.append(_of_table(part, operands[0], lookup) if table else _combine(part, operands))
     return stack[0]
+
+
+def _of_table(part: Apply, given: Dimension | None, lookup: Callable[[str], Dimension | None]) -> Dimension | None:
+    """Dimension of the value of a table; that of its argument is known under the name `argument_of` it."""
+    expected = lookup(argument_of(part.name))
+    if given is not None and expected is not None and given != expected:
+        table = part.name.removesuffix(CALL)
+        raise ExpressionError(f"the table '{table}' is over {_word(expected)}, not {_word(given)}", part.column)
+    return lookup(part.name)
+
+
+def argument_of(table: str) -> str:
+    """The name under which the dimension of a table's argument is looked up; table: see `syntax.call_name`."""
+    return f"{table} of"
 
 
 def _combine(part: Apply, given: list[Dimension | None]) -> Dimension | None:
@@ -132,7 +152,9 @@ def _combine_power(part: Apply, base: Dimension | None, exponent: Dimension | No
         raise ExpressionError(f"an exponent must be a plain number, not {_word(exponent)}", part.column)
     if base is None or base == DIMENSIONLESS:
         return base
-    if names(part.operands[1]):
+    if any(
+        isinstance(one, Name) or (isinstance(one, Apply) and one.name.endswith(CALL)) for one in walk(part.operands[1])
+    ):
         return None
     number = value(part.operands[1], {})
     return base.power(number) if abs(number) <= 100.0 else None
@@ -161,43 +183,46 @@ class Program:
     signals: frozenset[int]  # indices of the signals it reads
 
 
-def value(node: Node, constants: Mapping[str, float]) -> float:
+def value(node: Node, constants: Mapping[str, float], tables: Tables = NO_TABLES) -> float:
     """Value of a constant expression [SI]; `constants` holds the values of names [SI].
 
     Raises ExpressionError for other names and if the value is not finite.
     """
-    assembler = _Assembler(constants, {}, {}, time=False)
+    assembler = _Assembler(constants, {}, {}, time=False, tables=tables)
     assembler.read(node)
     return assembler.const[0]
 
 
-def require_finite(node: Node, constants: Mapping[str, float]) -> None:
+def require_finite(node: Node, constants: Mapping[str, float], tables: Tables = NO_TABLES) -> None:
     """Raise ExpressionError if a part without `t`, state and signals has no finite value; `constants` in SI units."""
     live = {name: 0 for name in names(node) if name not in constants}
-    _Assembler(constants, live, {}, time=True).read(node)
+    _Assembler(constants, live, {}, time=True, tables=tables).read(node)
 
 
 def compile_program(
-    node: Node, constants: Mapping[str, float], state: Mapping[str, int], signals: Mapping[str, int]
-) -> Program:
+    node: Node, constants: Mapping[str, float], state: Mapping[str, int], signals: Mapping[str, int],
+    tables: Tables = NO_TABLES,
+) -> Program:  # fmt: skip
     """Translate an expression into a program.  Every part without `t`, state and signals becomes one constant.
 
     constants: values of names [SI].  state: index of a state name in `body`, 8 * row + column.
-    signals: index of a signal.  Raises ExpressionError for unknown names and for constants that are not finite.
+    signals: index of a signal.  tables: their numbers must be the first constants of the run.  Raises ExpressionError
+    for unknown names and for constants that are not finite.
     """
-    return _Assembler(constants, state, signals, time=True).assemble(node)
+    return _Assembler(constants, state, signals, time=True, tables=tables).assemble(node)
 
 
-def concatenate(parts: Sequence[Program]) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+def concatenate(parts: Sequence[Program], tables: Tables = NO_TABLES) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
     """Several programs joined into one: code (n, 4), const (nc,) [SI], first (np+1,) and the greatest stack depth.
 
-    Program i is rows first[i] to first[i + 1] - 1 of `code`; its constants are indexed from the start of `const`.
+    Program i is rows first[i] to first[i + 1] - 1 of `code`; its constants are indexed from the start of `const`, which
+    begins with the numbers of the tables.
     """
     first = np.zeros(len(parts) + 1, dtype=np.int64)
     first[1:] = list(accumulate(len(part.code) for part in parts))
     code = np.zeros((int(first[-1]), 4), dtype=np.int64)
-    const = array_of([number for part in parts for number in part.const])
-    offset = 0
+    const = array_of([*tables.numbers, *(number for part in parts for number in part.const)])
+    offset = len(tables.numbers)
     for part, start in zip(parts, first, strict=False):
         rows = code[start : start + len(part.code)]
         rows[:] = part.code
@@ -210,9 +235,11 @@ class _Assembler:
     """Writes the rows of a program in the order of evaluation and folds constants."""
 
     def __init__(
-        self, constants: Mapping[str, float], state: Mapping[str, int], signals: Mapping[str, int], time: bool
-    ) -> None:
+        self, constants: Mapping[str, float], state: Mapping[str, int], signals: Mapping[str, int], time: bool,
+        tables: Tables,
+    ) -> None:  # fmt: skip
         self.constants, self.state, self.signals, self.time = constants, state, signals, time
+        self.tables = tables
         self.code: list[tuple[int, int]] = []
         self.const: list[float] = []
         self.columns: list[int] = []  # of the constants in the text, or of the operand that made them not finite
@@ -269,7 +296,24 @@ class _Assembler:
         self.code.append(row)
         self.folded.append(False)
 
+    def table(self, part: Apply) -> None:
+        """The value of a table."""
+        name = part.name.removesuffix(CALL)
+        curve = self.tables.curves[name]
+        if not self.folded[-1]:
+            self.code.append((bytecode.BENT if curve.bends else bytecode.CURVE, self.tables.place[name]))
+            return
+        x, block = self.const.pop(), curve.block
+        del self.code[-1], self.columns[-1], self.folded[-1]
+        found = float(bytecode.read_table.python([float(one) for one in block], 0, 0, float(x), 0.0, 0.0)[0])
+        if math.isfinite(x) and not math.isfinite(found):
+            raise ExpressionError(f"{x:g} {curve.said_outside(name)}", part.column)
+        self.constant(read(block, found, x), part.column)
+
     def operation(self, part: Apply) -> None:
+        if part.name.endswith(CALL):
+            self.table(part)
+            return
         op, size = OPERATIONS[part.name], len(part.operands)
         if all(self.folded[-size:]):
             given, columns = self.const[-size:], self.columns[-size:]

@@ -10,23 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
 
 import numpy as np
 
 from rattle.language import bytecode as p
+from rattle.language.span import Array, Span, wave, whole_numbers
+from rattle.language.table_intervals import knot_span, table_span
 
-Array = np.ndarray
 TURN = 2.0 * math.pi
-
-
-class Span(NamedTuple):
-    """Bounds of a value [SI] and of its time derivative [SI], each (n,) for n intervals of time."""
-
-    low: Array
-    high: Array
-    slow: Array  # lower bound of the rate
-    fast: Array  # upper bound of the rate
 
 
 def enclose(
@@ -54,7 +45,12 @@ def enclose(
             count = SWITCHES[op]
             operands = stack[-count:]
             del stack[-count:]
-            stack.append(_switch(op, operands, side_of(row)))
+            if op == p.BENT:
+                stack.append(table_span(const, k, operands[0], side_of(row)))
+            else:
+                stack.append(_switch(op, operands, side_of(row)))
+        elif op == p.CURVE:
+            stack.append(table_span(const, k, stack.pop(), None))
         elif op < p.ADD:
             stack.append(_unary(op, stack.pop()))
         elif op == p.CHOOSE:
@@ -70,6 +66,7 @@ def enclose(
 SWITCHES = {
     p.ABS: 1, p.SIGN: 1, p.STEP: 1, p.MIN: 2, p.MAX: 2, p.LESS: 4, p.AT_MOST: 4, p.MORE: 4, p.AT_LEAST: 4,
     p.BELOW: 2, p.BELOW_OR_AT: 2, p.ABOVE: 2, p.ABOVE_OR_AT: 2, p.FLOOR: 1, p.MOD: 2,
+    p.BENT: 1,
 }  # fmt: skip
 COMPARISONS = (p.BELOW, p.BELOW_OR_AT, p.ABOVE, p.ABOVE_OR_AT)
 
@@ -238,47 +235,21 @@ def _angle(y: Span, x: Span) -> Span:
 
 
 # ---------------------------------------------------------------- switches
+def switching_function(const: Array, op: int, k: int, operands: list[Span]) -> Span:
+    """The switching function of the switch (op, k) of a program, see `language.bytecode`."""
+    return wave(knot_span(const, k, operands[0])) if op == p.BENT else argument(op, operands)
+
+
 def argument(op: int, operands: list[Span]) -> Span:
-    """The switching function of a switch, see `bytecode.switching`."""
+    """The switching function of a switch that is no table, see `bytecode.switching`."""
     if op in (p.FLOOR, p.MOD):
-        return _wave(_counted(op, operands))
+        return wave(_counted(op, operands))
     return operands[0] if SWITCHES[op] == 1 else minus(operands[0], operands[1])
 
 
 def _counted(op: int, operands: list[Span]) -> Span:
     """What floor and mod count integers of."""
     return operands[0] if op == p.FLOOR else _quotient(operands[0], operands[1])
-
-
-def _wave(x: Span) -> Span:
-    """`bytecode.wave`: it rises at the rate of x around even integers, and falls around odd ones."""
-    first, last = np.floor(x.low + 0.5), np.floor(x.high + 0.5)  # nearest integers
-    ways = [np.where(np.mod(n, 2.0) == 0.0, 1.0, -1.0) for n in (first, last)]
-    one, two = ways[0] * (x.low - first), ways[1] * (x.high - last)
-    low, high = np.minimum(one, two), np.maximum(one, two)  # with the peaks between the nearest integers
-    low = np.where((last > first) & ((last > first + 1.0) | (ways[0] < 0.0)), -0.5, low)
-    high = np.where((last > first) & ((last > first + 1.0) | (ways[0] > 0.0)), 0.5, high)
-    size = np.maximum(np.abs(x.slow), np.abs(x.fast))
-    slow = np.where(last > first, -size, np.where(ways[0] > 0.0, x.slow, -x.fast))
-    fast = np.where(last > first, size, np.where(ways[0] > 0.0, x.fast, -x.slow))
-    unknown = np.isnan(x.low) | np.isnan(x.high)
-    return Span(*(np.where(unknown, math.nan, one) for one in (low, high, slow, fast)))
-
-
-def _whole(x: Span, side: Array | None) -> Span:
-    """floor(x): one integer of its parity where the side is known, otherwise all from floor(low) to floor(high)."""
-    low, high = np.floor(x.low), np.floor(x.high)
-    none = np.zeros_like(low)
-    leaps = np.where(high > low, math.inf, 0.0)
-    if side is None:
-        return Span(low, high, -leaps, leaps)
-    odd = np.where(side > 0.0, 0.0, 1.0)
-    inner, outer = low + (np.mod(low, 2.0) != odd), high - (np.mod(high, 2.0) != odd)
-    held = (side != 0.0) & (inner <= outer)
-    return Span(
-        np.where(held, inner, low), np.where(held, outer, high),
-        np.where(held, none, -leaps), np.where(held, none, leaps),
-    )  # fmt: skip
 
 
 def _choice(condition: Span, yes: Span, no: Span) -> Span:
@@ -294,7 +265,7 @@ def _choice(condition: Span, yes: Span, no: Span) -> Span:
 def _switch(op: int, operands: list[Span], side: Array | None) -> Span:
     """A switch on a known side, or the union of both branches if the side is not known."""
     if op in (p.FLOOR, p.MOD):
-        whole = _whole(_counted(op, operands), side)
+        whole = whole_numbers(_counted(op, operands), side)
         return whole if op == p.FLOOR else minus(operands[0], _times(operands[1], whole))
     s = argument(op, operands)
     way = np.where(s.low > 0.0, 1.0, 0.0) - np.where(s.high < 0.0, 1.0, 0.0)

@@ -23,10 +23,12 @@ from rattle.language.bytecode import (
     ATAN,
     ATAN2,
     BELOW,
+    BENT,
     BOTH,
     CHOOSE,
     CONST,
     COS,
+    CURVE,
     DIV,
     EXP,
     FLOOR,
@@ -58,6 +60,7 @@ from rattle.language.bytecode import (
     holds,
     power,
     quotient,
+    read_table,
     unary,
     whole,
 )
@@ -197,82 +200,104 @@ def binary_jet(op, side, x, dx, ddx, y, dy, ddy):
 
 
 @compiled
+def put_jet(stack, top, z, dz, ddz):
+    """Write a value and its derivatives to place `top` of a stack."""
+    stack[top] = z
+    stack[top + 1] = dz
+    stack[top + 2] = ddz
+
+
+@compiled
 def choose_jet(stack, top):
-    """A choice by the condition in row `top` of the stack between the two jets after it; see `bytecode.chosen`."""
-    yes, no = top + 1, top + 2
-    holds_ = stack[top, 0] > 0.0
-    if abs(stack[top, 0]) < 1.0:
-        taken = yes if holds_ else no
-        if not abs(stack[taken, 0]) + abs(stack[taken, 1]) + abs(stack[taken, 2]) < INF:
-            holds_ = not holds_
+    """A choice by the condition at place `top` of the stack between the two jets after it; see `bytecode.chosen`."""
+    yes, no = top + 3, top + 6
+    condition = stack[top] > 0.0
+    if abs(stack[top]) < 1.0:
+        taken = yes if condition else no
+        if not abs(stack[taken]) + abs(stack[taken + 1]) + abs(stack[taken + 2]) < INF:
+            condition = not condition
     for n in range(3):
-        stack[top, n] = select(holds_, stack[yes, n], stack[no, n])
+        stack[top + n] = select(condition, stack[yes + n], stack[no + n])
+
+
+@compiled
+def compare_jet(op, side, stack, top):
+    """A choice by the first two of four jets at place `top` of the stack between the other two."""
+    s = float(stack[top]) - float(stack[top + 3])
+    if side == 0:
+        side = heading(
+            s,
+            float(stack[top + 1]) - float(stack[top + 4]),
+            float(stack[top + 2]) - float(stack[top + 5]),
+        )
+    taken, condition = -1, holds(op, stack[top], stack[top + 3])
+    if side != 0:
+        taken = top + 6 if (side < 0) == (op <= AT_MOST) else top + 9
+        if s == 0.0 and not abs(stack[taken]) + abs(stack[taken + 1]) + abs(stack[taken + 2]) < INF:
+            taken = -1
+    for n in range(3):
+        if taken >= 0:
+            stack[top + n] = stack[taken + n]
+        else:
+            stack[top + n] = select(condition, stack[top + 6 + n], stack[top + 9 + n])
+
+
+@compiled
+def operate_jet(op, side, table, k, stack, top):
+    """Operation `op` on the last jets of a stack, three numbers each, of which the last begins at `top`.
+
+    table, k: block of numbers of a table, and where it begins.  Returns the place of the result.
+    """
+    if op in (CURVE, BENT):
+        x, dx, ddx = float(stack[top]), float(stack[top + 1]), float(stack[top + 2])
+        f, f1, f2 = read_table(table, k, side, x, dx, ddx)
+        put_jet(stack, top, f, f1 * dx, f2 * dx * dx + f1 * ddx)
+    elif op < ADD:
+        z, dz, ddz = unary_jet(op, side, float(stack[top]), float(stack[top + 1]), float(stack[top + 2]))
+        put_jet(stack, top, z, dz, ddz)
+    elif op < LESS:
+        top -= 3
+        z, dz, ddz = binary_jet(
+            op,
+            side,
+            float(stack[top]),
+            float(stack[top + 1]),
+            float(stack[top + 2]),
+            float(stack[top + 3]),
+            float(stack[top + 4]),
+            float(stack[top + 5]),
+        )
+        put_jet(stack, top, z, dz, ddz)
+    elif op == CHOOSE:
+        top -= 6
+        choose_jet(stack, top)
+    else:
+        top -= 9
+        compare_jet(op, side, stack, top)
+    return top
 
 
 @compiled
 def evaluate_jet(code, const, first, last, t, jets, stack, out):
     """Value, first and second time derivative [SI] of the program in rows first..last-1 at time t [s], into out (3,).
 
-    jets: (ns, 3) signals with their time derivatives [SI]; stack: (depth, 3) scratch.  A program that uses the state
+    jets: (ns, 3) signals with their time derivatives [SI]; stack: (3 depth,) scratch.  A program that uses the state
     gives nan.
     """
-    top = -1
+    top = -3
     for row in range(first, last):
         op = code[row, 0]
         k = code[row, 1]
         if op <= STATE:
-            top += 1
-            stack[top, 0] = const[k] if op == CONST else (t if op == TIME else NAN)
-            stack[top, 1] = NAN if op == STATE else (1.0 if op == TIME else 0.0)
-            stack[top, 2] = NAN if op == STATE else 0.0
+            top += 3
+            stack[top] = const[k] if op == CONST else (t if op == TIME else NAN)
+            stack[top + 1] = NAN if op == STATE else (1.0 if op == TIME else 0.0)
+            stack[top + 2] = NAN if op == STATE else 0.0
         elif op == SIGNAL:
-            top += 1
+            top += 3
             for n in range(3):
-                stack[top, n] = jets[k, n]
-        elif op < ADD:
-            z, dz, ddz = unary_jet(
-                op, code[row, SIDE], float(stack[top, 0]), float(stack[top, 1]), float(stack[top, 2])
-            )
-            stack[top, 0] = z
-            stack[top, 1] = dz
-            stack[top, 2] = ddz
-        elif op < LESS:
-            top -= 1
-            z, dz, ddz = binary_jet(
-                op,
-                code[row, SIDE],
-                float(stack[top, 0]),
-                float(stack[top, 1]),
-                float(stack[top, 2]),
-                float(stack[top + 1, 0]),
-                float(stack[top + 1, 1]),
-                float(stack[top + 1, 2]),
-            )
-            stack[top, 0] = z
-            stack[top, 1] = dz
-            stack[top, 2] = ddz
-        elif op == CHOOSE:
-            top -= 2
-            choose_jet(stack, top)
+                stack[top + n] = jets[k, n]
         else:
-            top -= 3
-            side = code[row, SIDE]
-            s = float(stack[top, 0]) - float(stack[top + 1, 0])
-            if side == 0:
-                side = heading(
-                    s,
-                    float(stack[top, 1]) - float(stack[top + 1, 1]),
-                    float(stack[top, 2]) - float(stack[top + 1, 2]),
-                )
-            taken, yes = -1, holds(op, stack[top, 0], stack[top + 1, 0])
-            if side != 0:
-                taken = top + 2 if (side < 0) == (op <= AT_MOST) else top + 3
-                if s == 0.0 and not abs(stack[taken, 0]) + abs(stack[taken, 1]) + abs(stack[taken, 2]) < INF:
-                    taken = -1
-            for n in range(3):
-                if taken >= 0:
-                    stack[top, n] = stack[taken, n]
-                else:
-                    stack[top, n] = select(yes, stack[top + 2, n], stack[top + 3, n])
+            top = operate_jet(op, code[row, SIDE], const, k, stack, top)
     for n in range(3):
-        out[n] = stack[0, n]
+        out[n] = stack[n]

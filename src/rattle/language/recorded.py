@@ -7,7 +7,7 @@ as for the numbers at hand, and what they found is kept as an assumption about o
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,6 +18,9 @@ class Journal(Protocol):
 
     def operation(self, op: int, *given: Any) -> Any:
         """Symbol of an operation of `language.bytecode` on symbols and numbers."""
+
+    def table(self, block: Sequence[Any], x: Any) -> Any:
+        """Symbol of the value at x of a table, given by its block of numbers, see `language.tables`."""
 
     def assume(self, condition: Any, holds: bool) -> None:
         """Keep that a condition between symbols and numbers was true or false."""
@@ -109,6 +112,14 @@ def operate(op: int, value: float, *given: Any) -> float:
     for one in given:
         if isinstance(one, Recorded):
             return Recorded(value, one.journal.operation(op, *map(symbol_of, given)), one.journal)
+    return value
+
+
+def read(block: Sequence[Any], value: float, x: Any) -> float:
+    """`value` of a table at x, with its record if x or a number of its block has one."""
+    for one in (x, *block):
+        if isinstance(one, Recorded):
+            return Recorded(value, one.journal.table(block, x), one.journal)
     return value
 
 

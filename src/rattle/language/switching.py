@@ -15,7 +15,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rattle.language import bytecode, intervals
-from rattle.language.intervals import SWITCHES, Span
+from rattle.language.intervals import SWITCHES
+from rattle.language.span import Span
 
 MOST = 200_000  # spans of one switching function that are examined together, at most
 WORK = 4e7  # rows of programs times spans that are evaluated for all switching functions of a run, at most
@@ -155,7 +156,8 @@ class _Function:
                 if k in self.needed:
                     spans[k] = intervals.enclose(code, const, a, b, low, high, spans, side_of)[0]
             stack = intervals.enclose(code, const, self.switch.first, self.switch.last, low, high, spans, side_of)
-            return intervals.argument(int(code[self.switch.row, 0]), stack)
+            op, k = code[self.switch.row, :2].tolist()
+            return intervals.switching_function(const, op, k, stack)
 
     def value(self, t: np.ndarray, at: np.ndarray) -> np.ndarray:
         """The function at times t (n,) [s], with the nested switches on their sides at the times `at`."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from keyword import kwlist
 
@@ -122,17 +122,28 @@ class Apply:
 Node = Number | Name | Apply
 
 
-def parse(text: str, grammar: Grammar = MODEL) -> Node:
-    """Read an expression.  Raises ExpressionError if the text is not an expression or is too long."""
+CALL = "()"  # at the end of the name of an operation that is a table's
+
+
+def call_name(table: str) -> str:
+    """The name of the operation that reads a table."""
+    return table + CALL
+
+
+def parse(text: str, grammar: Grammar = MODEL, tables: Collection[str] = ()) -> Node:
+    """Read an expression.  tables: names of tables, which are functions of one number in a model.
+
+    Raises ExpressionError if the text is not an expression or is too long.
+    """
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"the expression has {len(text)} characters; at most {MAX_LENGTH} are read", 0)
-    return _of_model(text) if grammar is MODEL else _Parser(text, grammar).read()
+    return _of_model(text, tuple(tables)) if grammar is MODEL else _Parser(text, grammar).read()
 
 
 @functools.lru_cache(maxsize=256)
-def _of_model(text: str) -> Node:
+def _of_model(text: str, tables: tuple[str, ...]) -> Node:
     """An expression of a model; a model is read again and again with other values of its parameters."""
-    return _Parser(text, MODEL).read()
+    return _Parser(text, MODEL, tables).read()
 
 
 def names(node: Node) -> set[str]:
@@ -168,9 +179,10 @@ def walk(node: Node) -> list[Node]:
 class _Parser:
     """Operator-precedence parser; `expression(least)` reads operators of precedence `least` or higher."""
 
-    def __init__(self, text: str, grammar: Grammar) -> None:
+    def __init__(self, text: str, grammar: Grammar, tables: Collection[str] = ()) -> None:
         self.text = text
         self.grammar = grammar
+        self.tables = tables
         self.tokens = _tokens(text, grammar)
         self.at = 0
         self.depth = 0
@@ -259,11 +271,13 @@ class _Parser:
             raise ExpressionError(f"'{word}' is not allowed here", column)
         if word in FUNCTIONS and word in RESERVED:
             raise ExpressionError(f"'{word}' is a function; write {word}(...)", column)
+        if word in self.tables:
+            raise ExpressionError(f"'{word}' is a table; write {word}(x)", column)
         self.count(column)
         return Number(math.pi, column) if word == "pi" else Name(word, column)
 
     def call(self, word: str, column: int) -> Node:
-        functions = self.grammar.functions
+        functions = {**self.grammar.functions, **dict.fromkeys(self.tables, 1)}
         if word not in functions:
             other = {**OTHERWISE, **self.grammar.otherwise}
             hint = f"; {other[word]}" if word in other else suggest(word[:40], functions)
@@ -287,7 +301,7 @@ class _Parser:
         if word in self.grammar.conditions:
             return self.condition(word, arguments[0], column)
         first = wanted if wanted > 0 else min(len(arguments), 2)
-        word = SAME.get(word, word)
+        word = call_name(word) if word in self.tables else SAME.get(word, word)
         node = self.apply(word, tuple(arguments[:first]), column)
         for argument in arguments[first:]:
             node = self.apply(word, (node, argument), column)

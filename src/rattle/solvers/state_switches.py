@@ -12,7 +12,8 @@ from rattle.equations.motion import derivative, place
 from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.language.bytecode import CROSSED, LESS, SIDE, evaluate, switching
+from rattle.language.bytecode import BENT, CROSSED, LESS, SIDE, evaluate, switching, wave
+from rattle.language.table_reading import knot_coordinate
 from rattle.solvers.contacts.gap_search import NONE
 from rattle.solvers.dense_output import interpolate
 
@@ -28,7 +29,10 @@ def argument(m, n, t):
     switch, stack = m.switch, m.stack
     evaluate(m.code, m.const, switch[n, at.FIRST_CODE], switch[n, at.END_CODE], t, m.body, m.signals, stack)
     other = float(stack[1]) if switch[n, at.OPERANDS] == 2 else 0.0
-    op = m.code[switch[n, at.OWN_CODE], 0]
+    own = switch[n, at.OWN_CODE]
+    op = m.code[own, 0]
+    if op == BENT:
+        return wave(knot_coordinate(m.const, m.code[own, 1], float(stack[0])))
     return stack[0] - other if op >= LESS else switching(op, float(stack[0]), other)
 
 

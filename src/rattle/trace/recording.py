@@ -30,6 +30,7 @@ from rattle.language import jets
 from rattle.language.expression import OPERATIONS
 from rattle.language.recorded import Recorded, symbol_of
 from rattle.trace.graph import FUNCTIONS, Graph, Symbol, both, select
+from rattle.trace.recorded_table import recorded_table
 from rattle.trace.symbol_arrays import arrays
 
 CLOSED = 1e-9  # residual that a projection may leave [m or rad, times the size of the mechanism where that is larger]
@@ -58,6 +59,10 @@ class Recorder:
     def number(self, value: float, symbol: Symbol) -> Recorded:
         """A number of a model that stands for a symbol and is `value` [SI] where the record is made."""
         return Recorded(value, symbol, self)
+
+    def table(self, block: Sequence[Any], x: Any) -> Any:
+        """Symbol of the value of a table at x, of which numbers may be recorded."""
+        return recorded_table(self.graph, [symbol_of(one) for one in block], 0, symbol_of(x))[0]
 
     def operation(self, op: int, *given: Any) -> Any:
         """Symbol of an operation of `language.bytecode` on constants of a model."""
@@ -218,12 +223,15 @@ def _language(graph: Graph) -> dict[KernelFunction, Callable[..., Any]]:
         return code.chosen.python(condition, yes, no) if known else select(condition > 0.0, yes, no)
 
     def choose_jet(stack: Any, top: int) -> None:
-        condition = stack[top, 0]
-        if not isinstance(condition, Symbol):
+        if not isinstance(stack[top], Symbol):
             jets.choose_jet.python(stack, top)
             return
+        holds = stack[top] > 0.0
         for n in range(3):
-            stack[top, n] = select(condition > 0.0, stack[top + 1, n], stack[top + 2, n])
+            stack[top + n] = select(holds, stack[top + 3 + n], stack[top + 6 + n])
+
+    def read_table(table: Any, k: int, side: int, x: Any, dx: Any, ddx: Any) -> Any:
+        return recorded_table(graph, table, k, x)
 
     def quotient(x: Any, y: Any) -> Any:
         known = not (isinstance(x, Symbol) or isinstance(y, Symbol))
@@ -240,7 +248,7 @@ def _language(graph: Graph) -> dict[KernelFunction, Callable[..., Any]]:
 
     return {
         code.unary: unary, code.binary: binary, code.quotient: quotient, code.power: power, code.whole: whole,
-        code.chosen: chosen, jets.heading: heading, jets.choose_jet: choose_jet,
+        code.chosen: chosen, code.read_table: read_table, jets.heading: heading, jets.choose_jet: choose_jet,
     }  # fmt: skip
 
 

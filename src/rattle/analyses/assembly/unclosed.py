@@ -6,6 +6,7 @@ import math
 
 from rattle.analyses.assembly.loops import describe_loop, tree_path
 from rattle.analyses.assembly.rank import unlike_masses
+from rattle.analyses.undefined import driver_left_a_table
 from rattle.equations.system import System
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
@@ -89,6 +90,8 @@ def without_value(system: System, workspace: Workspace, t: float) -> str:
     for name in system.model.drivers:
         value = workspace.values[system.driver_slot(name)]
         if not math.isfinite(value):
+            if left := driver_left_a_table(system, workspace, name, t):
+                return left
             domain = "check its domain (square root, logarithm, division by zero)"
             return f"the function of driver '{name}' has no finite value at t = {t:.6g} s ({value:g}); {domain}"
     return ""

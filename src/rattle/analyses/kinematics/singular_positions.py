@@ -8,6 +8,7 @@ import numpy as np
 
 from rattle.analyses.assembly.rank import describe_rank_loss, left_null, scaled_rows
 from rattle.analyses.kinematics.sweep import Sweep
+from rattle.analyses.undefined import driver_left_a_table
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import drive
@@ -25,6 +26,8 @@ def why_stuck(sweep: Sweep) -> str:
         for name in system.model.drivers:
             slot = system.driver_slot(name)
             if not np.isfinite(workspace.values[slot : slot + 3]).all():
+                if left := driver_left_a_table(system, workspace, name, t + ahead * max(1.0, abs(t))):
+                    return left
                 return f"the function of driver '{name}' has no finite value after t = {t:.10g} s; check its domain"
     open_by(workspace, t, sweep.node[swept.Q], sweep.node[swept.V])
     where = describe_rank_loss(system, workspace)

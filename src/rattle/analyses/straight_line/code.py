@@ -57,7 +57,7 @@ def _dependent(document: Mapping[str, Any], known: Sequence[str]) -> dict[str, s
         given = document["parameters"][name]
         text = given["value"] if isinstance(given, Mapping) else given
         if isinstance(text, str) and parse_quantity(text) is None:
-            used = sorted(names(parse(text)))
+            used = sorted(names(parse(text, tables=document.get("tables", {}))))
             if used:
                 found[name] = f"it follows from {', '.join(used)}"
     return found

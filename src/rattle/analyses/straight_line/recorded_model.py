@@ -158,8 +158,8 @@ def _require_smooth(system: System) -> None:
     driving = sorted({one.name for one in system.switches if one.driving})
     if driving:
         raise TraceError(
-            f"{', '.join(driving)} switches (abs, sign, min, max, floor, mod, if): code would step over the jumps of a driver;"
-            " use a smooth function of t"
+            f"{', '.join(driving)} switches (abs, sign, min, max, floor, mod, if, tables with kinks): code would step"
+            " over the jumps of a driver; use a smooth function of t"
         )
 
 

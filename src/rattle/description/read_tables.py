@@ -1,0 +1,325 @@
+"""The table [tables]: functions of one number given by points, written out or in a file beside the model file."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path as FilePath
+from pathlib import PurePosixPath, PureWindowsPath
+from typing import Any
+
+from rattle.description.read_values import Path, Values, said
+from rattle.errors import ModelError, Problem, suggest
+from rattle.language.expression import argument_of
+from rattle.language.syntax import FUNCTIONS, call_name
+from rattle.language.tables import Curve, curve
+from rattle.language.units import Dimension, QuantityError, describe, dimension_of, parse_quantity
+
+KEYS = ("x", "y", "units", "kind", "period", "file")
+KINDS = ("linear", "monotone", "spline")
+MOST_POINTS = 100_000
+LARGEST = 8_000_000  # bytes of a file
+CLOSE = 1e-9  # share of the period, or of the range of y, that counts as equal
+HEADER = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
+PLAIN_FILE = 'a file beside the model file, such as "lift.csv"'
+
+
+# ---------------------------------------------------------------- tables of a model
+def read_tables(values: Values, document: Mapping[str, Any], known: bool) -> None:
+    """Read the tables whose numbers are known before the parameters are (known), or the others.
+
+    They are entered in `values`, with the dimensions of their argument and of their value.
+    """
+    tables = values.table(document.get("tables", {}), ("tables",))
+    for name, given in tables.items():
+        if not isinstance(given, Mapping):
+            if known:
+                values.wrong(("tables", name), f"expected a table {{ x = [...], y = [...] }}, got {said(given)}")
+                values.broken_tables.add(name)
+        elif known == _is_plain(given):
+            before = len(values.problems)
+            found = _read(values, name, given)
+            if found is None or len(values.problems) > before:
+                values.broken_tables.add(name)
+            else:
+                values.enter_table(name, found[0])
+                values.dimensions[argument_of(call_name(name))], values.dimensions[call_name(name)] = found[1:]
+        elif known:
+            values.later_tables.add(name)
+    if not known:
+        values.later_tables.clear()
+
+
+def _is_plain(given: Mapping[str, Any]) -> bool:
+    """True if no number of a table is an expression."""
+    written = [given.get("period"), *(one for key in ("x", "y") for one in _listed(given.get(key)))]
+    try:
+        return all(parse_quantity(one) is not None for one in written if isinstance(one, str))
+    except QuantityError:
+        return True
+
+
+def _listed(given: Any) -> Sequence[Any]:
+    return given if isinstance(given, list | tuple) else ()
+
+
+def _read(
+    values: Values, name: str, given: Mapping[str, Any]
+) -> tuple[Curve, Dimension | None, Dimension | None] | None:
+    """A table with the dimensions of x and y; None after a problem."""
+    path: Path = ("tables", name)
+    if name in FUNCTIONS:
+        values.wrong(path, f"'{name}' is a function; choose another name", at_key=True)
+    else:
+        values.name(name, path)
+    values.keys(given, KEYS, path)
+    kind = given.get("kind", "linear")
+    if kind not in KINDS:
+        values.wrong(
+            (*path, "kind"), f"expected one of {', '.join(KINDS)}, got {said(kind)}{suggest(str(kind), KINDS)}"
+        )
+        return None
+    missing = [key for key in ("x", "y") if key not in given]
+    if missing and "file" not in given:
+        values.wrong(path, f"needs {' and '.join(missing)}: lists of numbers, or file: {PLAIN_FILE}")
+    if missing:
+        return None
+    units = given.get("units", ("", ""))
+    if not isinstance(units, list | tuple) or len(units) != 2 or not all(isinstance(one, str) for one in units):
+        values.wrong((*path, "units"), f'expected the units of x and y, as in ["deg", "mm"], got {said(units)}')
+        return None
+    before = len(values.problems)
+    x, of_x = _numbers(values, given["x"], units[0], (*path, "x"))
+    y, of_y = _numbers(values, given["y"], units[1], (*path, "y"))
+    if len(values.problems) > before:
+        return None
+    period = _period(values, given, units[0], of_x, path)
+    if not _shape_is_sound(values, x, y, kind, period, path):
+        return None
+    made = _made(values, x, y, kind, period, path)
+    return (made, of_x, of_y) if made is not None else None
+
+
+def _numbers(values: Values, given: Any, unit: str, path: Path) -> tuple[list[float], Dimension | None]:
+    """Numbers of a list [SI] and their common dimension; unit: of those that have none, "" for SI."""
+    if not isinstance(given, list | tuple):
+        values.wrong(path, f"expected a list of numbers, got {said(given)}")
+        return [], None
+    if len(given) > MOST_POINTS:
+        values.wrong(path, f"{len(given)} numbers; a table has at most {MOST_POINTS} points")
+        return [], None
+    try:
+        scale, common = _scale(unit)
+    except QuantityError as error:
+        values.wrong((*path[:2], "units"), str(error))
+        return [], None
+    found = []
+    for n, one in enumerate(given):
+        number, dimension = values.any_number(one, (*path, n))
+        if dimension is None and scale != 1.0:
+            number = number * scale
+        elif dimension is not None and common not in (None, dimension):
+            values.wrong(
+                (*path, n), f"{said(one)} is {describe(dimension)}, others are {describe(common or dimension)}"
+            )
+        common = dimension if common is None else common
+        found.append(number)
+    return found, common
+
+
+def _scale(unit: str) -> tuple[float, Dimension | None]:
+    """Size in SI units and dimension of a unit; 1 and None for "".  Raises QuantityError."""
+    if not unit.strip():
+        return 1.0, None
+    quantity = parse_quantity(f"1 {unit}")
+    if quantity is None:
+        raise QuantityError(f"{said(unit)} is not a unit")
+    return quantity[0], dimension_of(unit)
+
+
+def _period(values: Values, given: Mapping[str, Any], unit: str, of_x: Dimension | None, path: Path) -> float:
+    """The period [SI], 0 if there is none, nan after a problem."""
+    if "period" not in given:
+        return 0.0
+    here = (*path, "period")
+    number, dimension = values.any_number(given["period"], here)
+    if dimension is None:
+        number = number * _scale(unit)[0] if unit.strip() else number
+    elif of_x is not None and dimension != of_x:
+        values.wrong(here, f"{said(given['period'])} is {describe(dimension)}; x is {describe(of_x)}")
+    if not math.isfinite(number):
+        return math.nan
+    if not number > 0.0:
+        values.wrong(here, f"{said(given['period'])} must be positive")
+        return math.nan
+    return number
+
+
+def _shape_is_sound(values: Values, x: list[float], y: list[float], kind: str, period: float, path: Path) -> bool:
+    """True if the points make a table of this kind."""
+    if len(x) != len(y):
+        values.wrong(path, f"x has {len(x)} numbers and y has {len(y)}; expected as many")
+        return False
+    for n in range(1, len(x)):
+        if not x[n] > x[n - 1]:
+            values.wrong(
+                (*path, "x", n),
+                f"{float(x[n]):g} does not follow on {float(x[n - 1]):g}: x must increase (in SI units)",
+            )
+            return False
+    if math.isnan(period):
+        return False
+    if len(x) < 2:
+        values.wrong((*path, "x"), f"{len(x)} point{'s' * (len(x) != 1)}; a table needs two or more")
+        return False
+    span = x[-1] - x[0]
+    if period and span > period * (1.0 + CLOSE):
+        values.wrong(
+            (*path, "period"), f"x goes over {float(span):g}, more than the period {float(period):g} (in SI units)"
+        )
+        return False
+    closed = bool(period) and span >= period * (1.0 - CLOSE)
+    if closed and abs(y[-1] - y[0]) > CLOSE * (max(y) - min(y)):
+        values.wrong(
+            (*path, "y"),
+            f"y ends with {float(y[-1]):g} one period after {float(y[0]):g} (in SI units); expected the same",
+        )
+        return False
+    if period and kind == "spline" and len(x) + (not closed) < 4:
+        values.wrong((*path, "x"), "a spline with a period needs three or more different points")
+        return False
+    return True
+
+
+def _made(values: Values, x: list[float], y: list[float], kind: str, period: float, path: Path) -> Curve | None:
+    """The curve through sound points; where there is a period it ends one period after its start."""
+    if period:
+        if x[-1] - x[0] < period * (1.0 - CLOSE):
+            x, y = [*x, x[0] + period], [*y, y[0]]
+        else:
+            x, y = [*x[:-1], x[0] + period], [*y[:-1], y[0]]
+    found = curve(x, y, kind, period)
+    if not all(math.isfinite(one) for segment in found.coefficients for one in segment):
+        values.wrong(path, "its numbers are too large, or its points too close, for finite slopes")
+        return None
+    return found
+
+
+# ---------------------------------------------------------------- files
+def with_files(
+    document: Mapping[str, Any], folder: FilePath | None, file: str = "", read: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """A document in which the tables that name a file hold its numbers too, under x, y and units.
+
+    folder: that of the model file, None for a model that was not read from a file.  read: tables read before, which
+    stay as they are.  Raises ModelError with all problems.
+    """
+    tables = document.get("tables")
+    made = dict(document)
+    if not isinstance(tables, Mapping):
+        return made
+    problems: list[Problem] = []
+    filled: dict[str, Any] = {}
+    for name, given in tables.items():
+        filled[name] = given
+        if isinstance(given, Mapping) and "file" in given and given != (read or {}).get(name):
+            if both := [key for key in ("x", "y", "units") if key in given]:
+                problems.append(Problem(("tables", name, both[0]), "give a file or x and y, not both", True))
+                continue
+            try:
+                filled[name] = {**given, **_of_file(given["file"], folder)}
+            except ValueError as error:
+                problems.append(Problem(("tables", name, "file"), str(error)))
+    if problems:
+        raise ModelError(problems, file)
+    made["tables"] = filled
+    return made
+
+
+def _of_file(given: Any, folder: FilePath | None) -> dict[str, Any]:
+    """x, y and units of a file.  Raises ValueError that says what is wrong with the file."""
+    if not isinstance(given, str) or not given.strip():
+        raise ValueError(f"expected {PLAIN_FILE}, got {said(given)}")
+    if folder is None:
+        raise ValueError(f"{said(given)}: a model that was not read from a file has no folder; write out x and y")
+    return read_points(inside(folder, given), given)
+
+
+def inside(folder: FilePath, name: str) -> FilePath:
+    """The place of a file in a folder.  Raises ValueError if it would be outside, or is no file."""
+    parts = PureWindowsPath(name)
+    if PurePosixPath(name).is_absolute() or parts.drive or parts.root or ".." in parts.parts:
+        raise ValueError(f"{said(name)} leads out of the folder of the model; expected {PLAIN_FILE}")
+    try:
+        home = folder.resolve()
+        place = (home / name).resolve()
+        if not place.is_relative_to(home):
+            raise ValueError(f"{said(name)} is a link out of the folder of the model; expected {PLAIN_FILE}")
+        if not place.is_file():
+            raise ValueError(f"there is no file {said(name)} in the folder of the model")
+    except (OSError, RuntimeError) as error:
+        raise ValueError(f"cannot find {said(name)}: {error}") from None
+    return place
+
+
+def read_points(place: FilePath, name: str) -> dict[str, Any]:
+    """x, y and their units from a file of two columns; name: as messages call it.
+
+    Its first line may be a header such as `angle [deg], lift [mm]`.  Raises ValueError with the line.
+    """
+    try:
+        if place.stat().st_size > LARGEST:
+            raise ValueError(f"{said(name)} has more than {LARGEST / 1e6:.0f} MB")
+        text = place.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise ValueError(f"cannot read {said(name)}: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise ValueError(f"{said(name)} is not UTF-8 text") from None
+    first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
+    split = next((one for one in (";", "\t", ",") if one in first), ",")
+    units = ["", ""]
+    points: list[tuple[float, float]] = []
+    header = True
+    for number, row in enumerate(csv.reader(text.splitlines(), delimiter=split, skipinitialspace=True), start=1):
+        cells = [cell.strip() for cell in row]
+        if not any(cells) or cells[0].startswith("#"):
+            continue
+        if len(cells) != 2:
+            raise ValueError(f"{name}, line {number}: expected two columns, found {len(cells)}")
+        if header and not any(_is_number(cell) for cell in cells):
+            units = [_unit(cell, f"{name}, line {number}") for cell in cells]
+        else:
+            points.append((_cell(cells[0], name, number), _cell(cells[1], name, number)))
+        header = False
+    if not points:
+        raise ValueError(f"{said(name)} holds no numbers")
+    return {"x": [x for x, _ in points], "y": [y for _, y in points], "units": units}
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _cell(cell: str, name: str, number: int) -> float:
+    if not _is_number(cell) or not math.isfinite(float(cell)):
+        raise ValueError(f"{name}, line {number}: {said(cell)} is not a finite number; a decimal point is written '.'")
+    return float(cell)
+
+
+def _unit(cell: str, where: str) -> str:
+    """The unit in the header of a column, "" if it has none."""
+    found = HEADER.fullmatch(cell)
+    if found is None:
+        raise ValueError(f"{where}: expected a header such as 'lift [mm]', found {said(cell)}")
+    unit = (found["unit"] or "").strip()
+    try:
+        _scale(unit)
+    except QuantityError as error:
+        raise ValueError(f"{where}: {error}") from None
+    return unit
