@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.description.read_values import describe_cycle, in_order
+from rattle.description.dependence import describe_cycle, in_order
 from rattle.description.toml_locations import locate, locate_all
 
 pytestmark = pytest.mark.nojit

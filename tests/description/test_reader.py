@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rattle as rt
+from rattle.description.dependence import describe_cycle, in_order
 from rattle.description.model import ValueTable
-from rattle.description.read_values import describe_cycle, in_order
 from rattle.description.reader import read
 from rattle.language.expression import names, value
 
