@@ -164,12 +164,26 @@ class Values:
             return None
         return replaced(node, self.local) if self.local else node
 
+    def units_are_clear(self, node: Node, path: Path) -> bool:
+        """False if a word in the unit of a number is also a name of the model: "9.81 m/s^2*m" with a mass m."""
+        for part in walk(node):
+            if isinstance(part, Number):
+                for word in sorted(part.others):
+                    if word in self.constants or word in self.live or word in self.local:
+                        either = f"in parentheses, as in (40 N)*{word}, for the name, or 40 Nm for the unit"
+                        said_of = f"'{word}' in this unit is also a name of the model; write the quantity {either}"
+                        self.wrong(path, said_of, column=part.column)
+                        return False
+        return True
+
     def names_known(self, node: Node, text: str, path: Path, unit: str | None, live: bool) -> bool:
         """True if every name is known and allowed here."""
 
         def allowed(one: str) -> bool:
             return one in self.constants or one in self.local or (live and (one == "t" or one in self.live))
 
+        if not self.units_are_clear(node, path):
+            return False
         spots = {part.name: part.column for part in reversed(walk(node)) if isinstance(part, Name)}
         for one in sorted(spots.keys() & self.local):
             if one in self.constants or one in self.live:
@@ -187,7 +201,7 @@ class Values:
                 if unit and text.strip() == one and "did you mean" not in hint:
                     hint = f"; expected {expected(unit)}: a quantity like '5 {unit}' or an expression"
                 if one in UNITS and "did you mean" not in hint:
-                    hint = f"; {one} is a unit: enter x = '5 {one}' under [parameters] and write x here"
+                    hint = f"; {one} is a unit, which stands behind a number: 5 {one}"
                 elif "." in one and "did you mean" not in hint:
                     hint = f"; {KNOWN if live else 'only parameters are allowed here'}"
                 self.wrong(path, f"unknown name {said(one)} in {said(text)}{hint}", column=column)
@@ -214,7 +228,8 @@ class Values:
         used = names(node)
         calls = {part.name for part in walk(node) if isinstance(part, Apply) and part.name.endswith(CALL)}
         known = {*used, *calls, *map(argument_of, calls)}
-        if all(self.dimensions.get(one) is None for one in known):
+        units = any(isinstance(part, Number) and part.dimension is not None for part in walk(node))
+        if not units and all(self.dimensions.get(one) is None for one in known):
             return None
         try:
             seen = dimension(node, self.dimensions.get)

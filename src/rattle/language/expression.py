@@ -92,7 +92,7 @@ def dimension(node: Node, lookup: Callable[[str], Dimension | None], time: Dimen
     stack: list[Dimension | None] = []
     for part in walk(node):
         if isinstance(part, Number):
-            stack.append(None)
+            stack.append(part.dimension)
         elif isinstance(part, Name):
             stack.append(time if part.name == "t" else lookup(part.name))
         else:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from keyword import kwlist
 
 from rattle.errors import suggest
-from rattle.language.units import UNITS
+from rattle.language.units import UNITS, Dimension, scaled, unit_at
 
 MAX_LENGTH = 2000  # characters
 MAX_DEPTH = 50
@@ -92,10 +92,15 @@ class ExpressionError(ValueError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Number:
-    """A number as written, without a unit (SI), or pi."""
+    """A number [SI], or pi.
+
+    dimension: None if it was written without a unit.  others: names in its unit beyond the first.
+    """
 
     value: float
     column: int
+    dimension: Dimension | None = None
+    others: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -211,12 +216,12 @@ class _Parser:
     @staticmethod
     def unit_or_product(number: str, word: str) -> str:
         """Advice for a name that follows a number directly."""
-        if word in UNITS:
-            return (
-                f"; units are allowed only in a plain quantity: enter x = '{number} {word}' under [parameters]"
-                " and write x here"
-            )
-        return f"; write {number}*{word} for a product"
+        if word == "t":
+            return f"; write {number}*t for the time, {number}e3 kg for a mass"
+        same = [unit for unit in UNITS if unit.casefold() == word.casefold()]
+        if same:
+            return f"; did you mean {number} {same[0]}?"
+        return f"; {word} is not a unit: write {number}*{word} for a product"
 
     def expression(self, least: int) -> Node:
         self.depth += 1
@@ -242,6 +247,8 @@ class _Parser:
         self.at += 1
         if kind == "number":
             return self.number(word, column)
+        if kind == "quantity":
+            return self.quantity(word, column)
         if kind == "name" and word != "not":
             return self.name(word, column)
         if word == "-":
@@ -263,6 +270,17 @@ class _Parser:
             raise ExpressionError("the number is too large", column)
         self.count(column)
         return Number(value, column)
+
+    def quantity(self, word: str, column: int) -> Node:
+        number = re.match(_NUMBER, word)
+        assert number is not None
+        unit = unit_at(word, number.end())
+        assert unit is not None
+        value = scaled(float(number[0]), unit.scale)
+        if not math.isfinite(value):
+            raise ExpressionError("the number is too large", column)
+        self.count(column)
+        return Number(value, column, unit.dimension, unit.others)
 
     def name(self, word: str, column: int) -> Node:
         if self.tokens[self.at][1] == "(":
@@ -364,11 +382,17 @@ def _is_condition(node: Node) -> bool:
     return isinstance(node, Apply) and (node.name in COMPARISONS or node.name in JOINING)
 
 
+_NUMBER = r"(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+"
+
+
+_TIME = re.compile(r"\s*+t\b")  # behind a number: the time rather than a ton
+
+
 @functools.cache
 def _token(parts: int) -> re.Pattern[str]:
     """Pattern of one token; a name has at most so many parts."""
     return re.compile(
-        r"(?P<space>\s++)|(?P<number>(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+)"
+        r"(?P<space>\s++)|(?P<number>" + _NUMBER + ")"
         r"|(?P<name>[A-Za-z_]\w*+" + r"(?:\.[A-Za-z_]\w*+)?+" * (parts - 1) + ")"
         r"|(?P<operator>\*\*|<=|>=|[-+*/(),<>])",
         re.ASCII,
@@ -376,7 +400,7 @@ def _token(parts: int) -> re.Pattern[str]:
 
 
 def _tokens(text: str, grammar: Grammar) -> list[tuple[str, str, int]]:
-    """Kind ("number", "name", "operator", "end"), word and column of every token."""
+    """Kind ("number", "quantity", "name", "operator", "end"), word and column of every token."""
     found: list[tuple[str, str, int]] = []
     at = 0
     while at < len(text):
@@ -386,8 +410,13 @@ def _tokens(text: str, grammar: Grammar) -> list[tuple[str, str, int]]:
             if text[at] == "." and found and found[-1][0] == "name":
                 raise ExpressionError(f"'{found[-1][1]}.' has too many parts; {grammar.known}", at)
             raise ExpressionError(_REFUSED.get(text[at], f"unexpected character '{shown}'"), at)
-        if match.lastgroup != "space":
+        end = match.end()
+        unit = unit_at(text, end) if match.lastgroup == "number" else None
+        if unit is not None and not _TIME.match(text, end):
+            found.append(("quantity", text[at : unit.end], at))
+            end = unit.end
+        elif match.lastgroup != "space":
             found.append((match.lastgroup or "", match[0], at))
-        at = match.end()
+        at = end
     found.append(("end", "", len(text.rstrip())))
     return found

@@ -160,6 +160,8 @@ def parse_quantity(text: str) -> tuple[float, Dimension | None] | None:
     number, unit = float(found[1]), found[2]
     if unit is None:
         value, dimension = number, None
+    elif is_longer(unit):
+        return None
     else:
         try:
             scale, dimension = _read_unit(unit.strip())
@@ -169,11 +171,99 @@ def parse_quantity(text: str) -> tuple[float, Dimension | None] | None:
             product = f"if {word[0]} is a parameter write {found[1]}*{word[0]}" if word else ""
             hint = f"; `rattle kinds units` lists them; {product}" if plain and word else ""
             raise QuantityError(f"{error}{hint}") from None
-        parts = round(1.0 / scale) if 1e-15 < scale < 1.0 else 0  # 5 um as 5 / 1000000: less rounding than 5 * 1e-6
-        value = number / parts if abs(parts * scale - 1.0) < 1e-14 else number * scale
+        value = scaled(number, scale)
     if not math.isfinite(value):
         raise QuantityError(f"'{text.strip()}' is not a finite number")
     return value, dimension
+
+
+def scaled(number: float, scale: float) -> float:
+    """A number of units of this size: 5 um as 5 / 1000000, which is rounded less than 5 * 1e-6."""
+    parts = round(1.0 / scale) if 1e-15 < scale < 1.0 else 0
+    return number / parts if abs(parts * scale - 1.0) < 1e-14 else number * scale
+
+
+def is_longer(unit: str) -> bool:
+    """True if a text begins with a unit and goes on as an expression: "mm * sin(t)"."""
+    found = unit_at(unit, 0)
+    return found is not None and _LONGER.match(unit, found.end) is not None
+
+
+class FoundUnit(NamedTuple):
+    """A unit in a text: where it ends, its size in SI units, its dimension, and its names beyond the first."""
+
+    end: int
+    scale: float
+    dimension: Dimension
+    others: frozenset[str]
+
+
+_WORD = re.compile(r"(?:[^\W\d]\w*+|°)(?!\s*+\(|\.[^\W\d])")
+_POWER = re.compile(r"\s*+(?:\^|\*\*)\s*+(?:\(\s*+[+-]?[0-9]++(?:\.[0-9]++)?+\s*+\)|[+-]?[0-9]++(?:\.[0-9]++)?+)")
+_LONGER = re.compile(r"\s*+(?:(?:\*\*|[*/])\s*+[\w.(°]|(?:if|else|and|or)\b)")
+
+
+def _skip(text: str, at: int) -> int:
+    """Place of the first character from `at` on that is no space."""
+    while at < len(text) and text[at].isspace():
+        at += 1
+    return at
+
+
+def unit_at(text: str, start: int) -> FoundUnit | None:
+    """The longest unit that begins at `start` of an expression, after a number; None if there is none.
+
+    It goes on with `*`, `/`, `·` or a space as long as names of units follow, powers of them, or parentheses around
+    them.  A name before a parenthesis is a function, and `t` after the first name is the time.
+    """
+    words: list[str] = []
+    end = _factor_end(text, _skip(text, start), words, 0)
+    if end is None:
+        return None
+    begin = _skip(text, start)
+    while True:
+        more: list[str] = []
+        after = _further(text, end, more, 0)
+        if after is None or len(text[begin:after]) > MAX_LENGTH:
+            break
+        words += more
+        end = after
+    try:
+        scale, dimension = _read_unit(text[begin:end])
+    except QuantityError:
+        return None
+    return FoundUnit(end, scale, dimension, frozenset(words[1:]))
+
+
+def _further(text: str, end: int, words: list[str], depth: int) -> int | None:
+    """End of one more factor of a unit after `end`, with its operator; None if there is none."""
+    after = _skip(text, end)
+    if after < len(text) and text[after] in "*·/" and not text.startswith("**", after):
+        after = _skip(text, after + 1)
+    elif after == end:
+        return None
+    found = _factor_end(text, after, words, depth)
+    return None if found is None or "t" in words else found
+
+
+def _factor_end(text: str, start: int, words: list[str], depth: int) -> int | None:
+    """End of the factor of a unit that begins at `start`: a name or a parenthesis, with a power; its names in words."""
+    end: int | None = None
+    if text.startswith("(", start) and depth < 5:
+        inside: list[str] = []
+        end = _factor_end(text, _skip(text, start + 1), inside, depth + 1)
+        while end is not None and not text.startswith(")", _skip(text, end)):
+            end = _further(text, end, inside, depth + 1)
+        if end is None or "t" in inside:
+            return None
+        words += inside
+        end = _skip(text, end) + 1
+    elif (word := _WORD.match(text, start)) and word[0].replace("\u03bc", "µ") in UNITS:
+        words.append(word[0])
+        end = word.end()
+    if end is not None and (power := _POWER.match(text, end)):
+        end = power.end()
+    return end
 
 
 def unit_of_quantity(text: str) -> tuple[float, str]:
