@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, overload
 
 from rattle.analyses.analysed_model import AnalysedModel
 from rattle.errors import ModelError
-from rattle.language.units import Seconds, seconds_or_none
+from rattle.language.times import Seconds, seconds_or_none
 
 if TYPE_CHECKING:
     import os

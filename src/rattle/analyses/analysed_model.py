@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, overload
 
 from rattle.analyses import arguments
 from rattle.description.written_model import WrittenModel
-from rattle.language.units import Seconds, seconds, seconds_or_none, times
+from rattle.language.times import Seconds, seconds, seconds_or_none, times
 
 if TYPE_CHECKING:
     import numpy as np

@@ -16,7 +16,7 @@ def time(value: str | float) -> float:
 
     Raises click.BadParameter.
     """
-    from rattle.language.units import seconds
+    from rattle.language.times import seconds
 
     try:
         return seconds(value, "time")

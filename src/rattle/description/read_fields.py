@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 from rattle import registry
 from rattle.description.read_values import Path, Values, said
 from rattle.errors import suggest
+from rattle.language.expression import ExpressionError, Name, Node, Number
+from rattle.language.local_function import LocalFunction, local_function
+from rattle.language.units import QuantityError, dimension_of, parse_quantity
 from rattle.registry import REQUIRED, Field
 
 
@@ -40,7 +44,7 @@ class FieldReader:
                 return (math.nan, math.nan) if one.shape == "pair" else math.nan
             default = one.default(read) if callable(one.default) else one.default
             if one.function_of:
-                return self.values.function(default, one, here)
+                return read_function(self.values, default, one, here)
             return float(one.choices.index(default)) if one.shape == "choice" else default
         if one.shape == "choice":
             if given[key] in one.choices:
@@ -49,7 +53,7 @@ class FieldReader:
             self.values.wrong(here, f"expected one of {', '.join(one.choices)}, got {said(given[key])}{hint}")
             return math.nan
         if one.function_of:
-            return self.values.function(given[key], one, here)
+            return read_function(self.values, given[key], one, here)
         if one.shape == "pair":
             return self.values.vector(given[key], one.unit, here, one.live)
         return self.values.value(given[key], one.unit, here, one.least, one.live)
@@ -62,3 +66,25 @@ class FieldReader:
         for key, one in kind.fields.items():
             read[key] = self.field(replace(one, unit=unit(one.unit)), key, given, read, path)
         return read
+
+
+def read_function(values: Values, given: Any, one: Field, path: Path) -> LocalFunction | float:
+    """A field that is a function of a variable of its kind; nan after a problem."""
+    node: Node | None = None
+    quantity = None
+    with values.within({one.function_of: (Name(one.function_of, 0), dimension_of(one.of_unit))}):
+        if isinstance(given, str):
+            with suppress(QuantityError):
+                quantity = parse_quantity(given)
+        if isinstance(given, str) and quantity is None:
+            node = values.expression(given, path, one.unit, live=False)
+        else:
+            number = values.value(given, one.unit, path, one.least)
+            node = None if math.isnan(number) else Number(number, 0)
+    if node is None:
+        return math.nan
+    try:
+        return local_function(node, one.function_of, values.constants, values.tables)
+    except ExpressionError as error:
+        values.in_expression(error, path)
+        return math.nan

@@ -25,7 +25,6 @@ from rattle.language.expression import (
     value,
     walk,
 )
-from rattle.language.local_function import LocalFunction, local_function
 from rattle.language.syntax import CALL, KNOWN
 from rattle.language.tables import NO_TABLES, Curve, Tables, tables_of
 from rattle.language.units import (
@@ -37,7 +36,6 @@ from rattle.language.units import (
     dimension_of,
     parse_quantity,
 )
-from rattle.registry import Field
 
 Path = tuple[str | int, ...]
 Chosen = Callable[[float], float]  # makes of the value of a parameter [SI] the number that stands for it
@@ -310,27 +308,6 @@ class Values:
         except ExpressionError as error:
             self.in_expression(error, path)
             return None
-
-    def function(self, given: Any, one: Field, path: Path) -> LocalFunction | float:
-        """A field that is a function of a variable of its kind; nan after a problem."""
-        node: Node | None = None
-        quantity = None
-        with self.within({one.function_of: (Name(one.function_of, 0), dimension_of(one.of_unit))}):
-            if isinstance(given, str):
-                with suppress(QuantityError):
-                    quantity = parse_quantity(given)
-            if isinstance(given, str) and quantity is None:
-                node = self.expression(given, path, one.unit, live=False)
-            else:
-                number = self.value(given, one.unit, path, one.least)
-                node = None if math.isnan(number) else Number(number, 0)
-        if node is None:
-            return math.nan
-        try:
-            return local_function(node, one.function_of, self.constants, self.tables)
-        except ExpressionError as error:
-            self.in_expression(error, path)
-            return math.nan
 
     def any_number(self, given: Any, path: Path) -> tuple[float, Dimension | None]:
         """A number of any unit [SI] and its dimension, None if it has none; nan after a problem."""

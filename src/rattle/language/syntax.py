@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import functools
 import math
-import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from keyword import kwlist
 
 from rattle.errors import suggest
-from rattle.language.units import UNITS, Dimension, scaled, unit_at
+from rattle.language.tokens import ExpressionError as ExpressionError
+from rattle.language.tokens import number_of, tokens
+from rattle.language.units import UNITS, Dimension, scaled
 
 MAX_LENGTH = 2000  # characters
 MAX_DEPTH = 50
@@ -39,14 +40,6 @@ _NOT = 4  # not x < y is not (x < y)
 _SIGN = 8  # -x**2 is -(x**2), -x*y is (-x)*y
 COMPARISONS = ("<", "<=", ">", ">=")
 JOINING = ("and", "or", "not")
-_REFUSED = {
-    "^": "'^' is not an operator; use ** for powers",
-    "=": "'=' is not allowed in an expression; compare with < <= > >=",
-    '"': "an expression cannot contain text",
-    "'": "an expression cannot contain text",
-    "[": "an expression cannot contain indices",
-}
-
 
 OTHERWISE = {  # functions of other languages that have another name here, or none
     "log10": "write log(x)/log(10)",
@@ -79,15 +72,6 @@ class Grammar:
 
 
 MODEL = Grammar()  # of model files
-
-
-class ExpressionError(ValueError):
-    """A fault in an expression; `column` is where it stands, in characters counted from 0."""
-
-    def __init__(self, message: str, column: int = 0) -> None:
-        super().__init__(message)
-        self.message = message
-        self.column = column
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -188,7 +172,7 @@ class _Parser:
         self.text = text
         self.grammar = grammar
         self.tables = tables
-        self.tokens = _tokens(text, grammar)
+        self.tokens = tokens(text, grammar.parts, grammar.known)
         self.at = 0
         self.depth = 0
         self.nodes = 0
@@ -272,11 +256,8 @@ class _Parser:
         return Number(value, column)
 
     def quantity(self, word: str, column: int) -> Node:
-        number = re.match(_NUMBER, word)
-        assert number is not None
-        unit = unit_at(word, number.end())
-        assert unit is not None
-        value = scaled(float(number[0]), unit.scale)
+        number, unit = number_of(word)
+        value = scaled(number, unit.scale)
         if not math.isfinite(value):
             raise ExpressionError("the number is too large", column)
         self.count(column)
@@ -380,43 +361,3 @@ _JOINED = {"and": "x > 0 and y > 0", "or": "x > 0 or y > 0", "not": "not x > 0"}
 
 def _is_condition(node: Node) -> bool:
     return isinstance(node, Apply) and (node.name in COMPARISONS or node.name in JOINING)
-
-
-_NUMBER = r"(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+"
-
-
-_TIME = re.compile(r"\s*+t\b")  # behind a number: the time rather than a ton
-
-
-@functools.cache
-def _token(parts: int) -> re.Pattern[str]:
-    """Pattern of one token; a name has at most so many parts."""
-    return re.compile(
-        r"(?P<space>\s++)|(?P<number>" + _NUMBER + ")"
-        r"|(?P<name>[A-Za-z_]\w*+" + r"(?:\.[A-Za-z_]\w*+)?+" * (parts - 1) + ")"
-        r"|(?P<operator>\*\*|<=|>=|[-+*/(),<>])",
-        re.ASCII,
-    )
-
-
-def _tokens(text: str, grammar: Grammar) -> list[tuple[str, str, int]]:
-    """Kind ("number", "quantity", "name", "operator", "end"), word and column of every token."""
-    found: list[tuple[str, str, int]] = []
-    at = 0
-    while at < len(text):
-        match = _token(grammar.parts).match(text, at)
-        if match is None:
-            shown = text[at] if text[at].isprintable() else repr(text[at])[1:-1]
-            if text[at] == "." and found and found[-1][0] == "name":
-                raise ExpressionError(f"'{found[-1][1]}.' has too many parts; {grammar.known}", at)
-            raise ExpressionError(_REFUSED.get(text[at], f"unexpected character '{shown}'"), at)
-        end = match.end()
-        unit = unit_at(text, end) if match.lastgroup == "number" else None
-        if unit is not None and not _TIME.match(text, end):
-            found.append(("quantity", text[at : unit.end], at))
-            end = unit.end
-        elif match.lastgroup != "space":
-            found.append((match.lastgroup or "", match[0], at))
-        at = end
-    found.append(("end", "", len(text.rstrip())))
-    return found

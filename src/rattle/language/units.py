@@ -13,7 +13,7 @@ from __future__ import annotations
 import functools
 import math
 import re
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rattle.errors import suggest
 
@@ -271,50 +271,6 @@ def unit_of_quantity(text: str) -> tuple[float, str]:
     found = _QUANTITY.fullmatch(text) if len(text) <= MAX_LENGTH else None
     unit = (found[2] or "").strip() if found else ""
     return (_read_unit(unit)[0], unit) if unit else (1.0, "")
-
-
-Seconds = float | str  # a time: a number in s, or a text such as "20 ms"
-
-
-def seconds(value: Seconds, what: str) -> float:
-    """A time in s, given as a number or as a text such as "20 ms".
-
-    what: the name of the argument, for messages.  Raises ValueError if the text or number is not a time, TypeError for
-    other types.
-    """
-    if isinstance(value, str):
-        try:
-            found = parse_quantity(value)
-        except QuantityError as error:
-            raise ValueError(f"{what}: {error}") from None
-        if found is None:
-            raise ValueError(f'{what}: {value!r} is not a time; expected s, as in 0.02 or "20 ms"')
-        if found[1] is not None and found[1] != TIME:
-            raise ValueError(f'{what}: {value!r} is {describe(found[1])}; expected a time, as in 0.02 or "20 ms"')
-        return found[0]
-    try:
-        return float(value)
-    except OverflowError:
-        raise ValueError(f"{what}: the number is too large") from None
-    except (TypeError, ValueError):
-        raise TypeError(f'{what} is a time in s, as in 0.02 or "20 ms"; got {value!r}') from None
-
-
-def seconds_or_none(value: Seconds | None, what: str) -> float | None:
-    """A time in s as `seconds` reads it, or None if None is given.  Raises as `seconds` does."""
-    return None if value is None else seconds(value, what)
-
-
-def times(value: Any, what: str) -> Any:
-    """One time or a list of times in s, with texts converted as by `seconds`; other values are returned unchanged.
-
-    Raises as `seconds` does.
-    """
-    if isinstance(value, str):
-        return seconds(value, what)
-    if isinstance(value, list | tuple) and any(isinstance(one, str) for one in value):
-        return [seconds(one, what) for one in value]
-    return value
 
 
 def dimension_of(unit: str) -> Dimension:
