@@ -21,7 +21,9 @@ def field_values(kind, rng):
         if one.shape == "number":
             found[key] = [rng.uniform(0.5, 2.0)]
         elif one.shape == "pair":
-            found[key] = list(rng.uniform(-2, 2, 2))
+            found[key] = list(rng.uniform(0.5, 2, 2) if one.least == "positive" else rng.uniform(-2, 2, 2))
+        elif one.shape == "flag":
+            found[key] = [float(rng.integers(2))]
         elif one.shape == "choice":
             found[key] = [float(rng.integers(len(one.choices)))]
         elif one.shape == "point":

@@ -128,6 +128,8 @@ def unit_of(field: Any) -> str:
         return " ".join(code(one) for one in field.choices)
     if field.shape == "pair":
         return f"[{field.unit}, {field.unit}]" if field.unit else "two numbers"
+    if field.shape == "flag":
+        return f"{code('true')} {code('false')}"
     return field.unit or ("–" if field.shape == "number" else field.shape)
 
 
@@ -138,6 +140,8 @@ def default_of(field: Any, required: Any) -> str:
         return f"needed{limit}"
     if callable(field.default):
         return f"follows from other fields{limit}"
+    if field.shape == "flag":
+        return str(field.default).lower()
     number = isinstance(field.default, float)
     shown = (
         "no limit" if number and math.isinf(field.default) else f"{field.default:g}" if number else str(field.default)
@@ -240,7 +244,7 @@ def _value(key: str, field: Any, live: bool) -> str:
     if key == "connect":
         return ends["connect"]
     shown = f'"{number}"' if isinstance(number, str) else f"{number:g}"
-    return f"[{shown}, 0]" if field.shape == "pair" else shown
+    return f"[{shown}, {shown if field.least else 0}]" if field.shape == "pair" else shown
 
 
 # ---------------------------------------------------------------- tables, names, functions, units, materials

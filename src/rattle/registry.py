@@ -51,7 +51,7 @@ class Field:
     """One key that the user writes for a kind.
 
     unit: SI unit of the number, "" for a plain number or angle.  meaning: a few words for help and documentation.
-    shape: number | pair | point ("body.point") | body | joint | choice | size (a table of numbers).
+    shape: number | pair | point ("body.point") | body | joint | choice | flag (true, false) | size (numbers).
     live: the value may be an expression in t, state and signals, evaluated at every instant.
     least: "positive" or "not negative" if the number is limited.
     default: a number in SI units, or a function of the fields read so far; REQUIRED if the key must be given.

@@ -129,6 +129,8 @@ def kinds(name: str | None) -> None:
 def _unit(spec: Any) -> str:
     if spec.shape == "choice":
         return " | ".join(spec.choices)
+    if spec.shape == "flag":
+        return "true | false"
     return {"number": f"[{spec.unit or '-'}]", "pair": f"[{spec.unit}, {spec.unit}]"}.get(spec.shape, f"({spec.shape})")
 
 
@@ -140,6 +142,8 @@ def _default(spec: Any, family: str) -> str:
         return more
     if spec.default in (math.inf, -math.inf):
         return f" (default: no limit){more}"
+    if spec.shape == "flag":
+        return f" (default {str(spec.default).lower()}){more}"
     return (
         f" (default {spec.default:g}){more}" if isinstance(spec.default, float) else f" (default {spec.default}){more}"
     )

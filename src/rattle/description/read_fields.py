@@ -45,6 +45,8 @@ class FieldReader:
             default = one.default(read) if callable(one.default) else one.default
             if one.function_of:
                 return read_function(self.values, default, one, here)
+            if one.shape == "flag":
+                return float(default)
             return float(one.choices.index(default)) if one.shape == "choice" else default
         if one.shape == "choice":
             if given[key] in one.choices:
@@ -54,8 +56,12 @@ class FieldReader:
             return math.nan
         if one.function_of:
             return read_function(self.values, given[key], one, here)
+        if one.shape == "flag":
+            if not isinstance(given[key], bool):
+                self.values.wrong(here, f"expected true or false, got {said(given[key])}")
+            return float(given[key] is True)
         if one.shape == "pair":
-            return self.values.vector(given[key], one.unit, here, one.live)
+            return self.values.vector(given[key], one.unit, here, one.live, one.least)
         return self.values.value(given[key], one.unit, here, one.least, one.live)
 
     def fields(

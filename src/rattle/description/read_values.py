@@ -324,12 +324,12 @@ class Values:
             return (math.nan, None) if node is None or number is None else (number, self.dimension(node))
         return self.value(given, "", path), None
 
-    def vector(self, given: Any, unit: str, path: Path, live: bool = False) -> Any:
+    def vector(self, given: Any, unit: str, path: Path, live: bool = False, least: str = "") -> Any:
         """Two values [SI]; if `live`, each may be a Node."""
         if not isinstance(given, list | tuple) or len(given) != 2:
             self.wrong(path, f"expected [x, y] in {unit}, got {said(given)}")
             return (math.nan, math.nan)
-        return tuple(self.value(one, unit, (*path, k), live=live) for k, one in enumerate(given))
+        return tuple(self.value(one, unit, (*path, k), least, live) for k, one in enumerate(given))
 
     def points(self, given: Any, path: Path) -> dict[str, Vector]:
         """A table of named points [m]."""

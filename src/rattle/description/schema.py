@@ -109,6 +109,8 @@ def _field(one: Field) -> Schema:
         meaning += f"; an expression in {one.function_of} [{one.of_unit}], which may use tables"
     if one.shape == "choice":
         made: Schema = {"enum": list(one.choices), "description": meaning}
+    elif one.shape == "flag":
+        made = {"type": "boolean", "description": meaning}
     elif one.shape == "pair":
         made = _vector(one.unit, meaning)
     elif one.shape == "point":
