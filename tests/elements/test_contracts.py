@@ -27,9 +27,14 @@ def parameters(family, kind, rng, f):
     """Points of A and B, the fields of the joint, then the function and its derivatives for a driver."""
     points = list(rng.uniform(-1, 1, 4))
     if family == "joint":
-        return np.array(points + field_values(kind, rng))
+        return np.array(points + field_values(kind, rng) + constants(kind, rng))
     line = [rng.uniform(0.5, 2.0)] if kind.leaf.along_line else []
     return np.array(points + line + f)
+
+
+def constants(kind, rng):
+    """What the start has made the constants of rows that count from it."""
+    return list(rng.uniform(-0.5, 0.5, len(kind.leaf.rows))) if kind.leaf.from_start else []
 
 
 def evaluate(kind, q, v, p):
@@ -95,7 +100,18 @@ def joint_of(name):
     return kind, rng.uniform(-1, 1, (2, 2)), dict(zip(kind.fields, field_values(kind, rng), strict=True))
 
 
-@pytest.mark.parametrize("name", registry.kinds("joint"))
+@pytest.mark.parametrize("name", [name for name, one in registry.kinds("joint").items() if one.leaf.from_start])
+def test_rows_that_count_from_the_start_vanish_with_what_is_left_of_them_there(name):
+    kind, q = registry.kinds("joint")[name], Path(rng_for(name)).q(0.3)
+    p = parameters("joint", kind, rng_for(name, "p"), [])
+    own = slice(len(p) - len(kind.leaf.rows), None)
+    p[own] = 0.0
+    p[own] = evaluate(kind, q, np.zeros((3, 3)), p)[:, at.RES]
+    assert np.abs(p[own]).min() > 0.01, "the case is too special to show anything"
+    np.testing.assert_allclose(evaluate(kind, q, np.zeros((3, 3)), p)[:, at.RES], 0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("name", [name for name, one in registry.kinds("joint").items() if one.leaf.places])
 def test_bodies_placed_as_a_joint_declares_close_its_rows(name):
     """The first guess knows no more of a joint than this."""
     kind, (at_a, at_b), fields = joint_of(name)

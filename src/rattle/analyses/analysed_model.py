@@ -28,10 +28,13 @@ class AnalysedModel(WrittenModel):
 
     @cached_property
     def system(self) -> System:
-        """The model as flat arrays, in SI units. Raises ModelError."""
-        from rattle.equations.system import compile_system
+        """The model as flat arrays, in SI units, with the constants of gears that its start sets.
 
-        return compile_system(self.model)
+        Raises ModelError; AssemblyError if such a mechanism cannot be put together.
+        """
+        from rattle.analyses.assembly.assembly import put_together
+
+        return put_together(self.model)
 
     @cached_property
     def start(self) -> Assembled:

@@ -7,19 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rattle.analyses.assembly.assembly import Assembled
+from rattle.analyses.assembly.assembly import Assembled, ideal_system
 from rattle.analyses.assembly.freedoms import free_coordinates
 from rattle.analyses.assembly.loops import describe_loop, loops
 from rattle.analyses.assembly.rank import nonunique_reactions, rank
-from rattle.analyses.assembly.without_play import ideal_model
 from rattle.analyses.law_check import law_faults
 from rattle.analyses.timetable import jump_lines, timetable
-from rattle.analyses.travel import past_ends, stop_lines, with_ends, with_stops
+from rattle.analyses.travel import out_of_place, stop_lines, with_ends, with_stops
 from rattle.description.model import Model
 from rattle.equations.closure import close_position, open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.placement import point_at
-from rattle.equations.system import System, compile_system, is_link
+from rattle.equations.system import System, is_link
 from rattle.jit.workspace import Workspace
 from rattle.results.display import table
 
@@ -112,7 +111,7 @@ def check(system: System, start: Assembled) -> Check:
         stops=tuple(stop_lines(model)),
         reach=(*reach, *jump_lines(jumps)),
         laws=tuple(law_faults(model)),
-        start=(*start.notes, *past_ends(system, np.array([start.t]), start.q.reshape(1, -1, 3))),
+        start=(*start.notes, *out_of_place(system, np.array([start.t]), start.q.reshape(1, -1, 3))),
         residual=start.residual,
     )
 
@@ -161,7 +160,7 @@ def _reach(system: System, start: Assembled) -> list[str]:
     if not model.drivers or system.row_count > LARGE:
         return []
     links = any(is_link(joint) or joint.stop for joint in model.joints.values())
-    ideal = compile_system(ideal_model(model)) if links else system
+    ideal = ideal_system(model) if links else system
     frozen, slots, at_start = _hold_drivers(ideal, start.t)
     found = []
     q = start.q.copy()

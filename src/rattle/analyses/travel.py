@@ -1,15 +1,22 @@
-"""Joints of limited travel, such as slots, or with stops: what a result has to say where their ends are left out."""
+"""What a result has to say about places that no row or contact holds.
+
+Joints of limited travel, such as slots, or with stops, where their ends are left out; gears whose centres move apart.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from rattle.description.model import Joint, Model, Point
 from rattle.equations.system import System
 from rattle.jit import layout as at
+
+UNFIT = 1e-4  # share of the distance that a joint needs by which another one is noted
 
 
 def places(system: System, raw: np.ndarray) -> np.ndarray:
@@ -22,6 +29,44 @@ def rates(system: System, raw: np.ndarray) -> np.ndarray:
     """Rates (n, nb, 3) [m/s, m/s, rad/s] of all bodies, a view of output rows (n, width)."""
     rows = raw[:, : at.PER_BODY * system.body_count].reshape(len(raw), system.body_count, at.PER_BODY)
     return rows[:, :, at.RATE : at.RATE + 3]
+
+
+def out_of_place(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:
+    """Notes on joints whose points are where the model does not hold them and they should not be.
+
+    t: (n,) [s].  q: (n, nb, 3) [m, m, rad] positions of all bodies.
+    """
+    return (*past_ends(system, t, q), *unfit(system, t, q))
+
+
+def fits(system: System, q: np.ndarray) -> Iterator[tuple[str, Joint, Any, np.ndarray]]:
+    """Joints whose points have to be at a distance that no row holds, their `Fit`, and their distances (n,) [m]."""
+    for name, joint in system.model.joints.items():
+        fit = joint.leaf.fit(joint.fields)
+        if fit is None:
+            continue
+        (ax, ay, turned), (bx, by, _) = (_path(system, q, point) for point in (joint.a, joint.b))
+        if fit.line is None:
+            yield name, joint, fit, np.hypot(bx - ax, by - ay)
+        else:
+            axis = turned + fit.line
+            yield name, joint, fit, (bx - ax) * np.sin(axis) - (by - ay) * np.cos(axis)
+
+
+def unfit(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:
+    """Notes on joints whose points are not at the distance that they need: t (n,) [s], q (n, nb, 3) [m, m, rad]."""
+    notes = []
+    for name, _, fit, distance in fits(system, q):
+        off = np.abs(distance - fit.distance)
+        apart = np.flatnonzero(off > UNFIT * abs(fit.distance))
+        if len(apart):
+            k = int(np.nanargmax(off))
+            needed, there = (f"{one:.6g} m" for one in (fit.distance, float(distance[k])))
+            notes.append(
+                f"joint '{name}': {fit.why.format(needed)}; it is {there} at t = {float(t[k]):.4g} s. Nothing holds it,"
+                f" and the joint acts as if it were right (first at t = {float(t[apart[0]]):.4g} s)"
+            )
+    return tuple(notes)
 
 
 def past_ends(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:

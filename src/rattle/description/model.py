@@ -5,6 +5,7 @@ Nothing is computed here: `reader` makes a `Model`, `equations.system` turns it 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -106,6 +107,17 @@ class Joint:
     contact: Contact | None = None
     dimensions: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # tables of its kind of clearance [m]
     stop: Stop | None = None
+    constants: tuple[float, ...] = ()  # one for each row [m or rad], of a kind whose rows count from the start
+
+    @property
+    def numbers(self) -> tuple[Any, ...]:
+        """What its kernel takes after the points: the values of its fields, then its constants; nan if not yet set."""
+        given: list[Any] = []
+        for key, one in registry.kinds("joint")[self.kind].fields.items():
+            given += self.fields[key] if one.shape == "pair" else (self.fields[key],)
+        if self.leaf.from_start:
+            given += self.constants or (math.nan,) * len(self.leaf.rows)
+        return tuple(given)
 
     @property
     def leaf(self) -> Any:
@@ -156,7 +168,7 @@ class Joint:
     @property
     def is_hinge(self) -> bool:
         """True if both bodies share a point and turn about it, apart from the clearance."""
-        return self.line is None and self.distance == 0.0 and self.kept_angle is None
+        return self.leaf.places and self.line is None and self.distance == 0.0 and self.kept_angle is None
 
 
 @dataclass(frozen=True)

@@ -182,6 +182,8 @@ class Parts(FieldReader):
         tables: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
         values.keys(given, [*JOINT, *tables, *found.fields], path)
         fields = self.fields(found, given, path)
+        if len(values.problems) == before and (fault := found.leaf.fault(fields)):
+            values.wrong(path, fault)
         clearance, contact = 0.0, None
         if "clearance" in given:
             clearance = values.value(given["clearance"], "m", (*path, "clearance"), "not negative")

@@ -38,8 +38,7 @@ def contact_groups(joint: Joint) -> list[ContactGroup]:
     play = registry.play_of(joint.kind)
     if joint.contact is not None and play is not None and joint.is_loose:
         sizes = [size for table in joint.dimensions.values() for size in table]
-        own = joint.fields.values()
-        p = tuple(packed([*points, joint.clearance, joint.contact.bush_radius, *own, *sizes]))
+        p = tuple(packed([*points, joint.clearance, joint.contact.bush_radius, *joint.numbers, *sizes]))
         corners = tuple(range(play.leaf.contacts))
         found.append(ContactGroup(play, joint.contact, p, corners, ("joints", joint.name, "contact")))
     kind = registry.stop_of(joint.kind)

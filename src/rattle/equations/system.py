@@ -159,7 +159,7 @@ def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:
     contact, known = joint.contact, registry.kinds("joint")
     if contact is not None and joint.clearance > 0.0 and registry.kinds("contact")[contact.model].leaf.link:
         return known[joint.leaf.massless], (joint.clearance,)
-    return known[joint.kind], tuple(joint.fields.values())
+    return known[joint.kind], joint.numbers
 
 
 def is_link(joint: Joint) -> bool:

@@ -53,3 +53,27 @@ def angle_row(body, a, b, angle, nu, gamma, row, rows):
     rows[row, at.GAMMA] = gamma
     rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = 0.0, 0.0, -1.0
     rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 0.0, 0.0, 1.0
+
+
+@compiled
+def position_row(body, a, b, p, k, axis, position, nu, gamma, row, rows):
+    """The row u . d - position = 0, u the direction at `axis` [rad] in A, d from the point of A to that of B [m].
+
+    nu [m/s] and gamma [m/s^2] are its own, without what A's turning and the arms add.
+    """
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
+    ux, uy = direction(body, a, axis)
+    nx, ny = -uy, ux
+    wa, wb = body[a, at.W], body[b, at.W]
+
+    rows[row, at.RES] = ux * dx + uy * dy - position
+    rows[row, at.NU] = nu
+    rows[row, at.GAMMA] = (
+        gamma
+        + ux * (sbx * wb * wb - sax * wa * wa)
+        + uy * (sby * wb * wb - say * wa * wa)
+        - 2.0 * wa * (nx * ddx + ny * ddy)
+        + wa * wa * (ux * dx + uy * dy)
+    )
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -ux, -uy, ux * say - uy * sax + nx * dx + ny * dy
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = ux, uy, uy * sbx - ux * sby

@@ -220,8 +220,15 @@ def geometry(model: Model) -> dict[str, Any]:
 
 
 def numbers(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Those values of fields [SI] that are finite numbers."""
-    return {key: value for key, value in fields.items() if isinstance(value, float | int) and math.isfinite(value)}
+    """Those values of fields [SI] that are finite numbers, or pairs of such."""
+
+    def known(value: Any) -> bool:
+        return isinstance(value, float | int) and math.isfinite(value)
+
+    found = {key: list(value) if isinstance(value, tuple) else value for key, value in fields.items()}
+    return {
+        key: value for key, value in found.items() if all(map(known, value if isinstance(value, list) else [value]))
+    }
 
 
 def load_fields(load: Load) -> dict[str, Value | str]:

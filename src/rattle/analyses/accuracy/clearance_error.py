@@ -22,8 +22,7 @@ import numpy as np
 
 from rattle.analyses.accuracy.displaced_pins import Displaced
 from rattle.analyses.accuracy.extremes import extreme
-from rattle.analyses.assembly.assembly import assemble
-from rattle.analyses.assembly.without_play import ideal_model
+from rattle.analyses.assembly.assembly import assemble, ideal_system
 from rattle.analyses.kinematics.kinematics import instants, require_driven
 from rattle.analyses.kinematics.singular_positions import why_stuck
 from rattle.analyses.kinematics.sweep import Sweep, begin
@@ -31,9 +30,9 @@ from rattle.analyses.own_states import require_no_states
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.closed_play import rigid_model, without_guide_play
 from rattle.analyses.statics.starts import opened
-from rattle.analyses.travel import past_ends
+from rattle.analyses.travel import out_of_place
 from rattle.description.model import Joint
-from rattle.equations.system import System, compile_system
+from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
 from rattle.jit import functions
 from rattle.results.display import quantity, table
@@ -151,7 +150,7 @@ def accuracy(
     times = instants(t_eval)
     require_no_states(system.model, "accuracy")
     functions.start()
-    ideal = compile_system(ideal_model(system.model))
+    ideal = ideal_system(system.model)
     joints = [one for one in system.model.joints.values() if one.clearance > 0.0 and one.contact is not None]
     if not joints:
         raise ModelError(
@@ -190,7 +189,7 @@ def accuracy(
         clearances={one.name: one.clearance for one in joints}, stats={"wall_time": time.perf_counter() - began},
         notes=(
             *(_unbounded(one, free) for one, free in zip(joints, shown.free, strict=True) if free.unbounded),
-            *past_ends(ideal, times, np.array([node[swept.Q] for node in nodes]).reshape(n, -1, 3)),
+            *out_of_place(ideal, times, np.array([node[swept.Q] for node in nodes]).reshape(n, -1, 3)),
         ),
     )  # fmt: skip
     return record

@@ -6,22 +6,27 @@ iteration satisfies all constraints with the least mass-weighted change.  Rates 
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from rattle.analyses.assembly.first_guess import outward, passed_angles, place_positions, place_rates
+from rattle.analyses.assembly.first_guess import outward, place_rates
+from rattle.analyses.assembly.guesses import guesses, least_open, why_open_from
 from rattle.analyses.assembly.outside import outside
+from rattle.analyses.assembly.start_constants import (
+    constants_at,
+    constants_of,
+    require_fit,
+    with_constants,
+    without_counting,
+)
 from rattle.analyses.assembly.start_values import given_values, keep_places, keep_positions, keep_rates, start_notes
-from rattle.analyses.assembly.unclosed import why_open, without_value
-from rattle.analyses.assembly.without_play import along_reactions, ideal_start
+from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
 from rattle.description.model import Joint, Model
 from rattle.equations.closure import close_position, close_rate, open_by, place_only
-from rattle.equations.dense import LARGE, dense_rows
+from rattle.equations.dense import LARGE
 from rattle.equations.motion import constraints, drive
 from rattle.equations.placement import pose, turned
 from rattle.equations.system import System, compile_system, is_link
@@ -32,7 +37,6 @@ from rattle.jit.workspace import Workspace
 HOLD = 1e-6  # factor on the inverse mass of given rates, in mechanisms too large for `start_values`
 FAR = 0.1  # rotation of a body that pins pressed on their bushes may cause [rad]
 SLANT = 0.01  # part of an offset along a guide or slot, in clearances, that is put down to its angle, known roughly
-STARTS = 48  # guesses that are tried for angles that are not given
 
 
 @dataclass(frozen=True)
@@ -59,16 +63,58 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
     return replace(made, notes=(*system.model.remarks, *start_notes(system, t, made.q, made.v)))
 
 
+def put_together(model: Model) -> System:
+    """The system of a model, with the constants that its start sets.
+
+    Raises AssemblyError if the mechanism cannot be put together, or points are not at the distance that a joint needs.
+    """
+    counting = [name for name, joint in model.joints.items() if joint.leaf.from_start]
+    if not counting:
+        return compile_system(model)
+    q = _start_without(model, counting)
+    found = constants_at(compile_system(with_constants(model, dict.fromkeys(counting, 0.0))), q)
+    system = compile_system(with_constants(model, found))
+    require_fit(system, q)
+    return system
+
+
+def _start_without(model: Model, counting: list[str]) -> np.ndarray:
+    """Positions (3 nb,) [m, m, rad] of the start, found without the rows that count from it.
+
+    Pins of massless links that the user has not placed are where the reactions of the whole mechanism press them.
+    """
+    loose = without_counting(model)
+    offsets = dict(model.initial.offsets)
+    missing = [
+        name
+        for name, one in loose.joints.items()
+        if is_link(one) and math.hypot(*offsets.get(name, (0.0, 0.0))) < 1e-9 * one.clearance
+    ]
+    if missing:
+        shut, ideal = ideal_start(model, 0.0, put_together, consistent_start)
+        if isinstance(ideal, AssemblyError):
+            raise ideal
+        pressed = {name: loose.joints[name].clearance for name in missing}
+        offsets |= along_reactions(shut, 0.0, ideal.q, ideal.v, pressed)
+        loose = replace(loose, initial=replace(loose.initial, offsets=offsets))
+    return consistent_start(compile_system(loose), 0.0).q
+
+
+def ideal_system(model: Model) -> System:
+    """The same mechanism with every clearance closed, put together.  Raises AssemblyError."""
+    return put_together(ideal_model(model))
+
+
 def consistent_start(system: System, t: float, ideal: Assembled | None = None) -> Assembled:
     """As `assemble`, without notes on what could not be kept."""
     model = system.model
     links = {name: one for name, one in model.joints.items() if is_link(one)}
     open_ = {name: one for name, one in model.joints.items() if one.is_loose}
     offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
-    ideal_system, held = system, [name for name in open_ if not _placed(model, open_[name])]
+    shut, held = system, [name for name in open_ if not _placed(model, open_[name])]
     missing: list[str] = []
     if offsets:
-        ideal_system, found = ideal_start(model, t, consistent_start)
+        shut, found = ideal_start(model, t, put_together, consistent_start)
         if isinstance(found, Assembled):
             ideal = found
         elif links or held:  # it need not close if the user's values determine everything
@@ -76,10 +122,10 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
         missing = [name for name in links if math.hypot(*offsets[name]) < 1e-9 * links[name].clearance]
         if missing and ideal is not None:
             pressed = {name: links[name].clearance for name in missing}
-            offsets.update(along_reactions(ideal_system, t, ideal.q, ideal.v, pressed))
+            offsets.update(along_reactions(shut, t, ideal.q, ideal.v, pressed))
             held = [*links, *held]  # closing would move the pins away from where the reactions press them
     workspace = system.workspace()
-    q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal, ideal_system)
+    q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal, shut)
     if t == 0.0:  # the instant for which offsets are given
         _refuse_offsets_along(system, q)
     given = given_values(system, 1)
@@ -98,7 +144,7 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
 
 def _closed(
     system: System, workspace: Workspace, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
-    ideal: Assembled | None, ideal_system: System,
+    ideal: Assembled | None, shut: System,
 ) -> tuple[np.ndarray, int]:  # fmt: skip
     """Positions (3 nb,) that satisfy every joint, with the pins of the `held` joints at their offsets if possible.
 
@@ -107,16 +153,17 @@ def _closed(
     q, given = None, given_values(system, 0)
     if held and ideal is not None:
         try:
-            shut = {
+            joints = {
                 name: replace(one, contact=None) if name in held else one for name, one in system.model.joints.items()
             }
-            closed = replace(system.model, joints=shut)
-            closed_system = ideal_system if len(held) == len(offsets) else compile_system(closed)
+            closed = replace(system.model, joints=joints)
+            alike = len(held) == len(offsets) and not constants_of(closed)  # its own start sets those of `shut`
+            closed_system = shut if alike else compile_system(closed)
             there = {name: offsets[name] for name in held}
             q, iterations = _hold_offsets(closed_system, closed, t, there, ideal, given)
             gap = close_position(workspace, t, q, np.empty_like(q), 1e-12 * system.size, 60)[0]
             if not gap <= 1e-9 * system.size or (missing and np.abs(q - ideal.q)[2::3].max() > FAR):
-                raise AssemblyError(_why_open(system, workspace, t, q))
+                raise AssemblyError(why_open_from(system, workspace, t, q))
         except AssemblyError:
             if not missing:
                 raise
@@ -172,7 +219,7 @@ def _hold_offsets(
         gap, more = close_position(workspace, t, q, np.empty_like(q), 1e-13 * system.size, 60)
         iterations += more
         if not gap <= 1e-9 * system.size:
-            raise AssemblyError(_why_open(replace(system, model=model), workspace, t, q))
+            raise AssemblyError(why_open_from(replace(system, model=model), workspace, t, q))
         if system.row_count <= LARGE:
             q = keep_positions(system, workspace, t, q, given)
         if np.abs(q - before).max() < 1e-14 * system.size:
@@ -202,12 +249,12 @@ def _positions(
 ) -> tuple[np.ndarray, int]:
     """Closed positions (3 nb,) and the number of iterations; guesses for angles not given are varied until it works."""
     best = None
-    for q in _guesses(system, workspace, t, offsets, ideal):
+    for q in guesses(system, workspace, t, offsets, None if ideal is None else ideal.q):
         start = q.copy()
         gap, iterations = close_position(workspace, t, q, np.empty_like(q), 1e-12 * system.size, 60)
         if not gap <= 1e-9 * system.size and system.row_count <= LARGE:
             q[:] = start
-            _least_open(system, workspace, t, q)
+            least_open(system, workspace, t, q)
             gap, more = close_position(workspace, t, q, np.empty_like(q), 1e-12 * system.size, 60)
             iterations += more
         if gap <= 1e-9 * system.size:
@@ -216,7 +263,7 @@ def _positions(
             best = (gap, q)
     assert best is not None
     _without_drivers(system, workspace, t)
-    raise AssemblyError(_why_open(system, workspace, t, best[1]))
+    raise AssemblyError(why_open_from(system, workspace, t, best[1]))
 
 
 def _without_drivers(system: System, workspace: Workspace, t: float) -> None:
@@ -262,76 +309,6 @@ def _refuse_contradiction(system: System, workspace: Workspace, t: float, q: np.
     found = contradicted(system, workspace, t, q, v, system.model.settings.t_end)
     if found:
         raise AssemblyError(found)
-
-
-def _guesses(
-    system: System, workspace: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None
-) -> Iterator[np.ndarray]:
-    """First guesses (3 nb,): bodies placed by the joints from the ground outwards, for one set of angles each."""
-    model = system.model
-    drive(workspace, t)
-    functions = {name: float(workspace.values[system.driver_slot(name)]) for name in model.drivers}
-    angles, free = passed_angles(model, functions)
-    if ideal is not None:  # the ideal mechanism gives the angles that were not given
-        angles.update({name: float(ideal.q[3 * system.bodies.index(name) + 2]) for name in free})
-        free = []
-    yield place_positions(system, angles, offsets, functions)
-    if ideal is not None:  # the given angles may be rough: those of the ideal mechanism are right within the clearance
-        closed = {name: float(ideal.q[3 * n + 2]) for n, name in enumerate(system.bodies)}
-        yield place_positions(system, {**angles, **closed}, offsets, functions)
-    if not free:
-        return
-    turns = [math.radians(x) for x in (60, -60, 120, -120, 180, 30, -30)]
-    tried: Iterator[tuple[float, ...]] = itertools.product(turns, repeat=len(free))
-    if len(turns) ** len(free) > STARTS:
-        random = np.random.default_rng(0)
-        tried = iter([tuple(random.uniform(-math.pi, math.pi, len(free))) for _ in range(STARTS)])
-    for turn in itertools.islice(tried, STARTS):
-        yield place_positions(system, {**angles, **dict(zip(free, turn, strict=True))}, offsets, functions)
-
-
-def _least_open(system: System, workspace: Workspace, t: float, q: np.ndarray) -> None:
-    """Minimise |Phi|^2 over q, in place: Levenberg-Marquardt in mass-weighted coordinates, also where rank is lost."""
-    scale = np.sqrt(system.arrays["weight"][1:].ravel() / system.arrays["weight"][1:].max())
-    damping = 1e-2
-
-    def rows_at(q: np.ndarray) -> np.ndarray:
-        place_only(workspace, q)
-        constraints(workspace)
-        return workspace.rows[:, at.RES].copy()
-
-    drive(workspace, t)
-    phi = rows_at(q)
-    for _ in range(80):
-        jacobian = dense_rows(system, workspace) * scale
-        normal = jacobian.T @ jacobian
-        gradient = jacobian.T @ phi
-        if not np.isfinite(gradient).all() or np.abs(gradient).max() < 1e-14:
-            break
-        step = -scale * np.linalg.solve(normal + damping * np.trace(normal) / len(q) * np.eye(len(q)), gradient)
-        step *= min(1.0, 0.5 / max(np.abs(step[2::3]).max(), 1e-300))
-        trial = rows_at(q + step)
-        if trial @ trial < phi @ phi:
-            small = trial @ trial > (1 - 1e-9) * (phi @ phi)
-            q += step
-            phi, damping = trial, max(damping / 5, 1e-12)
-            if small:
-                break
-        else:
-            damping *= 4
-            rows_at(q)
-            if damping > 1e8:
-                break
-
-
-def _why_open(system: System, workspace: Workspace, t: float, q: np.ndarray) -> str:
-    """Why the joints cannot be closed from q, in words; q is moved in place to where the residual is least."""
-    drive(workspace, t)
-    if system.row_count <= LARGE and not without_value(system, workspace, t):
-        _least_open(system, workspace, t, q)
-    place_only(workspace, q)
-    constraints(workspace)
-    return why_open(system, workspace, t)
 
 
 # ---------------------------------------------------------------- rates

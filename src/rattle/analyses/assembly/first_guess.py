@@ -24,8 +24,9 @@ def outward(model: Model) -> list[tuple[str, str, Joint]]:
     driven = {driver.joint for driver in model.drivers.values()}
     near: dict[str, list[Joint]] = {}
     for joint in model.joints.values():
-        near.setdefault(joint.a.body, []).append(joint)
-        near.setdefault(joint.b.body, []).append(joint)
+        if joint.leaf.places:
+            near.setdefault(joint.a.body, []).append(joint)
+            near.setdefault(joint.b.body, []).append(joint)
     order = []
     done = set()
     number = itertools.count()

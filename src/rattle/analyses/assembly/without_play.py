@@ -43,14 +43,20 @@ def ideal_model(model: Model) -> Model:
     return replace(model, joints=joints)
 
 
-def ideal_start(model: Model, t: float, find: Callable[[System, float], Start]) -> tuple[System, Start | AssemblyError]:
-    """The mechanism without play, and its start at t [s] that `find` finds, or why it finds none."""
+def ideal_start(
+    model: Model, t: float, make: Callable[[Model], System], find: Callable[[System, float], Start]
+) -> tuple[System, Start | AssemblyError]:
+    """The mechanism without play that `make` makes, and its start at t [s] that `find` finds, or why there is none."""
     global _kept
     key = _of_importance(model)
     for one in _kept:
         if one.t == t and one.model == key:
             return one.system, one.start
-    system = compile_system(ideal_model(model))
+    ideal = ideal_model(model)
+    try:
+        system = make(ideal)
+    except AssemblyError as error:
+        return compile_system(ideal), error
     try:
         start = find(system, t)
     except AssemblyError as error:
@@ -62,7 +68,9 @@ def ideal_start(model: Model, t: float, find: Callable[[System, float], Start]) 
 def _of_importance(model: Model) -> Model:
     """What the start without play depends on; constants are those that expressions use."""
     joints = {
-        name: replace(one, contact=None, clearance=0.0, dimensions={}, stop=None) if one.contact or one.stop else one
+        name: replace(one, contact=None, clearance=0.0, dimensions={}, stop=None, constants=())
+        if one.contact or one.stop or one.constants
+        else one
         for name, one in model.joints.items()
     }
     values = [one.value for one in model.drivers.values()]

@@ -14,7 +14,7 @@ from rattle.analyses.dynamics.peak_values import peak_values
 from rattle.analyses.dynamics.run import Run, pulls, start_state
 from rattle.analyses.dynamics.soundness import fast_links, loose, remarks
 from rattle.analyses.timetable import jolt_events, jolt_notes
-from rattle.analyses.travel import past_ends, places
+from rattle.analyses.travel import out_of_place, places
 from rattle.jit import layout as at
 from rattle.results.build import build_result
 from rattle.results.columns import columns, width
@@ -44,7 +44,7 @@ def report(run: Run, reach: Reach | None) -> Result:
         *(() if run.message else remarks(system, run.workspace, run.stepper.leaf)),
         *loose(run.stepper.leaf, run.rtol),
         *fast_links(system, data, names),
-        *past_ends(system, run.t_eval[:n], places(system, run.raw[:n])),
+        *out_of_place(system, run.t_eval[:n], places(system, run.raw[:n])),
         *_series_notes(run),
         *run.remarks(),
     )

@@ -17,7 +17,7 @@ from rattle.analyses.kinematics.singular_positions import blocking, branch_point
 from rattle.analyses.kinematics.sweep import Sweep, begin
 from rattle.analyses.own_states import require_no_states
 from rattle.analyses.timetable import jump_notes, timetable
-from rattle.analyses.travel import past_ends, past_stops, places, rates, with_stops, without_stops
+from rattle.analyses.travel import out_of_place, past_stops, places, rates, with_stops, without_stops
 from rattle.analyses.undefined import undefined
 from rattle.description.model import Model
 from rattle.equations.closure import open_by
@@ -112,7 +112,7 @@ def analyse(
     message = why_stuck(sweep) if len(raw) < len(times) else ""
     events, notes = branch_points(first, sweep, times, raw, bool(message))
     notes = [*start.notes, *notes, *without_effort(sweep, reached, raw, motors)]
-    notes += past_ends(system, reached, places(system, raw))
+    notes += out_of_place(system, reached, places(system, raw))
     notes += past_stops(given, reached, places(system, raw), rates(system, raw))
     if forces:
         notes += _without_value(sweep, reached, raw)

@@ -18,9 +18,8 @@ from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
-from rattle.analyses.assembly.assembly import consistent_start
+from rattle.analyses.assembly.assembly import consistent_start, ideal_system
 from rattle.analyses.assembly.rank import scaled_rows
-from rattle.analyses.assembly.without_play import ideal_model
 from rattle.analyses.kinematics.singular_positions import why_stuck
 from rattle.analyses.kinematics.sweep import begin
 from rattle.analyses.statics.balance import MOST_TURN, Found, StaticProblem
@@ -33,7 +32,7 @@ from rattle.description.model import Contact
 from rattle.elements.custom import load_law
 from rattle.equations.closure import merit_at
 from rattle.equations.motion import drive
-from rattle.equations.system import System, compile_system, is_link
+from rattle.equations.system import System, is_link
 from rattle.errors import AssemblyError
 from rattle.jit import functions
 from rattle.solvers.positions import position_sweep
@@ -92,9 +91,9 @@ def _equilibria(system: System, t: float, branches: str, effort: float) -> Equil
     ends = left_out(system.model)
     system = without_guide_play(system)
     rigid = rigid_model(system)
-    ideal_system = compile_system(ideal_model(system.model)) if rigid is not None else system
-    start = position_at(ideal_system, t)
-    problem = StaticProblem(ideal_system, t)
+    shut = ideal_system(system.model) if rigid is not None else system
+    start = position_at(shut, t)
+    problem = StaticProblem(shut, t)
     search = Search(problem, effort if rigid is None else 0.5 * effort)
     search.explore(start, branches == "all")
     found = problem.describe(search.found)
@@ -320,7 +319,7 @@ class Search:
     def pressed(self, system: System, rigid: list[Equilibrium]) -> list[Equilibrium]:
         """Equilibria with compliant pins, from rigid ones that press at every pin: each pin is let sink in."""
         play, problem = self.problem, StaticProblem(system, self.problem.t)
-        ideal = StaticProblem(compile_system(ideal_model(system.model)), problem.t)
+        ideal = StaticProblem(ideal_system(system.model), problem.t)
         found: list[Equilibrium] = []
         for one in sorted((one for one in rigid if one.admissible), key=_height):
             if found and self._work >= self._left + PRESSED * WORK * self.effort:

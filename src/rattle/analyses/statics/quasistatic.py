@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle import registry
-from rattle.analyses.assembly.without_play import ideal_model
+from rattle.analyses.assembly.assembly import ideal_system
 from rattle.analyses.kinematics.kinematics import instants
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.closed_play import rigid_model, without_guide_play
@@ -85,7 +85,7 @@ def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Resu
     given, system = system, without_guide_play(compile_system(without_stops(system.model)))
     first = equilibria(system, float(times[0]), effort=effort)
     rigid = rigid_model(system)
-    ideal = StaticProblem(compile_system(ideal_model(system.model)), float(times[0])) if rigid is not None else None
+    ideal = StaticProblem(ideal_system(system.model), float(times[0])) if rigid is not None else None
     path = Path(StaticProblem(rigid or system, float(times[0])), ideal, first.first_at(float(times[0])))
     if rigid is not None and path.last.result.geometry["joints"] != {}:
         path.last = _on_links(path, first[0])

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled
+from rattle.analyses.assembly.start_constants import constants_of
 from rattle.analyses.dynamics.run import start_state
 from rattle.analyses.straight_line.derived_curves import derived_curve, derived_names
 from rattle.analyses.straight_line.recorded_start import RecordedStart, record_start
@@ -101,6 +102,8 @@ def record_model(
     """
     require_parameters(system, names)
     _require_smooth(system)
+    if names and (counting := constants_of(system.model)):
+        raise TraceError(f"the start sets how {', '.join(counting)} mesh, anew with every parameter")
     graph = Graph()
     recorder = Recorder(graph)
     t = graph.input()

@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rattle.analyses.assembly.assembly import Assembled, assemble
+from rattle.analyses.assembly.assembly import Assembled, assemble, put_together
 from rattle.analyses.dynamics.run import start_state
 from rattle.analyses.straight_line.recorded_model import RecordedModel, read_at
-from rattle.equations.system import System, compile_system
+from rattle.equations.system import System
 from rattle.errors import AssemblyError, ModelError
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph
@@ -76,7 +76,7 @@ class Starts:
 
     def assemble(self, values: np.ndarray) -> tuple[System, Assembled]:
         """The model with values (np,) of the chosen parameters [SI], assembled.  Raises ModelError, AssemblyError."""
-        system = compile_system(read_at(self.model, dict(zip(self.model.parameters, values.tolist(), strict=True))))
+        system = put_together(read_at(self.model, dict(zip(self.model.parameters, values.tolist(), strict=True))))
         return system, assemble(system)
 
     def solve(self, y: np.ndarray, values: np.ndarray) -> np.ndarray:

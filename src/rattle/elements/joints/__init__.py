@@ -6,7 +6,7 @@ No code tests for the name of a joint or of its fields: what it needs to know is
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 
 class Motor(NamedTuple):
@@ -15,6 +15,15 @@ class Motor(NamedTuple):
     driver: str  # kind of driver
     effort: str  # name of its force or torque
     unit: str  # of the effort: N or N*m
+
+
+class Fit(NamedTuple):
+    """A distance at which the points of a joint have to be although its rows do not hold it."""
+
+    distance: float  # [m]
+    line: float | None  # None: of the points; else of B's point to the right of a line in this direction of A [rad]
+    why: str  # what needs it, in words, with {} for the distance
+    needed: bool = True  # False: another distance is a note, not an error
 
 
 class JointKind:
@@ -26,6 +35,8 @@ class JointKind:
     motor: ClassVar[Motor | None] = None  # None: no coordinate that a driver could move
     massless: ClassVar[str] = ""  # kind of joint for the clearance as a massless link; its one field is the clearance
     drawn_as: ClassVar[str] = ""  # a form of rattle.plots.drawings: pin, rod, guide ...; "" if it is not drawn
+    places: ClassVar[bool] = True  # False: its rows do not say where the point of B is
+    from_start: ClassVar[bool] = False  # True: each row is less a constant, which makes it vanish at the start
 
     @staticmethod
     def kept_angle(fields: Mapping[str, float]) -> float | None:
@@ -46,6 +57,16 @@ class JointKind:
     def distance(fields: Mapping[str, float]) -> float:
         """Distance of the two points [m] that the joint enforces."""
         return 0.0
+
+    @staticmethod
+    def fit(fields: Mapping[str, Any]) -> Fit | None:
+        """The distance at which its points have to be, which its rows do not hold; None if there is none."""
+        return None
+
+    @staticmethod
+    def fault(fields: Mapping[str, Any]) -> str:
+        """What is wrong with values of the fields that are possible one by one, in words; "" if nothing."""
+        return ""
 
 
 class DriverKind:

@@ -18,7 +18,7 @@ from __future__ import annotations
 from rattle.elements.joints import DriverKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.geometry import angle_row, direction, ends, turn_x, turn_y
+from rattle.jit.geometry import angle_row, position_row, turn_x, turn_y
 from rattle.registry import Field, kind
 
 
@@ -31,22 +31,7 @@ def driver_angle(body, a, b, p, k, row, rows):
 @kernel("joint")
 def driver_position(body, a, b, p, k, row, rows):
     """Write the row of a driven position [m]; p[k + 4:] = direction of the line [rad], f, f', f''."""
-    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
-    ux, uy = direction(body, a, p[k + 4])
-    nx, ny = -uy, ux
-    wa, wb = body[a, at.W], body[b, at.W]
-
-    rows[row, at.RES] = ux * dx + uy * dy - p[k + 5]
-    rows[row, at.NU] = p[k + 6]
-    rows[row, at.GAMMA] = (
-        p[k + 7]
-        + ux * (sbx * wb * wb - sax * wa * wa)
-        + uy * (sby * wb * wb - say * wa * wa)
-        - 2.0 * wa * (nx * ddx + ny * ddy)
-        + wa * wa * (ux * dx + uy * dy)
-    )
-    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -ux, -uy, ux * say - uy * sax + nx * dx + ny * dy
-    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = ux, uy, uy * sbx - ux * sby
+    position_row(body, a, b, p, k, p[k + 4], p[k + 5], p[k + 6], p[k + 7], row, rows)
 
 
 @kernel("joint")

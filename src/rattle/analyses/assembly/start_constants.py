@@ -1,0 +1,67 @@
+"""Constants that the start sets, as of gears: their rows say how bodies go on from where they were put together.
+
+The start of such a mechanism is found without these rows; the constant of each is then what makes it vanish there, and
+belongs to the mechanism from then on.  Rates at the start do satisfy the rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from rattle.analyses.travel import fits
+from rattle.description.model import Model
+from rattle.equations.closure import open_by
+from rattle.equations.system import System
+from rattle.errors import AssemblyError
+from rattle.jit import layout as at
+
+FITS = 1e-6  # share by which the distance may be missed that a joint cannot do without
+
+
+def with_constants(model: Model, constants: Mapping[str, float | tuple[float, ...]]) -> Model:
+    """The model with constants [m or rad] of joints whose rows count from the start; one number for all of a joint."""
+    joints = dict(model.joints)
+    for name, values in constants.items():
+        one = joints[name]
+        each = values if isinstance(values, tuple) else (values,) * len(one.leaf.rows)
+        joints[name] = replace(one, constants=each)
+    return replace(model, joints=joints)
+
+
+def constants_of(model: Model) -> dict[str, tuple[float, ...]]:
+    """Constants [m or rad] that the start of a model has set, by joint."""
+    return {name: joint.constants for name, joint in model.joints.items() if joint.leaf.from_start}
+
+
+def without_counting(model: Model) -> Model:
+    """The model without the joints whose rows count from the start: what determines the positions there."""
+    return replace(model, joints={name: one for name, one in model.joints.items() if not one.leaf.from_start})
+
+
+def constants_at(system: System, q: np.ndarray) -> dict[str, tuple[float, ...]]:
+    """Constants [m or rad], by joint, with which its rows vanish at q (3 nb,) [m, m, rad].
+
+    system: with all of these constants 0.
+    """
+    workspace = system.workspace()
+    open_by(workspace, 0.0, q, np.zeros_like(q))
+    residual = workspace.rows[:, at.RES]
+    found = {}
+    for name in constants_of(system.model):
+        first, count = system.first_row(name), len(system.model.joints[name].leaf.rows)
+        found[name] = tuple(residual[first : first + count].tolist())
+    return found
+
+
+def require_fit(system: System, q: np.ndarray) -> None:
+    """Raise AssemblyError if the points of a joint are not at the distance that it needs, apart from clearances."""
+    play = sum(one.clearance for one in system.model.joints.values() if one.contact and not one.contact.closed)
+    for name, _, fit, distance in fits(system, q.reshape(1, -1, 3)):
+        if fit.needed and abs(float(distance[0]) - fit.distance) > FITS * abs(fit.distance) + play:
+            raise AssemblyError(
+                f"joint '{name}': {fit.why.format(f'{fit.distance:.9g} m')}, at the start it is {distance[0]:.9g} m:"
+                " change the radii, or the points or [initial] values that place the centres"
+            )

@@ -1,0 +1,85 @@
+"""Gear pair: the pitch circles of two wheels roll on each other; their centres may move.
+
+d = (r_B + s_B) - (r_A + s_A) from the centre of A to that of B,  l = |d|,  psi: direction of d,  p: d turned by 90 deg
+wheel outside of A:  R = R_B,  S = R_A + R_B          inside of the ring A:  R = -R_B,  S = R_A - R_B
+
+    Phi   = R_A phi_A + R phi_B - S psi - c = 0                                               [m]
+    psi'' = (p . d'')/l^2 - 2 (d . d') (p . d')/l^4
+    gamma = S (p . d0/l^2 - 2 (d . d') (p . d')/l^4),   d0 = s_A w_A^2 - s_B w_B^2           [m/s^2]
+
+The line of centres stands for the carrier, so that a planet is one wheel outside of the sun and one inside of the ring.
+psi is known up to whole turns only: the row is S times the angle from d to the direction theta = (R_A phi_A + R phi_B
+- c)/S, between -180 and 180 deg, which has no jump near zero, whatever the number of turns.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rattle.elements.joints import Fit, JointKind
+from rattle.jit import layout as at
+from rattle.jit.choices import assume
+from rattle.jit.functions import kernel
+from rattle.jit.geometry import ends
+from rattle.registry import Field, kind
+
+
+@kernel("joint")
+def gear(body, a, b, p, k, row, rows):
+    """Write the row of the pair [m]; p[k + 4:] = R_A, R_B [m], 1 for a wheel inside of A, c [m]."""
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
+    wa, wb = body[a, at.W], body[b, at.W]
+    ra, rb = p[k + 4], p[k + 5] * (1.0 - 2.0 * p[k + 6])
+    s = ra + rb
+    l2 = dx * dx + dy * dy
+    # coincident centres have no direction
+    inv = 1.0 / l2 if assume(l2 > 1e-300) else 0.0
+    x, y = s * dx * inv, s * dy * inv
+    turned = dx * ddy - dy * ddx
+    theta = (ra * body[a, at.PHI] + rb * body[b, at.PHI] - p[k + 7]) / s
+    cos, sin = math.cos(theta), math.sin(theta)
+
+    rows[row, at.RES] = s * math.atan2(sin * dx - cos * dy, cos * dx + sin * dy)
+    rows[row, at.NU] = 0.0
+    rows[row, at.GAMMA] = (
+        x * (say * wa * wa - sby * wb * wb)
+        - y * (sax * wa * wa - sbx * wb * wb)
+        - 2.0 * s * (dx * ddx + dy * ddy) * turned * inv * inv
+    )
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -y, x, ra + x * sax + y * say
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = y, -x, rb - x * sbx - y * sby
+
+
+@kind("joint", "gear", gear)
+class Gear(JointKind):
+    """Two toothed wheels, or a wheel inside of a ring A, about the points of `connect`, on bodies of any kind.
+
+    Source: Willis, Principles of Mechanism (1841), part I, ch. 9; Nikravesh, Planar Multibody Dynamics (2018), gears.
+    """
+
+    rows = ("m",)
+    places = False
+    from_start = True
+    drawn_as = "gear"
+    radii = Field("m", "pitch radii of the wheels on A and B", shape="pair", least="positive")
+    internal = Field("", "A is a ring with B inside", default=False, shape="flag")
+
+    @staticmethod
+    def fit(fields: Mapping[str, Any]) -> Fit:
+        """The pitch circles touch: centres at the sum of the radii, or at their difference."""
+        (ra, rb), ring = fields["radii"], fields["internal"]
+        words = f"its pitch radii of {ra:.9g} m and {rb:.9g} m need a distance of the centres of {{}}"
+        return Fit(ra - rb if ring else ra + rb, None, words)
+
+    @staticmethod
+    def fault(fields: Mapping[str, Any]) -> str:
+        """A wheel has to be smaller than its ring."""
+        ra, rb = fields["radii"]
+        if fields["internal"] and rb >= ra:
+            return (
+                f"radii: the wheel inside, {rb:g} m, must be smaller than its ring, {ra:g} m;"
+                " the ring is A, the first in `connect` and `radii`"
+            )
+        return ""
