@@ -3,6 +3,7 @@
 import cmath
 import math
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -10,6 +11,8 @@ import rattle as rt
 from moving_bodies import FIRST, SECOND, A, B, H, Path, body_at, rng_for
 from rattle import registry
 from rattle.jit import layout as at
+from rattle.plots.sketch import draw_at
+from rattle.plots.wheels import DEPTH, TEETH
 
 nojit = pytest.mark.nojit
 FINE = {"rtol": 1e-11, "atol": 1e-13}
@@ -328,3 +331,138 @@ def test_check_counts_the_meshes_that_only_share_the_load():
     assert {"inner0", "outer2"} <= set(found.redundant_joints)
     one = planetary(1).check()
     assert (one.mobility, one.redundant) == (1, 0)
+
+
+# ---------------------------------------------------------------- pictures
+@pytest.fixture
+def ax():
+    figure, ax = plt.subplots()
+    yield ax
+    plt.close(figure)
+
+
+@nojit
+def test_pitch_circles_are_drawn_to_scale_each_once_and_their_spokes_turn(ax):
+    r = planetary(2).simulate(0.03, t_eval=[0.0, 0.03], method="rk4", step=0.01)
+    draw_at(ax, r, 1)
+    drawn = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) > 90]
+    assert len(drawn) == 4  # sun, two planets, the ring once for both
+    radii = [np.hypot(*(one[:96] - one[:96].mean(axis=0)).T) for one in drawn]
+    assert sorted(radius.mean() for radius in radii) == pytest.approx([0.02, 0.03, 0.03, 0.08], abs=1e-12)
+    assert max(np.ptp(radius) for radius in radii) < 1e-12
+    sun = min(drawn, key=lambda one: np.ptp(one[:96, 0]))
+    (x0, y0), (x1, y1) = sun[-2:]
+    assert math.atan2(y1 - y0, x1 - x0) == pytest.approx(math.remainder(r["sun.angle"][1], 2 * math.pi), abs=1e-9)
+    assert ax.get_xlim()[1] > 0.08
+
+
+@nojit
+def test_rack_is_drawn_along_its_line_with_teeth_away_from_the_pinion(ax):
+    m = model(
+        wheel("pinion", at="Q"), joint("rail", "rack", "ground.O", "pinion.C", "radius = 0.1"),
+        ground="O = [0, 0]\nQ = [0.3, -0.1]",
+    )  # fmt: skip
+    draw_at(ax, m.equilibrium()[0].result, 0)
+    strokes = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) > 10]
+    (line,) = (one for one in strokes if np.nanmin(one[:, 1]) > -1e-12)
+    assert np.nanmin(line[:, 0]) < 0.2 < 0.4 < np.nanmax(line[:, 0])
+    assert np.nanmax(line[:, 1]) == pytest.approx(2 * DEPTH * 2 * math.pi * 0.1 / TEETH)
+
+
+# ---------------------------------------------------------------- recorded models: the constant follows from the start
+TRAIN = """
+[parameters]
+rs = 0.02
+rp = 0.03
+begin = 0.4
+tilt = 0.2
+push = 0.8
+[bodies.sun]
+points = { C = [0, 0] }
+mass = 1
+inertia = 2e-4
+[bodies.arm]
+points = { C = [0, 0], Q = ["rs + rp", 0] }
+mass = 1
+inertia = 1e-3
+[bodies.planet]
+points = { C = [0, 0], P = [0.01, 0] }
+mass = 0.3
+inertia = 1e-4
+[joints]
+sun_pin = { type = "revolute", connect = ["ground.O", "sun.C"] }
+arm_pin = { type = "revolute", connect = ["ground.O", "arm.C"] }
+Q = { type = "revolute", connect = ["arm.Q", "planet.C"] }
+mesh = { type = "gear", connect = ["sun.C", "planet.C"], radii = ["rs", "rp"] }
+"""
+LOADS = """
+[loads.push]
+type = "torque"
+body = "sun"
+torque = "push - 0.1*sun.angle"
+[loads.drag]
+type = "force"
+at = "planet.P"
+force = [0.5, "-0.2*planet.angle"]
+"""
+DRIVES = """
+[drivers.turn]
+joint = "sun_pin"
+angle = "begin + 5*t"
+[drivers.lead]
+joint = "arm_pin"
+angle = "tilt + sin(3*t)"
+"""
+
+
+def train(more):
+    return model(TRAIN, more, initial='sun = { angle = "begin" }\narm = { angle = "tilt" }')
+
+
+def test_samples_side_by_side_are_put_together_each_from_its_own_start():
+    m, rng = train(LOADS), np.random.default_rng(1)
+    samples = {
+        name: m.model.parameters[name].value * rng.uniform(0.9, 1.1, 4) for name in ("rs", "rp", "begin", "tilt")
+    }
+    found = m.many(samples, ["final(planet.angle)", "at(mesh.force, 0.02)"], 0.05)
+    assert not len(found.generic)
+    for n in range(4):
+        one = m.set({name: float(values[n]) for name, values in samples.items()})
+        r = one.simulate(0.05, t_eval=[0.0, 0.02, 0.05], rtol=1e-10)
+        assert found["final(planet.angle)"][n] == pytest.approx(r["planet.angle"][-1], abs=1e-8)
+        assert found["at(mesh.force, 0.02)"][n] == pytest.approx(r["mesh.force"][1], rel=1e-7)
+
+
+def test_derivatives_of_a_motion_know_that_another_start_meshes_other_teeth():
+    m, times = train(LOADS), [0.0, 0.05]
+    s = m.sensitivity(["planet.angle", "mesh.force"], ["rs", "tilt"], times)
+    for name, h in (("rs", 1e-6), ("tilt", 1e-4)):
+        value = m.model.parameters[name].value
+        ahead, behind = (m.set({name: value + way}).simulate(t_eval=times, **FINE) for way in (h, -h))
+        for curve in ("planet.angle", "mesh.force"):
+            slope = (ahead[curve] - behind[curve]) / (2 * h)
+            # differences: errors of 1e-11 over h, and h^2 times a third derivative
+            assert s[f"d({curve})/d({name})"] == pytest.approx(slope, rel=1e-6, abs=1e-6)
+
+
+def test_derivatives_of_a_driven_train_are_those_of_willis():
+    """planet = ((rs + rp) (arm - tilt) - rs (sun - begin))/rp, as all three start from where they were put together."""
+    m, times = train(DRIVES), np.array([0.0, 0.4, 2.0])
+    s = m.sensitivity(["planet.angle"], ["rs", "rp", "begin", "tilt"], times, "kinematics")
+    arm, sun, rs, rp = np.sin(3 * times), 5 * times, 0.02, 0.03
+    assert s["planet.angle"] == pytest.approx(((rs + rp) * arm - rs * sun) / rp, abs=1e-12)
+    assert s["d(planet.angle)/d(rs)"] == pytest.approx((arm - sun) / rp, abs=1e-9)
+    assert s["d(planet.angle)/d(rp)"] == pytest.approx(-(arm - sun) * rs / rp**2, abs=1e-9)
+    for name in ("begin", "tilt"):
+        assert s[f"d(planet.angle)/d({name})"] == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+def test_derivatives_of_an_equilibrium_of_a_train_know_where_it_was_put_together():
+    """Springs bring the sun to push/2 and the arm to 0; the planet, without a load of its own, follows by Willis."""
+    springs = '[loads.{0}]\ntype = "torque"\nbody = "{0}"\ntorque = "{1} - 2*{0}.angle"\n'
+    m = train(springs.format("sun", "push") + springs.format("arm", "0"))
+    s = m.sensitivity(["planet.angle"], ["rs", "begin", "tilt", "push"], analysis="equilibrium")
+    rs, rp, begin, tilt, push = 0.02, 0.03, 0.4, 0.2, 0.8
+    assert s["planet.angle"][0] == pytest.approx((-(rs + rp) * tilt - rs * (push / 2 - begin)) / rp, abs=1e-9)
+    wanted = {"rs": (-tilt - push / 2 + begin) / rp, "begin": rs / rp, "tilt": -(rs + rp) / rp, "push": -rs / 2 / rp}
+    assert {name: s[f"d(planet.angle)/d({name})"][0] for name in wanted} == pytest.approx(wanted, abs=1e-7)

@@ -36,6 +36,11 @@ def constants_of(model: Model) -> dict[str, tuple[float, ...]]:
     return {name: joint.constants for name, joint in model.joints.items() if joint.leaf.from_start}
 
 
+def flat(constants: Mapping[str, tuple[float, ...]]) -> list[float]:
+    """All constants [m or rad] in the order of the joints."""
+    return [value for each in constants.values() for value in each]
+
+
 def without_counting(model: Model) -> Model:
     """The model without the joints whose rows count from the start: what determines the positions there."""
     return replace(model, joints={name: one for name, one in model.joints.items() if not one.leaf.from_start})

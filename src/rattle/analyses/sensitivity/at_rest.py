@@ -90,16 +90,16 @@ class AtRest:
         Where the position is free to change (a neutral equilibrium) it has no derivatives: nan.
         """
         n, k, ny = len(q), len(self.parameters.values), self.model.state_size
-        x = np.concatenate([[t], q, np.zeros(ny - n), self.parameters.values, [0.0]])
+        x = np.concatenate([[t], q, np.zeros(ny - n), self.parameters.inputs, [0.0]])
         along = np.zeros((len(x), n + k))
         along[1 : 1 + n, :n] = np.eye(n)
-        along[1 + ny : 1 + ny + k, n:] = self.parameters.directions
+        along[1 + ny : -1, n:] = self.parameters.along
         value, found = self._balance(x, along)
         size = np.tile([self.model.system.size, self.model.system.size, 1.0], n // 3)
         moved = np.zeros((len(x), k))
         found[:n] /= size[:, None]
         moved[1 : 1 + n] = size[:, None] * _solved(found[:-1, :n] * size, -found[:-1, n:], n)
-        moved[1 + ny : 1 + ny + k] = self.parameters.directions
+        moved[1 + ny : -1] = self.parameters.along
         values, derivatives = self._curves(x, moved)
         return values[:-1], derivatives[:-1], bool(value[-1] == 1.0 and values[-1] == 1.0)
 

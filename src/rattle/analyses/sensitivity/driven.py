@@ -37,14 +37,14 @@ class Driven:
         """Curves (nc,), derivatives (nc, k), whether they are sound, at t [s] for positions q and rates v (3 nb,)."""
         n, k, ny = self.motion, len(self.parameters.values), self.model.state_size
         y = np.concatenate([q, v, np.zeros(ny - n)])
-        x = np.concatenate([[t], y, self.parameters.values, [0.0]])
+        x = np.concatenate([[t], y, self.parameters.inputs, [0.0]])
         along = np.zeros((len(x), n + k))
         along[1 : 1 + n, :n] = np.eye(n)
-        along[1 + ny : 1 + ny + k, n:] = self.parameters.directions
+        along[1 + ny : -1, n:] = self.parameters.along
         closed, found = self._project(x, along)
         moved = np.zeros((len(x), k))
         moved[1 : 1 + n] = np.linalg.solve(np.eye(n) - found[:-1, :n], found[:-1, n:])
-        moved[1 + ny : 1 + ny + k] = self.parameters.directions
+        moved[1 + ny : -1] = self.parameters.along
         x[1 : 1 + n] = closed[:-1]
         values, derivatives = self._curves(x, moved)
         return values[:-1], derivatives[:-1], bool(closed[-1] == 1.0 and values[-1] == 1.0)

@@ -53,12 +53,11 @@ class Functions:
 
     def inputs(self, t: float, y: np.ndarray) -> np.ndarray:
         """(n_in,) inputs of the graph."""
-        return np.concatenate([[t], y, self.parameters.values, [self.energy]])
+        return np.concatenate([[t], y, self.parameters.inputs, [self.energy]])
 
     def _at(self, t: float, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        directions = self.parameters.directions
-        count = len(directions)
-        along = np.vstack([np.zeros((1, count)), z[:, 1:], directions, self.energy_rates[None]])
+        parameters = self.parameters.along
+        along = np.vstack([np.zeros((1, parameters.shape[1])), z[:, 1:], parameters, self.energy_rates[None]])
         return self.inputs(t, z[:, 0]), along
 
     def rates(self, t: float, z: np.ndarray) -> Rates:

@@ -22,13 +22,31 @@ class Parameters(NamedTuple):
     names: tuple[str, ...]
     values: np.ndarray  # (k,) [SI]
     directions: np.ndarray  # (k, k) how all of them change with each one: columns; 1 on the diagonal
+    constants: np.ndarray  # (nc,) that the start sets [m or rad]
+    constant_rates: np.ndarray  # (nc, k) how these change; zero until `sensitivity.start` has found it
+
+    @property
+    def inputs(self) -> np.ndarray:
+        """(k + nc,) inputs of the graph after t and y [SI]."""
+        return np.concatenate([self.values, self.constants])
+
+    @property
+    def along(self) -> np.ndarray:
+        """(k + nc, k) how these change."""
+        return np.vstack([self.directions, self.constant_rates])
 
     @classmethod
     def of(cls, model: RecordedModel) -> Parameters:
         """The parameters of a model.  One that is an expression over another follows it, as it does in `set`."""
         names = tuple(model.parameters)
+        return cls.along_directions(model, np.column_stack([_followers(model, name) for name in names]))
+
+    @classmethod
+    def along_directions(cls, model: RecordedModel, directions: np.ndarray) -> Parameters:
+        """The parameters of a model that change as told (k, k)."""
         values = np.array(list(model.parameters.values()))
-        return cls(names, values, np.column_stack([_followers(model, name) for name in names]))
+        constants = model.constants
+        return cls(tuple(model.parameters), values, directions, constants, np.zeros((len(constants), len(values))))
 
 
 def _followers(model: RecordedModel, name: str) -> np.ndarray:

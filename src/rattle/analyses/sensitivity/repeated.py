@@ -43,6 +43,8 @@ class RepeatedSensitivities:
             nominal = analyse(model.system, model.start, np.zeros(1), forces=analysis == "inverse-dynamics")
             curves, _ = asked.curves({name: one for name, one in model.curves.items() if name in nominal.stored})
             self._driven = Driven(model, chosen, curves, compiled.add)
+            if len(model.constants):
+                self._start = StartDerivatives(model, compiled)
         compiled.compile()
 
     def at(self, system: System, start: Assembled, t_eval: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -58,8 +60,7 @@ class RepeatedSensitivities:
         return self._along_positions(model, t_eval)
 
     def _require_same_parts(self, model: RecordedModel) -> None:
-        inputs = np.zeros((len(model.graph.inputs), 8))
-        inputs[1 + model.state_size : -1] = np.array(list(model.parameters.values()))[:, None]
+        inputs = np.repeat(model.inputs(0.0, model.start_state)[:, None], 8, axis=1)
         flag = np.empty((1, 8))
         self._readable(inputs, flag)
         if flag[0, 0] != 1.0:
@@ -67,8 +68,9 @@ class RepeatedSensitivities:
 
     def _along_motion(self, model: RecordedModel, t_eval: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         functions = self._functions
-        functions.model, functions.parameters = model, _alone(model)
-        run = Motion(functions, self._start.at(model, functions.parameters), t_eval, self.rtol, self.atol)
+        z, functions.parameters = self._start.at(model, _alone(model))
+        functions.model = model
+        run = Motion(functions, z, t_eval, self.rtol, self.atol)
         run.go()
         if run.interrupted:
             raise KeyboardInterrupt
@@ -81,6 +83,8 @@ class RepeatedSensitivities:
         if not nominal.success:
             raise TraceError(nominal.message)
         self._driven.model, self._driven.parameters = model, _alone(model)
+        if len(model.constants):
+            self._driven.parameters = self._start.at(model, _alone(model))[1]
         bodies = list(model.system.bodies)
         found = [self._driven.at(float(t), *positions(nominal, bodies, k)) for k, t in enumerate(nominal.t)]
         if not all(one[2] and np.isfinite(one[1]).all() for one in found):
@@ -90,5 +94,4 @@ class RepeatedSensitivities:
 
 def _alone(model: RecordedModel) -> Parameters:
     """The parameters of a model, each of which changes alone, whatever expressions the file has for them."""
-    values = np.array(list(model.parameters.values()))
-    return Parameters(tuple(model.parameters), values, np.eye(len(values)))
+    return Parameters.along_directions(model, np.eye(len(model.parameters)))

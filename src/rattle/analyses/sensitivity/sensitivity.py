@@ -24,7 +24,7 @@ from rattle.analyses.sensitivity.functions import Functions
 from rattle.analyses.sensitivity.growth import growth, horizon, linear_until
 from rattle.analyses.sensitivity.motion import Motion
 from rattle.analyses.sensitivity.parameters import Parameters
-from rattle.analyses.sensitivity.start import start
+from rattle.analyses.sensitivity.start import counted, start
 from rattle.analyses.statics.equilibria import equilibria
 from rattle.analyses.statics.quasistatic import quasistatic
 from rattle.analyses.straight_line.derived_curves import derived_curve, derived_names
@@ -150,8 +150,7 @@ def _recorded(
     readable = functions.add(*lower(model.graph, [model.readable]))
     functions.compile()
     for n, (name, value) in enumerate(model.parameters.items()):
-        columns = np.zeros((len(model.graph.inputs), 8))
-        columns[1 + model.state_size : -1] = np.array(list(model.parameters.values()))[:, None]
+        columns = np.repeat(model.inputs(0.0, model.start_state)[:, None], 8, axis=1)
         nudge = NUDGE * (abs(value) or 1.0)
         columns[1 + model.state_size + n, :2] += (-nudge, nudge)
         flags = np.empty((1, 8))
@@ -170,7 +169,7 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     curves, units = asked.curves(model.curves)
     compiled = MachineFunctions()
     functions = Functions(model, asked.parameters, curves, compiled.add)
-    z = start(model, asked.parameters, compiled)
+    z, functions.parameters = start(model, asked.parameters, compiled)
     run = Motion(functions, z, asked.t_eval, asked.rtol, asked.atol)
     run.go()
     notes, reach = _growth_notes(asked, run)
@@ -214,7 +213,7 @@ def _kinematics(asked: Asked, forces: bool = False) -> tuple[Found, dict[str, st
     nominal = analyse(model.system, model.start, asked.t_eval, forces=forces)
     curves, units = asked.curves({name: one for name, one in model.curves.items() if name in nominal.stored})
     compiled = MachineFunctions()
-    driven = Driven(model, asked.parameters, curves, compiled.add)
+    driven = Driven(model, counted(model, asked.parameters), curves, compiled.add)
     compiled.compile()
     bodies = list(model.system.bodies)
     found = [driven.at(float(t), *positions(nominal, bodies, k)) for k, t in enumerate(nominal.t)]
@@ -239,7 +238,7 @@ def _equilibrium(asked: Asked) -> tuple[Found, dict[str, str]]:
     rest = record_rest(model)
     curves, units = asked.curves({name: one for name, one in rest.curves.items() if name in nominal.stored})
     compiled = MachineFunctions()
-    at_rest = AtRest(model, asked.parameters, rest, curves, compiled.add)
+    at_rest = AtRest(model, counted(model, asked.parameters), rest, curves, compiled.add)
     compiled.compile()
     bodies = list(model.system.bodies)
     found = []

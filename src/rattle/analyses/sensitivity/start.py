@@ -31,9 +31,14 @@ class StartDerivatives:
         self._begin = Starts(model, functions.add)
         self._correct = Linearised(model.graph, model.first.correction, functions.add)
         self._close_rates = Linearised(model.graph, model.first.rates, functions.add)
+        self._constants = None
+        if model.first.constants:
+            self._constants = Linearised(model.graph, model.first.constants, functions.add)
 
-    def at(self, model: RecordedModel, chosen: Parameters) -> np.ndarray:
+    def at(self, model: RecordedModel, chosen: Parameters) -> tuple[np.ndarray, Parameters]:
         """y and its derivatives at t = 0, (ny, 1 + k) [SI], for the start and the parameters of this model.
+
+        Also these parameters, with the derivatives of the constants that the start sets.
 
         Raises TraceError where assembly had to change what [initial] gives.
         """
@@ -46,7 +51,8 @@ class StartDerivatives:
             )
         _require_kept(self._begin, chosen)
         y, nq, k = begun.y[:, 0], 3 * model.system.body_count, len(chosen.values)
-        x = np.concatenate([[0.0], y, chosen.values, [0.0]])
+        chosen = chosen._replace(constants=begun.constants[:, 0])
+        x = np.concatenate([[0.0], y, chosen.inputs, [0.0]])
         parameters = slice(1 + len(y), 1 + len(y) + k)
         along = np.zeros((len(x), nq + k))
         along[1 : 1 + nq, :nq] = np.eye(nq)
@@ -55,18 +61,27 @@ class StartDerivatives:
         moved = np.zeros((len(x), k))
         moved[1 : 1 + nq] = np.linalg.solve(np.eye(nq) - found[:nq, :nq], found[:nq, nq:])
         moved[parameters] = chosen.directions
+        if self._constants is not None:
+            _, counted = self._constants(x, moved)
+            chosen = chosen._replace(constant_rates=counted[:-1])
+            moved[parameters.stop : -1] = counted[:-1]
         _, rates = self._close_rates(x, moved)
         z = np.zeros((len(y), 1 + k))
         z[:, 0] = y
         z[:nq, 1:], z[nq : 2 * nq, 1:] = moved[1 : 1 + nq], rates[:nq]
-        return z
+        return z, chosen
 
 
-def start(model: RecordedModel, chosen: Parameters, functions: MachineFunctions) -> np.ndarray:
-    """y and its derivatives at t = 0, (ny, 1 + k) [SI]; compiles the functions.  Raises TraceError."""
+def start(model: RecordedModel, chosen: Parameters, functions: MachineFunctions) -> tuple[np.ndarray, Parameters]:
+    """As `StartDerivatives.at`; compiles the functions.  Raises TraceError."""
     derivatives = StartDerivatives(model, functions)
     functions.compile()
     return derivatives.at(model, chosen)
+
+
+def counted(model: RecordedModel, chosen: Parameters) -> Parameters:
+    """The parameters with the derivatives of the constants that the start sets, if it sets any.  Raises TraceError."""
+    return start(model, chosen, MachineFunctions())[1] if len(model.constants) else chosen
 
 
 def _require_kept(begin: Starts, chosen: Parameters) -> None:

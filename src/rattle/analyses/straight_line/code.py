@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle.analyses.assembly.start_constants import constants_of
 from rattle.analyses.straight_line.recorded_model import NUDGES, RecordedModel, record_model
 from rattle.analyses.straight_line.starts import CLOSED, FAR, MISSED, ROUNDS, SMALL, Starts
 from rattle.errors import TraceError
@@ -32,6 +33,9 @@ def program(model: RecordedModel) -> Program:
 
 def with_parameters(model: RecordedModel) -> tuple[RecordedModel, dict[str, str]]:
     """A model, recorded without parameters, with all that can be inputs; the other parameters, and why they cannot."""
+    if counting := constants_of(model.system.model):
+        why = f"the start sets how {', '.join(counting)} mesh, anew with every parameter: only `rattle` can do that"
+        return model, dict.fromkeys(model.values, why)
     constants = _dependent(model.document, list(model.values))
     chosen = [name for name in list(model.values) if name not in constants]
     if not chosen:
@@ -84,8 +88,7 @@ def _recorded(model: RecordedModel, chosen: Sequence[str]) -> tuple[RecordedMode
 def _structural(model: RecordedModel) -> dict[str, str]:
     """Parameters that stand for another form of the model wherever they are changed."""
     graph, flag = lower(model.graph, [model.readable])
-    values = list(model.parameters.values())
-    inputs = np.concatenate([[model.start.t], model.start_state, values, [0.0]])
+    inputs = model.inputs(model.start.t, model.start_state)
     found = {}
     for k, (name, value) in enumerate(model.parameters.items(), 1 + model.state_size):
         tried = np.repeat(inputs[:, None], len(NUDGES), axis=1)

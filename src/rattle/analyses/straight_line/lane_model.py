@@ -142,7 +142,7 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
         begun, count = starts.begin(values), values.shape[1]
         fill = filled(count)
         state, first = np.zeros((len(exact.inputs), len(fill))), np.zeros((1, len(fill)))
-        state[1 : 1 + ny], state[1 + ny : -1] = begun.y[:, fill], values[:, fill]
+        state[1 : 1 + ny], state[1 + ny : -1] = begun.y[:, fill], np.vstack([values, begun.constants])[:, fill]
         energy(state, first)
         state[-1] = first[0]
         constants = np.empty((len(prepared), len(fill)))

@@ -1,7 +1,8 @@
 """A model as a graph: what its kernels do at one instant, and how its start follows from chosen parameters.
 
 Inputs of the graph are t [s], the state y [SI], the chosen parameters p [SI], through every expression of the model
-file that uses them, and the energy E_0 at the start [J], from which the balance counts.  See `rattle.trace`.
+file that uses them, the constants that the start sets, where parameters are chosen, and the energy E_0 at the start
+[J], from which the balance counts.  See `rattle.trace`.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.assembly.start_constants import constants_of
+from rattle.analyses.assembly.start_constants import constants_of, flat, with_constants
 from rattle.analyses.dynamics.run import start_state
 from rattle.analyses.straight_line.derived_curves import derived_curve, derived_names
 from rattle.analyses.straight_line.recorded_start import RecordedStart, record_start
@@ -64,6 +65,16 @@ class RecordedModel:
         return int(state_layout(self.system).size)
 
     @property
+    def constants(self) -> np.ndarray:
+        """(nc,) those that the start has set [m or rad]: inputs after the parameters, numbers where none is chosen."""
+        return np.array(flat(constants_of(self.system.model)) if self.parameters else [])
+
+    def inputs(self, t: float, y: np.ndarray, values: Any = None) -> np.ndarray:
+        """(n_in,) inputs of the graph at y (ny,) and values (np,) of parameters (default: its own) [SI], E_0 = 0."""
+        values = list(self.parameters.values()) if values is None else values
+        return np.concatenate([[t], y, values, self.constants, [0.0]])
+
+    @property
     def points(self) -> dict[str, Any]:
         """Points of bodies in ground axes [m]: "body.point.x" and .y."""
         names = [name for name in derived_names(self.recorded.model, self.curves) if not name.endswith(".force")]
@@ -102,15 +113,13 @@ def record_model(
     """
     require_parameters(system, names)
     _require_smooth(system)
-    if names and (counting := constants_of(system.model)):
-        raise TraceError(f"the start sets how {', '.join(counting)} mesh, anew with every parameter")
     graph = Graph()
     recorder = Recorder(graph)
     t = graph.input()
     y = np.array([graph.input() for _ in range(state_layout(system).size)], dtype=object)
     inputs = [graph.input() for _ in names]
     chosen = {name: functools.partial(recorder.number, symbol=one) for name, one in zip(names, inputs, strict=True)}
-    recorded = compile_system(read(document, chosen=chosen)) if names else system
+    recorded = compile_system(_counting(read(document, chosen=chosen), system, recorder)) if names else system
     _require_known_states(recorded)
     recording = Recording(recorded, recorder)
     row = np.zeros(width(system), dtype=object)
@@ -130,6 +139,15 @@ def record_model(
     )  # fmt: skip
     _require_same(made)
     return made
+
+
+def _counting(model: Model, system: System, recorder: Recorder) -> Model:
+    """A model with new inputs for the constants that the start sets; their values are those of the system."""
+    made: dict[str, tuple[float, ...]] = {
+        name: tuple(recorder.number(value, symbol=recorder.graph.input()) for value in each)
+        for name, each in constants_of(system.model).items()
+    }
+    return with_constants(model, made)
 
 
 def _dependent(recorded: System, chosen: Sequence[str]) -> dict[str, Any]:
@@ -194,7 +212,7 @@ def _require_same(made: RecordedModel) -> None:
         for nudge in NUDGES:
             changed = {**given, **{name: given[name] + nudge * (given[name] or 1.0) for name in names}}
             try:
-                other = compile_system(read_at(made, changed))
+                other = compile_system(with_constants(read_at(made, changed), constants_of(made.system.model)))
             except ModelError:  # outside of the limits of a parameter
                 continue
             moved = y + 1e-3 * random.standard_normal(len(y))
@@ -229,7 +247,7 @@ def _at(
     made: RecordedModel, functions: tuple[Graph, list[Any]], t: float, y: np.ndarray, given: Mapping[str, float]
 ) -> np.ndarray:
     graph, outputs = functions
-    return graph.evaluate(outputs, np.concatenate([[t], y, list(given.values()), [0.0]])[:, None])[:, 0]
+    return graph.evaluate(outputs, made.inputs(t, y, list(given.values()))[:, None])[:, 0]
 
 
 def _require_equal(system: System, t: float, y: np.ndarray, found: np.ndarray, where: str) -> None:

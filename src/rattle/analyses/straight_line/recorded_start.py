@@ -16,6 +16,8 @@ import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.assembly.first_guess import outward
+from rattle.analyses.assembly.loops import loops
+from rattle.analyses.assembly.start_constants import constants_of, with_constants, without_counting
 from rattle.analyses.assembly.start_values import KEYS, given_values
 from rattle.description.model import Driver, Model, Point
 from rattle.equations.dense import dense_rows
@@ -46,6 +48,9 @@ class RecordedStart:
     correction: list[Any]  # (3 nb,) positions after a step of Newton's method, what is left open [m or rad], a flag
     rates: list[Any]  # (3 nb,) rates at closed positions, by how much given ones are missed [m/s or rad/s], a flag
     gaps: list[Gap]  # what is open at y
+    constants: list[
+        Any
+    ]  # (nc,) those that the start sets, at closed positions [m or rad]; then a flag if there are any
 
 
 class Kept(NamedTuple):
@@ -63,14 +68,38 @@ def record_start(
 
     system: the model at the parameters' values; recorded: the same with recorded numbers; y: (ny,) symbols.
     """
-    kept = _kept(system, start, _pins_at_offsets(system, start), 0)
+    kept = _kept(_placing(system), start, _pins_at_offsets(system, start), 0)
     kept_rates = _kept(system, start, _pins_at_rest(system, start), 1)
     if kept is None or kept_rates is None:
         return None
     q = y[: 3 * system.body_count]
     correction, sound_correction, gaps = _positions(recorded, recorder, kept, q)
     rates, sound_rates = _rates(recorded, recorder, kept_rates, q)
-    return RecordedStart([*correction, sound_correction], [*rates, sound_rates], gaps)
+    return RecordedStart(
+        [*correction, sound_correction], [*rates, sound_rates], gaps, _constants(recorded, recorder, q)
+    )
+
+
+def _placing(system: System) -> System:
+    """The system without the rows that count from the start: what determines positions there."""
+    return compile_system(without_counting(system.model)) if constants_of(system.model) else system
+
+
+def _constants(recorded: System, recorder: Recorder, q: np.ndarray) -> list[Any]:
+    """The residuals at q of rows that count from the start, their constants being 0; a flag if there are such rows."""
+    counting = constants_of(recorded.model)
+    if not counting:
+        return []
+    zero = compile_system(with_constants(recorded.model, dict.fromkeys(counting, 0.0)))
+    rows = [n for n, row in enumerate(zero.rows) if row.owner in counting]
+
+    def residuals() -> list[Any]:
+        closing = Recording(zero, recorder).closing(0.0)
+        closing.place(q, np.zeros(len(q), dtype=object))
+        return [closing.workspace.rows[n, at.RES] for n in rows]
+
+    made, sound = Recording(zero, recorder).guarded(residuals)
+    return [*made, sound]
 
 
 def driven_bodies(system: System, start: Assembled) -> set[str]:
@@ -144,7 +173,23 @@ def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept 
             found.needed.append(int(k))
         elif _add(list(joints), unit):
             found.also.append(int(k))
+    if turn == 0:
+        found.needed.extend(k for k in _left_at_zero(system, now, given) if _add(basis, _unit(len(given), k)))
     return found if len(basis) == len(given) else None
+
+
+def _left_at_zero(system: System, now: np.ndarray, given: np.ndarray) -> list[int]:
+    """Angles that are not given and that assembly leaves at 0, because no loop could need another one."""
+    model = system.model
+    if any(driver.point is not None for driver in model.drivers.values()):
+        return []
+    closing = {name for joint, path in loops(model) for name in (joint.name, *path)}
+    moved = {body for name in closing for body in (model.joints[name].a.body, model.joints[name].b.body)}
+    return [
+        3 * n + 2
+        for n, body in enumerate(system.bodies)
+        if body not in moved and np.isnan(given[3 * n + 2]) and now[3 * n + 2] == 0.0
+    ]
 
 
 def _agrees(system: System, now: np.ndarray, given: np.ndarray) -> np.ndarray:
@@ -206,8 +251,9 @@ def lacking(system: System, start: Assembled) -> str:
         if moved:
             values = ", ".join(f"{names[k]} = {now[k]:.12g} (not {given[k]:.6g})" for k in moved)
             said.append(f"give what the joints allow: {values}")
-        if _kept(system, start, pins, turn) is None:
-            basis = _basis(_held(system.model, pins, []), start, pins if turn == 0 else [])
+        placing = _placing(system) if turn == 0 else system
+        if _kept(placing, start, pins, turn) is None:
+            basis = _basis(_held(placing.model, pins, []), start, pins if turn == 0 else [])
             for k in np.flatnonzero(~np.isnan(given)):
                 _add(basis, _unit(len(given), int(k)))
             size = len(given)
@@ -225,7 +271,7 @@ def _held(model: Model, pins: Sequence[str], coordinates: Sequence[int]) -> Syst
     for k in coordinates:
         body, key = bodies[k // 3], KEYS[0][k % 3]
         name = f"{START_OF}{body}.{key}"
-        value = model.initial.bodies[body].get(key, 0.0)  # where only the rate is given, only the rate counts
+        value = model.initial.bodies.get(body, {}).get(key, 0.0)  # where only the rate is given, only the rate counts
         drivers[name] = Driver(name, f"body-{key}", "", value, Point(body, "", (0.0, 0.0)))
     joints = {name: replace(one, contact=None) if name in pins else one for name, one in model.joints.items()}
     return compile_system(replace(model, joints=joints, drivers=drivers))
@@ -254,7 +300,7 @@ def _hinges(system: System, pins: Sequence[str], offsets: Mapping[str, Any] | No
 
 # ---------------------------------------------------------------- recording
 def _positions(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> tuple[list[Any], Any, list[Gap]]:
-    held = Recording(_held(recorded.model, kept.pins, kept.needed), recorder)
+    held = Recording(_held(without_counting(recorded.model), kept.pins, kept.needed), recorder)
     offsets = recorded.model.initial.offsets
     open_at_q: list[Gap] = []
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled, assemble, put_together
+from rattle.analyses.assembly.start_constants import constants_of, flat
 from rattle.analyses.dynamics.run import start_state
 from rattle.analyses.straight_line.recorded_model import RecordedModel, read_at
 from rattle.equations.system import System
@@ -27,6 +28,7 @@ class Begun(NamedTuple):
     """Starts of k samples."""
 
     y: np.ndarray  # (ny, k) states [SI]; nan where there is none
+    constants: np.ndarray  # (nc, k) those that the starts set [m or rad]
     messages: dict[int, str]  # by sample: why it cannot be put together
     assembled: np.ndarray  # (k,) True: not by the recorded equations
 
@@ -42,29 +44,32 @@ class Starts:
         """Starts at values (np, k) of the chosen parameters [SI]."""
         count = values.shape[1]
         y = np.repeat(self.model.start_state[:, None], count, axis=1)
+        constants = np.zeros((len(self.model.constants), count))
         good = np.isfinite(values).all(axis=0)
         if self._first:
-            good &= self.solve(y, np.where(good, values, 1.0))
+            good &= self.solve(y, np.where(good, values, 1.0), constants)
         else:
             good[:] = False
         messages: dict[int, str] = {}
         alike = self._alike(values)
         for n in np.flatnonzero(~good):
             try:
-                y[:, n] = start_state(*self.assemble(values[:, n]))
+                system, start = self.assemble(values[:, n])
+                y[:, n], constants[:, n] = start_state(system, start), flat(constants_of(system.model))
                 if not alike[n]:
                     y[:, n], messages[int(n)] = np.nan, OTHER
             except (ModelError, AssemblyError) as error:
                 y[:, n], messages[int(n)] = np.nan, str(error)
-        return Begun(y, messages, ~good)
+        return Begun(y, constants, messages, ~good)
 
     def _alike(self, values: np.ndarray) -> np.ndarray:
         """(k,) True where the model has the parts and forms of the recorded one."""
         count = values.shape[1]
         fill = filled(count)
         readable = np.empty((1, len(fill)))
-        inputs = np.zeros((2 + len(self.model.start_state) + len(values), len(fill)))  # t, y, parameters, E_0
-        inputs[-1 - len(values) : -1] = values[:, fill]
+        inputs = np.zeros((len(self.model.graph.inputs), len(fill)))
+        first = 1 + self.model.state_size
+        inputs[first : first + len(values)] = values[:, fill]
         self._readable(inputs, readable)
         return np.asarray(readable[0, :count] == 1.0)
 
@@ -79,14 +84,18 @@ class Starts:
         system = put_together(read_at(self.model, dict(zip(self.model.parameters, values.tolist(), strict=True))))
         return system, assemble(system)
 
-    def solve(self, y: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Positions and rates by the recorded equations, into y (ny, k); (k,) True where they hold."""
-        system, (correct, close_rates) = self.model.system, self._first
+    def solve(self, y: np.ndarray, values: np.ndarray, constants: np.ndarray | None = None) -> np.ndarray:
+        """Positions and rates by the recorded equations, into y (ny, k); (k,) True where they hold.
+
+        constants: (nc, k) to write those into that the start sets.
+        """
+        system, (correct, close_rates, *count_from) = self.model.system, self._first
         nq, count = 3 * system.body_count, y.shape[1]
         fill = filled(count)
         size = np.tile([system.size, system.size, 1.0], system.body_count)[:, None]
-        inputs = np.zeros((2 + len(y) + len(values), len(fill)))  # t = 0, y, parameters, E_0
-        inputs[1 : 1 + len(y)], inputs[1 + len(y) : -1] = y[:, fill], values[:, fill]
+        inputs = np.zeros((len(self.model.graph.inputs), len(fill)))  # t = 0, y, parameters, constants, E_0
+        last = 1 + len(y) + len(values)
+        inputs[1 : 1 + len(y)], inputs[1 + len(y) : last] = y[:, fill], values[:, fill]
         found, rates, readable = (np.empty((n, len(fill))) for n in (nq + 2, nq + 2, 1))
         q = inputs[1 : nq + 1]
         began, left = q.copy(), np.full(len(fill), np.inf)
@@ -100,6 +109,11 @@ class Starts:
                 moving &= step > SMALL
                 if not moving.any():
                     break
+            for one in count_from:
+                set_ = np.empty((len(self.model.constants) + 1, len(fill)))
+                one(inputs, set_)
+                inputs[last:-1] = set_[:-1]
+                good &= set_[-1] == 1.0
             close_rates(inputs, rates)
             self._readable(inputs, readable)
             missed, sound_rates = rates[nq], rates[nq + 1]
@@ -107,6 +121,8 @@ class Starts:
             good &= np.abs((q - began) / size).max(axis=0) <= FAR
             good &= missed <= MISSED * np.maximum(1.0, np.abs(rates[:nq]).max(axis=0))
             good &= readable[0] == 1.0
+        if constants is not None:
+            constants[:] = inputs[last:-1, :count]
         y[:nq], y[nq : 2 * nq] = q[:, :count], rates[:nq, :count]
         return good[:count]
 
@@ -114,5 +130,9 @@ class Starts:
 def _lowered(model: RecordedModel) -> list[tuple[Graph, list[Any]]]:
     parts = [[model.readable]]
     if model.first is not None:
-        parts += [model.first.correction, model.first.rates]
+        parts += [
+            model.first.correction,
+            model.first.rates,
+            *([model.first.constants] if model.first.constants else []),
+        ]
     return [lower(model.graph, one) for one in parts]
