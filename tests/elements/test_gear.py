@@ -11,8 +11,8 @@ import rattle as rt
 from moving_bodies import FIRST, SECOND, A, B, H, Path, body_at, rng_for
 from rattle import registry
 from rattle.jit import layout as at
+from rattle.plots.drawings.gear import DEPTH, TEETH
 from rattle.plots.sketch import draw_at
-from rattle.plots.wheels import DEPTH, TEETH
 
 nojit = pytest.mark.nojit
 FINE = {"rtol": 1e-11, "atol": 1e-13}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from rattle import registry
 from rattle.plots.drawings import Form, Part, drawing
 from rattle.plots.movie_file import Update
 from rattle.plots.scene import Array, Pair, Scene, draw_line
@@ -31,11 +32,9 @@ class Wheel(NamedTuple):
 
 def wheels(form: Form) -> list[Wheel]:
     """The wheels of a gear pair, or the pinion of a rack; none of other joints."""
-    fields = form.get("fields", {})
-    if form["type"] == "rack":
-        radii = (0.0, fields["radius"])
-    else:
-        radii = fields.get("radii", ()) if form["type"] == "gear" else ()
+    known, fields = registry.kinds("joint"), form["fields"]
+    drawn_as = known[form["type"]].leaf.drawn_as if form["type"] in known else ""
+    radii = {"gear": fields.get("radii", ()), "rack": (0.0, fields.get("radius", 0.0))}.get(drawn_as, ())
     return [
         Wheel(body, (point[0], point[1]), radius, n == 0 and bool(fields.get("internal")))
         for n, (body, point, radius) in enumerate(zip(form["bodies"], form["points"], radii, strict=False))
