@@ -401,3 +401,26 @@ def test_excavator_holds_its_arm_with_the_force_that_the_moment_of_all_weights_s
     along = (end - [0.6, -0.4]) / np.hypot(*(end - [0.6, -0.4]))
     lever = end[0] * along[1] - end[1] * along[0]
     assert r["F_lift"][-1] == pytest.approx(moment / lever, rel=1e-4)  # creeps by 1e-5 rad/s still
+
+
+# ---------------------------------------------------------------- gears and racks
+def test_planetary_gear_set_starts_as_its_reduced_inertia_says_and_turns_by_willis():
+    r = rt.example("planetary").simulate()
+    carrier, planet, a = 20 / (20 + 80), -1 / 3, 0.05
+    reduced = 2e-5 + carrier**2 * (4e-4 + 3 * 0.2 * a**2) + 3 * planet**2 * 1e-5
+    assert r["sun.alpha"][0] == pytest.approx(1 / reduced, rel=1e-10)
+    for name, ratio in (("carrier", carrier), ("planet2", planet)):
+        assert r[f"{name}.angle"] == pytest.approx(ratio * r["sun.angle"], abs=1e-9)
+    assert {f"{side}{k}" for side in ("inner", "outer") for k in (1, 2, 3)} <= set(r.trust.nonunique)
+
+
+def test_rolling_cart_gathers_speed_as_an_exponential_and_ends_where_drag_and_motor_balance():
+    m = rt.example("rolling_cart")
+    r = m.simulate()
+    end = 0.1 * 4 * math.pi
+    tau = (20 + 2 * 2 + 2 * 0.5 / 0.1**2) * 0.1 * end / 20
+    assert r["cart.vx"] == pytest.approx(end * (1 - np.exp(-r.t / tau)), abs=1e-7)  # the usual tolerance of a run
+    assert r["rear.angle"] == pytest.approx(-r["cart.x"] / 0.1, abs=1e-12)
+    assert r["road2.force"] == pytest.approx(0.5 / 0.1**2 * r["cart.ax"], abs=1e-6)  # it only turns its wheel
+    slow = m.set({"drag": 10}).simulate(20.0)["cart.vx"][-1]
+    assert 10 * slow**2 == pytest.approx(20 / 0.1 * (1 - slow / end), rel=1e-6)

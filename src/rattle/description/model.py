@@ -114,7 +114,8 @@ class Joint:
         """What its kernel takes after the points: the values of its fields, then its constants; nan if not yet set."""
         given: list[Any] = []
         for key, one in registry.kinds("joint")[self.kind].fields.items():
-            given += self.fields[key] if one.shape == "pair" else (self.fields[key],)
+            value: Any = self.fields[key]
+            given += value if one.shape == "pair" else (value,)
         if self.leaf.from_start:
             given += self.constants or (math.nan,) * len(self.leaf.rows)
         return tuple(given)
