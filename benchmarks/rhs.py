@@ -69,6 +69,12 @@ def fourbar_rows(repeats: int) -> list[Row]:
     return [Row("four-bar: one right-hand side", median["rattle"], name, median.get("C"), "0.6 us, about 10")]
 
 
+def planetary_rows(repeats: int) -> list[Row]:
+    """Three planets between a sun and a ring: six meshes, of which two are redundant."""
+    found = interleave({"rattle": partial(seconds_per_rhs, rt.example("planetary"), 50_000)}, repeats)
+    return [Row("planetary gear set: one right-hand side", found["rattle"], aim="2 us")]
+
+
 def chain(links: int) -> str:
     """Model text of a chain of equal bars, pinned to the ground at one end, let go from a zigzag."""
     lines = ["format = 1", f'name = "chain of {links} links"', "gravity = [0, -9.81]", "[ground.points]", "P = [0, 0]"]

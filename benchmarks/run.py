@@ -20,6 +20,7 @@ import versus_exudyn
 
 SECTIONS = {
     "fourbar": rhs.fourbar_rows,
+    "planetary": rhs.planetary_rows,
     "exudyn": versus_exudyn.rows,
     "contact": contact.rows,
     "chain": rhs.chain_rows,
