@@ -333,6 +333,12 @@ def test_check_counts_the_meshes_that_only_share_the_load():
     assert (one.mobility, one.redundant) == (1, 0)
 
 
+@nojit
+def test_check_follows_a_gear_that_turns_much_faster_than_its_driver():
+    m = pair("[0.3, 0.01]", "0.31", law="t")  # thirty times: 150 deg for 5 deg of the driver
+    assert m.check().reach == ("one_motor can turn fully",)
+
+
 # ---------------------------------------------------------------- pictures
 @pytest.fixture
 def ax():

@@ -15,14 +15,15 @@ from rattle.analyses.law_check import law_faults
 from rattle.analyses.timetable import jump_lines, timetable
 from rattle.analyses.travel import out_of_place, stop_lines, with_ends, with_stops
 from rattle.description.model import Model
-from rattle.equations.closure import close_position, open_by
+from rattle.equations.closure import close_position, close_rate, open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.placement import point_at
 from rattle.equations.system import System, is_link
 from rattle.jit.workspace import Workspace
 from rattle.results.display import table
 
-TURN = 72  # positions of a driver tried around a full turn
+TURN = 72  # positions of a driver tried around a full turn, for bodies that turn no faster
+MOST_PIECES = 100  # times as many for those that do
 
 
 @dataclass(frozen=True, repr=False)
@@ -169,9 +170,14 @@ def _reach(system: System, start: Assembled) -> list[str]:
     for name, slot in slots.items():
         turning = system.rows[system.first_row(name)].unit == "rad"
         step = 2 * math.pi / TURN if turning else system.size / 36
-        up = _far(frozen, q, scratch, slot, at_start[name], step, 1e-9 * system.size)
+        pieces = min(MOST_PIECES, math.ceil(step * _turning(frozen, q, slot) / 0.5) or 1)
+        step /= pieces
+        up = _far(frozen, q, scratch, slot, at_start[name], step, 1e-9 * system.size, pieces * TURN)
         full = turning and up is None
-        ends = [up, None if full else _far(frozen, q, scratch, slot, at_start[name], -step, 1e-9 * system.size)]
+        ends = [
+            up,
+            None if full else _far(frozen, q, scratch, slot, at_start[name], -step, 1e-9 * system.size, pieces * TURN),
+        ]
         unit, scale = ("deg", 180 / math.pi) if turning else ("m", 1.0)
         if full:
             found.append(f"{name} can turn fully")
@@ -190,20 +196,31 @@ def _hold_drivers(system: System, t: float) -> tuple[Workspace, dict[str, int], 
     running = system.workspace()
     drive(running, t)
     slots = {name: system.driver_slot(name) for name in system.model.drivers}
-    none = np.zeros((0, 3), np.int64)
-    frozen = replace(
-        system, arrays={**system.arrays, "jet": none, "jet_signal": none, "values": running.values}
-    ).workspace()
-    return frozen, slots, {name: float(running.values[slot]) for name, slot in slots.items()}
+    none, values = np.zeros((0, 3), np.int64), running.values.copy()
+    for slot in slots.values():
+        values[slot + 1 : slot + 3] = 0.0
+    frozen = replace(system, arrays={**system.arrays, "jet": none, "jet_signal": none, "values": values}).workspace()
+    return frozen, slots, {name: float(values[slot]) for name, slot in slots.items()}
+
+
+def _turning(workspace: Workspace, q: np.ndarray, slot: int) -> float:
+    """How fast the fastest body turns with a driver [rad per rad or m], the others at rest: a gear may turn faster."""
+    v = np.zeros_like(q)
+    workspace.values[slot + 1] = 1.0
+    close_rate(workspace, 0.0, q, v)
+    workspace.values[slot + 1] = 0.0
+    found = float(np.abs(v[2::3]).max(initial=0.0))
+    return found if math.isfinite(found) else 0.0
 
 
 def _far(
-    workspace: Workspace, start: np.ndarray, scratch: np.ndarray, slot: int, value: float, step: float, tolerance: float
-) -> float | None:
-    """Last value [rad or m] of a driver that can be reached in steps from `value`; None if nothing stops it."""
+    workspace: Workspace, start: np.ndarray, scratch: np.ndarray, slot: int, value: float, step: float,
+    tolerance: float, most: int,
+) -> float | None:  # fmt: skip
+    """Last value [rad or m] of a driver that can be reached in `most` steps from `value`; None if nothing stops it."""
     q, good = start.copy(), start.copy()
     reached = value
-    for _ in range(TURN):
+    for _ in range(most):
         workspace.values[slot] = reached + step
         gap, _ = close_position(workspace, 0.0, q, scratch, 1e-3 * tolerance, 30)
         if not gap <= tolerance or np.abs(q - good)[2::3].max() > 1.5:

@@ -44,12 +44,12 @@ def wheels(form: Form) -> list[Wheel]:
 
 def around(form: Form) -> list[tuple[str, Pair]]:
     """Points around the wheels of a gear or rack."""
-    turns = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
-    size = {True: 1.0 + RIM * DEPTH * 2.0 * np.pi / TEETH, False: 1.0}
+    turns, every = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False), wheels(form)
+    rim = RIM * DEPTH * 2.0 * np.pi * min(one.radius for one in every) / TEETH
     return [
         (one.body, (one.centre[0] + r * float(np.cos(turn)), one.centre[1] + r * float(np.sin(turn))))
-        for one in wheels(form)
-        for r in (one.radius * size[one.ring],)
+        for one in every
+        for r in (one.radius + rim * one.ring,)
         for turn in turns
     ]
 
