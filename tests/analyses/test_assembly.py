@@ -290,7 +290,8 @@ def test_rows_are_called_independent_where_their_singular_values_say_so():
         return independent(workspace), left_null(m.system, workspace).shape[1] == 0
 
     for name in rt.examples():
-        assert seen(rt.example(name)) == (True, True), name
+        alone = name != "planetary"  # its three planets share the load
+        assert seen(rt.example(name)) == (alone, alone), name
     twice = rt.example("fourbar")
     twice.revolute("again", "ground.O1", "crank.O1")
     assert seen(twice) == (False, False)
