@@ -11,8 +11,9 @@ from rattle.language.table_reading import EDGE, KNOTS, PER_SEGMENT, PERIOD
 
 
 def knot_span(const: Array, k: int, x: Span) -> Span:
-    """Knot coordinate of the table whose block begins at const[k]; nan where x may be outside of it."""
+    """Knot coordinate of the table whose block begins at const[k], where x is inside of it; nan if it is nowhere."""
     knots, _, period = _parts(const, k)
+    x = _inside(knots, period, x)
     steps = np.diff(knots)
     low, high = (_coordinate(knots, period, one) for one in (x.low, x.high))
     rates = np.array([x.slow / steps.min(), x.slow / steps.max(), x.fast / steps.min(), x.fast / steps.max()])
@@ -22,6 +23,7 @@ def knot_span(const: Array, k: int, x: Span) -> Span:
 def table_span(const: Array, k: int, x: Span, side: Array | None) -> Span:
     """Value of the table whose block begins at const[k]; side: of its switch, None if not known."""
     knots, c, period = _parts(const, k)
+    x = _inside(knots, period, x)
     z = knot_span(const, k, x)
     segments = whole_numbers(z, side)
     known = np.isfinite(segments.low) & np.isfinite(segments.high)
@@ -44,6 +46,15 @@ def _parts(const: Array, k: int) -> tuple[Array, Array, float]:
     n, first = int(const[k]), k + KNOTS
     c = const[first + n + 1 : first + n + 1 + PER_SEGMENT * n].reshape(n, PER_SEGMENT)
     return const[first : first + n + 1], c, float(const[k + PERIOD])
+
+
+def _inside(knots: Array, period: float, x: Span) -> Span:
+    """The part of every span that lies in a table, where there is one: only there the table has a value."""
+    if period > 0.0:
+        return x
+    meets = (x.low <= knots[-1]) & (x.high >= knots[0])
+    low = np.where(meets, np.maximum(x.low, knots[0]), x.low)
+    return Span(low, np.where(meets, np.minimum(x.high, knots[-1]), x.high), x.slow, x.fast)
 
 
 def _coordinate(knots: Array, period: float, x: Array) -> Array:
