@@ -107,3 +107,13 @@ def test_local_name_of_a_motor_is_known_in_its_torque_only_and_must_not_be_that_
 def test_units_of_local_names_are_checked():
     m = wheels().parameter("k", "1 N*m*s").motor("M", "housing", "rotor", torque="k*speed**2")
     assert "loads.M.torque: 'k*speed**2' is" in refused(m)
+
+
+def test_loads_given_by_instants_and_values_follow_straight_lines_between_them():
+    """A torque from 0 to 2 N m in 1 s, back to 0 in 0.5 s: w = integral/J; a force along x in the same way."""
+    t, push = np.array([0.0, 1.0, 1.5]), np.array([0.0, 2.0, 0.0])
+    m = wheels().load("M", "torque", body="rotor", torque=(t, push)).body("ball", mass=2, inertia=1, points={})
+    r = m.load("F", "force", at="rotor.C", force=[(t, push), 1]).simulate(1.5, t_eval=[0.5, 1.0, 1.5])
+    np.testing.assert_allclose(r["rotor.omega"], np.array([0.25, 1.0, 1.5]) / 0.5, atol=1e-12)
+    np.testing.assert_allclose([r["rotor_pin.fx"][1], r["rotor_pin.fy"][1]], [-2, -1], atol=1e-12)
+    assert rt.loads(m.to_toml()).model.loads["M"].kind == "torque"  # a table is part of the file

@@ -151,8 +151,23 @@ class Building:
         return self._enter("drivers", name, {"joint": joint, **function})
 
     def load(self, name: str, type: str, **fields: Any) -> Self:
-        """A load of any kind: `m.load("M", "torque", body="rocker", torque="40 N*m")`; see `rattle kinds`."""
-        return self._enter("loads", name, {"type": type, **fields})
+        """A load of any kind: `m.load("M", "torque", body="rocker", torque="40 N*m")`; see `rattle kinds`.
+
+        A value that changes in time may be given by its points, instants [s] and values [SI], with straight lines
+        between them: `torque=(t, measured)`, `force=[(t, fx), 0]`.  They become a table, see `table`.
+        """
+        given = {key: self._through_points(f"{name}_{key}", value) for key, value in fields.items()}
+        return self._enter("loads", name, {"type": type, **given})
+
+    def _through_points(self, name: str, value: Any) -> Any:
+        """A value, with a table of this name in place of instants and values at them."""
+        if not isinstance(value, tuple | list) or len(value) != 2:
+            return value
+        t, found = (file.plain(one) for one in value)
+        if isinstance(t, list) and isinstance(found, list) and not any(isinstance(x, list) for x in (*t, *found)):
+            self.table(name, t, found)
+            return f"{name}(t)"
+        return [self._through_points(f"{name}_{key}", one) for key, one in zip("xy", value, strict=True)]
 
     def actuator(self, name: str, a: str, b: str, *, force: float | str) -> Self:
         """A force [N] along the line between the points a and b, which it pushes apart; an expression may be given."""
