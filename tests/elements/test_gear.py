@@ -363,6 +363,15 @@ def test_pitch_circles_are_drawn_to_scale_each_once_and_their_spokes_turn(ax):
 
 
 @nojit
+def test_gears_that_do_not_fit_are_drawn_with_what_is_wrong():
+    ax = pair("[0.02, 0.03]").plot().axes[0]
+    said = " ".join(" ".join(text.get_text().split()) for text in (*ax.texts, *ax.figure.texts))
+    assert "need a distance of the centres of 0.05 m" in said
+    circles = [line.get_xdata() for line in ax.lines if len(line.get_xdata()) > 90]
+    assert [float(np.ptp(x[:97])) for x in circles] == pytest.approx([0.04, 0.06])
+
+
+@nojit
 def test_rack_is_drawn_along_its_line_with_teeth_away_from_the_pinion(ax):
     m = model(
         wheel("pinion", at="Q"), joint("rail", "rack", "ground.O", "pinion.C", "radius = 0.1"),

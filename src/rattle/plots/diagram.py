@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rattle import registry
-from rattle.analyses.assembly.first_guess import first_guess
 from rattle.analyses.assembly.freedoms import free_coordinates
+from rattle.analyses.assembly.start_constants import as_guessed
 from rattle.analyses.load_forces import load_forces
 from rattle.description.model import Driver, Model
 from rattle.equations.closure import open_by
@@ -93,8 +93,8 @@ def _position(m: AnalysedModel) -> Position:
     try:
         return Position(m.system, m.start.q, m.start.v, "")
     except AssemblyError as error:
-        q = first_guess(m.system)
-        return Position(m.system, q, np.zeros_like(q), str(error))
+        system, q = as_guessed(m.model)
+        return Position(system, q, np.zeros_like(q), str(error))
 
 
 def _scene(position: Position) -> Scene:

@@ -11,10 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from rattle.analyses.assembly.first_guess import first_guess
 from rattle.analyses.travel import fits
 from rattle.description.model import Model
 from rattle.equations.closure import open_by
-from rattle.equations.system import System
+from rattle.equations.system import System, compile_system
 from rattle.errors import AssemblyError
 from rattle.jit import layout as at
 
@@ -59,6 +60,13 @@ def constants_at(system: System, q: np.ndarray) -> dict[str, tuple[float, ...]]:
         first, count = system.first_row(name), len(system.model.joints[name].leaf.rows)
         found[name] = tuple(residual[first : first + count].tolist())
     return found
+
+
+def as_guessed(model: Model) -> tuple[System, np.ndarray]:
+    """The system of a model that cannot be put together, and the first guess (3 nb,) of positions, where gears mesh."""
+    system = compile_system(with_constants(model, dict.fromkeys(constants_of(model), 0.0)))
+    q = first_guess(system)
+    return compile_system(with_constants(model, constants_at(system, q))), q
 
 
 def require_fit(system: System, q: np.ndarray) -> None:
