@@ -202,7 +202,8 @@ def _require_same(made: RecordedModel) -> None:
     found = _at(made, functions, made.start.t, y, given)
     if not found[:4].all():
         raise TraceError(
-            "the start is next to a singular position, or points coincide: straight-line code cannot pass it"
+            "constraints are redundant, the start is next to a singular position, or points coincide: straight-line"
+            " code cannot pass that"
         )
     _require_equal(made.system, made.start.t, y, found[4:], "at the start; this is a fault of rattle")
     random = np.random.default_rng(0)
