@@ -184,6 +184,11 @@ def test_names_are_text_in_the_file_that_is_drawn(tmp_path):
     assert again.read_bytes() == path.read_bytes()
 
 
+def test_a_figure_that_the_user_saves_keeps_its_text(tmp_path):
+    rt.loads(SCISSOR).plot().savefig(tmp_path / "own.svg")
+    assert ">payload" in (tmp_path / "own.svg").read_text()
+
+
 def test_the_command_says_what_does_not_close(tmp_path):
     (tmp_path / "open.toml").write_text(OPEN)
     path = tmp_path / "open.png"

@@ -257,6 +257,7 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], dpi: float = 150) 
         raise ValueError(f"{os.fspath(path)}: a picture needs a name ending in {', '.join(SUFFIXES)}")
     from matplotlib import rc_context
 
-    # text stays text in an .svg, and the same picture is the same file
-    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "rattle"}), atomic(path) as file:
+    from rattle.plots.figure import TEXT
+
+    with rc_context(TEXT), atomic(path) as file:
         figure.savefig(file, dpi=dpi, format=suffix[1:], metadata={"Date": None} if suffix == ".svg" else None)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
+from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+TEXT: Any = {"svg.fonttype": "none", "svg.hashsalt": "rattle"}  # settings: text is text, the same picture the same file
 DPI = 110  # of the picture in a notebook
 
 
@@ -17,6 +20,11 @@ class Page(Figure):
         """width, height: [inches]."""
         super().__init__(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(self)
+
+    def savefig(self, fname: Any, **options: Any) -> None:
+        """As in matplotlib; text stays text in an .svg."""
+        with rc_context(TEXT):
+            super().savefig(fname, **options)
 
     def _repr_png_(self) -> bytes:
         out = io.BytesIO()
