@@ -23,7 +23,9 @@ import numpy as np
 from rattle.jit.functions import KernelFunction, jit_runs
 
 REQUIRED: Any = object()
-ELEMENTS = tuple(f"rattle.elements.{one}" for one in ("joints", "clearances", "stops", "contact_laws", "loads"))
+ELEMENTS = tuple(
+    f"rattle.elements.{one}" for one in ("joints", "clearances", "stops", "clutches", "contact_laws", "loads")
+)
 PACKAGES = {"stepper": ("rattle.solvers.steppers",)}  # packages of the families that are elsewhere
 _lock = threading.RLock()
 _families: dict[str, dict[str, Kind]] = {}

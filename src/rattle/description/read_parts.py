@@ -153,17 +153,23 @@ class Parts(FieldReader):
             return NOWHERE
         return Point(body, point, points[point])
 
-    def connect(self, given: Mapping[str, Any], path: Path, alone: bool = False) -> tuple[Point, Point]:
-        """The two ends of a joint or load."""
+    def connect(
+        self, given: Mapping[str, Any], path: Path, alone: bool = False, bodies: bool = False
+    ) -> tuple[Point, Point]:
+        """The two ends of a joint or load; alone: also bodies without a point, bodies: only such ones."""
+        form = '["body", "body"]' if bodies else '["body.point", "body.point"]'
         if "connect" not in given:
-            self.values.wrong(path, 'needs connect = ["body.point", "body.point"]')
+            self.values.wrong(path, f"needs connect = {form}")
             return NOWHERE, NOWHERE
         both = given["connect"]
         here = (*path, "connect")
         if not isinstance(both, list | tuple) or len(both) != 2:
-            self.values.wrong(here, f'expected ["body.point", "body.point"], got {said(both)}')
+            self.values.wrong(here, f"expected {form}, got {said(both)}")
             return NOWHERE, NOWHERE
         a, b = (self.point(one, (*here, k), alone) for k, one in enumerate(both))
+        for k, end in enumerate((a, b)) if bodies else ():
+            if end.name:
+                self.values.wrong((*here, k), f"expected a body, got the point {said(both[k])}")
         if a.body and a.body == b.body:
             self.values.wrong(here, f"both ends are on '{a.body}'; expected two different bodies")
         return a, b
@@ -173,15 +179,17 @@ class Parts(FieldReader):
         """Read a joint with its clearance and contact."""
         values, path = self.values, ("joints", name)
         before = len(values.problems)
-        a, b = self.connect(given, path)
         found = self.choose(given, "joint", path)
         if found is None:
             self.broken_joints.add(name)
             return
+        a, b = self.connect(given, path, alone=found.leaf.bodies, bodies=found.leaf.bodies)
         play = registry.play_of(found.name)
         tables: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
         values.keys(given, [*JOINT, *tables, *found.fields], path)
         fields = self.fields(found, given, path)
+        for key, fault in found.leaf.faults(given, fields):
+            values.wrong((*path, key) if key else path, fault)
         if len(values.problems) == before and (fault := found.leaf.fault(fields)):
             values.wrong(path, fault)
         clearance, contact = 0.0, None

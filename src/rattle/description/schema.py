@@ -220,7 +220,9 @@ def _body() -> Schema:
 def _joint(kind: Kind) -> Schema:
     properties = {
         "type": _choice(kind),
-        "connect": _connect(_point("bush or guide side first")),
+        "connect": _connect(
+            {"type": "string", "description": "a body"} if kind.leaf.bodies else _point("bush or guide side first")
+        ),
         "clearance": _number("m", "radial clearance", "not negative"),
         "contact": _contact(),
         **_dimensions(kind),

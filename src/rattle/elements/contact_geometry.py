@@ -12,7 +12,7 @@ so the gap is a length [m], N a force [N]; or, with n = 0 and m = +-1, an angle 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from rattle.jit import layout as at
 
@@ -44,3 +44,19 @@ class ContactGeometry:
     def sense(corner: int) -> int:
         """1 or -1: N of this contact counts positive or negative in its column."""
         return 1
+
+
+class OwnContact(NamedTuple):
+    """The contact that a joint consists of: it has no rows and no clearance, and the force of this contact is its own.
+
+    Its force is positive in the column EFFORT of an output row where it drives B in the positive direction.
+    """
+
+    kind: str  # of the family "clutch": its geometry
+    rigid: bool  # set-valued; otherwise its force follows from the state
+    level: bool  # decided by the rate g' alone; otherwise it has a gap
+    toothed: bool  # the gap becomes one pitch smaller where it reaches a pitch
+    states: int  # number of states of its law
+    sense: int  # 1 or -1: the direction in which it drives B
+    geometry: tuple[float, ...]  # what its kernel takes after the points
+    law: tuple[float, ...]  # largest torque, stiffness, damping, see `layout`

@@ -51,12 +51,18 @@ def add_contact_forces(m):
     state, rate = m.element_state, m.element_rate
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
+            if memory[n, at.SLIPS] == 1.0:
+                most = values[contact[n, at.NORMAL_P] + at.MOST_TORQUE]
+                add_contact_force(force, kinematics, contact[n, at.A_BODY], contact[n, at.B_BODY], n, most, 0.0)
             continue
         for column in range(at.NORMAL, at.STORE + 1):
             kinematics[n, column] = 0.0
         first = contact[n, at.FIRST_STATE]
         for k in range(first, first + contact[n, at.STATES]):
             rate[k] = 0.0
+        if contact[n, at.LEVEL] == 1:
+            add_clutch_torque(m, n)
+            continue
         delta, ddelta = -kinematics[n, at.GAP], -kinematics[n, at.DGAP]
         if delta <= 0.0 or memory[n, at.CLOSED] == at.OPEN:
             continue
@@ -72,6 +78,28 @@ def add_contact_forces(m):
         kinematics[n, at.STORE] = static * ddelta
         kinematics[n, at.LOSS] = (normal - static) * ddelta + tangent * kinematics[n, at.SLIP]
         add_contact_force(force, kinematics, contact[n, at.A_BODY], contact[n, at.B_BODY], n, normal, tangent)
+
+
+@compiled
+def add_clutch_torque(m, n):
+    """Add the torque k x + c x' [N*m] of a clutch that is engaged, x' = -g' [rad/s]; without stiffness x is no state.
+
+    In statics it is engaged where the driving body gets ahead.
+    """
+    contact, values, kinematics, memory, force = m.contact, m.values, m.contact_kinematics, m.contact_memory, m.force
+    rate = -kinematics[n, at.DGAP]
+    shut = memory[n, at.CLOSED] == at.SHUT or (memory[n, at.CLOSED] == at.AUTO and rate > 0.0)
+    if not shut:
+        return
+    p, wound = contact[n, at.NORMAL_P], 0.0
+    if contact[n, at.STATES] == 1:
+        first = contact[n, at.FIRST_STATE]
+        wound = values[p + at.WIND_UP] * m.element_state[first]
+        m.element_rate[first] = rate
+    oil = values[p + at.OIL] * rate
+    kinematics[n, at.NORMAL] = wound + oil
+    kinematics[n, at.STORE], kinematics[n, at.LOSS] = wound * rate, oil * rate
+    add_contact_force(force, kinematics, contact[n, at.A_BODY], contact[n, at.B_BODY], n, wound + oil, 0.0)
 
 
 @compiled

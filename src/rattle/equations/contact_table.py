@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from rattle import registry
 from rattle.description.model import Choice, Contact, Joint, Model
+from rattle.elements.contact_geometry import OwnContact
 from rattle.jit import layout as at
 from rattle.language.local_function import packed
 
-GEOMETRIES = ("clearance", "stop")  # families of kernels that give the geometry of a contact, in one table
+GEOMETRIES = ("clearance", "stop", "clutch")  # families of kernels that give the geometry of a contact, in one table
 # tables of kernels that contacts call: the families in them, and the column of `contact` that names an entry
 CONTACT_TABLES = {
     "clearance_table": (GEOMETRIES, at.SHAPE),
@@ -77,13 +78,54 @@ def contact_table(
                 )
             own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
             lever = (*leaf.levers(parameters), *map(float, (leaf.walls_turn, leaf.rounded, leaf.angular)))
-            tag = kind.tag + sum(len(registry.kinds(one)) for one in GEOMETRIES[: GEOMETRIES.index(kind.family)])
             for corner in corners:
-                owned = (n, int(contact.rigid), states, own, leaf.column, leaf.sense(corner))
-                found.append((tag, a, b, place, corner, *laws, *owned))
+                owned = (n, int(contact.rigid), states, own, leaf.column, leaf.sense(corner), 0, 0)
+                found.append((_tag(kind), a, b, place, corner, *laws, *owned))
                 states += own
                 levers.append((*lever, leaf.scale(parameters, size), size))
+        alone = joint.leaf.own_contact(joint.fields)
+        if alone is not None:
+            entry, its_lever = _own_contact(alone, joint, values)
+            owned = (
+                n,
+                int(alone.rigid),
+                states,
+                alone.states,
+                at.EFFORT,
+                alone.sense,
+                int(alone.level),
+                int(alone.toothed),
+            )
+            found.append((entry[0], a, b, *entry[1:], *owned))
+            states += alone.states
+            levers.append(its_lever)
+    _share_law(found, values)
     return found, levers
+
+
+def _tag(kind: registry.Kind) -> int:
+    """Index of a kind of geometry in the table of all of them."""
+    return kind.tag + sum(len(registry.kinds(one)) for one in GEOMETRIES[: GEOMETRIES.index(kind.family)])
+
+
+def _own_contact(own: OwnContact, joint: Joint, values: list[float]) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """Kernel and places of the parameters of the contact that a joint consists of; its entry in `lever`."""
+    kind, place = registry.kinds("clutch")[own.kind], len(values)
+    parameters = (*joint.a.at, *joint.b.at, *own.geometry)
+    values += parameters
+    law = len(values)
+    values += [0.0] * at.MOST_TORQUE  # no restitution, no friction
+    values += own.law
+    lever = (*kind.leaf.levers(parameters), *map(float, (kind.leaf.walls_turn, kind.leaf.rounded, kind.leaf.angular)))
+    return (_tag(kind), place, 0, -1, -1, -1, law, -1, -1), (*lever, kind.leaf.scale(parameters, 1.0), 1.0)
+
+
+def _share_law(found: Sequence[tuple[int, ...]], values: list[float]) -> None:
+    """Give contacts that joints consist of, which have no restitution, the restitution law of the others."""
+    rigid = [entry for entry in found if entry[at.IMPACT] == 1]
+    law = max((values[entry[at.NORMAL_P] + at.RESTITUTION_LAW] for entry in rigid), default=0.0)
+    for entry in rigid:
+        values[entry[at.NORMAL_P] + at.RESTITUTION_LAW] = law
 
 
 def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, int]:

@@ -205,12 +205,15 @@ def correct_for_joints(m):
 def closed_contacts(m):
     """Add the response to the forces of closed contacts in their present modes; N, T [N] to `contact_kinematics`."""
     contact, kinematics, mode = m.contact, m.contact_kinematics, m.mode
-    active, candidate, side, held = m.active, m.candidate, m.side, m.held
+    active, candidate, side, held, memory = m.active, m.candidate, m.side, m.held, m.contact_memory
     count = 0
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
             for column in (at.NORMAL, at.TANGENT, at.LOSS, at.STORE):
                 kinematics[n, column] = 0.0
+            if memory[n, at.SLIPS] == 1.0:
+                kinematics[n, at.NORMAL] = m.values[contact[n, at.NORMAL_P] + at.MOST_TORQUE]
+                kinematics[n, at.LOSS] = -kinematics[n, at.NORMAL] * kinematics[n, at.DGAP]
             if mode[n] != OFF:
                 active[count], candidate[count] = n, mode[n]
                 count += 1

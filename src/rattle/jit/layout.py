@@ -118,9 +118,11 @@ _declare("contact", """
     STATES [] number of states of that law
     FORCE_COLUMN [] column of its joint in an output row to which N is added
     SENSE [] 1 or -1: N there counts positive or negative
+    LEVEL [] 1 for a contact without gap that the rate g' alone decides, 0 otherwise
+    TOOTHED [] 1 for a gap that becomes one pitch smaller where it reaches a pitch
 """)
 SHAPE, A_BODY, B_BODY, SHAPE_P, CORNER, STATIC, STATIC_P, NORMAL_LAW, NORMAL_P, FRICTION, FRICTION_P = range(11)
-OWNER, IMPACT, FIRST_STATE, STATES, FORCE_COLUMN, SENSE = range(11, 17)
+OWNER, IMPACT, FIRST_STATE, STATES, FORCE_COLUMN, SENSE, LEVEL, TOOTHED = range(11, 19)
 _declare("lever", """
     ARM_A [m] longest arm on A to its contact points
     ARM_B [m] longest arm on B
@@ -137,6 +139,10 @@ POINTS = 4
 CLEARANCE, RADIUS, FIELDS = 4, 5, 6
 # parameters of a set-valued contact: the fields of `impact` in their order
 RESTITUTION, TANGENTIAL_RESTITUTION, MU, RESTITUTION_LAW, JAM = range(5)
+# those of a clutch go on with these: largest torque [N*m], stiffness [N*m/rad], damping [N*m*s/rad]
+MOST_TORQUE, WIND_UP, OIL = range(5, 8)
+# parameters of the geometry of a ratchet after the points and the sense: pitch [rad] and k, which changes in a run
+PITCH, TOOTH = POINTS + 1, POINTS + 2
 _declare("signal", """
     FIRST_CODE [] first row of its program in `code`
     END_CODE [] row after the last one
@@ -197,9 +203,11 @@ _declare("contact_memory", """
     RATE_AFTER [m/s] rate of the gap with which a bounce leaves
     SHIFT [m] error by which its gap is too small
     STEPS_ON [] pressed steps in a row, or free ones with a negative sign
+    SLIPS [] 1 for a clutch that slips at its largest torque
+    SLIPPED [] the same before the present event
 """)
 CLOSED, SPEED, SINCE, PEAK, IMPULSE_0, LOSS_0, STEPS_IN, GAP_0, DGAP_0, N_0, GAP_1, DGAP_1, N_1 = range(13)
-BOUNCES_END, ROUNDING, RATE_BEFORE, SLIP_BEFORE, HITS, E_T, RATE_AFTER, SHIFT, STEPS_ON = range(13, 22)
+BOUNCES_END, ROUNDING, RATE_BEFORE, SLIP_BEFORE, HITS, E_T, RATE_AFTER, SHIFT, STEPS_ON, SLIPS, SLIPPED = range(13, 24)
 OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)
 _declare("recent", """
     LAST_IMPACT [s] instant of the last impact of a contact

@@ -63,6 +63,9 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
             found += [(f"{name}.{effort}", at.OF_SIZE, c + at.EFFORT), (f"{name}.power", at.OF_SIZE, c + at.POWER)]
             continue
         joint = system.model.joints[name]
+        if joint.leaf.bodies:
+            found.append((f"{name}.torque", at.OF_SIZE, c + at.EFFORT))
+            continue
         kind = joint_rows(joint)[0]
         found.append((f"{name}.force", at.OF_VECTOR, c + at.FX))
         if passes_moment(joint):
@@ -111,6 +114,12 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
             add(f"{name}.power", "W", c + at.POWER)
         else:
             joint = model.joints[name]
+            if joint.leaf.bodies:
+                add(f"{name}.torque", "N*m", c + at.EFFORT)
+                add(f"{name}.slip", "rad/s", c + at.EX, overrun(system, joint, raw)[0])
+                add(f"{name}.locked", "", c + at.JOINT_TANGENT)
+                c += at.PER_JOINT
+                continue
             kind = joint_rows(joint)[0]
             add(f"{name}.fx", "N", c + at.FX)
             add(f"{name}.fy", "N", c + at.FY)
@@ -135,6 +144,18 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
     for place, values in derived.items():
         data[:, place] = values
     return data, list(units), units
+
+
+def overrun(system: System, joint: Joint, raw: np.ndarray) -> tuple[np.ndarray, float]:
+    """Rate (n,) [rad/s] at which body B of a clutch overruns body A in its sense, and the size of its terms [rad/s]."""
+
+    def rate(body: str) -> np.ndarray:
+        if body == "ground":
+            return np.zeros(len(raw))
+        return np.asarray(raw[:, at.PER_BODY * system.bodies.index(body) + at.RATE + 2])
+
+    a, b = rate(joint.a.body), rate(joint.b.body)
+    return joint.fields["sense"] * (b - a), float(max(np.abs(a).max(initial=0.0), np.abs(b).max(initial=0.0)))
 
 
 OF_CONTACT = {"ex": at.EX, "ey": at.EY, "normal": at.JOINT_NORMAL, "tangential": at.JOINT_TANGENT}
@@ -187,6 +208,8 @@ def geometry(model: Model) -> dict[str, Any]:
             if joint.contact
             else "",
         }
+        if joint.leaf.bodies:
+            joints[name]["sense"] = joint.fields["sense"]
         if joint.line is not None:
             joints[name]["axis"] = joint.line
             if math.isfinite(travel := joint.leaf.travel(joint.fields)):

@@ -14,7 +14,7 @@ class Event(NamedTuple):
 
     t: float  # [s]
     joint: str
-    kind: str  # contact | release | impact | stick | slip | jolt
+    kind: str  # contact | release | impact | stick | slip | jolt; of a clutch lock | free | slip
     normal_speed: float = 0.0  # approach speed [m/s]; of a stop of an angle [rad/s]
     duration: float = 0.0  # [s]
     peak_force: float = 0.0  # [N]; of a stop of an angle a moment [N m]

@@ -56,6 +56,8 @@ def loops(model: Model) -> list[tuple[Joint, list[str]]]:
     closing = []
     kept: dict[str, Joint] = {}
     for joint in model.joints.values():
+        if joint.leaf.bodies:
+            continue
         a, b = find(joint.a.body), find(joint.b.body)
         if a == b:
             closing.append(joint)

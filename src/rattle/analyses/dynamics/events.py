@@ -40,7 +40,9 @@ def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Worksp
     bare = (written[:, at.EVENT_KIND] != at.CONTACT_EVENT) & (written[:, at.EVENT_KIND] != at.IMPACT_EVENT)
     written[bare, at.EVENT_DURATION :] = 0.0  # only contacts and impacts have more than a speed
     instants, contact, what, *values = written.T.tolist()
-    owners, kinds = [joints[int(n)] for n in contact], [KINDS[int(n)] for n in what]
+    own = [system.model.joints[name].leaf.events for name in joints]
+    owners = [joints[int(n)] for n in contact]
+    kinds = [own[int(n)].get(KINDS[int(k)], KINDS[int(k)]) for n, k in zip(contact, what, strict=True)]
     found = [Event._make(one) for one in zip(instants, owners, kinds, *values, strict=True)]
     memory, y, layout = workspace.contact_memory, workspace.state, state_layout(system)
     for n in np.flatnonzero(memory[:, at.CLOSED] == at.SHUT):
@@ -48,7 +50,7 @@ def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Worksp
         since, speed, peak = (float(memory[n, c]) for c in (at.SINCE, at.SPEED, at.PEAK))
         impulse = float(account[IMPULSE] - memory[n, at.IMPULSE_0])
         lost = float(account[LOSS] - memory[n, at.LOSS_0])
-        found.append(Event(since, joints[n], "contact", speed, t - since, peak, impulse, lost))
+        found.append(Event(since, joints[n], own[n].get("contact", "contact"), speed, t - since, peak, impulse, lost))
     return tuple(sorted(found, key=itemgetter(0)))
 
 

@@ -80,8 +80,11 @@ def note_choice(system: System, asked: str, ran: Kind) -> tuple[str, ...]:
 
 def require_one_model(system: System) -> None:
     """Raise ModelError if impact and compliant contacts are mixed."""
-    groups = [group for joint in system.model.joints.values() for group in contact_groups(joint)]
+    joints = system.model.joints.values()
+    groups = [group for joint in joints for group in contact_groups(joint)]
     models = {group.path: SET_VALUED if group.contact.rigid else COMPLIANT for group in groups}
+    own = {("joints", joint.name, "model"): joint.leaf.own_contact(joint.fields) for joint in joints}
+    models |= {path: SET_VALUED if one.rigid else COMPLIANT for path, one in own.items() if one is not None}
     if COMPLIANT in models.values():
         listed = ", ".join(f"{_named(path)}: {model}" for path, model in models.items())
         said = f"impact and compliant contacts cannot be combined ({listed}); give all joints and stops the same kind"
@@ -96,6 +99,8 @@ def require_one_law(system: System, stepper: type[Stepper]) -> None:
     choices = registry.kinds("contact")["impact"].fields["restitution_law"].choices
     groups = [group for joint in system.model.joints.values() for group in contact_groups(joint)]
     laws = {group.path: choices[int(group.contact.fields["restitution_law"])] for group in groups}
+    if not laws:
+        return
     first = next(iter(laws))
     for path, law in laws.items():
         if law != laws[first]:

@@ -12,6 +12,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled, assemble
 from rattle.analyses.assembly.rank import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
+from rattle.analyses.clutches import require_known_torques, run_backwards
 from rattle.analyses.kinematics.motors import motors_at, without_effort
 from rattle.analyses.kinematics.singular_positions import blocking, branch_points, why_stuck
 from rattle.analyses.kinematics.sweep import Sweep, begin
@@ -86,6 +87,8 @@ def analyse(
     what = "inverse dynamics" if forces else "kinematics"
     require_no_states(system.model, what)
     functions.start()
+    if forces:
+        require_known_torques(system, what)
     if start is None:
         try:
             start = assemble(system, float(times[0]))
@@ -114,6 +117,7 @@ def analyse(
     notes = [*start.notes, *notes, *without_effort(sweep, reached, raw, motors)]
     notes += out_of_place(system, reached, places(system, raw))
     notes += past_stops(given, reached, places(system, raw), rates(system, raw))
+    notes += run_backwards(system, reached, raw)
     if forces:
         notes += _without_value(sweep, reached, raw)
     if message:

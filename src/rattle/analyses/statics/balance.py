@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.assembly.rank import RANK, nonunique_reactions
+from rattle.analyses.clutches import require_known_torques
 from rattle.analyses.own_states import require_loads_without_states
 from rattle.analyses.statics.equilibrium import Equilibrium, Table
 from rattle.analyses.undefined import undefined
@@ -85,8 +86,9 @@ class StaticProblem:
     """The equilibrium problem of one mechanism at one position of its drivers, t in s."""
 
     def __init__(self, system: System, t: float) -> None:
-        """Raises ModelError for loads that depend on states of the model's own."""
+        """Raises ModelError for clutches, and for loads that depend on states of the model's own."""
         require_loads_without_states(system.model, "equilibrium")
+        require_known_torques(system, "equilibrium")
         self.system, self.workspace = system, system.workspace()
         if len(self.workspace.contact_memory):
             self.workspace.contact_memory[:, at.CLOSED] = at.AUTO

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rattle.analyses.clutches import require_known_torques
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibria import static_problem
 from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
@@ -207,6 +208,7 @@ class Modes:
 
 def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
     """Natural modes [rad/s, 1/s] about an equilibrium found with `problem`; see `Mechanism.modes`."""
+    require_known_torques(problem.system, "a small motion about an equilibrium", also_smooth=True)
     problem.at(one.t)
     g, null = problem.reduce(one.q)
     if not len(g):

@@ -5,8 +5,10 @@ No code tests for the name of a joint or of its fields: what it needs to know is
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar, NamedTuple
+
+from rattle.elements.contact_geometry import OwnContact
 
 
 class Motor(NamedTuple):
@@ -32,11 +34,23 @@ class JointKind:
     rows: ClassVar[tuple[str, ...]]  # unit of every row, m or rad
     rows_in_ground: ClassVar[bool] = False  # rows are along the axes of the ground, not of A
     moment: ClassVar[bool] = False  # True: the joint transmits a moment
+    bodies: ClassVar[bool] = False  # True: it connects bodies wherever they are, and not points of them
+    events: ClassVar[Mapping[str, str]] = {}  # what events of its own contact are called: contact, release ...
     motor: ClassVar[Motor | None] = None  # None: no coordinate that a driver could move
     massless: ClassVar[str] = ""  # kind of joint for the clearance as a massless link; its one field is the clearance
     drawn_as: ClassVar[str] = ""  # a form of rattle.plots.drawings: pin, rod, guide ...; "" if it is not drawn
     places: ClassVar[bool] = True  # False: its rows do not say where the point of B is
     from_start: ClassVar[bool] = False  # True: each row is less a constant, which makes it vanish at the start
+
+    @staticmethod
+    def faults(given: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
+        """What is wrong with keys that were `given`, or missing (key ""), besides what each field says by itself."""
+        return ()
+
+    @staticmethod
+    def own_contact(fields: Mapping[str, float]) -> OwnContact | None:
+        """The contact that it consists of; None if it has none."""
+        return None
 
     @staticmethod
     def kept_angle(fields: Mapping[str, float]) -> float | None:

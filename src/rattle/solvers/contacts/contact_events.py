@@ -13,10 +13,13 @@ from rattle.equations.motion import place
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
+from rattle.solvers.contacts.clutches import gets_ahead
 from rattle.solvers.contacts.event_rows import note_end
 from rattle.solvers.contacts.gap_search import NONE, may_reach, search
 from rattle.solvers.dense_output import interpolate
 
+PARTS = 16  # samples in a step of what is left of the mode of a clutch
+DIPS = 4  # parabolas through a least value between them
 LATER = 1e-7  # share of a step at which a contact changes whose gap had the wrong sign at its start by rounding
 
 
@@ -30,7 +33,7 @@ def start_contacts(m, t, y):
         if contact[n, at.IMPACT] == 1:
             continue
         memory[n, at.CLOSED] = at.OPEN
-        if kinematics[n, at.GAP] < 0.0:
+        if kinematics[n, at.GAP] < 0.0 or (contact[n, at.LEVEL] == 1 and gets_ahead(m, n)):
             shut(m, n, t, y)
 
 
@@ -55,6 +58,8 @@ def contact_time(m, n):
     """Estimated duration of contact n [s]; 0 if unknown."""
     contact, mass, speed = m.contact, m.mass, m.contact_memory[n, at.SPEED]
     a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
+    if contact[n, at.LEVEL] == 1:
+        return 0.0
     q = 2 if m.lever[n, at.ANGULAR] > 0.0 else 0
     light = mass[b, q] if a == 0 else (mass[a, q] if b == 0 else min(mass[a, q], mass[b, q]))
     if speed <= 0.0:
@@ -91,30 +96,9 @@ def may_any_change(m, h):
     """True if any contact may start or end in the step of length h [s]."""
     contact, memory = m.contact, m.contact_memory
     for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 0 and may_reach(m, h, n, -1.0 if memory[n, at.CLOSED] == at.SHUT else 1.0):
+        if contact[n, at.LEVEL] == 1:
             return True
-    return False
-
-
-@native("fi", "h", "f")
-def first_change(m, h):
-    """Share of the step at which the first contact starts or ends (NONE if none does), and its index."""
-    contact, memory, best, who = m.contact, m.contact_memory, NONE, -1
-    for n in range(contact.shape[0]):
-        side = -1.0 if memory[n, at.CLOSED] == at.SHUT else 1.0
-        if contact[n, at.IMPACT] == 0 and may_reach(m, h, n, side):
-            share = search(m, h, n, side, min(best, 1.0))
-            if share < best:
-                best, who = max(share, LATER), n
-    return best, who
-
-
-@compiled
-def near_peak(m):
-    """True if the force of a contact may have its maximum inside the step."""
-    memory = m.contact_memory
-    for n in range(memory.shape[0]):
-        if memory[n, at.CLOSED] == at.SHUT and max(memory[n, at.N_0], memory[n, at.N_1]) > 0.7 * memory[n, at.PEAK]:
+        if contact[n, at.IMPACT] == 0 and may_reach(m, h, n, -1.0 if memory[n, at.CLOSED] == at.SHUT else 1.0):
             return True
     return False
 
@@ -129,6 +113,104 @@ def normal_at(m, theta, n):
     locate_contacts(m)
     add_contact_forces(m)
     return kinematics[n, at.NORMAL]
+
+
+@compiled
+def left_at(m, h, n, theta):
+    """What is left of the present mode of clutch n at the share theta of the step: its torque, or its rate if it is
+    free."""
+    force = normal_at(m, theta, n)
+    return force if m.contact_memory[n, at.CLOSED] == at.SHUT else m.contact_kinematics[n, at.DGAP]
+
+
+@compiled
+def lowest_between(m, h, n, middle, wide, before, here, after):
+    """Place and value of the least that is left near the least of three samples, `wide` apart, by parabolas."""
+    best = here
+    for _ in range(DIPS):
+        bend = before - 2.0 * here + after
+        if not bend > 0.0:
+            break
+        there = middle + 0.5 * wide * (before - after) / bend
+        value = left_at(m, h, n, there)
+        if value < best:
+            best, middle, here = value, there, value
+        if value < 0.0:
+            break
+        wide *= 0.25
+        before, after = left_at(m, h, n, middle - wide), left_at(m, h, n, middle + wide)
+    return middle, best
+
+
+@compiled
+def turn_between(m, h, n, low, high):
+    """Share of the step between low and high at which nothing is left of the mode of clutch n, as at high.
+
+    What starts from zero by rounding must first grow.
+    """
+    share = 0.5 * (high - low)
+    while left_at(m, h, n, low) <= 0.0 and share > LATER * high:
+        if left_at(m, h, n, low + share) > 0.0:
+            low += share
+        share *= 0.5
+    if left_at(m, h, n, low) <= 0.0:
+        return low
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if middle <= low or middle >= high or (high - low) * h <= 1e-16 * abs(m.clock[at.T]):
+            break
+        if left_at(m, h, n, middle) < 0.0:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+@native("f", "h", "f", "i", "f")
+def first_turn(m, h, n, until):
+    """Share of the step, up to `until`, at which clutch n takes or lets go; NONE if it does not.
+
+    Needs the dense output.  PARTS samples, and the least value between them where three samples show one.
+    """
+    first = before = here = left_at(m, h, n, 0.0)
+    wide, slight = until / PARTS, 1e-13 * abs(first)
+    for part in range(1, PARTS + 1):
+        value = left_at(m, h, n, part * wide)
+        if part > 1 and here > 0.0 and value > 0.0 and here <= before and here <= value:
+            low, least = lowest_between(m, h, n, (part - 1) * wide, wide, before, here, value)
+            if least < 0.0:
+                return turn_between(m, h, n, (part - 2) * wide, low)
+        if value < -slight:
+            return turn_between(m, h, n, (part - 1) * wide, part * wide)
+        before, here = here, value
+    return NONE
+
+
+@native("fi", "h", "f")
+def first_change(m, h):
+    """Share of the step at which the first contact starts or ends (NONE if none does), and its index."""
+    contact, memory, best, who = m.contact, m.contact_memory, NONE, -1
+    for n in range(contact.shape[0]):
+        side = -1.0 if memory[n, at.CLOSED] == at.SHUT else 1.0
+        if contact[n, at.IMPACT] == 0 and contact[n, at.LEVEL] == 1:
+            share = first_turn(m, h, n, min(best, 1.0))
+            if share < best:
+                best, who = max(share, LATER), n
+        elif contact[n, at.IMPACT] == 0 and may_reach(m, h, n, side):
+            share = search(m, h, n, side, min(best, 1.0))
+            if share < best:
+                best, who = max(share, LATER), n
+    return best, who
+
+
+@compiled
+def near_peak(m):
+    """True if the force of a contact may have its maximum inside the step."""
+    memory = m.contact_memory
+    for n in range(memory.shape[0]):
+        if memory[n, at.CLOSED] == at.SHUT and max(memory[n, at.N_0], memory[n, at.N_1]) > 0.7 * memory[n, at.PEAK]:
+            return True
+    return False
 
 
 @native("void", "h", "f", "i")

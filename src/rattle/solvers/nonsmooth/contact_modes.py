@@ -27,18 +27,20 @@ from rattle.equations.unilateral import (
     ending,
     is_rough,
     lasting_side,
+    reach,
     solve_by_trying,
     solve_contacts,
 )  # fmt: skip
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.families import call_problem
 from rattle.jit.functions import compiled, native
+from rattle.solvers.contacts.clutches import note_slip, overloaded, settle_slips, undecided_is_free
 from rattle.solvers.contacts.event_rows import note, note_end
 from rattle.solvers.contacts.penetration import scale_of
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 
-NOTHING, HIT, LET_GO, BREAK_AWAY, TURN = range(5)  # what an event is
+NOTHING, HIT, LET_GO, BREAK_AWAY, TURN, DROP = range(6)  # what an event is
 TOGETHER, ALONE, KEPT = range(3)  # a contact opens: with all that are about to, by itself, or not after all
 CREEP = 1e-7  # share of the largest slip at one instant below which the direction of a slip is not resolved
 AHEAD = 1e-6  # share by which the required friction force exceeds the limit shortly after a breakaway
@@ -72,7 +74,7 @@ def choose_closed(m, apart, kind, attempt, pulling):
     active, candidate, slide = m.active, m.candidate, m.slide
     count = 0
     for n in range(contact.shape[0]):
-        left_out = contact[n, at.IMPACT] == 0 or leaves(m, n, apart, attempt)
+        left_out = contact[n, at.IMPACT] == 0 or memory[n, at.SLIPS] == 1.0 or leaves(m, n, apart, attempt)
         if not left_out and (mode[n] != OFF or n == apart or at_wall(m, n)):
             active[count] = n
             count += 1
@@ -95,6 +97,8 @@ def choose_closed(m, apart, kind, attempt, pulling):
             candidate[closed] = mode[n]
             if mode[n] == OFF or slide[closed] != 0:
                 candidate[closed] = FORWARD if slide[closed] >= 0 else BACKWARD
+            if undecided_is_free(m, n):
+                candidate[closed] = OFF
             closed += 1
     if closed < count:
         contact_rows(m, closed)
@@ -114,7 +118,7 @@ def part(m, count, apart, attempt):
         if leaves(m, n, apart, attempt):
             contact_rows_of_one(m, count, n)
             opening = kinematics[n, at.GAMMA_N] - along(m, 2 * count, n, acceleration, 0)
-            size = turning(m, n) + largest_acceleration(m, n)
+            size = turning(m, n) + largest_acceleration(m, n) + reach(m, 2 * count, n, acceleration, 0)
             if opening < -1e-9 * size or (n != apart and opening > SLOWLY * size):
                 return False
     return True
@@ -135,11 +139,16 @@ def update_modes(m, t, y, apart, kind):
         attempt = ALONE
         for n in range(kinematics.shape[0]):
             attempt = TOGETHER if goes_along(m, n, apart) else attempt
+    clutch = apart >= 0 and m.contact[apart, at.LEVEL] == 1
+    settle_slips(m, apart if clutch and kind == BREAK_AWAY else -1)
+    kind = NOTHING if clutch and kind == BREAK_AWAY else kind
     while True:
         motion_without(m, t, y)
         closed = choose_closed(m, apart, kind, attempt, pulling)
         lasting_side(m, closed)
         solved = solve_contacts(m, closed)
+        if solved and overloaded(m, closed):
+            continue
         if attempt != TOGETHER:
             if not solved and end_creep(m, closed):
                 return CREEPS
@@ -246,7 +255,11 @@ def change_modes(m, t, y, count):
             memory[n, at.IMPULSE_0], memory[n, at.LOSS_0] = y[account + IMPULSE], y[account + LOSS]
         if old != OFF and new == OFF:
             note_end(m, n, t, y, 0.0)
+            if memory[n, at.SLIPS] == 1.0 and m.tally[at.EVENT_COUNT] > 0:  # it still drives
+                m.events[m.tally[at.EVENT_COUNT] - 1, at.EVENT_KIND] = at.SLIP_EVENT
             memory[n, at.CLOSED], memory[n, at.SPEED] = at.OPEN, 0.0
+        if old == OFF and new == OFF and contact[n, at.LEVEL] == 1:
+            note_slip(m, n, t)
         if friction_of(m, n) > 0.0 and new != OFF and new != old:
             if new == STICK:
                 note(m, at.STICK_EVENT, n, t, 0.0)

@@ -38,12 +38,11 @@ def at_wall(m, n):
 
 
 @compiled
-def closed_contacts(m):
-    """Choose all closed contacts, with their modes; returns their number."""
+def closed_contacts(m, count, level):
+    """Choose all closed contacts of a level after `count` others, with their modes; returns their number."""
     contact, mode, active, candidate = m.contact, m.mode, m.active, m.candidate
-    count = 0
     for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 1 and mode[n] != OFF:
+        if contact[n, at.IMPACT] == 1 and mode[n] != OFF and contact[n, at.LEVEL] == level:
             active[count], candidate[count] = n, mode[n]
             count += 1
     return count
@@ -55,7 +54,7 @@ def add_hitting(m, count, who):
     contact, mode, kinematics, active = m.contact, m.mode, m.contact_kinematics, m.active
     closed = count
     for n in range(contact.shape[0]):
-        if who < 0 or contact[n, at.IMPACT] == 0 or mode[n] != OFF:
+        if who < 0 or contact[n, at.IMPACT] == 0 or mode[n] != OFF or contact[n, at.LEVEL] == 1:
             continue
         if n == who or abs(kinematics[n, at.GAP]) <= NEAR * scale_of(m, n):
             active[closed] = n
@@ -87,9 +86,9 @@ def project_on_contacts(m, t, y, who):
     """
     project(m, t, y)
     locate_contacts(m)
-    count = closed_contacts(m)
+    count = closed_contacts(m, 0, 0)
     closed = add_hitting(m, count, who)
-    if closed == 0:
+    if closed == 0 and closed_contacts(m, 0, 1) == 0:
         return
     active, candidate, side, kinematics = m.active, m.candidate, m.side, m.contact_kinematics
     nq = m.change.shape[0]
@@ -117,6 +116,7 @@ def project_on_contacts(m, t, y, who):
         shift(m, closed, q, 1.0)
         project(m, t, y)
         locate_contacts(m)
+    count = closed_contacts(m, count, 1)
     contact_rows(m, count)
     for k in range(count):
         n = active[k]

@@ -16,7 +16,7 @@ Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), c
 
 from __future__ import annotations
 
-from rattle.equations.complementarity import OFF, STICK
+from rattle.equations.complementarity import FORWARD, OFF, STICK
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
 from rattle.equations.state import take_states
@@ -24,10 +24,12 @@ from rattle.equations.unilateral import CHATTER, LOCKED, NOT_FOUND
 from rattle.jit import layout as at
 from rattle.jit.families import call_stepper
 from rattle.jit.functions import compiled, native
+from rattle.solvers.contacts.clutches import gets_ahead, takes_impulses
 from rattle.solvers.contacts.gap_search import NONE, may_reach
+from rattle.solvers.contacts.pawls import drop_pawl, seat_pawls
 from rattle.solvers.contacts.penetration import ESCAPED, escaped, inside_wall, scale_of
 from rattle.solvers.dense_output import interpolate, prepare_dense
-from rattle.solvers.nonsmooth.contact_modes import CREEPS, HIT, NOTHING, TURN, update_modes
+from rattle.solvers.nonsmooth.contact_modes import CREEPS, DROP, HIT, NOTHING, TURN, update_modes
 from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, note_open, project_on_contacts
 from rattle.solvers.nonsmooth.event_search import any_closed, first_event
 from rattle.solvers.nonsmooth.impacts import collide
@@ -102,6 +104,10 @@ def handle_event(m, t, y, who, what):
     memory, kinematics = m.contact_memory, m.contact_kinematics
     for n in range(memory.shape[0]):
         memory[n, at.GAP_1] = kinematics[n, at.GAP]
+    if what == DROP:
+        drop_pawl(m, who, 1.0)
+        project_on_contacts(m, t, y, -1)
+        return OK
     if what == HIT or (what == NOTHING and who >= 0):
         project_on_contacts(m, t, y, who)
         count_shift(m)
@@ -113,10 +119,14 @@ def handle_event(m, t, y, who, what):
         nq, mode = m.change.shape[0], m.mode
         old = mode[who] if what == TURN else OFF
         if what == TURN:  # at the reversal there is no slip; the accelerations decide its sign
-            mode[who] = STICK
+            mode[who] = STICK if m.contact[who, at.LEVEL] == 0 else FORWARD
         project_on_contacts(m, t, y, -1)
         if what == TURN:
             mode[who] = old
+        if what == TURN and m.contact[who, at.LEVEL] == 1 and gets_ahead(m, who):
+            # closed contacts and drivers hold the rate of the clutch at less than zero, by the error of the step
+            status = collide(m, t, y, who)
+            return new_modes(m, t, y, -1, HIT) if status == OK else status
         take_states(m, y)
         solve_motion(m, t, y[:nq], y[nq : 2 * nq])
     return new_modes(m, t, y, who, what)
@@ -128,8 +138,14 @@ def start(m, t):
     contact, kinematics, mode, y = m.contact, m.contact_kinematics, m.mode, m.state
     project(m, t, y)
     locate_contacts(m)
+    seat_pawls(m, True)
     who, nearest = -1, -1
     for n in range(contact.shape[0]):
+        if m.contact_memory[n, at.CLOSED] == at.AUTO:
+            m.contact_memory[n, at.CLOSED] = at.OPEN
+        if contact[n, at.LEVEL] == 1:
+            who = n if takes_impulses(m, n) and gets_ahead(m, n) else who
+            continue
         near = max(NEAR * scale_of(m, n), 4.0 * noise(m, n))
         if contact[n, at.IMPACT] == 0 or mode[n] != OFF or kinematics[n, at.GAP] > near:
             continue
@@ -179,7 +195,10 @@ def none_may_hit(m, h):
     """True if no open contact can reach its wall in the step of length h [s]."""
     contact, mode = m.contact, m.mode
     for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
+        gap = contact[n, at.IMPACT] == 1 and mode[n] == OFF and contact[n, at.LEVEL] == 0
+        if contact[n, at.TOOTHED] == 1:
+            return False
+        if gap and may_reach(m, h, n, 1.0):
             return False
     return True
 

@@ -16,9 +16,11 @@ from rattle.equations.motion import solve_motion
 from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
+from rattle.solvers.contacts.clutches import most_torque, rate_left, watched
 from rattle.solvers.contacts.gap_search import NONE, may_reach, search
+from rattle.solvers.contacts.pawls import first_drop
 from rattle.solvers.dense_output import interpolate
-from rattle.solvers.nonsmooth.contact_modes import BREAK_AWAY, HIT, LET_GO, NOTHING, TURN
+from rattle.solvers.nonsmooth.contact_modes import BREAK_AWAY, DROP, HIT, LET_GO, NOTHING, TURN
 from rattle.solvers.peaks.glances import END as LAST
 from rattle.solvers.peaks.glances import KINDS, margin_of, matters, may_dip, slack_of, unseen, write_look
 from rattle.solvers.peaks.glances import PLACES as PLACES_OF_STAGES
@@ -52,6 +54,8 @@ def indicator(m, n, what):
     kinematics = m.contact_kinematics
     if what == LET_GO:
         return kinematics[n, at.NORMAL]
+    if m.contact[n, at.LEVEL] == 1:
+        return most_torque(m, n) - kinematics[n, at.NORMAL] if what == BREAK_AWAY else rate_left(m, n)
     if what == BREAK_AWAY:
         return friction_of(m, n) * kinematics[n, at.NORMAL] - abs(kinematics[n, at.TANGENT])
     return kinematics[n, at.SLIP] if m.mode[n] == FORWARD else -kinematics[n, at.SLIP]
@@ -91,7 +95,7 @@ def locate(m, t, h, n, what, low, high, f_low, f_high, column):
             f_low = indicator(m, n, what)
         share *= 0.5
     lift = (
-        unseen(m, 3 if what == TURN else 0) if f_low <= 0.0 else 0.0
+        unseen(m, n, 3 if what == TURN else 0) if f_low <= 0.0 else 0.0
     )  # of a slip that is rounding: where it is larger than rounding
     f_low, f_high = f_low + lift, f_high + lift
     if f_low <= 0.0:
@@ -127,7 +131,8 @@ def first_hit(m, h):
     """Share of the step at which the first open contact closes (NONE if none does, or GAVE_UP), and its index."""
     contact, mode, best, who = m.contact, m.mode, NONE, -1
     for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 1 and mode[n] == OFF and may_reach(m, h, n, 1.0):
+        gap = contact[n, at.IMPACT] == 1 and mode[n] == OFF and contact[n, at.LEVEL] == 0
+        if gap and may_reach(m, h, n, 1.0):
             share = search(m, h, n, 1.0, min(best, 1.0))
             if share > NONE:
                 return share, -1
@@ -138,10 +143,9 @@ def first_hit(m, h):
 
 @compiled
 def any_closed(m):
-    """True if a set-valued contact is closed."""
-    contact, mode = m.contact, m.mode
-    for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 1 and mode[n] != OFF:
+    """True if a set-valued contact is closed, or at velocity level, which is searched like closed ones."""
+    for n in range(m.contact.shape[0]):
+        if watched(m, n):
             return True
     return False
 
@@ -158,15 +162,15 @@ def look(m, t, h, share, row):
 @compiled
 def something_may_dip(m, i, count):
     """True if an indicator may be below zero between samples i and i + 1, but is not at either of them."""
-    contact, mode, looks = m.contact, m.mode, m.looks
+    contact, looks = m.contact, m.looks
     width = 1 + KINDS * contact.shape[0]
     force = max(looks[i, width], looks[i + 1, width])
     for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
+        if not watched(m, n):
             continue
         for kind in range(KINDS):
             c = 1 + KINDS * n + kind
-            slack = slack_of(m, kind, looks[i, c], looks[i + 1, c], force)
+            slack = slack_of(m, n, kind, looks[i, c], looks[i + 1, c], force)
             if matters(m, n, kind) and may_dip(looks, i, count, c, slack):
                 return True
     return False
@@ -203,13 +207,13 @@ def soonest(m, i):
 
     (-1, NOTHING) if there is none; zeros are those of straight lines from sample i.
     """
-    contact, mode, first, who, what = m.contact, m.mode, 2.0, -1, NOTHING
+    contact, first, who, what = m.contact, 2.0, -1, NOTHING
     for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
+        if not watched(m, n):
             continue
         for kind in (LET_GO, BREAK_AWAY, TURN):
             here, there = max(seen_at(m, i, n, kind), 0.0), seen_at(m, i + 1, n, kind)
-            if there < -unseen(m, 3 if kind == TURN else 0) and here < first * (here - there):
+            if there < -unseen(m, n, 3 if kind == TURN else 0) and here < first * (here - there):
                 first, who, what = here / (here - there), n, kind
     return who, what
 
@@ -270,7 +274,8 @@ def first_change(m, t, h, low, high, places, best, who, what):
         if i + 1 >= count:
             break
         left, right = looks[i, at.LOOK_SHARE], looks[i + 1, at.LOOK_SHARE]
-        if right - left > NARROW * wide and seen < MOST_LOOKS and something_may_dip(m, i, count):
+        room = i > 1 or count + 2 <= looks.shape[0]
+        if room and right - left > NARROW * wide and seen < MOST_LOOKS and something_may_dip(m, i, count):
             if count + 2 > looks.shape[0]:
                 i, count = make_room(looks, i, count)
             move_looks(looks, i + 1, count, 1)
@@ -307,16 +312,16 @@ def put_among_stages(m, low, share):
 @compiled
 def none_dips(m, low, line):
     """True if no indicator is or may be below zero between samples `low` and `line`, among those of the stages."""
-    contact, mode, looks, stages = m.contact, m.mode, m.looks, m.glances
+    contact, looks, stages = m.contact, m.looks, m.glances
     for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
+        if not watched(m, n):
             continue
         for kind in range(KINDS):
             if not matters(m, n, kind):
                 continue
             c = 1 + KINDS * n + kind
             least, most, margin = margin_of(stages, c)
-            margin -= unseen(m, kind)
+            margin -= unseen(m, n, kind)
             if least - (most - least) > margin:
                 continue
             for i in range(low, line):
@@ -360,6 +365,9 @@ def first_event(m, t, h, low, high):
     """
     best, who = first_hit(m, h)
     what = HIT if who >= 0 else NOTHING
+    share, pawl = first_drop(m, h, min(best, 1.0))
+    if best <= NONE and (share > NONE or share < best):
+        best, who, what = share, pawl, DROP
     if not any_closed(m) or not 0.0 < best <= NONE:
         return best, who, what, False
     if best == NONE and high < LAST:

@@ -39,6 +39,7 @@ from rattle.equations.unilateral import (
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.families import call_problem
 from rattle.jit.functions import compiled, native
+from rattle.solvers.contacts.clutches import takes_impulses
 from rattle.solvers.contacts.event_rows import note_impact
 from rattle.solvers.contacts.gap_search import rounding
 from rattle.solvers.contacts.penetration import scale_of
@@ -47,6 +48,7 @@ from rattle.solvers.nonsmooth.impact_path import BEFORE, E
 from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, law_of
 
 NOTICED = 1e-11  # share of the largest impulse of an impact below which one is rounding and no event
+AHEAD = 1e-6  # share of the rates of its bodies, or rate [rad/s], up to which a clutch takes without an impact
 LOW = 1e-11  # bounces that rise less than this share of the scale of the gap are not followed
 
 
@@ -61,7 +63,8 @@ def collide(m, t, y, who):
     v, before = y[nq : 2 * nq], m.rate_new
     count = 0
     for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 1 and (n == who or mode[n] != OFF or at_wall(m, n)):
+        touches = contact[n, at.IMPACT] == 1 and (n == who or mode[n] != OFF or at_wall(m, n))
+        if touches and takes_impulses(m, n):
             active[count] = n
             memory[n, at.BOUNCES_END], memory[n, at.ROUNDING] = 0.0, 0.0
             count += 1
@@ -188,6 +191,8 @@ def low_bounce(m, t, y, count):
         side[F, r] = side[OTHER, r]
     for k in range(count):
         n = active[k]
+        if contact[n, at.LEVEL] == 1:
+            continue
         least = max(LOW * scale_of(m, n), 4e-15 * m.lever[n, at.GAP_SIZE], rounding(m, n))
         speed, came = kinematics[n, at.DGAP], -bounce[BEFORE, 2 * n]
         if memory[n, at.BOUNCES_END] != 0.0 or speed <= STILL * velocity_scale(m, 2 * k, n):
@@ -252,9 +257,17 @@ def rates_of_contacts(m, y, count, before):
 
 
 @compiled
+def hits_hard(m, n):
+    """True if A was ahead of B in clutch n before an impact, by more than the error of a step."""
+    a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
+    return -m.contact_memory[n, at.RATE_BEFORE] > AHEAD * (abs(m.body[a, at.W]) + abs(m.body[b, at.W]) + 1.0)
+
+
+@compiled
 def book_impulses(m, t, y, count):
     """Add impulses [N s] and losses [J] of the active contacts to y, and record events; needs `rates_of_contacts`."""
     kinematics, memory, active, side, recent = m.contact_kinematics, m.contact_memory, m.active, m.side, m.recent
+    contact = m.contact
     nq, largest = m.change.shape[0], 0.0
     place(m, y[:nq], y[nq : 2 * nq])
     constraints(m)
@@ -273,7 +286,9 @@ def book_impulses(m, t, y, count):
         account = account_at(m, n)
         y[account + IMPULSE] += pressed
         y[account + LOSS] += lost
-        if pressed <= NOTICED * largest:  # held down, or rounding
+        if pressed <= NOTICED * largest or (
+            contact[n, at.LEVEL] == 1 and not hits_hard(m, n)
+        ):  # held down, or rounding
             continue
         recent[n, at.IMPACT_BEFORE] = recent[n, at.LAST_IMPACT]
         recent[n, at.LAST_IMPACT] = t

@@ -17,6 +17,7 @@ from rattle.equations.motion import OK
 from rattle.equations.unilateral import LOCKED, contact_rows, lasting_side, shift, solve_contacts, solve_modes
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
+from rattle.solvers.contacts.clutches import takes_impulses
 from rattle.solvers.nonsmooth.contact_projection import (
     at_rest,
     at_wall,
@@ -45,7 +46,7 @@ def lock_share(m, t):
     y, mode, active, delassus = m.state, m.mode, m.active, m.delassus
     project_on_contacts(m, t, y, -1)
     motion_without(m, t, y)
-    count = closed_contacts(m)
+    count = closed_contacts(m, closed_contacts(m, 0, 0), 1)
     contact_rows(m, count)
     as_full_matrix(m, count)
     lasting_side(m, count)
@@ -102,7 +103,8 @@ def pass_jam(m, t, late):
     motion_without(m, t, y)
     count = 0
     for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
+        touches = contact[n, at.IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n))
+        if touches and takes_impulses(m, n):
             active[count] = n
             memory[n, at.BOUNCES_END] = 0.0
             count += 1

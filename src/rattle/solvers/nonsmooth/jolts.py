@@ -30,6 +30,7 @@ from rattle.equations.unilateral import (
 )  # fmt: skip
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
+from rattle.solvers.contacts.clutches import takes_impulses
 from rattle.solvers.nonsmooth.contact_projection import at_wall
 from rattle.solvers.nonsmooth.impacts import book_impulses, rates_of_contacts
 
@@ -94,7 +95,8 @@ def with_contacts(m, t, y, old, percussion):
     locate_contacts(m)
     count = 0
     for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n)):
+        touches = contact[n, at.IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n))
+        if touches and takes_impulses(m, n):
             active[count] = n
             count += 1
     if count == 0:

@@ -46,7 +46,9 @@ from rattle.equations.state import DISSIPATED, IMPULSE, LOSS, WORK, account_at, 
 from rattle.equations.unilateral import along, contact_rows, ending, push_all, shift, solve_contacts, solve_modes
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
+from rattle.solvers.contacts.clutches import book_slips, slips_changed
 from rattle.solvers.contacts.event_rows import note, note_end, note_impact
+from rattle.solvers.contacts.pawls import seat_pawls
 from rattle.solvers.contacts.penetration import ESCAPED, deepest, scale_of
 from rattle.solvers.output_row import write
 from rattle.solvers.peaks.samples import START, add_step, gauge
@@ -57,6 +59,7 @@ from rattle.solvers.step_control import has_room
 
 ACTIVE = 1e-8  # share of its scale within which a contact takes part
 KEPT = 1e-4  # the same for one that pressed in the step before: on curved paths a gap of O(h^2) is no separation
+MOST_CHANGES = 4  # times that a step is taken for clutches that begin or cease to slip
 LASTING = 3  # steps in a row after which a contact counts as closed, or as released
 
 
@@ -66,6 +69,7 @@ def start(m, t):
     y, sign = m.state, m.sign
     project(m, t, y)
     locate_contacts(m)
+    seat_pawls(m, True)
     for n in range(sign.shape[0]):  # what the first step finds
         sign[n] = 1.0
     for n in range(m.contact_memory.shape[0]):
@@ -84,6 +88,8 @@ def choose_active(m):
     count = 0
     for n in range(contact.shape[0]):
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = 0.0, 0.0
+        if m.contact_memory[n, at.SLIPS] == 1.0:
+            continue
         if kinematics[n, at.GAP] <= (ACTIVE if mode[n] == OFF else KEPT) * scale_of(m, n):
             active[count], candidate[count], slide[count] = n, mode[n], 0
             count += 1
@@ -106,10 +112,8 @@ def impact_side(m, count, h):
     acceleration, values, memory, body = m.acceleration, m.values, m.contact_memory, m.body
     for k in range(count):
         n, p = active[k], contact[active[k], at.NORMAL_P]
-        kinematics[n, at.DGAP], kinematics[n, at.SLIP] = (
-            -along(m, 2 * k, n, body, at.VX),
-            along(m, 2 * k + 1, n, body, at.VX),
-        )
+        kinematics[n, at.DGAP] = -along(m, 2 * k, n, body, at.VX)
+        kinematics[n, at.SLIP] = along(m, 2 * k + 1, n, body, at.VX)
         pull, bend = along(m, 2 * k, n, acceleration, 0), kinematics[n, at.GAMMA_N]
         least = 2.0 * h * abs(bend - pull)
         hits = kinematics[n, at.DGAP] < -least
@@ -214,8 +218,10 @@ def lift(m, count, y):
         n = active[k]
         candidate[k] = OFF
         side[B, 2 * k], side[B, 2 * k + 1] = 0.0, 0.0
-        if kinematics[n, at.NORMAL] > 0.0 and (
-            kinematics[n, at.GAP] < 0.0 or memory[n, at.CLOSED] == at.SHUT or memory[n, at.SHIFT] > 0.0
+        if (
+            m.contact[n, at.LEVEL] == 0
+            and kinematics[n, at.NORMAL] > 0.0
+            and (kinematics[n, at.GAP] < 0.0 or memory[n, at.CLOSED] == at.SHUT or memory[n, at.SHIFT] > 0.0)
         ):
             candidate[k] = FORWARD
             side[B, 2 * k] = memory[n, at.SHIFT] if memory[n, at.SHIFT] > 0.0 else -kinematics[n, at.GAP]
@@ -321,6 +327,7 @@ def end_step(m, t, h, active):
     """Percussions into rates, the second half of the step with these, positions onto walls and joints."""
     y, y_new, rate, nq = m.state, m.state_new, m.rate, m.change.shape[0]
     impact = take_percussions(m, t, active, h, y_new)
+    book_slips(m, h, y, y_new)
     cross_at_once(m, t)
     for c in range(nq):
         rate[c] = m.acceleration[1 + c // 3, c % 3] if impact else (y_new[nq + c] - y[nq + c]) / h
@@ -353,6 +360,7 @@ def end_stands(m, t, h):
         m.clock[at.TROUBLE] = t + h
         return UNSOUND
     locate_contacts(m)
+    seat_pawls(m, False)
     audit[at.SUNK] = max(audit[at.SUNK], deepest(m))
     if audit[at.SUNK] > 1.0:
         m.clock[at.TROUBLE] = t + h
@@ -366,15 +374,19 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
 
     Returns DONE, PAUSED, NOT_FINITE, NO_SOLUTION, NOT_FOUND, UNSOUND or ESCAPED.
     """
-    y, y_new, clock, tally = m.state, m.state_new, m.clock, m.tally
+    y, y_new, clock, tally, nq = m.state, m.state_new, m.clock, m.tally, m.change.shape[0]
     steps = min(tally[at.STEPS] + most_steps, count)
     clock[at.H] = clock[at.H_MIN] = h
     while has_room(m, steps):
         t = t_start + tally[at.STEPS] * h
-        move_free(m, t, h)
-        active = solve_step(m, h)
-        if active < 0:
-            return ending(m)
+        active = -1
+        for _ in range(MOST_CHANGES):
+            move_free(m, t, h)
+            active = solve_step(m, h)
+            if active < 0:
+                return ending(m)
+            if not slips_changed(m, h, active, y_new[nq : 2 * nq]):
+                break
         end_step(m, t, h, active)
         status = end_stands(m, t, h)
         if status != OK:

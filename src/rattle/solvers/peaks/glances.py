@@ -18,11 +18,14 @@ Source: the remainder of linear interpolation; de Boor, A Practical Guide to Spl
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from rattle.equations.complementarity import FORWARD, OFF, STICK, friction_of
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
+from rattle.solvers.contacts.clutches import most_torque, rate_left, torque_noise, watched
 from rattle.solvers.dop853_tableau import C
 
 KINDS = 4  # indicators, not negative: N, mu N - T, mu N + T, slip in its direction; 1 where one does not apply
@@ -53,7 +56,9 @@ def write_look(m, line):
         first = 1 + KINDS * n
         for k in range(KINDS):
             line[first + k] = 1.0
-        if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
+        if contact[n, at.IMPACT] == 0 or contact[n, at.LEVEL] == 1 or mode[n] == OFF:
+            if watched(m, n):
+                write_clutch(m, n, line)
             continue
         friction, normal = friction_of(m, n), kinematics[n, at.NORMAL]
         line[first] = normal
@@ -68,8 +73,20 @@ def write_look(m, line):
         largest = max(largest, mass[i, 0] * max(abs(acceleration[i, 0]), abs(acceleration[i, 1])))
     line[1 + KINDS * contact.shape[0]] = largest
     for n in range(contact.shape[0]):  # if friction is rounding, so is its direction
-        if contact[n, at.IMPACT] == 1 and abs(line[1 + KINDS * n]) <= NOISE * largest:
+        if watched(m, n) and contact[n, at.LEVEL] == 0 and abs(line[1 + KINDS * n]) <= NOISE * largest:
             line[1 + KINDS * n + 3] = 1.0
+
+
+@compiled
+def write_clutch(m, n, line):
+    """The indicators of contact n at velocity level: its torque, what is left of the largest, or its rate."""
+    first, torque = 1 + KINDS * n, m.contact_kinematics[n, at.NORMAL]
+    if m.mode[n] == OFF:
+        line[first + 3] = rate_left(m, n)
+        return
+    line[first] = torque
+    if most_torque(m, n) < math.inf:
+        line[first + 1] = most_torque(m, n) - torque
 
 
 @compiled
@@ -105,20 +122,29 @@ def may_dip(looks, i, count, c, slack):
 
 
 @compiled
-def unseen(m, kind):
-    """How far below zero an indicator of this kind may be by rounding alone: a slip [m/s]."""
-    return 1e-13 * m.held[at.SIZE] if kind == 3 else 0.0
+def unseen(m, n, kind):
+    """How far below zero this indicator of contact n may be by rounding alone: a slip [m/s], a rate or a torque."""
+    if m.contact[n, at.LEVEL] == 0:
+        return 1e-13 * m.held[at.SIZE] if kind == 3 else 0.0
+    if kind < 3:
+        return torque_noise(m)
+    a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
+    return 1e-13 * (abs(m.body[a, at.W]) + abs(m.body[b, at.W]) + 1e-3)
 
 
 @compiled
-def slack_of(m, kind, left, right, force):
+def slack_of(m, n, kind, left, right, force):
     """How far below zero rounding may take an indicator between two values; force: the largest of all [N]."""
-    return NOISE * force if kind < 3 else NOISE * (max(left, 0.0) + right) + unseen(m, kind)
+    return (NOISE * force if kind < 3 else NOISE * (max(left, 0.0) + right)) + unseen(m, n, kind)
 
 
 @compiled
 def matters(m, n, kind):
-    """True if an indicator of this kind applies to the closed contact n."""
+    """True if an indicator of this kind applies to contact n, which is closed or at velocity level."""
+    if m.contact[n, at.LEVEL] == 1:
+        return kind == (3 if m.mode[n] == OFF else 0) or (
+            kind == 1 and m.mode[n] != OFF and most_torque(m, n) < math.inf
+        )
     if kind == 0:
         return True
     return friction_of(m, n) > 0.0 and (kind < 3) == (m.mode[n] == STICK)
@@ -131,16 +157,16 @@ def doubts(m, error):
     (0, END) if the stages do not decide; the second one is END if they do not show the event itself.
     error: of the step [tolerances].
     """
-    contact, mode, looks = m.contact, m.mode, m.glances
+    contact, looks = m.contact, m.glances
     first, last = END, END
     if not error > LEAST_ERROR or m.live.shape[0] > 0 or m.jet.shape[0] > 0:
         return 0, END
     for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 0 or mode[n] == OFF:
+        if not watched(m, n):
             continue
         for kind in range(KINDS):
             if matters(m, n, kind):
-                one, two = doubt(looks, 1 + KINDS * n + kind, first, last, unseen(m, kind))
+                one, two = doubt(looks, 1 + KINDS * n + kind, first, last, unseen(m, n, kind))
                 first, last = min(first, one), min(last, two)
     return first, last
 

@@ -1,0 +1,56 @@
+"""What clutches mean to analyses that do not follow the motion in time: they are left out, or the question is refused.
+
+An ideal clutch at rest may pass any torque in its sense, and a wound-up one keeps what it was wound up by: neither
+follows from a position.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rattle.description.model import Joint
+from rattle.equations.system import System
+from rattle.errors import ModelError, Problem
+from rattle.results.columns import overrun
+
+ROUNDING = 1e-9  # share of the largest rate below which a driving body is not ahead
+
+
+def _clutches(system: System) -> Iterator[tuple[str, Joint, bool]]:
+    """Name and joint of every clutch, and whether its torque follows from the state of the bodies alone."""
+    for name, joint in system.model.joints.items():
+        own = joint.leaf.own_contact(joint.fields)
+        if own is not None:
+            yield name, joint, not own.rigid and own.states == 0
+
+
+def require_known_torques(system: System, what: str, also_smooth: bool = False) -> None:
+    """Raise ModelError with the clutches whose torque an analysis, in words, cannot know.
+
+    also_smooth: also those whose torque follows from the rates, because it has a kink at rest.
+    """
+    names = [name for name, _, smooth in _clutches(system) if also_smooth or not smooth]
+    if names:
+        listed = ", ".join(f"'{name}'" for name in names)
+        said = (
+            f"{what} does not determine the torque of {listed}: a clutch that holds passes whatever torque the motion"
+            " has led to, one that is overrun none; use simulate, or put a torsion-spring load in the place of each"
+        )
+        raise ModelError([Problem(("joints", names[0]), said)])
+
+
+def run_backwards(system: System, t: np.ndarray, raw: np.ndarray) -> list[str]:
+    """Notes on clutches that a prescribed motion turns against their sense; t: (n,) [s], raw: its output rows."""
+    notes = []
+    for name, joint, smooth in _clutches(system):
+        rate, size = overrun(system, joint, raw)
+        wrong = rate < -ROUNDING * size
+        if not smooth and wrong.any():
+            k = int(np.argmax(wrong))
+            notes.append(
+                f"clutch '{name}' does not allow this motion: at {int(wrong.sum())} of {len(t)} instants, first at t ="
+                f" {t[k]:.6g} s, '{joint.a.body}' would get ahead of '{joint.b.body}', by up to {-rate.min():.4g} rad/s"
+            )
+    return notes

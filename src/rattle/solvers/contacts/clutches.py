@@ -1,0 +1,155 @@
+"""Contacts at velocity level: clutches, which have a rate w = g' but no gap.
+
+Their mode is off where B overruns A (w > 0) and otherwise that of a closed contact.  One that slips at its largest
+torque M (w < 0) is off too, and M is an applied force: a finite torque has no part in impacts.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.equations.complementarity import OFF, F
+from rattle.equations.state import IMPULSE, LOSS, account_at
+from rattle.equations.unilateral import push_all
+from rattle.jit import layout as at
+from rattle.jit.functions import compiled
+from rattle.solvers.contacts.event_rows import note
+
+STILL = 1e-12  # share of the rates of its bodies below which the rate of a clutch counts as zero
+LEAST = 1e-14  # rate of a clutch that counts as zero in any case [rad/s]
+NOISE = 1e-11  # share of the largest torque below which one is rounding: more than the contact problem leaves
+OVER = 1e-12  # share by which a torque may exceed the largest one by rounding
+
+
+@compiled
+def most_torque(m, n):
+    """Largest torque of contact n at velocity level [N*m]."""
+    return m.values[m.contact[n, at.NORMAL_P] + at.MOST_TORQUE]
+
+
+@compiled
+def takes_impulses(m, n):
+    """True unless contact n is a clutch with a largest torque."""
+    return m.contact[n, at.LEVEL] == 0 or most_torque(m, n) == math.inf
+
+
+@compiled
+def watched(m, n):
+    """True if an indicator of contact n may announce an event: a closed contact, and every one at velocity level."""
+    return m.contact[n, at.IMPACT] == 1 and (m.mode[n] != OFF or m.contact[n, at.LEVEL] == 1)
+
+
+@compiled
+def rate_left(m, n):
+    """Rate of clutch n [rad/s] in the direction of its mode: not negative while it overruns, or slips."""
+    return (
+        -m.contact_kinematics[n, at.DGAP] if m.contact_memory[n, at.SLIPS] == 1.0 else m.contact_kinematics[n, at.DGAP]
+    )
+
+
+@compiled
+def gets_ahead(m, n):
+    """True if A turns faster than B in the sense of clutch n, by more than rounding."""
+    bodies = m.body
+    a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
+    return m.contact_kinematics[n, at.DGAP] < -STILL * (abs(bodies[a, at.W]) + abs(bodies[b, at.W])) - LEAST
+
+
+@compiled
+def torque_noise(m):
+    """Torque that may be rounding [N*m]: a share of the largest one that acts on a body or in a clutch."""
+    contact, kinematics, force, largest = m.contact, m.contact_kinematics, m.force, 0.0
+    for i in range(1, force.shape[0]):
+        largest = max(largest, abs(force[i, 2]))
+    for n in range(contact.shape[0]):
+        if contact[n, at.LEVEL] == 1:
+            largest = max(largest, abs(kinematics[n, at.NORMAL]))
+    return NOISE * largest
+
+
+@compiled
+def settle_slips(m, slips):
+    """Clutches with a largest torque slip where A gets ahead; those without a rate are to be decided.
+
+    slips: one that begins to slip now, or -1.
+    """
+    contact, memory = m.contact, m.contact_memory
+    for n in range(contact.shape[0]):
+        if contact[n, at.IMPACT] == 1 and not takes_impulses(m, n):
+            memory[n, at.SLIPPED] = memory[n, at.SLIPS]
+            memory[n, at.SLIPS] = 1.0 if n == slips or gets_ahead(m, n) else 0.0
+
+
+@compiled
+def note_slip(m, n, t):
+    """Record that clutch n, which did not hold before, begins to slip at t [s], or is overrun after slipping."""
+    memory = m.contact_memory
+    if memory[n, at.SLIPS] != memory[n, at.SLIPPED]:
+        note(m, at.SLIP_EVENT if memory[n, at.SLIPS] == 1.0 else at.RELEASE_EVENT, n, t, 0.0)
+
+
+@compiled
+def undecided_is_free(m, n):
+    """True if clutch n stays overrun where neither torque nor acceleration decides; at the start of a run it locks."""
+    return m.contact[n, at.LEVEL] == 1 and m.mode[n] == OFF and m.tally[at.STEPS] > 0
+
+
+@compiled
+def overloaded(m, count):
+    """Let active clutches slip that would need more than their largest torque; True if there are any."""
+    contact, memory, active, side = m.contact, m.contact_memory, m.active, m.side
+    found = False
+    for k in range(count):
+        n = active[k]
+        if contact[n, at.LEVEL] == 1 and side[F, 2 * k] > (1.0 + OVER) * most_torque(m, n):
+            memory[n, at.SLIPS] = 1.0
+            found = True
+    return found
+
+
+@compiled
+def rate_with(m, n, v):
+    """Rate of clutch n [rad/s] with the rates v (3 nb,) [m/s, rad/s]."""
+    a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
+    return -m.contact_kinematics[n, at.TURN] * ((v[3 * b - 1] if b > 0 else 0.0) - (v[3 * a - 1] if a > 0 else 0.0))
+
+
+@compiled
+def slips_changed(m, h, count, v):
+    """After a step with impulses, and with free rates v (3 nb,): clutches that begin or cease to slip, True if any do.
+
+    Those of the `count` active ones that would need more than the largest torque over the step, and those that slip but
+    would be overrun at its end.  The step is to be repeated with them.
+    """
+    contact, memory, active, side, dv = m.contact, m.contact_memory, m.active, m.side, m.velocity_change
+    found, limited = False, False
+    for n in range(contact.shape[0]):
+        limited = limited or not takes_impulses(m, n)
+    if not limited:
+        return False
+    push_all(m, count)
+    for n in range(contact.shape[0]):
+        if memory[n, at.SLIPS] == 1.0:
+            a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
+            if rate_with(m, n, v) + m.contact_kinematics[n, at.TURN] * (dv[b, 2] - dv[a, 2]) > 0.0:
+                memory[n, at.SLIPS] = 0.0
+                found = True
+    for k in range(count):
+        n = active[k]
+        if contact[n, at.LEVEL] == 1 and side[F, 2 * k] > (1.0 + OVER) * h * most_torque(m, n):
+            memory[n, at.SLIPS] = 1.0
+            found = True
+    return found
+
+
+@compiled
+def book_slips(m, h, y, y_new):
+    """Torques, impulses and losses over a step of length h [s] from y to y_new of the clutches that slip."""
+    kinematics, memory, nq = m.contact_kinematics, m.contact_memory, m.change.shape[0]
+    for n in range(m.contact.shape[0]):
+        if memory[n, at.SLIPS] == 1.0:
+            most, account = most_torque(m, n), account_at(m, n)
+            rate = 0.5 * (rate_with(m, n, y[nq : 2 * nq]) + rate_with(m, n, y_new[nq : 2 * nq]))
+            kinematics[n, at.NORMAL] = most
+            y_new[account + IMPULSE] += h * most
+            y_new[account + LOSS] -= h * most * rate
