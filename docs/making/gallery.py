@@ -24,6 +24,10 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
     "guide_play": ("Turns of the crank in 0.2 s", lambda r: (r["crank.angle"][-1] / (2 * np.pi), "")),
     "squeezer": ("Turns of the motor in 30 ms", lambda r: (r["k1.angle"][-1] / (2 * np.pi), "")),
     "toggle": ("Force at the jaw at the end", lambda r: (r["grip"][-1], "N")),
+    "torque_converter": (
+        "Speed of the shaft after ten turns of the crank",
+        lambda r: (r["rotor.omega"][-1], "rad/s"),
+    ),
     "windows": ("Corner p0.P.x at 10 s", lambda r: (r["p0.P.x"][-1], "m")),
     "woodpecker": ("Distance travelled downwards in 1 s", lambda r: (r["sleeve.y"][0] - r["sleeve.y"][-1], "m")),
 }
