@@ -11,7 +11,7 @@ from rattle import registry
 from rattle.plots.animation import scene
 from rattle.plots.drawings import Part, drawings
 from rattle.plots.scene import BODIES, Scene
-from rattle.plots.sketch import draw_mechanism
+from rattle.plots.sketch import draw_mechanism, hull
 from rattle.plots.statics import magnified, plot_accuracy
 
 CYLINDER = """
@@ -80,6 +80,14 @@ def test_every_joint_and_every_spring_has_a_picture():
         for name, kind in registry.kinds(family).items():
             form = getattr(kind.leaf, "drawn_as", "")
             assert form in drawings() if form else family == "load", f"{family} '{name}' is drawn as '{form}'"
+
+
+@pytest.mark.nojit
+def test_a_plate_has_the_outermost_points_as_corners():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    inside = np.array([[0.5, 0.5], [0.2, 0.7], [0.5, 0.0]])
+    assert hull(np.vstack([inside, square])).tolist() == square.tolist()
+    assert hull(np.array([[1.0, 2.0], [0.0, 0.0], [2.0, 4.0]])).tolist() == [[0.0, 0.0], [2.0, 4.0]]
 
 
 @pytest.mark.nojit

@@ -58,14 +58,30 @@ def draw_body(ax: Axes, stage: Scene, body: str) -> list[Update]:
             draw_dot(ax, stage.path(body, points[0]), marker="o", markersize=11, color=colour, alpha=0.75, zorder=3)
         ]
     if len(points) > 2:
-        middle = points - points.mean(axis=0)
-        points = points[np.argsort(np.arctan2(middle[:, 1], middle[:, 0]))]
-        points = np.vstack([points, points[:1]])
+        corners = hull(points)
+        points = np.vstack([corners, corners[:1]])
     path = np.stack([stage.path(body, p) for p in points], axis=1)
     updates = [draw_line(ax, path, color=colour, linewidth=5, alpha=0.75, solid_capstyle="round", zorder=3)]
     if len(points) > 2:
         updates.append(draw_area(ax, path, colour))
     return updates
+
+
+def hull(points: Array) -> Array:
+    """Corners (n, 2) of the convex hull of points (m, 2), counter-clockwise; two if all are on one line."""
+    ordered = sorted(map(tuple, points.tolist()))
+    corners: list[tuple[float, ...]] = []
+    for way in (ordered, ordered[::-1]):
+        side: list[tuple[float, ...]] = []
+        for x, y in way:
+            while len(side) > 1:
+                (ax, ay), (bx, by) = side[-2:]
+                if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+                    break
+                side.pop()
+            side.append((x, y))
+        corners += side[:-1]
+    return np.array(corners)
 
 
 def extent(stage: Scene) -> tuple[Array, Array]:
