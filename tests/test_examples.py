@@ -33,7 +33,7 @@ def test_these_examples_are_shipped():
     assert set(ALL) >= NAMES | {
         "balanced_arm", "bouncing_pin", "crank_rocker_play", "ellipse", "fourbar_onesided", "guide_play",
         "path_generator", "scotch_yoke", "three_plays", "toggle_clamp", "woodpecker", "dc_motor_pid", "excavator",
-        "torque_converter",
+        "torque_converter", "torque_converter_epicyclic",
     }  # fmt: skip
 
 

@@ -32,3 +32,15 @@ def test_the_example_is_in_its_tenth_turn_where_minimal_coordinates_are():
     assert r["rotor.omega"][-1] == pytest.approx(25.212481005, abs=1e-8)
     assert r["arm.angle"][-1] == pytest.approx(0.042132169641, abs=1e-8)
     assert r["rotor.angle"][-1] == pytest.approx(15.825219102, abs=1e-8)
+
+
+@pytest.mark.parametrize("speed", [10.0, 20.0])
+def test_torque_of_the_epicyclic_converter_falls_on_a_straight_line_with_the_speed(speed):
+    """The closed form for massless planets, which these inertias are equivalent to; impulses of the third swing."""
+    held = {"loads.brake": None, "W": speed, "drivers.shaft": {"joint": "rotor_axis", "angle": f"{speed}*t"}}
+    turn = 2 * math.pi / 100
+    r = rt.example("torque_converter_epicyclic").set(held).simulate(3 * turn, rtol=1e-10)
+    impulse = sum(event.impulse for event in r.events if event.kind == "lock" and event.t > 2 * turn)
+    inertia = 0.001 + 4 * 0.01
+    line = 2 / math.pi * 100 * inertia * (6 * 0.01 / inertia * 0.25 * 100 - speed)
+    assert impulse / turn == pytest.approx(line, rel=1e-7)

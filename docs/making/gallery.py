@@ -28,6 +28,10 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
         "Speed of the shaft after ten turns of the crank",
         lambda r: (r["rotor.omega"][-1], "rad/s"),
     ),
+    "torque_converter_epicyclic": (
+        "Speed of the rotor after ten swings of the carrier",
+        lambda r: (r["rotor.omega"][-1], "rad/s"),
+    ),
     "windows": ("Corner p0.P.x at 10 s", lambda r: (r["p0.P.x"][-1], "m")),
     "woodpecker": ("Distance travelled downwards in 1 s", lambda r: (r["sleeve.y"][0] - r["sleeve.y"][-1], "m")),
 }
