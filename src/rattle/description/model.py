@@ -281,6 +281,7 @@ class Model:
     groups: tuple[tuple[str, ...], ...] = ()  # parameters that are made together: one draw moves all of a group
     states: Mapping[str, State] = field(default_factory=dict)
     tables: Tables = NO_TABLES
+    definitions: Mapping[str, Node] = field(default_factory=dict)  # what names of points, joints and loads stand for
 
     @property
     def recorded(self) -> dict[str, str]:

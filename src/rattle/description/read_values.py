@@ -29,6 +29,7 @@ from rattle.language.syntax import CALL, KNOWN
 from rattle.language.tables import NO_TABLES, Curve, Tables, tables_of
 from rattle.language.units import (
     DIMENSIONLESS,
+    TIME,
     UNITS,
     Dimension,
     QuantityError,
@@ -63,6 +64,7 @@ class Values:
         self.constants: dict[str, float] = {}  # parameters [SI]
         self.dimensions: dict[str, Dimension | None] = {}  # of parameters, signals and states
         self.live: dict[str, None] = {}  # names that change during a run, in the order of the file
+        self.numbers: set[str] = set()  # live names that may stand for a number of any dimension
         self.broken: set[str] = set()  # names whose own definition has a problem
         self.curves: dict[str, Curve] = {}  # tables
         self.tables: Tables = NO_TABLES  # the same
@@ -222,6 +224,7 @@ class Values:
 
         It is unknown if there are only numbers and `t`: "sin(3*t)" may be any formula in SI units.  Beside names that
         have a dimension, `t` is a time, or the plain number of seconds if only that is consistent, as in "A*sin(t)".
+        Names of points, joints and loads have one too, or are numbers of any if only that is consistent.
         """
         used = names(node)
         calls = {part.name for part in walk(node) if isinstance(part, Apply) and part.name.endswith(CALL)}
@@ -232,10 +235,11 @@ class Values:
         try:
             seen = dimension(node, self.dimensions.get)
         except ExpressionError as error:
-            if "t" not in used:
-                raise
             with suppress(ExpressionError):
-                return dimension(node, self.dimensions.get, DIMENSIONLESS)
+                return dimension(node, self.dimensions.get, DIMENSIONLESS if "t" in used else TIME)
+            if used & self.numbers:
+                with suppress(ExpressionError):
+                    return dimension(node, lambda one: None if one in self.numbers else self.dimensions.get(one))
             raise error from None
         if unit is None or seen is None or seen == dimension_of(unit) or "t" not in used:
             return seen

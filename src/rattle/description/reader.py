@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from rattle import registry
+from rattle.description.coordinates import declare, definitions, forces, ordered, record_of, used_names
 from rattle.description.model import Driver, Initial, Model, Settings, Vector
 from rattle.description.read_parameters import read_groups, read_parameters, read_signals
 from rattle.description.read_parts import Parts
@@ -73,7 +74,9 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     """The whole model; it is valid only if no problem was found."""
     title = _header(document, values)
     tables = {key: _named(values, document, key) for key in NAMED}
-    _one_namespace(values, {**tables, **{key: document.get(key, {}) for key in ("signals", "states")}})
+    recording = {name: one for name, one in tables["loads"].items() if record_of(str(one.get("type")))}
+    others = {key: document.get(key, {}) for key in ("signals", "states")}
+    _one_namespace(values, {**tables, "loads": recording, **others})
     read_tables(values, document, known=True)
     parameters = read_parameters(values, document)
     read_tables(values, document, known=False)
@@ -83,6 +86,7 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
         for key, unit in STATE_UNITS.items():
             values.live[f"{name}.{key}"] = None
             values.dimensions[f"{name}.{key}"] = dimension_of(unit)
+    declare(values, document)
     starts = declare_states(values, document)
     signals, units = read_signals(values, document)
     states = read_states(values, document, starts)
@@ -102,10 +106,19 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     for name, given in tables["loads"].items():
         parts.add_load(name, given)
     initial, settings = _initial(values, document, parts), _settings(values, document)
+    rates = [one.rate for one in states.values()]
+    pulls, of_pulls = forces(parts.loads)
+    values_ = [value for one in parts.loads.values() for value in one.values]
+    known = definitions(
+        parts.ground, parts.bodies, parts.joints, parts.loads,
+        used_names(signals.values(), pulls.values(), rates, values_),
+    )  # fmt: skip
+    signals = ordered(values, signals, pulls, known)
     _drivers_follow_time(values, parts.drivers, signals, states)
     return Model(
-        title, gravity, parameters, signals, units, parts.ground, parts.bodies, parts.joints, parts.drivers,
+        title, gravity, parameters, signals, units | of_pulls, parts.ground, parts.bodies, parts.joints, parts.drivers,
         parts.loads, initial, settings, values.constants, tuple(values.remarks), groups, states, values.tables,
+        known,
     )  # fmt: skip
 
 
@@ -135,9 +148,9 @@ def _named(values: Values, document: Mapping[str, Any], key: str) -> dict[str, M
 
 
 def _one_namespace(values: Values, tables: Mapping[str, Any]) -> None:
-    """Bodies, joints, drivers, signals and states share one namespace."""
+    """Bodies, joints, drivers, signals, states and the loads that results know by name share one namespace."""
     seen: dict[str, str] = {}
-    for table in ("bodies", "joints", "drivers", "signals", "states"):
+    for table in ("bodies", "joints", "drivers", "signals", "states", "loads"):
         for name in tables[table] if isinstance(tables[table], Mapping) else ():
             if name in seen:
                 message = f"the name '{name}' is already used in [{seen[name]}]; choose another"

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from rattle import registry
+from rattle.description.coordinates import POINT
 from rattle.description.reader import STATE_UNITS
 from rattle.description.schema import schema
 from rattle.language.materials import MATERIALS
@@ -113,6 +114,15 @@ def _line(key: str, one: Mapping[str, Any]) -> str:
 
 def _names() -> Topic:
     lines = [f"<body>.{key} [{unit}]" for key, unit in STATE_UNITS.items()]
+    lines += [f"<body>.<point>.{key} [{unit}]" for key, (unit, _) in POINT.items()]
+    lines += ["<joint>.angle [rad] .rate [rad/s] of a revolute joint: B relative to A, not wrapped"]
+    lines += ["<joint>.position [m] .rate [m/s] of a prismatic joint or slot: B's point along the line from A's"]
+    lines += [
+        "<load>.length [m] .rate [m/s] .force [N] .power [W] of a spring or actuator: force pulls (spring), pushes"
+    ]
+    lines += [
+        "<load>.angle [rad] .rate [rad/s] .torque [N*m] .power [W] of a torsion spring or motor; also .length .force"
+    ]
     lines += [
         "t [s]: the time",
         "pi",

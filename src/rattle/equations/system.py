@@ -16,7 +16,7 @@ from rattle.equations.contact_table import CONTACT_TABLES, contact_table
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Image, Workspace
-from rattle.language.expression import Node, compile_program, concatenate
+from rattle.language.expression import Node, compile_program, concatenate, replaced
 from rattle.language.local_function import packed
 from rattle.language.recorded import array_of
 from rattle.language.switching import Signals, Switch, find_switches
@@ -172,7 +172,7 @@ class _Programs:
     """Collects expressions and the places of their values."""
 
     def __init__(self, model: Model, bodies: Mapping[str, int]) -> None:
-        self.constants, self.tables = model.constants, model.tables
+        self.constants, self.tables, self.definitions = model.constants, model.tables, model.definitions
         self.state = {
             f"{name}.{key}": at.width("body") * i + column
             for name, i in bodies.items()
@@ -183,7 +183,9 @@ class _Programs:
         self.names: list[str] = []
 
     def add(self, node: Node, name: str) -> int:
-        self.programs.append(compile_program(node, self.constants, self.state, self.signals, self.tables))
+        self.programs.append(
+            compile_program(replaced(node, self.definitions), self.constants, self.state, self.signals, self.tables)
+        )
         self.names.append(name)
         return len(self.programs) - 1
 

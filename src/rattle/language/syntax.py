@@ -55,7 +55,10 @@ OTHERWISE = {  # functions of other languages that have another name here, or no
     "ceil": "write -floor(-x)",
     "round": "write floor(x + 0.5)",
 }
-KNOWN = "an expression may use <body>.x .y .angle .vx .vy .omega of mass centres, t, parameters and signals"
+KNOWN = (
+    "an expression may use t, parameters, signals and names such as <body>.x .y .angle, <body>.<point>.x,"
+    " <joint>.angle, <load>.force: `rattle kinds names`"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +67,7 @@ class Grammar:
 
     functions: Mapping[str, int] = field(default_factory=lambda: FUNCTIONS)  # as in FUNCTIONS
     conditions: frozenset[str] = frozenset()  # those functions whose argument is a comparison
-    parts: int = 2  # of a name, at most: "body.x" has two
+    parts: int = 3  # of a name, at most: "body.point.x" has three
     compared: bool = False  # the whole may be a comparison
     otherwise: Mapping[str, str] = field(default_factory=dict)  # more of OTHERWISE
     known: str = KNOWN

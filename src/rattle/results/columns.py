@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from rattle import registry
+from rattle.description.coordinates import record_of
 from rattle.description.model import Joint, Load, Model, Value
 from rattle.equations.system import System, joint_rows
 from rattle.jit import layout as at
@@ -210,6 +211,8 @@ def geometry(model: Model) -> dict[str, Any]:
         }
         if joint.leaf.bodies:
             joints[name]["sense"] = joint.fields["sense"]
+        if joint.leaf.coordinate:
+            joints[name]["coordinate"] = joint.leaf.coordinate
         if joint.line is not None:
             joints[name]["axis"] = joint.line
             if math.isfinite(travel := joint.leaf.travel(joint.fields)):
@@ -227,6 +230,7 @@ def geometry(model: Model) -> dict[str, Any]:
             "bodies": [load.a.body, load.b.body],
             "points": [list(load.a.at), list(load.b.at)],
             "fields": numbers(load_fields(load)),
+            **({"coordinate": record.coordinate, "power": record.power} if (record := record_of(load.kind)) else {}),
         }
         for name, load in model.loads.items()
     }

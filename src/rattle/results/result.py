@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rattle.atomic_file import atomic
 from rattle.results import archive, contact_summary
+from rattle.results.derived import rules, unit_of_rule, value_of
 from rattle.results.display import Picture, table
 from rattle.results.event import Event, Peak
 from rattle.results.trust import Trust
@@ -77,9 +78,9 @@ class Result:
         if self._data.shape != (len(self.t), len(self.stored)):
             raise ValueError(f"data has shape {self._data.shape}; expected {(len(self.t), len(self.stored))}")
         self._column = {name: k for k, name in enumerate(self.stored)}
-        self._derived = _derived(self.geometry, self._column)
+        self._derived = rules(self.geometry, self._column)
         self._units = {name: units[name] for name in self.stored}
-        self._units |= {name: "N" if rule[0] == "force" else "m" for name, rule in self._derived.items()}
+        self._units |= {name: unit_of_rule(name, rule) for name, rule in self._derived.items()}
 
     def __repr__(self) -> str:
         span = f"{len(self.t)} instants, {self.t[0]:g} to {self.t[-1]:g} s" if len(self.t) else "no instant"
@@ -119,12 +120,7 @@ class Result:
             return self._data[:, self._column[name]]
         if name not in self._derived:
             raise UnknownName(self._unknown(name))
-        what, owner, x, y = self._derived[name]
-        if what == "force":
-            return np.hypot(self[f"{owner}.fx"], self[f"{owner}.fy"])
-        cos, sin = np.cos(self[f"{owner}.angle"]), np.sin(self[f"{owner}.angle"])
-        turned = cos * x - sin * y if what == "x" else sin * x + cos * y
-        return np.asarray(self[f"{owner}.{what}"] + turned)
+        return np.asarray(value_of(self._derived[name], self.__getitem__, np.cos, np.sin, np.hypot))
 
     def unit(self, name: str) -> str:
         """SI unit of a curve ("" if it has none).  Raises UnknownName."""
@@ -348,19 +344,6 @@ def load_result(path: str | os.PathLike[str]) -> Result:
 
 
 # ---------------------------------------------------------------- pieces
-def _derived(geometry: Mapping[str, Any], stored: Mapping[str, int]) -> dict[str, tuple[str, str, float, float]]:
-    """Names derived from stored columns: what ("x", "y" or "force"), of which body or joint, the point in its frame
-    [m]."""
-    found: dict[str, tuple[str, str, float, float]] = {}
-    for body, form in geometry.get("bodies", {}).items():
-        for point, (x, y) in form["points"].items():
-            found |= {f"{body}.{point}.{axis}": (axis, body, x, y) for axis in "xy" if f"{body}.{axis}" in stored}
-    for joint in geometry.get("joints", {}):
-        if f"{joint}.fx" in stored and f"{joint}.force" not in stored:
-            found[f"{joint}.force"] = ("force", joint, 0.0, 0.0)
-    return found
-
-
 def require_table(path: str | os.PathLike[str]) -> None:
     """Raise ValueError for a file name whose suffix belongs to another format than CSV."""
     if Path(path).suffix.lower() not in TABLES:

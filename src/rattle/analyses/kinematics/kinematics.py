@@ -15,7 +15,7 @@ from rattle.analyses.assembly.rank import describe_rank_loss, left_null, nonuniq
 from rattle.analyses.clutches import require_known_torques, run_backwards
 from rattle.analyses.kinematics.motors import motors_at, without_effort
 from rattle.analyses.kinematics.singular_positions import blocking, branch_points, why_stuck
-from rattle.analyses.kinematics.sweep import Sweep, begin
+from rattle.analyses.kinematics.sweep import Sweep, begin, unjoined
 from rattle.analyses.own_states import require_no_states
 from rattle.analyses.timetable import jump_notes, timetable
 from rattle.analyses.travel import out_of_place, past_stops, places, rates, with_stops, without_stops
@@ -44,7 +44,8 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
     rows = scaled_rows(system, workspace)
     _, values, right = np.linalg.svd(rows)
     independent = int((values > 1e-9 * values[0]).sum()) if len(values) else 0
-    left = 3 * system.body_count - independent
+    alone = unjoined(system) if what == "kinematics" else []
+    left = 3 * (system.body_count - len(alone)) - independent
     if left == 0:
         return
     if (
@@ -54,7 +55,7 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
         where = describe_rank_loss(system, workspace)
         raise ModelError([Problem(("initial",), f"{what} cannot start at t = {start.t:g} s: {where}")])
     free = np.abs(right[independent:]).reshape(left, -1, 3).max(axis=(0, 2))
-    movers = [name for name, share in zip(system.bodies, free, strict=True) if share > 1e-6]
+    movers = [name for name, share in zip(system.bodies, free, strict=True) if share > 1e-6 and name not in alone]
     loose = _loose(system)
     dof = f"{left} degrees of freedom are left" if left > 1 else "1 degree of freedom is left"
     names = ", ".join(movers[:8]) + (" ..." if len(movers) > 8 else "")
@@ -114,6 +115,11 @@ def analyse(
     reached = times[: len(raw)]
     message = why_stuck(sweep) if len(raw) < len(times) else ""
     events, notes = branch_points(first, sweep, times, raw, bool(message))
+    if not forces and (alone := unjoined(system)):
+        notes = [
+            f"no joint and no driver holds {', '.join(map(repr, alone))}: kinematics leaves it where it is",
+            *notes,
+        ]
     notes = [*start.notes, *notes, *without_effort(sweep, reached, raw, motors)]
     notes += out_of_place(system, reached, places(system, raw))
     notes += past_stops(given, reached, places(system, raw), rates(system, raw))

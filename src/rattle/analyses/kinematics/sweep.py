@@ -12,6 +12,7 @@ from rattle import registry
 from rattle.analyses.assembly.assembly import Assembled
 from rattle.description.model import before_function
 from rattle.equations.system import System
+from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.results.columns import motion_width, width
 from rattle.solvers.positions import position_sweep as swept
@@ -61,6 +62,13 @@ class Sweep:
         )
 
 
+def unjoined(system: System) -> list[str]:
+    """Bodies that no joint and no driver touches: a given motion leaves them where they are."""
+    touched = set(system.arrays["row_body"].ravel().tolist())
+    touched |= set(system.arrays["contact"][:, [at.A_BODY, at.B_BODY]].ravel().tolist())
+    return [name for n, name in enumerate(system.bodies, start=1) if n not in touched]
+
+
 def begin(
     system: System, start: Assembled, motors: Sequence[tuple[int, str]] = (), shift: np.ndarray | None = None
 ) -> Sweep:
@@ -75,6 +83,7 @@ def begin(
     weight = np.ones_like(system.arrays["weight"])
     weight[0] = 0.0
     weight[1:, 2] = 1.0 / np.where(radius > 0.0, radius, system.size) ** 2
+    weight[[1 + system.bodies.index(name) for name in unjoined(system)]] = 0.0
     values = list(system.arrays["values"] if shift is None else shift)
     probe = []
     for row, name in motors:

@@ -37,6 +37,7 @@ class JointKind:
     bodies: ClassVar[bool] = False  # True: it connects bodies wherever they are, and not points of them
     events: ClassVar[Mapping[str, str]] = {}  # what events of its own contact are called: contact, release ...
     motor: ClassVar[Motor | None] = None  # None: no coordinate that a driver could move
+    coordinate: ClassVar[str] = ""  # what expressions and results know of it, with its rate: angle | position
     massless: ClassVar[str] = ""  # kind of joint for the clearance as a massless link; its one field is the clearance
     drawn_as: ClassVar[str] = ""  # a form of rattle.plots.drawings: pin, rod, guide ...; "" if it is not drawn
     places: ClassVar[bool] = True  # False: its rows do not say where the point of B is

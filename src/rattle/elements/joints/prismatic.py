@@ -55,6 +55,7 @@ class Prismatic(JointKind):
     rows = ("m", "rad")
     moment = True
     motor = Motor("position", "thrust", "N")
+    coordinate = "position"
     drawn_as = "guide"
     axis = Field("rad", "direction of the line in A's frame", default=0.0)
     angle = Field("rad", "angle of B relative to A (default: equal to axis)", default=lambda given: given["axis"])

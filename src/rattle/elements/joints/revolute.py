@@ -45,5 +45,6 @@ class Revolute(JointKind):
     rows = ("m", "m")
     rows_in_ground = True
     motor = Motor("angle", "torque", "N*m")
+    coordinate = "angle"
     massless = "rod"
     drawn_as = "pin"

@@ -33,6 +33,7 @@ class Slot(JointKind):
 
     rows = ("m",)
     motor = Motor("position", "thrust", "N")
+    coordinate = "position"
     drawn_as = "slot"
     axis = Field("rad", "direction of the slot in A's frame", default=0.0)
     length = Field(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from rattle.elements.loads import LoadRecord
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
@@ -39,5 +40,6 @@ class Actuator:
     """
 
     drawn_as = "actuator"
+    record = LoadRecord("length", "N", "force", 1.0)
     connect = Field("", "its two ends", shape="connect")
     force = Field("N", "force that pushes the ends apart", live=True)

@@ -5,6 +5,7 @@ moment +T on B, -T on A, counter-clockwise positive   [N*m];    power T (w_B - w
 
 from __future__ import annotations
 
+from rattle.elements.loads import LoadRecord
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.registry import Field, LocalName, kind
@@ -25,6 +26,7 @@ class Motor:
     Source: definition.
     """
 
+    record = LoadRecord("angle", "N*m", "torque", 1.0)
     connect = Field("", "housing and rotor: two bodies, or points of them", shape="connect", turns=True)
     torque = Field(
         "N*m",

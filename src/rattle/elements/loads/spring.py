@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+from rattle.elements.loads import LoadRecord
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
@@ -45,6 +46,7 @@ class Spring:
     """
 
     drawn_as = "spring"
+    record = LoadRecord("length", "N", "stiffness*(length - free_length) + damping*rate", -1.0)
     connect = Field("", "its two ends", shape="connect")
     stiffness = Field("N/m", "force per elongation", live=True)
     free_length = Field("m", "length without force", default=0.0, least="not negative", live=True)

@@ -5,6 +5,7 @@ T = stiffness (phi_B - phi_A - free_angle) + damping (w_B - w_A)      acts on B 
 
 from __future__ import annotations
 
+from rattle.elements.loads import LoadRecord
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.registry import Field, kind
@@ -32,6 +33,7 @@ class TorsionSpring:
     """
 
     drawn_as = "torsion-spring"
+    record = LoadRecord("angle", "N*m", "stiffness*(angle - free_angle) + damping*rate", -1.0)
     connect = Field("", "the two bodies, or points of them", shape="connect")
     stiffness = Field("N*m/rad", "moment per twist", live=True)
     free_angle = Field("rad", "angle phi_B - phi_A without moment", default=0.0, live=True)

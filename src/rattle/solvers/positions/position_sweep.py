@@ -75,6 +75,9 @@ def closed_at(m, t, node, size):
     change, power = m.change, m.power
     drive(m, t)
     spare = m.rows.shape[0] - q.shape[0]  # rows that may be redundant
+    for i in range(1, m.weight.shape[0]):
+        if m.weight[i, 0] == 0.0:  # a body without a row stays where it is
+            spare += 3
     moved, last, gap = 0.0, math.inf, math.inf
     rounds = 0
     place(m, q, v)

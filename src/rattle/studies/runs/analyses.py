@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rattle.analyses.dynamics.methods import contacts_of
-from rattle.analyses.straight_line.derived_curves import derived_names
+from rattle.analyses.straight_line.derived_curves import derived_units
 from rattle.errors import SolverError, suggest
 from rattle.registry import kinds
 from rattle.results.build import build_result
@@ -102,7 +102,7 @@ def _simulated(m: Mechanism, times: np.ndarray, names: Collection[str], how: Ste
 
 def _names_of_motion(m: Mechanism) -> dict[str, str]:
     _, names, units = columns(m.system, np.zeros((1, width(m.system))))
-    derived = {name: "N" if name.endswith(".force") else "m" for name in derived_names(m.model, names)}
+    derived = derived_units(m.model, names)
     return {name: units[name] for name in names} | derived
 
 

@@ -1,0 +1,204 @@
+"""Names of expressions that follow from the state of the bodies: points, coordinates of joints and loads.
+
+    <body>.<point>.x .y .vx .vy        a point in the ground frame and its velocity
+    <joint>.angle .rate                where `coordinate` of the joint's kind is "angle": B relative to A
+    <joint>.position .rate             where it is "position": of B's point along the line of A
+    <load>.length .rate .force .power  of a load with a `record`, see `elements.loads.LoadRecord`
+
+Each stands for an expression over the state, but `<load>.force`, which a run evaluates and records as a signal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import Any
+
+from rattle import registry
+from rattle.description.dependence import describe_cycle, in_order
+from rattle.description.model import Body, Joint, Load, Point, Vector
+from rattle.description.read_values import Values
+from rattle.language.expression import Name, Node, Number, names, parse, replaced
+from rattle.language.units import dimension_of
+
+POINT = {
+    "x": ("m", "B.x + px*cos(B.angle) - py*sin(B.angle)"),
+    "y": ("m", "B.y + px*sin(B.angle) + py*cos(B.angle)"),
+    "vx": ("m/s", "B.vx - B.omega*(px*sin(B.angle) + py*cos(B.angle))"),
+    "vy": ("m/s", "B.vy + B.omega*(px*cos(B.angle) - py*sin(B.angle))"),
+}
+ACROSS = "hypot(b.x - a.x, b.y - a.y)"
+COORDINATES = {  # key and unit of a coordinate and of its rate, and what they are between points a and b of A and B
+    "angle": (("angle", "rad", "B.angle - A.angle"), ("rate", "rad/s", "B.omega - A.omega")),
+    "length": (
+        ("length", "m", ACROSS),
+        ("rate", "m/s", f"((b.x - a.x)*(b.vx - a.vx) + (b.y - a.y)*(b.vy - a.vy))/{ACROSS}"),
+    ),
+    "position": (
+        ("position", "m", "(b.x - a.x)*cos(A.angle + axis) + (b.y - a.y)*sin(A.angle + axis)"),
+        (
+            "rate",
+            "m/s",
+            "(b.vx - a.vx)*cos(A.angle + axis) + (b.vy - a.vy)*sin(A.angle + axis)"
+            " + A.omega*((b.y - a.y)*cos(A.angle + axis) - (b.x - a.x)*sin(A.angle + axis))",
+        ),
+    ),
+}
+STATE = ("x", "y", "angle", "vx", "vy", "omega")
+
+
+# ---------------------------------------------------------------- before anything is read: names and their units
+def declare(values: Values, document: Mapping[str, Any]) -> None:
+    """Enter the names that a document with these bodies, joints and loads has, with their dimensions."""
+    found: dict[str, str] = {}
+    for body, given in _entries(document, "bodies"):
+        ends = given.get("bar", ())
+        points = given.get("points", {})
+        for point in (
+            *(ends if isinstance(ends, list | tuple) else ()),
+            *(points if isinstance(points, Mapping) else ()),
+        ):
+            found |= {f"{body}.{point}.{key}": unit for key, (unit, _) in POINT.items()}
+    ground = document.get("ground", {})
+    fixed = ground.get("points", {}) if isinstance(ground, Mapping) else {}
+    for point in fixed if isinstance(fixed, Mapping) else ():
+        found |= {f"ground.{point}.{key}": "m" for key in ("x", "y")}
+    for name, given in _entries(document, "joints"):
+        kind = registry.kinds("joint").get(str(given.get("type")))
+        if kind is not None and kind.leaf.coordinate:
+            found |= {f"{name}.{key}": unit for key, unit, _ in COORDINATES[kind.leaf.coordinate]}
+    for name, given in _entries(document, "loads"):
+        record = record_of(str(given.get("type")))
+        if record is not None:
+            keys = {"length": "rad", "rate": "rad/s"} if record.coordinate == "angle" else {}
+            keys |= {key: unit for key, unit, _ in COORDINATES[record.coordinate]}
+            keys |= {
+                "force": record.unit,
+                "power": "W",
+                **({"torque": record.unit} if record.coordinate == "angle" else {}),
+            }
+            found |= {f"{name}.{key}": unit for key, unit in keys.items()}
+    for name, unit in found.items():
+        values.live.setdefault(name)
+        values.numbers.add(name)
+        values.dimensions[name] = dimension_of(unit)
+
+
+def _entries(document: Mapping[str, Any], table: str) -> list[tuple[str, Mapping[str, Any]]]:
+    given = document.get(table, {})
+    return (
+        [(name, one) for name, one in given.items() if isinstance(one, Mapping)] if isinstance(given, Mapping) else []
+    )
+
+
+def record_of(kind: str) -> Any:
+    """What a kind of load records, a `LoadRecord`; None if it has none or is not known."""
+    found = registry.kinds("load").get(kind)
+    return getattr(found.leaf, "record", None) if found is not None else None
+
+
+# ---------------------------------------------------------------- what the names stand for
+def definitions(
+    ground: Mapping[str, Vector], bodies: Mapping[str, Body], joints: Mapping[str, Joint], loads: Mapping[str, Load],
+    used: Iterable[str],
+) -> dict[str, Node]:  # fmt: skip
+    """What these names stand for, as expressions over the state and over `<load>.force`; other names are left out."""
+    made: dict[str, Node] = {}
+    for name in used:
+        owner, _, key = name.partition(".")
+        point, _, axis = key.partition(".")
+        if axis in POINT and owner in bodies and point in bodies[owner].points:
+            made[name] = _point(Point(owner, point, bodies[owner].points[point]), axis)
+        elif owner == "ground" and point in ground:
+            made[name] = _point(Point("ground", point, ground[point]), axis)
+        elif owner in joints and joints[owner].leaf.coordinate:
+            joint = joints[owner]
+            line = 0.0 if joint.line is None else joint.line
+            made |= _between(owner, joint.leaf.coordinate, joint.a, joint.b, line, key)
+        elif owner in loads and (record := record_of(loads[owner].kind)) is not None:
+            made |= _of_load(owner, loads[owner], record, key)
+    return made
+
+
+def _of_load(owner: str, load: Load, record: Any, key: str) -> dict[str, Node]:
+    """One name of a load."""
+    if key == "power":
+        rate = _between(owner, record.coordinate, load.a, load.b, 0.0, "rate")[f"{owner}.rate"]
+        sign = Number(record.power, 0)
+        return {f"{owner}.power": replaced(_tree("s*f*r"), {"s": sign, "f": Name(f"{owner}.force", 0), "r": rate})}
+    if key == "torque":
+        return {f"{owner}.torque": Name(f"{owner}.force", 0)}
+    first = record.coordinate if key == "length" else key
+    found = _between(owner, record.coordinate, load.a, load.b, 0.0, first)
+    return {f"{owner}.{key}": node for node in found.values()}
+
+
+def forces(loads: Mapping[str, Load]) -> tuple[dict[str, Node], dict[str, str]]:
+    """`<load>.force` of every load with a record, as expressions, and their units."""
+    made: dict[str, Node] = {}
+    units: dict[str, str] = {}
+    for name, load in loads.items():
+        record = record_of(load.kind)
+        if record is None:
+            continue
+        fields = registry.kinds("load")[load.kind].fields
+        given = [key for key, one in fields.items() if one.shape != "connect"]
+        own = load.values[len(load.values) - len(given) :]
+        parts = {
+            key: one if not isinstance(one, float | int) else Number(one, 0)
+            for key, one in zip(given, own, strict=True)
+        }
+        where = _between(name, record.coordinate, load.a, load.b, 0.0, "")
+        parts |= {key.partition(".")[2]: node for key, node in where.items()}
+        made[f"{name}.force"], units[f"{name}.force"] = replaced(_tree(record.force), parts), record.unit
+    return made, units
+
+
+def ordered(
+    values: Values, signals: Mapping[str, Node], forces: Mapping[str, Node], known: Mapping[str, Node]
+) -> dict[str, Node]:
+    """Signals and forces of loads so that each follows those it uses; a problem names those that form a loop.
+
+    known: what the other names stand for.
+    """
+    every = {**signals, **forces}
+    order, cycles = in_order({name: replaced(node, known) for name, node in every.items()})
+    for cycle in cycles:
+        name = cycle[0]
+        path = ("signals", name) if name in signals else ("loads", name.partition(".")[0])
+        values.wrong(path, describe_cycle(cycle))
+    return {name: every[name] for name in order}
+
+
+@cache
+def _tree(text: str) -> Node:
+    return parse(text)
+
+
+def _point(point: Point, axis: str) -> Node:
+    """A coordinate of a point, or of its velocity."""
+    x, y = point.at
+    if point.body == "ground":
+        return Number({"x": x, "y": y}.get(axis, 0.0), 0)
+    state = {f"B.{key}": Name(f"{point.body}.{key}", 0) for key in STATE}
+    return replaced(_tree(POINT[axis][1]), {**state, "px": Number(x, 0), "py": Number(y, 0)})
+
+
+def _between(owner: str, coordinate: str, a: Point, b: Point, axis: float, key: str) -> dict[str, Node]:
+    """The coordinate between two points and its rate, by name; only that of `key` if it is not empty."""
+    parts: dict[str, Node] = {"axis": Number(axis, 0)}
+    for letter, point in (("A", a), ("B", b)):
+        ground = point.body == "ground"
+        parts |= {f"{letter}.{one}": Number(0.0, 0) if ground else Name(f"{point.body}.{one}", 0) for one in STATE}
+        parts |= {f"{letter.lower()}.{one}": _point(point, one) for one in POINT}
+    wanted = [one for one in COORDINATES[coordinate] if key in ("", one[0])]
+    return {f"{owner}.{one}": replaced(_tree(text), parts) for one, _, text in wanted}
+
+
+def used_names(*trees: Iterable[Any]) -> set[str]:
+    """Names in the expressions among some values."""
+    return {name for group in trees for one in group if not isinstance(one, float | int) for name in _names(one)}
+
+
+def _names(one: Any) -> set[str]:
+    return names(one) if isinstance(one, Node) else set()
