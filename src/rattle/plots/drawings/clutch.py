@@ -26,7 +26,7 @@ def middle(form: Form) -> list[tuple[str, Pair]]:
     return [(hub(form), (0.0, 0.0))]
 
 
-@drawing("clutch", reach=middle)
+@drawing("clutch", reach=middle, name_at=1.0)
 def clutch(ax: Axes, scene: Scene, part: Part) -> list[Update]:
     """Draw one clutch; several around one body have arrows of different radii."""
     form, result = part.form, scene.result
