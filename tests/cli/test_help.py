@@ -28,11 +28,12 @@ LINES = [(command, line) for command in COMMANDS if command not in LONG for line
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    """A folder with what the examples work on: model files, and a result of the four-bar."""
+    """A folder with what the examples work on: model files, and results of the four-bar."""
     folder = tmp_path_factory.mktemp("help")
     for name, path in rt.examples().items():
         shutil.copy(path, folder / f"{name}.toml")
     rt.example("fourbar").simulate("50 ms").save(folder / "out.nc")
+    rt.example("fourbar").ideal().simulate("50 ms").save(folder / "ideal.nc")
     return folder
 
 
