@@ -38,7 +38,8 @@ SAID = {  # what columns of results mean, by the last part of their names
     "fx": "force on the second body", "fy": "force on the second body", "moment": "moment on the second body",
     "ex": "pin centre minus bush centre", "ey": "pin centre minus bush centre",
     "normal": "normal force, positive when pin and bush press", "tangential": "friction", "penetration": "depth",
-    "torque": "torque of the driver", "force": "force of the driver", "power": "power of the driver",
+    "torque": "torque", "force": "force", "power": "power", "stop": "force or moment of the stop",
+    "position": "position along the line", "length": "length", "rate": "rate of the coordinate or length",
     "kinetic": "kinetic energy", "potential": "potential energy", "work": "work done on the mechanism",
     "dissipated": "energy dissipated by loads", "balance": "energy that nothing accounts for: an error",
 }  # fmt: skip
@@ -160,7 +161,7 @@ def said(name: str) -> str:
         return "signal"
     if "." in owner:
         body, _, point = owner.partition(".")
-        return f"place of the point {point} of {body} along {key}"
+        return f"{'speed' if key[0] == 'v' else 'place'} of the point {point} of {body} along {key[-1]}"
     axis = key[-1] if key not in ("moment", "power") and key[-1] in "xy" else ""
     along = f" along {axis}" if axis else ""
     return SAID[key] if owner == "energy" and key in (*OUTPUT_ENERGY, "balance") else f"{SAID[key]} of {owner}{along}"
