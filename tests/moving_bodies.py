@@ -5,6 +5,10 @@ import zlib
 
 import numpy as np
 
+from rattle.language.expression import parse
+from rattle.language.local_function import local_function
+from rattle.language.tables import NO_TABLES
+
 H = 1e-5  # step of central differences: error H**2 / 6 times third derivatives of order 10, rounding 1e-16 / H
 FIRST, SECOND = 1e-8, 1e-4  # error allowed in first and (1e-16 / H**2) second differences
 A, B = 1, 2
@@ -15,10 +19,13 @@ def rng_for(*words):
 
 
 def field_values(kind, rng):
-    """One possible value of every field, in the order in which the kernel wants them."""
+    """One possible value of every field, in the order in which the kernel wants them; functions are yet to be packed."""
     found = {}
     for key, one in kind.fields.items():
-        if one.shape == "number":
+        if one.function_of:
+            shape = parse(f"{rng.uniform(0.5, 2.0)} + {rng.uniform(-0.5, 0.5)}*sin({one.function_of})**3")
+            found[key] = [local_function(shape, one.function_of, {}, NO_TABLES)]
+        elif one.shape == "number":
             found[key] = [rng.uniform(0.5, 2.0)]
         elif one.shape == "pair":
             found[key] = list(rng.uniform(0.5, 2, 2) if one.least == "positive" else rng.uniform(-2, 2, 2))

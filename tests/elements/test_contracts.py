@@ -14,6 +14,7 @@ from moving_bodies import FIRST, SECOND, A, B, H, Path, body_at, field_values, r
 from rattle import registry
 from rattle.elements.custom.load_law import LawKernel
 from rattle.jit import layout as at
+from rattle.language.local_function import packed
 from rattle.language.units import dimension_of
 
 pytestmark = pytest.mark.nojit
@@ -27,7 +28,7 @@ def parameters(family, kind, rng, f):
     """Points of A and B, the fields of the joint, then the function and its derivatives for a driver."""
     points = list(rng.uniform(-1, 1, 4))
     if family == "joint":
-        return np.array(points + field_values(kind, rng) + constants(kind, rng))
+        return np.array(packed(points + field_values(kind, rng) + constants(kind, rng)))
     line = [rng.uniform(0.5, 2.0)] if kind.leaf.along_line else []
     return np.array(points + line + f)
 

@@ -83,6 +83,11 @@ class JointKind:
         """What is wrong with values of the fields that are possible one by one, in words; "" if nothing."""
         return ""
 
+    @staticmethod
+    def outline(fields: Mapping[str, Any]) -> Any:
+        """Points (n, 2) [m] around A's point in its frame, of an outline of A that the fields give; None if they do not."""
+        return None
+
 
 class DriverKind:
     """Interface of the kinds of driver."""

@@ -1,0 +1,102 @@
+"""Cam: a point of B stays on a curve of A, given in polar form about a point of A.
+
+d = (r_B + s_B) - (r_A + s_A),  l = |d|,  e = d/l,  p: e turned by 90 deg,  psi: direction of d
+a = psi - phi_A, the direction of d in A's frame;  f(a): distance of the curve from the point of A
+
+    Phi   = l - f(a) = 0                                                                              [m]
+    g     = e - f' p/l, the normal of the curve times the length of Phi's gradient
+    gamma = -(p . d')^2/l - g . d0 - 2 f' (e . d') (p . d')/l^2 + f'' (p . d'/l - w_A)^2,
+            d0 = s_A w_A^2 - s_B w_B^2                                                                [m/s^2]
+
+The multiplier is the component of the force along e; the force itself is sqrt(1 + (f'/l)^2) times as large and normal to
+the curve.  With a roller on B the curve is that of the roller's centre, the pitch curve of the cam.  The direction a is
+between -180 and 180 deg, whatever the number of turns; f of a closed curve has the same value at both.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from rattle.elements.joints import JointKind
+from rattle.elements.profile import Array, around, degrees
+from rattle.jit import layout as at
+from rattle.jit.choices import assume
+from rattle.jit.functions import kernel
+from rattle.jit.geometry import ends
+from rattle.language.local_jet import function_jet
+from rattle.registry import Field, kind
+
+
+@kernel("joint")
+def cam(body, a, b, p, k, row, rows):
+    """Write the row of the cam [m]; p[k + 4] = radius, a function of the angle in A's frame [m]."""
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
+    wa, wb = body[a, at.W], body[b, at.W]
+    cos, sin = body[a, at.COS], body[a, at.SIN]
+    f, df, ddf = function_jet(p, k + 4, math.atan2(cos * dy - sin * dx, cos * dx + sin * dy))
+    d = math.sqrt(dx * dx + dy * dy)
+    # in the centre there is no direction: any one does, and the residual -f then moves the point away
+    apart = assume(d > 1e-150)
+    inv = 1.0 / d if apart else 0.0
+    ex = dx * inv if apart else 1.0
+    ey = dy * inv
+    gx, gy = ex + df * ey * inv, ey - df * ex * inv
+    along, slip = ex * ddx + ey * ddy, ex * ddy - ey * ddx
+    turning = slip * inv - wa
+
+    rows[row, at.RES] = d - f
+    rows[row, at.NU] = 0.0
+    rows[row, at.GAMMA] = (
+        gx * (sbx * wb * wb - sax * wa * wa)
+        + gy * (sby * wb * wb - say * wa * wa)
+        - slip * slip * inv
+        - 2.0 * df * along * slip * inv * inv
+        + ddf * turning * turning
+    )
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -gx, -gy, gx * say - gy * sax + df
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = gx, gy, gy * sbx - gx * sby
+
+
+@kind("joint", "cam", cam)
+class Cam(JointKind):
+    """A point of B on a curve of A: the centre of a roller on a cam, held on both sides; also a bead on a wire.
+
+    Source: Norton, Cam Design and Manufacturing Handbook (2009), ch. 7; Nikravesh, Planar Multibody Dynamics (2018).
+    """
+
+    rows = ("m",)
+    places = False
+    drawn_as = "cam"
+    radius = Field(
+        "m", "distance of the curve from the point of A; a from -180 to 180 deg in A's frame", function_of="a",
+        least="positive",
+    )  # fmt: skip
+
+    @staticmethod
+    def distance(fields: Mapping[str, Any]) -> float:
+        """The mean radius [m], as a first guess."""
+        return float(around(fields["radius"])[1][0].mean())
+
+    @staticmethod
+    def fault(fields: Mapping[str, Any]) -> str:
+        """The radius has to be positive wherever it is known."""
+        a, jets = around(fields["radius"])
+        if not len(a):
+            return "radius: it is not known at any angle a from -180 to 180 deg; a table needs points there, or a period"
+        k = int(jets[0].argmin())
+        if jets[0, k] <= 0.0:
+            return (
+                f"radius: must be positive at every angle; it is {jets[0, k]:.4g} m at a = {degrees(a[k])}."
+                " Put the centre, the first point of `connect`, inside the curve"
+            )
+        return ""
+
+    @staticmethod
+    def outline(fields: Mapping[str, Any]) -> Array:
+        """The curve."""
+        a, jets = around(fields["radius"])
+        return np.asarray(jets[0] * np.array([np.cos(a), np.sin(a)])).T

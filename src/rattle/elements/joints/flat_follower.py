@@ -1,0 +1,108 @@
+"""Flat-faced follower: a straight face of B touches a convex cam of A, given by its support function.
+
+n: normal of the face, away from the cam, at the angle nu in B;  m: n turned by 90 deg
+d = (r_B + s_B) - (r_A + s_A), from the centre of the cam to a point of the face
+x = phi_B + nu - phi_A, the direction of n in A's frame
+h(x): distance of the tangent of the cam with the normal x from its centre
+
+    Phi   = n . d - h(x) = 0                                                                              [m]
+    gamma = n . (s_B w_B^2 - s_A w_A^2) - 2 w_B (m . d') + w_B^2 (n . d) + h'' (w_B - w_A)^2              [m/s^2]
+
+They touch at h n + h' m from the centre, where the radius of curvature is h + h''.  Where this is negative there is no
+such cam: its outline has a loop there, over which the face does not reach down to the curve.  The direction x is
+between -180 and 180 deg, whatever the number of turns.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from rattle.elements.joints import JointKind
+from rattle.elements.profile import Array, around, degrees
+from rattle.jit import layout as at
+from rattle.jit.functions import kernel
+from rattle.jit.geometry import direction, ends
+from rattle.language.local_jet import function_jet
+from rattle.registry import Field, kind
+
+CUT = 0.005  # of the largest support: loops of an outline that reach no farther beyond the face are let pass
+
+
+@kernel("joint")
+def flat_follower(body, a, b, p, k, row, rows):
+    """Write the row of the face [m]; p[k + 4:] = angle of its normal in B [rad], support, a function of x [m]."""
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
+    nx, ny = direction(body, b, p[k + 4])
+    wa, wb = body[a, at.W], body[b, at.W]
+    cos, sin = body[a, at.COS], body[a, at.SIN]
+    h, dh, ddh = function_jet(p, k + 5, math.atan2(cos * ny - sin * nx, cos * nx + sin * ny))
+    turning = wb - wa
+    reach = nx * dx + ny * dy
+
+    rows[row, at.RES] = reach - h
+    rows[row, at.NU] = 0.0
+    rows[row, at.GAMMA] = (
+        nx * (sbx * wb * wb - sax * wa * wa)
+        + ny * (sby * wb * wb - say * wa * wa)
+        - 2.0 * wb * (nx * ddy - ny * ddx)
+        + wb * wb * reach
+        + ddh * turning * turning
+    )
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -nx, -ny, nx * say - ny * sax + dh
+    rows[row, at.BX], rows[row, at.BY] = nx, ny
+    rows[row, at.BP] = ny * sbx - nx * sby + nx * dy - ny * dx - dh
+
+
+@kind("joint", "flat-follower", flat_follower)
+class FlatFollower(JointKind):
+    """A straight face of B on a convex cam of A, held on both sides.
+
+    Source: Norton, Cam Design and Manufacturing Handbook (2009), ch. 7; do Carmo, Differential Geometry of Curves and
+    Surfaces (1976), section 1-7 (support function).
+    """
+
+    rows = ("m",)
+    places = False
+    moment = True
+    drawn_as = "flat-follower"
+    axis = Field("rad", "direction in B's frame of the normal of the face, away from the cam", default=0.0)
+    support = Field(
+        "m", "distance from the centre to the tangent with the normal x, from -180 to 180 deg in A's frame",
+        function_of="x", least="positive",
+    )  # fmt: skip
+
+    @staticmethod
+    def fault(fields: Mapping[str, Any]) -> str:
+        """The cam has to be convex: nowhere may its outline stand out beyond the face that touches it."""
+        x, (h, dh, ddh) = around(fields["support"])
+        if not len(x):
+            return "support: it is not known at any x from -180 to 180 deg; a table needs points there, or a period"
+        curved = h + ddh
+        # over a kink the tangent has to turn the right way too
+        between = np.diff(dh) + 0.5 * np.diff(x) * (h[1:] + h[:-1])
+        k, j = int(curved.argmin()), int(between.argmin()) if len(between) else 0
+        hollow = bool(len(between)) and between[j] < 0.0
+        if curved[k] > 0.0 and not hollow:
+            return ""
+        n = np.array([np.cos(x), np.sin(x)])
+        touched = FlatFollower.outline(fields)
+        cut = (touched @ n).max(axis=0) - h
+        if cut.max() <= CUT * np.abs(h).max():
+            return ""
+        worst, where = (curved[k], x[k]) if curved[k] <= 0.0 else (between[j] / (x[j + 1] - x[j]), x[j])
+        return (
+            f"support: a flat face needs a convex cam; near x = {degrees(where)} the radius of curvature h + h'' is"
+            f" {worst:.4g} m, and the face would cut off {cut.max():.4g} m. Make the base of the cam larger or its rise"
+            " slower, or use a roller (type = \"cam\")"
+        )
+
+    @staticmethod
+    def outline(fields: Mapping[str, Any]) -> Array:
+        """Where the face touches the cam."""
+        x, (h, dh, _) = around(fields["support"])
+        cos, sin = np.cos(x), np.sin(x)
+        return np.column_stack([h * cos - dh * sin, h * sin + dh * cos])

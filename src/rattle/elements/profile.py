@@ -1,0 +1,31 @@
+"""Outlines of bodies that a function of the direction gives: the values of such a function around the whole turn."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rattle.language.local_function import LocalFunction
+
+COUNT = 361  # directions in a turn: every degree
+
+Array = NDArray[np.float64]
+
+
+@functools.lru_cache(maxsize=64)
+def around(function: LocalFunction) -> tuple[Array, Array]:
+    """Directions (n,) [rad] from -180 to 180 deg where a function of them is known, and its jets (3, n) there.
+
+    Outside of a table without period a function is not known.
+    """
+    angles = np.linspace(-np.pi, np.pi, COUNT)
+    jets = function(angles)
+    known = np.isfinite(jets).all(axis=0)
+    return angles[known], jets[:, known]
+
+
+def degrees(angle: float) -> str:
+    """A direction [rad] as messages say it."""
+    return f"{np.degrees(angle):.4g} deg"
