@@ -19,7 +19,7 @@ def rng_for(*words):
 
 
 def field_values(kind, rng):
-    """One possible value of every field, in the order in which the kernel wants them; functions are yet to be packed."""
+    """One possible value of every field, in the order of the kernel; functions are yet to be packed."""
     found = {}
     for key, one in kind.fields.items():
         if one.function_of:

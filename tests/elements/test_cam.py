@@ -1,6 +1,7 @@
 """Cams with a roller and with a flat face: closed forms, rates, tables, any number of turns, what is refused."""
 
 import math
+import re
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -141,7 +142,7 @@ def test_a_bead_on_a_cycloid_swings_as_a_harmonic_oscillator_whatever_its_amplit
 
 @nojit
 def test_contact_force_of_a_flat_follower_is_that_of_its_harmonic_lift():
-    """Eccentric circle under a translating face: lift R + e sin(w t), so m (lift'' + g) presses, beside the axis by e cos."""
+    """Eccentric circle: lift R + e sin(w t), so m (lift'' + g) presses, e cos(w t) beside the axis."""
     e, w = 0.01, 10.0
     m = model(
         wheel("disc"), body("follower", mass=2.0),
@@ -220,6 +221,25 @@ def test_a_cam_that_is_not_convex_under_a_flat_face_is_refused(support, words):
 @pytest.mark.parametrize("support", ["0.05 + 0.01*cos(2*x)", "0.05 + 0.04*cos(x)", "0.05 + 0.02*abs(sin(x))", "0.05"])
 def test_convex_cams_and_those_with_corners_outside_are_taken(support):
     assert face(support).model
+
+
+@nojit
+@pytest.mark.parametrize(
+    ("make", "law", "words"),
+    [
+        (face, "0.05 + 0.0065*cos(3*x)", r"joint 'cam': support: .* h \+ h'' is -0\.002 m: .* cuts off 3\.8\de-05 m"),
+        (roller, "0.04 + 0.001*a", r"joint 'cam': radius: .* a = 180 deg, from 0\.04314 m to 0\.03686 m"),
+        (face, "0.05 + 0.001*x", r"joint 'cam': support: .* x = 180 deg, from 0\.05314 m to 0\.04686 m"),
+    ],
+)
+def test_small_loops_and_steps_of_a_cam_are_noted(make, law, words):
+    def said(m):
+        return [note for note in m.kinematics([0.0, 0.01]).trust.notes if "joint 'cam'" in note]
+
+    (note,) = said(make(law))
+    assert re.search(words, note)
+    assert note in str(make(law).check())
+    assert said(make()) == []
 
 
 # ---------------------------------------------------------------- pictures

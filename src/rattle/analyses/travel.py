@@ -32,11 +32,16 @@ def rates(system: System, raw: np.ndarray) -> np.ndarray:
 
 
 def out_of_place(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:
-    """Notes on joints whose points are where the model does not hold them and they should not be.
+    """Notes on joints of doubtful fields, or whose points are where they should not be, which the model does not hold.
 
     t: (n,) [s].  q: (n, nb, 3) [m, m, rad] positions of all bodies.
     """
-    return (*past_ends(system, t, q), *unfit(system, t, q))
+    doubts = ((name, joint.leaf.doubt(joint.fields)) for name, joint in system.model.joints.items())
+    return (
+        *(f"joint '{name}': {doubt}" for name, doubt in doubts if doubt),
+        *past_ends(system, t, q),
+        *unfit(system, t, q),
+    )
 
 
 def fits(system: System, q: np.ndarray) -> Iterator[tuple[str, Joint, Any, np.ndarray]]:

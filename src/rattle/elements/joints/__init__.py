@@ -84,8 +84,13 @@ class JointKind:
         return ""
 
     @staticmethod
+    def doubt(fields: Mapping[str, Any]) -> str:
+        """What is noted with every run about values of the fields that are possible, in words; "" if nothing."""
+        return ""
+
+    @staticmethod
     def outline(fields: Mapping[str, Any]) -> Any:
-        """Points (n, 2) [m] around A's point in its frame, of an outline of A that the fields give; None if they do not."""
+        """Points (n, 2) [m] of the outline of A that the fields give, in A's frame about A's point; None if none."""
         return None
 
 

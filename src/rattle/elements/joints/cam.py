@@ -8,9 +8,9 @@ a = psi - phi_A, the direction of d in A's frame;  f(a): distance of the curve f
     gamma = -(p . d')^2/l - g . d0 - 2 f' (e . d') (p . d')/l^2 + f'' (p . d'/l - w_A)^2,
             d0 = s_A w_A^2 - s_B w_B^2                                                                [m/s^2]
 
-The multiplier is the component of the force along e; the force itself is sqrt(1 + (f'/l)^2) times as large and normal to
-the curve.  With a roller on B the curve is that of the roller's centre, the pitch curve of the cam.  The direction a is
-between -180 and 180 deg, whatever the number of turns; f of a closed curve has the same value at both.
+The multiplier is the component of the force along e; the force itself is sqrt(1 + (f'/l)^2) times as large and normal
+to the curve.  With a roller on B the curve is that of the roller's centre, the pitch curve of the cam.  The direction a
+is between -180 and 180 deg, whatever the number of turns; f of a closed curve has the same value at both.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from rattle.elements.joints import JointKind
-from rattle.elements.profile import Array, around, degrees
+from rattle.elements.profile import Array, around, degrees, gap
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
@@ -86,7 +86,9 @@ class Cam(JointKind):
         """The radius has to be positive wherever it is known."""
         a, jets = around(fields["radius"])
         if not len(a):
-            return "radius: it is not known at any angle a from -180 to 180 deg; a table needs points there, or a period"
+            return (
+                "radius: it is not known at any angle a from -180 to 180 deg; a table needs points there, or a period"
+            )
         k = int(jets[0].argmin())
         if jets[0, k] <= 0.0:
             return (
@@ -94,6 +96,11 @@ class Cam(JointKind):
                 " Put the centre, the first point of `connect`, inside the curve"
             )
         return ""
+
+    @staticmethod
+    def doubt(fields: Mapping[str, Any]) -> str:
+        """A closed curve ends where it begins."""
+        return gap(fields["radius"], "radius", "a")
 
     @staticmethod
     def outline(fields: Mapping[str, Any]) -> Array:

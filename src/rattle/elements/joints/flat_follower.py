@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from rattle.elements.joints import JointKind
-from rattle.elements.profile import Array, around, degrees
+from rattle.elements.profile import Array, around, degrees, gap
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import direction, ends
@@ -77,28 +77,29 @@ class FlatFollower(JointKind):
 
     @staticmethod
     def fault(fields: Mapping[str, Any]) -> str:
-        """The cam has to be convex: nowhere may its outline stand out beyond the face that touches it."""
-        x, (h, dh, ddh) = around(fields["support"])
+        """The cam has to be convex: its outline must not stand out beyond the face that touches it."""
+        x, (h, _, _) = around(fields["support"])
         if not len(x):
             return "support: it is not known at any x from -180 to 180 deg; a table needs points there, or a period"
-        curved = h + ddh
-        # over a kink the tangent has to turn the right way too
-        between = np.diff(dh) + 0.5 * np.diff(x) * (h[1:] + h[:-1])
-        k, j = int(curved.argmin()), int(between.argmin()) if len(between) else 0
-        hollow = bool(len(between)) and between[j] < 0.0
-        if curved[k] > 0.0 and not hollow:
+        where, curvature, cut = worst_of(fields)
+        if cut <= CUT * np.abs(h).max():
             return ""
-        n = np.array([np.cos(x), np.sin(x)])
-        touched = FlatFollower.outline(fields)
-        cut = (touched @ n).max(axis=0) - h
-        if cut.max() <= CUT * np.abs(h).max():
-            return ""
-        worst, where = (curved[k], x[k]) if curved[k] <= 0.0 else (between[j] / (x[j + 1] - x[j]), x[j])
         return (
-            f"support: a flat face needs a convex cam; near x = {degrees(where)} the radius of curvature h + h'' is"
-            f" {worst:.4g} m, and the face would cut off {cut.max():.4g} m. Make the base of the cam larger or its rise"
-            " slower, or use a roller (type = \"cam\")"
+            f"support: a flat face needs a convex cam; near x = {where} the radius of curvature h + h'' is"
+            f" {curvature:.4g} m, and the face would cut off {cut:.4g} m. Make the base of the cam larger or its rise"
+            ' slower, or use a roller (type = "cam")'
         )
+
+    @staticmethod
+    def doubt(fields: Mapping[str, Any]) -> str:
+        """Small loops of the outline, and steps."""
+        where, curvature, cut = worst_of(fields)
+        if cut > 0.0:
+            return (
+                f"support: near x = {where} the radius of curvature h + h'' is {curvature:.4g} m: the cam is not"
+                f" convex; the face cuts off {cut:.3g} m"
+            )
+        return gap(fields["support"], "support", "x")
 
     @staticmethod
     def outline(fields: Mapping[str, Any]) -> Array:
@@ -106,3 +107,18 @@ class FlatFollower(JointKind):
         x, (h, dh, _) = around(fields["support"])
         cos, sin = np.cos(x), np.sin(x)
         return np.column_stack([h * cos - dh * sin, h * sin + dh * cos])
+
+
+def worst_of(fields: Mapping[str, Any]) -> tuple[str, float, float]:
+    """Where the outline is least convex, its radius of curvature there [m], and what the face cuts off it [m]."""
+    x, (h, dh, ddh) = around(fields["support"])
+    curved = h + ddh
+    # over a kink the tangent has to turn the right way too
+    between = (np.diff(dh) + 0.5 * np.diff(x) * (h[1:] + h[:-1])) / np.diff(x)
+    k, j = int(curved.argmin()), int(between.argmin()) if len(between) else 0
+    if curved[k] > 0.0 and (not len(between) or between[j] >= 0.0):
+        return degrees(x[k]), float(curved[k]), 0.0
+    touched = FlatFollower.outline(fields)
+    cut = (touched @ np.array([np.cos(x), np.sin(x)])).max(axis=0) - h
+    where, least = (x[k], curved[k]) if curved[k] <= 0.0 else (x[j], between[j])
+    return degrees(where), float(least), float(cut.max())

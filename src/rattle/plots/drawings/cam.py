@@ -1,4 +1,4 @@
-"""Cam: the outline that its function gives, to scale, with a line from its centre, so that turning is seen; a roller."""
+"""Cam: the outline that its function gives, to scale, with a line from its centre, so that turning is seen."""
 
 from __future__ import annotations
 
