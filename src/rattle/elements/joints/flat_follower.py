@@ -61,8 +61,7 @@ def flat_follower(body, a, b, p, k, row, rows):
 class FlatFollower(JointKind):
     """A straight face of B on a convex cam of A, held on both sides.
 
-    Source: Norton, Cam Design and Manufacturing Handbook (2009), ch. 7; do Carmo, Differential Geometry of Curves and
-    Surfaces (1976), section 1-7 (support function).
+    Source: do Carmo, Differential Geometry of Curves and Surfaces (1976), section 1-7 (support function).
     """
 
     rows = ("m",)
