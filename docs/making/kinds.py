@@ -26,6 +26,10 @@ FAMILIES = {
         "Stops",
         "`stop = { min, max, contact }` of a joint: one-sided ends of its coordinate, either of which may be left out.",
     ),
+    "clutch": (
+        "Contacts of clutches",
+        "What the `model` of a `clutch` becomes; compliant and viscous ones overrun too.",
+    ),
     "contact": (
         "Contact models",
         "`contact = NAME` or `contact = { model = NAME, ... }` of a joint with clearance or of its `stop`.",
@@ -157,7 +161,8 @@ def _live(field: Any, family: str) -> str:
 def example(catalog: Any, kind: Any) -> str:
     """A few lines of a model file with this kind, read by the program; empty if the kind is not written in files."""
     families = {"joint": _joint, "driver": _driver, "load": _load}
-    made = {**families, "clearance": _clearance, "stop": _stop, "stepper": _stepper}.get(kind.family)
+    own = {"clearance": _clearance, "stop": _stop, "clutch": _clutch, "stepper": _stepper}
+    made = {**families, **own}.get(kind.family)
     lines = made(catalog, kind) if made else _contact(catalog, kind)
     text = "\n".join(lines)
     rt.loads(FRAME + text)  # raises if the example is not valid
@@ -165,7 +170,8 @@ def example(catalog: Any, kind: Any) -> str:
 
 
 def _joint(catalog: Any, kind: Any, name: str = "hinge") -> list[str]:
-    return [f"[joints.{name}]", f'type = "{kind.name}"', 'connect = ["ground.O", "link.P"]', *_needed(catalog, kind)]
+    ends = '["ground", "link"]' if kind.leaf.bodies else '["ground.O", "link.P"]'
+    return [f"[joints.{name}]", f'type = "{kind.name}"', f"connect = {ends}", *_needed(catalog, kind)]
 
 
 def _driver(catalog: Any, kind: Any) -> list[str]:
@@ -195,6 +201,11 @@ def _stop(catalog: Any, kind: Any) -> list[str]:
     stopped = next(one for one in catalog.kinds("joint").values() if catalog.stop_of(one.name) is kind)
     ends = ", ".join(f"{key} = {_value(key, one, False)}" for key, one in list(kind.fields.items())[1:])
     return [*_joint(catalog, stopped), f'stop = {{ {ends}, contact = {{ model = "impact", restitution = 0.5 }} }}']
+
+
+def _clutch(catalog: Any, kind: Any) -> list[str]:
+    joint = _joint(catalog, catalog.kinds("joint")["clutch"])
+    return [*joint, 'model = "ratchet"', "teeth = 24"] if kind.name == "ratchet" else [*joint, 'model = "ideal"']
 
 
 def _stepper(catalog: Any, kind: Any) -> list[str]:

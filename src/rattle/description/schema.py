@@ -92,13 +92,13 @@ def _point(meaning: str) -> Schema:
     return {"type": "string", "pattern": POINT, "description": f'{meaning}: "body.point"'}
 
 
-def _connect(end: Schema) -> Schema:
+def _connect(end: Schema, meaning: str = 'ends A and B, "body.point" each') -> Schema:
     return {
         "type": "array",
         "items": end,
         "minItems": 2,
         "maxItems": 2,
-        "description": 'ends A and B, "body.point" each',
+        "description": meaning,
     }
 
 
@@ -218,13 +218,17 @@ def _body() -> Schema:
 
 
 def _joint(kind: Kind) -> Schema:
+    if kind.leaf.bodies:
+        ends = {"connect": _connect({"type": "string", "description": "a body"}, "bodies A and B, or ground")}
+    else:
+        ends = {
+            "connect": _connect(_point("bush or guide side first")),
+            "clearance": _number("m", "radial clearance", "not negative"),
+            "contact": _contact(),
+        }
     properties = {
         "type": _choice(kind),
-        "connect": _connect(
-            {"type": "string", "description": "a body"} if kind.leaf.bodies else _point("bush or guide side first")
-        ),
-        "clearance": _number("m", "radial clearance", "not negative"),
-        "contact": _contact(),
+        **ends,
         **_dimensions(kind),
         **_stop(kind),
         **_fields(kind),
