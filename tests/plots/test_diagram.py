@@ -9,7 +9,7 @@ from matplotlib.colors import to_hex
 from matplotlib.text import Annotation
 
 import rattle as rt
-from rattle.analyses.assembly.freedoms import free_coordinates
+from rattle.analyses.assembly.free_coordinates import free_coordinates
 from rattle.analyses.load_forces import load_forces
 from rattle.cli.main import main
 from rattle.plots.curves import RED, new_axes

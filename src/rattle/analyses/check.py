@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled, ideal_system
-from rattle.analyses.assembly.freedoms import free_coordinates
+from rattle.analyses.assembly.free_coordinates import free_coordinates
 from rattle.analyses.assembly.loops import describe_loop, loops
 from rattle.analyses.assembly.rank import nonunique_reactions, rank
 from rattle.analyses.law_check import law_faults

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rattle import registry
-from rattle.analyses.assembly.freedoms import free_coordinates
+from rattle.analyses.assembly.free_coordinates import free_coordinates
 from rattle.analyses.assembly.start_constants import as_guessed
 from rattle.analyses.load_forces import load_forces
 from rattle.description.model import Driver, Model
