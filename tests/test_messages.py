@@ -54,7 +54,7 @@ def test_units_where_they_cannot_stand(text, said):
         ("2 N*k + b.x*N", "N is a unit, which stands behind a number: 5 N"),
         ("log10(t)", "write log(x)/log(10)"),
         ("ceiling(t)", "known: sin, cos"),
-        ("b.D.x", "<body>.x .y .angle"),
+        ("b.D.x", "did you mean 'b.C.x'"),
         ("C.force", "<body>.x .y .angle"),
     ],
 )
