@@ -41,7 +41,7 @@ ARRAYS = {
     "gravity": Array("f1", "2", "m/s^2", "acceleration of free fall"),
     "joint": Array("i2", "nj, 5", "", "joints, then drivers"),
     "load": Array("i2", "nl, 5", "", "loads"),
-    "contact": Array("i2", "nc, 17", "", "geometry and laws of every contact point"),
+    "contact": Array("i2", "nc, 19", "", "geometry and laws of every contact point"),
     "lever": Array("f2", "nc, 7", "m or rad", "what bounds the gap of every contact, and by what it is judged"),
     "code": Array(
         "i2", "nk, 4", "", "programs of all expressions, one after the other, with the branches of their switches"
@@ -86,7 +86,7 @@ ARRAYS = {
     "acceleration": Array("f2", "nb + 1, 3", "m/s^2, rad/s^2", "of every body"),
     "change": Array("f1", "3 nb", "m, rad or m/s, rad/s", "a correction of positions or rates"),
     "contact_kinematics": Array("f2", "nc, 17", "m, m/s, N or rad, rad/s, N*m", "geometry and forces of every contact"),
-    "contact_memory": Array("f2", "nc, 22", "", "memory of every contact"),
+    "contact_memory": Array("f2", "nc, 24", "", "memory of every contact"),
     "element_state": Array("f1", "all states", "SI", "of friction laws, then of the model; see `equations.state`"),
     "element_rate": Array("f1", "all states", "SI/s", "their rates"),
     # set-valued contacts; two rows (normal, tangential) for each active contact
