@@ -390,7 +390,6 @@ def test_without_its_integral_part_the_controller_leaves_the_error_that_ohms_law
 
 
 # ---------------------------------------------------------------- excavator
-@pytest.mark.nojit
 def test_excavator_holds_its_arm_with_the_force_that_the_moment_of_all_weights_says():
     r = rt.example("excavator").simulate(t_eval=[0.0, 12.0])
     assert np.degrees([r[f"{name}.angle"][-1] for name in ("boom", "stick", "bucket")]) == pytest.approx(

@@ -27,7 +27,6 @@ def sample(m: rt.Mechanism, output: str, t: float, shifts: np.ndarray) -> np.nda
     return np.array(values)
 
 
-@nojit
 @pytest.mark.parametrize("output", ["rocker.angle", "coupler.y", "rocker.omega", "motor.torque"])
 def test_every_sampled_position_lies_inside_and_the_extremes_are_reached(output):
     m = rt.loads(paper())

@@ -200,7 +200,6 @@ def test_frequencies_under_a_follower_force_are_those_of_the_unsymmetric_stiffne
     assert not np.allclose(squares, even, rtol=0.05)
 
 
-@nojit
 def test_a_column_under_a_large_follower_force_flutters():
     found = follower(18.0)
     stiffness = np.array([[10 - 18, -5 + 18], [-5, 5]])
@@ -232,7 +231,6 @@ def test_weak_damping_of_unsymmetric_modes_is_that_of_all_equations_together():
 
 
 # ---------------------------------------------------------------- exact derivatives, and where there are none
-@nojit
 @pytest.mark.parametrize("name", ["balanced_arm", "double_pendulum", "fourbar", "squeezer", "toggle"])
 def test_exact_matrices_are_those_of_differences_within_their_error(name):
     m = rt.example(name)

@@ -107,6 +107,7 @@ def test_kinds_gives_one_material_with_its_modulus_in_gigapascals():
 
 
 @nojit
+@pytest.mark.plain
 def test_schema_is_a_schema_that_takes_every_example_and_refuses_a_slip():
     done = run("schema")
     assert done.exit_code == 0

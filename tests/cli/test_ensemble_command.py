@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 import rattle as rt
 from rattle.cli.main import main
+from rattle.studies.ensemble import engines
 
 pytestmark = pytest.mark.nojit
 OF = "at(rocker.angle, 0.01)"
@@ -130,7 +131,8 @@ def test_a_limit_of_another_unit_is_refused_before_anything_runs(monkeypatch):
         (("ensemble", *SHORT, "--scheduler", "tcp://127.0.0.1:1", "-n", "4"), "127.0.0.1:1"),
     ],
 )
-def test_bad_words_are_refused_with_a_hint(words, message):
+def test_bad_words_are_refused_with_a_hint(words, message, monkeypatch):
+    monkeypatch.setattr(engines, "CONNECTION", 1.0)
     seen = run(*words)
     assert seen.exit_code == 2, seen.output
     assert message in seen.output

@@ -207,7 +207,6 @@ def test_body_at_rest_without_load_does_not_make_clutches_change_without_end():
 
 
 # ---------------------------------------------------------------- starts, impacts, contacts
-@nojit
 @pytest.mark.parametrize("method", ["event", "moreau"])
 def test_driving_body_that_starts_ahead_takes_the_other_along_without_bounce(method):
     m = flywheels(push="0", drag="0", initial="r0 = { omega = 3 }")
@@ -334,7 +333,6 @@ def rocking(teeth=24, method=None, end=1.6):
     return rt.loads(text).simulate(end, t_eval=np.array([0, 1, 3, 5]) * 0.1 * math.pi, method=method, rtol=1e-9)
 
 
-@nojit
 @pytest.mark.parametrize(("method", "accuracy"), [("event", 1e-6), ("moreau", 0.02)])
 def test_ratchet_goes_on_by_whole_teeth(method, accuracy):
     """First 20 deg; then floor(40/15) = 2 teeth a swing, after 10 deg of lost motion."""

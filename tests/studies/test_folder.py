@@ -404,7 +404,6 @@ def kept(n=20, **options):
     )
 
 
-@pytest.mark.nojit
 def test_histories_are_the_curves_of_the_samples(tmp_path, small_pieces):
     """x = x0 cos(sqrt(k/m) t), the spring's energy k x^2/2, and the guide bears nothing."""
     pytest.importorskip("h5netcdf")
@@ -434,7 +433,6 @@ def test_histories_are_the_curves_of_the_samples(tmp_path, small_pieces):
         rt.loads(SPRING).ensemble(20, OF[:1], seed=2, t_end=0.3, folder=tmp_path)
 
 
-@pytest.mark.nojit
 def test_a_band_is_drawn_from_the_histories_that_are_kept(tmp_path, monkeypatch):
     pytest.importorskip("h5netcdf")
     found = kept(folder=tmp_path)
@@ -446,7 +444,6 @@ def test_a_band_is_drawn_from_the_histories_that_are_kept(tmp_path, monkeypatch)
     assert drawn.unit == again.unit == "m"
 
 
-@pytest.mark.nojit
 @pytest.mark.parametrize("harm", ["cut", "gone"])
 def test_samples_whose_histories_are_lost_run_again(tmp_path, small_pieces, harm, caplog):
     pytest.importorskip("h5netcdf")

@@ -400,7 +400,6 @@ def test_samples_are_arrays_of_numbers_by_parameter():
         m.many({"k": ["3 kg"]}, ["final(block.x)"], 0.1)
 
 
-@pytest.mark.nojit
 @pytest.mark.parametrize(
     ("name", "parameter", "outputs", "analysis", "t_end"),
     [
@@ -432,7 +431,6 @@ def test_driven_mechanisms_side_by_side_have_the_positions_and_forces_of_their_o
             assert found[output][n] == pytest.approx(want, rel=1e-8, abs=1e-12)  # rms of 2001 instants: 2e-9
 
 
-@pytest.mark.nojit
 def test_driven_samples_that_reach_a_dead_centre_are_told_by_their_own_analysis():
     m = rt.example("fourbar").ideal()
     l2 = np.array([0.6, 0.52, 0.7, 0.79])
@@ -446,7 +444,6 @@ def test_driven_samples_that_reach_a_dead_centre_are_told_by_their_own_analysis(
             assert found.message(n) == r.message
 
 
-@pytest.mark.nojit
 @pytest.mark.parametrize("output", ["final(rocker.angle)", "quantile(rocker.angle, 0.5)"])
 def test_a_sample_that_takes_too_many_steps_is_given_up_side_by_side_and_one_by_one(monkeypatch, output):
     monkeypatch.setattr(analyses, "MOST_STEPS", 120)  # ten turns of the crank take more, three fewer
@@ -460,7 +457,6 @@ def test_a_sample_that_takes_too_many_steps_is_given_up_side_by_side_and_one_by_
     assert np.isfinite(found[output][[0, 2]]).all()
 
 
-@pytest.mark.nojit
 def test_why_samples_failed_stands_in_their_messages_and_is_not_said_of_each(caplog):
     l2 = np.linspace(0.5, 0.55, 6)
     driven = rt.example("fourbar").ideal().set(l1="0.25 m", alpha="50 deg")

@@ -27,7 +27,6 @@ def test_units_and_combinations_that_the_model_refuses():
     assert "2 x parameters.k.value" in str(found)
 
 
-@pytest.mark.nojit
 def test_other_analyses_than_motion():
     fourbar = rt.example("fourbar").ideal()
     of = ["max(rocker.angle)", "at(rocker.angle, 0.05)"]
