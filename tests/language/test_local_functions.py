@@ -32,6 +32,8 @@ def geared(body, a, b, p, k, row, rows):
 
 @pytest.fixture
 def geared_joint():
+    registry.discover()  # the kinds of the package come first, so that the last one can be taken away again
+
     @kind("joint", "geared", geared)
     class Geared(JointKind):
         """The angle of B follows that of A.

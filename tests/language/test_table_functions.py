@@ -59,6 +59,11 @@ def made(case):
     return tables_of({"f": curve(X.tolist(), y.tolist(), case.split()[-1], float(period))}), truth
 
 
+def read(block, side, x, dx, ddx):
+    """Value, first and second derivative of a table at x."""
+    return bytecode.read_table.python(np.array(block), 0, side, x, dx, ddx)
+
+
 def program(text, tables):
     return concatenate([compile_program(parse(text, tables=tables.curves), {}, {}, {"a": 0}, tables)], tables)
 
@@ -89,19 +94,19 @@ def test_few_points_are_enough(n):
     for kind, truth in (("spline", CubicSpline(X[:n], Y[:n])), ("monotone", PchipInterpolator(X[:n], Y[:n]))):
         one = curve(X[:n].tolist(), Y[:n].tolist(), kind)
         inside = x[(x > X[0]) & (x < X[n - 1])]
-        found = [bytecode.read_table.python(one.block, 0, 0, float(v), 1.0, 0.0)[0] for v in inside]
+        found = [read(one.block, 0, float(v), 1.0, 0.0)[0] for v in inside]
         np.testing.assert_allclose(found, truth(inside), rtol=1e-13)
     closed = np.append(Y[:3], Y[0])
     one = curve(X[:4].tolist(), closed.tolist(), "spline", float(X[3] - X[0]))
     inside = np.linspace(X[0], X[3], 7)[:-1]
-    found = [bytecode.read_table.python(one.block, 0, 0, float(v), 1.0, 0.0)[0] for v in inside]
+    found = [read(one.block, 0, float(v), 1.0, 0.0)[0] for v in inside]
     np.testing.assert_allclose(found, CubicSpline(X[:4], closed, bc_type="periodic")(inside), rtol=1e-12)
 
 
 @pytest.mark.nojit
 def test_a_monotone_table_does_not_overshoot():
     one = curve([0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 0.1, 5.0, 5.0, 5.1], "monotone")
-    found = np.array([bytecode.read_table.python(one.block, 0, 0, float(x), 1.0, 0.0) for x in np.linspace(0, 4, 201)])
+    found = np.array([read(one.block, 0, float(x), 1.0, 0.0) for x in np.linspace(0, 4, 201)])
     assert (found[:, 1] >= 0.0).all()
     assert (found[100:151, 0] == 5.0).all()
 
@@ -110,18 +115,18 @@ def test_a_monotone_table_does_not_overshoot():
 def test_outside_there_is_no_value_and_rounding_is_not_outside():
     one = curve([1.0, 2.0, 3.0], [0.0, 1.0, 0.0], "linear")
     for x in (0.9, 3.1, math.nan, math.inf, -math.inf, 1e300):
-        assert all(map(math.isnan, bytecode.read_table.python(one.block, 0, 0, x, 1.0, 0.0)))
-    assert bytecode.read_table.python(one.block, 0, 0, 3.0 + 4e-16, 1.0, 0.0)[0] == pytest.approx(0.0, abs=1e-15)
-    assert bytecode.read_table.python(one.block, 0, 0, 1.0 - 1e-12, 1.0, 0.0)[0] == pytest.approx(0.0, abs=1e-11)
+        assert all(map(math.isnan, read(one.block, 0, x, 1.0, 0.0)))
+    assert read(one.block, 0, 3.0 + 4e-16, 1.0, 0.0)[0] == pytest.approx(0.0, abs=1e-15)
+    assert read(one.block, 0, 1.0 - 1e-12, 1.0, 0.0)[0] == pytest.approx(0.0, abs=1e-11)
 
 
 @pytest.mark.nojit
 def test_at_a_kink_the_derivative_is_that_ahead():
     block = curve([1.0, 2.0, 3.0], [0.0, 1.0, -1.0], "linear").block
-    assert bytecode.read_table.python(block, 0, 0, 2.0, 1.0, 0.0)[1] == -2.0
-    assert bytecode.read_table.python(block, 0, 0, 2.0, -1.0, 0.0)[1] == 1.0
-    assert bytecode.read_table.python(block, 0, 0, 2.0, 0.0, -1.0)[1] == 1.0
-    assert bytecode.read_table.python(block, 0, 1, 2.0, -1.0, 0.0) == (1.0, 1.0, 0.0)  # the side of segment 0
+    assert read(block, 0, 2.0, 1.0, 0.0)[1] == -2.0
+    assert read(block, 0, 2.0, -1.0, 0.0)[1] == 1.0
+    assert read(block, 0, 2.0, 0.0, -1.0)[1] == 1.0
+    assert read(block, 1, 2.0, -1.0, 0.0) == (1.0, 1.0, 0.0)  # the side of segment 0
 
 
 @pytest.mark.nojit

@@ -95,6 +95,7 @@ def write_contacts(m, row, first):
         row[c + at.FX] += fx
         row[c + at.FY] += fy
         row[c + at.MOMENT] += (kinematics[n, at.PBX] - sbx) * fy - (kinematics[n, at.PBY] - sby) * fx
+        row[c + at.MOMENT] -= normal * kinematics[n, at.TURN]
         column = contact[n, at.FORCE_COLUMN]
         row[c + column] += contact[n, at.SENSE] * normal
         if column == at.EFFORT:  # of a joint that is nothing but this contact

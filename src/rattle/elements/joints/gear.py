@@ -61,6 +61,7 @@ class Gear(JointKind):
 
     rows = ("m",)
     places = False
+    moment = True
     from_start = True
     drawn_as = "gear"
     radii = Field("m", "pitch radii of the wheels on A and B", shape="pair", least="positive")

@@ -39,6 +39,7 @@ class Rack(JointKind):
 
     rows = ("m",)
     places = False
+    moment = True
     from_start = True
     drawn_as = "rack"
     axis = Field("rad", "direction of the pitch line in A's frame", default=0.0)
