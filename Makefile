@@ -5,7 +5,7 @@ SPHINX = $(BIN)/python -m sphinx -q -W --keep-going -b html -d build/doctrees do
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test check docs coverage bench clean
+.PHONY: help demo test check long docs coverage bench clean
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 18
@@ -24,7 +24,10 @@ check: ## the gate without the set-up
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q -n 2
 	RATTLE_JIT=plain $(BIN)/python -m pytest -q tests/jit/test_every_loop.py tests/jit/test_workspace.py -k 'not events'
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -q tests/jit/test_every_loop.py tests/jit/test_bounds.py
-	$(BIN)/python -m pytest -q -n 2 -m "not plain"
+	$(BIN)/python -m pytest -q -n 2 -m "not plain and not long"
+
+long: $(VENV)/.ready-dev ## proofs that take a minute or more each
+	$(BIN)/python -m pytest -q -m long
 
 docs: $(VENV)/.ready-docs ## the documentation as web pages: build/docs/index.html
 	$(SPHINX)

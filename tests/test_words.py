@@ -3,13 +3,14 @@
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 import rattle as rt
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 
 ROOT = Path(__file__).parents[1]
 SOURCES = Path(rt.__file__).parent
@@ -41,7 +42,12 @@ def messages(path: Path) -> Iterator[tuple[int, str]]:
             yield node.lineno, text
 
 
-def texts() -> Iterator[tuple[str, int, str]]:
+@cache
+def texts() -> list[tuple[str, int, str]]:
+    return list(_texts())
+
+
+def _texts() -> Iterator[tuple[str, int, str]]:
     for path in sorted(SOURCES.rglob("*.py")):
         for line, text in messages(path):
             yield str(path.relative_to(SOURCES)), line, text

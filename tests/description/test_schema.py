@@ -11,7 +11,7 @@ import rattle
 from rattle import registry
 from rattle.description.schema import schema
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 
 EXAMPLES = sorted((Path(rattle.__file__).parent / "examples").glob("*.toml"))
 FOURBAR = tomllib.loads((Path(__file__).parents[1] / "data" / "full.toml").read_text())

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from rattle.description.toml_locations import caret, locate
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 
 TEXT = '''\
 # bodies.crank = 1 [not.a.table]

@@ -126,6 +126,7 @@ print(hashlib.sha256(b"".join(np.ascontiguousarray(one).tobytes() for one in cur
 """
 
 
+@pytest.mark.long
 def test_both_ways_give_the_same_bits():
     if not functions.start():
         pytest.skip("runs without machine code")
