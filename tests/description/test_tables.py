@@ -58,6 +58,13 @@ def test_a_table_is_used_in_signals_loads_lengths_and_other_tables_arguments():
     assert m.kinematics([0.5])["high"][0] == 0.25
 
 
+def test_a_parameter_uses_a_table_also_after_a_run():
+    """A run has switched to machine code, which takes arrays."""
+    text = model("lift = { x = [0, 1], y = [0, 0.5] }", head='[parameters]\nm = "lift(1)"\n')
+    rt.loads(text).simulate(0.01)
+    assert rt.loads(text).parameters["m"] == 0.5
+
+
 @pytest.mark.parametrize(
     ("tables", "message"),
     [

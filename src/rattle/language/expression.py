@@ -305,7 +305,8 @@ class _Assembler:
             return
         x, block = self.const.pop(), curve.block
         del self.code[-1], self.columns[-1], self.folded[-1]
-        found = float(bytecode.read_table.python([float(one) for one in block], 0, 0, float(x), 0.0, 0.0)[0])
+        numbers = np.array([float(one) for one in block])  # an array, as what it calls may be machine code
+        found = float(bytecode.read_table.python(numbers, 0, 0, float(x), 0.0, 0.0)[0])
         if math.isfinite(x) and not math.isfinite(found):
             raise ExpressionError(f"{x:g} {curve.said_outside(name)}", part.column)
         self.constant(read(block, found, x), part.column)
