@@ -156,6 +156,7 @@ print(seen == {levels}, len(templates) > 100, len(ours))
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("way", ["fast", "plain"])
 def test_compiling_changes_no_setting_and_no_operator_of_others(way, tmp_path):
     if not functions.start():
