@@ -135,18 +135,18 @@ def finish_step(m, t, y_new, f_new):
 
 
 @native("i", "h", "f", "f", "i", "v", "m")
-def search_step_for_events(m, t, h, changed, t_out, out):
-    """Contacts, zero crossings and outputs inside the step from (t, y) to (t + h, y_new).
+def search_step_for_events(m, t, t_new, changed, t_out, out):
+    """Contacts, zero crossings and outputs inside the step from (t, y) to (t_new, y_new).
 
     Returns the contact that starts or ends first (-1 if none does); its share of the step goes to clock[SHARE].
     -2 if an open contact is inside its wall at an output.
     """
-    tally, stage = m.tally, m.stage
+    tally, stage, h = m.tally, m.stage, t_new - t
     share, who, contacts = NONE, -1, m.contact.shape[0] > 0
     suspect = may_any_change(m, h)
     peak = near_peak(m)
     samples = m.stepper[SAMPLES]
-    dense = suspect or peak or output_due(m, t + h, t_out) or changed or may_rise(m, h, samples)
+    dense = suspect or peak or output_due(m, t_new, t_out) or changed or may_rise(m, h, samples)
     if dense:
         prepare_dense(m, t, h)
         tally[at.EVALUATIONS] += m.stepper[DENSE_STAGES]
@@ -158,7 +158,7 @@ def search_step_for_events(m, t, h, changed, t_out, out):
     tally[at.EVALUATIONS] += end_step(m, t, h, until, samples, dense)
     if changed:
         find_crossings(m, t, h, until)
-    t_until = t + until * h if until < 1.0 else t + h
+    t_until = t + until * h if until < 1.0 else t_new  # t + h may round to less
     while output_due(m, t_until, t_out):
         k = tally[at.OUTPUTS]
         interpolate(m, (t_out[k] - t) / h, stage)
@@ -291,7 +291,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             continue
         if status != OK:
             return status
-        who = search_step_for_events(m, t, t_new - t, changed, t_out, out)
+        who = search_step_for_events(m, t, t_new, changed, t_out, out)
         if who == -2:
             return ESCAPED
         if who >= 0:
