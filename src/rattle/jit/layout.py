@@ -337,3 +337,15 @@ PER_BODY, PER_JOINT, ENERGIES = len(OUTPUT_BODY), len(OUTPUT_JOINT), len(OUTPUT_
 PLACE, RATE, RATE_RATE = 0, 3, 6  # of a body: first of x, y, angle, of their rates and of their accelerations
 FX, FY, MOMENT, EX, EY, EFFORT, POWER, JOINT_NORMAL, JOINT_TANGENT, PENETRATION, STOP = range(PER_JOINT)
 KINETIC, STORED, WORK, LOST = range(ENERGIES)
+# rows of runs that are asked for powers go on with ports, of every joint and driver, then of every load: generalised
+# force (force [N], moment about the mass centre [N*m]) on A, then on B; power from outside, lost, and stored [W]
+PORT_A, PORT_B, SUPPLIED, WASTED, KEPT, PER_PORT = 0, 3, 6, 7, 8, 9
+_declare("port_work", """
+    A_IN [J] energy given to A by impulses so far
+    A_OUT [J] energy taken from A
+    B_IN [J] energy given to B
+    B_OUT [J] energy taken from B
+    A_NOW [J] energy given to A by the present impulse, scratch
+    B_NOW [J] the same of B
+""")
+A_IN, A_OUT, B_IN, B_OUT, A_NOW, B_NOW = range(6)

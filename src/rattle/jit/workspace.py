@@ -149,6 +149,10 @@ ARRAYS = {
     ),
     "peaks": Array("f2", "quantities, 16", "SI", "largest values, mean squares and samples of the present step"),
     "peak_row": Array("f1", "columns", "SI", "the columns of joints of an output row, scratch"),
+    "port_work": Array(
+        "f2", "0 or nj, 6", "J", "work of impulses on the bodies of every joint, if powers are asked for"
+    ),
+    "port_row": Array("f1", "0 or columns", "SI", "output row with the ports of a step of time stepping"),
     "landing": Array("f1", "5", "", "of switches that depend on the state, see `state_switches`"),
 }
 

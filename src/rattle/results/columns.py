@@ -20,9 +20,10 @@ from rattle.equations.system import System, joint_rows
 from rattle.jit import layout as at
 
 
-def width(system: System) -> int:
-    """Number of columns of a raw output row, declared in `jit.layout`."""
-    return motion_width(system) + at.PER_JOINT * len(system.joints) + at.ENERGIES
+def width(system: System, ports: bool = False) -> int:
+    """Number of columns of a raw output row, declared in `jit.layout`; ports: with those of all elements."""
+    elements = len(system.joints) + len(system.model.loads) if ports else 0
+    return motion_width(system) + at.PER_JOINT * len(system.joints) + at.ENERGIES + at.PER_PORT * elements
 
 
 def motion_width(system: System) -> int:

@@ -7,6 +7,7 @@ from rattle.equations.state import DISSIPATED, LOSS, STORED, WORK, account_at, e
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
 from rattle.jit.geometry import ends, turn_x, turn_y
+from rattle.solvers.ports import first_port, write_ports
 
 
 @native("void", "h", "f", "v", "v")
@@ -21,6 +22,9 @@ def record(m, t, y, row):
         lost += y[account_at(m, n) + LOSS]
         m.power[at.POTENTIAL_ENERGY] += y[account_at(m, n) + STORED]
     write(m, y[energies + WORK], lost, row)
+    first = first_port(m)
+    if row.shape[0] > first:
+        write_ports(m, t, row, first)
 
 
 @native("void", "h", "f", "f", "v")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rattle.equations.motion import constraints, correct, drive, place, rate_residual, residual
 from rattle.equations.schur import factorise
 from rattle.jit import layout as at
-from rattle.jit.functions import native
+from rattle.jit.functions import compiled, native
 from rattle.solvers.step_audit import note_drift, openness
 
 CLOSE_ENOUGH = 1e-15  # residual below which positions are not corrected [m or rad]
@@ -58,3 +58,27 @@ def project(m, t, y):
         tally[at.DRIFT_ROW] = row
     if lost > tally[at.LOST_ROWS]:
         tally[at.LOST_ROWS] = lost
+
+
+@compiled
+def close_joints(m, t, y):
+    """One correction of positions and rates onto the joint constraints."""
+    change, nq = m.change, m.change.shape[0]
+    q, v = y[:nq], y[nq : 2 * nq]
+    drive(m, t)
+    constraints(m)
+    factorise(m)
+    residual(m)
+    correct(m)
+    for c in range(nq):
+        q[c] += change[c]
+    place(m, q, v)
+    constraints(m)
+    row = note_drift(m)
+    if row >= 0:
+        m.tally[at.DRIFT_ROW] = row
+    rate_residual(m)
+    correct(m)
+    for c in range(nq):
+        v[c] += change[c]
+    place(m, q, v)

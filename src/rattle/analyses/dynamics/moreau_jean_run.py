@@ -15,6 +15,7 @@ from rattle.analyses.dynamics.soundness import set_floor
 from rattle.equations.motion import NOT_FINITE, PAUSED
 from rattle.equations.system import System
 from rattle.jit import layout as at
+from rattle.results.columns import width
 from rattle.solvers.contacts.penetration import ESCAPED
 from rattle.solvers.nonsmooth import moreau_jean
 from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
@@ -41,7 +42,8 @@ class MoreauJeanRun(Run):
 
     def loop_arrays(self) -> dict[str, Any]:
         """Arrays of set-valued contacts."""
-        return contact_arrays(self.system, False)
+        row = {"port_row": np.zeros(width(self.system, True))} if self.ports else {}
+        return contact_arrays(self.system, False) | row
 
     def begin(self, t: float) -> int:
         """Project the start at t [s] onto the constraints; see `Run.begin`."""

@@ -47,6 +47,7 @@ class How(NamedTuple):
     rtol: float
     atol: float  # [m, rad, m/s, rad/s]
     step: float | None  # [s]; the largest of an adaptive stepper, None for any
+    ports: bool = False  # output rows go on with the ports of all elements, see `solvers.ports`
 
 
 class Run(ABC):
@@ -56,13 +57,13 @@ class Run(ABC):
 
     def __init__(self, system: System, start: Assembled, t_eval: np.ndarray, t_end: float, how: How) -> None:
         self.system, self.start, self.t_eval, self.t_end = system, start, t_eval, t_end
-        self.stepper, self.rtol, self.atol, self.step = how
+        self.stepper, self.rtol, self.atol, self.step, self.ports = how
         self.table = timetable(system, start.t, t_end)
         self.piece = 0  # index of the present smooth piece of the run
         self.jolts: list[Jolt] = []
         self.workspace = self.prepare()
         self.clock, self.tally = self.workspace.clock, self.workspace.tally
-        self.raw = np.zeros((len(t_eval), width(system)))
+        self.raw = np.zeros((len(t_eval), width(system, self.ports)))
         self.crossings: list[np.ndarray] = []
         self.contacts: list[np.ndarray] = []
         self.first_sign = np.ones(len(system.watched))
@@ -111,6 +112,8 @@ class Run(ABC):
         arrays = step_state.step_loop_arrays(start_state(self.system, self.start), len(self.system.watched))
         arrays |= step_state.stepper_arrays(self.stepper)
         arrays |= audit_arrays(self.system, self.stepper.leaf.energy_limit)
+        if self.ports:
+            arrays["port_work"] = np.zeros((len(self.system.joints), at.width("port_work")))
         return self.system.workspace(**arrays, **self.loop_arrays(), **peak_arrays(self.system))
 
     def take_sides(self, t: float) -> None:

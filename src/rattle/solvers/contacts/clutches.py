@@ -152,4 +152,5 @@ def book_slips(m, h, y, y_new):
             rate = 0.5 * (rate_with(m, n, y[nq : 2 * nq]) + rate_with(m, n, y_new[nq : 2 * nq]))
             kinematics[n, at.NORMAL] = most
             y_new[account + IMPULSE] += h * most
+            kinematics[n, at.LOSS] = -most * rate
             y_new[account + LOSS] -= h * most * rate

@@ -46,6 +46,7 @@ from rattle.solvers.contacts.penetration import scale_of
 from rattle.solvers.nonsmooth.contact_projection import STILL, at_rest, at_wall, motion_without
 from rattle.solvers.nonsmooth.impact_path import BEFORE, E
 from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, law_of
+from rattle.solvers.ports import add_port_work
 
 NOTICED = 1e-11  # share of the largest impulse of an impact below which one is rounding and no event
 AHEAD = 1e-6  # share of the rates of its bodies, or rate [rad/s], up to which a clutch takes without an impact
@@ -241,6 +242,8 @@ def count_impulses(m, t, y, count, before):
     for row in range(multiplier.shape[0]):
         work -= multiplier[row] * rows[row, at.NU]
     y[energies_at(m) + WORK] += work
+    nq = m.change.shape[0]
+    add_port_work(m, count, multiplier, before, y[nq : 2 * nq])
     book_impulses(m, t, y, count)
 
 

@@ -33,6 +33,7 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import takes_impulses
 from rattle.solvers.nonsmooth.contact_projection import at_wall
 from rattle.solvers.nonsmooth.impacts import book_impulses, rates_of_contacts
+from rattle.solvers.ports import add_port_work
 
 ROUNDS = 2  # the second removes rounding
 
@@ -75,19 +76,20 @@ def jolt(m, t, before, percussion):
         for k in range(nq):
             v[k] += change[k]
         place(m, q, v)
-    status = OK
+    status, count = OK, 0
     if m.mode.shape[0] > 0:
-        status = with_contacts(m, t, y, old, percussion)
+        status, count = with_contacts(m, t, y, old, percussion)
     work = 0.0
     for r in range(rows.shape[0]):
         work -= 0.5 * percussion[r] * (rows[r, at.NU] + before[r])
     y[energies_at(m) + WORK] += work
+    add_port_work(m, count, percussion, old, v)
     return status
 
 
 @compiled
 def with_contacts(m, t, y, old, percussion):
-    """Impulses by which closed contacts prevent penetration in a jolt, in one problem."""
+    """Impulses by which closed contacts prevent penetration in a jolt, in one problem; a status, and their number."""
     contact, kinematics, mode, memory = m.contact, m.contact_kinematics, m.mode, m.contact_memory
     active, candidate, slide, side = m.active, m.candidate, m.slide, m.side
     multiplier, nq = m.multiplier, m.change.shape[0]
@@ -100,7 +102,7 @@ def with_contacts(m, t, y, old, percussion):
             active[count] = n
             count += 1
     if count == 0:
-        return OK
+        return OK, 0
     contact_rows(m, count)
     for k in range(count):
         n = active[k]
@@ -110,9 +112,9 @@ def with_contacts(m, t, y, old, percussion):
         slide[k] = 0
         candidate[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
     if not solve_contacts(m, count):
-        return ending(m)
+        return ending(m), 0
     if is_rough(m, count) and count_solutions(m, count) > 1:
-        return NOT_UNIQUE
+        return NOT_UNIQUE, 0
     shift(m, count, v, -1.0)
     for r in range(multiplier.shape[0]):
         multiplier[r] = 0.0
@@ -121,4 +123,4 @@ def with_contacts(m, t, y, old, percussion):
         percussion[r] += multiplier[r]
     rates_of_contacts(m, y, count, old)
     book_impulses(m, t, y, count)
-    return OK
+    return OK, count

@@ -34,12 +34,9 @@ from rattle.equations.motion import (
     PAUSED,
     accelerate,
     constraints,
-    correct,
     drive,
     loads,
     place,
-    rate_residual,
-    residual,
 )  # fmt: skip
 from rattle.equations.schur import factorise
 from rattle.equations.state import DISSIPATED, IMPULSE, LOSS, WORK, account_at, energies_at, states_at, take_states
@@ -52,9 +49,10 @@ from rattle.solvers.contacts.pawls import seat_pawls
 from rattle.solvers.contacts.penetration import ESCAPED, deepest, scale_of
 from rattle.solvers.output_row import write
 from rattle.solvers.peaks.samples import START, add_step, gauge
-from rattle.solvers.projection import project
+from rattle.solvers.ports import keep_ports, show_ports
+from rattle.solvers.projection import close_joints, project
 from rattle.solvers.sign_watch import cross_at_once
-from rattle.solvers.step_audit import UNSOUND, note_drift, stands
+from rattle.solvers.step_audit import UNSOUND, stands
 from rattle.solvers.step_control import has_room
 
 ACTIVE = 1e-8  # share of its scale within which a contact takes part
@@ -87,7 +85,7 @@ def choose_active(m):
     active, candidate, slide = m.active, m.candidate, m.slide
     count = 0
     for n in range(contact.shape[0]):
-        kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = 0.0, 0.0
+        kinematics[n, at.NORMAL], kinematics[n, at.TANGENT], kinematics[n, at.LOSS] = 0.0, 0.0, 0.0
         if m.contact_memory[n, at.SLIPS] == 1.0:
             continue
         if kinematics[n, at.GAP] <= (ACTIVE if mode[n] == OFF else KEPT) * scale_of(m, n):
@@ -172,6 +170,7 @@ def take_percussions(m, t, count, h, y):
                 y[account + IMPULSE] += pressed
                 y[account + LOSS] += lost
                 kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = pressed / h, held / h
+                kinematics[n, at.LOSS] = lost / h
                 if old == OFF and memory[n, at.HITS] == 1.0:
                     speed = -kinematics[n, at.DGAP]
                     when = t + 0.5 * h - late(h, kinematics[n, at.GAP], speed)
@@ -234,30 +233,6 @@ def lift(m, count, y):
 
 
 @compiled
-def close_joints(m, t, y):
-    """One correction of positions and rates onto the joint constraints."""
-    change, nq = m.change, m.change.shape[0]
-    q, v = y[:nq], y[nq : 2 * nq]
-    drive(m, t)
-    constraints(m)
-    factorise(m)
-    residual(m)
-    correct(m)
-    for c in range(nq):
-        q[c] += change[c]
-    place(m, q, v)
-    constraints(m)
-    row = note_drift(m)
-    if row >= 0:
-        m.tally[at.DRIFT_ROW] = row
-    rate_residual(m)
-    correct(m)
-    for c in range(nq):
-        v[c] += change[c]
-    place(m, q, v)
-
-
-@compiled
 def write_until(m, t, h, t_out, out):
     """Write outputs up to t + h: positions interpolated in the step, rates of its end, forces of this step."""
     tally, y, y_new, stage = m.tally, m.state, m.state_new, m.stage
@@ -280,6 +255,7 @@ def write_until(m, t, h, t_out, out):
         for n in range(nc):
             lost += stage[account_at(m, n) + LOSS]
         write(m, stage[energies + WORK], lost, out[k])
+        show_ports(m, out[k])
         tally[at.OUTPUTS] = k + 1
 
 
@@ -328,6 +304,7 @@ def end_step(m, t, h, active):
     y, y_new, rate, nq = m.state, m.state_new, m.rate, m.change.shape[0]
     impact = take_percussions(m, t, active, h, y_new)
     book_slips(m, h, y, y_new)
+    keep_ports(m, t, h)
     cross_at_once(m, t)
     for c in range(nq):
         rate[c] = m.acceleration[1 + c // 3, c % 3] if impact else (y_new[nq + c] - y[nq + c]) / h
