@@ -91,11 +91,13 @@ class AnalysedModel(WrittenModel):
         """
         from rattle.analyses.dynamics import simulate as simulation
 
-        return simulation.simulate(
+        found = simulation.simulate(
             self.system, self.start, t_end=seconds_or_none(t_end, "t_end"), t_eval=times(t_eval, "t_eval"),
             method=method, rtol=rtol, atol=atol, step=seconds_or_none(step, "step"), progress=progress, strict=strict,
             horizon=horizon, most_steps=most_steps,
         )  # fmt: skip
+        found.provenance["document"] = self.to_json()
+        return found
 
     def kinematics(self, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *, strict: bool = False) -> Result:
         """Position, velocity and acceleration [SI] of a fully driven mechanism at increasing times [s].

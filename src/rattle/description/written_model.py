@@ -94,6 +94,10 @@ class WrittenModel(Building):
         """The model as TOML text; comments of the original text are kept.  Tables of files are written out."""
         return self._dumped(lambda name: False)
 
+    def to_json(self) -> str:
+        """The model as JSON text, without comments.  Tables of files are written out."""
+        return model_file.dump_json(self._written_out(lambda name: False)[0])
+
     def _dumped(self, stays: Callable[[str], bool]) -> str:
         """The model as TOML text; stays: whether the file of a table is still found under this name."""
         document, changes = self._written_out(stays)

@@ -52,7 +52,8 @@ def report(run: Run, reach: Reach | None) -> Result:
     return build_result(
         system.model, "simulate", t=run.t_eval[:n], data=data, names=names, units=units,
         trust=_trust(run, reach, contacts, balance, nonunique, notes), stats=_stats(run), message=run.message,
-        settings={"method": run.stepper.name, "rtol": run.rtol, "atol": run.atol, "step": run.step},
+        settings={"method": run.stepper.name, "rtol": run.rtol, "atol": run.atol, "step": run.step,
+                  "t_end": run.t_end},
         events=sorted((*contacts, *jolt_events(run.jolts)), key=lambda event: event.t),
         peaks=peak_values(system, run.workspace, reached - run.start.t),
     )  # fmt: skip
