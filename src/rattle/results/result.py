@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rattle.studies.power.power import Power
+
 
 Array = NDArray[np.float64]
 TABLES = (".csv", ".txt", ".dat", "")  # suffixes under which text is expected
@@ -159,6 +161,18 @@ class Result:
         """For each joint with clearance: share of time in contact, contacts, impacts, peak and RMS force [N], energy
         lost [J]; all fields in `ContactSummary`."""
         return contact_summary.contacts(self)
+
+    def power(self, t0: float | None = None, t1: float | None = None) -> Power:
+        """Powers [W] between elements and bodies, and their energies [J] from t0 to t1 [s].
+
+        By default the last turn of the driver, or the whole run if no driver turns steadily or it is shorter than that.
+        The run of a motion in time is repeated from the model that the result holds.
+        Raises ValueError for a result of another analysis or times outside of the run, ModelError for a model with laws
+        in Python that are not known here.
+        """
+        from rattle.studies.power.power import power
+
+        return power(self, t0, t1)
 
     # ------------------------------------------------------------ to other programs
     def to_dataframe(self) -> Any:

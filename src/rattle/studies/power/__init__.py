@@ -1,0 +1,1 @@
+"""Power between elements and bodies: instants, cycles, and where the energy goes."""

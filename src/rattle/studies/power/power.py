@@ -1,0 +1,154 @@
+"""Power of a run: who gives how much to which body, at an instant and over a cycle, and where it is lost.
+
+Source: Karnopp, Margolis, Rosenberg, System Dynamics (2012), chapters 2 and 9; docs/power.md.
+"""
+
+from __future__ import annotations
+
+import os
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rattle.atomic_file import atomic
+from rattle.loading import loads
+from rattle.mechanism import Mechanism
+from rattle.results.archive import package
+from rattle.results.result import Result, require_table
+from rattle.studies.poincare import driver_period
+from rattle.studies.power.cycle import Cycle, cycle
+from rattle.studies.power.ports import Ports
+from rattle.studies.power.steps import rows_at, settings_of
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Array = NDArray[np.float64]
+RUN_AGAIN = "run it again with this version"
+
+
+def power(r: Result, t0: float | None = None, t1: float | None = None) -> Power:
+    """Powers of a run between t0 and t1 [s]; see `Result.power`."""
+    if r.provenance.get("analysis") != "simulate":
+        raise ValueError("power is that of a motion in time, m.simulate(...); this result is of another analysis")
+    if not {"document", "t_end", "method"} <= r.provenance.keys():
+        raise ValueError(f"this result does not hold its model, from which powers follow; {RUN_AGAIN}")
+    m = loads(str(r.provenance["document"]))
+    first, last = _window(r, m, t0, t1)
+    return Power(r, m, first, last)
+
+
+def _window(r: Result, m: Mechanism, t0: float | None, t1: float | None) -> tuple[float, float]:
+    """The window [s]: what is given, else the last turn of the driver, or the whole run if there is none in it."""
+    end = min(float(r.provenance["t_end"]), r.trust.t_end)
+    last = end if t1 is None else float(t1)
+    period = driver_period(m.system)
+    first = last - period if period is not None and last - period >= -1e-12 * last else 0.0
+    first = max(first, 0.0) if t0 is None else float(t0)
+    if not 0.0 <= first < last <= end * (1.0 + 1e-9):
+        raise ValueError(f"power from {first:g} to {last:g} s: give times in order between 0 and the end, {end:g} s")
+    return first, min(last, end)
+
+
+class Power:
+    """Powers between elements and bodies in one run, and their energies from t0 to t1 [s].
+
+    Elements are joints, drivers, loads and gravity.  Power is positive into the body.
+    """
+
+    def __init__(self, result: Result, mechanism: Mechanism, t0: float, t1: float) -> None:
+        self.result, self.t0, self.t1 = result, t0, t1
+        self._mechanism = mechanism
+        self._ports = Ports(mechanism.system)
+        self._settings = settings_of(result.provenance)
+
+    def __repr__(self) -> str:
+        return f"<rattle.Power: {len(self._ports.list)} ports, {self.t0:g} to {self.t1:g} s>"
+
+    def _repr_html_(self) -> str:
+        return str(self.table.to_html())
+
+    @cached_property
+    def cycle(self) -> Cycle:
+        """Energies [J] as arrays."""
+        return cycle(self._mechanism, self._ports, self._settings, self.t0, self.t1)
+
+    @property
+    def residual(self) -> float:
+        """Largest difference between the powers of a body and the rate of its kinetic energy [W]."""
+        return self.cycle.residual
+
+    @cached_property
+    def table(self) -> DataFrame:
+        """pandas.DataFrame of all ports: element, kind, body, E_in and E_out (into the body and out of it), net,
+        recirculated (the smaller of both) [J]; peak (of the largest magnitude) and mean [W].  Raises MissingPackage.
+        """
+        one = self.cycle
+        columns = {
+            **self._names(),
+            "E_in": one.into,
+            "E_out": one.out,
+            "net": one.into - one.out,
+            "peak": one.peak,
+            "mean": (one.into - one.out) / (one.t1 - one.t0),
+            "recirculated": np.minimum(one.into, one.out),
+        }
+        return _frame(columns)
+
+    @cached_property
+    def elements(self) -> DataFrame:
+        """pandas.DataFrame of all elements: element, kind, supplied from outside, lost, stored [J].
+
+        Raises MissingPackage.
+        """
+        one, every = self.cycle, self._ports.elements
+        columns = {
+            "element": [element.name for element in every],
+            "kind": [element.kind for element in every],
+            "supplied": one.supplied,
+            "lost": one.lost,
+            "stored": one.stored,
+        }
+        return _frame(columns)
+
+    def at(self, t: float) -> DataFrame:
+        """pandas.DataFrame of all ports at an instant t [s]: element, kind, body, power [W].
+
+        Between steps the run is repeated up to there.  Raises ValueError for a time outside of the run.
+        """
+        powers = self.powers(np.array([float(t)]))
+        columns = {**self._names(), "power": powers[0]}
+        return _frame(columns)
+
+    def powers(self, t: Array) -> Array:
+        """Powers (n, ports) [W] at increasing instants (n,) [s], in the order of `table`."""
+        end = min(float(self._settings.t_end), self.result.trust.t_end)
+        if not 0.0 <= t[0] <= t[-1] <= end * (1.0 + 1e-9):
+            raise ValueError(f"expected a time within the run, from 0 to {end:g} s, got {t[0]:g} s")
+        rows = rows_at(self._mechanism, self._settings, np.minimum(t, end))
+        return self._ports.flow(rows).ports
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """Write `table` as CSV, in SI units.  Raises ValueError for a suffix of another format, OSError."""
+        require_table(path)
+        with atomic(Path(path)) as file:
+            self.table.to_csv(file, index=False, lineterminator="\n")
+        return Path(path)
+
+    def _names(self) -> dict[str, Any]:
+        ports = self._ports
+        elements = [ports.elements[port.element] for port in ports.list]
+        return {
+            "element": [one.name for one in elements],
+            "kind": [one.kind for one in elements],
+            "body": [ports.bodies[port.body - 1] for port in ports.list],
+        }
+
+
+def _frame(columns: dict[str, Any]) -> DataFrame:
+    """A pandas.DataFrame of these columns.  Raises MissingPackage."""
+    found: DataFrame = package("pandas", "a table of powers").DataFrame(columns)
+    return found
