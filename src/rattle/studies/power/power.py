@@ -24,6 +24,7 @@ from rattle.studies.power.ports import Ports
 from rattle.studies.power.steps import rows_at, settings_of
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from pandas import DataFrame
 
 Array = NDArray[np.float64]
@@ -88,7 +89,7 @@ class Power:
         """
         one = self.cycle
         columns = {
-            **self._names(),
+            **self.names,
             "E_in": one.into,
             "E_out": one.out,
             "net": one.into - one.out,
@@ -120,7 +121,7 @@ class Power:
         Between steps the run is repeated up to there.  Raises ValueError for a time outside of the run.
         """
         powers = self.powers(np.array([float(t)]))
-        columns = {**self._names(), "power": powers[0]}
+        columns = {**self.names, "power": powers[0]}
         return _frame(columns)
 
     def powers(self, t: Array) -> Array:
@@ -138,7 +139,21 @@ class Power:
             self.table.to_csv(file, index=False, lineterminator="\n")
         return Path(path)
 
-    def _names(self) -> dict[str, Any]:
+    def plot(self) -> Figure:
+        """Sankey picture of the cycle: sources on the left, bodies in between, losses and loads on the right."""
+        from rattle.plots.power import plot_cycle
+
+        return plot_cycle(self)
+
+    def plot_curves(self) -> Figure:
+        """Power of every port over time from t0 to t1, one panel for each body."""
+        from rattle.plots.power import plot_powers
+
+        return plot_powers(self)
+
+    @property
+    def names(self) -> dict[str, list[str]]:
+        """Names of element, kind and body of all ports, in the order of `table`."""
         ports = self._ports
         elements = [ports.elements[port.element] for port in ports.list]
         return {
@@ -146,6 +161,16 @@ class Power:
             "kind": [one.kind for one in elements],
             "body": [ports.bodies[port.body - 1] for port in ports.list],
         }
+
+    @property
+    def drivers(self) -> set[str]:
+        """Names of the drivers."""
+        return set(self._mechanism.model.drivers)
+
+    @property
+    def between(self) -> set[str]:
+        """Names of the elements between two bodies that move."""
+        return {one.name for one in self._ports.elements if all(one.bodies)}
 
 
 def _frame(columns: dict[str, Any]) -> DataFrame:

@@ -1,0 +1,60 @@
+"""Pictures of power: energy that enters a body on the sheet leaves it, and everything has its place and name."""
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from rattle.plots.flows import graph_of, lay_out
+
+
+@pytest.fixture(scope="module")
+def powers():
+    """A machine with gravity, cylinders between bodies and loops; and one whose energy comes back."""
+    excavator = rt.example("excavator").simulate(0.5).power()
+    return {"excavator": excavator, "fourbar": rt.example("fourbar").ideal().simulate(0.7).power()}
+
+
+@pytest.mark.parametrize("name", ["excavator", "fourbar"])
+def test_energy_that_enters_a_body_leaves_it(powers, name):
+    nodes, links = graph_of(powers[name])
+    largest = max(link.net + link.back for link in links)
+    for k, node in enumerate(nodes):
+        if node.body >= 0:
+            change = sum(link.net * ((link.end == k) - (link.start == k)) for link in links)
+            assert abs(change) <= 2e-3 * largest * len(links)  # thinner links are left out
+    assert sum(node.side == "body" for node in nodes) == len(set(powers[name].names["body"]))
+
+
+@pytest.mark.parametrize("name", ["excavator", "fourbar"])
+def test_bands_lead_from_column_to_column(powers, name):
+    sheet = lay_out(*graph_of(powers[name]))
+    for link, ends in zip(sheet.links, sheet.ends, strict=True):
+        assert abs(sheet.x[link.end] - sheet.x[link.start]) == 1
+        assert abs(ends[1][0] - ends[0][0]) > 0.9  # none is drawn inside of a column
+    for c in range(sheet.columns):
+        inside = np.flatnonzero(sheet.x == c)
+        order = inside[np.argsort(sheet.y[inside])]
+        bottom, top = sheet.y[order] - 0.5 * sheet.heights[order], sheet.y[order] + 0.5 * sheet.heights[order]
+        assert (bottom[1:] > top[:-1]).all()
+
+
+def test_the_sheet_names_what_gives_and_takes(powers):
+    (ax,) = powers["excavator"].plot().axes
+    said = " ".join(one.get_text() for one in ax.texts)
+    for word in ("boom", "bucket", "gravity", "lift", "crowd", "J"):
+        assert word in said
+
+
+def test_a_mechanism_at_rest_has_an_empty_sheet():
+    still = rt.example("fourbar").ideal().set({"drivers.motor.angle": 0, "loads.M": None, "gravity": [0, 0]})
+    (ax,) = still.simulate(0.1).power().plot().axes
+    assert "no energy is exchanged" in " ".join(one.get_text() for one in ax.texts)
+
+
+def test_curves_of_a_body_add_up_to_its_kinetic_energy(powers):
+    figure = powers["fourbar"].plot_curves()
+    assert [ax.get_ylabel() for ax in figure.axes] == ["crank [W]", "coupler [W]", "rocker [W]"]
+    for ax in figure.axes:
+        curves = {line.get_label(): line.get_ydata() for line in ax.lines if len(line.get_ydata()) > 2}
+        total = curves.pop("kinetic energy")
+        assert sum(curves.values()) == pytest.approx(total, abs=1e-6)
