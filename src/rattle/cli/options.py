@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -50,9 +50,9 @@ def _note_laws(ctx: click.Context, param: click.Parameter, files: tuple[str, ...
     ctx.meta["rattle.laws"] = files
 
 
-def _run_laws() -> None:
+def run_laws(files: Iterable[str]) -> None:
     """Run the files of --laws, and say so."""
-    for file in click.get_current_context().meta.get("rattle.laws", ()):
+    for file in files:
         import logging
 
         from rattle.elements.custom.law_file import run_law_file
@@ -105,7 +105,7 @@ def read_model(file: str, settings: tuple[str, ...], ideal: bool) -> Mechanism:
 
     from rattle.loading import example, examples, load
 
-    _run_laws()
+    run_laws(click.get_current_context().meta.get("rattle.laws", ()))
     known = examples()
     if file not in known and not Path(file).expanduser().exists() and Path(file).suffix == "":
         from rattle.errors import suggest
