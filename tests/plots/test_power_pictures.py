@@ -58,3 +58,20 @@ def test_curves_of_a_body_add_up_to_its_kinetic_energy(powers):
         curves = {line.get_label(): line.get_ydata() for line in ax.lines if len(line.get_ydata()) > 2}
         total = curves.pop("kinetic energy")
         assert sum(curves.values()) == pytest.approx(total, abs=1e-6)
+
+
+def test_arrows_point_where_power_goes():
+    """At 0.3 s the moment drives the motor backwards: from rocker to coupler, crank and out of the mechanism."""
+    from rattle.plots.animation import scene
+
+    r = rt.example("fourbar").ideal().simulate(0.3, t_eval=[0.0, 0.3])
+    figure, update, count = scene(r, 2, power=True)
+    update(count - 1)
+    arrows = [one.get_xy() for one in figure.axes[0].patches if one.get_visible() and len(one.get_xy()) == 8]
+    names = ("crank", "coupler", "rocker")
+    crank, coupler, rocker = (np.array([r[f"{name}.x"][-1], r[f"{name}.y"][-1]]) for name in names)
+    ways = [corners[3] - 0.5 * (corners[0] + corners[6]) for corners in arrows]
+    for way in (crank - coupler, coupler - rocker):
+        along = way / np.hypot(*way)
+        assert any(one @ along > 0.999 * np.hypot(*one) for one in ways)
+        assert not any(one @ along < -0.999 * np.hypot(*one) for one in ways)

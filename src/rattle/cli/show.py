@@ -173,7 +173,10 @@ def _labelled(text: str) -> tuple[str, str]:
     help="Point whose path is drawn, e.g. coupler.P; may be given more than once.",
 )
 @click.option("--names", is_flag=True, help="Label the bodies with their names.")
-def animate(result: str, output: str, frames: int, speed: float | None, trace: tuple[str, ...], names: bool) -> None:
+@click.option("--power", is_flag=True, help="Arrows through joints, drivers and loads, as wide as their power.")
+def animate(
+    result: str, output: str, frames: int, speed: float | None, trace: tuple[str, ...], names: bool, power: bool
+) -> None:
     """Animate a saved result, with the pin in its bush magnified beside it.
 
     \b
@@ -186,5 +189,5 @@ def animate(result: str, output: str, frames: int, speed: float | None, trace: t
 
     require_film(output)
     check_files(result, output)
-    make(load_result(result), output, frames=frames, trace=trace, speed=speed, names=names)
+    make(load_result(result), output, frames=frames, trace=trace, speed=speed, names=names, power=power)
     say_written(output)

@@ -15,6 +15,7 @@ from rattle.atomic_file import atomic
 from rattle.plots.curves import AFTER, BLACK, BORE, CURVES, GREY, RED, SKY, length_axes, new_figure, tidy
 from rattle.plots.movie_file import Update, require_film, write_gif, write_mp4
 from rattle.plots.orbit import clearance_joints, length_unit, pin_path, require_point
+from rattle.plots.power_arrows import draw_power
 from rattle.plots.scene import Scene, draw_tag
 from rattle.plots.sketch import draw_mechanism, extent
 
@@ -39,11 +40,13 @@ def animate(
     dpi: float = 90.0,
     speed: float | None = None,
     names: bool = False,
+    power: bool = False,
 ) -> None:
     """Write the motion as .gif, or as .mp4 if ffmpeg is installed.
 
     At most `frames` pictures, evenly spaced in time, shown at `fps` [1/s].
     trace: names of points ("coupler.P") whose paths are drawn.  names: label the bodies with their names.
+    power: arrows through joints, and from drivers and loads, whose width is the power.
     speed: of the animation relative to the motion, 0.1 for ten times slower; it sets the number of frames.
     dpi: resolution [1/inch].
 
@@ -65,15 +68,16 @@ def animate(
                 f" and {MOST_FRAMES} frames are allowed: choose a larger speed or a smaller output interval"
             )
     write = {".gif": write_gif, ".mp4": write_mp4}[Path(path).suffix.lower()]
-    figure, update, count = scene(result, frames, trace, fps=fps, names=names)
+    figure, update, count = scene(result, frames, trace, fps=fps, names=names, power=power)
     figure.set_dpi(dpi)
     with atomic(path) as file:
         write(figure, update, count, file, fps)
 
 
 def scene(
-    result: Result, frames: int = 120, trace: Iterable[str] = (), *, fps: int = 20, names: bool = False
-) -> tuple[Figure, Update, int]:
+    result: Result, frames: int = 120, trace: Iterable[str] = (), *, fps: int = 20, names: bool = False,
+    power: bool = False,
+) -> tuple[Figure, Update, int]:  # fmt: skip
     """The figure, the function that changes it to frame k, and the number of frames; arguments as of `animate`."""
     if not len(result.t):
         raise ValueError("the result has no instant to show")
@@ -95,6 +99,8 @@ def scene(
     updates += draw_mechanism(ax, stage)
     if names:
         updates += [draw_tag(ax, body, stage.path(body, (0, 0))) for body in result.geometry["bodies"]]
+    if power:
+        updates += draw_power(ax, stage, result.power())
     updates += [_inset(inset, stage, pin) for inset, pin in zip(insets, pins, strict=True)]
 
     def update(k: int) -> None:

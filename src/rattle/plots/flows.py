@@ -111,7 +111,7 @@ def graph_of(p: Power) -> tuple[list[Node], list[Link]]:
             _through(graph, element, *ends)
             continue
         for at, net, back in ends:
-            gives = net > nothing or (net > -nothing and element in p.drivers)
+            gives = net > nothing or (net > -nothing and element in p.driven)
             (graph.from_outside if gives else graph.to_outside)(at, element, net, back)
     for at, name in enumerate(bodies):
         gained = sum(net for ends in ports.values() for one, net, _ in ends if one == at)

@@ -316,18 +316,21 @@ class Result:
 
     def animate(
         self, path: str | os.PathLike[str], *, frames: int = 120, fps: int = 20, trace: Iterable[str] = (),
-        dpi: float = 90.0, speed: float | None = None, names: bool = False,
+        dpi: float = 90.0, speed: float | None = None, names: bool = False, power: bool = False,
     ) -> Picture:  # fmt: skip
         """Write an animation of the mechanism as .gif or .mp4; a notebook shows it.
 
         At most `frames` pictures, evenly spaced in time, shown at `fps` [1/s].  trace: points ("coupler.P") whose
         paths are drawn.  dpi: resolution [1/inch].  speed: of the animation relative to the motion, 0.1 for ten times
-        slower; it sets the number of frames.  names: label the bodies with their names.
+        slower; it sets the number of frames.  names: label the bodies with their names.  power: arrows show the power
+        that goes through joints, and from drivers and loads, by their width.
         Raises ValueError for another suffix or a result without instants, UnknownName, MissingProgram without ffmpeg.
         """
         from rattle.plots import animation
 
-        animation.animate(self, path, frames=frames, fps=fps, trace=trace, dpi=dpi, speed=speed, names=names)
+        animation.animate(
+            self, path, frames=frames, fps=fps, trace=trace, dpi=dpi, speed=speed, names=names, power=power
+        )
         return Picture(Path(path))
 
 

@@ -163,9 +163,9 @@ class Power:
         }
 
     @property
-    def drivers(self) -> set[str]:
-        """Names of the drivers."""
-        return set(self._mechanism.model.drivers)
+    def driven(self) -> dict[str, str]:
+        """Names of the drivers, with that of the joint where each of them drives."""
+        return {name: one.joint or "" for name, one in self._mechanism.model.drivers.items()}
 
     @property
     def between(self) -> set[str]:
