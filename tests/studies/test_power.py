@@ -7,6 +7,7 @@ import pytest
 
 import rattle as rt
 from rattle.loading import examples
+from rattle.studies.power.cycle import parts
 from rattle.studies.power.power import Power
 from rattle.studies.power.steps import rows_at
 
@@ -79,8 +80,11 @@ def test_power_is_conserved_in_every_example(name):
     # accelerations are those of the solve, so that what a body gets is what it keeps, up to rounding
     assert p.residual <= 1e-13 * largest
     # the run has steps to 1e-8, and its own sums of work and losses do not choose them
-    kinetic = r["energy.kinetic"][-1] - r["energy.kinetic"][0]
-    assert (one.into - one.out).sum() == pytest.approx(kinetic, rel=1e-7, abs=1e-7 * turnover)
+    for k, (body, masses) in enumerate(zip(ports.bodies, ports.system.arrays["mass"][1:], strict=True), 1):
+        kinetic = 0.5 * masses @ np.array([r[f"{body}.{rate}"] ** 2 for rate in ("vx", "vy", "omega")])
+        mine = [port.body == k for port in ports.list]
+        gained = (one.into - one.out)[mine].sum()
+        assert gained == pytest.approx(kinetic[-1] - kinetic[0], rel=1e-7, abs=1e-7 * turnover), body
     assert one.supplied.sum() == pytest.approx(r["energy.work"][-1], rel=1e-7, abs=1e-7 * turnover)
     assert one.lost.sum() == pytest.approx(r["energy.dissipated"][-1], rel=1e-7, abs=1e-7 * turnover)
     net = np.bincount(ports.of_element, one.into - one.out, minlength=len(one.lost))
@@ -89,6 +93,21 @@ def test_power_is_conserved_in_every_example(name):
         assert kept == pytest.approx(net, abs=1e-2 * turnover)
     else:
         assert kept == pytest.approx(net, abs=1e-9 * turnover)
+
+
+def test_parts_of_a_power_that_changes_its_sign_in_a_step():
+    """Random polynomials in steps of several lengths, against a fine sum of their positive parts."""
+    rng = np.random.default_rng(7)
+    half = np.array([0.5, 0.02, 1.0])
+    points, _ = np.polynomial.legendre.leggauss(8)
+    series = rng.normal(size=(8, 3, 5)) / 2.0 ** np.arange(8)[:, None, None]
+    values = np.polynomial.legendre.legval(points, series).transpose(0, 2, 1)
+    positive, net, extreme = parts(values, half)
+    x = (np.arange(200_000) + 0.5) / 100_000 - 1.0
+    fine = np.polynomial.legendre.legval(x, series)  # (steps, ports, instants)
+    assert positive == pytest.approx(np.einsum("s,spx->p", half, np.maximum(fine, 0.0)) * 1e-5, abs=1e-9)
+    assert net == pytest.approx(np.einsum("s,spx->p", half, fine) * 1e-5, abs=1e-9)
+    assert np.abs(extreme) == pytest.approx(np.abs(fine).max(axis=(0, 2)), rel=2e-3)
 
 
 def test_outputs_do_not_change_the_run():
