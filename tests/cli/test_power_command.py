@@ -50,6 +50,7 @@ def test_a_picture_and_an_instant(saved, tmp_path):
         (("-o", "p.xyz"), "written as .csv, or as a picture"),
         (("--curves",), "give its name"),
         (("--cycle", "9"), "give times in order between 0 and the end, 0.7 s"),
+        (("--at", "0.1", "-o", "p.svg"), "prints or writes a table"),
         (("--at", "3"), "expected a time within the run"),
     ],
 )

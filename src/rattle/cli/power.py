@@ -21,7 +21,7 @@ ELEMENTS = ("element", "kind", "supplied", "lost", "stored")
 @click.command()
 @click.argument("result")
 @click.option("--cycle", type=time, metavar="TIME", help="Length of the cycle before the end, in s or as '20 ms'.")
-@click.option("--at", "instant", type=time, metavar="TIME", help="Print the powers at this instant instead.")
+@click.option("--at", "instant", type=time, metavar="TIME", help="Powers at this instant instead.")
 @click.option("--curves", is_flag=True, help="Draw the powers over time, in place of where energy goes.")
 @click.option(
     "--laws", multiple=True, metavar="FILE.py",
@@ -48,6 +48,8 @@ def power(
         raise ValueError(f"{output}: power is written as .csv, or as a picture in .svg, .png or .pdf")
     if curves and (output is None or table):
         raise click.UsageError("--curves draws a picture: give its name, -o power.svg")
+    if instant is not None and output is not None and not table:
+        raise click.UsageError("--at prints or writes a table: give the name of a .csv file, or leave -o out")
     if output is not None:
         (check_files if table else check_pictures)(result, output)
     run_laws(laws)
