@@ -95,6 +95,17 @@ class Stop:
 
 
 @dataclass(frozen=True)
+class JointFriction:
+    """Friction in a joint without play, by its own reaction."""
+
+    arm: float  # radius of the pin [m]; 1 where the joint slides
+    reach: float = 0.0  # 1 / half length of the block [1/m]; 0: the moment of the joint does not press
+    mu: float = 0.0
+    mu_static: float = 0.0
+    law: Choice | None = None  # None: set-valued, with mu and mu_static
+
+
+@dataclass(frozen=True)
 class Joint:
     """A joint between A (bush or guide side) and B (pin or block side)."""
 
@@ -107,6 +118,7 @@ class Joint:
     contact: Contact | None = None
     dimensions: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # tables of its kind of clearance [m]
     stop: Stop | None = None
+    friction: JointFriction | None = None  # of a joint without play
     constants: tuple[float, ...] = ()  # one for each row [m or rad], of a kind whose rows count from the start
 
     @property

@@ -21,6 +21,7 @@ from rattle.description.model import (
 )
 from rattle.description.read_contact import contact_models, read_contact, site_of_clearance, site_of_stop
 from rattle.description.read_fields import FieldReader
+from rattle.description.read_friction import joint_friction
 from rattle.description.read_values import Path, Values, said
 from rattle.errors import suggest
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
@@ -29,7 +30,7 @@ from rattle.registry import Field
 
 BODY = ("points", "center", "mass", "inertia")  # keys of a body
 BAR = ("bar", "length", "points", "mass", "inertia")
-JOINT = ("type", "connect", "clearance", "contact", "stop")  # and the fields of its kind
+JOINT = ("type", "connect", "clearance", "contact", "stop", "friction")  # and the fields of its kind
 NOWHERE = Point("", "", (math.nan, math.nan))
 
 
@@ -206,7 +207,11 @@ class Parts(FieldReader):
             elif contact is not None and not contact.closed and play is not None:
                 inside = ", ".join(wanted)
                 values.wrong(path, f"a {play.leaf.bearer} with clearance needs {key} = {{ {inside} }} in m")
-        self.joints[name] = Joint(name, found.name, a, b, fields, clearance, contact, dimensions, stop)
+        friction = None
+        if "friction" in given:
+            block = next(iter(dimensions.values()), ())
+            friction = joint_friction(self, given["friction"], found, block, clearance > 0.0, (*path, "friction"))
+        self.joints[name] = Joint(name, found.name, a, b, fields, clearance, contact, dimensions, stop, friction)
         if len(values.problems) > before:
             self.broken_joints.add(name)
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from rattle.equations.compliant import add_contact_forces, locate_contacts
+from rattle.equations.dry_friction import add_dry_friction
 from rattle.equations.schur import WEAK, factorise, solve
 from rattle.equations.state import (
     DISSIPATED,
@@ -221,6 +222,8 @@ def move_freely(m, t, q, v):
     loads(m, t)
     lost = factorise(m)
     accelerate(m)
+    if m.dry.shape[0] > 0:
+        add_dry_friction(m)
     return lost
 
 

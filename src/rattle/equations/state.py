@@ -120,7 +120,9 @@ def state_layout(system: System) -> StateLayout:
     """The layout of y for one mechanism."""
     contact = system.arrays["contact"]
     owners = [system.joints[n] for n in contact[:, at.OWNER]]
-    held = np.repeat(np.arange(len(contact)), contact[:, at.STATES])
+    held = [owners[n] for n in np.repeat(np.arange(len(contact)), contact[:, at.STATES])]
+    for entry in system.arrays["dry"]:
+        held += [system.joints[entry[at.DRY_JOINT]]] * int(entry[at.DRY_STATES])
     angular = tuple((system.arrays["lever"][:, at.ANGULAR] > 0.0).tolist())
     own = tuple((one.name, one.unit) for one in system.model.states.values())
-    return StateLayout(system.bodies, tuple(owners), tuple(owners[n] for n in held), angular, own)
+    return StateLayout(system.bodies, tuple(owners), tuple(held), angular, own)

@@ -13,6 +13,7 @@ from rattle import registry
 from rattle.description.model import Joint, Model, driven_ends
 from rattle.equations import schur
 from rattle.equations.contact_table import CONTACT_TABLES, contact_table
+from rattle.equations.friction_table import friction_table
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Image, Workspace
@@ -92,7 +93,13 @@ class System:
     @property
     def element_states(self) -> int:
         """Number of states of elements, such as the bristles of a friction law, and of the model; `equations.state`."""
-        return int(self.arrays["contact"][:, at.STATES].sum()) + len(self.model.states)
+        of_laws = self.arrays["contact"][:, at.STATES].sum() + self.arrays["dry"][:, at.DRY_STATES].sum()
+        return int(of_laws) + len(self.model.states)
+
+    @property
+    def dry_joints(self) -> list[str]:
+        """Names of the joints without play that have friction."""
+        return [self.joints[n] for n in self.arrays["dry"][:, at.DRY_JOINT].tolist()]
 
     def workspace(self, also: Iterable[int] = (), **more: np.ndarray) -> Workspace:
         """A new workspace for one run.  also: other joint kernels called.  more: arrays of the time integration."""
@@ -105,20 +112,24 @@ class System:
 
     def _tables(self, machine: bool, also: Iterable[int]) -> dict[str, Any]:
         """Tables of the kernels that are called; made for every workspace, as a law may have been written anew."""
-        joint, contact = self.arrays["joint"][:, at.KERNEL].tolist(), self.arrays["contact"]
+        joint, contact, dry = self.arrays["joint"][:, at.KERNEL].tolist(), self.arrays["contact"], self.arrays["dry"]
+        joint += dry[:, at.DRY_KERNEL].tolist()
         tables = {
             "joint_table": registry.table("joint", "driver", machine=machine, used=[*joint, *also]),
             "load_table": registry.table("load", machine=machine, used=self.arrays["load"][:, at.KERNEL].tolist()),
         }
         for name, (families, column) in CONTACT_TABLES.items() if len(contact) else ():
             tables[name] = registry.table(*families, machine=machine, used=contact[:, column].tolist())
+        if (dry[:, at.DRY_LAW] >= 0).any():
+            laws = [*dry[:, at.DRY_LAW].tolist(), *contact[:, at.FRICTION].tolist()]
+            tables["friction_table"] = registry.table("friction", machine=machine, used=laws)
         return tables
 
     @cached_property
     def _image(self) -> Image:
         """What a new workspace begins with, besides the tables of kernels."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.recorded))
-        nc, states = len(self.arrays["contact"]), (self.element_states,)
+        nc, nd, states = len(self.arrays["contact"]), len(self.arrays["dry"]), (self.element_states,)
         others = {
             "signals": (ns,),
             "jets": (ns, 3),
@@ -139,6 +150,11 @@ class System:
             "change": (3 * nb - 3,),
             "contact_kinematics": (nc, at.width("contact_kinematics")),
             "contact_memory": (nc, at.width("contact_memory")),
+            "dry_memory": (nd, at.width("dry_memory")),
+            "dry_rows": (nd, at.width("rows")),
+            "dry_response": (nd, 3 * nb),
+            "dry_reaction": (nd, nr),
+            "dry_system": (nd, nd + 1),
             "element_state": states,
             "element_rate": states,
         }
@@ -146,6 +162,7 @@ class System:
         image.array("body", image.block)[0, at.COS] = 1.0
         image.array("power", image.block)[:] = 1.0
         image.array("contact_memory", image.block)[:, at.CLOSED] = at.AUTO
+        image.array("dry_memory", image.block)[:, at.DRY_MODE] = at.DRY_AUTO
         own = [one.start for one in self.model.states.values()]
         image.array("signals", image.block)[: len(own)] = own
         image.array("element_state", image.block)[self.element_states - len(own) :] = own
@@ -215,7 +232,8 @@ def compile_system(model: Model) -> System:
             row_body.append((a, b))
     length = _size(model)
     contact, lever = contact_table(model, number, values, length)
-    of_contacts = sum(one[at.STATES] for one in contact)
+    dry = friction_table(model, number, values, joint, sum(one[at.STATES] for one in contact))
+    of_laws = sum(one[at.STATES] for one in contact) + sum(one[at.DRY_STATES] for one in dry)
     load, live = _loads(model, number, values, programs)
     signals = {programs.signals[name]: programs.add(node, f"signals.{name}") for name, node in model.signals.items()}
     rates = [programs.add(one.rate, f"states.{name}.rate") for name, one in model.states.items()]
@@ -237,6 +255,7 @@ def compile_system(model: Model) -> System:
         "joint": _table(joint, at.width("joint")),
         "load": _table(load, at.width("load")),
         "contact": _table(contact, at.width("contact")),
+        "dry": _table(dry, at.width("dry")),
         "lever": array_of(lever).reshape(-1, at.width("lever")),
         "values": array_of(values),
         "code": code,
@@ -245,7 +264,7 @@ def compile_system(model: Model) -> System:
         "jet_signal": _table([(first[signals[k]], first[signals[k] + 1], k) for k in needed], 3),
         "signal": _table(spans, 3),
         "live": _table([(first[n], first[n + 1], slot) for n, slot in live], 3),
-        "state_rate": _table([(first[n], first[n + 1], k) for k, n in enumerate(rates, of_contacts)], 3),
+        "state_rate": _table([(first[n], first[n + 1], k) for k, n in enumerate(rates, of_laws)], 3),
         "switch": _table([(one.first, one.last, one.row, one.count) for one in switches if not one.timed], 4),
         "watch": np.array(watch, np.int64),
         **pattern._asdict(),

@@ -235,6 +235,38 @@ EVENT_AT, EVENTS_THERE, EVENT_WHO, EVENTS_IN_A_ROW = range(4)
 
 LOOK_SHARE = 0  # of `looks` and `glances`: share of the step; then four indicators of every contact, the largest force
 
+# ---------------------------------------------------------------- dry friction of joints without play
+_declare("dry", """
+    DRY_JOINT [] number of its joint
+    DRY_A [] body A
+    DRY_B [] body B
+    DRY_KERNEL [] kernel of the row of its free coordinate
+    DRY_P [] first parameter of that row in `values`
+    DRY_ROW [] first row of the joint
+    DRY_FORM [] DRY_PIN or DRY_GUIDE: how the normal force follows from its multipliers
+    DRY_LAW [] kernel of its friction law; -1: set-valued
+    DRY_STATE [] first state of that law among those of all elements
+    DRY_STATES [] number of states of that law
+""")
+DRY_JOINT, DRY_A, DRY_B, DRY_KERNEL, DRY_P, DRY_ROW, DRY_FORM, DRY_LAW, DRY_STATE, DRY_STATES = range(10)
+DRY_PIN, DRY_GUIDE = 0, 1
+# parameters after those of the row (two points, a direction or zero, a function that is zero): arm [m or 1], 1/a [1/m];
+# then mu and mu_static, or those of the law
+DRY_ARM, DRY_REACH, DRY_MU, DRY_MU_STATIC = range(8, 12)
+DRY_FIELDS = DRY_MU
+_declare("dry_memory", """
+    DRY_MODE [] sense of slip 1 or -1, DRY_STICKS or DRY_AUTO
+    DRY_FORCE [N or N*m] tau along the free coordinate
+    DRY_RATE [m/s or rad/s] rate of that coordinate
+    DRY_HELD [] 1 if joints and drivers leave the coordinate no freedom
+    DRY_OVER [] 1 if the mode could not last at an instant since it was set to 0
+    DRY_LOCKS [] 1 if no tau was found
+    DRY_REST [] 1 while its mode is being decided at rest
+    DRY_BEFORE [] its mode before that
+""")
+DRY_MODE, DRY_FORCE, DRY_RATE, DRY_HELD, DRY_OVER, DRY_LOCKS, DRY_REST, DRY_BEFORE = range(8)
+DRY_STICKS, DRY_AUTO = 0.0, 2.0  # AUTO: the rate decides at every instant (positions, kinematics)
+
 # ---------------------------------------------------------------- a run
 _declare("clock", """
     T [s] time of `state`

@@ -82,7 +82,23 @@ def write_joints(m, row, first):
         row[c + at.STOP] = 0.0
         c += at.PER_JOINT
     write_contacts(m, row, first)
+    write_friction(m, row, first)
     return c
+
+
+@compiled
+def write_friction(m, row, first):
+    """Add the friction of joints without play [N, N m] to the columns of their joints, which start at `first`."""
+    dry, line, joint, body, values = m.dry, m.dry_rows, m.joint, m.body, m.values
+    for n in range(dry.shape[0]):
+        c, b = first + at.PER_JOINT * dry[n, at.DRY_JOINT], dry[n, at.DRY_B]
+        p, tau = joint[dry[n, at.DRY_JOINT], at.FIRST_P], m.dry_memory[n, at.DRY_FORCE]
+        fx, fy = line[n, at.BX] * tau, line[n, at.BY] * tau
+        sbx, sby = turn_x(body, b, values[p + 2], values[p + 3]), turn_y(body, b, values[p + 2], values[p + 3])
+        row[c + at.FX] += fx
+        row[c + at.FY] += fy
+        row[c + at.MOMENT] += line[n, at.BP] * tau - sbx * fy + sby * fx
+        row[c + at.JOINT_TANGENT] = -tau
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Switches of expressions that depend on the state: each smooth piece of a run stays on one branch of every switch.
+"""Switches of expressions that depend on the state, and of dry friction: each smooth piece of a run stays on one branch of every switch.
 
 A step is taken with the branches of its start.  If a switching function has changed sign in it, the dense output is
 searched for the first zero crossing, the step is repeated up to there, and there the switch changes its branch: no
@@ -16,6 +16,7 @@ from rattle.language.bytecode import BENT, CROSSED, LESS, SIDE, evaluate, switch
 from rattle.language.table_reading import knot_coordinate
 from rattle.solvers.contacts.gap_search import NONE
 from rattle.solvers.dense_output import interpolate
+from rattle.solvers.dry_friction_modes import any_over, decide, first_change_of_modes
 
 ACCEPT, REPEAT, SLIDES = 0, 1, 22  # the step is accepted; it is repeated; a switch changes its branch without end
 PARTS = 16  # pieces of a step that are searched
@@ -89,6 +90,8 @@ def crossed(m):
         row = switch[n, at.OWN_CODE]
         found = found or (code[row, CROSSED] == 1 and code[row, SIDE] != 0)
         code[row, CROSSED] = 0
+    if m.dry.shape[0] > 0:
+        found = any_over(m) or found
     return found
 
 
@@ -154,6 +157,10 @@ def land(m, t, h, t_end, go_on):
     """
     landing = m.landing
     share, who = first_switch(m, t, h)
+    if m.dry.shape[0] > 0:
+        sooner, joint = first_change_of_modes(m, t, h, min(share, 1.0))
+        if joint >= 0 and sooner < share:
+            share, who = sooner, m.switch.shape[0] + joint
     crossed(m)
     if who < 0:
         return ACCEPT, h
@@ -183,6 +190,9 @@ def turn(m, t, y, who, h):
     take_sides(m, t)
     for n in range(switch.shape[0]):
         code[switch[n, at.OWN_CODE], CROSSED] = 0
+    if m.dry.shape[0] > 0:
+        landing[at.TURNS] += 1.0
+        decide(m, t, y, who - switch.shape[0] if who >= switch.shape[0] else -1, 1)
     landing[at.AGAIN] = landing[at.AGAIN] + 1.0 if t - landing[at.LAST_TURN] <= CLOSE * h else 0.0
     landing[at.LAST_TURN] = t
 

@@ -87,13 +87,19 @@ def end_stands(m, t, h, t_new, t_end):
 
 
 @compiled
+def never_switches(m):
+    """True if there are neither switches of expressions nor joints with friction."""
+    return m.switch.shape[0] == 0 and m.dry.shape[0] == 0
+
+
+@compiled
 def end_on_switch(m, t, h, t_end, dense):
     """OK, or TRY_AGAIN with a step that ends at the first switching instant inside this one, or SLIDES.
 
     dense: the dense output is ready.
     """
     clock = m.clock
-    if m.switch.shape[0] == 0 or m.landing[at.LANDS] != 0.0 or not crossed(m):
+    if never_switches(m) or m.landing[at.LANDS] != 0.0 or not crossed(m):
         return OK
     if not dense:
         prepare_dense(m, t, h)
@@ -114,7 +120,7 @@ def turn_switch(m, t, located):
     located: an event has ended the step before.
     """
     clock, landing = m.clock, m.landing
-    if m.switch.shape[0] == 0:
+    if never_switches(m):
         return False
     clock[at.H] = landing[at.GO_ON] if landing[at.LANDS] > 0.0 and not located else clock[at.H]
     landing[at.LANDS] = landing[at.LANDS] if not located else 0.0

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from rattle.equations.dry_friction import add_dry_friction
 from rattle.equations.motion import (
     DONE,
     NOT_FINITE,
@@ -128,6 +129,8 @@ def finish_step(m, t, y_new, f_new):
     take_states(m, y_new)
     loads(m, t)
     accelerate(m)
+    if m.dry.shape[0] > 0:
+        add_dry_friction(m)
     nq = m.change.shape[0]
     collect(m, y_new[nq : 2 * nq], f_new)
     m.tally[at.EVALUATIONS] += 1

@@ -35,7 +35,7 @@ def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Worksp
     rows: arrays (n, 8) of the steppers: time [s], contact, kind, then up to five values of `Event` [SI].
     """
     owner = system.arrays["contact"][:, at.OWNER]
-    joints = [system.joints[n] for n in owner.tolist()]
+    joints = [*(system.joints[n] for n in owner.tolist()), *system.dry_joints]
     written = np.concatenate(rows) if rows else np.zeros((0, at.width("events")))
     bare = (written[:, at.EVENT_KIND] != at.CONTACT_EVENT) & (written[:, at.EVENT_KIND] != at.IMPACT_EVENT)
     written[bare, at.EVENT_DURATION :] = 0.0  # only contacts and impacts have more than a speed

@@ -32,6 +32,7 @@ from rattle.solvers import step_state
 from rattle.solvers.contacts.penetration import ESCAPED
 from rattle.solvers.nonsmooth.jolts import jolt, speeds
 from rattle.solvers.output_row import record
+from rattle.solvers.dry_friction_modes import decide
 from rattle.solvers.state_switches import choose_sides
 from rattle.solvers.step_audit import UNSOUND
 
@@ -125,6 +126,8 @@ class Run(ABC):
         self.table.take(self.workspace.code, self.piece)
         if len(self.workspace.switch) and self.lands_on_instants:
             choose_sides(self.workspace, t, GLANCE * (self.t_end - t))
+        if len(self.workspace.dry) and self.lands_on_instants:
+            decide(self.workspace, t, self.workspace.state, -1, 0)
 
     def ahead(self) -> float:
         """The next instant at which an expression of time switches [s]; inf if there is none."""

@@ -11,6 +11,7 @@ from rattle.analyses.dynamics.soundness import set_floor
 from rattle.equations.motion import OK, PAUSED
 from rattle.jit import layout as at
 from rattle.solvers import step_loop
+from rattle.solvers.dry_friction_modes import decide
 
 
 @final
@@ -45,6 +46,8 @@ class SmoothRun(Run):
 
     def go_on(self, t: float, jolted: bool) -> int:
         """Continue at t [s] with the new right-hand side; see `Run.go_on`."""
+        if len(self.workspace.dry):
+            decide(self.workspace, t, self.workspace.state, -1, 1)
         step_loop.resume(self.workspace, t)
         self.pace(t)
         return PAUSED

@@ -40,6 +40,7 @@ class JointKind:
     coordinate: ClassVar[str] = ""  # what expressions and results know of it, with its rate: angle | position
     massless: ClassVar[str] = ""  # kind of joint for the clearance as a massless link; its one field is the clearance
     drawn_as: ClassVar[str] = ""  # a form of rattle.plots.drawings: pin, rod, guide ...; "" if it is not drawn
+    rubs: ClassVar[bool] = False  # True: it may have friction by its own reaction, as a pin or (with a line) a guide
     places: ClassVar[bool] = True  # False: its rows do not say where the point of B is
     from_start: ClassVar[bool] = False  # True: each row is less a constant, which makes it vanish at the start
 

@@ -57,6 +57,7 @@ class Prismatic(JointKind):
     motor = Motor("position", "thrust", "N")
     coordinate = "position"
     drawn_as = "guide"
+    rubs = True
     axis = Field("rad", "direction of the line in A's frame", default=0.0)
     angle = Field("rad", "angle of B relative to A (default: equal to axis)", default=lambda given: given["axis"])
 

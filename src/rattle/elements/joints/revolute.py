@@ -47,4 +47,5 @@ class Revolute(JointKind):
     motor = Motor("angle", "torque", "N*m")
     coordinate = "angle"
     massless = "rod"
+    rubs = True
     drawn_as = "pin"

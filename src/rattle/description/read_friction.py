@@ -1,0 +1,76 @@
+"""Reading the `friction` of a joint without play: a number or a table -> `JointFriction`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rattle import registry
+from rattle.description.model import Choice, JointFriction
+from rattle.description.read_fields import FieldReader
+from rattle.description.read_values import Path, said
+from rattle.elements.contact_laws.friction import MU, MU_STATIC
+from rattle.errors import suggest
+from rattle.registry import Field
+
+SET_VALUED = "coulomb"  # the model that a number means
+COULOMB = {"mu": MU, "mu_static": MU_STATIC}
+RADIUS = {"pin_radius": Field("m", "radius of the pin, on which friction acts", least="positive")}
+
+
+def friction_models() -> list[str]:
+    """Every name that the model of `friction` may have in a joint without play."""
+    return [SET_VALUED, *registry.kinds("friction")]
+
+
+def joint_friction(
+    reader: FieldReader, written: Any, joint: registry.Kind, block: Sequence[float], loose: bool, path: Path
+) -> JointFriction | None:
+    """Friction of one joint by its own reaction; None after a problem.
+
+    block: length of its block [m], then others, if given; loose: it has clearance.
+    """
+    values = reader.values
+    if not joint.leaf.rubs:
+        where = " or ".join(name for name, one in registry.kinds("joint").items() if one.leaf.rubs)
+        values.wrong(path, f"a {joint.name} joint has no friction of its own; expected {where}", at_key=True)
+        return None
+    if loose:
+        said_ = "a joint with clearance has friction in its contact; write friction there, or leave the clearance out"
+        values.wrong(path, f"one or the other: {said_}", at_key=True)
+        return None
+    before = len(values.problems)
+    table = dict(written) if isinstance(written, Mapping) else {"model": SET_VALUED, "mu": written}
+    model, known = table.get("model", SET_VALUED), friction_models()
+    if not isinstance(model, str) or model not in known:
+        values.wrong((*path, "model"), f"unknown friction {said(model)}{suggest(str(model), known)}")
+        return None
+    radius = {} if _slides(joint) else RADIUS
+    fields = COULOMB if model == SET_VALUED else registry.kinds("friction")[model].fields
+    whole = isinstance(written, Mapping)
+    values.keys(table, ["model", *fields, *radius], path)
+    if radius and "pin_radius" not in table:
+        values.wrong(path, "needs pin_radius in m: the moment is mu times the reaction times the radius of the pin")
+        return None
+    arm = reader.field(RADIUS["pin_radius"], "pin_radius", table, {}, path) if radius else 1.0
+    read: dict[str, Any] = {}
+    for key, one in fields.items():
+        read[key] = reader.field(one, key, table, read, path if whole or key in table else path[:-1])
+    if len(values.problems) > before:
+        return None
+    reach = 2.0 / block[0] if block and block[0] > 0.0 else 0.0
+    if model == SET_VALUED:
+        if read["mu_static"] < read["mu"]:
+            values.wrong((*path, "mu_static"), f"{read['mu_static']:g} must not be less than mu = {read['mu']:g}")
+        return JointFriction(arm, reach, read["mu"], read["mu_static"])
+    law = Choice(model, read)
+    try:
+        registry.kinds("friction")[model].leaf.pack(read)
+    except ValueError as error:
+        values.wrong(path, str(error))
+    return JointFriction(arm, reach, law=law)
+
+
+def _slides(joint: registry.Kind) -> bool:
+    """True if the free coordinate of a kind of joint is a length."""
+    return joint.leaf.motor is not None and joint.leaf.motor.unit == "N"

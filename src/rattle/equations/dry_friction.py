@@ -1,0 +1,284 @@
+"""Dry friction in joints without play, by the joint's own reaction.
+
+Along the free coordinate of a joint, the row w with u = w . v (turning: rad/s, sliding: m/s), acts tau = w . force:
+
+    slips in the sense s = +-1     tau = -s mu L(lambda)                        (coulomb)
+    sticks                         w . dv = gamma,   |tau| <= mu_static L       (coulomb)
+    always                         tau = -T(arm u, N) arm                       (a law of the family "friction")
+
+    L = arm N,   N = hypot(lambda_1, lambda_2) of a pin,   max(|lambda_1|, |lambda_2| / a) of a block of length 2 a
+
+The reaction lambda depends on tau.  With the responses to unit forces, Z = S^-1 Phi_q M^-1 w and Y = M^-1 (w - Phi_q^T Z),
+
+    lambda = lambda_0 + Z tau,   dv = dv_0 + Y tau,
+
+so that tau of all joints follows from a few Newton steps.  N is convex; one joint has one solution if mu L(Z) < 1.
+A determinant that is not positive, or no convergence, means that friction locks the joint: then tau is nan.
+
+Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 5; the coupling: this package.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.equations.schur import solve
+from rattle.jit import layout as at
+from rattle.jit.families import call_friction, call_joint
+from rattle.jit.functions import compiled, native
+
+ROUNDS = 40  # Newton steps after which there is no solution
+CLOSE = 4e-16  # share of tau that ends them
+TILT = 1e-6  # share of N by which the slope of a law is measured
+FIRM = 1e-12  # share of its own mobility below which a coordinate is held by other joints or drivers
+REST = 1e-13  # rate [m/s or rad/s] below which a coordinate is at rest, besides rounding of its terms
+
+
+@compiled
+def along(m, n, values, column):
+    """w_n . values; values (nb + 1, ...) has x, y, angle from `column` on."""
+    dry, rows = m.dry, m.dry_rows
+    a, b = dry[n, at.DRY_A], dry[n, at.DRY_B]
+    total = 0.0
+    for k in range(3):
+        total += rows[n, at.AX + k] * values[a, column + k] + rows[n, at.BX + k] * values[b, column + k]
+    return total
+
+
+@compiled
+def rounding(m, n):
+    """Rate [m/s or rad/s] below which that of coordinate n is zero or rounding."""
+    dry, rows, body = m.dry, m.dry_rows, m.body
+    a, b = dry[n, at.DRY_A], dry[n, at.DRY_B]
+    total = 0.0
+    for k in range(3):
+        total += abs(rows[n, at.AX + k] * body[a, at.VX + k]) + abs(rows[n, at.BX + k] * body[b, at.VX + k])
+    return REST + 1e-13 * total
+
+
+@compiled
+def respond(m, n):
+    """Responses of accelerations and multipliers to a unit force along coordinate n; S is factored."""
+    dry, line, rows, weight, x = m.dry, m.dry_rows, m.rows, m.weight, m.solution
+    response, reaction, place_of, row_body = m.dry_response, m.dry_reaction, m.place, m.row_body
+    for k in range(response.shape[1]):
+        response[n, k] = 0.0
+    for k in range(3):
+        a, b = dry[n, at.DRY_A], dry[n, at.DRY_B]
+        response[n, 3 * a + k] += weight[a, k] * line[n, at.AX + k]
+        response[n, 3 * b + k] += weight[b, k] * line[n, at.BX + k]
+    free = 0.0
+    for k in range(3):
+        a, b = dry[n, at.DRY_A], dry[n, at.DRY_B]
+        free += line[n, at.AX + k] * response[n, 3 * a + k] + line[n, at.BX + k] * response[n, 3 * b + k]
+    for r in range(rows.shape[0]):
+        a, b = row_body[r, at.ROW_A], row_body[r, at.ROW_B]
+        value = 0.0
+        for k in range(3):
+            value += rows[r, at.AX + k] * response[n, 3 * a + k] + rows[r, at.BX + k] * response[n, 3 * b + k]
+        x[place_of[r]] = value
+    solve(m)
+    for r in range(rows.shape[0]):
+        value = x[place_of[r]]
+        reaction[n, r] = value
+        a, b = row_body[r, at.ROW_A], row_body[r, at.ROW_B]
+        for k in range(3):
+            response[n, 3 * a + k] -= weight[a, k] * rows[r, at.AX + k] * value
+            response[n, 3 * b + k] -= weight[b, k] * rows[r, at.BX + k] * value
+    m.dry_memory[n, at.DRY_HELD] = 1.0 if mobility(m, n, n) <= FIRM * free else 0.0
+
+
+@compiled
+def mobility(m, n, o):
+    """Acceleration along coordinate n per unit force along coordinate o."""
+    dry, line, response = m.dry, m.dry_rows, m.dry_response
+    a, b = dry[n, at.DRY_A], dry[n, at.DRY_B]
+    total = 0.0
+    for k in range(3):
+        total += line[n, at.AX + k] * response[o, 3 * a + k] + line[n, at.BX + k] * response[o, 3 * b + k]
+    return total
+
+
+@compiled
+def pressing(m, n, first, second):
+    """N [N] of joint n by its two multipliers, and its slopes with respect to them."""
+    reach = m.values[m.dry[n, at.DRY_P] + at.DRY_REACH]
+    if m.dry[n, at.DRY_FORM] == at.DRY_PIN:
+        size = math.hypot(first, second)
+        if size == 0.0:
+            return 0.0, 0.0, 0.0
+        return size, first / size, second / size
+    if abs(first) >= reach * abs(second):
+        return abs(first), math.copysign(1.0, first), 0.0
+    return reach * abs(second), 0.0, math.copysign(reach, second)
+
+
+@compiled
+def resistance(m, n, N):
+    """|tau| while coulomb friction slips, or tau of a law at the present rate, for the normal force N [N]."""
+    p, values, memory = m.dry[n, at.DRY_P], m.values, m.dry_memory
+    arm = values[p + at.DRY_ARM]
+    if m.dry[n, at.DRY_LAW] < 0:
+        return values[p + at.DRY_MU] * arm * N
+    u = arm * memory[n, at.DRY_RATE]
+    law, first, end = m.friction_table[m.dry[n, at.DRY_LAW]], m.dry[n, at.DRY_STATE], m.element_state.shape[0]
+    z, dz = m.element_state[first:end], m.element_rate[first:end]
+    return arm * call_friction(law, (u, N, z, values, p + at.DRY_FIELDS, dz))
+
+
+@compiled
+def sense_of(m, n):
+    """Factor of `resistance` in tau: minus the sense of slip, zero where nothing slips."""
+    if m.dry[n, at.DRY_LAW] >= 0:
+        return -1.0
+    mode, rate = m.dry_memory[n, at.DRY_MODE], m.dry_memory[n, at.DRY_RATE]
+    if mode == at.DRY_AUTO:
+        return 0.0 if rate == 0.0 else -math.copysign(1.0, rate)
+    return -mode
+
+
+@compiled
+def set_up(m):
+    """Residual and Jacobian of the equations of all tau at the present estimate, into `dry_system`."""
+    memory, system, joint, multiplier, reaction = m.dry_memory, m.dry_system, m.joint, m.multiplier, m.dry_reaction
+    count = memory.shape[0]
+    for n in range(count):
+        tau = memory[n, at.DRY_FORCE]
+        for o in range(count):
+            system[n, o] = 1.0 if n == o else 0.0
+        system[n, count] = tau
+        if memory[n, at.DRY_MODE] == at.DRY_STICKS and m.dry[n, at.DRY_LAW] < 0:
+            if memory[n, at.DRY_HELD] == 1.0:
+                continue
+            value = along(m, n, m.acceleration, 0) - m.dry_rows[n, at.GAMMA]
+            for o in range(count):
+                system[n, o] = mobility(m, n, o)
+                value += system[n, o] * memory[o, at.DRY_FORCE]
+            system[n, count] = value
+            continue
+        r, sign = m.dry[n, at.DRY_ROW], sense_of(m, n)
+        first, second = multiplier[r], multiplier[r + 1]
+        for o in range(count):
+            first += reaction[o, r] * memory[o, at.DRY_FORCE]
+            second += reaction[o, r + 1] * memory[o, at.DRY_FORCE]
+        N, slope, slope2 = pressing(m, n, first, second)
+        size = resistance(m, n, N)
+        grows = (resistance(m, n, N * (1.0 + TILT)) - size) / (TILT * N) if N > 0.0 else 0.0
+        system[n, count] = tau - sign * size
+        for o in range(count):
+            system[n, o] -= sign * grows * (slope * reaction[o, r] + slope2 * reaction[o, r + 1])
+
+
+@compiled
+def eliminate(system, count):
+    """Solve system[:, :count] x = system[:, count] in place by pivoting; x stands in the last column.
+
+    Returns the sign of the determinant.
+    """
+    sign = 1.0
+    for k in range(count):
+        best = k
+        for n in range(k + 1, count):
+            if abs(system[n, k]) > abs(system[best, k]):
+                best = n
+        if best != k:
+            sign = -sign
+            for o in range(count + 1):
+                swapped = system[k, o]
+                system[k, o] = system[best, o]
+                system[best, o] = swapped
+        pivot = system[k, k]
+        if not abs(pivot) > 0.0:
+            return 0.0
+        sign = math.copysign(sign, sign * pivot)
+        for n in range(k + 1, count):
+            share = system[n, k] / pivot
+            for o in range(k, count + 1):
+                system[n, o] -= share * system[k, o]
+    for k in range(count - 1, -1, -1):
+        value = system[k, count]
+        for o in range(k + 1, count):
+            value -= system[k, o] * system[o, count]
+        system[k, count] = value / system[k, k]
+    return sign
+
+
+@compiled
+def find_forces(m):
+    """tau of every joint into `dry_memory`; False if there is none."""
+    memory, system = m.dry_memory, m.dry_system
+    count = memory.shape[0]
+    for n in range(count):
+        memory[n, at.DRY_FORCE] = 0.0
+    last = math.inf
+    for _ in range(ROUNDS):
+        set_up(m)
+        if not eliminate(system, count) > 0.0:
+            return False
+        change, size = 0.0, 0.0
+        for n in range(count):
+            memory[n, at.DRY_FORCE] -= system[n, count]
+            change += abs(system[n, count])
+            size += abs(memory[n, at.DRY_FORCE])
+        if not size < math.inf:
+            return False
+        if change <= CLOSE * size or (change <= 1e-12 * size and change >= last):
+            return True
+        last = change
+    return False
+
+
+@native("void", "h")
+def add_dry_friction(m):
+    """Add the response to the friction of all joints to accelerations and multipliers, and its power to the losses.
+
+    Needs S factored and the motion without this friction.  Notes in `dry_memory` which modes cannot last.
+    """
+    dry, memory, rows, values = m.dry, m.dry_memory, m.dry_rows, m.values
+    acceleration, multiplier, response, reaction = m.acceleration, m.multiplier, m.dry_response, m.dry_reaction
+    for n in range(dry.shape[0]):
+        a, b, p = dry[n, at.DRY_A], dry[n, at.DRY_B], dry[n, at.DRY_P]
+        call_joint(m.joint_table[dry[n, at.DRY_KERNEL]], (m.body, a, b, values, p, n, rows))
+        memory[n, at.DRY_RATE] = along(m, n, m.body, at.VX)
+        respond(m, n)
+    found = find_forces(m)
+    for n in range(dry.shape[0]):
+        tau = memory[n, at.DRY_FORCE] if found else math.nan
+        memory[n, at.DRY_LOCKS] = 0.0 if found else 1.0
+        memory[n, at.DRY_FORCE] = tau
+        for i in range(1, acceleration.shape[0]):
+            for k in range(3):
+                acceleration[i, k] += response[n, 3 * i + k] * tau
+        for r in range(multiplier.shape[0]):
+            multiplier[r] += reaction[n, r] * tau
+        m.power[at.LOSS_RATE] -= tau * memory[n, at.DRY_RATE]
+    for n in range(dry.shape[0]):
+        if dry[n, at.DRY_LAW] >= 0:  # the rates of its states
+            r = dry[n, at.DRY_ROW]
+            N, _, _ = pressing(m, n, multiplier[r], multiplier[r + 1])
+            resistance(m, n, N)
+        if lasting(m, n) < 0.0:
+            memory[n, at.DRY_OVER] = 1.0
+
+
+@compiled
+def limit(m, n):
+    """The largest |tau| at which joint n sticks, by the present multipliers."""
+    p, r = m.dry[n, at.DRY_P], m.dry[n, at.DRY_ROW]
+    N, _, _ = pressing(m, n, m.multiplier[r], m.multiplier[r + 1])
+    return m.values[p + at.DRY_MU_STATIC] * m.values[p + at.DRY_ARM] * N
+
+
+@compiled
+def lasting(m, n):
+    """Negative where the mode of joint n cannot last: it slips backwards, or sticks beyond its limit."""
+    memory = m.dry_memory
+    mode, rate, tau = memory[n, at.DRY_MODE], memory[n, at.DRY_RATE], memory[n, at.DRY_FORCE]
+    if m.dry[n, at.DRY_LAW] >= 0 or mode == at.DRY_AUTO:
+        return 1.0
+    if mode == at.DRY_STICKS and memory[n, at.DRY_HELD] == 1.0:  # a driver decides
+        return 1.0 if abs(rate) <= rounding(m, n) else -1.0
+    if mode == at.DRY_STICKS:
+        most = limit(m, n)
+        return most * (1.0 + 1e-12) - abs(tau)
+    return mode * rate + rounding(m, n)

@@ -1,0 +1,40 @@
+"""Friction of joints without play as flat arrays: the row of the free coordinate, the normal force, the law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from rattle import registry
+from rattle.description.model import Model, before_function
+from rattle.jit import layout as at
+
+
+def friction_table(
+    model: Model, number: Mapping[str, int], values: list[float], joints: Sequence[Sequence[int]], states: int
+) -> list[tuple[int, ...]]:
+    """One entry per joint without play that has friction, see `layout`; parameters are appended to `values`.
+
+    number: of every body; joints: their entries in the array `joint`; states: of elements before these.
+    """
+    found: list[tuple[int, ...]] = []
+    for n, joint in enumerate(model.joints.values()):
+        friction, motor = joint.friction, joint.leaf.motor
+        if friction is None or motor is None:
+            continue
+        driver = registry.kinds("driver")[motor.driver]
+        place, line = len(values), before_function(joint, driver)
+        values += [*joint.a.at, *joint.b.at, *line, *[0.0] * (at.DRY_ARM - at.POINTS - len(line))]
+        values += [friction.arm, friction.reach]
+        law, own = -1, 0
+        if friction.law is None:
+            values += [friction.mu, friction.mu_static]
+        else:
+            kind = registry.kinds("friction")[friction.law.kind]
+            law, own = kind.tag, kind.leaf.states
+            values += kind.leaf.pack(friction.law.values)
+        kernel = len(registry.kinds("joint")) + driver.tag
+        form = at.DRY_GUIDE if joint.line is not None else at.DRY_PIN
+        a, b = number[joint.a.body], number[joint.b.body]
+        found.append((n, a, b, kernel, place, joints[n][at.FIRST_ROW], form, law, states, own))
+        states += own
+    return found

@@ -1,0 +1,253 @@
+"""Set-valued dry friction of joints without play in a run: when it sticks and slips.
+
+Between events every joint keeps its mode.  A step ends at the first instant at which a mode cannot last, as at the
+switches of expressions (`state_switches`):
+
+    rate = 0 while it slips          sticks, or slips on, or back
+    |tau| = mu_static L              slips against tau
+
+There all joints at rest are decided together: all stick, then the one that is farthest beyond its limit slips against
+its tau, until none is; one whose acceleration contradicts its sense sticks again.  If that does not settle, all
+combinations are tried, those with most sticking joints first.  Friction takes no part in impulses: its forces are finite.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.equations.dry_friction import REST, along, eliminate, lasting, limit, mobility, rounding
+from rattle.equations.motion import solve_motion
+from rattle.equations.state import take_states
+from rattle.jit import layout as at
+from rattle.jit.functions import compiled, native
+from rattle.solvers.contacts.gap_search import NONE
+from rattle.solvers.dense_output import interpolate
+
+PARTS = 16  # pieces of a step that are searched
+MOST_TRIED = 8  # joints at rest up to which all combinations are tried
+
+
+@compiled
+def solve_at(m, t, y):
+    """The motion at (t [s], y) in the present modes."""
+    nq = m.change.shape[0]
+    take_states(m, y)
+    solve_motion(m, t, y[:nq], y[nq : 2 * nq])
+    m.tally[at.EVALUATIONS] += 1
+
+
+@compiled
+def decided(m, n):
+    """True if joint n is at rest and its friction set-valued, so that its mode is open."""
+    return m.dry[n, at.DRY_LAW] < 0 and abs(m.dry_memory[n, at.DRY_RATE]) <= rounding(m, n)
+
+
+@compiled
+def sudden(m, n):
+    """Acceleration of coordinate n against that of sticking [m/s^2 or rad/s^2]."""
+    return along(m, n, m.acceleration, 0) - m.dry_rows[n, at.GAMMA]
+
+
+@compiled
+def bring_to_rest(m, y):
+    """Remove the rest of the rate of coordinates that are to stick, with the least mass-weighted change of the rates."""
+    memory, system, response = m.dry_memory, m.dry_system, m.dry_response
+    count, nq = memory.shape[0], m.change.shape[0]
+    for n in range(count):
+        sticks = memory[n, at.DRY_MODE] == at.DRY_STICKS and memory[n, at.DRY_HELD] == 0.0 and m.dry[n, at.DRY_LAW] < 0
+        for o in range(count):
+            system[n, o] = mobility(m, n, o) if sticks else (1.0 if n == o else 0.0)
+        system[n, count] = memory[n, at.DRY_RATE] if sticks else 0.0
+    if eliminate(system, count) > 0.0:
+        for n in range(count):
+            for k in range(nq):
+                y[nq + k] -= system[n, count] * response[n, 3 + k]
+
+
+@compiled
+def violation(m, n, loose):
+    """How far the mode of a joint at rest is from being possible, as a share; 0 if it is.
+
+    loose: a joint that has just been set free, whose acceleration may be rounding.
+    """
+    memory = m.dry_memory
+    mode, tau = memory[n, at.DRY_MODE], memory[n, at.DRY_FORCE]
+    if memory[n, at.DRY_HELD] == 1.0:  # it moves as it has to, whatever friction does
+        return 0.0
+    if mode == at.DRY_STICKS:
+        most = limit(m, n)
+        beyond = abs(tau) - most * (1.0 + 1e-11)
+        return beyond / (abs(tau) + most) if beyond > 0.0 else 0.0
+    doubt = (1e-6 if n == loose else 1e-12) * abs(mobility(m, n, n) * tau)
+    return 1.0 if sudden(m, n) * mode < -doubt else 0.0
+
+
+@compiled
+def follow_drivers(m):
+    """Joints at rest whose coordinate has no freedom get the sense in which it is accelerated."""
+    memory = m.dry_memory
+    for n in range(memory.shape[0]):
+        if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_HELD] == 1.0:
+            ahead = sudden(m, n)
+            memory[n, at.DRY_MODE] = at.DRY_STICKS if abs(ahead) <= REST else math.copysign(1.0, ahead)
+
+
+@compiled
+def settle(m, t, y, loose):
+    """Change modes of joints at rest one by one until all are possible; False if that does not end."""
+    memory = m.dry_memory
+    for _ in range(4 * memory.shape[0] + 4):
+        solve_at(m, t, y)
+        worst, who = 0.0, -1
+        for n in range(memory.shape[0]):
+            wrong = violation(m, n, loose) if memory[n, at.DRY_REST] == 1.0 else 0.0
+            if wrong > worst:
+                worst, who = wrong, n
+        if who < 0:
+            return memory[0, at.DRY_LOCKS] == 0.0
+        if memory[who, at.DRY_MODE] == at.DRY_STICKS:
+            memory[who, at.DRY_MODE] = -math.copysign(1.0, memory[who, at.DRY_FORCE])
+        else:
+            memory[who, at.DRY_MODE] = at.DRY_STICKS
+    return False
+
+
+@compiled
+def try_all(m, t, y, loose):
+    """Try all combinations of modes of the joints at rest, those with fewest that slip first; False if none is one."""
+    memory = m.dry_memory
+    count, free, most = memory.shape[0], 0, 1
+    for n in range(count):
+        if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_HELD] == 0.0:
+            free += 1
+            most *= 3
+    if free > MOST_TRIED:
+        return False
+    for slipping in range(free + 1):
+        for code in range(most):
+            rest, moving = code, 0
+            for n in range(count):
+                if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_HELD] == 0.0:
+                    digit = rest % 3
+                    rest //= 3
+                    memory[n, at.DRY_MODE] = -1.0 if digit == 2 else float(digit)
+                    moving += 1 if digit > 0 else 0
+            if moving != slipping:
+                continue
+            solve_at(m, t, y)
+            possible = memory[0, at.DRY_LOCKS] == 0.0
+            for n in range(count):
+                possible = possible and (memory[n, at.DRY_REST] == 0.0 or violation(m, n, loose) == 0.0)
+            if possible:
+                return True
+    return False
+
+
+@native("i", "h", "f", "v", "i", "i")
+def decide(m, t, y, who, told):
+    """Modes of all joints at (t [s], y), whose rates are brought to rest where they stick; False if there are none.
+
+    who: the joint whose mode cannot last (-1: none).  told: 1 to record stick and slip as events.
+    """
+    memory = m.dry_memory
+    breaks = who >= 0 and memory[who, at.DRY_MODE] == at.DRY_STICKS and memory[who, at.DRY_HELD] == 0.0
+    solve_at(m, t, y)
+    sense = -math.copysign(1.0, memory[who, at.DRY_FORCE]) if breaks else 0.0
+    for n in range(memory.shape[0]):
+        memory[n, at.DRY_BEFORE] = memory[n, at.DRY_MODE]
+        rests = (n == who and memory[n, at.DRY_HELD] == 0.0) or decided(m, n)
+        memory[n, at.DRY_REST] = 1.0 if rests else 0.0
+        if m.dry[n, at.DRY_LAW] < 0:
+            memory[n, at.DRY_MODE] = at.DRY_STICKS if rests else math.copysign(1.0, memory[n, at.DRY_RATE])
+    bring_to_rest(m, y)
+    solve_at(m, t, y)
+    follow_drivers(m)
+    if breaks:
+        memory[who, at.DRY_MODE] = sense
+    loose = who if breaks else -1
+    found = settle(m, t, y, loose) or try_all(m, t, y, loose)
+    for n in range(memory.shape[0]):
+        memory[n, at.DRY_REST], memory[n, at.DRY_OVER] = 0.0, 0.0
+        if told == 1:
+            tell(m, t, n)
+    return found
+
+
+@compiled
+def tell(m, t, n):
+    """Record that joint n sticks, or that it has begun to slip."""
+    events, tally, memory = m.events, m.tally, m.dry_memory
+    mode, before, k = memory[n, at.DRY_MODE], memory[n, at.DRY_BEFORE], tally[at.EVENT_COUNT]
+    if mode == before or m.dry[n, at.DRY_LAW] >= 0 or k >= events.shape[0]:
+        return
+    for column in range(events.shape[1]):
+        events[k, column] = 0.0
+    events[k, at.EVENT_T] = t
+    events[k, at.EVENT_CONTACT] = m.contact.shape[0] + n
+    events[k, at.EVENT_KIND] = at.STICK_EVENT if mode == at.DRY_STICKS else at.SLIP_EVENT
+    tally[at.EVENT_COUNT] = k + 1
+
+
+@compiled
+def any_over(m):
+    """True if a mode could not last at an instant since the last call."""
+    memory, found = m.dry_memory, False
+    for n in range(memory.shape[0]):
+        found = found or memory[n, at.DRY_OVER] == 1.0
+        memory[n, at.DRY_OVER] = 0.0
+    return found
+
+
+@compiled
+def past(m, n):
+    """True where the event of joint n is over: it slips backwards, or sticks beyond its limit."""
+    memory = m.dry_memory
+    if memory[n, at.DRY_MODE] != at.DRY_STICKS and memory[n, at.DRY_MODE] != at.DRY_AUTO:
+        return m.dry[n, at.DRY_LAW] < 0 and memory[n, at.DRY_MODE] * memory[n, at.DRY_RATE] < 0.0
+    return lasting(m, n) < 0.0
+
+
+@compiled
+def look(m, t, h, share):
+    """The motion at a share of the step from t [s] of length h [s]."""
+    interpolate(m, share, m.stage)
+    solve_at(m, t + share * h, m.stage)
+
+
+@native("fi", "h", "f", "f", "f")
+def first_change_of_modes(m, t, h, until):
+    """Share of the step up to `until` at which the first mode cannot last (NONE if all do), and the joint.
+
+    Needs the dense output.
+    """
+    count = m.dry_memory.shape[0]
+    left = 0.0
+    for part in range(1, PARTS + 1):
+        right = part / PARTS
+        if left >= until:
+            break
+        look(m, t, h, right)
+        over = False
+        for n in range(count):
+            over = over or lasting(m, n) < 0.0
+        if over:
+            low, high, who = left, right, -1
+            for _ in range(60):
+                middle = 0.5 * (low + high)
+                if middle <= low or middle >= high or (high - low) * h <= 1e-16 * abs(t):
+                    break
+                look(m, t, h, middle)
+                found = False
+                for n in range(count):
+                    found = found or past(m, n)
+                if found:
+                    high = middle
+                else:
+                    low = middle
+            look(m, t, h, high)
+            for n in range(count):
+                if who < 0 and (past(m, n) or (high == right and lasting(m, n) < 0.0)):
+                    who = n
+            return high, who
+        left = right
+    return NONE, -1
