@@ -18,9 +18,14 @@ COULOMB = {"mu": MU, "mu_static": MU_STATIC}
 RADIUS = {"pin_radius": Field("m", "radius of the pin, on which friction acts", least="positive")}
 
 
-def friction_models() -> list[str]:
-    """Every name that the model of `friction` may have in a joint without play."""
-    return [SET_VALUED, *registry.kinds("friction")]
+def friction_models() -> dict[str, Mapping[str, Field]]:
+    """Every name that the model of `friction` may have in a joint without play, with its fields."""
+    return {SET_VALUED: COULOMB, **{name: one.fields for name, one in registry.kinds("friction").items()}}
+
+
+def arm_fields(joint: registry.Kind) -> Mapping[str, Field]:
+    """What friction needs besides its model in a kind of joint: the radius of its pin, if it turns."""
+    return {} if joint.leaf.motor is not None and joint.leaf.motor.unit == "N" else RADIUS
 
 
 def joint_friction(
@@ -45,8 +50,7 @@ def joint_friction(
     if not isinstance(model, str) or model not in known:
         values.wrong((*path, "model"), f"unknown friction {said(model)}{suggest(str(model), known)}")
         return None
-    radius = {} if _slides(joint) else RADIUS
-    fields = COULOMB if model == SET_VALUED else registry.kinds("friction")[model].fields
+    radius, fields = arm_fields(joint), known[model]
     whole = isinstance(written, Mapping)
     values.keys(table, ["model", *fields, *radius], path)
     if radius and "pin_radius" not in table:
@@ -69,8 +73,3 @@ def joint_friction(
     except ValueError as error:
         values.wrong(path, str(error))
     return JointFriction(arm, reach, law=law)
-
-
-def _slides(joint: registry.Kind) -> bool:
-    """True if the free coordinate of a kind of joint is a length."""
-    return joint.leaf.motor is not None and joint.leaf.motor.unit == "N"

@@ -14,6 +14,7 @@ from typing import Any
 
 from rattle import registry
 from rattle.description.read_contact import ALONG, stop_models
+from rattle.description.read_friction import arm_fields, friction_models
 from rattle.description.read_parameters import DISTRIBUTIONS, TABLE
 from rattle.description.read_parts import moved_joints
 from rattle.description.read_tables import KINDS
@@ -231,6 +232,7 @@ def _joint(kind: Kind) -> Schema:
         **ends,
         **_dimensions(kind),
         **_stop(kind),
+        **_own_friction(kind),
         **_fields(kind),
     }
     return _object(properties, ("type", "connect", *_needed(kind)), kind.summary)
@@ -252,6 +254,21 @@ def _stop(joint: Kind) -> dict[str, Schema]:
         return {}
     contact = _contact(stop_models(), ALONG, "contact model of the stop")
     return {"stop": _object({**_fields(kind), "contact": contact}, (), kind.summary)}
+
+
+def _own_friction(joint: Kind) -> dict[str, Schema]:
+    """Friction of a joint without play, if it may have any."""
+    if not joint.leaf.rubs:
+        return {}
+    more = {key: _field(one) for key, one in arm_fields(joint).items()}
+    tables = [
+        _object(
+            {"model": {"const": name}, **{key: _field(one) for key, one in fields.items()}, **more}, ("model", *more)
+        )
+        for name, fields in friction_models().items()
+    ]
+    number = [] if more else [_number("", "coefficient of friction", "not negative")]
+    return {"friction": {"anyOf": [*number, *tables], "description": "friction without play, by its own reaction"}}
 
 
 def _contact(

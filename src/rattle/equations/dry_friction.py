@@ -8,7 +8,9 @@ Along the free coordinate of a joint, the row w with u = w . v (turning: rad/s, 
 
     L = arm N,   N = hypot(lambda_1, lambda_2) of a pin,   max(|lambda_1|, |lambda_2| / a) of a block of length 2 a
 
-The reaction lambda depends on tau.  With the responses to unit forces, Z = S^-1 Phi_q M^-1 w and Y = M^-1 (w - Phi_q^T Z),
+The reaction lambda depends on tau.  With the responses to unit forces,
+
+    Z = S^-1 Phi_q M^-1 w,   Y = M^-1 (w - Phi_q^T Z),
 
     lambda = lambda_0 + Z tau,   dv = dv_0 + Y tau,
 
@@ -140,7 +142,7 @@ def sense_of(m, n):
 @compiled
 def set_up(m):
     """Residual and Jacobian of the equations of all tau at the present estimate, into `dry_system`."""
-    memory, system, joint, multiplier, reaction = m.dry_memory, m.dry_system, m.joint, m.multiplier, m.dry_reaction
+    memory, system, multiplier, reaction = m.dry_memory, m.dry_system, m.multiplier, m.dry_reaction
     count = memory.shape[0]
     for n in range(count):
         tau = memory[n, at.DRY_FORCE]

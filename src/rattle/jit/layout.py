@@ -258,7 +258,7 @@ _declare("dry_memory", """
     DRY_MODE [] sense of slip 1 or -1, DRY_STICKS or DRY_AUTO
     DRY_FORCE [N or N*m] tau along the free coordinate
     DRY_RATE [m/s or rad/s] rate of that coordinate
-    DRY_HELD [] 1 if joints and drivers leave the coordinate no freedom
+    DRY_HELD [] 1 if other joints and drivers hold the coordinate
     DRY_OVER [] 1 if the mode could not last at an instant since it was set to 0
     DRY_LOCKS [] 1 if no tau was found
     DRY_REST [] 1 while its mode is being decided at rest

@@ -72,6 +72,8 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
         found.append((f"{name}.force", at.OF_VECTOR, c + at.FX))
         if passes_moment(joint):
             found.append((f"{name}.moment", at.OF_SIZE, c + at.MOMENT))
+        if joint.friction is not None:
+            found.append((f"{name}.friction", at.OF_SIZE, c + at.JOINT_TANGENT))
         if joint.stop is not None:
             found.append((f"{name}.stop", at.OF_SIZE, c + at.STOP))
         if joint.contact is None:
@@ -86,9 +88,9 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
 
 
 def passes_moment(joint: Joint) -> bool:
-    """True if the joint may transmit a moment: by its rows, by contacts in their place, or by a stop of its angle."""
+    """True if the joint may transmit a moment: by rows, contacts in their place, friction, or a stop of its angle."""
     kind = joint_rows(joint)[0]
-    return kind is None or kind.leaf.moment or joint.stops_angle
+    return kind is None or kind.leaf.moment or joint.friction is not None or joint.stops_angle
 
 
 def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dict[str, str]]:
@@ -127,6 +129,8 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
             add(f"{name}.fy", "N", c + at.FY)
             if passes_moment(joint):
                 add(f"{name}.moment", "N*m", c + at.MOMENT)
+            if joint.friction is not None:
+                add(f"{name}.friction", joint.leaf.motor.unit, c + at.JOINT_TANGENT)
             if joint.stop is not None:
                 add(f"{name}.stop", "N*m" if joint.stops_angle else "N", c + at.STOP)
             if joint.contact is not None:

@@ -8,7 +8,7 @@ switches of expressions (`state_switches`):
 
 There all joints at rest are decided together: all stick, then the one that is farthest beyond its limit slips against
 its tau, until none is; one whose acceleration contradicts its sense sticks again.  If that does not settle, all
-combinations are tried, those with most sticking joints first.  Friction takes no part in impulses: its forces are finite.
+combinations are tried, those with most sticking joints first.  Friction takes no part in impulses.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def sudden(m, n):
 
 @compiled
 def bring_to_rest(m, y):
-    """Remove the rest of the rate of coordinates that are to stick, with the least mass-weighted change of the rates."""
+    """Remove what rate is left to coordinates that are to stick, with the least mass-weighted change of the rates."""
     memory, system, response = m.dry_memory, m.dry_system, m.dry_response
     count, nq = memory.shape[0], m.change.shape[0]
     for n in range(count):
@@ -84,7 +84,7 @@ def violation(m, n, loose):
 
 @compiled
 def follow_drivers(m):
-    """Joints at rest whose coordinate has no freedom get the sense in which it is accelerated."""
+    """Joints at rest whose coordinate others hold get the sense in which it is accelerated."""
     memory = m.dry_memory
     for n in range(memory.shape[0]):
         if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_HELD] == 1.0:

@@ -1,9 +1,10 @@
-"""Switches of expressions that depend on the state, and of dry friction: each smooth piece of a run stays on one branch of every switch.
+"""Switches of expressions that depend on the state: each smooth piece of a run stays on one branch of every switch.
 
 A step is taken with the branches of its start.  If a switching function has changed sign in it, the dense output is
 searched for the first zero crossing, the step is repeated up to there, and there the switch changes its branch: no
 step crosses a kink.  If a stage has no finite value on the old branch (a square root beyond zero), the switch is
-released for one step, whose error control then passes the kink as well as it can.
+released for one step, whose error control then passes the kink as well as it can.  Dry friction that begins to stick or
+slip (`dry_friction_modes`) ends a step in the same way.
 """
 
 from __future__ import annotations

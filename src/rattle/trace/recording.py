@@ -271,6 +271,9 @@ class Recording:
     """
 
     def __init__(self, system: System, recorder: Recorder) -> None:
+        if system.dry_joints:
+            joints = ", ".join(system.dry_joints)
+            raise TraceError(f"dry friction sticks and slips, which straight-line code cannot follow (joints {joints})")
         if len(system.arrays["contact"]):
             owners = system.arrays["contact"][:, layout.OWNER]
             joints = ", ".join(dict.fromkeys(system.joints[n] for n in owners))

@@ -41,6 +41,13 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
         return what
     if status == SLIDES:
         return _sliding(system, workspace)
+    locked = workspace.dry_memory[:, at.DRY_LOCKS] == 1.0
+    if locked.any():
+        names = ", ".join(f"'{name}'" for name, one in zip(system.dry_joints, locked, strict=True) if one)
+        return (
+            f"friction locks the mechanism at t = {t:.6g} s: no force in joint {names} agrees with the reaction that it"
+            " causes itself; try less friction, a smaller pin or a longer block"
+        )
     record(workspace, t, workspace.state, np.zeros(width(system)))
     rank = describe_rank_loss(system, workspace)
     if rank:
@@ -116,6 +123,11 @@ def _sliding(system: System, workspace: Workspace) -> str:
     """In words, which switch changes its side again and again."""
     t = float(workspace.landing[at.LAST_TURN])
     see(workspace, t, workspace.state)
+    if not len(workspace.switch):
+        return (
+            f"cannot go on at t = {t:.6g} s: friction in {', '.join(system.dry_joints)} sticks and slips to and fro"
+            " without end; give it a regularised model such as coulomb-smooth"
+        )
     sizes = [abs(float(argument(workspace, n, t))) for n in range(len(workspace.switch))]
     row = int(workspace.switch[int(np.argmin(sizes)), at.OWN_CODE])
     name = next(one.name for one in system.switches if one.row == row)

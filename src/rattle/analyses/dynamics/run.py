@@ -30,9 +30,9 @@ from rattle.registry import Kind
 from rattle.results.columns import width
 from rattle.solvers import step_state
 from rattle.solvers.contacts.penetration import ESCAPED
+from rattle.solvers.dry_friction_modes import decide
 from rattle.solvers.nonsmooth.jolts import jolt, speeds
 from rattle.solvers.output_row import record
-from rattle.solvers.dry_friction_modes import decide
 from rattle.solvers.state_switches import choose_sides
 from rattle.solvers.step_audit import UNSOUND
 

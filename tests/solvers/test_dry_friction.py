@@ -1,0 +1,232 @@
+"""Dry friction in joints without play, by their own reaction, against closed forms and an independent integration."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import fsolve
+
+import rattle as rt
+
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
+
+FINE = {"rtol": 1e-11, "atol": 1e-13}
+G = 9.81
+
+
+def wheel(friction: str) -> str:
+    return f"""
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.disc]
+points = {{ C = [0, 0] }}
+mass = 2
+inertia = 0.001
+[joints.pin]
+type = "revolute"
+connect = ["ground.O", "disc.C"]
+{friction}
+[initial]
+disc = {{ omega = 10 }}
+"""
+
+
+def block(friction: str, start: str = "x = 0, vx = 1", more: str = "", guide: str = "ground.O") -> str:
+    return f"""
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.block]
+points = {{ C = [0, 0], H = [0, 0.5] }}
+mass = 1
+inertia = 1
+[joints.guide]
+type = "prismatic"
+connect = ["{guide}", "block.C"]
+angle = 0
+{friction}
+{more}
+[initial]
+block = {{ {start} }}
+"""
+
+
+def pendulum(mu: float, second: float = 0.0, start: float = 0.3, rates: tuple[float, float] = (0.0, 0.0)) -> str:
+    """Two bars of 1 m and 1 kg that hang one below the other, pins of 40 mm radius; angles from the horizontal."""
+    friction = f'friction = {{ model = "coulomb", mu = {mu}, pin_radius = "40 mm" }}'
+    return f"""
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.one]
+bar = ["A", "B"]
+length = 1
+mass = 1
+[bodies.two]
+bar = ["A", "B"]
+length = 1
+mass = 1
+[joints.upper]
+type = "revolute"
+connect = ["ground.O", "one.A"]
+{friction}
+[joints.lower]
+type = "revolute"
+connect = ["one.B", "two.A"]
+{friction}
+[initial]
+one = {{ angle = {start - pi / 2!r}, omega = {rates[0]!r} }}
+two = {{ angle = {second - pi / 2!r}, omega = {rates[1]!r} }}
+"""
+
+
+def kinds(run, joint: str, what: str) -> np.ndarray:
+    return np.array([one.t for one in run.events if one.joint == joint and one.kind == what])
+
+
+def test_a_disc_on_its_pin_loses_its_rate_evenly_and_stays_at_rest():
+    run = rt.loads(wheel('friction = { model = "coulomb", mu = 0.1, pin_radius = "8 mm" }')).simulate(
+        1.0, t_eval=[0, 0.3, 1.0], **FINE
+    )
+    stop = 0.001 * 10 / (0.1 * 0.008 * 2 * G)
+    assert abs(run["disc.omega"][1] - (10 - 3 / stop)) < 1e-10
+    assert abs(run["disc.angle"][2] - 5 * stop) < 1e-11
+    assert abs(run["disc.omega"][2]) < 1e-14
+    assert np.allclose(kinds(run, "pin", "stick"), [stop], atol=1e-12, rtol=0)
+    assert abs(run["energy.balance"]).max() < 1e-12  # the loss is the kinetic energy
+    assert abs(run["energy.dissipated"][2] - 0.05) < 1e-12
+
+
+def test_a_guide_brakes_by_its_normal_force_or_by_its_moment_whichever_presses_more():
+    run = rt.loads(block("friction = 0.1")).simulate(2.0, t_eval=[0, 0.5, 2.0], **FINE)
+    assert np.allclose(run["block.x"][1:], [0.5 - 0.981 * 0.125, 0.5 / 0.981], atol=1e-12, rtol=0)
+    for weight, normal in ((0.0, 10 * 0.5 / 0.1), (60.0, 60.0)):  # moment 5 N m over 0.1 m, or the weight
+        hand = f'[loads.hand]\ntype = "force"\nat = "block.H"\nforce = [10, {G - weight!r}]'
+        more = "block = { length = 0.2, height = 0.05 }\nfriction = 0.1"
+        run = rt.loads(block(more, "x = 0, vx = 0.5", hand)).simulate(0.02, t_eval=[0, 0.02], **FINE)
+        assert abs(run["block.x"][1] - (0.01 + (10 - 0.1 * normal) * 2e-4)) < 1e-12
+
+
+@pytest.mark.parametrize(("mu", "moves"), [(0.19, True), (0.21, False)])
+def test_a_drawer_pushed_beside_its_middle_jams_from_a_over_e_on(mu, moves):
+    more = f"block = {{ length = 0.2, height = 0.05 }}\nfriction = {mu}"
+    hand = f'[loads.hand]\ntype = "force"\nat = "block.H"\nforce = [10, {G!r}]'
+    run = rt.loads(block(more, "x = 0, vx = 0", hand)).simulate(1.0, t_eval=[0, 1.0], **FINE)
+    assert abs(run["block.x"][1] - (0.5 * 10 * (1 - 5 * mu) if moves else 0.0)) < 1e-11
+
+
+def test_a_block_on_a_belt_sticks_and_slips_with_the_period_of_the_closed_form():
+    belt = """
+[bodies.belt]
+points = { C = [0, 0] }
+mass = 1
+inertia = 1
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "belt.C"]
+[drivers.band]
+joint = "rail"
+position = "0.1*t"
+[loads.spring]
+type = "spring"
+connect = ["ground.O", "block.C"]
+stiffness = 10
+free_length = 0.8
+"""
+    written = block('friction = { model = "coulomb", mu = 0.15, mu_static = 0.2 }', "x = 1, vx = 0", belt, "belt.C")
+    run = rt.loads(written).simulate(7.0, t_eval=[0, 5.0, 7.0], **FINE)
+    stick, slip = kinds(run, "guide", "stick"), kinds(run, "guide", "slip")
+    # slips while the spring draws: x = centre + amplitude cos, first sticks where its rate reaches that of the belt
+    centre, w = 0.8 + 0.15 * G / 10, 10**0.5
+    assert (
+        abs(stick[0] - (pi + np.arcsin(0.1 / (w * (1.0 - centre)))) / w) < 1.0
+    )  # the first slip goes towards the spring
+    far = 0.05 * G / 10  # from the centre, at both ends of sticking
+    swing = (pi + 2 * np.arctan(0.1 / (w * far))) / w
+    assert np.allclose(np.diff(slip), swing + 2 * far / 0.1, atol=1e-9, rtol=0)
+    assert np.allclose(stick[1:] - slip[:-1], swing, atol=1e-9, rtol=0)
+
+
+# ---------------------------------------------------------------- an independent integration of two bars
+def reactions(q: np.ndarray, w: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Forces of the ground on the first bar and of the first on the second [N]; angles from the horizontal."""
+
+    def turned(angle, rate, acceleration, length):
+        along, across = np.array([cos(angle), sin(angle)]), np.array([-sin(angle), cos(angle)])
+        return length * (acceleration * across - rate * rate * along)
+
+    first = turned(q[0], w[0], a[0], 0.5)
+    second = turned(q[0], w[0], a[0], 1.0) + turned(q[1], w[1], a[1], 0.5)
+    weight = np.array([0.0, G])
+    return first + second + 2 * weight, second + weight
+
+
+def bars(q: np.ndarray, w: np.ndarray, moments: np.ndarray) -> np.ndarray:
+    """Angular accelerations of the bars for moments of the two pins on the lower body of each [N m]."""
+    d = q[1] - q[0]
+    mass = np.array([[4 / 3, 0.5 * cos(d)], [0.5 * cos(d), 1 / 3]])
+    first = 0.5 * sin(d) * w[1] ** 2 - 1.5 * G * cos(q[0]) + moments[0] - moments[1]
+    second = -0.5 * sin(d) * w[0] ** 2 - 0.5 * G * cos(q[1]) + moments[1]
+    return np.linalg.solve(mass, [first, second])
+
+
+def moving(q: np.ndarray, w: np.ndarray, modes: tuple[int, int], limit: float) -> tuple[np.ndarray, np.ndarray]:
+    """Accelerations and moments of the pins that slip (+-1) or stick (0), by a general root finder."""
+
+    def miss(moments):
+        a = bars(q, w, moments)
+        forces = [np.linalg.norm(one) for one in reactions(q, w, a)]
+        relative = (a[0], a[1] - a[0])
+        return [relative[k] if modes[k] == 0 else moments[k] + modes[k] * limit * forces[k] for k in range(2)]
+
+    moments = fsolve(miss, [0.0, 0.0], xtol=1e-13)
+    return bars(q, w, moments), moments
+
+
+def test_a_pendulum_of_two_bars_with_dry_pins_moves_as_an_independent_integration():
+    limit = 0.2 * 0.04
+    q, w = np.array([0.3, -0.2]) - pi / 2, np.array([-1.0, 2.0])
+
+    def rate(t, y):
+        return np.concatenate([y[2:], moving(y[:2], y[2:], (-1, 1), limit)[0]])
+
+    def stops(k):
+        def event(t, y):
+            return y[2] if k == 0 else y[3] - y[2]
+
+        event.terminal = True
+        return event
+
+    found = solve_ivp(rate, (0, 1), [*q, *w], method="DOP853", rtol=1e-11, atol=1e-12, events=[stops(0), stops(1)])
+    end = found.t[-1]
+    run = rt.loads(pendulum(0.2, -0.2, 0.3, (-1.0, 2.0))).simulate(end + 0.1, t_eval=[0, 0.5 * end, end], **FINE)
+    first = run.events[0]
+    assert abs(first.t - end) < 1e-9
+    assert first.joint == ("upper", "lower")[int(len(found.t_events[1]) > 0)]
+    got = [run[name][2] for name in ("one.angle", "two.angle", "one.omega", "two.omega")]
+    assert np.allclose(got, found.y[:, -1], atol=1e-9, rtol=0)
+    # and what follows: sticking if the moment that it takes is within the limit
+    k = int(len(found.t_events[1]) > 0)
+    others = -1 if k == 1 else 1
+    modes = (others, 0) if k == 1 else (0, others)
+    a, moments = moving(found.y[:2, -1], found.y[2:, -1], modes, limit)
+    sticks = abs(moments[k]) <= limit * np.linalg.norm(reactions(found.y[:2, -1], found.y[2:, -1], a)[k])
+    assert first.kind == ("stick" if sticks else "slip")
+
+
+def test_a_dry_pendulum_comes_to_rest_and_keeps_its_energy_balance():
+    run = rt.loads(pendulum(0.5, 0.4, 0.5)).simulate(8.0, t_eval=np.linspace(0, 8, 41), rtol=1e-9, atol=1e-11)
+    assert run.trust is not None
+    last = [one for one in run.events if one.joint == "upper"][-1]
+    assert last.kind == "stick"
+    assert abs(run["one.omega"][-1]) < 1e-12
+    assert abs(run["two.omega"][-1]) < 1e-12
+    assert abs(run["energy.balance"]).max() < 1e-7
+    assert (np.diff(run["energy.dissipated"]) > -1e-12).all()
