@@ -57,7 +57,7 @@ def rows_kernel(m, count):
             turn = kinematics[n, at.TURN] if d == 0 else 0.0
             w[r, 0], w[r, 1], w[r, 2] = -ux, -uy, -(kinematics[n, at.PAX] * uy - kinematics[n, at.PAY] * ux) - turn
             w[r, 3], w[r, 4], w[r, 5] = ux, uy, kinematics[n, at.PBX] * uy - kinematics[n, at.PBY] * ux + turn
-    held[at.SPARSE] = 1.0 if count > FEW and m.net_first.shape[0] > 0 else 0.0
+    held[at.SPARSE] = 1.0 if count > FEW and m.net_first.shape[0] > 0 and m.dry.shape[0] == 0 else 0.0
     if held[at.SPARSE] == 0.0:
         fill_delassus(m, count)
     return 0

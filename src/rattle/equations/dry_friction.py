@@ -129,6 +129,15 @@ def resistance(m, n, N):
 
 
 @compiled
+def resisting(m, n, first, second):
+    """`resistance` by the two multipliers of joint n, and its slopes with respect to them."""
+    N, slope, slope2 = pressing(m, n, first, second)
+    size = resistance(m, n, N)
+    grows = (resistance(m, n, N * (1.0 + TILT)) - size) / (TILT * N) if N > 0.0 else 0.0
+    return size, grows * slope, grows * slope2
+
+
+@compiled
 def sense_of(m, n):
     """Factor of `resistance` in tau: minus the sense of slip, zero where nothing slips."""
     if m.dry[n, at.DRY_LAW] >= 0:
@@ -155,20 +164,19 @@ def set_up(m):
             value = along(m, n, m.acceleration, 0) - m.dry_rows[n, at.GAMMA]
             for o in range(count):
                 system[n, o] = mobility(m, n, o)
-                value += system[n, o] * memory[o, at.DRY_FORCE]
+                value += system[n, o] * (memory[o, at.DRY_FORCE] - memory[o, at.DRY_ADDED])
             system[n, count] = value
             continue
         r, sign = m.dry[n, at.DRY_ROW], sense_of(m, n)
         first, second = multiplier[r], multiplier[r + 1]
         for o in range(count):
-            first += reaction[o, r] * memory[o, at.DRY_FORCE]
-            second += reaction[o, r + 1] * memory[o, at.DRY_FORCE]
-        N, slope, slope2 = pressing(m, n, first, second)
-        size = resistance(m, n, N)
-        grows = (resistance(m, n, N * (1.0 + TILT)) - size) / (TILT * N) if N > 0.0 else 0.0
+            more = memory[o, at.DRY_FORCE] - memory[o, at.DRY_ADDED]
+            first += reaction[o, r] * more
+            second += reaction[o, r + 1] * more
+        size, slope, slope2 = resisting(m, n, first, second)
         system[n, count] = tau - sign * size
         for o in range(count):
-            system[n, o] -= sign * grows * (slope * reaction[o, r] + slope2 * reaction[o, r + 1])
+            system[n, o] -= sign * (slope * reaction[o, r] + slope2 * reaction[o, r + 1])
 
 
 @compiled
@@ -207,11 +215,9 @@ def eliminate(system, count):
 
 @compiled
 def find_forces(m):
-    """tau of every joint into `dry_memory`; False if there is none."""
+    """tau of every joint into `dry_memory`, from its present estimate; False if there is none."""
     memory, system = m.dry_memory, m.dry_system
     count = memory.shape[0]
-    for n in range(count):
-        memory[n, at.DRY_FORCE] = 0.0
     last = math.inf
     for _ in range(ROUNDS):
         set_up(m)
@@ -231,31 +237,46 @@ def find_forces(m):
 
 
 @native("void", "h")
-def add_dry_friction(m):
-    """Add the response to the friction of all joints to accelerations and multipliers, and its power to the losses.
-
-    Needs S factored and the motion without this friction.  Notes in `dry_memory` which modes cannot last.
-    """
-    dry, memory, rows, values = m.dry, m.dry_memory, m.dry_rows, m.values
-    acceleration, multiplier, response, reaction = m.acceleration, m.multiplier, m.dry_response, m.dry_reaction
-    for n in range(dry.shape[0]):
-        a, b, p = dry[n, at.DRY_A], dry[n, at.DRY_B], dry[n, at.DRY_P]
-        call_joint(m.joint_table[dry[n, at.DRY_KERNEL]], (m.body, a, b, values, p, n, rows))
-        memory[n, at.DRY_RATE] = along(m, n, m.body, at.VX)
-        respond(m, n)
+def complete_dry_friction(m):
+    """Find tau of all joints for the present accelerations and multipliers, and add what these do not yet contain."""
+    memory, response, reaction = m.dry_memory, m.dry_response, m.dry_reaction
+    acceleration, multiplier = m.acceleration, m.multiplier
     found = find_forces(m)
-    for n in range(dry.shape[0]):
+    for n in range(memory.shape[0]):
         tau = memory[n, at.DRY_FORCE] if found else math.nan
+        more = tau - memory[n, at.DRY_ADDED]
         memory[n, at.DRY_LOCKS] = 0.0 if found else 1.0
-        memory[n, at.DRY_FORCE] = tau
+        memory[n, at.DRY_FORCE], memory[n, at.DRY_ADDED] = tau, tau
         for i in range(1, acceleration.shape[0]):
             for k in range(3):
-                acceleration[i, k] += response[n, 3 * i + k] * tau
+                acceleration[i, k] += response[n, 3 * i + k] * more
         for r in range(multiplier.shape[0]):
-            multiplier[r] += reaction[n, r] * tau
-        m.power[at.LOSS_RATE] -= tau * memory[n, at.DRY_RATE]
+            multiplier[r] += reaction[n, r] * more
+
+
+@native("void", "h")
+def add_dry_friction(m):
+    """Add the response to the friction of all joints to accelerations and multipliers.
+
+    Needs S factored and the motion without this friction.
+    """
+    dry, memory = m.dry, m.dry_memory
     for n in range(dry.shape[0]):
-        if dry[n, at.DRY_LAW] >= 0:  # the rates of its states
+        a, b, p = dry[n, at.DRY_A], dry[n, at.DRY_B], dry[n, at.DRY_P]
+        call_joint(m.joint_table[dry[n, at.DRY_KERNEL]], (m.body, a, b, m.values, p, n, m.dry_rows))
+        memory[n, at.DRY_RATE] = along(m, n, m.body, at.VX)
+        memory[n, at.DRY_FORCE], memory[n, at.DRY_ADDED] = 0.0, 0.0
+        respond(m, n)
+    complete_dry_friction(m)
+
+
+@native("void", "h")
+def end_dry_friction(m):
+    """Once all forces are known: power lost by friction, rates of states of its laws, and which modes cannot last."""
+    dry, memory, multiplier = m.dry, m.dry_memory, m.multiplier
+    for n in range(dry.shape[0]):
+        m.power[at.LOSS_RATE] -= memory[n, at.DRY_FORCE] * memory[n, at.DRY_RATE]
+        if dry[n, at.DRY_LAW] >= 0:
             r = dry[n, at.DRY_ROW]
             N, _, _ = pressing(m, n, multiplier[r], multiplier[r + 1])
             resistance(m, n, N)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from rattle.equations.compliant import add_contact_forces, locate_contacts
-from rattle.equations.dry_friction import add_dry_friction
+from rattle.equations.dry_friction import add_dry_friction, end_dry_friction
 from rattle.equations.schur import WEAK, factorise, solve
 from rattle.equations.state import (
     DISSIPATED,
@@ -240,6 +240,8 @@ def move(m, t, q, v):
     closed = m.closed_contacts_table
     if len(closed) > 0:  # closed set-valued contacts
         call_closed_contacts(closed[0], (m,))
+    if m.dry.shape[0] > 0:
+        end_dry_friction(m)
     return lost
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -154,6 +155,7 @@ class System:
             "dry_rows": (nd, at.width("rows")),
             "dry_response": (nd, 3 * nb),
             "dry_reaction": (nd, nr),
+            "dry_share": (nd, 2 * nc),
             "dry_system": (nd, nd + 1),
             "element_state": states,
             "element_rate": states,
@@ -163,6 +165,7 @@ class System:
         image.array("power", image.block)[:] = 1.0
         image.array("contact_memory", image.block)[:, at.CLOSED] = at.AUTO
         image.array("dry_memory", image.block)[:, at.DRY_MODE] = at.DRY_AUTO
+        image.array("dry_memory", image.block)[:, at.DRY_SINCE] = -math.inf
         own = [one.start for one in self.model.states.values()]
         image.array("signals", image.block)[: len(own)] = own
         image.array("element_state", image.block)[self.element_states - len(own) :] = own

@@ -11,6 +11,7 @@ from rattle.equations.complementarity import (
     IMPOSSIBLE,
     MODES,
     OFF,
+    OTHER,
     ROWS_OF,
     SEARCH,
     SOLVED,
@@ -21,6 +22,8 @@ from rattle.equations.complementarity import (
     F,
     friction_of,
 )
+from rattle.equations.dry_friction import complete_dry_friction
+from rattle.equations.friction_beside_contacts import couple, follow
 from rattle.equations.schur import solve
 from rattle.jit import layout as at
 from rattle.jit.families import call_problem
@@ -31,6 +34,8 @@ EXPAND, TRACE = (
     7,
 )  # places in `problem_table`, after those of complementarity: see solvers.nonsmooth.impact_phases and paths
 # ends of a run that only occur with set-valued contacts
+MOST_ROUNDS = 12  # of contacts and friction of joints by turns
+AGREES = 1e-14  # share of the largest force below which a correction ends them
 NO_SOLUTION, NOT_UNIQUE, LOCKED, CHATTER, NOT_FOUND = range(10, 15)
 
 
@@ -76,6 +81,14 @@ def lasting_side(m, count):
 def contact_rows(m, count):
     """Rows of W of the active contacts, the responses to unit forces, and G."""
     call_problem(m.problem_table[ROWS_OF], (m, count))
+
+
+@compiled
+def lasting_rows(m, count):
+    """`contact_rows` for forces that last, which friction of joints follows; it takes no part in impulses."""
+    contact_rows(m, count)
+    if m.dry.shape[0] > 0:
+        couple(m, count)
 
 
 @compiled
@@ -201,6 +214,29 @@ def correct_for_joints(m):
             dv[b, q] -= weight[b, q] * rows[row, at.BX + q] * dlambda[row]
 
 
+@compiled
+def agree(m, count):
+    """Repeat the solution of `closed_contacts` with the friction of joints that its forces cause, until both agree."""
+    side = m.side
+    for r in range(2 * count):
+        side[OTHER, r] = 0.0
+    for _ in range(MOST_ROUNDS):
+        follow(m, count, side[F])
+        complete_dry_friction(m)
+        change, size = 0.0, 0.0
+        for r in range(2 * count):
+            side[OTHER, r] += side[F, r]
+            change, size = max(change, abs(side[F, r])), max(size, abs(side[OTHER, r]))
+        if not change > AGREES * size:
+            break
+        lasting_rows(m, count)
+        lasting_side(m, count)
+        solve_modes(m, count, 1)
+        add_forces(m, count, m.acceleration, m.multiplier)
+    for r in range(2 * count):
+        side[F, r] = side[OTHER, r]
+
+
 @kernel("closed contacts")
 def closed_contacts(m):
     """Add the response to the forces of closed contacts in their present modes; N, T [N] to `contact_kinematics`."""
@@ -219,10 +255,12 @@ def closed_contacts(m):
                 count += 1
     if count == 0:
         return
-    contact_rows(m, count)
+    lasting_rows(m, count)
     lasting_side(m, count)
     held[at.DETERMINANT] = solve_modes(m, count, 1)
     add_forces(m, count, m.acceleration, m.multiplier)
+    if m.dry.shape[0] > 0:
+        agree(m, count)
     for k in range(count):
         n = active[k]
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = side[F, 2 * k], side[F, 2 * k + 1]

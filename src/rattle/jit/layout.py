@@ -263,8 +263,10 @@ _declare("dry_memory", """
     DRY_LOCKS [] 1 if no tau was found
     DRY_REST [] 1 while its mode is being decided at rest
     DRY_BEFORE [] its mode before that
+    DRY_ADDED [N or N*m] part of tau that accelerations and multipliers contain
+    DRY_SINCE [s] instant at which it has begun to slip from rest
 """)
-DRY_MODE, DRY_FORCE, DRY_RATE, DRY_HELD, DRY_OVER, DRY_LOCKS, DRY_REST, DRY_BEFORE = range(8)
+DRY_MODE, DRY_FORCE, DRY_RATE, DRY_HELD, DRY_OVER, DRY_LOCKS, DRY_REST, DRY_BEFORE, DRY_ADDED, DRY_SINCE = range(10)
 DRY_STICKS, DRY_AUTO = 0.0, 2.0  # AUTO: the rate decides at every instant (positions, kinematics)
 
 # ---------------------------------------------------------------- a run

@@ -24,6 +24,7 @@ from rattle.solvers.contacts.gap_search import NONE
 from rattle.solvers.dense_output import interpolate
 
 PARTS = 16  # pieces of a step that are searched
+KEEP = -2
 MOST_TRIED = 8  # joints at rest up to which all combinations are tried
 
 
@@ -78,7 +79,7 @@ def violation(m, n, loose):
         most = limit(m, n)
         beyond = abs(tau) - most * (1.0 + 1e-11)
         return beyond / (abs(tau) + most) if beyond > 0.0 else 0.0
-    doubt = (1e-6 if n == loose else 1e-12) * abs(mobility(m, n, n) * tau)
+    doubt = (1e-6 if n == loose or loose == KEEP else 1e-12) * abs(mobility(m, n, n) * tau)
     return 1.0 if sudden(m, n) * mode < -doubt else 0.0
 
 
@@ -147,7 +148,8 @@ def try_all(m, t, y, loose):
 def decide(m, t, y, who, told):
     """Modes of all joints at (t [s], y), whose rates are brought to rest where they stick; False if there are none.
 
-    who: the joint whose mode cannot last (-1: none).  told: 1 to record stick and slip as events.
+    who: the joint whose mode cannot last (-1: none); KEEP: joints that begin to slip just now go on.
+    told: 1 to record stick and slip as events.
     """
     memory = m.dry_memory
     breaks = who >= 0 and memory[who, at.DRY_MODE] == at.DRY_STICKS and memory[who, at.DRY_HELD] == 0.0
@@ -157,19 +159,31 @@ def decide(m, t, y, who, told):
         memory[n, at.DRY_BEFORE] = memory[n, at.DRY_MODE]
         rests = (n == who and memory[n, at.DRY_HELD] == 0.0) or decided(m, n)
         memory[n, at.DRY_REST] = 1.0 if rests else 0.0
-        if m.dry[n, at.DRY_LAW] < 0:
+        kept = who == KEEP and (memory[n, at.DRY_MODE] == at.DRY_STICKS or memory[n, at.DRY_SINCE] == t)
+        if m.dry[n, at.DRY_LAW] < 0 and not (rests and kept):
             memory[n, at.DRY_MODE] = at.DRY_STICKS if rests else math.copysign(1.0, memory[n, at.DRY_RATE])
     bring_to_rest(m, y)
     solve_at(m, t, y)
     follow_drivers(m)
     if breaks:
         memory[who, at.DRY_MODE] = sense
-    loose = who if breaks else -1
+    loose = who if breaks or who == KEEP else -1
     found = settle(m, t, y, loose) or try_all(m, t, y, loose)
     for n in range(memory.shape[0]):
+        if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_MODE] != at.DRY_STICKS:
+            memory[n, at.DRY_SINCE] = t
         memory[n, at.DRY_REST], memory[n, at.DRY_OVER] = 0.0, 0.0
         if told == 1:
             tell(m, t, n)
+    return found
+
+
+@compiled
+def modes_changed(m):
+    """True if the last `decide` has changed a mode."""
+    memory, found = m.dry_memory, False
+    for n in range(memory.shape[0]):
+        found = found or memory[n, at.DRY_MODE] != memory[n, at.DRY_BEFORE]
     return found
 
 

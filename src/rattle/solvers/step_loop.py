@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.dry_friction import add_dry_friction
+from rattle.equations.dry_friction import add_dry_friction, end_dry_friction
 from rattle.equations.motion import (
     DONE,
     NOT_FINITE,
@@ -131,6 +131,7 @@ def finish_step(m, t, y_new, f_new):
     accelerate(m)
     if m.dry.shape[0] > 0:
         add_dry_friction(m)
+        end_dry_friction(m)
     nq = m.change.shape[0]
     collect(m, y_new[nq : 2 * nq], f_new)
     m.tally[at.EVALUATIONS] += 1

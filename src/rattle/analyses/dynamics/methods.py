@@ -59,7 +59,7 @@ def choose_stepper(system: System, asked: str, step: float | None, span: float) 
     if contacts not in one.leaf.works_with:
         one = steppers[usual_stepper(contacts)]
     if contacts == SET_VALUED:
-        require_friction_apart(system)
+        require_friction_known(system, one)
         require_one_model(system)
         require_one_law(system, one.leaf)
     settings = system.model.settings
@@ -79,12 +79,12 @@ def note_choice(system: System, asked: str, ran: Kind) -> tuple[str, ...]:
     return (f"method {asked} {why}: {ran.name} was used",)
 
 
-def require_friction_apart(system: System) -> None:
-    """Raise ModelError for friction in joints without play beside set-valued contacts."""
-    if system.dry_joints:
+def require_friction_known(system: System, stepper: Kind) -> None:
+    """Raise ModelError for friction in joints without play if the stepper does not know it."""
+    if stepper.leaf.loop == TIME_STEPPING and system.dry_joints:
         said = (
-            "friction of a joint without play does not work beside impact contacts and ideal clutches yet: give"
-            " contacts and stops a stiffness, clutches damping or stiffness"
+            f"method {stepper.name} knows friction in contacts only, not in joints without play; use method"
+            f" {usual_stepper(SET_VALUED)}"
         )
         raise ModelError([Problem(("joints", name, "friction"), said) for name in system.dry_joints])
 

@@ -26,6 +26,7 @@ from rattle.equations.unilateral import (
     count_solutions,
     ending,
     is_rough,
+    lasting_rows,
     lasting_side,
     reach,
     solve_by_trying,
@@ -100,8 +101,8 @@ def choose_closed(m, apart, kind, attempt, pulling):
             if undecided_is_free(m, n):
                 candidate[closed] = OFF
             closed += 1
-    if closed < count:
-        contact_rows(m, closed)
+    if closed < count or m.dry.shape[0] > 0:
+        lasting_rows(m, closed)
     return closed
 
 
@@ -229,7 +230,7 @@ def turning(m, n):
 def contact_rows_of_one(m, k, n):
     """Add contact n after k active ones, with its rows of W."""
     m.active[k] = n
-    contact_rows(m, k + 1)
+    lasting_rows(m, k + 1)
 
 
 @compiled

@@ -29,6 +29,7 @@ from rattle.solvers.contacts.gap_search import NONE, may_reach
 from rattle.solvers.contacts.pawls import drop_pawl, seat_pawls
 from rattle.solvers.contacts.penetration import ESCAPED, escaped, inside_wall, scale_of
 from rattle.solvers.dense_output import interpolate, prepare_dense
+from rattle.solvers.dry_friction_modes import KEEP, decide, modes_changed
 from rattle.solvers.nonsmooth.contact_modes import CREEPS, DROP, HIT, NOTHING, TURN, update_modes
 from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, note_open, project_on_contacts
 from rattle.solvers.nonsmooth.event_search import any_closed, first_event
@@ -48,6 +49,7 @@ from rattle.solvers.step_control import (
     end_stands,
     has_room,
     lengthen,
+    never_switches,
     next_step,
     output_due,
     quarter,
@@ -58,6 +60,7 @@ from rattle.solvers.step_control import (
 )  # fmt: skip
 from rattle.solvers.step_state import STAGES, STEP
 
+MOST_TURNS = 20  # between modes of contacts and of friction of joints
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
 MOST_IN_A_ROW = 200_000  # events, each after less than CROWDED of the run, after which it stops too
 CROWDED = 1e-6
@@ -129,7 +132,22 @@ def handle_event(m, t, y, who, what):
             return new_modes(m, t, y, -1, HIT) if status == OK else status
         take_states(m, y)
         solve_motion(m, t, y[:nq], y[nq : 2 * nq])
-    return new_modes(m, t, y, who, what)
+    status = new_modes(m, t, y, who, what)
+    return agree_with_friction(m, t, y) if status == OK and m.dry.shape[0] > 0 else status
+
+
+@compiled
+def agree_with_friction(m, t, y):
+    """New modes of the friction of joints after those of contacts, by turns until neither changes. Returns a status."""
+    for _ in range(MOST_TURNS):
+        if not decide(m, t, y, KEEP, 1):
+            return NOT_FOUND
+        if not modes_changed(m):
+            return OK
+        status = new_modes(m, t, y, -1, NOTHING)
+        if status != OK:
+            return status
+    return NOT_FOUND
 
 
 @native("i", "h", "f")
@@ -169,6 +187,8 @@ def go_on(m, t, jolted):
         status = handle_event(m, t, y, -1, NOTHING)
     else:
         status = new_modes(m, t, y, -1, HIT)
+        if status == OK and m.dry.shape[0] > 0:
+            status = agree_with_friction(m, t, y)
     remember(m)
     return status
 
@@ -303,7 +323,7 @@ def start_next(m, t, met, quiet):
         derivative(m, t, m.state_new, m.rate_new)
         m.tally[at.EVALUATIONS] += 1
         cross_at_once(m, t)
-    if met or m.switch.shape[0] > 0:
+    if met or not never_switches(m):
         gauge(m, START, t)
     else:
         pass_look_on(m)
@@ -338,7 +358,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         if status != OK:
             return status
         low, high = doubts(m, error)
-        calm = low == LAST and not changed and m.switch.shape[0] == 0 and none_may_hit(m, t_new - t)
+        calm = low == LAST and not changed and never_switches(m) and none_may_hit(m, t_new - t)
         counted = calm and end_step(m, t, t_new - t, 1.0, DOP853, -1) >= 0  # no peak of a force in it
         quiet = counted and not output_due(m, t_new, t_out)
         if not quiet:
