@@ -7,7 +7,7 @@ from math import cos, pi, sin
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.optimize import fsolve
+from scipy.optimize import brentq, fsolve
 
 import rattle as rt
 
@@ -229,3 +229,163 @@ def test_a_dry_pendulum_comes_to_rest_and_keeps_its_energy_balance():
     assert abs(run["two.omega"][-1]) < 1e-12
     assert abs(run["energy.balance"]).max() < 1e-7
     assert (np.diff(run["energy.dissipated"]) > -1e-12).all()
+
+
+# ---------------------------------------------------------------- laws, drivers, contacts, refusals
+def test_a_smooth_law_slows_a_disc_as_its_closed_form():
+    law = 'friction = { model = "coulomb-smooth", mu = 0.1, v1 = "20 mm/s", pin_radius = "8 mm" }'
+    run = rt.loads(wheel(law)).simulate(0.8, t_eval=[0, 0.3, 0.6, 0.8], **FINE)
+    decay = 0.1 * 2 * G * 0.008**2 / 0.001 / 0.02  # sinh(R w/v1) decays exponentially
+    exact = np.arcsinh(np.sinh(0.008 * 10 / 0.02) * np.exp(-decay * run.t)) * 0.02 / 0.008
+    assert np.allclose(run["disc.omega"], exact, atol=1e-9, rtol=0)
+
+
+def test_bristles_take_the_energy_of_dahl_law_at_constant_load():
+    law = 'friction = { model = "dahl", mu = 0.1, sigma = 100, pin_radius = "8 mm" }'
+    run = rt.loads(wheel(law)).simulate(0.3, t_eval=[0, 0.3], **FINE)
+    way, limit = 0.008 * run["disc.angle"][1], 0.1 * 2 * G
+    bent = 1 - np.exp(-100 * way / 0.1)
+    assert abs(run["pin.friction"][1] + 0.008 * limit * bent) < 1e-11
+    assert abs(0.0005 * (100 - run["disc.omega"][1] ** 2) - limit * (way - 0.001 * bent)) < 1e-11
+
+
+def test_a_driven_pin_needs_the_moment_of_its_friction_in_the_sense_of_its_rate():
+    motor = '[drivers.motor]\njoint = "pin"\nangle = "sin(2*pi*t)"'
+    written = wheel('friction = { mu = 0.1, pin_radius = "8 mm" }').replace("[initial]\ndisc = { omega = 10 }", motor)
+    run = rt.loads(written).simulate(1.0, t_eval=np.linspace(0, 1, 11), rtol=1e-10)
+    inertia = -0.001 * (2 * pi) ** 2 * np.sin(2 * pi * run.t)
+    rubbing = 0.1 * 0.008 * 2 * G
+    assert np.allclose(run["motor.torque"], inertia + rubbing * np.sign(np.cos(2 * pi * run.t)), atol=1e-9, rtol=0)
+    assert abs(run["energy.dissipated"][-1] - 4 * rubbing) < 1e-8
+    assert np.allclose(kinds(run, "pin", "slip"), [0.25, 0.75], atol=1e-9, rtol=0)
+
+
+@pytest.mark.parametrize(("wind", "holds"), [(-0.1, True), (-1.0, False)])
+def test_a_disc_that_hits_its_stop_is_held_by_friction_or_leans_on_the_stop(wind, holds):
+    stop = 'friction = { mu = 0.3, pin_radius = "50 mm" }\nstop = { min = 0 }'
+    load = f'[loads.wind]\ntype = "torque"\nbody = "disc"\ntorque = "{wind} + {0.6 - wind}*step(t - 2)"\n[initial]'
+    written = wheel(stop).replace("[initial]", load).replace("omega = 10", "angle = 0.1, omega = -1")
+    written = written.replace("inertia = 0.001", "inertia = 0.1")
+    run = rt.loads(written).simulate(3.0, t_eval=[0, 1, 3], **FINE)
+    limit, brake = 0.3 * 0.05 * 2 * G, (0.3 * 0.05 * 2 * G + wind) / 0.1  # rate of slowing down before the stop
+    hit = (1 - np.sqrt(1 - 0.2 * brake)) / brake
+    assert abs(run.events[0].t - hit) < 1e-11
+    assert abs(run["pin.friction"][1] - (0.1 if holds else limit)) < 1e-11
+    assert abs(run["pin.stop"][1] - (0.0 if holds else 1.0 - limit)) < 1e-11
+    assert abs(run["disc.omega"][2] - (0.6 - limit) / 0.1) < 1e-9  # pushed away from the stop after 2 s
+    assert abs(run["energy.balance"]).max() < 1e-10
+
+
+def test_a_door_under_its_own_reaction_bounces_as_an_independent_integration():
+    """No weight: the reaction is m r sqrt(alpha^2 + w^4), so that friction multiplies itself."""
+    reach = 0.3 * 0.05
+
+    def slowed(sense, w):
+        miss = lambda a: a / 3 + 3.0 + sense * reach * 0.5 * np.sqrt(a * a + w**4)  # noqa: E731
+        return brentq(miss, -100, 100, xtol=1e-14)
+
+    t, y, sense, hits = 0.0, np.array([0.5, 0.0]), -1, []
+    for _ in range(6):
+        index = 0 if sense < 0 else 1
+
+        def end(t, y, index=index):
+            return y[index]
+
+        end.terminal, end.direction = True, -1
+        piece = solve_ivp(
+            lambda t, y, sense=sense: [y[1], slowed(sense, y[1])], (t, t + 5), y, method="DOP853", rtol=1e-12,
+            atol=1e-14, events=[end],
+        )  # fmt: skip
+        t, y = piece.t[-1], piece.y[:, -1]
+        y = np.array([0.0, -0.5 * y[1]]) if sense < 0 else np.array([y[0], 0.0])
+        hits += [t] if sense < 0 else []
+        sense = -sense
+    door = """
+format = 1
+[ground.points]
+O = [0, 0]
+[bodies.door]
+bar = ["A", "B"]
+length = 1
+mass = 1
+[joints.hinge]
+type = "revolute"
+connect = ["ground.O", "door.A"]
+friction = { mu = 0.3, pin_radius = "50 mm" }
+stop = { min = 0, contact = { model = "impact", restitution = 0.5 } }
+[loads.wind]
+type = "torque"
+body = "door"
+torque = -3
+[initial]
+door = { angle = 0.5, omega = 0 }
+"""
+    run = rt.loads(door).simulate(0.9, t_eval=[0, 0.9], **FINE)
+    assert np.allclose(kinds(run, "hinge", "impact")[:3], hits, atol=1e-10, rtol=0)
+    run = rt.loads(door).simulate(1.5, t_eval=[0, 1.5], **FINE)
+    assert abs(run["hinge.stop"][1] - 3.0) < 1e-9  # no weight, no reaction, no friction
+
+
+def test_a_clutch_drives_a_wheel_against_the_friction_of_its_pin():
+    pair = """
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+Q = [1, 0]
+[bodies.one]
+points = { C = [0, 0] }
+mass = 1
+inertia = 1
+[bodies.two]
+points = { C = [0, 0] }
+mass = 4
+inertia = 2
+[joints.first]
+type = "revolute"
+connect = ["ground.O", "one.C"]
+[joints.second]
+type = "revolute"
+connect = ["ground.Q", "two.C"]
+friction = { mu = 0.2, pin_radius = "100 mm" }
+[joints.drive]
+type = "clutch"
+connect = ["one", "two"]
+[loads.push]
+type = "torque"
+body = "one"
+torque = "10*sin(2*pi*t)"
+[initial]
+one = { angle = 0, omega = 0 }
+two = { angle = 0, omega = 0 }
+"""
+    run = rt.loads(pair).simulate(1.0, t_eval=[0, 1.0], **FINE)
+    limit = 0.2 * 0.1 * 4 * G
+    breaks = np.arcsin(limit / 10) / (2 * pi)
+    free = 0.5 + np.arcsin(0.05 * limit) / (2 * pi)  # torque of the clutch 2 alpha + limit = 0
+    rate = (10 / (2 * pi) * (cos(2 * pi * breaks) - cos(2 * pi * free)) - limit * (free - breaks)) / 3
+    assert abs(kinds(run, "second", "slip")[0] - breaks) < 1e-10
+    assert abs(kinds(run, "drive", "free")[0] - free) < 1e-10
+    assert abs(run["two.omega"][1] - (rate - limit / 2 * (1.0 - free))) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("friction", "says"),
+    [
+        ("friction = 0.1", "needs pin_radius"),
+        ('friction = { mu = 0.2, mu_static = 0.1, pin_radius = "8 mm" }', "must not be less than mu"),
+        ('friction = { model = "coulom", mu = 0.2 }', "did you mean 'coulomb'"),
+        ('clearance = "1 mm"\ncontact = "exact"\nfriction = { mu = 0.2, pin_radius = "8 mm" }', "one or the other"),
+        ('friction = { model = "ambrosio", mu = 0.2, v0 = 1, pin_radius = "8 mm" }', "needs v0 < v1"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_where_it_stands(friction, says):
+    with pytest.raises(rt.ModelError, match=says):
+        rt.loads(wheel(friction))
+
+
+def test_time_stepping_says_that_it_does_not_know_friction_in_joints():
+    with pytest.raises(rt.ModelError, match="not in joints without play"):
+        rt.loads(wheel('friction = { mu = 0.1, pin_radius = "8 mm" }\nstop = { min = -1 }')).simulate(
+            0.1, method="moreau"
+        )
