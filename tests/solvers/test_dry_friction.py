@@ -252,10 +252,12 @@ def test_bristles_take_the_energy_of_dahl_law_at_constant_load():
 def test_a_driven_pin_needs_the_moment_of_its_friction_in_the_sense_of_its_rate():
     motor = '[drivers.motor]\njoint = "pin"\nangle = "sin(2*pi*t)"'
     written = wheel('friction = { mu = 0.1, pin_radius = "8 mm" }').replace("[initial]\ndisc = { omega = 10 }", motor)
-    run = rt.loads(written).simulate(1.0, t_eval=np.linspace(0, 1, 11), rtol=1e-10)
+    model = rt.loads(written)
+    run = model.simulate(1.0, t_eval=np.linspace(0, 1, 11), rtol=1e-10)
     inertia = -0.001 * (2 * pi) ** 2 * np.sin(2 * pi * run.t)
     rubbing = 0.1 * 0.008 * 2 * G
     assert np.allclose(run["motor.torque"], inertia + rubbing * np.sign(np.cos(2 * pi * run.t)), atol=1e-9, rtol=0)
+    assert np.allclose(model.inverse_dynamics(run.t)["motor.torque"], run["motor.torque"], atol=1e-9, rtol=0)
     assert abs(run["energy.dissipated"][-1] - 4 * rubbing) < 1e-8
     assert np.allclose(kinds(run, "pin", "slip"), [0.25, 0.75], atol=1e-9, rtol=0)
 

@@ -103,6 +103,9 @@ def analyse(
         require_driven(system, start, what)
     jumps = timetable(system, min(start.t, float(times[0])), float(times[-1])).jumps
     motors = motors_at(system, effort_at)
+    if motors and system.dry_joints:
+        said = "a motor elsewhere (effort_at) changes the reactions by which joints rub; drive that joint itself"
+        raise ModelError([Problem(("joints", system.dry_joints[0], "friction"), said)])
     arguments.require_room(len(times), width(system))
     sweep = begin(system, start, motors)
     if times[0] != start.t:  # the start values are given for t = 0: begin there

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 
+from rattle.equations.dry_friction import add_dry_friction
 from rattle.equations.motion import constraints, correct, drive, loads, place, rate_residual, residual
 from rattle.equations.schur import factorise, solve
 from rattle.jit import layout as at
@@ -211,6 +212,8 @@ def put(m, t, q, v, a, forces, probe, line, row):
     if forces:
         loads(m, t)
         react(m, a)
+        if m.dry.shape[0] > 0:
+            add_dry_friction(m)
         last = row.shape[0] - 2 * probe.shape[0]
         for n in range(probe.shape[0]):
             exchange(m, probe[n], line, row[last + 2 * n :])
