@@ -221,7 +221,8 @@ def find_forces(m):
     last = math.inf
     for _ in range(ROUNDS):
         set_up(m)
-        if not eliminate(system, count) > 0.0:
+        sign = eliminate(system, count)
+        if sign == 0.0:
             return False
         change, size = 0.0, 0.0
         for n in range(count):
@@ -231,7 +232,7 @@ def find_forces(m):
         if not size < math.inf:
             return False
         if change <= CLOSE * size or (change <= 1e-12 * size and change >= last):
-            return True
+            return sign > 0.0
         last = change
     return False
 
