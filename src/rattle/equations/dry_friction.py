@@ -33,6 +33,7 @@ ROUNDS = 40  # Newton steps after which there is no solution
 CLOSE = 4e-16  # share of tau that ends them
 TILT = 1e-6  # share of N by which the slope of a law is measured
 FIRM = 1e-12  # share of its own mobility below which a coordinate is held by other joints or drivers
+DEPENDENT = 1e-10  # pivot below which a coordinate depends on others, as a share of its diagonal
 REST = 1e-13  # rate [m/s or rad/s] below which a coordinate is at rest, besides rounding of its terms
 
 
@@ -161,9 +162,10 @@ def set_up(m):
         if memory[n, at.DRY_MODE] == at.DRY_STICKS and m.dry[n, at.DRY_LAW] < 0:
             if memory[n, at.DRY_HELD] == 1.0:
                 continue
-            value = along(m, n, m.acceleration, 0) - m.dry_rows[n, at.GAMMA]
+            own = mobility(m, n, n)
+            value = (along(m, n, m.acceleration, 0) - m.dry_rows[n, at.GAMMA]) / own
             for o in range(count):
-                system[n, o] = mobility(m, n, o)
+                system[n, o] = mobility(m, n, o) / own
                 value += system[n, o] * (memory[o, at.DRY_FORCE] - memory[o, at.DRY_ADDED])
             system[n, count] = value
             continue
@@ -183,7 +185,8 @@ def set_up(m):
 def eliminate(system, count):
     """Solve system[:, :count] x = system[:, count] in place by pivoting; x stands in the last column.
 
-    Returns the sign of the determinant.
+    Rows have diagonals of about one.  Where nothing but rounding is left, x is zero: coordinates that sticking joints
+    already hold need no friction of their own.  Returns the sign of the determinant of the rest, 0 if it is not finite.
     """
     sign = 1.0
     for k in range(count):
@@ -198,8 +201,12 @@ def eliminate(system, count):
                 system[k, o] = system[best, o]
                 system[best, o] = swapped
         pivot = system[k, k]
-        if not abs(pivot) > 0.0:
+        if not abs(pivot) < math.inf:
             return 0.0
+        if abs(pivot) <= DEPENDENT:
+            for o in range(count + 1):
+                system[k, o] = 1.0 if o == k else 0.0
+            continue
         sign = math.copysign(sign, sign * pivot)
         for n in range(k + 1, count):
             share = system[n, k] / pivot

@@ -12,7 +12,7 @@ It is exact where joints stick; where they slip, L is not linear and the solutio
 from __future__ import annotations
 
 from rattle.equations.complementarity import friction_of
-from rattle.equations.dry_friction import eliminate, resisting, sense_of, set_up
+from rattle.equations.dry_friction import DEPENDENT, eliminate, mobility, resisting, sense_of, set_up
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
@@ -31,7 +31,7 @@ def pull(m, r, n):
                 total += line[n, at.AX + k] * m.velocity_response[r, 3 * a - 3 + k]
             if b > 0:
                 total += line[n, at.BX + k] * m.velocity_response[r, 3 * b - 3 + k]
-        return total
+        return total / mobility(m, n, n)
     first = dry[n, at.DRY_ROW]
     _, slope, slope2 = resisting(m, n, multiplier[first], multiplier[first + 1])
     change = slope * m.multiplier_response[r, first] + slope2 * m.multiplier_response[r, first + 1]
@@ -61,6 +61,7 @@ def couple(m, count):
                 reaction[r, row] -= m.dry_reaction[n, row] * share[n, r]
     for r in range(2 * count):
         a, b = contact[active[r // 2], at.A_BODY], contact[active[r // 2], at.B_BODY]
+        before = abs(m.delassus[r, r])
         for s in range(2 * count):
             value = 0.0
             for q in range(3):
@@ -69,6 +70,9 @@ def couple(m, count):
                 if b > 0:
                     value += w[r, 3 + q] * response[s, 3 * b - 3 + q]
             m.delassus[r, s] = value
+        if abs(m.delassus[r, r]) <= DEPENDENT * before:  # joints that stick hold it: what is left is rounding
+            for s in range(2 * count):
+                m.delassus[r, s] = 0.0
 
 
 @native("void", "h", "i", "v")

@@ -56,9 +56,10 @@ def bring_to_rest(m, y):
     count, nq = memory.shape[0], m.change.shape[0]
     for n in range(count):
         sticks = memory[n, at.DRY_MODE] == at.DRY_STICKS and memory[n, at.DRY_HELD] == 0.0 and m.dry[n, at.DRY_LAW] < 0
+        own = mobility(m, n, n) if sticks else 1.0
         for o in range(count):
-            system[n, o] = mobility(m, n, o) if sticks else (1.0 if n == o else 0.0)
-        system[n, count] = memory[n, at.DRY_RATE] if sticks else 0.0
+            system[n, o] = mobility(m, n, o) / own if sticks else (1.0 if n == o else 0.0)
+        system[n, count] = memory[n, at.DRY_RATE] / own if sticks else 0.0
     if eliminate(system, count) > 0.0:
         for n in range(count):
             for k in range(nq):
