@@ -391,3 +391,46 @@ def test_time_stepping_says_that_it_does_not_know_friction_in_joints():
         rt.loads(wheel('friction = { mu = 0.1, pin_radius = "8 mm" }\nstop = { min = -1 }')).simulate(
             0.1, method="moreau"
         )
+
+
+def test_joints_that_stick_together_hold_with_the_sum_of_their_limits():
+    """Two blocks on one line, a rod between them: one degree of freedom, two joints that could hold it alone."""
+    blocks = """
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.one]
+points = { C = [0, 0] }
+mass = 1
+inertia = 1
+[bodies.two]
+points = { C = [0, 0] }
+mass = 2
+inertia = 1
+[joints.first]
+type = "prismatic"
+connect = ["ground.O", "one.C"]
+friction = 0.1
+[joints.second]
+type = "prismatic"
+connect = ["ground.O", "two.C"]
+friction = 0.1
+[joints.link]
+type = "rod"
+connect = ["one.C", "two.C"]
+length = 1
+[loads.hand]
+type = "force"
+at = "one.C"
+force = ["30*t", 0]
+[initial]
+one = { x = 0, vx = 0 }
+two = { x = 1, vx = 0 }
+"""
+    run = rt.loads(blocks).simulate(0.3, t_eval=[0, 0.05, 0.3], **FINE)
+    limit, t = 0.1 * 3 * G, 0.3
+    breaks = limit / 30
+    assert max(one.t for one in run.events) == pytest.approx(breaks, abs=1e-12)
+    assert abs(run["first.friction"][1] + run["second.friction"][1] + 1.5) < 1e-12
+    assert abs(run["one.vx"][2] - (15 * (t * t - breaks**2) - limit * (t - breaks)) / 3) < 1e-10

@@ -25,6 +25,7 @@ from rattle.solvers.dense_output import interpolate
 
 PARTS = 16  # pieces of a step that are searched
 KEEP = -2
+AT_ONCE = 1e-12  # share of the time within which two events are one
 MOST_TRIED = 8  # joints at rest up to which all combinations are tried
 
 
@@ -70,7 +71,7 @@ def bring_to_rest(m, y):
 def violation(m, n, loose):
     """How far the mode of a joint at rest is from being possible, as a share; 0 if it is.
 
-    loose: a joint that has just been set free, whose acceleration may be rounding.
+    loose: -1 unless joints have just been set free, whose accelerations may be rounding.
     """
     memory = m.dry_memory
     mode, tau = memory[n, at.DRY_MODE], memory[n, at.DRY_FORCE]
@@ -80,7 +81,7 @@ def violation(m, n, loose):
         most = limit(m, n)
         beyond = abs(tau) - most * (1.0 + 1e-11)
         return beyond / (abs(tau) + most) if beyond > 0.0 else 0.0
-    doubt = (1e-6 if n == loose or loose == KEEP else 1e-12) * abs(mobility(m, n, n) * tau)
+    doubt = (1e-12 if loose == -1 else 1e-6) * abs(mobility(m, n, n) * tau)
     return 1.0 if sudden(m, n) * mode < -doubt else 0.0
 
 
@@ -160,7 +161,8 @@ def decide(m, t, y, who, told):
         memory[n, at.DRY_BEFORE] = memory[n, at.DRY_MODE]
         rests = (n == who and memory[n, at.DRY_HELD] == 0.0) or decided(m, n)
         memory[n, at.DRY_REST] = 1.0 if rests else 0.0
-        kept = who == KEEP and (memory[n, at.DRY_MODE] == at.DRY_STICKS or memory[n, at.DRY_SINCE] == t)
+        begins = n != who and memory[n, at.DRY_MODE] != at.DRY_AUTO and t - memory[n, at.DRY_SINCE] <= AT_ONCE * abs(t)
+        kept = begins or (who == KEEP and memory[n, at.DRY_MODE] == at.DRY_STICKS)
         if m.dry[n, at.DRY_LAW] < 0 and not (rests and kept):
             memory[n, at.DRY_MODE] = at.DRY_STICKS if rests else math.copysign(1.0, memory[n, at.DRY_RATE])
     bring_to_rest(m, y)
