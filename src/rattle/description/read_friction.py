@@ -9,12 +9,14 @@ from rattle import registry
 from rattle.description.model import Choice, JointFriction
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Path, said
-from rattle.elements.contact_laws.friction import MU, MU_STATIC
 from rattle.errors import suggest
 from rattle.registry import Field
 
 SET_VALUED = "coulomb"  # the model that a number means
-COULOMB = {"mu": MU, "mu_static": MU_STATIC}
+COULOMB = {
+    "mu": Field("", "coefficient of friction", least="not negative"),
+    "mu_static": Field("", "coefficient at rest; default: mu", lambda read: read["mu"], least="not negative"),
+}
 RADIUS = {"pin_radius": Field("m", "radius of the pin, on which friction acts", least="positive")}
 
 
