@@ -205,3 +205,20 @@ def test_powers_that_cannot_be_found_say_why():
     with pytest.raises(ValueError, match="does not hold its model"):
         r.power()
     assert isinstance(m.simulate(1.0).power(), Power)
+
+
+def test_friction_of_joints_loses_what_the_brake_torque_says():
+    text = (
+        TURNED.replace("inertia = 0.5", "inertia = 0.001")
+        .replace("mass = 1", "mass = 2")
+        .replace("[bodies.disc]", "gravity = [0, -9.81]\n[bodies.disc]")
+    )
+    text += (
+        'friction = { mu = 0.1, pin_radius = "8 mm" }\n[ground.points]\nO = [0, 0]\n[initial]\ndisc = { omega = 10 }\n'
+    )
+    run = rt.loads(text).simulate(1.0, t_eval=[0, 0.3, 1.0])
+    power = run.power(0, 1.0)
+    torque = 0.1 * 2 * 9.81 * 0.008  # Coulomb at the pin, R = m g: N mu r
+    assert of(power.elements, "lost", "O") == pytest.approx(0.5 * 0.001 * 100, rel=1e-9)  # all of the energy
+    assert of(power.at(0.3), "power", "O", "disc") == pytest.approx(-torque * (10 - torque / 0.001 * 0.3), rel=1e-9)
+    assert power.residual < 1e-9

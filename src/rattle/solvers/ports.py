@@ -42,6 +42,7 @@ def write_ports(m, t, row, first):
             row[c + at.SUPPLIED] -= rows[r, at.NU] * multiplier[r]
         c += at.PER_PORT
     write_contact_ports(m, row, first)
+    write_friction_ports(m, row, first)
     write_load_ports(m, t, row, c)
 
 
@@ -63,6 +64,18 @@ def write_contact_ports(m, row, first):
         row[c + at.PORT_B + 2] -= kinematics[n, at.PBX] * fy - kinematics[n, at.PBY] * fx + couple
         row[c + at.WASTED] += kinematics[n, at.LOSS]
         row[c + at.KEPT] += kinematics[n, at.STORE]
+
+
+@compiled
+def write_friction_ports(m, row, first):
+    """Add dry friction of joints without play, and what it loses, to the ports of these joints from `first` on."""
+    dry, line, memory = m.dry, m.dry_rows, m.dry_memory
+    for n in range(dry.shape[0]):
+        c, tau = first + at.PER_PORT * dry[n, at.DRY_JOINT], memory[n, at.DRY_FORCE]
+        for q in range(3):
+            row[c + at.PORT_A + q] += line[n, at.AX + q] * tau
+            row[c + at.PORT_B + q] += line[n, at.BX + q] * tau
+        row[c + at.WASTED] -= tau * memory[n, at.DRY_RATE]
 
 
 @compiled
