@@ -6,6 +6,7 @@ addresses, so one compile serves every mechanism and a new kind recompiles nothi
 
 What other modules need to know about a kind are attributes and methods of its class; no code tests for the name of a
 kind or of its fields.  The interfaces, with their defaults, are the classes `JointKind`, `DriverKind`, `ClearanceKind`,
+`OneSidedKind`,
 `StopKind` and `ContactKind` in the folders of `rattle.elements`.
 """
 
@@ -24,7 +25,8 @@ from rattle.jit.functions import KernelFunction, jit_runs
 
 REQUIRED: Any = object()
 ELEMENTS = tuple(
-    f"rattle.elements.{one}" for one in ("joints", "clearances", "stops", "clutches", "contact_laws", "loads")
+    f"rattle.elements.{one}"
+    for one in ("joints", "clearances", "one_sided", "stops", "clutches", "contact_laws", "loads")
 )
 PACKAGES = {"stepper": ("rattle.solvers.steppers",)}  # packages of the families that are elsewhere
 _lock = threading.RLock()
@@ -148,6 +150,11 @@ def kinds(family: str) -> Mapping[str, Kind]:
 def play_of(joint: str) -> Kind | None:
     """The kind of clearance of a kind of joint; None if it cannot have clearance."""
     return next((one for one in kinds("clearance").values() if one.leaf.joint == joint), None)
+
+
+def one_sided_of(joint: str) -> Kind | None:
+    """The contacts that stand for the rows of a kind of joint without clearance; None if it has no such."""
+    return next((one for one in kinds("one-sided").values() if one.leaf.joint == joint), None)
 
 
 def stop_of(joint: str) -> Kind | None:

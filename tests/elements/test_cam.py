@@ -196,8 +196,8 @@ def test_a_curve_around_nothing_is_refused(radius, words):
 
 
 @nojit
-@pytest.mark.parametrize("key", ['clearance = "1 mm"', 'contact = "impact"', 'roller = "5 mm"', "stop = { min = 0 }"])
-def test_play_contacts_and_stops_of_a_cam_are_refused(key):
+@pytest.mark.parametrize("key", ['clearance = "1 mm"', 'roller = "5 mm"', "stop = { min = 0 }"])
+def test_play_rollers_and_stops_of_a_cam_are_refused(key):
     with pytest.raises(rt.ModelError, match=key.partition(" ")[0]):
         _ = face(more=key).model
 

@@ -163,8 +163,14 @@ class Joint:
 
     @property
     def is_loose(self) -> bool:
-        """True if the joint has clearance and no constraint: only contacts act on it."""
-        return self.contact is not None and self.clearance > 0.0 and self.contact.acts
+        """True if the joint has contacts in place of constraints: clearance, or a joint that is one-sided."""
+        return self.contact is not None and self.contact.acts and (self.clearance > 0.0 or self.one_sided is not None)
+
+    @property
+    def one_sided(self) -> Any:
+        """The class of its one-sided contacts, a `OneSidedKind`; None if it has no such."""
+        found = registry.one_sided_of(self.kind)
+        return found.leaf if found else None
 
     @property
     def contacts(self) -> tuple[Contact, ...]:

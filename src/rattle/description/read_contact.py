@@ -39,7 +39,7 @@ def contact_models(joint: str = "") -> list[str]:
     known = registry.kinds("contact")
     if not joint:
         return [*known, *registry.kinds("normal")]
-    if registry.play_of(joint) is None:
+    if registry.play_of(joint) is None and registry.one_sided_of(joint) is None:
         return []
     massless = registry.kinds("joint")[joint].leaf.massless
     return [*(name for name, one in known.items() if massless or not one.leaf.link), *registry.kinds("normal")]
@@ -53,7 +53,12 @@ def stop_models() -> list[str]:
 def site_of_clearance(joint: str, clearance: float) -> Site:
     """The contact of a kind of joint with a given clearance [m]."""
     play = registry.play_of(joint)
-    return Site(f"a {joint} joint", play.leaf if play else None, contact_models(joint), clearance)
+    return Site(f"a {joint} joint", play.leaf if play else None, contact_models(joint) if play else [], clearance)
+
+
+def site_of_one_sided(kind: registry.Kind) -> Site:
+    """The contact of a joint without clearance that is one-sided."""
+    return Site(f"a {kind.leaf.joint} joint", kind.leaf, contact_models(kind.leaf.joint))
 
 
 def site_of_stop(stop: registry.Kind) -> Site:

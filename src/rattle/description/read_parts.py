@@ -19,7 +19,13 @@ from rattle.description.model import (
     Stop,
     Vector,
 )
-from rattle.description.read_contact import contact_models, read_contact, site_of_clearance, site_of_stop
+from rattle.description.read_contact import (
+    contact_models,
+    read_contact,
+    site_of_clearance,
+    site_of_one_sided,
+    site_of_stop,
+)
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_friction import joint_friction
 from rattle.description.read_values import Path, Values, said
@@ -197,6 +203,8 @@ class Parts(FieldReader):
         if "clearance" in given:
             clearance = values.value(given["clearance"], "m", (*path, "clearance"), "not negative")
             contact = self._contact(given, found.name, clearance, path)
+        elif "contact" in given and (sided := registry.one_sided_of(found.name)) is not None:
+            contact = read_contact(self, given["contact"], site_of_one_sided(sided), (*path, "contact"))
         elif "contact" in given:
             values.wrong((*path, "contact"), "needs a clearance of the joint (radial, in m)", at_key=True)
         stop = self._stop(given["stop"], found.name, (*path, "stop")) if "stop" in given else None
@@ -224,7 +232,7 @@ class Parts(FieldReader):
     def _contact(self, given: Mapping[str, Any], joint: str, clearance: float, path: Path) -> Contact | None:
         if "contact" in given:
             return read_contact(self, given["contact"], site_of_clearance(joint, clearance), (*path, "contact"))
-        suited = contact_models(joint)
+        suited = contact_models(joint) if registry.play_of(joint) is not None else []
         if DEFAULT_CONTACT in suited:
             return read_contact(self, DEFAULT_CONTACT, site_of_clearance(joint, clearance), path)
         if suited:

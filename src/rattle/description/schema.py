@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from rattle import registry
-from rattle.description.read_contact import ALONG, stop_models
+from rattle.description.read_contact import ALONG, contact_models, stop_models
 from rattle.description.read_friction import arm_fields, friction_models
 from rattle.description.read_parameters import DISTRIBUTIONS, TABLE
 from rattle.description.read_parts import moved_joints
@@ -233,6 +233,7 @@ def _joint(kind: Kind) -> Schema:
         **_dimensions(kind),
         **_stop(kind),
         **_own_friction(kind),
+        **_one_sided(kind),
         **_fields(kind),
     }
     return _object(properties, ("type", "connect", *_needed(kind)), kind.summary)
@@ -245,6 +246,13 @@ def _dimensions(joint: Kind) -> dict[str, Schema]:
     return {
         table: _object({key: _field(one) for key, one in wanted.items()}, wanted) for table, wanted in tables.items()
     }
+
+
+def _one_sided(joint: Kind) -> dict[str, Schema]:
+    """The contact of a joint that is one-sided with it."""
+    if registry.one_sided_of(joint.name) is None:
+        return {}
+    return {"contact": _contact(contact_models(joint.name), ALONG, "contact model: the joint is then one-sided")}
 
 
 def _stop(joint: Kind) -> dict[str, Schema]:

@@ -38,7 +38,7 @@ def contact_of(document: Mapping[str, Any], joint: str) -> dict[str, Any]:
     joints = document.get("joints", {})
     if joint not in joints:
         raise ModelError([Problem(("joints", str(joint)), f"is not there{suggest(str(joint), joints)}")])
-    if "clearance" not in joints[joint]:
+    if "clearance" not in joints[joint] and "contact" not in joints[joint]:
         raise ModelError([Problem(("joints", joint), "has no clearance, so no contact")])
     written = joints[joint].get("contact", DEFAULT_CONTACT)
     return {"model": written} if isinstance(written, str) else dict(written)

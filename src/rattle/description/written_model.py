@@ -189,12 +189,12 @@ class WrittenModel(Building):
 
     def ideal(self) -> Self:
         """The same mechanism with all clearances set to zero; lengths of the bodies are unchanged."""
-        if not any("clearance" in one for one in self._document.get("joints", {}).values()):
+        if not any(map(_has_contact, self._document.get("joints", {}).values())):
             return self.set()
         return self.with_contact("ideal")
 
     def with_contact(self, model: str, joint: str | None = None) -> Self:
-        """The same mechanism with another contact model in every joint with clearance, or in one joint.
+        """The same mechanism with another contact model in every joint with clearance or one-sided, or in one joint.
 
         model: a name of `rattle kinds`, such as "massless-link", "impact" or "exact".  Values of the old model that
         the new one uses are kept: restitution, friction, bush radius, stiffness or materials.
@@ -203,7 +203,7 @@ class WrittenModel(Building):
         from rattle.description.switch_contact import recontact
 
         joints = self._document.get("joints", {})
-        loose = [name for name, one in joints.items() if "clearance" in one and joint in (None, name)]
+        loose = [name for name, one in joints.items() if _has_contact(one) and joint in (None, name)]
         if joint is not None and not loose:
             what = "has no clearance" if joint in joints else f"is not there{suggest(joint, joints)}"
             raise ModelError([Problem(("joints", joint), what)])
@@ -216,3 +216,8 @@ class WrittenModel(Building):
         from rattle.description.switch_contact import contact_of
 
         return contact_of(self._document, joint)
+
+
+def _has_contact(joint: Mapping[str, Any]) -> bool:
+    """True of a joint as it is written with clearance, or one-sided."""
+    return "clearance" in joint or "contact" in joint

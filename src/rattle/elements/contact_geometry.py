@@ -1,8 +1,8 @@
 """What the equations and the solvers need to know of the geometry of a contact: the interface of its kinds.
 
 A contact is one-sided: a gap g >= 0 and N >= 0 that opens it.  It may belong to a joint in place of its rows
-(clearance) or besides them (stop).  With n and the arms p_A, p_B, and the couple m (columns NX to PBY and TURN of
-`contact_kinematics`), its normal row is
+(clearance, one-sided joint) or besides them (stop).  With n and the arms p_A, p_B, and the couple m (columns NX to PBY
+and TURN of `contact_kinematics`), its normal row is
 
     -g' = w . v,   w = A (-n, -p_A x n - m), B (n, p_B x n + m)
 
@@ -11,8 +11,8 @@ so the gap is a length [m], N a force [N]; or, with n = 0 and m = +-1, an angle 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
 
 from rattle.jit import layout as at
 
@@ -21,7 +21,8 @@ class ContactGeometry:
     """Interface of the kinds of geometry; the defaults are those of a point on a curved wall."""
 
     contacts: ClassVar[int] = 1  # number of places that may touch; `corner` of the kernel is their index
-    walls_turn: ClassVar[bool] = False  # True: straight walls, which turn with A
+    walls_turn: ClassVar[bool] = False  # True: straight walls, which turn with `turning`
+    turning: ClassVar[int] = at.A_BODY  # the body whose walls turn: at.A_BODY or at.B_BODY
     rounded: ClassVar[bool] = True  # True: a curved wall, whose normal turns as B moves; its speed is in touch[ACROSS]
     wall: ClassVar[str]  # what bears, in messages, with an article
     angular: ClassVar[bool] = False  # True: the gap is an angle [rad], N a moment [N m]
@@ -39,6 +40,11 @@ class ContactGeometry:
     def scale(p: Sequence[float], size: float) -> float:
         """Size of the gap by which tolerances are set [m or rad]; size: of the mechanism [m], or 1 rad."""
         raise NotImplementedError
+
+    @staticmethod
+    def bends(fields: Mapping[str, Any], constants: Sequence[float]) -> tuple[float, float, float]:
+        """What bends the gap besides arms and turning walls: SLOPE [m], CURVE [m] and BOW [1/m], see `layout`."""
+        return 0.0, 0.0, 0.0
 
     @staticmethod
     def sense(corner: int) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rattle import registry
 from rattle.description.model import Choice, Contact, Joint, Model
@@ -12,7 +12,12 @@ from rattle.elements.contact_geometry import OwnContact
 from rattle.jit import layout as at
 from rattle.language.local_function import packed
 
-GEOMETRIES = ("clearance", "stop", "clutch")  # families of kernels that give the geometry of a contact, in one table
+GEOMETRIES = (
+    "clearance",
+    "one-sided",
+    "stop",
+    "clutch",
+)  # families of kernels that give the geometry of a contact, in one table
 # tables of kernels that contacts call: the families in them, and the column of `contact` that names an entry
 CONTACT_TABLES = {
     "clearance_table": (GEOMETRIES, at.SHAPE),
@@ -23,17 +28,18 @@ CONTACT_TABLES = {
 
 
 class ContactGroup(NamedTuple):
-    """Contacts of one joint with the same geometry: those of its clearance, or those of its stop."""
+    """Contacts of one joint with the same geometry: those in place of its rows, or those of its stop."""
 
     kind: registry.Kind  # its class is a `ContactGeometry`
     contact: Contact
     parameters: tuple[float, ...]  # of the kernel [SI]
     corners: tuple[int, ...]  # contacts of the kind that there are
     path: tuple[str, ...]  # of its contact model in the model file
+    bends: tuple[float, float, float] = (0.0, 0.0, 0.0)  # see `ContactGeometry.bends`
 
 
 def contact_groups(joint: Joint) -> list[ContactGroup]:
-    """All contacts of a joint, which act in place of its rows (clearance) or besides them (stop)."""
+    """All contacts of a joint, which act in place of its rows (clearance, one-sided) or besides them (stop)."""
     found = []
     points = (*joint.a.at, *joint.b.at)
     play = registry.play_of(joint.kind)
@@ -42,6 +48,12 @@ def contact_groups(joint: Joint) -> list[ContactGroup]:
         p = tuple(packed([*points, joint.clearance, joint.contact.bush_radius, *joint.numbers, *sizes]))
         corners = tuple(range(play.leaf.contacts))
         found.append(ContactGroup(play, joint.contact, p, corners, ("joints", joint.name, "contact")))
+    sided = registry.one_sided_of(joint.kind)
+    if joint.contact is not None and sided is not None and joint.is_loose:
+        p = tuple(packed([*points, *sided.leaf.parameters(joint.fields, joint.constants)]))
+        bends = sided.leaf.bends(joint.fields, joint.constants)
+        path = ("joints", joint.name, "contact")
+        found.append(ContactGroup(sided, joint.contact, p, tuple(range(sided.leaf.contacts)), path, bends))
     kind = registry.stop_of(joint.kind)
     if joint.stop is not None and kind is not None:
         ends = (joint.stop.minimum, joint.stop.maximum)
@@ -63,7 +75,7 @@ def contact_table(
     states = 0
     for n, joint in enumerate(model.joints.values()):
         a, b = number[joint.a.body], number[joint.b.body]
-        for kind, contact, parameters, corners, _ in contact_groups(joint):
+        for kind, contact, parameters, corners, _, bends in contact_groups(joint):
             leaf, place, size = kind.leaf, len(values), 1.0 if kind.leaf.angular else length
             values += parameters
             laws: tuple[int, ...]
@@ -77,12 +89,12 @@ def contact_table(
                     *_law("friction", contact.friction, values),
                 )
             own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
-            lever = (*leaf.levers(parameters), *map(float, (leaf.walls_turn, leaf.rounded, leaf.angular)))
+            lever = (*leaf.levers(parameters), *map(float, (_turning(leaf), leaf.rounded, leaf.angular)))
             for corner in corners:
                 owned = (n, int(contact.rigid), states, own, leaf.column, leaf.sense(corner), 0, 0)
                 found.append((_tag(kind), a, b, place, corner, *laws, *owned))
                 states += own
-                levers.append((*lever, leaf.scale(parameters, size), size))
+                levers.append((*lever, leaf.scale(parameters, size), size, *bends))
         alone = joint.leaf.own_contact(joint.fields)
         if alone is not None:
             entry, its_lever = _own_contact(alone, joint, values)
@@ -103,6 +115,11 @@ def contact_table(
     return found, levers
 
 
+def _turning(leaf: Any) -> int:
+    """WALLS_TURN of a kind of geometry: 0, 1 for walls that turn with A, 2 with B."""
+    return 0 if not leaf.walls_turn else 1 if leaf.turning == at.A_BODY else 2
+
+
 def _tag(kind: registry.Kind) -> int:
     """Index of a kind of geometry in the table of all of them."""
     return kind.tag + sum(len(registry.kinds(one)) for one in GEOMETRIES[: GEOMETRIES.index(kind.family)])
@@ -116,8 +133,15 @@ def _own_contact(own: OwnContact, joint: Joint, values: list[float]) -> tuple[tu
     law = len(values)
     values += [0.0] * at.MOST_TORQUE  # no restitution, no friction
     values += own.law
-    lever = (*kind.leaf.levers(parameters), *map(float, (kind.leaf.walls_turn, kind.leaf.rounded, kind.leaf.angular)))
-    return (_tag(kind), place, 0, -1, -1, -1, law, -1, -1), (*lever, kind.leaf.scale(parameters, 1.0), 1.0)
+    lever = (*kind.leaf.levers(parameters), *map(float, (_turning(kind.leaf), kind.leaf.rounded, kind.leaf.angular)))
+    return (_tag(kind), place, 0, -1, -1, -1, law, -1, -1), (
+        *lever,
+        kind.leaf.scale(parameters, 1.0),
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+    )
 
 
 def _share_law(found: Sequence[tuple[int, ...]], values: list[float]) -> None:

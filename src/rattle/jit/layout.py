@@ -126,13 +126,16 @@ OWNER, IMPACT, FIRST_STATE, STATES, FORCE_COLUMN, SENSE, LEVEL, TOOTHED = range(
 _declare("lever", """
     ARM_A [m] longest arm on A to its contact points
     ARM_B [m] longest arm on B
-    WALLS_TURN [] 1 if straight walls turn with A
+    WALLS_TURN [] 1 if straight walls turn with A, 2 if with B
     ROUNDED [] 1 if a wall is curved
     ANGULAR [] 1 if the gap is an angle, N a moment
     GAP_SCALE [m or rad] size of the gap by which tolerances are set: the clearance, the range between two stops
     GAP_SIZE [m or rad] typical length of the mechanism, or 1 rad
+    SLOPE [m] largest derivative of the gap by the angles of the bodies, besides that of arms and turning walls
+    CURVE [m] largest second derivative by the angle of B to A
+    BOW [1/m] largest second derivative by the offset of the points
 """)
-ARM_A, ARM_B, WALLS_TURN, ROUNDED, ANGULAR, GAP_SCALE, GAP_SIZE = range(7)
+ARM_A, ARM_B, WALLS_TURN, ROUNDED, ANGULAR, GAP_SCALE, GAP_SIZE, SLOPE, CURVE, BOW = range(10)
 # parameters of a joint, driver or load between two points start with these (x, y each); those of contacts go on with
 # the clearance, the radius of the bush, the fields of the joint and its dimensions
 POINTS = 4

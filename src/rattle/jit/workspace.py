@@ -42,7 +42,7 @@ ARRAYS = {
     "joint": Array("i2", "nj, 5", "", "joints, then drivers"),
     "load": Array("i2", "nl, 5", "", "loads"),
     "contact": Array("i2", "nc, 19", "", "geometry and laws of every contact point"),
-    "lever": Array("f2", "nc, 7", "m or rad", "what bounds the gap of every contact, and by what it is judged"),
+    "lever": Array("f2", "nc, 10", "m or rad", "what bounds the gap of every contact, and by what it is judged"),
     "code": Array(
         "i2", "nk, 4", "", "programs of all expressions, one after the other, with the branches of their switches"
     ),
@@ -62,7 +62,7 @@ ARRAYS = {
     "row_body": Array("i2", "nr, 2", "", "bodies A, B of every row"),
     "joint_table": Array("i1", "kinds", "", "kernels of joints and drivers"),
     "load_table": Array("i1", "kinds", "", "kernels of loads"),
-    "clearance_table": Array("i1", "kinds", "", "kernels of clearances and stops"),
+    "clearance_table": Array("i1", "kinds", "", "kernels of clearances, one-sided joints, stops and clutches"),
     "stiffness_table": Array("i1", "kinds", "", "kernels of static contact forces"),
     "normal_table": Array("i1", "kinds", "", "kernels of normal forces"),
     "friction_table": Array("i1", "kinds", "", "kernels of friction"),

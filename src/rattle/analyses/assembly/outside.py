@@ -27,6 +27,11 @@ def outside(system: System, workspace: Workspace) -> str:
                 return _beyond(joint, int(entry[at.SENSE]), float(gap))
         else:
             clearance = joint.clearance
+            if joint.one_sided is not None:
+                return (
+                    f"joint '{name}' starts {-gap:.3g} m inside {joint.one_sided.wall}: give its bodies positions in"
+                    " [initial] at which they are clear of each other, or none, and they touch"
+                )
             return (
                 f"joint '{name}' starts {-gap:.3g} m outside its clearance of {clearance:.3g} m: give the bodies"
                 f" positions with the pin inside, or an offset of '{name}' in [initial]"

@@ -101,7 +101,7 @@ class StaticProblem:
         ]
         length = min([1e-4 * system.size] + [3e-3 * one for one in arms])
         if len(self.workspace.contact_memory):  # penetrations are small
-            length = min([length] + [1e-5 * one.clearance for one in joints if one.is_loose])
+            length = min([length] + [1e-5 * one.clearance for one in joints if one.clearance > 0.0 and one.is_loose])
         self.length, self.step = length, length * self.scale
         self.out = np.zeros(3 * system.body_count)
         self.links = [name for name, one in system.model.joints.items() if is_link(one)]

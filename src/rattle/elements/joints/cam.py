@@ -63,7 +63,7 @@ def cam(body, a, b, p, k, row, rows):
 
 @kind("joint", "cam", cam)
 class Cam(JointKind):
-    """A point of B on a curve of A: the centre of a roller on a cam, held on both sides; also a bead on a wire.
+    """A point of B on a curve of A, as of a roller on a cam or a bead on a wire; with `contact` it may lift outwards.
 
     Source: Norton, Cam Design and Manufacturing Handbook (2009), ch. 7; Nikravesh, Planar Multibody Dynamics (2018).
     """

@@ -59,7 +59,7 @@ def flat_follower(body, a, b, p, k, row, rows):
 
 @kind("joint", "flat-follower", flat_follower)
 class FlatFollower(JointKind):
-    """A straight face of B on a convex cam of A, held on both sides.
+    """A straight face of B on a convex cam of A, held on both sides; with `contact` it may lift off.
 
     Source: do Carmo, Differential Geometry of Curves and Surfaces (1976), section 1-7 (support function).
     """

@@ -12,6 +12,10 @@ in e.  If this does not decide, three samples and the rates give a cubic, whose 
 sample plus a bound for the rotation, (E + (n')^2 |e|) (W dt)^2 dt^2 / 384; if that does not decide either, the
 interval is halved.  Contacts out of reach need no sample at all.
 
+Walls that turn with B take its angular velocity instead.  A gap that depends on angles and on the offset in another
+way, as of a cam or a tooth, adds SLOPE (|alpha_A| + |alpha_B|) + CURVE (|w_A| + |w_B|)^2 + BOW |e'|^2, where the
+constants bound its derivatives (`layout`, lever).
+
 A gap that is an angle between two bodies has |g''| <= |alpha_B - alpha_A| = E.
 
 Accelerations are bounded by those of the stages of the step plus their spread.
@@ -98,11 +102,17 @@ def bounds(m, h, n):
     ax, ay = largest(m, a, b, 0), largest(m, a, b, 1)
     linear = math.sqrt(ax * ax + ay * ay)
     bend = linear + s_b * (wb * wb + alpha_b) + s_a * (wa * wa + alpha_a)
-    if lever[n, at.WALLS_TURN] > 0.0 and a > 0:
+    w, alpha = (wb, alpha_b) if lever[n, at.WALLS_TURN] > 1.5 else (wa, alpha_a)
+    walls, bow = lever[n, at.WALLS_TURN] > 0.0 and w + alpha > 0.0, lever[n, at.BOW]
+    if walls or bow > 0.0:
         nq = m.change.shape[0]
         speed = max(apart(m, y, a, b, nq), apart(m, y_new, a, b, nq)) + 0.5 * h * linear + s_a * wa + s_b * wb
         away = max(apart(m, y, a, b, 0), apart(m, y_new, a, b, 0)) + 0.125 * h * h * linear + s_a + s_b
-        bend += (wa * wa + alpha_a) * away + 2.0 * wa * speed
+        if walls:
+            bend += (w * w + alpha) * away + 2.0 * w * speed
+            speed += w * away
+        bend += bow * speed * speed
+    bend += lever[n, at.SLOPE] * (alpha_a + alpha_b) + lever[n, at.CURVE] * (wa + wb) * (wa + wb)
     return bend, max(wa, wb)
 
 

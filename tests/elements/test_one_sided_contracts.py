@@ -1,0 +1,117 @@
+"""What every kind of one-sided joint promises; a new kind is tested here without an edit.
+
+Gaps and gammas are derivatives along any path, the normal row is that of a force on both bodies, and the constants of
+the kind bound how fast a gap can bend.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from moving_bodies import FIRST, A, B, H, Path, body_at, field_values, rng_for
+from rattle import registry
+from rattle.jit import layout as at
+from rattle.language.local_function import packed
+
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
+
+KINDS = list(registry.kinds("one-sided"))
+
+
+class Pushed:
+    """Two bodies on a path with a one-sided joint between them, which touches at the time 0.3 s."""
+
+    def __init__(self, name, place):
+        rng = rng_for(name, str(place))
+        self.kind, self.path = registry.kinds("one-sided")[name], Path(rng)
+        self.leaf = self.kind.leaf
+        joint = registry.kinds("joint")[self.leaf.joint]
+        self.points = rng.uniform(-1, 1, 4)
+        self.fields = dict(zip(joint.fields, field_values(joint, rng), strict=True))
+        self.constants = tuple(rng.uniform(-1, 1, 4))
+        self.p = np.array(packed([*self.points, *self.leaf.parameters(self.fields, self.constants)]))
+        self.shift = np.zeros((3, 3))
+
+    def at(self, t, move=0.0):
+        q = self.path.q(t) + self.shift + move
+        found = np.zeros((self.leaf.contacts, at.width("contact_kinematics")))
+        for corner in range(self.leaf.contacts):
+            self.kind.kernel(body_at(q, self.path.v(t)), A, B, self.p, 0, corner, corner, found)
+        return found
+
+    def touch(self, corner):
+        """Move B along the normal until one gap is closed at the time 0.3 s."""
+        for _ in range(40):
+            one = self.at(0.3)[corner]
+            n = one[[at.NX, at.NY]]
+            self.shift[B, :2] += one[at.GAP] * n / (n @ n)
+        assert abs(self.at(0.3)[corner, at.GAP]) < 1e-13
+
+
+def row(one):
+    """The normal row w (6,) of a contact, for the rates of A and of B."""
+    n, a, b = one[[at.NX, at.NY]], one[[at.PAX, at.PAY]], one[[at.PBX, at.PBY]]
+    on_a, on_b = a[0] * n[1] - a[1] * n[0], b[0] * n[1] - b[1] * n[0]
+    return np.array([*-n, -on_a - one[at.TURN], *n, on_b + one[at.TURN]])
+
+
+@pytest.fixture(params=[(name, place) for name in KINDS for place in range(4)], ids=lambda one: f"{one[0]}-{one[1]}")
+def pushed(request):
+    return Pushed(*request.param)
+
+
+def test_normal_row_is_minus_the_derivative_of_the_gap(pushed):
+    here = pushed.at(0.3)
+    for corner, one in enumerate(here):
+        slopes = []
+        for body in (A, B):
+            for q in range(3):
+                move = np.zeros((3, 3))
+                move[body, q] = H
+                slopes.append((pushed.at(0.3, move) - pushed.at(0.3, -move))[corner, at.GAP] / (2 * H))
+        np.testing.assert_allclose(row(one), -np.array(slopes), atol=10 * FIRST)
+
+
+def test_where_they_touch_the_gap_is_a_distance_and_gamma_completes_its_second_derivative(pushed):
+    v, dv = pushed.path.v(0.3), pushed.path.dv(0.3)
+    for corner in range(pushed.leaf.contacts):
+        pushed.touch(corner)
+        before, one, after = (pushed.at(0.3 + dt)[corner] for dt in (-H, 0.0, H))
+        assert math.hypot(one[at.NX], one[at.NY]) == pytest.approx(1.0, abs=1e-12)
+        assert -one[at.DGAP] == pytest.approx(row(one) @ np.concatenate([v[A], v[B]]), abs=1e-12)
+        slope = (after - before) / (2 * H)
+        assert one[at.DGAP] == pytest.approx(slope[at.GAP], abs=10 * FIRST)
+        second = row(one) @ np.concatenate([dv[A], dv[B]]) - one[at.GAMMA_N]
+        assert -second == pytest.approx(slope[at.DGAP], rel=1e-6, abs=1e-6)
+
+
+def test_a_one_sided_joint_exerts_as_much_on_one_body_as_on_the_other(pushed):
+    """Force and moment about one point are opposite: a shift and a turn of both bodies do no work."""
+    q = pushed.path.q(0.3)
+    for one in pushed.at(0.3):
+        w = row(one)
+        np.testing.assert_allclose(w[:2], -w[3:5], atol=1e-15)
+        turn = np.array([-q[A, 1], q[A, 0], 1.0, -q[B, 1], q[B, 0], 1.0])
+        assert w @ turn == pytest.approx(0.0, abs=1e-13)
+
+
+def test_constants_bound_how_fast_a_gap_bends(pushed):
+    """The bound with which events are searched (`solvers.contacts.gap_search`), where they touch."""
+    leaf = pushed.leaf
+    slope, curve, bow = leaf.bends(pushed.fields, pushed.constants)
+    for corner in range(leaf.contacts):
+        pushed.touch(corner)
+        q, v, dv = pushed.path.q(0.3) + pushed.shift, pushed.path.v(0.3), pushed.path.dv(0.3)
+        arm_a, arm_b = leaf.levers(pushed.p)
+        wa, wb, alpha_a, alpha_b = abs(v[A, 2]), abs(v[B, 2]), abs(dv[A, 2]), abs(dv[B, 2])
+        bend = math.hypot(*(dv[B] - dv[A])[:2]) + arm_b * (wb**2 + alpha_b) + arm_a * (wa**2 + alpha_a)
+        away = math.hypot(*(q[B] - q[A])[:2]) + arm_a + arm_b
+        speed = math.hypot(*(v[B] - v[A])[:2]) + arm_a * wa + arm_b * wb
+        if leaf.walls_turn:
+            w, alpha = (wa, alpha_a) if leaf.turning == at.A_BODY else (wb, alpha_b)
+            bend += (w**2 + alpha) * away + 2 * w * speed
+            speed += w * away
+        bend += bow * speed**2 + slope * (alpha_a + alpha_b) + curve * (wa + wb) ** 2
+        before, here, after = (pushed.at(0.3 + dt)[corner, at.GAP] for dt in (-1e-4, 0.0, 1e-4))
+        assert abs(after - 2 * here + before) / 1e-8 <= bend + 1e-5
