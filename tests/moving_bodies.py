@@ -18,6 +18,9 @@ def rng_for(*words):
     return np.random.default_rng(zlib.crc32(" ".join(words).encode()))
 
 
+SHARES = {"pressure_angle": 0.25, "backlash": 0.05}  # of fields that have to be smaller than others
+
+
 def field_values(kind, rng):
     """One possible value of every field, in the order of the kernel; functions are yet to be packed."""
     found = {}
@@ -26,7 +29,7 @@ def field_values(kind, rng):
             shape = parse(f"{rng.uniform(0.5, 2.0)} + {rng.uniform(-0.5, 0.5)}*sin({one.function_of})**3")
             found[key] = [local_function(shape, one.function_of, {}, NO_TABLES)]
         elif one.shape == "number":
-            found[key] = [rng.uniform(0.5, 2.0)]
+            found[key] = [rng.uniform(0.5, 2.0) * SHARES.get(key, 1.0)]
         elif one.shape == "pair":
             found[key] = list(rng.uniform(0.5, 2, 2) if one.least == "positive" else rng.uniform(-2, 2, 2))
         elif one.shape == "flag":

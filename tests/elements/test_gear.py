@@ -73,7 +73,7 @@ def planetary(planets=3, driven=False):
 @pytest.mark.parametrize("internal", [0.0, 1.0])
 def test_row_of_a_gear_is_differentiated_exactly_outside_and_inside_of_a_ring(internal):
     kind, path = registry.kinds("joint")["gear"], Path(rng_for("ring"))
-    p = np.array([0.3, -0.2, 0.1, 0.4, 1.7, 0.6, internal, 0.2])
+    p = np.array([0.3, -0.2, 0.1, 0.4, 1.7, 0.6, internal, 0.0, 0.0, 0.2])
 
     def row(t, q=None):
         rows = np.zeros((1, at.width("rows")))
@@ -104,7 +104,7 @@ def test_whole_turns_of_the_line_of_centres_do_not_show_in_the_residual(internal
             moved = q.copy()
             moved[B, 2] += off
             rows = np.zeros((1, at.width("rows")))
-            p = np.array([0.0, 0.0, 0.0, 0.0, ra, rb, internal, 0.0])
+            p = np.array([0.0, 0.0, 0.0, 0.0, ra, rb, internal, 0.0, 0.0, 0.0])
             kind.kernel(body_at(moved, np.zeros((3, 3))), A, B, p, 0, 0, rows)
             assert rows[0, at.RES] == pytest.approx(sign * rb * off, abs=2e-14)  # 40 rad have digits of 7e-15
 

@@ -63,7 +63,7 @@ def unfit(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:
     notes = []
     for name, _, fit, distance in fits(system, q):
         off = np.abs(distance - fit.distance)
-        apart = np.flatnonzero(off > UNFIT * abs(fit.distance))
+        apart = np.flatnonzero(off > UNFIT * abs(fit.distance) + fit.slack)
         if len(apart):
             k = int(np.nanargmax(off))
             needed, there = (f"{one:.6g} m" for one in (fit.distance, float(distance[k])))

@@ -119,7 +119,7 @@ class Joint:
     dimensions: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # tables of its kind of clearance [m]
     stop: Stop | None = None
     friction: JointFriction | None = None  # of a joint without play
-    constants: tuple[float, ...] = ()  # one for each row [m or rad], of a kind whose rows count from the start
+    constants: tuple[float, ...] = ()  # [m or rad] of a kind whose rows count from the start
 
     @property
     def numbers(self) -> tuple[Any, ...]:
@@ -129,7 +129,7 @@ class Joint:
             value: Any = self.fields[key]
             given += value if one.shape == "pair" else (value,)
         if self.leaf.from_start:
-            given += self.constants or (math.nan,) * len(self.leaf.rows)
+            given += self.constants or (math.nan,) * self.leaf.from_start
         return tuple(given)
 
     @property

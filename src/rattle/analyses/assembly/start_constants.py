@@ -15,6 +15,7 @@ from rattle.analyses.assembly.first_guess import first_guess
 from rattle.analyses.travel import fits
 from rattle.description.model import Model
 from rattle.equations.closure import open_by
+from rattle.equations.placement import point_at
 from rattle.equations.system import System, compile_system
 from rattle.errors import AssemblyError
 from rattle.jit import layout as at
@@ -27,7 +28,7 @@ def with_constants(model: Model, constants: Mapping[str, float | tuple[float, ..
     joints = dict(model.joints)
     for name, values in constants.items():
         one = joints[name]
-        each = values if isinstance(values, tuple) else (values,) * len(one.leaf.rows)
+        each = values if isinstance(values, tuple) else (values,) * one.leaf.from_start
         joints[name] = replace(one, constants=each)
     return replace(model, joints=joints)
 
@@ -52,13 +53,19 @@ def constants_at(system: System, q: np.ndarray) -> dict[str, tuple[float, ...]]:
 
     system: with all of these constants 0.
     """
+    joints = system.model.joints
+    if any(joint.leaf.from_start and joint.is_loose for joint in joints.values()):  # the rows that contacts stand for
+        rows = {name: replace(one, contact=None) if one.leaf.from_start else one for name, one in joints.items()}
+        system = compile_system(replace(system.model, joints=rows))
     workspace = system.workspace()
     open_by(workspace, 0.0, q, np.zeros_like(q))
     residual = workspace.rows[:, at.RES]
     found = {}
     for name in constants_of(system.model):
-        first, count = system.first_row(name), len(system.model.joints[name].leaf.rows)
-        found[name] = tuple(residual[first : first + count].tolist())
+        joint, first = joints[name], system.first_row(name)
+        values = tuple(residual[first : first + len(joint.leaf.rows)].tolist())
+        x, y = point_at(system, q, joint.b) - point_at(system, q, joint.a)
+        found[name] = joint.leaf.start_constants(values, (float(x), float(y)))
     return found
 
 
@@ -73,7 +80,7 @@ def require_fit(system: System, q: np.ndarray) -> None:
     """Raise AssemblyError if the points of a joint are not at the distance that it needs, apart from clearances."""
     play = sum(one.clearance for one in system.model.joints.values() if one.contact and not one.contact.closed)
     for name, _, fit, distance in fits(system, q.reshape(1, -1, 3)):
-        if fit.needed and abs(float(distance[0]) - fit.distance) > FITS * abs(fit.distance) + play:
+        if fit.needed and abs(float(distance[0]) - fit.distance) > FITS * abs(fit.distance) + play + fit.slack:
             raise AssemblyError(
                 f"joint '{name}': {fit.why.format(f'{fit.distance:.9g} m')}, at the start it is {distance[0]:.9g} m:"
                 " change the radii, or the points or [initial] values that place the centres"

@@ -26,6 +26,7 @@ class Fit(NamedTuple):
     line: float | None  # None: of the points; else of B's point to the right of a line in this direction of A [rad]
     why: str  # what needs it, in words, with {} for the distance
     needed: bool = True  # False: another distance is a note, not an error
+    slack: float = 0.0  # [m] by which it may be missed
 
 
 class JointKind:
@@ -42,12 +43,17 @@ class JointKind:
     drawn_as: ClassVar[str] = ""  # a form of rattle.plots.drawings: pin, rod, guide ...; "" if it is not drawn
     rubs: ClassVar[bool] = False  # True: it may have friction by its own reaction, as a pin or (with a line) a guide
     places: ClassVar[bool] = True  # False: its rows do not say where the point of B is
-    from_start: ClassVar[bool] = False  # True: each row is less a constant, which makes it vanish at the start
+    from_start: ClassVar[int] = 0  # number of constants that the start sets; they make its rows vanish there
 
     @staticmethod
     def faults(given: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
         """What is wrong with keys that were `given`, or missing (key ""), besides what each field says by itself."""
         return ()
+
+    @staticmethod
+    def start_constants(residual: tuple[float, ...], d: tuple[float, float]) -> tuple[float, ...]:
+        """Its constants, from its rows at the start without constants [m or rad] and the offset d of its points [m]."""
+        return residual
 
     @staticmethod
     def own_contact(fields: Mapping[str, float]) -> OwnContact | None:

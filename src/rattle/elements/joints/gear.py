@@ -15,20 +15,25 @@ psi is known up to whole turns only: the row is S times the angle from d to the 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rattle.elements.joints import Fit, JointKind
+from rattle.elements.profile import degrees
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
 from rattle.registry import Field, kind
 
+STEEPEST = math.radians(45.0)  # pressure angle
+PLAY = 0.5  # of the smaller radius, or of the distance in a ring: more backlash than any teeth have
+SLACK = 0.2  # of the smaller radius by which centres may be farther or nearer: teeth of 10 would be out of mesh
+
 
 @kernel("joint")
 def gear(body, a, b, p, k, row, rows):
-    """Write the row of the pair [m]; p[k + 4:] = R_A, R_B [m], 1 for a wheel inside of A, c [m]."""
+    """Write the row of the pair [m]; p[k + 4:] = R_A, R_B [m], 1 for a wheel inside of A, two of teeth, c [m]."""
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     wa, wb = body[a, at.W], body[b, at.W]
     ra, rb = p[k + 4], p[k + 5] * (1.0 - 2.0 * p[k + 6])
@@ -38,7 +43,7 @@ def gear(body, a, b, p, k, row, rows):
     inv = 1.0 / l2 if assume(l2 > 1e-300) else 0.0
     x, y = s * dx * inv, s * dy * inv
     turned = dx * ddy - dy * ddx
-    theta = (ra * body[a, at.PHI] + rb * body[b, at.PHI] - p[k + 7]) / s
+    theta = (ra * body[a, at.PHI] + rb * body[b, at.PHI] - p[k + 9]) / s
     cos, sin = math.cos(theta), math.sin(theta)
 
     rows[row, at.RES] = s * math.atan2(sin * dx - cos * dy, cos * dx + sin * dy)
@@ -54,7 +59,7 @@ def gear(body, a, b, p, k, row, rows):
 
 @kind("joint", "gear", gear)
 class Gear(JointKind):
-    """Two toothed wheels, or a wheel inside of a ring A, about the points of `connect`, on bodies of any kind.
+    """Two toothed wheels, or a wheel in a ring A, about the points of `connect`; with `contact`, involute flanks.
 
     Source: Willis, Principles of Mechanism (1841), part I, ch. 9; Nikravesh, Planar Multibody Dynamics (2018), gears.
     """
@@ -62,25 +67,57 @@ class Gear(JointKind):
     rows = ("m",)
     places = False
     moment = True
-    from_start = True
+    from_start = 1
     drawn_as = "gear"
     radii = Field("m", "pitch radii of the wheels on A and B", shape="pair", least="positive")
     internal = Field("", "A is a ring with B inside", default=False, shape="flag")
+    pressure_angle = Field(
+        "rad", "of involute teeth, which need a contact: two flanks that push, whose centres may move",
+        default=0.0, least="not negative",
+    )  # fmt: skip
+    backlash = Field(
+        "m", "play along the normal of the teeth where the pitch circles touch", default=0.0, least="not negative"
+    )
 
     @staticmethod
     def fit(fields: Mapping[str, Any]) -> Fit:
         """The pitch circles touch: centres at the sum of the radii, or at their difference."""
         (ra, rb), ring = fields["radii"], fields["internal"]
+        slack = SLACK * min(ra, rb) if fields["pressure_angle"] > 0.0 else 0.0
         words = f"its pitch radii of {ra:.9g} m and {rb:.9g} m need a distance of the centres of {{}}"
-        return Fit(ra - rb if ring else ra + rb, None, words)
+        return Fit(ra - rb if ring else ra + rb, None, words, slack=slack)
+
+    @staticmethod
+    def faults(given: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+        """Teeth with flanks are contacts with a pressure angle."""
+        angle, contact = fields["pressure_angle"], "contact" in given
+        if "pressure_angle" in given and not 0.0 < angle <= STEEPEST:
+            yield (
+                "pressure_angle",
+                f"{degrees(angle)} is outside of 0 to {degrees(STEEPEST)}; teeth have 20 deg, for example",
+            )
+        if contact and "pressure_angle" not in given:
+            yield "contact", 'needs pressure_angle, the direction in which the flanks push, as "20 deg"'
+        for key in ("pressure_angle", "backlash"):
+            if key in given and not contact:
+                yield (
+                    key,
+                    (
+                        'needs a contact, as contact = "impact": the flanks only push; leave it out for a pair'
+                        " whose pitch circles roll without play and without separating force"
+                    ),
+                )
 
     @staticmethod
     def fault(fields: Mapping[str, Any]) -> str:
-        """A wheel has to be smaller than its ring."""
+        """A wheel has to be smaller than its ring, and the backlash smaller than teeth."""
         ra, rb = fields["radii"]
         if fields["internal"] and rb >= ra:
             return (
                 f"radii: the wheel inside, {rb:g} m, must be smaller than its ring, {ra:g} m;"
                 " the ring is A, the first in `connect` and `radii`"
             )
+        most = PLAY * min(rb, abs(ra - rb) if fields["internal"] else ra)
+        if fields["backlash"] > most:
+            return f"backlash: {fields['backlash']:g} m is more than between teeth of these wheels, {most:.3g} m"
         return ""

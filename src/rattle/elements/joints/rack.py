@@ -40,7 +40,7 @@ class Rack(JointKind):
     rows = ("m",)
     places = False
     moment = True
-    from_start = True
+    from_start = 1
     drawn_as = "rack"
     axis = Field("rad", "direction of the pitch line in A's frame", default=0.0)
     radius = Field("m", "pitch radius of the pinion on B", least="positive")

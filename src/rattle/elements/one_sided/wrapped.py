@@ -1,0 +1,88 @@
+"""Straight lines that touch two wheels: the line of action of involute teeth, the strand of a belt.
+
+a, b: radii of the circles that the line touches; b < 0 where the second wheel turns the other way (inside of a ring,
+open belt);  S = a + b,  d = (r_B + s_B) - (r_A + s_A),  l = |d|,  e = d/l,  p: e turned by 90 deg,  psi: direction of d
+
+X  = a phi_A + b phi_B - S psi - c                                        turning of the wheels, along the line    [m]
+F  = sqrt(l^2 - S^2) - S acos(S/l),  F' = sqrt(l^2 - S^2)/l = sin(angle of the line to p),  F'' = S^2/(l^2 sqrt(..))
+g  = i X + k F + j                                                        gap; i = +1, -1 of the two lines, k = +-1
+n  = i S/l p - k F' e,  |n| = 1,   at  p_A = s_A - i a q,  p_B = s_B + i b q,   q: n turned by 90 deg
+gamma = -i S q_psi + k (F' q_l + F'' (e . d')^2)                                                           [m/s^2]
+
+q_psi, q_l: the parts of psi'' and l'' without accelerations.  psi is known up to whole turns only.  It is taken next to
+(a phi_A + b phi_B - c)/S, which is right for any number of turns while |X| < pi |S|, or, where S is too small for this,
+next to its value at the start.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from rattle.jit import layout as at
+from rattle.jit.functions import compiled
+from rattle.jit.geometry import ends
+
+SMALL = 0.2  # |S| by the radii, below which psi is counted from the start
+
+
+class Wrapped(NamedTuple):
+    """What the kernel takes after the points."""
+
+    a: float  # [m]
+    b: float  # [m]
+    c: float  # [m]
+    k: float  # 1, or -1
+    j: float  # [m]
+    from_start: float  # 1: psi next to `psi`; 0: next to the direction that the wheels give
+    psi: float  # at the start [rad]
+    scale: float  # size of the gap by which tolerances are set [m]
+
+
+def length_of(l: float, s: float) -> float:
+    """F [m] at the distance l [m] of the centres; s: S [m]."""
+    return math.sqrt(l * l - s * s) - s * math.acos(s / l)
+
+
+def bow_of(l: float, s: float) -> float:
+    """Largest second derivative [1/m] of the gap by d near the distance l [m], with a margin of 2."""
+    root = math.sqrt(l * l - s * s)
+    return 2.0 * (abs(s) / l**2 + s * s / (l * l * root) + root / l**2)
+
+
+@compiled
+def turned_by(body, a, b, p, k, dx, dy):
+    """X [m], of wheels whose radii and constants begin at p[k]."""
+    ra, rb = p[k], p[k + 1]
+    s, wheels = ra + rb, ra * body[a, at.PHI] + rb * body[b, at.PHI] - p[k + 2]
+    near = p[k + 6] if p[k + 5] > 0.0 else wheels / s
+    cos, sin = math.cos(near), math.sin(near)
+    return wheels - s * (near + math.atan2(cos * dy - sin * dx, cos * dx + sin * dy))
+
+
+@compiled
+def write_line(body, a, b, p, k, i, row, kinematics):
+    """Write gap [m], its rate [m/s], normal, arms [m] and gamma [m/s^2] of line i = +1 or -1 into its row."""
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
+    wa, wb = body[a, at.W], body[b, at.W]
+    ra, rb, side = p[k + 4], p[k + 5], p[k + 7]
+    s = ra + rb
+    d = math.sqrt(dx * dx + dy * dy)
+    inv = 1.0 / d
+    ex, ey = dx * inv, dy * inv
+    root = math.sqrt(max(d * d - s * s, 1e-24 * d * d))  # wheels that overlap have no such line
+    slope, bent = root * inv, s * s * inv * inv / root
+    along, across = ex * ddx + ey * ddy, ex * ddy - ey * ddx
+    f = root - s * math.acos(min(max(s * inv, -1.0), 1.0))
+    nx = -i * s * inv * ey - side * slope * ex
+    ny = i * s * inv * ex - side * slope * ey
+    d0x, d0y = wa * wa * sax - wb * wb * sbx, wa * wa * say - wb * wb * sby
+    q_psi = (ex * d0y - ey * d0x) * inv - 2.0 * along * across * inv * inv
+    q_l = across * across * inv + ex * d0x + ey * d0y
+
+    kinematics[row, at.GAP] = i * turned_by(body, a, b, p, k + 4, dx, dy) + side * f + p[k + 8]
+    kinematics[row, at.DGAP] = i * (ra * wa + rb * wb - s * across * inv) + side * slope * along
+    kinematics[row, at.NX], kinematics[row, at.NY] = nx, ny
+    kinematics[row, at.PAX], kinematics[row, at.PAY] = sax + i * ra * ny, say - i * ra * nx
+    kinematics[row, at.PBX], kinematics[row, at.PBY] = sbx - i * rb * ny, sby + i * rb * nx
+    kinematics[row, at.GAMMA_N] = -i * s * q_psi + side * (slope * q_l + bent * along * along)
