@@ -18,7 +18,7 @@ def rng_for(*words):
     return np.random.default_rng(zlib.crc32(" ".join(words).encode()))
 
 
-SHARES = {"pressure_angle": 0.25, "backlash": 0.05}  # of fields that have to be smaller than others
+SHARES = {"pressure_angle": 0.25, "backlash": 0.05, "pretension": 0.05}  # of fields that have to be smaller than others
 
 
 def field_values(kind, rng):

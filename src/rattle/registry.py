@@ -163,6 +163,11 @@ def stop_of(joint: str) -> Kind | None:
     return kinds("stop").get(motor.driver) if motor else None
 
 
+def normal_law(name: str) -> Kind:
+    """A law of the normal force: of contacts that the user chooses, or of strands."""
+    return kinds("normal").get(name) or kinds("tension")[name]
+
+
 def names(family: str) -> tuple[str, ...]:
     """Names of all kinds of one family; leaves in PACKAGES have files of their names and are not imported for that."""
     if family not in PACKAGES:

@@ -35,7 +35,7 @@ def parameters(family, kind, rng, f):
 
 def constants(kind, rng):
     """What the start has made the constants of rows that count from it."""
-    return list(rng.uniform(-0.5, 0.5, len(kind.leaf.rows))) if kind.leaf.from_start else []
+    return list(rng.uniform(-0.5, 0.5, kind.leaf.from_start)) if kind.leaf.from_start else []
 
 
 def evaluate(kind, q, v, p):
@@ -105,10 +105,11 @@ def joint_of(name):
 def test_rows_that_count_from_the_start_vanish_with_what_is_left_of_them_there(name):
     kind, q = registry.kinds("joint")[name], Path(rng_for(name)).q(0.3)
     p = parameters("joint", kind, rng_for(name, "p"), [])
-    own = slice(len(p) - len(kind.leaf.rows), None)
+    own = slice(len(p) - kind.leaf.from_start, None)
     p[own] = 0.0
-    p[own] = evaluate(kind, q, np.zeros((3, 3)), p)[:, at.RES]
-    assert np.abs(p[own]).min() > 0.01, "the case is too special to show anything"
+    d = q[B, :2] + turned(q[B, 2], p[2:4]) - q[A, :2] - turned(q[A, 2], p[:2])
+    p[own] = kind.leaf.start_constants(tuple(evaluate(kind, q, np.zeros((3, 3)), p)[:, at.RES]), tuple(d))
+    assert np.abs(p[own][: len(kind.leaf.rows)]).min() > 0.01, "the case is too special to show anything"
     np.testing.assert_allclose(evaluate(kind, q, np.zeros((3, 3)), p)[:, at.RES], 0.0, atol=1e-14)
 
 

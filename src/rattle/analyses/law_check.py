@@ -32,11 +32,15 @@ def law_faults(model: Model) -> list[str]:
             continue
         laws = (("normal", contact.normal), ("friction", contact.friction))
         for family, choice in laws:
-            if choice is not None and isinstance(registry.kinds(family)[choice.kind].kernel, ContactLaw):
+            if choice is not None and isinstance(_kind(family, choice.kind).kernel, ContactLaw):
                 fault = _fault(family, choice, contact)
                 if fault:
                     found.append(f"{name}: {family} law '{choice.kind}' {fault}")
     return found
+
+
+def _kind(family: str, name: str) -> registry.Kind:
+    return registry.normal_law(name) if family == "normal" else registry.kinds(family)[name]
 
 
 def _fault(family: str, choice: Choice, contact: Contact) -> str:

@@ -62,8 +62,8 @@ def unfit(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:
     """Notes on joints whose points are not at the distance that they need: t (n,) [s], q (n, nb, 3) [m, m, rad]."""
     notes = []
     for name, _, fit, distance in fits(system, q):
-        off = np.abs(distance - fit.distance)
-        apart = np.flatnonzero(off > UNFIT * abs(fit.distance) + fit.slack)
+        off = fit.missed(distance)
+        apart = np.flatnonzero(off > UNFIT * abs(fit.distance))
         if len(apart):
             k = int(np.nanargmax(off))
             needed, there = (f"{one:.6g} m" for one in (fit.distance, float(distance[k])))

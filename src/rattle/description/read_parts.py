@@ -11,6 +11,7 @@ from rattle.description.model import (
     DEFAULT_CONTACT,
     DEFAULT_STOP,
     Body,
+    Choice,
     Contact,
     Driver,
     Joint,
@@ -203,6 +204,13 @@ class Parts(FieldReader):
         if "clearance" in given:
             clearance = values.value(given["clearance"], "m", (*path, "clearance"), "not negative")
             contact = self._contact(given, found.name, clearance, path)
+        elif (law := found.leaf.strand(fields)) is not None:
+            if "contact" in given:
+                self.values.wrong(
+                    (*path, "contact"), f"a {found.name} has stiffness and damping of its own", at_key=True
+                )
+            static = Choice("power", {"stiffness": law.stiffness, "exponent": 1.0})
+            contact = Contact("compliant", normal=Choice("tension", {"damping": law.damping}), static=static)
         elif "contact" in given and (sided := registry.one_sided_of(found.name)) is not None:
             contact = read_contact(self, given["contact"], site_of_one_sided(sided), (*path, "contact"))
         elif "contact" in given:

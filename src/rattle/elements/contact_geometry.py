@@ -46,6 +46,11 @@ class ContactGeometry:
         """What bends the gap besides arms and turning walls: SLOPE [m], CURVE [m] and BOW [1/m], see `layout`."""
         return 0.0, 0.0, 0.0
 
+    @classmethod
+    def column_of(cls, corner: int) -> int:
+        """Column of an output row of its joint to which N of this contact is added."""
+        return cls.column
+
     @staticmethod
     def sense(corner: int) -> int:
         """1 or -1: N of this contact counts positive or negative in its column."""

@@ -22,7 +22,7 @@ GEOMETRIES = (
 CONTACT_TABLES = {
     "clearance_table": (GEOMETRIES, at.SHAPE),
     "stiffness_table": (("stiffness",), at.STATIC),
-    "normal_table": (("normal",), at.NORMAL_LAW),
+    "normal_table": (("normal", "tension"), at.NORMAL_LAW),
     "friction_table": (("friction",), at.FRICTION),
 }
 
@@ -91,7 +91,7 @@ def contact_table(
             own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
             lever = (*leaf.levers(parameters), *map(float, (_turning(leaf), leaf.rounded, leaf.angular)))
             for corner in corners:
-                owned = (n, int(contact.rigid), states, own, leaf.column, leaf.sense(corner), 0, 0)
+                owned = (n, int(contact.rigid), states, own, leaf.column_of(corner), leaf.sense(corner), 0, 0)
                 found.append((_tag(kind), a, b, place, corner, *laws, *owned))
                 states += own
                 levers.append((*lever, leaf.scale(parameters, size), size, *bends))
@@ -155,10 +155,10 @@ def _share_law(found: Sequence[tuple[int, ...]], values: list[float]) -> None:
 def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, int]:
     if choice is None:
         return -1, -1
-    kind = registry.kinds(family)[choice.kind]
+    kind = registry.normal_law(choice.kind) if family == "normal" else registry.kinds(family)[choice.kind]
     place = len(values)
     values += kind.leaf.pack(choice.values)
-    return kind.tag, place
+    return kind.tag + (len(registry.kinds("normal")) if kind.family == "tension" else 0), place
 
 
 def effective_mass(model: Model, joint: Joint, angular: bool) -> float:

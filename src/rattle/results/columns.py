@@ -70,13 +70,14 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
             continue
         kind = joint_rows(joint)[0]
         found.append((f"{name}.force", at.OF_VECTOR, c + at.FX))
+        sided = joint.one_sided
         if passes_moment(joint):
             found.append((f"{name}.moment", at.OF_SIZE, c + at.MOMENT))
         if joint.friction is not None:
             found.append((f"{name}.friction", at.OF_SIZE, c + at.JOINT_TANGENT))
         if joint.stop is not None:
             found.append((f"{name}.stop", at.OF_SIZE, c + at.STOP))
-        if joint.contact is None:
+        if joint.contact is None or (sided is not None and sided.records):
             continue
         if kind is None:
             found.append((f"{name}.normal", at.OF_VALUE, c + at.JOINT_NORMAL))
@@ -133,7 +134,11 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
                 add(f"{name}.friction", joint.leaf.motor.unit, c + at.JOINT_TANGENT)
             if joint.stop is not None:
                 add(f"{name}.stop", "N*m" if joint.stops_angle else "N", c + at.STOP)
-            if joint.contact is not None:
+            if joint.one_sided is not None and joint.one_sided.records:
+                forces = _two_forces(joint, raw[:, c : c + at.PER_JOINT])
+                for key, one in zip(joint.one_sided.records, forces, strict=True):
+                    add(f"{name}.{key}", "N", c + at.JOINT_NORMAL, one)
+            elif joint.contact is not None:
                 made = _of_contact(system, joint, kind, raw, c)
                 for key, column in OF_CONTACT.items():
                     add(f"{name}.{key}", at.OUTPUT_JOINT[key], c + column, made.get(key))
@@ -150,6 +155,15 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
     for place, values in derived.items():
         data[:, place] = values
     return data, list(units), units
+
+
+def _two_forces(joint: Joint, raw: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The larger and the smaller force (n,) [N] of two strands; of a belt that cannot stretch, about its pretension."""
+    one, other = raw[:, at.JOINT_NORMAL], raw[:, at.JOINT_TANGENT]
+    if not joint.is_loose:
+        half = 0.5 * raw[:, at.EFFORT]
+        one, other = joint.fields["pretension"] + half, joint.fields["pretension"] - half
+    return np.maximum(one, other), np.minimum(one, other)
 
 
 def overrun(system: System, joint: Joint, raw: np.ndarray) -> tuple[np.ndarray, float]:

@@ -100,7 +100,7 @@ def _touching(result: Curves) -> list[tuple[str, str]]:
     """Joints with a stop, or with clearance that is not closed, and the name of the force of their contacts."""
     found = []
     for name, form in result.geometry["joints"].items() if len(result.t) else ():
-        loose = bool(form.get("clearance")) and form.get("contact") != "ideal" and f"{name}.normal" in result
+        loose = form.get("contact", "") not in ("", "ideal") and f"{name}.normal" in result
         if loose or (form.get("stop") and f"{name}.stop" in result):
             found.append((name, f"{name}.normal" if loose else f"{name}.stop"))
     return found

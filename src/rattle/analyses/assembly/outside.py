@@ -27,6 +27,8 @@ def outside(system: System, workspace: Workspace) -> str:
                 return _beyond(joint, int(entry[at.SENSE]), float(gap))
         else:
             clearance = joint.clearance
+            if joint.one_sided is not None and joint.contact is not None and not joint.contact.rigid:
+                continue
             if joint.one_sided is not None:
                 return (
                     f"joint '{name}' starts {-gap:.3g} m inside {joint.one_sided.wall}: give its bodies positions in"

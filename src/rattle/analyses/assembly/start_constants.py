@@ -80,7 +80,7 @@ def require_fit(system: System, q: np.ndarray) -> None:
     """Raise AssemblyError if the points of a joint are not at the distance that it needs, apart from clearances."""
     play = sum(one.clearance for one in system.model.joints.values() if one.contact and not one.contact.closed)
     for name, _, fit, distance in fits(system, q.reshape(1, -1, 3)):
-        if fit.needed and abs(float(distance[0]) - fit.distance) > FITS * abs(fit.distance) + play + fit.slack:
+        if fit.needed and float(fit.missed(distance)[0]) > FITS * abs(fit.distance) + play:
             raise AssemblyError(
                 f"joint '{name}': {fit.why.format(f'{fit.distance:.9g} m')}, at the start it is {distance[0]:.9g} m:"
                 " change the radii, or the points or [initial] values that place the centres"

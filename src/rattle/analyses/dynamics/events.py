@@ -138,7 +138,7 @@ def contact_notes(system: System, events: Sequence[Event], energy: float) -> tup
         peak = max((event.peak_force for event in events if event.joint == name), default=0.0)
         static, normal = (
             registry.kinds("stiffness")[contact.static.kind],
-            registry.kinds("normal")[contact.normal.kind],
+            registry.normal_law(contact.normal.kind),
         )
         found += [f"{name}, {contact.static.kind}: {one}" for one in static.leaf.notes(contact.static.values, peak)]
         if contact.normal.values.get("effective_mass", 1.0) > 0.0:

@@ -26,7 +26,9 @@ def peak_arrays(system: System) -> dict[str, np.ndarray]:
         if of == "moment" or (of == "stop" and system.model.joints[joint].stops_angle):
             row[samples.ARM] = system.size
         elif of == "penetration" and contact is not None and contact.rigid:
-            row[samples.NOTHING] = DEEP * system.model.joints[joint].clearance  # at a rigid wall it is only drift
+            row[samples.NOTHING] = DEEP * (
+                system.model.joints[joint].clearance or system.size
+            )  # at a rigid wall it is only drift
     return {
         "quantity": np.array([one[1:] for one in watched], np.int64).reshape(-1, 2),
         "peaks": table,
@@ -36,7 +38,11 @@ def peak_arrays(system: System) -> dict[str, np.ndarray]:
 
 def peak_names(system: System) -> set[str]:
     """Names of what `peak_values` finds."""
-    contacts = {f"{name}.normal" for name, joint in system.model.joints.items() if joint.contact is not None}
+    contacts = {
+        f"{name}.normal"
+        for name, joint in system.model.joints.items()
+        if joint.contact is not None and not (joint.one_sided and joint.one_sided.records)
+    }
     return {name for name, *_ in quantities(system)} | contacts
 
 
@@ -48,6 +54,8 @@ def peak_values(system: System, workspace: Workspace, span: float) -> dict[str, 
         rms = math.sqrt(max(squares, 0.0) / span) if span > 0.0 else abs(best)
         found[name] = Peak(best, when, rms)
     for name, joint in system.model.joints.items():
-        if joint.contact is not None:  # without contacts N is as large as the force
+        if joint.contact is not None and not (
+            joint.one_sided and joint.one_sided.records
+        ):  # without contacts N is as large as the force
             found.setdefault(f"{name}.normal", found[f"{name}.force"])
     return found

@@ -6,6 +6,7 @@ import logging
 import math
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,11 +21,11 @@ from rattle.analyses.own_states import require_no_states
 from rattle.analyses.timetable import jump_notes, timetable
 from rattle.analyses.travel import out_of_place, past_stops, places, rates, with_stops, without_stops
 from rattle.analyses.undefined import undefined
-from rattle.description.model import Model
+from rattle.description.model import Joint, Model
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import loads, place
-from rattle.equations.system import System, compile_system
+from rattle.equations.system import System, compile_system, is_link
 from rattle.errors import AssemblyError, ModelError, Problem, SolverError
 from rattle.jit import functions
 from rattle.results.build import build_result
@@ -70,7 +71,12 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
 def _loose(system: System) -> str:
     """Names of the joints with open clearance."""
     joints = system.model.joints.items()
-    return ", ".join(name for name, one in joints if one.contact and one.clearance and not one.contact.closed)
+    return ", ".join(name for name, one in joints if one.is_loose or is_link(one))
+
+
+def _is_stiff(joint: Joint) -> bool:
+    """True of a belt, which does not stretch here."""
+    return joint.one_sided is not None and joint.one_sided.stiff_in_kinematics
 
 
 def analyse(
@@ -85,6 +91,11 @@ def analyse(
     times, given = instants(t_eval), system
     if with_stops(system.model):  # they do not hold what drivers move
         system = compile_system(without_stops(system.model))
+    if stiff := [name for name, one in system.model.joints.items() if one.is_loose and _is_stiff(one)]:
+        joints = {
+            name: replace(one, contact=None) if name in stiff else one for name, one in system.model.joints.items()
+        }
+        system, start = compile_system(replace(system.model, joints=joints)), None
     what = "inverse dynamics" if forces else "kinematics"
     require_no_states(system.model, what)
     functions.start()

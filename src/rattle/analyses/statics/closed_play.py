@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rattle.description.model import Contact
+from rattle.description.model import Contact, Joint
 from rattle.equations.system import System, compile_system, is_link
 
 
 def without_guide_play(system: System) -> System:
-    """The mechanism with every guide closed."""
+    """The mechanism with every guide closed, and one-sided joints that nothing can penetrate."""
     joints = dict(system.model.joints)
     for name, one in joints.items():
-        if not one.leaf.massless and one.is_loose:
+        if not one.leaf.massless and one.is_loose and (one.clearance > 0.0 or _is_rigid(one)):
             joints[name] = replace(one, contact=Contact("ideal"))
+        elif one.constants and (constants := one.leaf.resting(one.constants)) != one.constants:
+            joints[name] = replace(one, constants=constants)
     changed = any(joints[name] is not one for name, one in system.model.joints.items())
     return compile_system(replace(system.model, joints=joints)) if changed else system
 
@@ -26,3 +28,8 @@ def rigid_model(system: System) -> System | None:
             joints[name] = replace(one, contact=Contact("massless-link"))
     model = replace(system.model, joints=joints)
     return compile_system(model) if any(is_link(one) for one in joints.values()) else None
+
+
+def _is_rigid(joint: Joint) -> bool:
+    """True of contacts that nothing can penetrate, which hold in equilibrium; elastic ones give way."""
+    return joint.contact is not None and joint.contact.rigid

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar, NamedTuple
 
+import numpy as np
+
 from rattle.elements.contact_geometry import OwnContact
 
 
@@ -27,6 +29,20 @@ class Fit(NamedTuple):
     why: str  # what needs it, in words, with {} for the distance
     needed: bool = True  # False: another distance is a note, not an error
     slack: float = 0.0  # [m] by which it may be missed
+    least: bool = False  # True: only a shorter distance is wrong
+
+    def missed(self, distance: Any) -> Any:
+        """How far distances [m] are from the one that is needed [m], 0 where they are within the slack."""
+        if self.least:
+            return np.maximum(self.distance - distance, 0.0)
+        return np.maximum(np.abs(distance - self.distance) - self.slack, 0.0)
+
+
+class Strand(NamedTuple):
+    """The law of a strand: its force while it is stretched."""
+
+    stiffness: float  # [N/m]
+    damping: float  # [N*s/m]
 
 
 class JointKind:
@@ -54,6 +70,16 @@ class JointKind:
     def start_constants(residual: tuple[float, ...], d: tuple[float, float]) -> tuple[float, ...]:
         """Its constants, from its rows at the start without constants [m or rad] and the offset d of its points [m]."""
         return residual
+
+    @staticmethod
+    def resting(constants: tuple[float, ...]) -> tuple[float, ...]:
+        """Its constants in the search of equilibria, where bodies may be anywhere."""
+        return constants
+
+    @staticmethod
+    def strand(fields: Mapping[str, Any]) -> Strand | None:
+        """The law of its one-sided contacts, if these are strands; None otherwise."""
+        return None
 
     @staticmethod
     def own_contact(fields: Mapping[str, float]) -> OwnContact | None:

@@ -18,6 +18,9 @@ class OneSidedKind(ContactGeometry):
     """Interface of the one-sided kinds; the defaults are those of one contact of a follower."""
 
     joint: ClassVar[str]  # the kind of joint that is one-sided with `contact`
+    chosen: ClassVar[bool] = True  # False: the joint always has these contacts, by a law of its own
+    stiff_in_kinematics: ClassVar[bool] = False  # True: kinematics takes the rows of the joint instead
+    records: ClassVar[tuple[str, ...]] = ()  # names of its two forces [N], the larger first, instead of N
     rounded = False
     slides = False
     has_radius = False

@@ -51,11 +51,9 @@ def bow_of(l: float, s: float) -> float:
 
 
 @compiled
-def turned_by(body, a, b, p, k, dx, dy):
-    """X [m], of wheels whose radii and constants begin at p[k]."""
-    ra, rb = p[k], p[k + 1]
-    s, wheels = ra + rb, ra * body[a, at.PHI] + rb * body[b, at.PHI] - p[k + 2]
-    near = p[k + 6] if p[k + 5] > 0.0 else wheels / s
+def turned_by(wheels, s, from_start, psi, dx, dy):
+    """X [m]; wheels: a phi_A + b phi_B - c [m], s: S [m], from_start > 0: the direction of d is next to psi [rad]."""
+    near = psi if from_start > 0.0 else wheels / s
     cos, sin = math.cos(near), math.sin(near)
     return wheels - s * (near + math.atan2(cos * dy - sin * dx, cos * dx + sin * dy))
 
@@ -80,7 +78,9 @@ def write_line(body, a, b, p, k, i, row, kinematics):
     q_psi = (ex * d0y - ey * d0x) * inv - 2.0 * along * across * inv * inv
     q_l = across * across * inv + ex * d0x + ey * d0y
 
-    kinematics[row, at.GAP] = i * turned_by(body, a, b, p, k + 4, dx, dy) + side * f + p[k + 8]
+    wheels = ra * body[a, at.PHI] + rb * body[b, at.PHI] - p[k + 6]
+
+    kinematics[row, at.GAP] = i * turned_by(wheels, s, p[k + 9], p[k + 10], dx, dy) + side * f + p[k + 8]
     kinematics[row, at.DGAP] = i * (ra * wa + rb * wb - s * across * inv) + side * slope * along
     kinematics[row, at.NX], kinematics[row, at.NY] = nx, ny
     kinematics[row, at.PAX], kinematics[row, at.PAY] = sax + i * ra * ny, say - i * ra * nx

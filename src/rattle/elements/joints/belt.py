@@ -1,0 +1,90 @@
+"""Belt or chain about two pulleys; their centres may move.
+
+d = (r_B + s_B) - (r_A + s_A) from the centre of A to that of B,  l = |d|,  psi: direction of d,  p: d turned by 90 deg
+open belt:  R = -R_B     crossed:  R = R_B,     S = R_A + R
+
+    Phi   = R_A phi_A + R phi_B - S psi - c = 0          the row where the belt cannot stretch  [m]
+    gamma = S (p . d0/l^2 - 2 (d . d') (p . d')/l^4),   d0 = s_A w_A^2 - s_B w_B^2              [m/s^2]
+
+In a run in time the belt is two strands that stretch, see `one_sided.strands`; kinematics and the start take it as
+stiff.  psi is known up to whole turns only, see `one_sided.wrapped`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rattle.elements.joints import Fit, JointKind, Strand
+from rattle.elements.one_sided.wrapped import SMALL, turned_by
+from rattle.jit import layout as at
+from rattle.jit.choices import assume
+from rattle.jit.functions import kernel
+from rattle.jit.geometry import ends
+from rattle.registry import Field, kind
+
+
+@kernel("joint")
+def belt(body, a, b, p, k, row, rows):
+    """Write the row of the belt [m]; p[k + 4:] = R_A, R_B [m], 1 if crossed, 3 of strands, 4 of the start."""
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
+    wa, wb = body[a, at.W], body[b, at.W]
+    ra, rb = p[k + 4], p[k + 5] * (2.0 * p[k + 6] - 1.0)
+    s = ra + rb
+    l2 = dx * dx + dy * dy
+    # coincident centres have no direction
+    inv = 1.0 / l2 if assume(l2 > 1e-300) else 0.0
+    x, y = s * dx * inv, s * dy * inv
+    turned = dx * ddy - dy * ddx
+    wheels = ra * body[a, at.PHI] + rb * body[b, at.PHI] - p[k + 10]
+
+    rows[row, at.RES] = turned_by(wheels, s, 1.0 if abs(s) < SMALL * (ra + abs(rb)) else p[k + 13], p[k + 12], dx, dy)
+    rows[row, at.NU] = 0.0
+    rows[row, at.GAMMA] = (
+        x * (say * wa * wa - sby * wb * wb)
+        - y * (sax * wa * wa - sbx * wb * wb)
+        - 2.0 * s * (dx * ddx + dy * ddy) * turned * inv * inv
+    )
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -y, x, ra + x * sax + y * say
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = y, -x, rb - x * sbx - y * sby
+
+
+@kind("joint", "belt", belt)
+class Belt(JointKind):
+    """Belt or chain about two pulleys, open or crossed: two strands that pull only while they are stretched.
+
+    Source: Shigley, Mechanical Engineering Design (2011), chapter 17 (geometry of open and crossed belts).
+    """
+
+    rows = ("m",)
+    places = False
+    from_start = 4
+    drawn_as = "belt"
+    radii = Field("m", "radii of the pulleys on A and B", shape="pair", least="positive")
+    crossed = Field("", "the pulleys turn against each other", default=False, shape="flag")
+    stiffness = Field("N/m", "of one strand", least="positive")
+    damping = Field("N*s/m", "of one strand, while it is stretched", default=0.0, least="not negative")
+    pretension = Field("N", "tension of both strands at the start", default=0.0, least="not negative")
+
+    @staticmethod
+    def start_constants(residual: tuple[float, ...], d: tuple[float, float]) -> tuple[float, ...]:
+        """Phase [m], distance of the centres [m] and its direction [rad]; 0: pulleys tell how often that has turned."""
+        return (residual[0], math.hypot(*d), math.atan2(d[1], d[0]), 0.0)
+
+    @staticmethod
+    def resting(constants: tuple[float, ...]) -> tuple[float, ...]:
+        """In statics a pulley may be anywhere: the direction is next to that of the start."""
+        return (*constants[:3], 1.0)
+
+    @staticmethod
+    def strand(fields: Mapping[str, Any]) -> Strand:
+        """The law of a strand."""
+        return Strand(fields["stiffness"], fields["damping"])
+
+    @staticmethod
+    def fit(fields: Mapping[str, Any]) -> Fit:
+        """The pulleys must not overlap."""
+        ra, rb = fields["radii"]
+        words = f"its pulleys of {ra:.9g} m and {rb:.9g} m need their centres farther apart than {{}}"
+        return Fit(ra + rb, None, words, least=True)
