@@ -7,7 +7,7 @@ open belt:  R = -R_B     crossed:  R = R_B,     S = R_A + R
     gamma = S (p . d0/l^2 - 2 (d . d') (p . d')/l^4),   d0 = s_A w_A^2 - s_B w_B^2              [m/s^2]
 
 In a run in time the belt is two strands that stretch, see `one_sided.strands`; kinematics and the start take it as
-stiff.  psi is known up to whole turns only, see `one_sided.wrapped`.
+stiff.  psi is known up to whole turns only, see `elements.wrapped`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle.elements.joints import Fit, JointKind, Strand
-from rattle.elements.one_sided.wrapped import SMALL, turned_by
+from rattle.elements.wrapped import SMALL, turned_by
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel

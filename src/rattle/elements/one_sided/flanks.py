@@ -1,7 +1,7 @@
 """Two flanks of involute teeth: the gear pair with a pressure angle, whose centres may move and whose teeth have play.
 
 The line of action touches both base circles, a = R_A cos(alpha), b = R cos(alpha) (R = R_B, inside of a ring -R_B), see
-`one_sided.wrapped`:
+`elements.wrapped`:
 
 g_i = +-X + k (F(l) - F(l_0)) + j_0/2 >= 0,   k = 1, inside of a ring -1                                       [m]
 
@@ -16,7 +16,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rattle.elements.one_sided import OneSidedKind
-from rattle.elements.one_sided.wrapped import Wrapped, bow_of, length_of, write_line
+from rattle.elements.wrapped import Wrapped, bow_of, length_of, write_line
 from rattle.jit.functions import kernel
 from rattle.registry import kind
 

@@ -1,4 +1,4 @@
-"""The two strands of a belt: straight lines that touch both pulleys, see `one_sided.wrapped`, with k = -1.
+"""The two strands of a belt: straight lines that touch both pulleys, see `elements.wrapped`, with k = -1.
 
 e_i = +-X + F(l) - F(l_0) + T_0/K,   g_i = -e_i                      stretch and gap of a strand                [m]
 T_i = K e_i + c e_i'  while e_i > 0, never less than 0               tension                                    [N]
@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rattle.elements.one_sided import OneSidedKind
-from rattle.elements.one_sided.wrapped import SMALL, Wrapped, bow_of, length_of, write_line
+from rattle.elements.wrapped import SMALL, Wrapped, bow_of, length_of, write_line
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.registry import kind
