@@ -144,3 +144,19 @@ def test_follower_inside_of_its_cam_is_refused():
     )
     with pytest.raises(rt.AssemblyError, match=r"starts 0\.01 m inside a cam"):
         rt.loads(inside).simulate(0.1)
+
+
+@pytest.mark.parametrize(("shape", "incline"), [(FLAT, 1.0), (ROUND, 0.8)], ids=["flat", "round"])
+def test_equilibrium_says_whether_the_cam_would_have_to_pull(shape, incline):
+    """A lift of 30 N is more than the weight of 19.62 N: nothing holds the follower down."""
+    for lifted in (0.0, 30.0):
+        load = f'[loads.lift]\ntype = "force"\nat = "follower.C"\nforce = [0, {lifted}]\n'
+        (found,) = rt.loads(text(shape) + load).equilibrium()
+        assert found["cam.normal"] == pytest.approx((2 * G - lifted) / incline, rel=1e-9)
+        assert found.admissible == (lifted == 0.0)
+
+
+def test_kinematics_needs_the_follower_held_on_both_sides():
+    with pytest.raises(rt.ModelError, match=r"on one side only in cam: close it with ideal\(\)"):
+        rt.loads(text(FLAT)).kinematics([0.0])
+    assert rt.loads(text(FLAT)).ideal().kinematics([0.1])["follower.y"] == pytest.approx(lift(FLAT, 0.1 * W), abs=1e-12)

@@ -62,6 +62,7 @@ class Contact:
     static: Choice | None = None
     friction: Choice | None = None
     unused: tuple[str, ...] = ()  # keys that only other models use
+    pushes: bool = False  # of a closed joint: it stands for contacts that only push, and N < 0 is noted
 
     @property
     def acts(self) -> bool:

@@ -199,6 +199,8 @@ def _of_contact(
             made["penetration"] = distance - joint.clearance
         else:
             made["normal"] = np.hypot(fx, fy)
+            if joint.one_sided is not None and joint.one_sided.contacts == 1:  # its row is the slope of the gap
+                made["normal"] = np.copysign(made["normal"], raw[:, c + at.EFFORT])
     if joint.line is not None:
         made["ex"], made["ey"] = _play(system, joint, raw, ex, ey)
     return made

@@ -21,7 +21,7 @@ from rattle.analyses.own_states import require_no_states
 from rattle.analyses.timetable import jump_notes, timetable
 from rattle.analyses.travel import out_of_place, past_stops, places, rates, with_stops, without_stops
 from rattle.analyses.undefined import undefined
-from rattle.description.model import Joint, Model
+from rattle.description.model import Model
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import loads, place
@@ -62,21 +62,31 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
     names = ", ".join(movers[:8]) + (" ..." if len(movers) > 8 else "")
     text = f"{what} needs drivers that determine every position; {dof} (can still move: {names})."
     if loose:
-        text += f" There is clearance in {loose}: close it with ideal() or --ideal."
+        text += f" There is {loose}: close it with ideal() or --ideal."
     else:
         text += f" Add {'a driver' if left == 1 else f'{left} drivers'}, or use simulate or equilibrium."
     raise ModelError([Problem(("drivers",), text)])
 
 
 def _loose(system: System) -> str:
-    """Names of the joints with open clearance."""
-    joints = system.model.joints.items()
-    return ", ".join(name for name, one in joints if one.is_loose or is_link(one))
+    """Where there is open clearance, or contact on one side only, in words; "" if nowhere."""
+    joints = [one for one in system.model.joints.values() if one.is_loose or is_link(one)]
+    play = ", ".join(one.name for one in joints if one.clearance > 0.0)
+    sided = ", ".join(one.name for one in joints if not one.clearance > 0.0)
+    said = [f"clearance in {play}" if play else "", f"contact on one side only in {sided}" if sided else ""]
+    return " and ".join(one for one in said if one)
 
 
-def _is_stiff(joint: Joint) -> bool:
-    """True of a belt, which does not stretch here."""
-    return joint.one_sided is not None and joint.one_sided.stiff_in_kinematics
+def _without_stretch(system: System) -> System:
+    """The system with belts that cannot stretch; itself if there are none."""
+    joints = dict(system.model.joints)
+    stiff = [
+        name for name, one in joints.items() if one.is_loose and one.one_sided and one.one_sided.stiff_in_kinematics
+    ]
+    if not stiff:
+        return system
+    joints |= {name: replace(joints[name], contact=None) for name in stiff}
+    return compile_system(replace(system.model, joints=joints))
 
 
 def analyse(
@@ -91,11 +101,9 @@ def analyse(
     times, given = instants(t_eval), system
     if with_stops(system.model):  # they do not hold what drivers move
         system = compile_system(without_stops(system.model))
-    if stiff := [name for name, one in system.model.joints.items() if one.is_loose and _is_stiff(one)]:
-        joints = {
-            name: replace(one, contact=None) if name in stiff else one for name, one in system.model.joints.items()
-        }
-        system, start = compile_system(replace(system.model, joints=joints)), None
+    stiff = _without_stretch(system)
+    if stiff is not system:
+        system, start = stiff, None
     what = "inverse dynamics" if forces else "kinematics"
     require_no_states(system.model, what)
     functions.start()
@@ -109,7 +117,7 @@ def analyse(
             if not loose:
                 raise
             said = str(error).removesuffix(".")
-            raise AssemblyError(f"{said}. There is clearance in {loose}: close it with ideal() or --ideal.") from None
+            raise AssemblyError(f"{said}. There is {loose}: close it with ideal() or --ideal.") from None
     if system.row_count <= LARGE:
         require_driven(system, start, what)
     jumps = timetable(system, min(start.t, float(times[0])), float(times[-1])).jumps

@@ -275,6 +275,9 @@ class StaticProblem:
         column = {name: k for k, name in enumerate(names)}
         drawn = geometry(self.system.model)
         pins = [name for name, joint in drawn["joints"].items() if joint["contact"] not in ("", "ideal")]
+        pins += [
+            name for name, one in self.system.model.joints.items() if one.contact is not None and one.contact.pushes
+        ]
         return Table(
             column,
             {name: units[name] for name in names},

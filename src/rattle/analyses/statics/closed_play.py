@@ -13,7 +13,7 @@ def without_guide_play(system: System) -> System:
     joints = dict(system.model.joints)
     for name, one in joints.items():
         if not one.leaf.massless and one.is_loose and (one.clearance > 0.0 or _is_rigid(one)):
-            joints[name] = replace(one, contact=Contact("ideal"))
+            joints[name] = replace(one, contact=Contact("ideal", pushes=one.one_sided is not None))
         elif one.constants and (constants := one.leaf.resting(one.constants)) != one.constants:
             joints[name] = replace(one, constants=constants)
     changed = any(joints[name] is not one for name, one in system.model.joints.items())
