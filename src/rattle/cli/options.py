@@ -70,7 +70,8 @@ def model_options(function: Callable[..., Any]) -> Callable[..., Any]:
     )(function)  # fmt: skip
     function = click.option(
         "--without", multiple=True, metavar="PATH", expose_value=False, callback=_leave_out,
-        help="Leave out one entry of the model, e.g. loads.M or drivers.motor; may be given more than once.",
+        help="Leave out one entry of the model, e.g. loads.M or drivers.motor, with the path or its name alone; may be"
+        " given more than once.",
     )(function)  # fmt: skip
     function = click.option("--ideal", is_flag=True, help="No play: every clearance is set to zero.")(function)
     function = click.option(
@@ -82,14 +83,15 @@ def model_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _value(text: str, one: str) -> Any:
-    """A value as in a model file: a number, a table or list, otherwise a text."""
+    """A value as in a model file: a number, true or false, a table or list, a text also without quotes."""
     import tomllib
 
-    if text.startswith(("{", "[")):
+    if text.startswith(("{", "[", '"', "'")) or text in ("true", "false"):
         try:
             return tomllib.loads(f"value = {text}")["value"]
         except tomllib.TOMLDecodeError as error:
-            raise click.UsageError(f"--set {one}: {error}; expected a table or list as in a model file") from None
+            what = "text in quotes" if text[0] in "\"'" else "table or list"
+            raise click.UsageError(f"--set {one}: {error}; expected a {what} as in a model file") from None
     try:
         return float(text)
     except ValueError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
-from rattle.description import file
+from rattle.description.changes import Change, plain, through_points
 from rattle.errors import ModelError, Problem
 
 Pair = Sequence[float | str]
@@ -26,7 +26,7 @@ class Building:
         }
         self._text: str | None = None
         self._file = ""
-        self._changes: list[file.Change] = []
+        self._changes: list[Change] = []
 
     def _enter(self, table: str, name: str, entry: dict[str, Any]) -> Self:
         entries = self._document.setdefault(table, {})
@@ -65,7 +65,7 @@ class Building:
         kind: "linear", "monotone" (without overshoot) or "spline" (with continuous second derivative).
         period: in x, after which y repeats.
         """
-        given = {"x": file.plain(x), "y": file.plain(y), "kind": kind, "period": file.plain(period)}
+        given = {"x": plain(x), "y": plain(y), "kind": kind, "period": plain(period)}
         return self._enter("tables", name, given)
 
     def signal(self, name: str, expression: str) -> Self:
@@ -156,18 +156,12 @@ class Building:
         A value that changes in time may be given by its points, instants [s] and values [SI], with straight lines
         between them: `torque=(t, measured)`, `force=[(t, fx), 0]`.  They become a table, see `table`.
         """
-        given = {key: self._through_points(f"{name}_{key}", value) for key, value in fields.items()}
-        return self._enter("loads", name, {"type": type, **given})
-
-    def _through_points(self, name: str, value: Any) -> Any:
-        """A value, with a table of this name in place of instants and values at them."""
-        if not isinstance(value, tuple | list) or len(value) != 2:
-            return value
-        t, found = (file.plain(one) for one in value)
-        if isinstance(t, list) and isinstance(found, list) and not any(isinstance(x, list) for x in (*t, *found)):
-            self.table(name, t, found)
-            return f"{name}(t)"
-        return [self._through_points(f"{name}_{key}", one) for key, one in zip("xy", value, strict=True)]
+        given: dict[str, Any] = {"type": type}
+        for key, value in fields.items():
+            given[key], tables = through_points(f"{name}_{key}", value)
+            for table, entry in tables.items():
+                self._enter("tables", table, entry)
+        return self._enter("loads", name, given)
 
     def actuator(self, name: str, a: str, b: str, *, force: float | str) -> Self:
         """A force [N] along the line between the points a and b, which it pushes apart; an expression may be given."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import os
 import re
@@ -11,14 +10,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rattle import registry
 from rattle.atomic_file import atomic, is_special
-from rattle.errors import ModelError, Problem, suggest
+from rattle.description.changes import Change, item, plain, put
+from rattle.errors import ModelError, Problem
 
 SUFFIXES = (".toml", ".json")
 LARGEST = 8_000_000  # bytes; a chain of 10,000 links has about 2 MB
-MAY_BE_MISSING = ("simulate", "initial", "tolerances", "tables")  # tables that a change creates if they are missing
-IN_ONE_LINE = ("points", "contact", "stop", "dist")  # and the tables of a joint's kind of play
 MOST_ENTRIES = 200_000  # a chain of 10,000 links has about 80,000
 DEEPEST_KEY = 12  # parts of a dotted key, at most; no table of a model is nested so deep
 _LONG_TEXT = re.compile(  # no possessive repeats of groups with lookahead: Python 3.11.0 to 3.11.4 match them wrongly
@@ -27,8 +24,6 @@ _LONG_TEXT = re.compile(  # no possessive repeats of groups with lookahead: Pyth
 _TEXT = re.compile(r'"(?:[^"\\]|\\.)*+"|\'[^\']*+\'')
 _DOT = re.compile(r"[\w-][ \t]*+\.(?=[ \t]*+[\w-])")
 _NO_KEY = re.compile(r"[^\w.\- \t]+")
-PLAIN = {str, float, int, bool, type(None)}
-Change = tuple[tuple[str, ...], Any]  # path and new value
 
 
 def read_file(path: str | os.PathLike[str]) -> tuple[str, str]:
@@ -180,68 +175,7 @@ def _inside(source: str, column: int, spot: int) -> int:
     return spot + 1 if plain else 0
 
 
-# ---------------------------------------------------------------- changes
-def copied(value: Any) -> Any:
-    """A copy of a document, or of a part of it: as by `copy.deepcopy`, which takes six times as long."""
-    if type(value) in PLAIN:
-        return value
-    if type(value) is dict:
-        return {key: copied(one) for key, one in value.items()}
-    return [copied(one) for one in value] if type(value) is list else copy.deepcopy(value)
-
-
-def put(table: Any, path: Sequence[str], value: Any) -> None:
-    """Replace one value in nested tables (plain or tomlkit), in place; None removes it.
-
-    Raises ModelError if the path does not exist.
-    """
-    for n, key in enumerate(path[:-1]):
-        if isinstance(table, list):
-            table = table[_index(table, path, n)]
-            continue
-        if key == "contact" and isinstance(table.get(key), str):
-            table[key] = {"model": str(table[key])}
-        if key not in table and path[0] in MAY_BE_MISSING:
-            table[key] = {}
-        if not isinstance(table.get(key), Mapping | list):
-            there = suggest(key, table) if key not in table else "; it is not a table"
-            raise ModelError([Problem(tuple(path), f"there is no '{'.'.join(path[: n + 1])}' in the model{there}")])
-        table = table[key]
-    if isinstance(table, list):
-        at = _index(table, path, len(path) - 1)
-        if value is None:
-            del table[at]
-        else:
-            table[at] = plain(value)
-        return
-    last = path[-1]
-    if value is not None:
-        one_line = path[0] == "tables" and isinstance(value, Mapping) and type(table) is not dict
-        table[last] = _table(value, short=True) if one_line else plain(value)
-    elif last in table:
-        del table[last]
-    else:
-        there = suggest(last, table)
-        raise ModelError([Problem(tuple(path), f"there is no '{'.'.join(path)}' in the model{there}")])
-
-
-def _index(table: list[Any], path: Sequence[str], n: int) -> int:
-    if not path[n].isdigit() or int(path[n]) >= len(table):
-        wanted = f"expected an index from 0 to {len(table) - 1}, got '{path[n]}'"
-        raise ModelError([Problem(tuple(path), wanted)])
-    return int(path[n])
-
-
-def plain(value: Any) -> Any:
-    """A value in the types of TOML: 5.0 for a NumPy scalar, a list for an array or tuple."""
-    if isinstance(value, Mapping):
-        return {key: plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
-    to_python = getattr(value, "tolist", None)
-    return to_python() if callable(to_python) else value
-
-
+# ---------------------------------------------------------------- writing
 def dump(document: Mapping[str, Any], text: str | None, changes: Sequence[Change]) -> str:
     """TOML text of a model: the original text with the changes made and comments kept, or written from the document."""
     import tomlkit
@@ -249,28 +183,12 @@ def dump(document: Mapping[str, Any], text: str | None, changes: Sequence[Change
     if text is None or is_json(text):
         made = tomlkit.document()
         for key, value in document.items():
-            made[key] = _table(value)
+            made[key] = item(value)
         return tomlkit.dumps(made)
     kept = tomlkit.parse(text)
     for path, value in changes:
         put(kept, path, value)
     return tomlkit.dumps(kept)
-
-
-def _in_one_line() -> set[str]:
-    return {*IN_ONE_LINE, *(table for play in registry.kinds("clearance").values() for table in play.leaf.dimensions)}
-
-
-def _table(value: Any, short: bool = False) -> Any:
-    """Plain data as tomlkit items; if `short`, tables are written in one line."""
-    import tomlkit
-
-    if not isinstance(value, Mapping):
-        return plain(value)
-    made: Any = tomlkit.inline_table() if short else tomlkit.table()
-    for key, one in value.items():
-        made[key] = _table(one, short or key in _in_one_line())
-    return made
 
 
 def dump_json(document: Mapping[str, Any]) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from rattle import registry
+from rattle.description.changes import NAMED, TABLES
 from rattle.description.coordinates import declare, definitions, forces, ordered, record_of, used_names
 from rattle.description.model import Driver, Initial, Model, Settings, Vector
 from rattle.description.read_parameters import read_groups, read_parameters, read_signals
@@ -19,11 +20,6 @@ from rattle.language.units import dimension_of
 
 STATE_UNITS = {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 SETTING_UNITS = {"t_end": "s", "rtol": "", "atol": "", "step": "s", "output": "s"}
-NAMED = ("bodies", "joints", "drivers", "loads")
-TABLES = (
-    "format", "name", "gravity", "parameters", "tolerances", "tables", "signals", "states", "ground", "bodies",
-    "joints", "drivers", "loads", "initial", "simulate",
-)  # fmt: skip
 DEEPEST = 10  # nested tables and lists
 SCALARS = (str, float, int, bool)
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
 from rattle.description import file as model_file
 from rattle.description.builder import Building
+from rattle.description.changes import ENTRIES, Change, copied, path_of, put, through_points
 from rattle.description.model import Model, Parameter
 from rattle.description.read_tables import with_files
 from rattle.errors import ModelError, Problem, suggest
@@ -103,10 +104,10 @@ class WrittenModel(Building):
         document, changes = self._written_out(stays)
         return model_file.dump(document, self._text, [*self._changes, *changes])
 
-    def _written_out(self, stays: Callable[[str], bool]) -> tuple[dict[str, Any], list[model_file.Change]]:
+    def _written_out(self, stays: Callable[[str], bool]) -> tuple[dict[str, Any], list[Change]]:
         """The document as it is written: of each table either the file or the numbers; and the changes to the text."""
         tables = self._document.get("tables", {})
-        made, changes = dict(tables), list[model_file.Change]()
+        made, changes = dict(tables), list[Change]()
         for name, one in tables.items():
             if "file" in one:
                 leave = ("x", "y", "units") if stays(one["file"]) else ("file",)
@@ -130,21 +131,27 @@ class WrittenModel(Building):
     def set(self, values: Mapping[str, Any] | None = None, /, **parameters: Any) -> Self:
         """A new mechanism with some values changed; numbers are in SI units, texts may have units.
 
-        Names are parameters, or paths as in the model file: `m.set(r3="2 mm")`,
-        `m.set({"joints.O3.contact.restitution": 0.5})`; None removes an entry: `m.set({"loads.M": None})`.
+        Names are parameters, or paths as in the model file: `m.set(r3="2 mm")`, `m.set({"gravity": [0, -9.81]})`,
+        `m.set({"joints.O3.contact.restitution": 0.5})`, `m.set({"loads.M": {"type": "torque", ...}})`; a load takes
+        instants and values as in `load`.  None removes an entry, see `remove`.
         Raises ModelError for an unknown name or a bad value.
         """
         made = type(self)()
-        made._document, made._text, made._file = model_file.copied(self._document), self._text, self._file
+        made._document, made._text, made._file = copied(self._document), self._text, self._file
         made._changes = list(self._changes)
-        for name, value in {**(values or {}), **parameters}.items():
+        asked = {**(values or {}), **parameters}
+        for name, value in asked.items():
             if not isinstance(name, str):
                 raise TypeError(f"expected the name of a parameter or entry, as in {{'r3': '2 mm'}}; got {name!r:.60}")
-            path = self._path_of(name, made._document)
+            path = path_of(name, made._document, value is None)
             if path[0] == "tables" and value is not None:
                 path, value = made._table_with(path, value)
-            model_file.put(made._document, path, value)
-            made._changes.append((path, value))
+            if path[0] == "loads":
+                value = made._load_with(path, value)
+            made._put(path, value)
+            starts = made._document.get("initial", {})
+            if value is None and path[0] in ("bodies", "joints") and len(path) == 2 and path[1] in starts:
+                made._put(("initial", path[1]), None)
         folder, read = Path(made._file).parent if made._file else None, self._document.get("tables", {})
         made._document = with_files(made._document, folder, made._file, read)
         try:
@@ -153,16 +160,64 @@ class WrittenModel(Building):
             for one in error.problems:  # the line in the old text would mislead if its value was changed
                 if any(one.path[: len(path)] == path for path, _ in made._changes):
                     one.line, one.caret = None, ""
-            raise ModelError(error.problems, error.file) from None
+            gone = [path for path, value in made._changes[len(self._changes) :] if value is None]
+            only = all(value is None for value in asked.values()) and all(len(path) == 2 for path in gone)
+            needs = made._what_needs(gone, error) if only else []
+            raise ModelError([*needs, *error.problems], error.file) from None
         return made
+
+    def remove(self, *names: str) -> Self:
+        """A new mechanism without these entries: `m.remove("loads.M")`, or `m.remove("M")` if one entry has the name.
+
+        The start of a removed body or joint goes along, all else that needs what is removed has to be named too:
+        `m.remove("joints.O3", "drivers.motor")`.  The same as `set` with None.  Raises ModelError.
+        """
+        return self.set(dict.fromkeys(names))
+
+    def _put(self, path: tuple[str, ...], value: Any) -> None:
+        put(self._document, path, value)
+        self._changes.append((path, value))
+
+    def _load_with(self, path: tuple[str, ...], value: Any) -> Any:
+        """The new value of a load, or of a field of it; instants and values at them have become tables."""
+        if len(path) == 2 and isinstance(value, Mapping):
+            return {key: self._load_with((*path, key), one) for key, one in value.items()}
+        if len(path) != 3:
+            return value
+        value, tables = through_points("_".join(path[1:]), value)
+        for name, entry in tables.items():
+            self._put(("tables", name), entry)
+        return value
+
+    def _what_needs(self, gone: Sequence[tuple[str, ...]], error: ModelError) -> list[Problem]:
+        """The problem that entries were removed which others need, with all of these; none if it is not that."""
+        from rattle.description.reader import read
+
+        document, also = copied(self._document), list[tuple[Any, Any]]()
+        while error.problems:
+            entries = {(*one.path[:2], "", "")[:2]: None for one in error.problems}
+            if any(table not in (*ENTRIES, "initial") or name not in document[table] for table, name in entries):
+                return []
+            for table, name in entries:
+                also.append((table, name))
+                del document[table][name]
+            try:
+                read(document, self._file)
+                break
+            except ModelError as next_one:
+                error = next_one
+        parts = {name for table, name in also if table in ("bodies", "joints")}  # their starts go along
+        named = [f"{table}.{name}" for table, name in also if table != "initial" or name not in parts]
+        said = f"{', '.join(named[:-1])} and {named[-1]}: remove them" if len(named) > 1 else f"{named[0]}: remove that"
+        return [Problem(gone[0], f"still needed by {said} too, or change what needs it in the same call")]
 
     def _table_with(self, path: tuple[str, ...], value: Any) -> tuple[tuple[str, ...], Any]:
         """Path and new value that change a table as a whole, if its numbers come from a file or shall do so."""
         entry = self._document.get("tables", {}).get(path[1] if len(path) > 1 else "")
         if len(path) < 3 or not isinstance(entry, Mapping) or ("file" not in entry and path[2] != "file"):
             return path, value
-        whole = model_file.copied(dict(entry))
-        model_file.put(whole, path[2:], value)
+        whole = copied(dict(entry))
+        put(whole, path[2:], value)
         for key in ("x", "y", "units") if path[2] == "file" else ("file",):
             whole.pop(key, None)
         return path[:2], whole
@@ -175,17 +230,6 @@ class WrittenModel(Building):
         value = self._document["parameters"][name]
         text = value.get("value") if isinstance(value, Mapping) else value
         return unit_of_quantity(text) if isinstance(text, str) else (1.0, "")
-
-    def _path_of(self, name: str, document: Mapping[str, Any]) -> tuple[str, ...]:
-        table = document.get("parameters", {})
-        if name in table:
-            value = table[name]
-            return ("parameters", name, "value") if isinstance(value, Mapping) else ("parameters", name)
-        if "." in name or name in document or name in ("gravity", "name"):
-            return tuple(name.split("."))
-        raise ModelError(
-            [Problem((), f"no parameter '{name}'{suggest(name, table)}, and not a path like joints.O3.clearance")]
-        )
 
     def ideal(self) -> Self:
         """The same mechanism with all clearances set to zero; lengths of the bodies are unchanged."""

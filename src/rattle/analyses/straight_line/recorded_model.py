@@ -161,7 +161,8 @@ def require_parameters(system: System, names: Sequence[str]) -> None:
     known = system.model.parameters
     for name in names:
         if name not in known:
-            raise UnknownName(f"no parameter '{name}'{suggest(name, known)}")
+            how = f'; vary a parameter that stands there: m.set({{"parameters.NAME": VALUE, "{name}": "NAME"}})'
+            raise UnknownName(f"no parameter '{name}'{how if '.' in name else suggest(name, known)}")
 
 
 def require_written_loads(system: System) -> None:

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rattle.analyses.straight_line.recorded_model import require_parameters
-from rattle.description.file import plain
+from rattle.description.changes import plain
 from rattle.description.model import Parameter, ValueTable
 from rattle.description.read_parameters import DISTRIBUTIONS
 from rattle.errors import ModelError, Problem, suggest
