@@ -4,12 +4,14 @@ import math
 import re
 import shlex
 
+import click
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import rattle as rt
+from rattle.cli.main import main
 from rattle.results.result import Result
 
 G = 9.81
@@ -33,7 +35,8 @@ def test_these_examples_are_shipped():
     assert set(ALL) >= NAMES | {
         "balanced_arm", "bouncing_pin", "crank_rocker_play", "ellipse", "fourbar_onesided", "guide_play",
         "path_generator", "scotch_yoke", "three_plays", "toggle_clamp", "woodpecker", "dc_motor_pid", "excavator",
-        "torque_converter", "torque_converter_epicyclic",
+        "torque_converter", "torque_converter_epicyclic", "planetary", "rolling_cart", "jansen_leg", "double_wishbone",
+        "geneva", "scissor_lift", "door_closer", "ratchet",
     }  # fmt: skip
 
 
@@ -61,9 +64,17 @@ def test_the_comment_on_top_gives_commands_and_names_that_exist(name):
     known = {*mechanism.simulate(1e-4).names}
     if "--path" in head:  # a quasi-static motion has names of its own
         known |= {*mechanism.equilibrium(np.linspace(0.0, 1e-3, 3)).names}
+    for line in re.findall(r"rattle \w.*", head):
+        program, *words = shlex.split(re.split(r"\s{2,}", line)[0])[1:]
+        command = main.get_command(click.Context(main), program)
+        assert command is not None, line
+        options = {one for parameter in command.params for one in (*parameter.opts, *parameter.secondary_opts)}
+        assert {word for word in words if word.startswith("-")} <= options, line
     for line in re.findall(r"rattle plot .*", head):
         for word in re.split(r"\s{2,}", line)[0].split()[3:]:
-            assert word in ("--orbit", "--xy") or {word, f"{word}.x"} & known or word in mechanism.model.joints
+            assert (
+                word in ("--orbit", "--xy", "--over") or {word, f"{word}.x"} & known or word in mechanism.model.joints
+            )
 
 
 @pytest.mark.parametrize("name", sorted(NAMES))

@@ -18,10 +18,15 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
     "chain": ("Largest angular speed of the last link", lambda r: (np.abs(r["b20.omega"]).max(), "rad/s")),
     "crank_rocker_play": ("Least force between pin and bush at A", lambda r: (r["A.normal"].min(), "N")),
     "ellipse": ("Radius of the circle", lambda r: (np.ptp(r["coupler.P.x"]) / 2, "m")),
+    "door_closer": ("Speed at which the door meets its frame", lambda r: (r.events[0].normal_speed, "rad/s")),
     "door_hinge": ("Total rotation of the hatch", lambda r: (np.ptp(r["hatch.angle"]), "rad")),
     "double_pendulum": ("Largest energy that nothing accounts for", lambda r: (r.trust.energy_balance, "J")),
     "fourbar": ("Normal force at O4 at the start", lambda r: (r["O4.normal"][0], "N")),
+    "geneva": ("Largest speed of the wheel", lambda r: (np.abs(r["wheel.omega"]).max(), "rad/s")),
     "guide_play": ("Turns of the crank in 0.2 s", lambda r: (r["crank.angle"][-1] / (2 * np.pi), "")),
+    "jansen_leg": ("Length of a step", lambda r: (np.ptp(r["shank.foot.x"]), "m")),
+    "ratchet": ("Lift in three swings", lambda r: (r["load.y"][-1] - r["load.y"][0], "m")),
+    "scissor_lift": ("Force of the cylinder at the start", lambda r: (r["cylinder.force"][0], "N")),
     "squeezer": ("Turns of the motor in 30 ms", lambda r: (r["k1.angle"][-1] / (2 * np.pi), "")),
     "toggle": ("Force at the jaw at the end", lambda r: (r["grip"][-1], "N")),
     "torque_converter": (
@@ -36,8 +41,19 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
     "woodpecker": ("Distance travelled downwards in 1 s", lambda r: (r["sleeve.y"][0] - r["sleeve.y"][-1], "m")),
 }
 CURVES = {"squeezer": "k1.angle", "balanced_arm": ""}  # where the header has no `rattle plot` with a name
-INSTANT = {"toggle_clamp": 0.3, "slider_crank": 0.09, "slider_crank_play": 0.09}  # share of the run that is drawn
-PATHS = {"five_bar": "left_forearm.pen", "ellipse": "coupler.P"}  # the path of a point shows more than a curve
+INSTANT = {
+    "door_closer": 0.2,
+    "geneva": 0.3,
+    "scissor_lift": 0.4,
+    "toggle_clamp": 0.3,
+    "slider_crank": 0.09,
+    "slider_crank_play": 0.09,
+}  # share of the run that is drawn
+PATHS = {
+    "five_bar": "left_forearm.pen",
+    "ellipse": "coupler.P",
+    "jansen_leg": "shank.foot",
+}  # the path of a point shows more than a curve
 ORBITS = {"bouncing_pin": "O"}  # a single pin in its bush: its path shows more than a drawing
 WIDE, HIGH, DOTS = 8.6, 2.9, 100  # inches, inches, dots per inch
 
@@ -118,6 +134,7 @@ def _mechanism(ax: Any, result: Any, share: float) -> None:
 
 def _path(ax: Any, result: Any, point: str) -> None:
     module_with("plot_path", "plot_orbit").plot_path(result, point, ax=ax)
+    ax.set_title("", loc="left")  # the name of the mechanism, which is the heading here
     ax.set_title(f"path of {point}", fontsize=9)
     ax.get_legend().remove()
     ax.tick_params(labelsize=8)

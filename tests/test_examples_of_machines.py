@@ -1,0 +1,161 @@
+"""Shipped examples with gears, slots, cylinders, clutches, stops and tables: each against a number of its own."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import rattle as rt
+
+G = 9.81
+
+
+# ---------------------------------------------------------------- Jansen's leg
+def meet(p, rp, q, rq, side):
+    """Points (2, n) where circles about p and q meet, to the left of the way from p to q for side 1."""
+    d = q - p
+    length = np.hypot(*d)
+    along = (length**2 + rp**2 - rq**2) / (2 * length)
+    u = d / length
+    return p + along * u + side * np.sqrt(rp**2 - along**2) * np.array([-u[1], u[0]])
+
+
+def test_jansen_leg_steps_as_its_circles_meet():
+    r = rt.example("jansen_leg").simulate()
+    crank = 0.15 * np.array([np.cos(np.pi * r.t), np.sin(np.pi * r.t)])
+    pivot = np.array([[-0.38], [-0.078]])
+    upper, lower = meet(crank, 0.5, pivot, 0.415, -1), meet(crank, 0.619, pivot, 0.393, 1)
+    back = meet(pivot, 0.401, upper, 0.558, 1)
+    knee = meet(back, 0.394, lower, 0.367, -1)
+    foot = meet(lower, 0.49, knee, 0.657, 1)
+    assert np.array([r["shank.foot.x"], r["shank.foot.y"]]) == pytest.approx(foot, abs=1e-12)
+    low = foot[1] < foot[1].min() + 0.01
+    assert low[:-1].mean() == pytest.approx(0.431, abs=1 / len(low))
+    rise = sum(one.mass * r[f"{name}.vy"] for name, one in rt.example("jansen_leg").model.bodies.items()) * G
+    gained = np.gradient(r["energy.kinetic"], r.t, edge_order=2)  # second order: a 300th of the largest power
+    assert r["motor.power"] == pytest.approx(rise + gained, abs=0.1)
+
+
+# ---------------------------------------------------------------- suspension
+def test_double_wishbone_gives_the_published_positions_and_comes_to_rest_by_virtual_work():
+    m = rt.example("double_wishbone")
+    r = m.simulate(0.1, t_eval=[0.0, 0.05, 0.1], rtol=1e-11, atol=1e-13)
+    # Nikravesh's program, model AA, to the digits on which it and an independent integration agree
+    names = ("lower.y", "lower.angle", "hub.y", "hub.angle")
+    assert [r[name][1] for name in names] == pytest.approx(
+        [0.235489344, -0.102306104, 0.320264167, 0.046685089], abs=9e-9
+    )
+    assert [r[name][2] for name in names] == pytest.approx(
+        [0.231824214, -0.117670473, 0.313405747, 0.039910680], abs=2e-9
+    )
+    assert r["hub.ay"][0] == pytest.approx(-50.39157397, abs=1e-7)
+    rest = m.equilibrium()[0].result
+    tyre, strut = rest["tyre"][0], rest["strut.force"][0]
+    assert (tyre, strut) == pytest.approx((1499.066291, -2402.131026), rel=1e-8)
+
+    def at(angle):  # heights of lower arm, hub and upper arm, and length of the strut, by circles alone
+        q, o = np.array([[0.2], [0.26]]), np.array([[0.32], [0.4]])
+        u = np.array([[math.cos(angle)], [math.sin(angle)]])
+        a = q + 0.42 * u
+        b = meet(a, math.hypot(0.03, 0.22), o, 0.26, -1)
+        turned = math.atan2(*(b - a)[::-1, 0]) - math.atan2(0.22, -0.03)
+        hub = a[1, 0] + 0.07 * math.sin(turned) + 0.10 * math.cos(turned)
+        strut = math.hypot(*(q + 0.24 * u - [[0.38], [0.43]])[:, 0])
+        return np.array([(q + 0.24 * u)[1, 0], hub, (o + b)[1, 0] / 2, strut])
+
+    angle, h = rest["lower.angle"][0], 1e-6
+    lower, hub, upper, length = (at(angle + h) - at(angle - h)) / (2 * h)
+    work = [-2 * G * lower, (tyre - 30 * G) * hub, -1 * G * upper, -strut * length]
+    assert at(angle)[1] == pytest.approx(rest["hub.y"][0], abs=1e-10)
+    assert sum(work) == pytest.approx(0.0, abs=1e-6 * max(map(abs, work)))
+
+
+# ---------------------------------------------------------------- Geneva drive
+@pytest.mark.parametrize("n", [3, 4, 6])
+def test_geneva_wheel_turns_as_the_triangle_of_axes_and_pin_says(n):
+    m = rt.example("geneva").set(n=n)
+    w, ratio = 4 * math.pi, 1 / math.sin(math.pi / n)
+    share = 1 + ratio**2
+    peak = math.acos(math.sqrt((share / (4 * ratio)) ** 2 + 2) - share / (4 * ratio))
+    times = (np.array([0.0, math.pi / 2 - math.pi / n - peak, math.pi / 2 - math.pi / n])) / w
+    end = (math.pi - 2 * math.pi / n) / w
+    r = m.simulate(end, t_eval=[*times, *np.linspace(times[2], end, 20)[1:]])
+    a = w * r.t - math.pi / 2 + math.pi / n
+    assert r["wheel.angle"] == pytest.approx(math.pi - np.arctan2(np.sin(a), ratio - np.cos(a)), abs=1e-12)
+    assert r["wheel.omega"][2] == pytest.approx(-w / (ratio - 1), rel=1e-12)
+    accelerations = {3: 31.392428470, 4: 5.406981035, 5: 2.298828240, 6: 1.349637276}  # Norton's peaks, to nine digits
+    assert r["wheel.alpha"][:2] == pytest.approx([-math.tan(math.pi / n) * w**2, -accelerations[n] * w**2], rel=1e-9)
+    assert r["wheel.omega"][[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-10)  # no blow at entry and exit
+    arm = np.hypot(math.sin(math.pi / n) ** -1 - np.cos(a), np.sin(a)) * 0.05
+    assert np.abs(r["slot.force"]) == pytest.approx(np.abs(2e-3 * r["wheel.alpha"] - 0.5) / arm, rel=1e-9)
+
+
+# ---------------------------------------------------------------- scissor lift
+def test_scissor_lift_needs_the_force_that_virtual_work_says_wherever_the_load_stands():
+    m = rt.example("scissor_lift")
+    forces = []
+    for aside in (0.3, -0.2):
+        slow = m.set(aside=aside).equilibrium(np.linspace(0.0, 10.0, 6))
+        rise = slow["platform.y"] / 3.2
+        length = 0.8 * np.sqrt(1 + 8 * rise**2)
+        assert slow["cylinder.length"] == pytest.approx(length, abs=1e-12)
+        assert slow["cylinder.force"] == pytest.approx((500 + 2 * 20) * G * length / (1.6 * rise), rel=1e-9)
+        forces.append(slow["cylinder.force"])
+    assert forces[0] == pytest.approx(forces[1], rel=1e-9)
+    r = m.simulate()
+    assert r["cylinder.power"].max() > 1000.0
+    power = np.gradient(r["energy.kinetic"], r.t) + G * (
+        500 * r["platform.vy"] + sum(20 * r[f"{bar}.vy"] for bar in ("a1", "b1", "a2", "b2"))
+    )
+    assert r["cylinder.power"][2:-2] == pytest.approx(power[2:-2], abs=2.0)
+
+
+# ---------------------------------------------------------------- door
+def stage(k, c, inertia, phi, omega):
+    """Angle from the one at which the closer is unwound, and its rate, as functions of time: two exponentials."""
+    root = np.sqrt(complex(c**2 - 4 * k * inertia))
+    fast, slow = (-c - root) / (2 * inertia), (-c + root) / (2 * inertia)
+    a, b = (slow * phi - omega) / (slow - fast), (omega - fast * phi) / (slow - fast)
+    return (
+        lambda t: (a * np.exp(fast * t) + b * np.exp(slow * t)).real,
+        lambda t: (a * fast * np.exp(fast * t) + b * slow * np.exp(slow * t)).real,
+    )
+
+
+def test_door_meets_its_frame_when_and_as_fast_as_two_stages_of_exponentials_say():
+    inertia, k, wound = 30 * 0.9**2 / 3, 20.0, math.radians(60)
+    angle, rate = stage(k, 60.0, inertia, wound + math.pi / 2, 0.0)
+    latch = brentq(lambda t: angle(t) - wound - math.radians(15), 0.1, 10.0, xtol=1e-14)
+    angle2, rate2 = stage(k, 20.0, inertia, wound + math.radians(15), rate(latch))
+    shut = brentq(lambda t: angle2(t) - wound, 1e-3, 1.0, xtol=1e-14)
+    r = rt.example("door_closer").simulate(rtol=1e-10)
+    impacts = [one for one in r.events if one.kind == "impact"]
+    assert impacts[0].t == pytest.approx(latch + shut, abs=1e-8)
+    assert impacts[0].normal_speed == pytest.approx(-rate2(shut), abs=1e-8)
+    angle3, rate3 = stage(k, 20.0, inertia, wound, -0.3 * rate2(shut))
+    again = brentq(lambda t: angle3(t) - wound, 1e-2, 1.0, xtol=1e-14)
+    assert impacts[1].t - impacts[0].t == pytest.approx(again, abs=1e-8)
+    assert impacts[1].normal_speed == pytest.approx(-rate3(again), abs=1e-8)
+    assert r["door.omega"][-1] == 0.0
+    assert r["hinge.stop"][-1] == pytest.approx(k * wound, rel=1e-9)
+
+
+# ---------------------------------------------------------------- ratchet
+@pytest.mark.parametrize(("swing", "teeth"), [(20, 2), (26, 3), (9, 0)])
+def test_ratchet_lifts_its_load_by_whole_teeth_and_loses_the_energy_of_its_impacts(swing, teeth):
+    half, lost, pitch = math.radians(swing), math.radians(5), math.pi / 12
+    r = rt.example("ratchet").set(A=half).simulate()
+    assert r["load.y"][[200, 400, 600]] - 0.12 == pytest.approx(0.04 * teeth * pitch * np.array([1, 2, 3]), abs=1e-9)
+    if not teeth:
+        return
+    # picked up where the arm comes to a tooth, put down where it comes back to the last tooth of the other pawl
+    up = math.acos(1 - lost / half)
+    down = 2 * math.pi - math.acos(1 - (teeth * pitch + lost) / half)
+    hits = [one for one in r.events if one.kind == "impact" and one.normal_speed > 0.1]
+    turn = 2 * math.pi
+    assert [one.t for one in hits] == pytest.approx([n + at / turn for n in range(3) for at in (up, down)], abs=1e-8)
+    speeds = [turn * half * abs(math.sin(at)) for at in (up, down)]
+    assert [one.normal_speed for one in hits] == pytest.approx(3 * speeds, rel=1e-7)
+    inertia = 0.01 + 100 * 0.04**2
+    assert r["energy.dissipated"][-1] == pytest.approx(3 * inertia * (speeds[0] ** 2 + speeds[1] ** 2) / 2, rel=1e-6)
