@@ -1,0 +1,200 @@
+"""Loads that friction in joints holds at rest, against the closed forms of statics and independent solutions."""
+
+from __future__ import annotations
+
+from math import atan, cos, exp, hypot, inf, pi, sin, tan
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, fsolve
+
+import rattle as rt
+
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
+
+G = 9.81
+
+
+def ramp(slope: float, friction: str, at: str = "C", force: str = "[1, 0]", gravity: float = G, more: str = "") -> str:
+    """A block of 1 kg on a straight line of that slope [rad], pushed by a force."""
+    return f"""
+format = 1
+gravity = [0, {-gravity!r}]
+[ground.points]
+O = [0, 0]
+[bodies.block]
+points = {{ C = [0, 0], H = [0, 0.5] }}
+mass = 1
+inertia = 1
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "block.C"]
+axis = {slope!r}
+{friction}
+[loads.push]
+type = "force"
+at = "block.{at}"
+force = {force}
+{more}
+"""
+
+
+@pytest.mark.parametrize(("slope", "mu"), [(0.3, 0.1), (0.2, 0.3), (1.0, 0.3), (1.0, 0.7)])
+def test_a_block_on_a_slope_rests_between_the_forces_of_the_angle_of_friction(slope, mu):
+    held, phi = rt.loads(ramp(slope, f"friction = {mu}")).holds("push"), atan(mu)
+    assert abs(held.low / (G * tan(slope - phi)) - 1) < 1e-12
+    assert held.high == inf if slope + phi >= pi / 2 else abs(held.high / (G * tan(slope + phi)) - 1) < 1e-12
+    assert abs(held.free - G * tan(slope)) < 1e-12
+    assert held.self_locking == (tan(slope) <= mu)
+    assert held.jams == (slope + phi >= pi / 2)
+    assert np.allclose(held.jams_from[1], 1 / (tan(slope) * mu), rtol=1e-9)
+
+
+def test_the_interval_is_that_of_friction_at_rest_and_counts_along_the_load_as_it_is_given():
+    table = 'friction = { model = "coulomb", mu = 0.1, mu_static = 0.25 }'
+    held = rt.loads(ramp(0.3, table, force="[-5, 0]")).holds("push")
+    assert np.allclose([held.low, held.high], [-G * tan(0.3 + atan(0.25)), -G * tan(0.3 - atan(0.25))], rtol=1e-12)
+    assert (held.value, held.unit, held.rests) == (5.0, "N", False)
+    run = [rt.loads(ramp(0.3, table, force=f"[{share * -held.high!r}, 0]")) for share in (1.001, 0.999)]
+    moved = [abs(one.simulate(1.0, t_eval=[0, 1.0])["block.x"][1]) for one in run]
+    assert moved[0] == 0.0
+    assert moved[1] > 0.1
+
+
+@pytest.mark.parametrize(("mu", "jams"), [(0.199, False), (0.201, True)])
+def test_a_drawer_pushed_beside_its_middle_jams_from_a_over_e_on_whatever_it_carries(mu, jams):
+    guide = f"block = {{ length = 0.2, height = 0.05 }}\nfriction = {mu}"  # a = 0.1, e = 0.5
+    held = rt.loads(ramp(0.0, guide, "H", gravity=0.0)).holds("push")
+    assert (held.low, held.high) == ((-inf, inf) if jams else (0.0, 0.0))
+    assert np.allclose(held.jams_from, 0.2 / mu, rtol=1e-9)
+    loaded = rt.loads(ramp(0.0, guide, "H")).holds("push")
+    most = inf if jams else mu * G  # its weight presses more than the moment, as long as p e/a < G
+    assert np.allclose([loaded.low, loaded.high], [-most, most], rtol=1e-12)
+
+
+def lever(mu: float, radius: float = 0.02) -> str:
+    """Arms of 0.1 m and 0.3 m on a pin; 60 N down on the short one, the load sought down on the long one."""
+    return f"""
+format = 1
+gravity = [0, 0]
+[ground.points]
+O = [0, 0]
+[bodies.lever]
+points = {{ O = [0, 0], P = [-0.1, 0], H = [0.3, 0] }}
+mass = 1
+inertia = 1
+[joints.pin]
+type = "revolute"
+connect = ["ground.O", "lever.O"]
+friction = {{ model = "coulomb", mu = {mu}, pin_radius = {radius} }}
+[loads.weight]
+type = "force"
+at = "lever.P"
+force = [0, -60]
+[loads.hand]
+type = "force"
+at = "lever.H"
+force = [0, -1]
+"""
+
+
+def test_a_lever_turns_where_the_reaction_touches_the_circle_of_friction():
+    held, r = rt.loads(lever(0.3)).holds("hand"), 0.3 * 0.02  # all forces are parallel: M = mu R (60 + p)
+    assert np.allclose([held.low, held.high], [60 * (0.1 - r) / (0.3 + r), 60 * (0.1 + r) / (0.3 - r)], rtol=1e-12)
+    assert np.allclose(held.jams_from[1], 0.3 / r, rtol=1e-9)  # the circle reaches the hand
+    motor = lever(0.3).replace("[loads.hand]", '[loads.motor]\ntype = "torque"\nbody = "lever"\ntorque = -1\n[loads.hand]')
+    held = rt.loads(motor.replace("force = [0, -1]", "force = [0, -10]")).holds("motor")
+    assert np.allclose([held.low, held.high], [-3 - 70 * r, -3 + 70 * r], rtol=1e-12)
+    assert held.unit == "N*m"
+
+
+def rope(mu: float, wrap: float, shoes: int) -> str:
+    """Shoes on one drum of radius 1, tied to each other by rods: a rope.  A force on its first end, another on its last."""
+    step = wrap / shoes
+    at = [(cos(step * (n + 0.5)), sin(step * (n + 0.5))) for n in range(shoes)]
+    parts = ["format = 1\ngravity = [0, 0]\n[ground.points]\nO = [0, 0]"]
+    for n, (x, y) in enumerate(at):
+        parts.append(f"[bodies.s{n}]\npoints = {{ O = [0, 0], P = [{x!r}, {y!r}] }}\nmass = 1\ninertia = 1")
+        parts.append(f'[joints.drum{n}]\ntype = "revolute"\nconnect = ["ground.O", "s{n}.O"]')
+        parts.append(f'friction = {{ model = "coulomb", mu = {mu}, pin_radius = 1 }}\n[initial.s{n}]\nangle = 0')
+        if n:
+            length = hypot(x - at[n - 1][0], y - at[n - 1][1])
+            parts.append(f'[joints.tie{n}]\ntype = "rod"\nconnect = ["s{n - 1}.P", "s{n}.P"]\nlength = {length!r}')
+    for name, n, side in (("slack", 0, -1.0), ("tight", shoes - 1, 1.0)):
+        far = step * (n + 0.5 + side)  # towards the point of the next shoe
+        fx, fy = cos(far) - at[n][0], sin(far) - at[n][1]
+        size = hypot(fx, fy)
+        parts.append(f'[loads.{name}]\ntype = "force"\nat = "s{n}.P"\nforce = [{fx / size!r}, {fy / size!r}]')
+    return "\n".join(parts)
+
+
+def test_a_rope_around_a_drum_holds_e_to_the_mu_times_the_wrap():
+    mu, wrap, shoes = 0.25, pi, 16
+    held = rt.loads(rope(mu, wrap, shoes)).holds("tight")
+    step, T = wrap / shoes, 1.0
+    for _ in range(shoes):  # one shoe: the difference of tensions on its lever arm against mu times the resultant
+
+        def unbalanced(ahead, T=T):
+            resultant = hypot((ahead + T) * sin(step / 2), (ahead - T) * cos(step / 2))
+            return (ahead - T) * cos(step / 2) - mu * resultant
+
+        T = brentq(unbalanced, T, 3 * T, xtol=1e-15)
+    assert np.allclose([held.low, held.high], [1 / T, T], rtol=1e-11)
+    assert abs(held.high / exp(mu * wrap) - 1) < 0.05  # a polygon, whose friction also presses
+
+
+LINKS = {"crank": (0.3, 1.1), "coupler": (0.9, 0.45), "rocker": (0.6, 1.9)}
+
+
+def fourbar(mu: float) -> str:
+    """A four-bar whose pins rub, under a weight at the middle of the coupler and a torque on its crank."""
+    parts = ["format = 1\ngravity = [0, -9.81]\n[ground.points]\nA = [0, 0]\nD = [1, 0.1]"]
+    for name, (length, angle) in LINKS.items():
+        parts.append(f'[bodies.{name}]\nbar = ["P", "Q"]\nlength = {length}\nmass = {10 * length}')
+        parts.append(f"[initial.{name}]\nangle = {angle}")
+    ends = [("ground.A", "crank.P"), ("crank.Q", "coupler.P"), ("coupler.Q", "rocker.Q"), ("ground.D", "rocker.P")]
+    for n, (a, b) in enumerate(ends):
+        parts.append(f'[joints.j{n}]\ntype = "revolute"\nconnect = ["{a}", "{b}"]')
+        parts.append(f'friction = {{ model = "coulomb", mu = {mu}, pin_radius = "{20 + 5 * n} mm" }}')
+    parts.append('[loads.drive]\ntype = "torque"\nbody = "crank"\ntorque = 1')
+    parts.append('[loads.pull]\ntype = "force"\nat = "rocker.Q"\nforce = [-80, 30]')
+    return "\n".join(parts)
+
+
+def pins_by_hand(angle: dict[str, float], mu: float, sense: float) -> float:
+    """Torque at which a four-bar is about to move: free-body equations of three bars, one unknown force at each pin."""
+    A, D = np.zeros(2), np.array([1.0, 0.1])
+    e = {name: np.array([cos(one), sin(one)]) * LINKS[name][0] for name, one in angle.items()}
+    B, C = A + e["crank"], D + e["rocker"]
+    across = {name: np.array([-one[1], one[0]]) for name, one in e.items()}
+    rates = np.linalg.solve(np.stack([across["coupler"], -across["rocker"]], axis=1), -across["crank"])  # crank at 1
+    w2, w3 = rates
+    slip = np.sign(np.array([1.0, w2 - 1.0, w3 - w2, w3])) * sense  # of the second body of each pin against the first
+    radius = mu * np.array([0.020, 0.025, 0.030, 0.035])
+
+    def cross(arm, force):
+        return arm[0] * force[1] - arm[1] * force[0]
+
+    def unbalanced(x):
+        F = x[:8].reshape(4, 2)  # on the second body of each pin
+        M = -slip * radius * np.hypot(*F.T)
+        weight = {name: np.array([0.0, -10 * LINKS[name][0] * G]) for name in LINKS}
+        pull = np.array([-80.0, 30.0])
+        crank = F[0] - F[1] + weight["crank"]
+        coupler = F[1] - F[2] + weight["coupler"]
+        rocker = F[2] + F[3] + weight["rocker"] + pull
+        turning = [
+            M[0] - M[1] + cross(B - A, -F[1]) + cross(e["crank"] / 2, weight["crank"]) + x[8],
+            M[1] - M[2] + cross(C - B, -F[2]) + cross(e["coupler"] / 2, weight["coupler"]),
+            M[2] + M[3] + cross(C - D, F[2] + pull) + cross(e["rocker"] / 2, weight["rocker"]),
+        ]
+        return [*crank, *coupler, *rocker, *turning]
+
+    return float(fsolve(unbalanced, np.full(9, 10.0), xtol=1e-14)[8])
+
+
+@pytest.mark.parametrize("mu", [0.0001, 0.15, 0.4])
+def test_a_fourbar_with_friction_in_every_pin_agrees_with_its_free_bodies(mu):
+    held = rt.loads(fourbar(mu)).holds("drive")
+    by_hand = [pins_by_hand(dict(zip(LINKS, held.q[2::3], strict=True)), mu, sense) for sense in (-1.0, 1.0)]
+    assert np.allclose([held.low, held.high], by_hand, rtol=1e-9)
