@@ -186,6 +186,11 @@ def with_stops(model: Model) -> str:
     return ", ".join(f"'{name}'" for name, one in model.joints.items() if one.stop is not None)
 
 
+def with_friction(model: Model) -> str:
+    """Names of the joints whose own friction holds at rest, in quotes; "" if there are none."""
+    return ", ".join(f"'{name}'" for name, one in model.joints.items() if one.friction and one.friction.law is None)
+
+
 def stop_lines(model: Model) -> list[str]:
     """The stops of every joint that has them, in words."""
     found = []

@@ -11,7 +11,7 @@ import click
 from rattle.cli.options import given, model_options, read_model, time
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_pictures, check_results, finish, keep, save_options, say_written, zeroed
-from rattle.cli.positions import entry, listed, modes_record
+from rattle.cli.positions import entry, holding_record, listed, modes_record
 
 if TYPE_CHECKING:
     import numpy as np
@@ -212,6 +212,13 @@ def inverse_dynamics(
     help="all: also search the other ways in which the mechanism can be assembled.",
 )
 @effort_option
+@click.option(
+    "--holds",
+    "load",
+    metavar="LOAD",
+    help="Friction in joints: between which values of this load (or effort of this driver) the mechanism rests as put"
+    " together, and whether it jams.",
+)
 @click.option("--path", "path", is_flag=True, help="Quasi-static motion: follow the equilibrium from t = 0 to --t-end.")
 @span_options(181)
 @save_options("With --path: ")
@@ -219,8 +226,8 @@ def inverse_dynamics(
 @click.pass_context
 def equilibrium(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t: float, branches: str, effort: float,
-    path: bool, t_end: float | None, points: int, output: str | None, csv: str | None, fallback: str | None,
-    as_json: bool,
+    load: str | None, path: bool, t_end: float | None, points: int, output: str | None, csv: str | None,
+    fallback: str | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Equilibria: admissible (no bush has to pull) and stable ones first.
 
@@ -229,6 +236,7 @@ def equilibrium(
     \b
     Examples: rattle equilibrium balanced_arm
               rattle equilibrium toggle_clamp --path -o clamp.nc
+              rattle equilibrium drawer.toml --holds push
     """
     if not path and (output, csv) != (None, None):
         raise click.UsageError("-o and --csv save a quasi-static motion; they need --path")
@@ -236,7 +244,13 @@ def equilibrium(
         raise click.UsageError("--t-end and --points are those of a quasi-static motion; they need --path")
     if path and (given(ctx, "t") or given(ctx, "branches")):
         raise click.UsageError("--at and --branches are of equilibria at one time; a --path begins at t = 0")
+    if load is not None and (path or given(ctx, "branches") or given(ctx, "effort")):
+        raise click.UsageError("--holds is about the position as put together: without --path, --branches and --effort")
     m = read_model(file, settings, ideal)
+    if load is not None:
+        held = m.holds(load, t)
+        click.echo(to_json(holding_record(held)) if as_json else str(held))
+        return
     if path:
         check_results(file, output, csv, fallback)
         result = m.equilibrium(_times(m, t_end, points), effort=effort)

@@ -27,7 +27,7 @@ from rattle.analyses.statics.closed_play import rigid_model, without_guide_play
 from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
 from rattle.analyses.statics.resting import MOST, Stopped, combinations, resting_system
 from rattle.analyses.statics.starts import Turning, along, apart, around, opened, sides
-from rattle.analyses.travel import left_out, with_stops
+from rattle.analyses.travel import left_out, with_friction, with_stops
 from rattle.description.model import Contact
 from rattle.elements.custom import load_law
 from rattle.equations.closure import merit_at
@@ -81,14 +81,14 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
     undefined = next((part.undefined for part in parts if part.undefined), "")
     if stopped.passed and not found and not undefined:
         undefined = f"the positions of balance without stops are beyond those of {', '.join(stopped.passed)}"
-    extent = f"every combination of stops: {parts[0].extent}" if parts[0].extent else ""
-    starts = sum(part.starts for part in parts)
-    return Equilibria(_sorted(found, start), starts, cut, extent, effort, undefined, parts[0].left_out)
+    one, starts = parts[0], sum(part.starts for part in parts)
+    extent = f"every combination of stops: {one.extent}" if one.extent else ""
+    return Equilibria(_sorted(found, start), starts, cut, extent, effort, undefined, one.left_out, one.rubbing)
 
 
 def _equilibria(system: System, t: float, branches: str, effort: float) -> Equilibria:
     """`equilibria` of a mechanism without stops."""
-    ends = left_out(system.model)
+    ends = left_out(system.model), with_friction(system.model)
     system = without_guide_play(system)
     rigid = rigid_model(system)
     shut = ideal_system(system.model) if rigid is not None else system
@@ -99,7 +99,7 @@ def _equilibria(system: System, t: float, branches: str, effort: float) -> Equil
     found = problem.describe(search.found)
     if rigid is None:
         return Equilibria(
-            _sorted(found, start), search.starts, search.stopped, search.extent, effort, problem.undefined, ends
+            _sorted(found, start), search.starts, search.stopped, search.extent, effort, problem.undefined, *ends
         )
     play = StaticProblem(rigid, t)
     partners = Search(play, 0.5 * effort)
@@ -113,7 +113,7 @@ def _equilibria(system: System, t: float, branches: str, effort: float) -> Equil
     stopped = search.stopped or partners.stopped
     extent = f"without play {search.extent}; every pin was put on either side of its bush" if search.extent else ""
     starts, undefined = search.starts + partners.starts, problem.undefined or play.undefined
-    return Equilibria(_sorted(pressing, reference), starts, stopped, extent, effort, undefined, ends)
+    return Equilibria(_sorted(pressing, reference), starts, stopped, extent, effort, undefined, *ends)
 
 
 def _height(one: Equilibrium) -> tuple[bool, float]:

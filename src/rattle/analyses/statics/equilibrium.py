@@ -147,10 +147,11 @@ class Equilibria(list[Equilibrium]):
 
     def __init__(
         self, found: Iterable[Equilibrium], starts: int, stopped: bool, extent: str = "", effort: float = 1.0,
-        undefined: str = "", left_out: str = "",
+        undefined: str = "", left_out: str = "", rubbing: str = "",
     ) -> None:  # fmt: skip
         super().__init__(found)
         self.left_out = left_out  # what of the model an equilibrium does not contain; "" if it contains all
+        self.rubbing = rubbing  # joints whose friction holds other positions too, in quotes; "" if there are none
         self.starts = starts  # number of starts of the search
         self.stopped = stopped  # True: the work was used up before the search was complete
         self.undefined = undefined  # what had no finite value during the search, and why; "" if all had
@@ -169,6 +170,12 @@ class Equilibria(list[Equilibrium]):
                 else "where a pin rests at an end or on a wall there may be one; a run with damping comes to rest there"
             )  # fmt: skip
             lacking += f"{'; ' if lacking else ''}{self.left_out}: {hint}"
+        if self.rubbing:
+            also = "the mechanism also rests beside these positions" if self else "with it the mechanism may rest"
+            lacking += (
+                f"{'; ' if lacking else ''}friction in {self.rubbing} is left out: {also}, under the loads that"
+                " m.holds(LOAD) gives, or --holds LOAD"
+            )
         if not self.stopped:
             return lacking
         larger = min(max(1.0, MORE * self._effort), MOST_EFFORT)

@@ -10,13 +10,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from rattle import registry
-from rattle.analyses.assembly.rank import RANK, nonunique_reactions
+from rattle.analyses.assembly.rank import RANK
 from rattle.analyses.clutches import require_known_torques
 from rattle.analyses.load_forces import load_forces
 from rattle.analyses.own_states import require_loads_without_states
@@ -77,7 +76,7 @@ def holding_range(system: System, name: str, t: float, at_rest: Equilibrium | No
         raise ValueError(f"loads have no finite value there: {undefined(system, workspace, t)}")
     sought = _sought(system, workspace, name, t, q)
     motion = _motion(system, workspace, sought)
-    free = -float(motion.z @ motion.force)
+    free = 0.0 - float(motion.z @ motion.force)
     found = {sense: _limit(system, workspace, motion, free, sense) for sense in (-1.0, 1.0)}
     low, high = (free + sense * _more(rubbing, one) for sense, (rubbing, one) in found.items())
     doubtful = sorted({name for rubbing, one in found.values() for name in _doubtful(system, rubbing, one)})
@@ -161,11 +160,7 @@ def _motion(system: System, workspace: Workspace, sought: Sought) -> Motion:
     dof = len(scale) - rank
     if dof != 1:
         raise ValueError(_freedom(system, sought, dof))
-    if rank < len(rows):
-        unsure = [one for one in nonunique_reactions(system, workspace) if one in system.dry_joints]
-        if unsure:
-            said = "its reaction is not unique (redundant constraints), so neither is its friction; leave out a constraint"
-            raise ModelError([Problem(("joints", unsure[0], "friction"), said)])
+    _require_unique(system, u[:, rank:], np.flatnonzero(kept))
     z = scale * right[rank]
     worth = float(z @ sought.direction)
     if abs(worth) <= 1e-9 * float(np.linalg.norm(z / scale) * np.linalg.norm(sought.direction * scale)):
@@ -182,6 +177,20 @@ def _motion(system: System, workspace: Workspace, sought: Sought) -> Motion:
         z / worth, force, sought.direction, inverse, _coordinates(system, workspace)[held],
         system.arrays["dry"][held, at.DRY_ROW],
     )  # fmt: skip
+
+
+def _require_unique(system: System, loose: np.ndarray, kept: np.ndarray) -> None:
+    """Raise ModelError if a reaction by which a joint rubs is not unique.
+
+    loose: (rows, k) reactions that balance each other, of the rows `kept`.
+    """
+    unsure = set(kept[np.abs(loose).max(axis=1, initial=0.0) > 1e-6].tolist())
+    for name, entry in zip(system.dry_joints, system.arrays["dry"], strict=True):
+        joint, row = system.model.joints[name], int(entry[at.DRY_ROW])
+        moment_counts = entry[at.DRY_FORM] == at.DRY_PIN or (joint.friction is not None and joint.friction.reach > 0.0)
+        if row in unsure or (moment_counts and row + 1 in unsure):
+            said = "its reaction is not unique (redundant constraints), so neither is its friction; replace a joint"
+            raise ModelError([Problem(("joints", name, "friction"), f"{said} by one that holds less")])
 
 
 def _freedom(system: System, sought: Sought, dof: int) -> str:
@@ -205,9 +214,7 @@ def _coordinates(system: System, workspace: Workspace) -> np.ndarray:
     return found[:, 1:].reshape(len(found), -1)
 
 
-def _limit(
-    system: System, workspace: Workspace, motion: Motion, free: float, sense: float
-) -> tuple[Rubbing, Limit]:
+def _limit(system: System, workspace: Workspace, motion: Motion, free: float, sense: float) -> tuple[Rubbing, Limit]:
     """The limit of motion in one sense; joints that do not move rub the way that holds most."""
     dry = system.arrays["dry"]
     dry = dry[dry[:, at.DRY_LAW] < 0]
@@ -262,7 +269,7 @@ def _notes(system: System, stops: str, doubtful: list[str]) -> tuple[str, ...]:
         notes.append(f"friction in {', '.join(creeping)} is left out: its law does not hold at rest")
     if doubtful:
         notes.append(
-            f"less friction in {', '.join(doubtful)} than its limit would let the other joints hold more: just outside of"
+            f"less friction in {', '.join(doubtful)} than its limit would let the other joints hold more: just outside"
             " the interval rest and motion are both possible"
         )
     return tuple(notes)

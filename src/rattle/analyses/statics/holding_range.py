@@ -26,7 +26,9 @@ class HoldingRange:
     low: float  # -inf if it jams
     high: float  # inf if it jams
     free: float  # the one that balances without friction
-    jams_from: tuple[float, float]  # multiples of all coefficients from which the load below, above jams; inf: beyond 100
+    jams_from: tuple[
+        float, float
+    ]  # multiples of all coefficients from which the load below, above jams; inf: beyond 100
     t: float  # [s]
     q: np.ndarray = field(repr=False)  # (3 nb,) x, y, angle of every body [m, m, rad]
     notes: tuple[str, ...] = ()  # what is left out
@@ -71,7 +73,9 @@ class HoldingRange:
             ends = f"{self._said(self.low)} and {self._said(self.high)}"
             said = [f"rests for {self.load} between {ends} ({self._said(self.free)} without friction)"]
         if not math.isnan(self.value):
-            side = "" if self.rests else f": it moves, as the load is too {'large' if self.value > self.high else 'small'}"
+            side = (
+                "" if self.rests else f": it moves, as the load is too {'large' if self.value > self.high else 'small'}"
+            )
             now = f"now {self._said(self.value)}" if self.unit else "as it is"
             said.append(f"{now}{': it rests' if self.rests else side}")
         said += self._jamming()
@@ -83,8 +87,12 @@ class HoldingRange:
 
     def _jamming(self) -> list[str]:
         """Lines on the senses in which the load jams, or nearly does."""
+        ways = {"": (self.high, self.jams_from[1]), " the other way": (self.low, self.jams_from[0])}
+        up, down = ways.values()
+        if math.isinf(up[0]) == math.isinf(down[0]) and math.isclose(up[1], down[1], rel_tol=1e-6):
+            ways = {", either way": up}
         said = []
-        for end, share, way in ((self.high, self.jams_from[1], ""), (self.low, self.jams_from[0], " the other way")):
+        for way, (end, share) in ways.items():
             so = f"however large {self.load} is{way}"
             if math.isinf(end):
                 said.append(f"jams: {so}, it does not move (from {share:.4g} times this friction on)")

@@ -22,7 +22,7 @@ import numpy as np
 ROUNDS = 40  # Newton steps after which there is no solution
 CLOSE = 1e-14  # share of x that ends them
 FIRST = 0.125  # first step of theta
-LEAST = 1e-9  # step of theta at which the path has turned back
+LEAST = 1e-13  # step of theta at which the path has turned back
 MOST = 100.0  # theta up to which jamming is looked for
 NOTHING = 1e-12  # share of the forces below which a normal force is rounding
 
@@ -125,7 +125,7 @@ def _solve(one: Rubbing, theta: float, weight: float, start: np.ndarray) -> np.n
 
     The determinant is positive as long as the path goes on.
     """
-    y, response = start.copy(), one.response - weight * one.still[:, :, None]
+    y, response, last = start.copy(), one.response - weight * one.still[:, :, None], math.inf
     for _ in range(ROUNDS):
         N, slopes = normal_forces(one, one.still + response @ y)
         jacobian = np.eye(len(y)) - theta * one.mu[:, None] * np.einsum("ij,ijk->ik", slopes, response)
@@ -136,6 +136,8 @@ def _solve(one: Rubbing, theta: float, weight: float, start: np.ndarray) -> np.n
         y += change
         if not np.isfinite(y).all():
             return None
-        if np.abs(change).sum() <= CLOSE * np.abs(y).sum():
+        moved, size = np.abs(change).sum(), np.abs(y).sum()
+        if moved <= CLOSE * size or last <= moved <= NOTHING * size:  # as near as rounding allows
             return y if weight * np.abs(y - start).sum() < 0.5 and (y >= -NOTHING / weight).all() else None
+        last = moved
     return None
