@@ -200,3 +200,124 @@ def test_a_fourbar_with_friction_in_every_pin_agrees_with_its_free_bodies(mu):
     held = rt.loads(fourbar(mu)).holds("drive")
     by_hand = [pins_by_hand(dict(zip(LINKS, held.q[2::3], strict=True)), mu, sense) for sense in (-1.0, 1.0)]
     assert np.allclose([held.low, held.high], by_hand, rtol=1e-9)
+
+
+def wedge(slope: float, mu: float, sliding: float) -> str:
+    """A wedge on the ground under a block of 5 kg in a vertical guide; only the face and the ground rub."""
+    return f"""
+format = 1
+gravity = [0, {-G}]
+[ground.points]
+O = [0, 0]
+[bodies.wedge]
+points = {{ C = [0, 0] }}
+mass = 1e-9
+inertia = 1
+[bodies.block]
+points = {{ C = [0, 0] }}
+mass = 5
+inertia = 1
+[joints.floor]
+type = "prismatic"
+connect = ["ground.O", "wedge.C"]
+friction = {sliding}
+[joints.face]
+type = "prismatic"
+connect = ["wedge.C", "block.C"]
+axis = {slope!r}
+angle = 0
+friction = {mu}
+[joints.shaft]
+type = "prismatic"
+connect = ["ground.O", "block.C"]
+axis = {pi / 2!r}
+angle = 0
+[loads.push]
+type = "force"
+at = "wedge.C"
+force = [-1, 0]
+"""
+
+
+@pytest.mark.parametrize("sliding", [0.0, 0.12])
+def test_a_wedge_lifts_with_the_angles_of_friction_of_its_faces_and_holds_by_itself_if_flat(sliding):
+    W, mu = 5 * G, 0.2
+    for slope in (0.1, 0.3):  # moments of the three guides are not unique: without `block` they do not press
+        held = rt.loads(wedge(slope, mu, sliding)).holds("push")
+        lift = W * (tan(slope + atan(mu)) + sliding)
+        lower = W * (tan(slope - atan(mu)) - sliding)
+        assert np.allclose([held.low, held.high], [lower, lift], rtol=1e-7)  # the wedge weighs a little
+        assert held.self_locking == (lower <= 0)
+    blocked = wedge(0.1, mu, sliding).replace(
+        '"block.C"]\naxis = 0.1', '"block.C"]\nblock = { length = 1, height = 1 }\naxis = 0.1'
+    )
+    with pytest.raises(rt.ModelError, match=r"joints\.face\.friction: its reaction is not unique"):
+        rt.loads(blocked).holds("push")
+
+
+def test_of_a_driver_the_interval_is_that_of_its_effort():
+    motor = '[drivers.screw]\njoint = "guide"\nposition = 0.2\n'
+    m = rt.loads(ramp(0.3, "friction = 0.1", force="[1, 0]", more=motor))
+    held = m.holds("screw")
+    free, normal = G * sin(0.3) - cos(0.3), G * cos(0.3) + sin(0.3)
+    assert np.allclose([held.free, held.low, held.high], [free, free - 0.1 * normal, free + 0.1 * normal], rtol=1e-12)
+    assert (held.load, held.unit, held.rests) == ("screw.force", "N", False)
+    assert abs(m.equilibrium()[0]["screw.force"] - free) < 1e-12
+    with pytest.raises(ValueError, match=r"no degree of freedom.*ask for the effort of 'screw'"):
+        m.holds("push")
+
+
+def test_a_multiple_of_gravity_and_of_springs_is_held():
+    spring = '[loads.spring]\ntype = "spring"\nconnect = ["ground.O", "block.C"]\nstiffness = 10\nfree_length = 0\n'
+    m = rt.loads(ramp(0.0, "friction = 0.1", force="[2, 0]", more=spring + "[initial]\nblock = { x = 0.5 }"))
+    held = m.holds("spring")  # pulls with 5 N: tension counts positive
+    assert np.allclose([held.low, held.value, held.high], [2 - 0.1 * G, 5, 2 + 0.1 * G], rtol=1e-12)
+    held = rt.loads(ramp(0.3, "friction = 0.1", force="[2, 0]")).holds("gravity")
+    ends = [2 * (cos(0.3) + s * 0.1 * sin(0.3)) / G / (sin(0.3) - s * 0.1 * cos(0.3)) for s in (-1, 1)]
+    assert np.allclose([held.low, held.high], ends, rtol=1e-12)
+
+
+def test_at_an_equilibrium_the_interval_surrounds_the_load_that_is_there():
+    spring = '[loads.spring]\ntype = "spring"\nconnect = ["ground.O", "block.C"]\nstiffness = 10\nfree_length = 0\n'
+    m = rt.loads(ramp(0.0, "friction = 0.1", force="[2, 0]", more=spring))
+    E = m.equilibrium()
+    held = m.holds("push", at=E[0])
+    assert np.allclose([held.low, held.free, held.high], [2 - 0.1 * G, 2, 2 + 0.1 * G], rtol=1e-9)
+    assert "friction in 'guide' is left out" in E.note
+    assert abs(E[0]["block.x"] - 0.2) < 1e-9
+
+
+def test_what_has_no_interval_is_refused_and_says_why():
+    loose = rt.loads(ramp(0.3, ""))
+    with pytest.raises(rt.ModelError, match="no joint without play has friction"):
+        loose.holds("push")
+    with pytest.raises(rt.ModelError, match="creep under any load"):
+        rt.loads(ramp(0.3, 'friction = { model = "coulomb-smooth", mu = 0.1, v1 = "1 mm/s" }')).holds("push")
+    m = rt.loads(ramp(0.3, "friction = 0.1"))
+    with pytest.raises(ValueError, match="no load or driver 'pusch'; did you mean 'push'"):
+        m.holds("pusch")
+    with pytest.raises(ValueError, match="exerts nothing"):
+        m.set(gravity=[0, 0]).holds("gravity")
+    with pytest.raises(ValueError, match="does no work in the motion that is left"):
+        rt.loads(ramp(0.0, "friction = 0.1", force="[0, 1]")).holds("push")
+    free = "[bodies.other]\npoints = { C = [0, 0] }\nmass = 1\ninertia = 1\n[joints.pin]\n"
+    free += 'type = "revolute"\nconnect = ["block.H", "other.C"]'
+    with pytest.raises(ValueError, match=r"2 degrees of freedom are left.*hold the other with a driver"):
+        rt.loads(ramp(0.3, "friction = 0.1", more=free)).holds("push")
+    play = free + '\nclearance = "1 mm"\ncontact = { model = "impact", restitution = 0 }'
+    with pytest.raises(rt.ModelError, match=r"joints\.pin: .*close it with ideal"):
+        rt.loads(ramp(0.3, "friction = 0.1", more=play)).holds("push")
+
+
+def test_the_words_say_whether_it_rests_holds_itself_or_jams():
+    said = {mu: str(rt.loads(ramp(0.2, f"friction = {mu}")).holds("push")).split("\n") for mu in (0.05, 0.3)}
+    ends = [f"{G * tan(0.2 + sense * atan(0.05)):.6g} N" for sense in (-1, 1)]
+    assert said[0.05] == [
+        f"rests for push between {ends[0]} and {ends[1]} ({G * tan(0.2):.6g} N without friction)",
+        "now 1 N: it moves, as the load is too small",
+        "not self-locking: without push it moves",
+    ]
+    assert said[0.3][1:] == ["now 1 N: it rests", "self-locking: it rests without push"]
+    steep = str(rt.loads(ramp(1.0, "friction = 0.7")).holds("push"))
+    assert "rests for push from 4.02413 N on" in steep
+    assert "jams: however large push is, it does not move (from 0.9173 times this friction on)" in steep
