@@ -27,6 +27,25 @@ def test_equilibrium_lists_positions_with_units():
     assert entries[0]["values"]["O3.normal"]["unit"] == "N"
 
 
+def test_equilibrium_says_which_load_friction_holds_and_when_it_jams(tmp_path):
+    file = tmp_path / "drawer.toml"
+    file.write_text(
+        "format = 1\ngravity = [0, 0]\n[ground.points]\nO = [0, 0]\n[bodies.drawer]\nmass = 1\ninertia = 1\n"
+        'points = { C = [0, 0], H = [0, 0.5] }\n[joints.guide]\ntype = "prismatic"\nconnect = ["ground.O", "drawer.C"]\n'
+        'block = { length = 0.2, height = 0.05 }\nfriction = 0.25\n[loads.push]\ntype = "force"\nat = "drawer.H"\n'
+        "force = [3, 0]\n"
+    )
+    seen = run("equilibrium", str(file), "--holds", "push")
+    assert (seen.exit_code, seen.stdout.splitlines()[1]) == (0, "now 3 N: it rests")
+    assert "jams: however large push is, either way, it does not move (from 0.8 times" in seen.stdout
+    record = json.loads(run("equilibrium", str(file), "--holds", "push", "--json").stdout)
+    assert (record["low"], record["high"], record["free"], record["jams"]) == (None, None, 0.0, True)
+    assert run("equilibrium", str(file), "--holds", "pull").exit_code == 2
+    assert "--holds is about" in run("equilibrium", str(file), "--holds", "push", "--path").stderr
+    without = run("equilibrium", str(file))
+    assert "friction in 'guide' is left out" in without.stderr
+
+
 def test_slow_motion_of_the_clamp_shows_its_advantage():
     seen = run("equilibrium", "toggle_clamp", "--path", "--points", "5")
     assert seen.exit_code == 0
