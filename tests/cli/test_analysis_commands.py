@@ -31,7 +31,8 @@ def test_equilibrium_says_which_load_friction_holds_and_when_it_jams(tmp_path):
     file = tmp_path / "drawer.toml"
     file.write_text(
         "format = 1\ngravity = [0, 0]\n[ground.points]\nO = [0, 0]\n[bodies.drawer]\nmass = 1\ninertia = 1\n"
-        'points = { C = [0, 0], H = [0, 0.5] }\n[joints.guide]\ntype = "prismatic"\nconnect = ["ground.O", "drawer.C"]\n'
+        "points = { C = [0, 0], H = [0, 0.5] }\n"
+        '[joints.guide]\ntype = "prismatic"\nconnect = ["ground.O", "drawer.C"]\n'
         'block = { length = 0.2, height = 0.05 }\nfriction = 0.25\n[loads.push]\ntype = "force"\nat = "drawer.H"\n'
         "force = [3, 0]\n"
     )
