@@ -236,7 +236,6 @@ def equilibrium(
     \b
     Examples: rattle equilibrium balanced_arm
               rattle equilibrium toggle_clamp --path -o clamp.nc
-              rattle equilibrium drawer.toml --holds push
     """
     if not path and (output, csv) != (None, None):
         raise click.UsageError("-o and --csv save a quasi-static motion; they need --path")
