@@ -18,9 +18,9 @@ pytestmark = pytest.mark.nojit
 
 
 def guide_to_models():
-    """The model and the tolerances that the guide shows."""
-    model, tolerances, *_ = re.findall(r"```toml\n(.*?)```", DOCS["model-file.md"], re.DOTALL)
-    return model, tolerances
+    """The model, the plate and the tolerances that the guide shows."""
+    model, plate, tolerances, *_ = re.findall(r"```toml\n(.*?)```", DOCS["model-file.md"], re.DOTALL)
+    return model, plate, tolerances
 
 
 def test_the_model_of_the_guide_can_be_put_together():
@@ -29,8 +29,14 @@ def test_the_model_of_the_guide_can_be_put_together():
     assert m.start.residual < 1e-9
 
 
+def test_the_plate_of_the_guide_is_an_angle_with_a_hole():
+    m = rt.loads(f"format = 1\nparameters.w = 0.3\nground.points = {{}}\n{guide_to_models()[1]}")
+    area = 0.3**2 - 0.22**2 - 0.04 * 0.04 / 2
+    assert m.model.bodies["crank"].mass == pytest.approx(78.5 * area, rel=1e-12)
+
+
 def test_the_tolerances_of_the_guide_can_be_drawn():
-    model, tolerances = guide_to_models()
+    model, _, tolerances = guide_to_models()
     document, more = tomllib.loads(model), tomllib.loads(tolerances)
     merged = {**document, **more, "parameters": {**document["parameters"], **more["parameters"]}}
     fields = fields_of(rt.loads(json.dumps(merged)), list(more["parameters"]))

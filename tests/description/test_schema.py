@@ -114,6 +114,19 @@ def test_a_wrong_value_is_refused(validator, path, value):
     assert not validator.is_valid(document)
 
 
+def test_a_plate_has_its_mass_in_one_of_two_ways(validator):
+    def is_valid(**given):
+        corners = [[0, 0], ["l1", 0], [0, "5 mm"]]
+        return validator.is_valid({**FOURBAR, "bodies": {**FOURBAR["bodies"], "plate": {"polygon": corners, **given}}})
+
+    assert is_valid(mass=1, points={"A": [0, 0]})
+    assert is_valid(thickness="5 mm", density="7850 kg/m^3", holes=[[[0, 0], [1, 0], [0, 1]]])
+    assert not is_valid(thickness="5 mm", density=1, mass=1)
+    assert not is_valid(thickness="5 mm")
+    assert not is_valid(mass=1, inertia=1)
+    assert not is_valid(mass=1, polygon=[[0, 0], [1, 0]])
+
+
 @pytest.mark.parametrize("family", ["joint", "load"])
 def test_every_field_of_the_registry_is_there_with_unit_and_meaning(family):
     entries = {

@@ -103,6 +103,19 @@ class Building:
             {"bar": [first, second], "length": length, "mass": mass, "inertia": inertia, "points": points},
         )
 
+    def plate(
+        self, name: str, polygon: Sequence[Pair], *, thickness: float | str | None = None,
+        density: float | str | None = None, mass: float | str | None = None, holes: Sequence[Sequence[Pair]] = (),
+        points: Mapping[str, Pair] | None = None,
+    ) -> Self:  # fmt: skip
+        """A plate with these corners [m] in order around: mass centre and inertia follow from its shape.
+
+        thickness [m] and density [kg/m^3], or mass [kg].  holes: corners of each hole [m]; points: named points [m];
+        all in one frame fixed to the body.
+        """
+        given = {"polygon": plain(polygon), "holes": plain(holes) or None, "points": plain(points)}
+        return self._enter("bodies", name, {**given, "thickness": thickness, "density": density, "mass": mass})
+
     def body(
         self,
         name: str,

@@ -38,6 +38,7 @@ class Body:
     inertia: float  # about the mass centre [kg*m^2]
     points: Mapping[str, Vector]
     bar: bool = False
+    outline: tuple[tuple[Vector, ...], ...] = ()  # of a plate: corners of its polygon, then those of each hole
 
 
 @dataclass(frozen=True)

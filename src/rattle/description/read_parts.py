@@ -29,6 +29,7 @@ from rattle.description.read_contact import (
 )
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_friction import joint_friction
+from rattle.description.read_plates import read_plate
 from rattle.description.read_values import Path, Values, said
 from rattle.errors import suggest
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
@@ -95,8 +96,11 @@ class Parts(FieldReader):
 
     # ------------------------------------------------------------ bodies and points
     def add_body(self, name: str, given: Mapping[str, Any]) -> None:
-        """Read a body in its general form, or a bar."""
+        """Read a body in its general form, a bar, or a plate."""
         values, path = self.values, ("bodies", name)
+        if "polygon" in given:
+            self.bodies[name] = read_plate(values, name, given)
+            return
         bar = "bar" in given
         values.keys(given, BAR if bar else BODY, path)
         mass = self._needed(given, "mass", "kg", path, "needs a mass in kg")

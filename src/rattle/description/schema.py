@@ -43,7 +43,7 @@ def schema() -> Schema:
                 "signals": _named(_number("", "expression over parameters, t and state"), "recorded quantities"),
                 "states": _named(_state(), "first-order states of the model's own, usable like signals"),
                 "ground": _object({"points": _points("points of the ground")}),
-                "bodies": _named({"anyOf": [_bar(), _body()]}, "rigid bodies"),
+                "bodies": _named({"anyOf": [_bar(), _plate(), _body()]}, "rigid bodies"),
                 "joints": _named({"anyOf": [_joint(kind) for kind in registry.kinds("joint").values()]}, "joints"),
                 "drivers": _named({"anyOf": _drivers()}, "degrees of freedom that follow a function of time"),
                 "loads": _named({"anyOf": [_load(kind) for kind in registry.kinds("load").values()]}, "loads"),
@@ -203,6 +203,23 @@ def _bar() -> Schema:
         ("bar", "length", "mass"),
         "a uniform bar",
     )
+
+
+def _plate() -> Schema:
+    """A plate: with thickness and density, or with its mass."""
+    ring = {"type": "array", "items": _vector("m", "corner"), "minItems": 3}
+    given: dict[str, Schema] = {
+        "polygon": {**ring, "description": "corners in order around, in any frame of the body"},
+        "holes": {"type": "array", "items": ring, "description": "corners of each hole, in the same frame"},
+        "points": _points("points in the same frame"),
+    }
+    of_material = {
+        "thickness": _number("m", "thickness", "positive"),
+        "density": _number("kg/m^3", "density", "positive"),
+    }
+    said = "a plate: its polygon says mass centre and inertia"
+    weights: list[dict[str, Schema]] = [of_material, {"mass": _number("kg", "mass", "positive")}]
+    return {"anyOf": [_object({**given, **one}, ("polygon", *one), said) for one in weights]}
 
 
 def _body() -> Schema:

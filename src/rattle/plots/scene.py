@@ -80,6 +80,10 @@ class Scene(NamedTuple):
         """(points, 2) named points of a body in its frame [m]."""
         return np.array(list(self.bodies[body]["points"].values()), float).reshape(-1, 2)
 
+    def rings(self, body: str) -> list[Array]:
+        """Corners (n, 2) of a plate and of each of its holes, in its frame [m]; none of any other body."""
+        return [np.array(ring, float) for ring in self.bodies.get(body, {}).get("outline", ())]
+
 
 # ---------------------------------------------------------------- lines and areas; each function moves one to frame k
 def draw_line(ax: Axes, path: Array, **style: Any) -> Update:
@@ -101,6 +105,26 @@ def draw_area(ax: Axes, path: Array, colour: str, *, alpha: float = 0.2, zorder:
 
     def update(k: int) -> None:
         area.set_xy(path[k])
+
+    return update
+
+
+def draw_plate(ax: Axes, rings: Sequence[Array], colour: str, *, alpha: float = 0.25, zorder: float = 2) -> Update:
+    """A filled polygon with holes: corners of each ring (frames, points, 2) [m]."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    # each ring ends where it began; holes go around the other way, so that they stay empty
+    sense = [float(np.sign(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))) for x, y in (one[0].T for one in rings)]
+    ways = [1 if k == 0 or one != sense[0] else -1 for k, one in enumerate(sense)]
+    closed = [np.concatenate([one, one[:, :1]], axis=1)[:, ::way] for one, way in zip(rings, ways, strict=True)]
+    codes = [[Path.MOVETO, *[Path.LINETO] * (one.shape[1] - 2), Path.CLOSEPOLY] for one in closed]
+    corners, code = np.concatenate(closed, axis=1), np.concatenate(codes)
+    area = PathPatch(Path(corners[0], code), facecolor=colour, alpha=alpha, linewidth=0, zorder=zorder)
+    ax.add_patch(area)
+
+    def update(k: int) -> None:
+        area.set_path(Path(corners[k], code))
 
     return update
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,7 @@ from rattle.plots.curves import GREY, LINES, tidy
 from rattle.plots.drawings import parts
 from rattle.plots.movie_file import Update
 from rattle.plots.orbit import clearance_joints
-from rattle.plots.scene import Array, Scene, draw_area, draw_dot, draw_line, draw_tag
+from rattle.plots.scene import Array, Scene, draw_area, draw_dot, draw_line, draw_plate, draw_tag
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,8 +50,15 @@ def draw_mechanism(ax: Axes, stage: Scene, names: bool = True) -> list[Update]:
 
 
 def draw_body(ax: Axes, stage: Scene, body: str) -> list[Update]:
-    """A bar through two points, a filled plate through more; a single point is tied to the mass centre."""
+    """A bar through two points, a filled plate through more; a single point is tied to the mass centre.
+
+    A plate with an outline is drawn as it is, with its holes.
+    """
     points, colour = stage.points(body), stage.colour(body)
+    if rings := stage.rings(body):
+        paths = [np.stack([stage.path(body, p) for p in np.vstack([ring, ring[:1]])], axis=1) for ring in rings]
+        edges = [draw_line(ax, path, color=colour, linewidth=2, alpha=0.85, zorder=3) for path in paths]
+        return [draw_plate(ax, [path[:, :-1] for path in paths], colour), *edges]
     if len(points) < 2:
         points = np.vstack([points, np.zeros((1, 2))])
     if float(np.ptp(points, axis=0).max()) < 1e-9 * stage.size:
@@ -84,9 +92,14 @@ def hull(points: Array) -> Array:
     return np.array(corners)
 
 
+def _reach(stage: Scene, body: str) -> Iterator[Array]:
+    """Points of a body [m] that a picture has to show: the corners of its outline, its named points, its centre."""
+    yield from (p for some in (*stage.rings(body), stage.points(body), np.zeros((1, 2))) for p in some)
+
+
 def extent(stage: Scene) -> tuple[Array, Array]:
     """Lower left and upper right corner (2,) [m] of the box that holds everything at every frame."""
-    paths = [stage.path(body, p) for body in stage.bodies for p in (*stage.points(body), (0.0, 0.0))]
+    paths = [stage.path(body, p) for body in stage.bodies for p in _reach(stage, body)]
     for part, how in parts(stage.result.geometry):
         paths += [stage.path(body, p) for body, p in how.reach(part.form)]
     everything = np.vstack(paths)

@@ -259,7 +259,10 @@ def geometry(model: Model) -> dict[str, Any]:
     }
     return {
         "bodies": {
-            name: {"points": {key: list(spot) for key, spot in body.points.items()}}
+            name: {
+                "points": {key: list(spot) for key, spot in body.points.items()},
+                **({"outline": [list(map(list, ring)) for ring in body.outline]} if body.outline else {}),
+            }
             for name, body in model.bodies.items()
         },
         "ground": {"points": {key: list(spot) for key, spot in model.ground.items()}},

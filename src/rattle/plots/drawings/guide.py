@@ -61,7 +61,8 @@ def on_line(scene: Scene, form: Form, end: int) -> bool:
 
 def is_cylinder(scene: Scene, form: Form) -> bool:
     """True if A is drawn as a barrel."""
-    return form["bodies"][0] != "ground" and on_line(scene, form, 0)
+    a = form["bodies"][0]
+    return a != "ground" and not scene.rings(a) and on_line(scene, form, 0)
 
 
 def barrel_and_rod(scene: Scene, form: Form) -> list[str]:
@@ -69,7 +70,7 @@ def barrel_and_rod(scene: Scene, form: Form) -> list[str]:
     if not is_cylinder(scene, form):
         return []
     a, b = form["bodies"]
-    return [a, b] if b != "ground" and on_line(scene, form, 1) else [a]
+    return [a, b] if b != "ground" and not scene.rings(b) and on_line(scene, form, 1) else [a]
 
 
 def reach(form: Form) -> list[tuple[str, Pair]]:

@@ -1,0 +1,167 @@
+"""Plane figures bounded by polygons: whether they are sound, and their area, centre and second moment.
+
+With the corners (x_i, y_i) in order around the figure, i + 1 behind the last being the first, and
+
+    a_i = x_i y_{i+1} - x_{i+1} y_i,      A = 1/2 sum a_i  (positive if counter-clockwise),
+    c   = 1/(6 A) sum a_i (r_i + r_{i+1}),
+    I_O = 1/12 sum a_i (r_i.r_i + r_i.r_{i+1} + r_{i+1}.r_{i+1}),      I_c = I_O - A c.c
+
+Holes count negative: A = A_0 - sum A_k,  c = (A_0 c_0 - sum A_k c_k)/A,  and I about c by the parallel-axis theorem.
+
+Source: Steger, On the calculation of arbitrary moments of polygons, TU Munich FGBV-96-05 (1996), from Green's theorem.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle.language.recorded import Recorded
+
+Vector = tuple[float, float]
+Ring = Sequence[Vector]  # corners in order around, each once
+CLOSE = 1e-12  # share of the size of a figure below which a distance counts as none
+MOST_PAIRS = 2000  # of edges that a trace watches; with more corners it watches the sign of the area only
+
+
+class Figure(NamedTuple):
+    """A figure with holes."""
+
+    area: float  # [m^2]
+    centre: Vector  # [m]
+    second: float  # second moment of area about the centre [m^4]
+
+
+def figure_of(outline: Ring, holes: Sequence[Ring] = ()) -> Figure:
+    """Area, centre and second moment of a figure; corners [m], in either sense, of sound rings."""
+    whole, *cut = (_moments(one) for one in (outline, *holes))
+    area = whole.area - sum(one.area for one in cut)
+    x, y = ((whole.area * whole.centre[k] - sum(one.area * one.centre[k] for one in cut)) / area for k in (0, 1))
+
+    def about_centre(one: Figure) -> float:
+        dx, dy = one.centre[0] - x, one.centre[1] - y
+        return one.second + one.area * (dx * dx + dy * dy)
+
+    return Figure(area, (x, y), about_centre(whole) - sum(map(about_centre, cut)))
+
+
+def _moments(ring: Ring) -> Figure:
+    """Moments of a figure without holes; corners count from the first one, so that a far origin costs no digits."""
+    ox, oy = ring[0]
+    at = [(x - ox, y - oy) for x, y in ring]
+    twice = first_x = first_y = second = 0.0
+    for (x, y), (u, v) in zip(at, [*at[1:], at[0]], strict=True):
+        a = x * v - u * y
+        twice += a
+        first_x += a * (x + u)
+        first_y += a * (y + v)
+        second += a * (x * x + y * y + x * u + y * v + u * u + v * v)
+    if twice < 0.0:
+        twice, first_x, first_y, second = -twice, -first_x, -first_y, -second
+    area, x, y = twice / 2, first_x / (3 * twice), first_y / (3 * twice)
+    return Figure(area, (ox + x, oy + y), second / 12 - area * (x * x + y * y))
+
+
+# ---------------------------------------------------------------- what can be wrong with it
+def fault(ring: Ring) -> str:
+    """What is wrong with the corners of one ring, "" if nothing; corners count from 1."""
+    corners = np.array([(float(x), float(y)) for x, y in ring])
+    n = len(corners)
+    if n < 3:
+        return f"{n} corner{'s' * (n != 1)}; a polygon has three or more"
+    after = np.roll(corners, -1, axis=0)
+    size = float(np.ptp(corners, axis=0).max())
+    for k in np.flatnonzero(np.abs(after - corners).max(axis=1) <= CLOSE * size):
+        return f"corner {(k + 1) % n + 1} is at the place of corner {k + 1}; give every corner once"
+    far = corners - corners[0]
+    along = far[np.argmax(np.hypot(*far.T))]
+    if np.abs(far[:, 0] * along[1] - far[:, 1] * along[0]).max() <= CLOSE * size**2:
+        return "its area is zero: all corners are on one line"
+    met = _meeting(corners, corners, size, within=True)
+    if met is None:
+        return ""
+    a, b = (f"the edge from corner {k + 1} to {(k + 1) % n + 1}" for k in met)
+    return f"{a} meets {b}; expected the corners in order around, without crossing"
+
+
+def fault_of_holes(outline: Ring, holes: Sequence[Ring]) -> tuple[int, str] | None:
+    """Number of the first hole that is not inside of the outline and apart from the others, and why."""
+    rings = [np.array([(float(x), float(y)) for x, y in one]) for one in (outline, *holes)]
+    size = float(np.ptp(rings[0], axis=0).max())
+    for k, hole in enumerate(rings[1:]):
+        if _meeting(rings[0], hole, size) is not None or not _is_inside(rings[0], hole[0]):
+            return k, "is not inside of the polygon; expected corners within its edges"
+        for other in rings[1 : k + 1]:
+            if _meeting(other, hole, size) is not None or _is_inside(other, hole[0]) or _is_inside(hole, other[0]):
+                return k, "overlaps another hole; expected holes apart from each other"
+    return None
+
+
+def watch(rings: Sequence[Ring]) -> None:
+    """Let a record of the corners keep that these sound rings do not cross.
+
+    Of two edges that have no point in common, one at least has both ends on one side of the line through the other.
+    """
+    edges = [(n, k, one[k], one[(k + 1) % len(one)], len(one)) for n, one in enumerate(rings) for k in range(len(one))]
+    moving = [any(isinstance(x, Recorded) for end in edge[2:4] for x in end) for edge in edges]
+    if sum(moving) * len(edges) > MOST_PAIRS:
+        return
+    for i, (n, k, a, b, count) in enumerate(edges):
+        for j, (m, h, c, d, _) in enumerate(edges[:i]):
+            if (moving[i] or moving[j]) and not (n == m and (k - h) % count in (1, count - 1)):
+                one, other = _side(a, b, c) * _side(a, b, d), _side(c, d, a) * _side(c, d, b)
+                if max(float(one), float(other)) > 0.0:
+                    _ = (one + abs(one)) + (other + abs(other)) > 0.0  # one of the two is positive: this is kept
+
+
+def _side(a: Vector, b: Vector, c: Vector) -> float:
+    """On which side of the line through a and b the point c is: twice a signed area [m^2]."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _sides(start: np.ndarray, end: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(edges, points) on which side of each edge (edges, 2) the points (points, 2) are: twice a signed area [m^2]."""
+    along, to = end - start, points[None] - start[:, None]
+    side: np.ndarray = along[:, None, 0] * to[..., 1] - along[:, None, 1] * to[..., 0]
+    return side
+
+
+def _meeting(one: np.ndarray, other: np.ndarray, size: float, within: bool = False) -> tuple[int, int] | None:
+    """The first two edges of two rings that cross or touch; within: of one ring, where neighbours share a corner."""
+    a, b = one, np.roll(one, -1, axis=0)
+    c, d = other, np.roll(other, -1, axis=0)
+    apart = _all_on_one_side(a, b, c, d, size) | _all_on_one_side(c, d, a, b, size).T | _apart(a, b, c, d, size)
+    if within:
+        n, k = len(one), np.arange(len(one))
+        fold = _sides(a, b, d)[k, (k + 1) % n]
+        back = ((a - b) * (np.roll(d, -1, axis=0) - b)).sum(axis=1) > 0.0
+        apart[k, (k + 1) % n] = (np.abs(fold) > CLOSE * size**2) | ~back
+        apart |= apart.T if n > 3 else np.ones_like(apart)
+        apart |= np.tri(n, dtype=bool)
+    met = np.argwhere(~apart)
+    return (int(met[0, 0]), int(met[0, 1])) if len(met) else None
+
+
+def _all_on_one_side(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, size: float) -> np.ndarray:
+    """(edges ab, edges cd) whether both ends of cd are strictly on one side of the line through ab."""
+    p, q = _sides(a, b, c), _sides(a, b, d)
+    least = CLOSE * size**2
+    return ((p > least) & (q > least)) | ((p < -least) & (q < -least))
+
+
+def _apart(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, size: float) -> np.ndarray:
+    """(edges ab, edges cd) whether the boxes around the edges have a gap."""
+    low, high = np.minimum(a, b)[:, None] - CLOSE * size, np.maximum(a, b)[:, None] + CLOSE * size
+    found: np.ndarray = ((np.maximum(c, d)[None] < low) | (np.minimum(c, d)[None] > high)).any(axis=2)
+    return found
+
+
+def _is_inside(ring: np.ndarray, point: np.ndarray) -> bool:
+    """True if a ray from the point crosses the ring an odd number of times."""
+    a, b = ring, np.roll(ring, -1, axis=0)
+    spans = (a[:, 1] > point[1]) != (b[:, 1] > point[1])
+    a, b = a[spans], b[spans]
+    at = a[:, 0] + (point[1] - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
+    return bool((at > point[0]).sum() % 2)
