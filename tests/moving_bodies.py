@@ -19,6 +19,7 @@ def rng_for(*words):
 
 
 SHARES = {"pressure_angle": 0.25, "backlash": 0.05, "pretension": 0.05}  # of fields that have to be smaller than others
+OPTIONS = {"roller"}  # fields that are also left out: 0 is another way
 
 
 def field_values(kind, rng):
@@ -28,6 +29,8 @@ def field_values(kind, rng):
         if one.function_of:
             shape = parse(f"{rng.uniform(0.5, 2.0)} + {rng.uniform(-0.5, 0.5)}*sin({one.function_of})**3")
             found[key] = [local_function(shape, one.function_of, {}, NO_TABLES)]
+        elif key in OPTIONS and rng.integers(2):
+            found[key] = [0.0]
         elif one.shape == "number":
             found[key] = [rng.uniform(0.5, 2.0) * SHARES.get(key, 1.0)]
         elif one.shape == "pair":

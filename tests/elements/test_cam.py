@@ -38,12 +38,12 @@ def model(*parts, ground="O = [0, 0]", initial="", head="", g=0.0):
     return rt.loads(text + "".join(parts) + f"[initial]\n{initial}\n")
 
 
-def roller(radius=POLAR, law=UNEVEN, start=150, **more):
+def roller(radius=POLAR, law=UNEVEN, start=150, more="", **head):
     """A driven disc and an arm whose end follows its curve."""
     return model(
         wheel("disc"), wheel("arm", "Q", "C = [0, 0], P = [0.09, 0]"),
-        joint("cam", "cam", "disc.C", "arm.P", f'radius = "{radius}"'), driver("disc", law),
-        ground="O = [0, 0]\nQ = [0.1, 0]", initial=f'arm = {{ angle = "{start} deg" }}', **more,
+        joint("cam", "cam", "disc.C", "arm.P", f'radius = "{radius}"\n{more}'), driver("disc", law),
+        ground="O = [0, 0]\nQ = [0.1, 0]", initial=f'arm = {{ angle = "{start} deg" }}', **head,
     )  # fmt: skip
 
 
@@ -70,8 +70,24 @@ def test_point_stays_on_the_polar_curve_and_the_face_touches_the_cam_over_many_t
     assert -0.1 * np.sin(r["arm.angle"]) == pytest.approx(0.05 + 0.01 * np.cos(2 * turned), abs=1e-10)
 
 
+def rolling(radius="0.04 + 0.01*cos(3*a)", size="8 mm", **more):
+    """A roller on a cam with hollows."""
+    return roller(radius, more=f'roller = "{size}"', **more)
+
+
 @nojit
-@pytest.mark.parametrize("make", [roller, face])
+def test_a_roller_is_its_radius_away_from_the_nearest_point_of_the_cam():
+    t = np.linspace(0.0, 2.0, 41)
+    r = rolling().kinematics(t)
+    a = np.linspace(-math.pi, math.pi, 100_001)
+    f = 0.04 + 0.01 * np.cos(3 * a)
+    for x, y, turn in zip(r["arm.P.x"], r["arm.P.y"], r["disc.angle"], strict=True):
+        apart = np.hypot(x - f * np.cos(a + turn), y - f * np.sin(a + turn))
+        assert apart.min() == pytest.approx(0.008, abs=1e-9)  # between the points of the fine curve
+
+
+@nojit
+@pytest.mark.parametrize("make", [roller, face, rolling])
 def test_rates_of_a_follower_are_derivatives(make):
     h = 1e-3
     r = make().kinematics(0.7 + h * np.arange(-3, 4))
@@ -97,10 +113,12 @@ def test_a_table_of_one_turn_or_with_a_period_is_followed_over_many_turns():
 
 
 def eccentric(kind):
-    """Eccentric of 10 mm, 50 mm to the roller's centre: as a cam, and as the rod that it stands for."""
+    """Eccentric of 10 mm, 50 mm to the roller's centre: by its path, on the surface, as the rod that it stands for."""
     link = joint("cam", "rod", "disc.E", "arm.R", "length = 0.05")
-    if kind == "cam":
-        link = joint("cam", "cam", "disc.C", "arm.R", 'radius = "0.01*cos(a) + sqrt(0.0025 - (0.01*sin(a))**2)"')
+    if kind != "rod":
+        size, on = (0.05, "") if kind == "path" else (0.03, 'roller = "20 mm"')
+        curve = f'radius = "0.01*cos(a) + sqrt({size}**2 - (0.01*sin(a))**2)"\n'
+        link = joint("cam", "cam", "disc.C", "arm.R", curve + on)
     return model(
         wheel("disc", points="C = [0, 0], E = [0.01, 0]", inertia=0.01),
         body("arm", "Q = [0, 0], R = [0.1, 0]", 1.0, 0.01, "[0.08, 0.01]"), joint("Q", "revolute", "ground.Q", "arm.Q"),
@@ -110,9 +128,10 @@ def eccentric(kind):
     )  # fmt: skip
 
 
-def test_an_eccentric_circle_is_the_rod_between_the_centres_with_the_same_force():
+@pytest.mark.parametrize("kind", ["path", "surface"])
+def test_an_eccentric_circle_is_the_rod_between_the_centres_with_the_same_force(kind):
     t = np.linspace(0.0, 1.0, 11)
-    cam, rod = (eccentric(kind).simulate(t_eval=t, **FINE) for kind in ("cam", "rod"))
+    cam, rod = (eccentric(one).simulate(t_eval=t, **FINE) for one in (kind, "rod"))
     for curve in ("disc.angle", "arm.angle"):
         assert cam[curve] == pytest.approx(rod[curve], abs=1e-10)
     for curve in ("cam.fx", "cam.fy", "Q.fx"):
@@ -162,15 +181,17 @@ def test_contact_force_of_a_flat_follower_is_that_of_its_harmonic_lift():
 
 def test_derivatives_of_a_driven_follower_by_parameters_of_its_cam_are_differences():
     times, r0 = [0.0, 0.4, 1.0], 0.04
-    for make, law in ((roller, "r0 + 0.01*cos(2*a)"), (face, "r0 + 0.02 + 0.01*cos(2*x)")):
+    round_, flat = "r0 + 0.01*cos(2*a)", "r0 + 0.02 + 0.01*cos(2*x)"
+    for make, law in ((roller, round_), (face, flat), (rolling, round_)):
         m = make(law, head=f"[parameters]\nr0 = {r0}\n")
         s = m.sensitivity(["arm.angle"], ["r0"], times, analysis="kinematics")
         ahead, behind = (m.set({"r0": r0 + h}).kinematics(times)["arm.angle"] for h in (1e-6, -1e-6))
         assert s["d(arm.angle)/d(r0)"] == pytest.approx((ahead - behind) / 2e-6, rel=1e-6)
 
 
-def test_samples_side_by_side_are_the_single_runs():
-    m = roller("r0 + 0.01*cos(2*a)", head="[parameters]\nr0 = 0.04\n")
+@pytest.mark.parametrize("make", [roller, rolling])
+def test_samples_side_by_side_are_the_single_runs(make):
+    m = make("r0 + 0.01*cos(2*a)", head="[parameters]\nr0 = 0.04\n")
     values = np.array([0.039, 0.04, 0.0405])
     found = m.many({"r0": values}, ["final(arm.angle)"], 0.2)
     for n, value in enumerate(values):
@@ -193,6 +214,21 @@ def test_samples_side_by_side_are_the_single_runs():
 def test_a_curve_around_nothing_is_refused(radius, words):
     with pytest.raises(rt.ModelError, match=words):
         _ = roller(radius, head="[tables]\nlate = { x = [4, 5], y = [0.1, 0.2] }\n").model
+
+
+@nojit
+@pytest.mark.parametrize(
+    ("radius", "size", "words"),
+    [
+        ("0.04 + 0.01*cos(3*a)", "20 mm", r"0\.02 m, is larger than that of the hollow of the cam at a = .*0\.015 m"),
+        ("0.04 + 0.001*abs(a)", "5 mm", r"the curve of the cam has a corner near a = -1 deg"),
+        ("0.035 + 0.002*a", "10 mm", r"roller: on the cam at a = .* deg it would stand 0\.00\d+ m in the cam"),
+        ("0.04", "-1 mm", "must not be negative"),
+    ],
+)
+def test_a_roller_that_cannot_follow_its_cam_is_refused(radius, size, words):
+    with pytest.raises(rt.ModelError, match=words):
+        _ = rolling(radius, size).model
 
 
 @nojit

@@ -14,6 +14,7 @@ G, W, R, E = 9.81, 20.0, 0.05, 0.03  # an eccentric of radius R turns about a po
 FINE = {"rtol": 1e-10, "atol": 1e-12}
 FLAT = 'type = "flat-follower"\naxis = "90 deg"\nsupport = "0.05 + 0.03*cos(x)"'
 ROUND = 'type = "cam"\nradius = "0.03*cos(a) + sqrt(0.0025 - (0.03*sin(a))**2)"'
+ROLLER = 'type = "cam"\nroller = "15 mm"\nradius = "0.03*cos(a) + sqrt(0.035**2 - (0.03*sin(a))**2)"'
 RIGID = 'contact = { model = "impact", restitution = 0 }'
 
 
@@ -80,7 +81,7 @@ follower = {{ y = {float(lift(shape, 0.0))!r} }}
 """
 
 
-@pytest.mark.parametrize("shape", [FLAT, ROUND], ids=["flat", "round"])
+@pytest.mark.parametrize("shape", [FLAT, ROUND, ROLLER], ids=["flat", "round", "roller"])
 def test_follower_lifts_off_and_lands_where_the_closed_form_says(shape):
     off, on, speed = flight(shape)
     r = rt.loads(text(shape)).simulate(on + 0.02, t_eval=[0, off / 2, on + 0.02], **FINE)

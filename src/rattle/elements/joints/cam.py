@@ -9,8 +9,16 @@ a = psi - phi_A, the direction of d in A's frame;  f(a): distance of the curve f
             d0 = s_A w_A^2 - s_B w_B^2                                                                [m/s^2]
 
 The multiplier is the component of the force along e; the force itself is sqrt(1 + (f'/l)^2) times as large and normal
-to the curve.  With a roller on B the curve is that of the roller's centre, the pitch curve of the cam.  The direction a
-is between -180 and 180 deg, whatever the number of turns; f of a closed curve has the same value at both.
+to the curve.  The direction a is between -180 and 180 deg, whatever the number of turns; f of a closed curve has the
+same value at both.
+
+With a roller of radius r, whose centre is the point of B, the curve is the surface of the cam.  D: distance of the
+centre from it, n: normal, u: rate of d as seen from A, see `elements.rolling`
+
+    Phi   = D - r = 0                                                                                 [m]
+    gamma = -(n . d0 - 2 n . (w_A x u) + w_A^2 n . d + b (t . u)^2)                                   [m/s^2]
+
+Without roller the curve is the path of the point itself, of a roller's centre the pitch curve of the cam.
 """
 
 from __future__ import annotations
@@ -23,9 +31,11 @@ import numpy as np
 
 from rattle.elements.joints import JointKind
 from rattle.elements.profile import Array, around, degrees, gap
+from rattle.elements.roller_path import RollerPath
+from rattle.elements.rolling import ROLLER, roller_at
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
-from rattle.jit.functions import kernel
+from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import ends
 from rattle.language.local_jet import function_jet
 from rattle.registry import Field, kind
@@ -33,7 +43,30 @@ from rattle.registry import Field, kind
 
 @kernel("joint")
 def cam(body, a, b, p, k, row, rows):
-    """Write the row of the cam [m]; p[k + 4] = radius, a function of the angle in A's frame [m]."""
+    """Write the row of the cam [m]; p[k + 4] = radius, a function of the angle in A's frame [m], p[k + 5] = roller."""
+    if assume(p[k + ROLLER] == 0.0):
+        on_path(body, a, b, p, k, row, rows)
+    else:
+        on_surface(body, a, b, p, k, row, rows)
+
+
+@compiled
+def on_surface(body, a, b, p, k, row, rows):
+    """Write the row of a roller on the surface of the cam."""
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
+    wa, wb = body[a, at.W], body[b, at.W]
+    distance, nx, ny, _, rest = roller_at(body, a, p, k + 4, dx, dy, ddx, ddy)
+
+    rows[row, at.RES] = distance - p[k + ROLLER]
+    rows[row, at.NU] = 0.0
+    rows[row, at.GAMMA] = nx * (sbx * wb * wb - sax * wa * wa) + ny * (sby * wb * wb - say * wa * wa) - rest
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -nx, -ny, nx * (say + dy) - ny * (sax + dx)
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = nx, ny, ny * sbx - nx * sby
+
+
+@compiled
+def on_path(body, a, b, p, k, row, rows):
+    """Write the row of a point on its path."""
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     wa, wb = body[a, at.W], body[b, at.W]
     cos, sin = body[a, at.COS], body[a, at.SIN]
@@ -63,7 +96,7 @@ def cam(body, a, b, p, k, row, rows):
 
 @kind("joint", "cam", cam)
 class Cam(JointKind):
-    """A point of B on a curve of A, as of a roller on a cam or a bead on a wire; with `contact` it may lift outwards.
+    """A roller of B on a cam of A, or a point on a curve, as a bead on a wire; with `contact` it may lift outwards.
 
     Source: Norton, Cam Design and Manufacturing Handbook (2009), ch. 7; Nikravesh, Planar Multibody Dynamics (2018).
     """
@@ -75,15 +108,19 @@ class Cam(JointKind):
         "m", "distance of the curve from the point of A; a from -180 to 180 deg in A's frame", function_of="a",
         least="positive",
     )  # fmt: skip
+    roller = Field(
+        "m", "radius of a roller about B's point, that rolls on the curve; default: the point is on it", default=0.0,
+        least="not negative",
+    )  # fmt: skip
 
     @staticmethod
     def distance(fields: Mapping[str, Any]) -> float:
-        """The mean radius [m], as a first guess."""
-        return float(around(fields["radius"])[1][0].mean())
+        """The mean radius [m], with that of the roller, as a first guess."""
+        return float(around(fields["radius"])[1][0].mean()) + float(fields["roller"])
 
     @staticmethod
     def fault(fields: Mapping[str, Any]) -> str:
-        """The radius has to be positive wherever it is known."""
+        """The radius has to be positive wherever it is known, and the roller has to reach the curve everywhere."""
         a, jets = around(fields["radius"])
         if not len(a):
             return (
@@ -95,7 +132,7 @@ class Cam(JointKind):
                 f"radius: must be positive at every angle; it is {jets[0, k]:.4g} m at a = {degrees(a[k])}."
                 " Put the centre, the first point of `connect`, inside the curve"
             )
-        return ""
+        return RollerPath(fields["radius"], fields["roller"]).fault() if fields["roller"] > 0.0 else ""
 
     @staticmethod
     def doubt(fields: Mapping[str, Any]) -> str:

@@ -9,6 +9,8 @@ n   = -(s G + Phi s_d),  s_d = s^3 u (u e - f'' p/l)/l                          
 gamma = -(s gamma_Phi) + 2 s' Phi'                                                       [m/s^2], where they touch
 
 gamma_Phi: of the row of the joint.  s' = s_d . r, r: velocity of the point of B relative to the material of A there.
+
+With a roller g = D - r, n = -(slope of D), and gamma is that of the row with the other sign, exact everywhere.
 """
 
 from __future__ import annotations
@@ -21,8 +23,10 @@ import numpy as np
 
 from rattle.elements.one_sided import OneSidedKind
 from rattle.elements.profile import around
+from rattle.elements.roller_path import RollerPath
+from rattle.elements.rolling import ROLLER, roller_at
 from rattle.jit import layout as at
-from rattle.jit.functions import kernel
+from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import ends
 from rattle.language.local_jet import function_jet
 from rattle.registry import kind
@@ -30,7 +34,31 @@ from rattle.registry import kind
 
 @kernel("clearance")
 def on_curve(body, a, b, p, k, corner, row, kinematics):
-    """Write gap [m], its rate [m/s], normal, arms [m] and gamma [m/s^2] of the point into its row."""
+    """Write gap [m], its rate [m/s], normal, arms [m] and gamma [m/s^2] of the point or roller into its row."""
+    if p[k + ROLLER] > 0.0:
+        roller_above(body, a, b, p, k, row, kinematics)
+    else:
+        point_above(body, a, b, p, k, row, kinematics)
+
+
+@compiled
+def roller_above(body, a, b, p, k, row, kinematics):
+    """The row of a roller."""
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
+    wa, wb = body[a, at.W], body[b, at.W]
+    distance, nx, ny, rate, rest = roller_at(body, a, p, k + 4, dx, dy, ddx, ddy)
+
+    kinematics[row, at.GAP] = distance - p[k + ROLLER]
+    kinematics[row, at.DGAP] = rate
+    kinematics[row, at.NX], kinematics[row, at.NY] = -nx, -ny
+    kinematics[row, at.PAX], kinematics[row, at.PAY] = sax + dx, say + dy
+    kinematics[row, at.PBX], kinematics[row, at.PBY] = sbx, sby
+    kinematics[row, at.GAMMA_N] = nx * (sax * wa * wa - sbx * wb * wb) + ny * (say * wa * wa - sby * wb * wb) + rest
+
+
+@compiled
+def point_above(body, a, b, p, k, row, kinematics):
+    """The row of a point."""
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     wa, wb = body[a, at.W], body[b, at.W]
     cos, sin = body[a, at.COS], body[a, at.SIN]
@@ -81,6 +109,9 @@ class OnCurve(OneSidedKind):
     @staticmethod
     def bends(fields: Mapping[str, Any], constants: Any) -> tuple[float, float, float]:
         """Twice the largest curvature [1/m] of the distance from the curve and of its scale, around the curve."""
+        if fields["roller"] > 0.0:
+            curvature = RollerPath(fields["radius"], fields["roller"]).curvature
+            return 0.0, 0.0, float(2.0 * np.abs(curvature / (1.0 + curvature * fields["roller"])).max())
         f, df, ddf = around(fields["radius"])[1]
         u, v = df / f, ddf / f
         return 0.0, 0.0, float((2.0 * (1.0 + 3.0 * u * u + np.abs(v)) * (1.0 + np.abs(u)) / f).max())

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 EVERY = 12  # of the points of an outline, those that a picture is made large enough for
+TURN = np.linspace(0.0, 2.0 * np.pi, 49)  # directions in which a roller is drawn
 MORE = 0.1  # of a face beyond where it touches, as a share of the largest reach of the outline
 
 
@@ -38,8 +39,13 @@ def draw_outline(ax: Axes, scene: Scene, part: Part) -> list[Update]:
 
 @drawing("cam", reach=around, name_at=1.0)
 def cam(ax: Axes, scene: Scene, part: Part) -> list[Update]:
-    """Draw one cam, with the point that follows it as a small roller."""
-    return [*draw_outline(ax, scene, part), draw_dot(ax, scene.ends(part.form)[1], markersize=6)]
+    """Draw one cam, with the roller that follows it, to scale, or with a dot for a point."""
+    form = part.form
+    updates = draw_outline(ax, scene, part)
+    if (radius := form["fields"]["roller"]) > 0.0:
+        around_it = radius * np.array([np.cos(TURN), np.sin(TURN)]).T + np.array(form["points"][1])
+        updates.append(draw_strokes(ax, scene, form["bodies"][1], around_it))
+    return [*updates, draw_dot(ax, scene.ends(form)[1], markersize=3 if radius > 0.0 else 6)]
 
 
 @drawing("flat-follower", reach=around, name_at=1.0)
