@@ -36,7 +36,7 @@ def test_these_examples_are_shipped():
         "balanced_arm", "bouncing_pin", "crank_rocker_play", "ellipse", "fourbar_onesided", "guide_play",
         "path_generator", "scotch_yoke", "three_plays", "toggle_clamp", "woodpecker", "dc_motor_pid", "excavator",
         "torque_converter", "torque_converter_epicyclic", "planetary", "rolling_cart", "jansen_leg", "double_wishbone",
-        "geneva", "scissor_lift", "door_closer", "ratchet",
+        "geneva", "scissor_lift", "door_closer", "ratchet", "piston_engine",
     }  # fmt: skip
 
 
@@ -55,7 +55,8 @@ def test_the_comment_on_top_gives_commands_and_names_that_exist(name):
     text = rt.examples()[name].read_text(encoding="utf-8")
     head = text[: text.index("format = 1")]
     assert all(line.startswith("#") or not line for line in head.splitlines())
-    assert all(word in head for word in ("Look at", "Try", "Source", f"rattle example {name} > {name}.toml"))
+    assert all(word in head for word in ("Look at", "Try", "Source"))
+    assert f"rattle example {name} {'-o' if 'file = ' in text else '>'} {name}.toml" in head
     mechanism = rt.example(name)
     for line in re.findall(r"rattle run .*", head):
         words = shlex.split(re.split(r"\s{2,}", line)[0])

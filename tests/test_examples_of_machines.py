@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 import rattle as rt
@@ -159,3 +160,37 @@ def test_ratchet_lifts_its_load_by_whole_teeth_and_loses_the_energy_of_its_impac
     assert [one.normal_speed for one in hits] == pytest.approx(3 * speeds, rel=1e-7)
     inertia = 0.01 + 100 * 0.04**2
     assert r["energy.dissipated"][-1] == pytest.approx(3 * inertia * (speeds[0] ** 2 + speeds[1] ** 2) / 2, rel=1e-6)
+
+
+# ---------------------------------------------------------------- engine
+def test_engine_gains_the_area_of_its_indicator_diagram():
+    """J(phi) w^2/2 + heights = start + integral of (p - p_0) dV - moment of the brake times angle, at every output."""
+    r = rt.example("piston_engine").simulate(0.09, rtol=1e-11)
+    table = np.loadtxt(rt.examples()["piston_engine"].parent / "indicator.csv", delimiter=",", skiprows=3)
+    cycles = np.radians(table[:, 0] + [[-720], [0], [720]]).ravel(), np.tile(table[:, 1] * 1e5, 3)
+    pressure = PchipInterpolator(*cycles)
+    radius, rod, area = 0.045, 0.15, math.pi / 4 * 0.08**2
+
+    def lever(phi):  # change of the way of the piston by the angle
+        return radius * np.sin(phi) * (1 + radius * np.cos(phi) / np.sqrt(rod**2 - (radius * np.sin(phi)) ** 2))
+
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    fine = np.linspace(0.0, 4 * np.pi, 577)  # parts of a table's interval
+    points = fine[:-1, None] + (nodes + 1) / 2 * np.diff(fine)[:, None]
+    pieces = (pressure(points) * area * lever(points)) @ weights / 2 * np.diff(fine)
+    assert pieces.sum() == pytest.approx(421, abs=0.5)  # what the comment in the file says
+    assert pieces.sum() / (4 * np.pi) == pytest.approx(33.48, abs=0.01)  # the brake
+
+    phi = r["crank.angle"] - np.pi / 2
+    cuts = np.unique(np.append(phi, cycles[0][(cycles[0] > phi[0]) & (cycles[0] < phi[-1])]))  # outputs and points
+    inside = cuts[:-1, None] + (nodes + 1) / 2 * np.diff(cuts)[:, None]
+    gained = np.cumsum((((pressure(inside) - 1e5) * area * lever(inside)) @ weights / 2 - 33.48) * np.diff(cuts))
+    gained = gained[np.searchsorted(cuts, phi[1:]) - 1]
+    energy = sum(
+        mass * (r[f"{name}.vx"] ** 2 + r[f"{name}.vy"] ** 2) / 2
+        + inertia * r[f"{name}.omega"] ** 2 / 2
+        + mass * G * r[f"{name}.y"]
+        for name, mass, inertia in (("crank", 15, 0.3), ("rod", 0.5, 0.5 * rod**2 / 12), ("piston", 0.4, 0))
+    )
+    assert phi[-1] - phi[0] > 4 * np.pi
+    assert energy[1:] - energy[0] == pytest.approx(gained, abs=1e-7)

@@ -60,7 +60,22 @@ def test_example_lists_every_shipped_model_with_its_title():
 def test_example_prints_the_file_as_it_is(name):
     done = run("example", name)
     assert done.exit_code == 0
-    assert done.stdout == rt.examples()[name].read_text(encoding="utf-8")
+    text = rt.examples()[name].read_text(encoding="utf-8")
+    assert (done.stdout == text) == ("file = " not in text)
+    assert rt.loads(done.stdout).name == rt.example(name).name  # complete, wherever it is
+
+
+@nojit
+@pytest.mark.plain
+def test_example_writes_a_model_file_with_its_tables_beside_it(tmp_path):
+    done = run("example", "piston_engine", "-o", tmp_path / "engine.toml")
+    assert done.exit_code == 0
+    assert done.stdout.split() == [str(tmp_path / "engine.toml"), str(tmp_path / "indicator.csv")]
+    shipped = rt.examples()["piston_engine"]
+    assert (tmp_path / "engine.toml").read_text(encoding="utf-8") == shipped.read_text(encoding="utf-8")
+    assert rt.load(tmp_path / "engine.toml").to_toml() == rt.example("piston_engine").to_toml()
+    refused("example", "-o", tmp_path / "all.toml", saying="-o needs the name of an example")
+    refused("example", "piston_engine", "-o", tmp_path / "no" / "a.toml", saying="create it first")
 
 
 @nojit

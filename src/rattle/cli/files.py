@@ -15,16 +15,22 @@ from rattle.cli.output import check_files, say_written
 
 @click.command()
 @click.argument("name", required=False)
-def example(name: str | None) -> None:
+@click.option("-o", "--output", metavar="FILE", help="Model file to write; tables that it reads come beside it.")
+def example(name: str | None, output: str | None) -> None:
     """List the shipped examples, or print one as a model file.
 
+    Where the model reads tables from files, what is printed has their numbers in it.
+
     \b
-    Example:  rattle example fourbar > fourbar.toml
+    Examples:  rattle example fourbar > fourbar.toml
+               rattle example piston_engine -o engine.toml
     """
     from rattle.description.file import parse
-    from rattle.loading import examples
+    from rattle.loading import examples, load
 
     known = examples()
+    if name is None and output is not None:
+        raise click.UsageError("-o needs the name of an example; `rattle example` lists them")
     if name is None:
         width = max(len(one) for one in known)
         for one, path in known.items():
@@ -35,7 +41,23 @@ def example(name: str | None) -> None:
         from rattle.errors import suggest
 
         raise click.UsageError(f"no example '{name}'{suggest(name, known)}")
-    click.echo(known[name].read_text(encoding="utf-8"), nl=False)
+    text = known[name].read_text(encoding="utf-8")
+    tables = [one["file"] for one in parse(text).get("tables", {}).values() if "file" in one]
+    if output is None:
+        click.echo(load(known[name]).to_toml() if tables else text, nl=False)
+    else:
+        _write_example(known[name], output, tables)
+
+
+def _write_example(path: Path, output: str, tables: list[str]) -> None:
+    """A shipped model file, and beside it the files of its tables."""
+    from rattle.description.file import save
+
+    targets = {path: Path(output), **{path.parent / one: Path(output).parent / one for one in tables}}
+    check_files(str(path), *targets.values())
+    for source, target in targets.items():
+        save(target, source.read_text(encoding="utf-8"))
+        say_written(target)
 
 
 @click.command()

@@ -34,6 +34,7 @@ QUANTITY = {
     "rad": "angle",
     "N": "force",
     "N*m": "moment",
+    "Pa": "pressure",
     "m/s": "speed",
     "rad/s": "angular rate",
     "m/s^2": "acceleration",
