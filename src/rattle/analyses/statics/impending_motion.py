@@ -56,14 +56,19 @@ def normal_forces(one: Rubbing, multiplier: np.ndarray) -> tuple[np.ndarray, np.
     return N, np.where(pin[:, None], unit, slope)
 
 
-def limit(one: Rubbing) -> Limit:
-    """The friction of every joint where motion in this sense is impending, under the loads there are."""
+def limit(one: Rubbing, far: bool = True) -> Limit:
+    """The friction of every joint where motion in this sense is impending, under the loads there are.
+
+    far: also find where it would jam with more friction; if not, `jams_at` is inf unless it jams.
+    """
     N, _ = normal_forces(one, one.still)
     if not (one.mu * N > one.mu * one.rounding).any():  # nothing presses but the load that is sought
         alone = jams_at(one)
         return Limit(np.full(len(one.mu), math.inf if alone <= 1.0 else 0.0), alone)
     x, turned = _follow(one, 1.0)
-    return Limit(np.full(len(one.mu), math.inf), turned) if turned <= 1.0 else Limit(x, jams_at(one))
+    if turned <= 1.0:
+        return Limit(np.full(len(one.mu), math.inf), turned)
+    return Limit(x, jams_at(one) if far else math.inf)
 
 
 def jams_at(one: Rubbing) -> float:
