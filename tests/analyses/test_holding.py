@@ -321,3 +321,32 @@ def test_the_words_say_whether_it_rests_holds_itself_or_jams():
     steep = str(rt.loads(ramp(1.0, "friction = 0.7")).holds("push"))
     assert "rests for push from 4.02413 N on" in steep
     assert "jams: however large push is, it does not move (from 0.9173 times this friction on)" in steep
+
+
+def test_friction_holds_a_block_on_a_spring_and_a_pendulum_in_a_band_of_positions():
+    spring = '[loads.spring]\ntype = "spring"\nconnect = ["ground.O", "block.C"]\nstiffness = 10\nfree_length = 0\n'
+    m = rt.loads(ramp(0.0, "friction = 0.1", force="[2, 0]", more=spring))
+    band = m.dead_band(at=m.equilibrium()[0])
+    assert np.allclose(band["block.x"], [0.2 - 0.01 * G, 0.2 + 0.01 * G], rtol=1e-12)
+    assert str(band) == "friction holds it from guide.position 0.1019 m to 0.2981 m"
+    with pytest.raises(ValueError, match="does not hold it at this position"):
+        m.dead_band()
+    bar = rt.loads(
+        f'format = 1\ngravity = [0, {-G}]\n[ground.points]\nO = [0, 0]\n[bodies.bar]\nbar = ["A", "B"]\nlength = 1\n'
+        'mass = 1\n[joints.pin]\ntype = "revolute"\nconnect = ["ground.O", "bar.A"]\n'
+        'friction = { model = "coulomb", mu = 0.5, pin_radius = "50 mm" }\n[initial]\nbar = { angle = "-90 deg" }'
+    )
+    lean = np.arcsin(0.5 * 0.05 / 0.5)  # its weight touches the circle of friction
+    for E, middle in zip(bar.equilibrium(), (-pi / 2, pi / 2), strict=True):
+        assert np.allclose(bar.dead_band(at=E)["bar.angle"], [middle - lean, middle + lean], rtol=1e-12)
+
+
+def test_at_the_ends_of_the_band_of_a_fourbar_its_free_bodies_are_about_to_move():
+    band = rt.loads(fourbar(0.3).replace("torque = 1", "torque = -18")).dead_band()
+    for one, sense in ((band.first, -1.0), (band.last, 1.0)):
+        assert abs(pins_by_hand(dict(zip(LINKS, one.q[2::3], strict=True)), 0.3, sense) + 18) < 1e-7
+
+
+def test_where_friction_holds_all_around_there_is_no_end():
+    level = rt.loads(lever(0.3).replace("[0, -60]", "[0, -3]").replace("[0, -1]", "[0, -1.01]"))
+    assert str(level.dead_band()) == "friction holds it in every position of its motion"  # M < mu R (3 + 1.01)

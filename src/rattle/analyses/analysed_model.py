@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rattle.analyses.accuracy.clearance_error import Accuracy
     from rattle.analyses.assembly.assembly import Assembled
     from rattle.analyses.check import Check
+    from rattle.analyses.statics.dead_band import DeadBand
     from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
     from rattle.analyses.statics.holding_range import HoldingRange
     from rattle.analyses.statics.modes import Modes
@@ -195,6 +196,22 @@ class AnalysedModel(WrittenModel):
         from rattle.analyses.statics.holding import holding_range
 
         return holding_range(self.system, load, arguments.number("t", seconds(t, "t")), at)
+
+    def dead_band(self, t: Seconds = 0.0, *, at: Equilibrium | None = None) -> DeadBand:
+        """The positions at which friction in the joints holds the mechanism under its loads, `band["door.angle"]`.
+
+        They are those around the start, or, at=E[0], around an equilibrium; one degree of freedom has to be left, as
+        for `holds`.  t: time of the drivers [s].  The motion is followed in steps of a thirty-second of the size of the
+        mechanism; where it would not rest for less than that, nothing is noticed.
+
+        `band["door.angle"]`: both ends [SI], of any position of a result.  str(band) says it in words.
+        Raises ModelError, AssemblyError, ValueError if friction does not hold it there.
+
+        Source: docs/contact.md.
+        """
+        from rattle.analyses.statics.dead_band import dead_band
+
+        return dead_band(self.system, arguments.number("t", seconds(t, "t")), at)
 
     def sensitivity(
         self, outputs: Sequence[str], parameters: Sequence[str],

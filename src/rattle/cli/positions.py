@@ -33,6 +33,16 @@ def listed(m: Mechanism, found: Equilibria) -> None:
         click.echo(f"{len(found)} equilibri{'a' if len(found) > 1 else 'um'}: {found.extent}")
     if found:
         click.echo(_position(m, found[0]))
+    if found and found.rubbing:
+        click.echo(_held(m, found[0]))
+
+
+def _held(m: Mechanism, one: Equilibrium) -> str:
+    """Between which positions friction holds it around an equilibrium, or why that is not known."""
+    try:
+        return f"  {m.dead_band(at=one)}"
+    except ValueError as error:
+        return f"  no positions that friction holds around it: {error}"
 
 
 def _angles(one: Equilibrium) -> str:

@@ -171,10 +171,10 @@ class Equilibria(list[Equilibrium]):
             )  # fmt: skip
             lacking += f"{'; ' if lacking else ''}{self.left_out}: {hint}"
         if self.rubbing:
-            also = "the mechanism also rests beside these positions" if self else "with it the mechanism may rest"
+            where = "beside these positions" if self else "where it is"
             lacking += (
-                f"{'; ' if lacking else ''}friction in {self.rubbing} is left out: {also}, under the loads that"
-                " m.holds(LOAD) gives, or --holds LOAD"
+                f"{'; ' if lacking else ''}friction in {self.rubbing} is left out: with it the mechanism may also rest"
+                f" {where} (dead_band), and under other loads (holds, --holds LOAD)"
             )
         if not self.stopped:
             return lacking
