@@ -350,3 +350,45 @@ def test_at_the_ends_of_the_band_of_a_fourbar_its_free_bodies_are_about_to_move(
 def test_where_friction_holds_all_around_there_is_no_end():
     level = rt.loads(lever(0.3).replace("[0, -60]", "[0, -3]").replace("[0, -1]", "[0, -1.01]"))
     assert str(level.dead_band()) == "friction holds it in every position of its motion"  # M < mu R (3 + 1.01)
+
+
+def test_a_joint_that_does_not_turn_at_this_instant_rubs_the_way_that_holds_most():
+    slider = """
+format = 1
+gravity = [0, 0]
+[ground.points]
+O = [0, 0]
+[bodies]
+crank = { bar = ["A", "B"], length = 0.1, mass = 1 }
+rod = { bar = ["A", "B"], length = 0.3, mass = 1 }
+piston = { points = { P = [0, 0] }, mass = 1, inertia = 1 }
+[joints]
+o = { type = "revolute", connect = ["ground.O", "crank.A"] }
+p = { type = "revolute", connect = ["crank.B", "rod.A"] }
+q = { type = "revolute", connect = ["rod.B", "piston.P"], friction = { mu = 0.2, pin_radius = "30 mm" } }
+g = { type = "prismatic", connect = ["ground.O", "piston.P"], friction = 0.2 }
+[loads.gas]
+type = "force"
+at = "piston.P"
+force = [-100, 0]
+[loads.motor]
+type = "torque"
+body = "crank"
+torque = 1
+[initial]
+crank = { angle = "90 deg" }
+"""
+    held = rt.loads(slider).holds("motor")
+    c, s = np.sqrt(8) / 3, 1 / 3  # of the rod, which moves in parallel: the moment of pin q presses the guide
+    ends = []
+    for sense in (-1.0, 1.0):
+
+        def unbalanced(x, sense=sense, way=1.0):
+            along, across = x  # force of the rod on the piston
+            tilt = 0.2 * 0.03 * hypot(along, across) * way
+            return [along * c - across * s - 100 - sense * 0.2 * abs(along * s + across * c), across * 0.3 - tilt]
+
+        forces = [fsolve(unbalanced, [100.0, 0.0], args=(sense, way), xtol=1e-11) for way in (-1.0, 1.0)]
+        torques = [-0.1 * (f[0] * c - f[1] * s) for f in forces]
+        ends.append(max(torques, key=abs) if sense > 0 else min(torques, key=abs))
+    assert np.allclose([held.low, held.high], sorted(ends), rtol=1e-9)

@@ -25,6 +25,7 @@ from rattle.errors import ModelError, Problem
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
+STILL = 1e-9  # share of the whole motion below which a joint does not move in it
 MOST_STILL = 6  # joints with friction that do not move in the motion, whose friction is tried both ways
 
 
@@ -41,6 +42,7 @@ class Sought(NamedTuple):
 class Motion(NamedTuple):
     """The one motion, and what it takes to know all reactions."""
 
+    scale: np.ndarray  # (3 nb,) 1, and 1 / size of the mechanism for angles [-, -, 1/m]
     z: np.ndarray  # (3 nb,) rates [m/s, m/s, rad/s] when the load moves at 1
     force: np.ndarray  # (3 nb,) all loads but the one sought [N, N m]
     direction: np.ndarray  # (3 nb,) of the load sought
@@ -123,7 +125,7 @@ def one_motion(system: System, workspace: Workspace, sought: Sought | None) -> M
     force = workspace.force[1:].ravel() - (0.0 if sought.row >= 0 else sought.value * sought.direction)
     held = [n for n in range(len(system.dry_joints)) if system.arrays["dry"][n, at.DRY_LAW] < 0]
     return Motion(
-        z / worth, force, sought.direction, inverse, _coordinates(system, workspace)[held],
+        scale, z / worth, force, sought.direction, inverse, _coordinates(system, workspace)[held],
         system.arrays["dry"][held, at.DRY_ROW],
     )  # fmt: skip
 
@@ -176,7 +178,8 @@ def impending(system: System, workspace: Workspace, motion: Motion, sense: float
     arm = values[p + at.DRY_ARM]
     reach = np.where(dry[:, at.DRY_FORM] == at.DRY_PIN, math.nan, values[p + at.DRY_REACH])
     rate = motion.coordinate @ motion.z
-    still = np.flatnonzero(np.abs(rate) <= 1e-9 * np.abs(motion.coordinate) @ np.abs(motion.z))
+    largest = float(np.linalg.norm(motion.z / motion.scale)) * np.linalg.norm(motion.coordinate * motion.scale, axis=1)
+    still = np.flatnonzero(np.abs(rate) <= STILL * largest)
     rate[still] = 0.0
     rows = np.stack([motion.row, motion.row + 1], axis=1)
     others, alone = motion.inverse @ motion.force, motion.free * (motion.inverse @ motion.direction)
