@@ -36,7 +36,8 @@ def test_these_examples_are_shipped():
         "balanced_arm", "bouncing_pin", "crank_rocker_play", "ellipse", "fourbar_onesided", "guide_play",
         "path_generator", "scotch_yoke", "three_plays", "toggle_clamp", "woodpecker", "dc_motor_pid", "excavator",
         "torque_converter", "torque_converter_epicyclic", "planetary", "rolling_cart", "jansen_leg", "double_wishbone",
-        "geneva", "scissor_lift", "door_closer", "ratchet", "piston_engine",
+        "geneva", "scissor_lift", "door_closer", "ratchet", "piston_engine", "stick_slip",
+        "drawer",
     }  # fmt: skip
 
 

@@ -194,3 +194,43 @@ def test_engine_gains_the_area_of_its_indicator_diagram():
     )
     assert phi[-1] - phi[0] > 4 * np.pi
     assert energy[1:] - energy[0] == pytest.approx(gained, abs=1e-7)
+
+
+# ---------------------------------------------------------------- friction
+def test_block_on_a_belt_sticks_and_slips_in_the_times_of_its_closed_form():
+    """It starts to slip D = (mu_s - mu) m g/k beyond the balance of kinetic friction, at the speed of the belt.
+
+    x - x_0 = D cos(w t) + (v/w) sin(w t) has the speed v again where tan(w t/2) = -w D/v, at -D.
+    """
+    k, v, beyond = 10.0, 0.1, (0.2 - 0.15) * G / 10.0
+    w = math.sqrt(k)
+    stick, slip = 2 * beyond / v, 2 / w * (math.pi - math.atan(w * beyond / v))
+    r = rt.example("stick_slip").simulate(rtol=1e-11, atol=1e-13)
+    at = {kind: [one.t for one in r.events if one.kind == kind and one.t > 0.1] for kind in ("stick", "slip")}
+    assert np.diff(at["slip"]) == pytest.approx([stick + slip] * 3, abs=1e-9)  # 2.3366 s
+    assert [b - a for a, b in zip(at["slip"][:-1], at["stick"][1:], strict=True)] == pytest.approx([slip] * 3, abs=1e-9)
+    sticking = r["dry.friction"][(r.t > at["stick"][1]) & (r.t < at["slip"][1])]
+    assert sticking == pytest.approx(k * (r["block.x"] - 0.8)[(r.t > at["stick"][1]) & (r.t < at["slip"][1])], abs=1e-9)
+    assert r["block.x"].max() == pytest.approx(0.8 + 0.15 * G / k + math.hypot(beyond, v / w), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("mu", "e", "moves"), [(0.5, 0.3, True), (0.66, 0.3, True), (0.68, 0.3, False), (0.68, 0.2, True)]
+)
+def test_drawer_moves_with_what_its_corners_leave_of_the_pull_or_jams(mu, e, moves):
+    r = rt.example("drawer").set(mu=mu, e=e).simulate(1.0, t_eval=[0.0, 0.8, 1.0])
+    tilt = brentq(lambda b: 0.2 * math.sin(b) + 0.015 * math.cos(b) - 0.016, 0.0, 0.1, xtol=1e-15)
+    assert r["drawer.angle"][1:] == pytest.approx([tilt] * 2, abs=1e-12)
+    # moments about the middle; both corners rub at the same distance from it, against each other
+    arms = e * math.cos(tilt) - 0.22 * math.sin(tilt), 2 * (0.2 * math.cos(tilt) - 0.015 * math.sin(tilt))
+    pressed = 20 * arms[0] / arms[1]
+    left = 20 - 2 * mu * pressed
+    assert (left > 0) == moves
+    if moves:
+        assert r["drawer.ax"][1:] == pytest.approx([left / 8] * 2, rel=1e-9)
+        assert left / 8 == pytest.approx(20 / 8 * (1 - mu * e / 0.2), abs=0.015)  # without the tilt
+    else:
+        assert r["drawer.vx"][1:] == pytest.approx([0.0, 0.0], abs=1e-12)
+        assert rt.example("drawer").set(mu=mu, P=200).simulate(0.5, t_eval=[0.0, 0.5])["drawer.vx"][1] == pytest.approx(
+            0.0, abs=1e-12
+        )

@@ -21,6 +21,7 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
     "door_closer": ("Speed at which the door meets its frame", lambda r: (r.events[0].normal_speed, "rad/s")),
     "door_hinge": ("Total rotation of the hatch", lambda r: (np.ptp(r["hatch.angle"]), "rad")),
     "double_pendulum": ("Largest energy that nothing accounts for", lambda r: (r.trust.energy_balance, "J")),
+    "drawer": ("Acceleration at the end", lambda r: (r["drawer.ax"][-1], "m/s^2")),
     "fourbar": ("Normal force at O4 at the start", lambda r: (r["O4.normal"][0], "N")),
     "geneva": ("Largest speed of the wheel", lambda r: (np.abs(r["wheel.omega"]).max(), "rad/s")),
     "guide_play": ("Turns of the crank in 0.2 s", lambda r: (r["crank.angle"][-1] / (2 * np.pi), "")),
@@ -28,6 +29,10 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
     "ratchet": ("Lift in three swings", lambda r: (r["load.y"][-1] - r["load.y"][0], "m")),
     "scissor_lift": ("Force of the cylinder at the start", lambda r: (r["cylinder.force"][0], "N")),
     "squeezer": ("Turns of the motor in 30 ms", lambda r: (r["k1.angle"][-1] / (2 * np.pi), "")),
+    "stick_slip": (
+        "Time from one slip to the next",
+        lambda r: (np.diff([one.t for one in r.events if one.kind == "slip"])[-1], "s"),
+    ),
     "toggle": ("Force at the jaw at the end", lambda r: (r["grip"][-1], "N")),
     "torque_converter": (
         "Speed of the shaft after ten turns of the crank",

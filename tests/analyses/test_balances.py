@@ -81,6 +81,8 @@ def test_reactions_do_no_work(runs, name):
         power = (force * (speeds[0] - speeds[1])).sum(axis=0)
         moment = r[f"{joint}.moment"] if f"{joint}.moment" in r else np.zeros(len(r.t))
         power = power + moment * (omega_of(r, b) - omega_of(r, a))
+        if f"{joint}.friction" in r:  # that does work
+            power = power - r[f"{joint}.friction"] * r[f"{joint}.rate"]
         fast = max(np.abs(one).max() for one in speeds) + 1e-3
         assert np.abs(power).max() <= 1e-9 * (np.abs(force).max() + np.abs(moment).max()) * fast, joint
 
@@ -112,6 +114,11 @@ def test_forces_explain_the_motion_of_every_body_without_loads(runs, name):
             for motor, driver in model.drivers.items():
                 if driver.joint == joint and f"{motor}.torque" in r:
                     torque = torque + sign * r[f"{motor}.torque"]
+                if driver.joint == joint and f"{motor}.force" in r:  # along the line of a guide, through B's point
+                    line = form["axis"] + (0.0 if form["bodies"][0] == "ground" else r[f"{form['bodies'][0]}.angle"])
+                    fx, fy = sign * r[f"{motor}.force"] * np.cos(line), sign * r[f"{motor}.force"] * np.sin(line)
+                    force[0], force[1] = force[0] + fx, force[1] + fy
+                    torque = torque + (at[0] - r[f"{body}.x"]) * fy - (at[1] - r[f"{body}.y"]) * fx
         scale = 1e-9 * (1 + max(np.abs(part).max() for part in force))
         assert one.mass * r[f"{body}.ax"] == pytest.approx(force[0], abs=scale)
         assert one.mass * r[f"{body}.ay"] == pytest.approx(force[1], abs=scale)
