@@ -2,9 +2,9 @@
 
 Where the stages show that a force may exceed its largest value so far the maximum is searched on the dense output, with
 every state projected onto the joints like an output.  With closed set-valued contacts the search for events samples
-each step at eight evenly spaced points: a peak is then that of the polynomial through them.  A step that an event ends
-is integrated at three Gauss points of its dense output, and one in which f changes faster than the motion in pieces,
-halved until they resolve it.
+each step at eight evenly spaced points: a peak is then that of the polynomial through them, unless that is in doubt, as
+where a force jumps.  A step that an event ends is integrated at three Gauss points of its dense output, and one in
+which f changes faster than the motion in pieces, halved until they resolve it.
 """
 
 from __future__ import annotations
@@ -44,6 +44,7 @@ from rattle.solvers.projection import project_on_constraints
 
 FINE = 1e-8  # share of a peak by which the last iteration of a search may exceed the one before
 TRIES = 8
+UNSURE = 0.1  # share of the height of a crest above its sample by which a polynomial may be wrong
 SHORTEST = 1.0 / 1024.0  # share of a step that is not halved again
 BARYCENTRIC = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0])  # of nine evenly spaced samples
 
@@ -78,17 +79,15 @@ def crest(samples, low, top, high):
     return top, best
 
 
-@native("void", "h", "f", "f")
-def crest_all(m, t, h):
-    """New peaks of a step whose samples are those of LOOKS, without computing further states."""
-    peaks = m.peaks
-    for n in range(peaks.shape[0]):
-        for i in range(COUNT[LOOKS]):
-            if rises(peaks[n], LOOKS, i):
-                low, high = SHARES[LOOKS, max(i - 1, 0)], SHARES[LOOKS, min(i + 1, COUNT[LOOKS] - 1)]
-                top, best = crest(peaks[n], low, SHARES[LOOKS, i], high)
-                if higher(best, peaks[n, BEST]):
-                    peaks[n, BEST], peaks[n, WHEN] = best, t + top * h
+@compiled
+def doubt_at(samples, x):
+    """How much that polynomial differs at the share x from the one without the end of the step that is nearer to x."""
+    difference, product = 0.0, 1.0 / 40320.0
+    for k in range(BARYCENTRIC.shape[0]):
+        difference += BARYCENTRIC[k] * samples[SAMPLE + LOOK[k]]
+        product *= abs(8.0 * x - k)
+    nearer = min(8.0 * x, 8.0 - 8.0 * x)
+    return abs(difference) * product / nearer if nearer > 0.0 else 0.0
 
 
 @compiled
@@ -137,6 +136,29 @@ def climb(m, t, h, n, low, top, high, height):
         else:
             b, fb = x, f
     return TRIES + 3
+
+
+@native("i", "h", "f", "f", "f")
+def crest_all(m, t, h, until):
+    """New peaks of the part up to the share `until` of a step; the samples of LOOKS belong to it.
+
+    Their polynomial has them, without further states, except where it is in doubt, as where a force jumps within the
+    step: there states are computed.  Returns their number.
+    """
+    peaks, solved = m.peaks, 0
+    for n in range(peaks.shape[0]):
+        for i in range(COUNT[LOOKS]):
+            if not rises(peaks[n], LOOKS, i):
+                continue
+            low, high = SHARES[LOOKS, max(i - 1, 0)], SHARES[LOOKS, min(i + 1, COUNT[LOOKS] - 1)]
+            top, best = crest(peaks[n], low, SHARES[LOOKS, i], high)
+            sample = peaks[n, SAMPLE + LOOK[i]]
+            if doubt_at(peaks[n], top) > max(UNSURE * (best - sample), FINE * abs(best)):
+                x, height = summit(peaks[n], LOOKS, i)
+                solved += climb(m, t, h, n, until * low, until * x, until * high, 3.0 * height)
+            elif higher(best, peaks[n, BEST]):
+                peaks[n, BEST], peaks[n, WHEN] = best, t + top * until * h
+    return solved
 
 
 @native("i", "h", "f", "f", "f", "f", "i")
@@ -206,7 +228,7 @@ def end_step(m, t, h, until, layout, dense):
             for n in range(peaks.shape[0]):
                 peaks[n, SAMPLE + ORDER[RK4, 1]] = peaks[n, SAMPLE + PROBE]
     if layout == LOOKS:
-        crest_all(m, t, h)
+        solved += crest_all(m, t, h, 1.0)
     elif dense and sound:
         solved += climb_all(m, t, h, 0.0, 1.0, layout)
     pass_end_on(m)

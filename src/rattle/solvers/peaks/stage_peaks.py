@@ -118,8 +118,7 @@ def measure_evenly(m, t, h, until):
         probe(m, t, h, until * SHARES[LOOKS, k], 0)
         for n in range(peaks.shape[0]):
             peaks[n, SAMPLE + LOOK[k]] = peaks[n, SAMPLE + PROBE]
-    crest_all(m, t, until * h)
-    return COUNT[LOOKS] - 1
+    return COUNT[LOOKS] - 1 + crest_all(m, t, h, until)
 
 
 @compiled
