@@ -37,7 +37,7 @@ def test_these_examples_are_shipped():
         "path_generator", "scotch_yoke", "three_plays", "toggle_clamp", "woodpecker", "dc_motor_pid", "excavator",
         "torque_converter", "torque_converter_epicyclic", "planetary", "rolling_cart", "jansen_leg", "double_wishbone",
         "geneva", "scissor_lift", "door_closer", "ratchet", "piston_engine", "stick_slip",
-        "drawer",
+        "drawer", "cam_lift_off",
     }  # fmt: skip
 
 

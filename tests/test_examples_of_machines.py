@@ -234,3 +234,32 @@ def test_drawer_moves_with_what_its_corners_leave_of_the_pull_or_jams(mu, e, mov
         assert rt.example("drawer").set(mu=mu, P=200).simulate(0.5, t_eval=[0.0, 0.5])["drawer.vx"][1] == pytest.approx(
             0.0, abs=1e-12
         )
+
+
+# ---------------------------------------------------------------- one-sided elements
+def test_cam_follower_lifts_off_above_the_critical_speed_and_lands_where_its_free_flight_says():
+    lift, mass, k, rest = 0.008, 0.3, 1e4, 0.01
+    critical = math.sqrt((k * (rest + lift) + mass * G) / (2 * mass * lift))
+    assert critical * 30 / math.pi == pytest.approx(1864, abs=0.5)  # turns a minute in the comment of the file
+    m = rt.example("cam_lift_off")
+    for factor, flies in ((0.999, False), (1.001, True)):
+        run = m.set(speed=factor * critical).simulate(0.02, rtol=1e-10)
+        assert any(one.kind == "release" for one in run.events) == flies
+    w = 2000 * math.pi / 30
+    r = m.simulate(rtol=1e-10)
+    off = math.acos(-(k * (rest + lift / 2) + mass * G) / (2 * mass * w**2 * lift - k * lift / 2)) / 2
+    sway, level = math.sqrt(k / mass), rest + mass * G / k
+    high, rate = lift * math.sin(off) ** 2 + level, w * lift * math.sin(2 * off)
+
+    def gap(t):
+        y = high * math.cos(sway * t) + rate / sway * math.sin(sway * t) - level
+        return y - lift * math.sin(off + w * t) ** 2
+
+    flight = brentq(gap, 1e-3, (math.pi - off) / w, xtol=1e-14)
+    leaves, lands = (next(one for one in r.events if one.kind == kind) for kind in ("release", "impact"))
+    assert leaves.t == pytest.approx((off + 0.2) / w, abs=1e-9)
+    assert lands.t == pytest.approx((off + 0.2) / w + flight, abs=1e-8)
+    fall = sway * (rate / sway * math.cos(sway * flight) - high * math.sin(sway * flight))
+    assert lands.normal_speed == pytest.approx(w * lift * math.sin(2 * (off + w * flight)) - fall, rel=1e-7)
+    # the largest force is that of the rise, where the curvature of the cam jumps
+    assert r.peak("face.normal")[0] == pytest.approx(k * rest + mass * G + 2 * mass * w**2 * lift, rel=1e-9)

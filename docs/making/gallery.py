@@ -15,6 +15,10 @@ from making.tree import module_with
 
 NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
     "balanced_arm": ("Angle of the arm in equilibrium", lambda r: (r["arm.angle"][0], "rad")),
+    "cam_lift_off": (
+        "Speed at which the follower lands",
+        lambda r: (max(one.normal_speed for one in r.events), "m/s"),
+    ),
     "chain": ("Largest angular speed of the last link", lambda r: (np.abs(r["b20.omega"]).max(), "rad/s")),
     "crank_rocker_play": ("Least force between pin and bush at A", lambda r: (r["A.normal"].min(), "N")),
     "ellipse": ("Radius of the circle", lambda r: (np.ptp(r["coupler.P.x"]) / 2, "m")),
