@@ -157,3 +157,8 @@ def test_what_a_belt_cannot_have_is_refused(belt, says):
 def test_pulleys_that_overlap_are_refused():
     with pytest.raises(rt.AssemblyError, match=r"need their centres farther apart than 0\.3"):
         rt.loads(text(distance=0.25)).simulate(0.1)
+
+
+def test_a_pretension_that_stretches_the_strands_by_more_than_their_length_is_refused():
+    with pytest.raises(rt.AssemblyError, match="the belt is too short for its path"):
+        rt.loads(text().replace(f"pretension = {T0}", f"pretension = {0.6 * K}")).simulate(0.1)

@@ -84,7 +84,15 @@ class Belt(JointKind):
 
     @staticmethod
     def fit(fields: Mapping[str, Any]) -> Fit:
-        """The pulleys must not overlap."""
+        """The pulleys must not overlap, and the pretension must not stretch the strands by more than their length."""
         ra, rb = fields["radii"]
         words = f"its pulleys of {ra:.9g} m and {rb:.9g} m need their centres farther apart than {{}}"
-        return Fit(ra + rb, None, words, least=True)
+        stretch = fields["pretension"] / fields["stiffness"]
+        needed = math.hypot(stretch, ra + rb if fields["crossed"] else ra - rb)
+        if needed > ra + rb:
+            words = (
+                f"its pretension of {fields['pretension']:.6g} N stretches strands of {fields['stiffness']:.6g} N/m by"
+                f" {stretch:.4g} m, more than they are long: the belt is too short for its path. Less pretension, a"
+                " stiffer belt, or centres farther apart than {}"
+            )
+        return Fit(max(needed, ra + rb), None, words, least=True)
