@@ -26,6 +26,10 @@ FAMILIES = {
         "Stops",
         "`stop = { min, max, contact }` of a joint: one-sided ends of its coordinate, either of which may be left out.",
     ),
+    "one-sided": (
+        "One-sided joints",
+        "What a cam, flat follower or gear becomes with `contact`: surfaces that only push; strands only pull.",
+    ),
     "clutch": (
         "Contacts of clutches",
         "What the `model` of a `clutch` becomes; compliant and viscous ones overrun too.",
@@ -36,6 +40,7 @@ FAMILIES = {
     ),
     "normal": ("Normal force laws", "Also a `model` of `contact`: elastic pin and bush."),
     "stiffness": ("Stiffness", "`geometry` in `contact`: static force from material and shape; `power` from numbers."),
+    "tension": ("Tension laws", "What the strands of a `belt` follow; it is not chosen."),
     "friction": ("Friction laws", "`friction = { model = NAME, ... }` in the `contact` of a normal force law."),
     "load": ("Loads", "`[loads.NAME]` with `type`: forces and moments on bodies."),
     "stepper": ("Steppers", "`method` in `[simulate]`, or `--method`: how the motion is computed."),
@@ -161,8 +166,8 @@ def _live(field: Any, family: str) -> str:
 def example(catalog: Any, kind: Any) -> str:
     """A few lines of a model file with this kind, read by the program; empty if the kind is not written in files."""
     families = {"joint": _joint, "driver": _driver, "load": _load}
-    own = {"clearance": _clearance, "stop": _stop, "clutch": _clutch, "stepper": _stepper}
-    made = {**families, **own}.get(kind.family)
+    own = {"clearance": _clearance, "stop": _stop, "one-sided": _one_sided, "clutch": _clutch, "stepper": _stepper}
+    made = {**families, **own, "tension": _belt}.get(kind.family)
     lines = made(catalog, kind) if made else _contact(catalog, kind)
     text = "\n".join(lines)
     rt.loads(FRAME + text)  # raises if the example is not valid
@@ -201,6 +206,16 @@ def _stop(catalog: Any, kind: Any) -> list[str]:
     stopped = next(one for one in catalog.kinds("joint").values() if catalog.stop_of(one.name) is kind)
     ends = ", ".join(f"{key} = {_value(key, one, False)}" for key, one in list(kind.fields.items())[1:])
     return [*_joint(catalog, stopped), f'stop = {{ {ends}, contact = {{ model = "impact", restitution = 0.5 }} }}']
+
+
+def _one_sided(catalog: Any, kind: Any) -> list[str]:
+    joint = _joint(catalog, catalog.kinds("joint")[kind.leaf.joint])
+    teeth = ['pressure_angle = "20 deg"', 'backlash = "0.1 mm"'] if kind.name == "flanks" else []
+    return [*joint, *teeth, *(['contact = { model = "impact", restitution = 0.5 }'] if kind.leaf.chosen else [])]
+
+
+def _belt(catalog: Any, kind: Any) -> list[str]:
+    return [*_joint(catalog, catalog.kinds("joint")["belt"]), *(f'{key} = "10 N*s/m"' for key in kind.fields)]
 
 
 def _clutch(catalog: Any, kind: Any) -> list[str]:
