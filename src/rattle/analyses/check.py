@@ -39,6 +39,7 @@ class Check:
     loops: tuple[str, ...]
     branches: tuple[str, ...]  # the branch in which each pair of links was assembled
     clearances: tuple[str, ...]
+    one_sided: tuple[str, ...]  # cams, gears, belts that act one way only
     stops: tuple[str, ...]  # ends of coordinates of joints
     reach: tuple[str, ...]  # how far each driver can go
     freedoms: tuple[str, ...]  # coordinates that may be chosen freely and determine all others
@@ -74,6 +75,7 @@ class Check:
             lines.append(f"... and {len(self.loops) - 8} more loops")
         lines += [f"branch: {one}" for one in self.branches[:8]]
         lines += [f"play: {one}" for one in self.clearances]
+        lines += [f"one-sided: {one}" for one in self.one_sided]
         lines += [f"stop: {one}" for one in self.stops]
         lines += [f"driver: {one}" for one in self.reach]
         lines += [f"law: {one}" for one in self.laws]
@@ -108,6 +110,11 @@ def check(system: System, start: Assembled) -> Check:
         loops=tuple(describe_loop(model, joint, path) for joint, path in loops(model)),
         branches=tuple(_branches(system, start)),
         clearances=tuple(_clearances(model)),
+        one_sided=tuple(
+            f"{name}, {joint.contact.model}"
+            for name, joint in model.joints.items()
+            if joint.contact is not None and joint.one_sided is not None
+        ),
         freedoms=free_coordinates(system, start.t, start.q),
         stops=tuple(stop_lines(model)),
         reach=(*reach, *jump_lines(jumps)),
@@ -121,7 +128,7 @@ def _clearances(model: Model) -> list[str]:
     return [
         f"{name} {joint.clearance * 1e3:.4g} mm, {joint.contact.model}"
         for name, joint in model.joints.items()
-        if joint.contact is not None
+        if joint.contact is not None and joint.one_sided is None
     ]
 
 
