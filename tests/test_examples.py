@@ -37,7 +37,7 @@ def test_these_examples_are_shipped():
         "path_generator", "scotch_yoke", "three_plays", "toggle_clamp", "woodpecker", "dc_motor_pid", "excavator",
         "torque_converter", "torque_converter_epicyclic", "planetary", "rolling_cart", "jansen_leg", "double_wishbone",
         "geneva", "scissor_lift", "door_closer", "ratchet", "piston_engine", "stick_slip",
-        "drawer", "cam_lift_off",
+        "drawer", "cam_lift_off", "gear_rattle", "belt_drive",
     }  # fmt: skip
 
 
@@ -62,7 +62,8 @@ def test_the_comment_on_top_gives_commands_and_names_that_exist(name):
     for line in re.findall(r"rattle run .*", head):
         words = shlex.split(re.split(r"\s{2,}", line)[0])
         given = [words[n + 1].split("=", 1) for n, word in enumerate(words) if word == "--set"]
-        mechanism.set(dict(given))  # raises where the name or value is wrong
+        flags = {"true": True, "false": False}
+        mechanism.set({key: flags.get(one, one) for key, one in given})  # raises where the name or value is wrong
     known = {*mechanism.simulate(1e-4).names}
     if "--path" in head:  # a quasi-static motion has names of its own
         known |= {*mechanism.equilibrium(np.linspace(0.0, 1e-3, 3)).names}

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
@@ -263,3 +264,52 @@ def test_cam_follower_lifts_off_above_the_critical_speed_and_lands_where_its_fre
     assert lands.normal_speed == pytest.approx(w * lift * math.sin(2 * (off + w * flight)) - fall, rel=1e-7)
     # the largest force is that of the rise, where the curvature of the cam jumps
     assert r.peak("face.normal")[0] == pytest.approx(k * rest + mass * G + 2 * mass * w**2 * lift, rel=1e-9)
+
+
+@pytest.mark.parametrize("push", [0.01, 0.05])
+def test_rattling_gear_settles_to_two_knocks_a_period_at_the_speed_of_the_symmetric_motion(push):
+    """Of flight at one speed from flank to flank, and Newton's law at each, mirrored after half a period:
+
+    A cos p = -K (2 A sin p + b), K = (1 - e)/(pi (1 + e)); relative speed 2 w (2 A sin p + b)/(pi (1 + e)).
+    """
+    amplitude, backlash, e, w = 1e-4, 3e-4, 0.5, 157.0
+    share = (1 - e) / (math.pi * (1 + e))
+    phase = brentq(
+        lambda p: amplitude * math.cos(p) + share * (2 * amplitude * math.sin(p) + backlash),
+        math.pi / 2,
+        math.pi,
+        xtol=1e-15,
+    )
+    speed = 2 * w * (2 * amplitude * math.sin(phase) + backlash) / (math.pi * (1 + e))
+    r = rt.example("gear_rattle").set(push=push).simulate(2.0, rtol=1e-10)
+    knocks = [one for one in r.events if one.kind == "impact"][-20:]
+    assert [one.normal_speed for one in knocks] == pytest.approx([speed] * 20, rel=1e-7)
+    phases = [(w * one.t - phase) % math.pi for one in knocks]
+    assert np.minimum(phases, math.pi - np.array(phases)) == pytest.approx(np.zeros(20), abs=1e-6)
+    assert np.diff([one.t for one in knocks]) == pytest.approx([math.pi / w] * 19, rel=1e-6)
+
+
+def test_belt_drive_swings_on_its_strands_and_settles_to_tight_and_slack_side():
+    """Two wheels on two springs that only pull, integrated step by step with SciPy in angles alone."""
+    r1, r2, k, c, rest = 0.05, 0.1, 2e4, 10.0, 150.0
+
+    def strands(y):
+        stretch, rate = r1 * y[0] - r2 * y[1], r1 * y[2] - r2 * y[3]
+        return [max(0.0, rest + k * s * stretch + c * s * rate) if rest / k + s * stretch > 0 else 0.0 for s in (1, -1)]
+
+    def rates(t, y):
+        ahead, behind = strands(y)
+        pull = ahead - behind
+        fan = 15 * y[3] * abs(y[3]) / 25**2
+        return [y[2], y[3], (15 * (1 - y[2] / 100) - r1 * pull) / 0.004, (r2 * pull - fan) / 0.2]
+
+    r = rt.example("belt_drive").simulate(2.5)
+    early = r.t < 0.2
+    slow = solve_ivp(rates, (0, 0.2), [0, 0, 0, 0], "RK45", r.t[early], rtol=1e-9, atol=1e-11, max_step=1e-3)
+    tensions = np.sort([strands(y) for y in slow.y.T], axis=1).T
+    assert r["belt.slack"][early] == pytest.approx(tensions[0], abs=1e-3)
+    assert r["belt.tight"][early] == pytest.approx(tensions[1], abs=1e-3)
+    assert r["belt.slack"][early].min() == 0.0
+    # the motor's line meets the fan's parabola at 50 rad/s: 7.5 N m of the motor, 15 N m of the fan
+    assert (r["motor.omega"][-1], r["wheel.omega"][-1]) == pytest.approx((50.0, 25.0), rel=1e-7)
+    assert (r["belt.tight"][-1], r["belt.slack"][-1]) == pytest.approx((rest + 75.0, rest - 75.0), rel=1e-6)

@@ -15,6 +15,7 @@ from making.tree import module_with
 
 NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
     "balanced_arm": ("Angle of the arm in equilibrium", lambda r: (r["arm.angle"][0], "rad")),
+    "belt_drive": ("Tension of the tight strand at the end", lambda r: (r["belt.tight"][-1], "N")),
     "cam_lift_off": (
         "Speed at which the follower lands",
         lambda r: (max(one.normal_speed for one in r.events), "m/s"),
@@ -27,6 +28,10 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
     "double_pendulum": ("Largest energy that nothing accounts for", lambda r: (r.trust.energy_balance, "J")),
     "drawer": ("Acceleration at the end", lambda r: (r["drawer.ax"][-1], "m/s^2")),
     "fourbar": ("Normal force at O4 at the start", lambda r: (r["O4.normal"][0], "N")),
+    "gear_rattle": (
+        "Speed of the last knock",
+        lambda r: ([one.normal_speed for one in r.events if one.kind == "impact"][-1], "m/s"),
+    ),
     "geneva": ("Largest speed of the wheel", lambda r: (np.abs(r["wheel.omega"]).max(), "rad/s")),
     "guide_play": ("Turns of the crank in 0.2 s", lambda r: (r["crank.angle"][-1] / (2 * np.pi), "")),
     "jansen_leg": ("Length of a step", lambda r: (np.ptp(r["shank.foot.x"]), "m")),
