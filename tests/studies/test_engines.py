@@ -18,6 +18,7 @@ import rattle as rt
 from rattle.errors import MissingPackage, WorkerError
 from rattle.studies.ensemble import engines, work
 from rattle.studies.ensemble.local_workers import local_workers
+from rattle.studies.runs.ctrl_c import noticed
 
 OF = ["quantile(rocker.angle, 0.9)", "at(rocker.omega, 0.05)"]
 PROCESSES = get_context("spawn")  # what every system has
@@ -306,6 +307,28 @@ def test_ctrl_c_ends_everything_and_leaves_a_folder_that_goes_on(tmp_path, optio
     assert out == b"True True\n", err
     assert b"Traceback" not in err
     assert child.returncode == 0
+
+
+def test_ctrl_c_is_not_lost_in_a_finaliser_and_the_second_one_is_raised():
+    class Dropped:
+        def __del__(self):
+            signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with noticed() as pressed:
+            assert not pressed()
+            Dropped()
+            assert pressed()
+            with pytest.raises(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGINT)
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        with noticed() as pressed:  # who ignores it still does
+            signal.raise_signal(signal.SIGINT)
+            assert not pressed()
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_a_scheduler_without_workers_is_said(caplog):

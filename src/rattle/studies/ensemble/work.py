@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import contextmanager
 from socket import gethostname
@@ -16,6 +16,7 @@ from rattle.studies.ensemble.engines import Done, Engine, engine, job_of, work
 from rattle.studies.ensemble.pieces import WAITING, run_piece
 from rattle.studies.ensemble.plans import Plan
 from rattle.studies.ensemble.store import Store
+from rattle.studies.runs.ctrl_c import noticed
 from rattle.studies.runs.progress import Bar
 from rattle.studies.runs.runner import Progress, Runner, cores
 from rattle.studies.runs.task import Task
@@ -49,7 +50,8 @@ def run_missing(
     try:
         with engine(executor, scheduler, workers, needed=done < plan.count) as other:
             if other is not None:
-                where = run_elsewhere(other, task, plan, store, bar)
+                with noticed() as pressed:
+                    where = run_elsewhere(other, task, plan, store, pressed, bar)
             elif done < plan.count:
                 where = f"on {threads} thread{'s' if threads > 1 else ''}"
                 run_here(Runner(task), plan, store, threads, bar)
@@ -104,8 +106,10 @@ def _next_size(size: int, taken: float, least: int) -> int:
 
 
 # ---------------------------------------------------------------- elsewhere
-def run_elsewhere(engine: Engine, task: Task, plan: Plan, store: Store, progress: Progress | None = None) -> str:
-    """Run all samples that the store misses; returns where, in words.
+def run_elsewhere(
+    engine: Engine, task: Task, plan: Plan, store: Store, pressed: Callable[[], bool], progress: Progress | None = None
+) -> str:
+    """Run all samples that the store misses; returns where, in words.  pressed: whether the user has pressed Ctrl-C.
 
     Pieces come back in any order.  So many are under way that no worker waits, but not more, whatever n is.
     Raises KeyboardInterrupt, WorkerError, OSError; finished pieces are kept.
@@ -116,6 +120,8 @@ def run_elsewhere(engine: Engine, task: Task, plan: Plan, store: Store, progress
     running: dict[Future[Done], int] = {}  # by number of the first sample
     try:
         while missing or running:
+            if pressed():
+                raise KeyboardInterrupt
             while missing and len(running) < max(LEAST_UNDER_WAY, 2 * len(crew)):
                 first, end = missing.pop(0)
                 last = min(end, first + min(size, _share(left, len(crew)), most))
