@@ -103,17 +103,17 @@ class Parts(FieldReader):
             return
         bar = "bar" in given
         values.keys(given, BAR if bar else BODY, path)
-        mass = self._needed(given, "mass", "kg", path, "needs a mass in kg")
+        mass = self._needed(given, "mass", "kg", path, "needs a mass in kg", "not negative")
         points = values.points(given.get("points", {}), (*path, "points"))
         inertia = math.nan
         if "inertia" in given:
-            inertia = values.value(given["inertia"], "kg*m^2", (*path, "inertia"), "positive")
+            inertia = values.value(given["inertia"], "kg*m^2", (*path, "inertia"), "not negative")
         if bar:
             length = self._needed(given, "length", "m", path, "a bar needs a length in m")
             points = {**self._ends(given["bar"], length, points, path), **points}
             if "inertia" not in given:
                 inertia = mass * length * length / 12
-                if not 0 < inertia < math.inf and not math.isnan(inertia):
+                if not (0 < inertia < math.inf or mass == 0) and not math.isnan(inertia):
                     values.wrong(path, f"its inertia m l^2/12 = {inertia:g} kg*m^2 is out of range")
         else:
             x, y = values.vector(given["center"], "m", (*path, "center")) if "center" in given else (0.0, 0.0)
@@ -122,9 +122,11 @@ class Parts(FieldReader):
                 values.wrong(path, "needs an inertia about its mass centre in kg*m^2 (only a bar has a default)")
         self.bodies[name] = Body(name, mass, inertia, points, bar)
 
-    def _needed(self, given: Mapping[str, Any], key: str, unit: str, path: Path, otherwise: str) -> Any:
+    def _needed(
+        self, given: Mapping[str, Any], key: str, unit: str, path: Path, otherwise: str, least: str = "positive"
+    ) -> Any:
         if key in given:
-            return self.values.value(given[key], unit, (*path, key), "positive")
+            return self.values.value(given[key], unit, (*path, key), least)
         self.values.wrong(path, otherwise)
         return math.nan
 

@@ -8,6 +8,7 @@ from typing import Any
 from rattle import registry
 from rattle.description.changes import NAMED, TABLES
 from rattle.description.coordinates import declare, definitions, forces, ordered, record_of, used_names
+from rattle.description.massless import require_mass_at_contacts
 from rattle.description.model import Driver, Initial, Model, Settings, Vector
 from rattle.description.read_parameters import read_groups, read_parameters, read_signals
 from rattle.description.read_parts import Parts
@@ -102,6 +103,7 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     for name, given in tables["loads"].items():
         parts.add_load(name, given)
     initial, settings = _initial(values, document, parts), _settings(values, document)
+    require_mass_at_contacts(values, parts.bodies, parts.joints)
     rates = [one.rate for one in states.values()]
     pulls, of_pulls = forces(parts.loads)
     values_ = [value for one in parts.loads.values() for value in one.values]

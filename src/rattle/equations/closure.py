@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from rattle.equations.massless import take_out_of_change
 from rattle.equations.motion import constraints, correct, drive, place, rate_residual, residual
 from rattle.equations.schur import factorise
 from rattle.jit import layout as at
@@ -97,6 +98,8 @@ def close_rate(m, t, q, v):
     for _ in range(3):
         rate_residual(m)
         correct(m)
+        if m.massless.shape[0] > 0:
+            take_out_of_change(m)
         for k in range(v.shape[0]):
             v[k] += change[k]
         place(m, q, v)

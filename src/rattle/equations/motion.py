@@ -12,6 +12,7 @@ import math
 
 from rattle.equations.compliant import add_contact_forces, locate_contacts
 from rattle.equations.dry_friction import add_dry_friction, end_dry_friction
+from rattle.equations.massless import take_out
 from rattle.equations.schur import WEAK, factorise, solve
 from rattle.equations.state import (
     DISSIPATED,
@@ -211,6 +212,8 @@ def accelerate(m):
             for k in range(3):
                 acceleration[a, k] -= weight[a, k] * rows[r, at.AX + k] * value
                 acceleration[b, k] -= weight[b, k] * rows[r, at.BX + k] * value
+    if m.massless.shape[0] > 0:
+        take_out(m)
 
 
 @compiled

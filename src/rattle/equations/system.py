@@ -23,6 +23,7 @@ from rattle.language.local_function import packed
 from rattle.language.recorded import array_of
 from rattle.language.switching import Signals, Switch, find_switches
 
+SHARE = 0.1  # of the least mass: any other gives the same motion
 STATE = {"x": at.X, "y": at.Y, "angle": at.PHI, "vx": at.VX, "vy": at.VY, "omega": at.W}  # columns of `body`
 
 
@@ -131,6 +132,7 @@ class System:
         """What a new workspace begins with, besides the tables of kernels."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.recorded))
         nc, nd, states = len(self.arrays["contact"]), len(self.arrays["dry"]), (self.element_states,)
+        nm = len(self.arrays["massless"])
         others = {
             "signals": (ns,),
             "jets": (ns, 3),
@@ -151,6 +153,11 @@ class System:
             "change": (3 * nb - 3,),
             "contact_kinematics": (nc, at.width("contact_kinematics")),
             "contact_memory": (nc, at.width("contact_memory")),
+            "massless_response": (nm, 3 * nb),
+            "massless_reaction": (nm, nr),
+            "massless_system": (nm, nm),
+            "massless_force": (nm,),
+            "massless_impulse": (nr if nm else 0,),
             "dry_memory": (nd, at.width("dry_memory")),
             "dry_rows": (nd, at.width("rows")),
             "dry_response": (nd, 3 * nb),
@@ -170,6 +177,23 @@ class System:
         image.array("signals", image.block)[: len(own)] = own
         image.array("element_state", image.block)[self.element_states - len(own) :] = own
         return image
+
+
+def invertible(mass: np.ndarray, model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Bodies and coordinates without inertia (n, 2), and 1 / mass (nb + 1, 3), fictitious where there is none.
+
+    A fictitious mass is SHARE of the least mass of the model, a fictitious inertia SHARE of the least inertia.
+    """
+    found = [(i, k) for i in range(1, len(mass)) for k in range(3) if mass[i, k] == 0.0]
+    whole, weight = mass.copy(), np.zeros_like(mass)
+    if found:
+        light = min((float(one.mass) for one in model.bodies.values() if one.mass > 0.0), default=1.0)
+        inertias = (float(one.inertia) for one in model.bodies.values() if one.inertia > 0.0)
+        turning = min(inertias, default=light * float(_size(model)) ** 2)
+        for i, k in found:
+            whole[i, k] = SHARE * (turning if k == 2 else light)
+    weight[1:] = 1.0 / whole[1:]
+    return _table(found, 2), weight
 
 
 def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:
@@ -249,11 +273,11 @@ def compile_system(model: Model) -> System:
     blocks = [range(entry[4], end) for entry, end in zip(joint, ends, strict=False) if end > entry[4]]
     pattern = schur.analyse(row_body, blocks)
     mass = array_of([[0.0] * 3] + [[one.mass, one.mass, one.inertia] for one in model.bodies.values()])
-    weight = np.zeros_like(mass)
-    weight[1:] = 1.0 / mass[1:]
+    massless, weight = invertible(mass, model)
     arrays = {
         "mass": mass,
         "weight": weight,
+        "massless": massless,
         "gravity": array_of(model.gravity),
         "joint": _table(joint, at.width("joint")),
         "load": _table(load, at.width("load")),

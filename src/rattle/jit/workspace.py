@@ -37,7 +37,10 @@ class Array(NamedTuple):
 ARRAYS = {
     # the mechanism: read-only in a run
     "mass": Array("f2", "nb + 1, 3", "kg, kg, kg*m^2", "m, m, J of every body; row 0 is the ground"),
-    "weight": Array("f2", "nb + 1, 3", "1/kg, 1/kg, 1/(kg*m^2)", "1 / mass, zero for the ground"),
+    "weight": Array(
+        "f2", "nb + 1, 3", "1/kg, 1/kg, 1/(kg*m^2)", "1 / mass, zero for the ground; 1 / e where there is no mass"
+    ),
+    "massless": Array("i2", "n, 2", "", "bodies and coordinates (0, 1, 2) without inertia, see `equations.massless`"),
     "gravity": Array("f1", "2", "m/s^2", "acceleration of free fall"),
     "joint": Array("i2", "nj, 5", "", "joints, then drivers"),
     "load": Array("i2", "nl, 5", "", "loads"),
@@ -127,6 +130,12 @@ ARRAYS = {
         "i1", "0 or 1", "", "the kernel that adds the forces of closed contacts, if there may be any"
     ),
     "problem_table": Array("i1", "parts", "", "kernels that solve contact problems, see `unilateral`"),
+    # coordinates without inertia, see `equations.massless`
+    "massless_response": Array("f2", "n, 3 nb + 3", "", "Y: accelerations of all bodies caused by unit forces"),
+    "massless_reaction": Array("f2", "n, nr", "", "Z: multipliers caused by unit forces"),
+    "massless_system": Array("f2", "n, n", "", "1/e - P^T Y, factored"),
+    "massless_force": Array("f1", "n", "N or N*m", "f: what makes up for the fictitious inertia"),
+    "massless_impulse": Array("f1", "nr or 0", "", "scratch"),
     # dry friction of joints without play, see `equations.dry_friction`
     "dry": Array("i2", "nd, 10", "", "joints without play that have friction"),
     "dry_memory": Array("f2", "nd, 10", "N, m/s or N*m, rad/s", "their modes and friction forces"),

@@ -15,6 +15,7 @@ import numpy as np
 from rattle.analyses.assembly.first_guess import outward, place_rates
 from rattle.analyses.assembly.guesses import guesses, least_open, why_open_from
 from rattle.analyses.assembly.outside import outside
+from rattle.analyses.assembly.rank import loose_without_mass
 from rattle.analyses.assembly.start_constants import (
     constants_at,
     constants_of,
@@ -58,9 +59,25 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
     Raises AssemblyError if the joints cannot be closed; the message names the loop and the gap.
     """
     made = consistent_start(system, t, ideal)
+    _require_held(system, made)
     if t != 0.0:
         return made
     return replace(made, notes=(*system.model.remarks, *start_notes(system, t, made.q, made.v)))
+
+
+def _require_held(system: System, made: Assembled) -> None:
+    """Raise AssemblyError if a body without mass can move while all others rest."""
+    if not len(system.arrays["massless"]):
+        return
+    workspace = system.workspace()
+    open_by(workspace, made.t, made.q, made.v)
+    if loose := loose_without_mass(system, workspace):
+        name, turns = loose[0]
+        what, which = ("inertia", "its angle") if turns else ("mass", "its motion")
+        raise AssemblyError(
+            f"body '{name}' has no {what}, and joints and drivers do not determine {which}: give it"
+            f" {'an' if turns else 'a'} {what}, or a joint that holds it"
+        )
 
 
 def put_together(model: Model) -> System:
@@ -329,7 +346,8 @@ def _closed_rates(
     if known.any():
         weight = system.arrays["weight"].copy()
         weight[1:].reshape(-1)[known] *= HOLD
-        held = replace(system, arrays={**system.arrays, "weight": weight}).workspace()
+        free = system.arrays["massless"][:0]
+        held = replace(system, arrays={**system.arrays, "weight": weight, "massless": free}).workspace()
         for _ in range(4):
             v[known] = given[known]
             close_rate(held, t, q, v)

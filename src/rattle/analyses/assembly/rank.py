@@ -102,12 +102,38 @@ def _driven(system: System, workspace: Workspace) -> np.ndarray:
 
 def unlike_masses(system: System) -> str:
     """In words, which masses differ too much for double precision; "" if none."""
-    masses = {name: body.mass for name, body in system.model.bodies.items()}
+    masses = {name: body.mass for name, body in system.model.bodies.items() if body.mass > 0.0}
+    if not masses:
+        return ""
     heavy, light = max(masses, key=lambda name: masses[name]), min(masses, key=lambda name: masses[name])
     ratio = masses[heavy] / masses[light]
     if ratio <= UNLIKE:
         return ""
     return f"'{heavy}' has {ratio:.2g} times the mass of '{light}', too much for double precision; reduce the ratio"
+
+
+def loose_without_mass(system: System, workspace: Workspace, tolerance: float = RANK) -> tuple[tuple[str, bool], ...]:
+    """Bodies that can move, at the state in the workspace, without any mass moving, and whether they only turn.
+
+    tolerance: share [-] of the largest singular value below which a singular value counts as zero.
+    """
+    massless = system.arrays["massless"]
+    if not len(massless) or len(massless) > LARGE:
+        return ()
+    rows, bodies = workspace.rows, system.arrays["row_body"]
+    columns = np.zeros((system.row_count, len(massless)))
+    for n, (i, k) in enumerate(massless):
+        on_a, on_b = bodies[:, at.ROW_A] == i, bodies[:, at.ROW_B] == i
+        columns[:, n] = (rows[:, at.AX + k] * on_a + rows[:, at.BX + k] * on_b) / (system.size if k == 2 else 1.0)
+    _, values, v = np.linalg.svd(columns)
+    found = np.zeros(len(massless))
+    values = np.concatenate([values, np.zeros(len(massless) - min(len(massless), len(values)))])[: len(massless)]
+    found = np.abs(v[values <= tolerance * max(values[0], 1e-300)]).max(axis=0, initial=0.0)
+    moving: dict[int, list[int]] = {}
+    for (i, k), share in zip(massless.tolist(), found, strict=True):
+        if share > 1e-6:
+            moving.setdefault(i, []).append(k)
+    return tuple((system.bodies[i - 1], which == [2]) for i, which in moving.items())
 
 
 def describe_rank_loss(system: System, workspace: Workspace, tolerance: float = 1e-3) -> str:

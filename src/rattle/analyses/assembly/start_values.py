@@ -26,6 +26,7 @@ NOISE = 1e-15  # share of the terms of a residual that is rounding
 RANK = 1e-10  # share of the largest singular value below which columns are dependent
 MOST_NAMED = 6  # joints that are named one by one, at most
 SEEN = 1e-6  # least change that is reported [rad, mechanism sizes, share of the rates]
+EASY = 1e4  # by how much more coordinates without mass move than the inverse root of their fictitious mass says
 ROUNDS = 40  # of Newton's method
 
 
@@ -49,6 +50,8 @@ def least_change(
     noise: (nr,) rounding error of `wanted`; combinations of rows that are not larger do not change known coordinates.
     """
     root = np.sqrt(system.arrays["weight"][1:].ravel())
+    for i, k in system.arrays["massless"]:
+        root[3 * i - 3 + k] *= EASY
     change = np.zeros(len(root))
     others = jacobian[:, ~known]
     if known.any():
@@ -128,7 +131,7 @@ def keep_places(system: System, workspace: Workspace, t: float, q: np.ndarray, g
 
 
 def _distance(system: System, change: np.ndarray, known: np.ndarray) -> float:
-    return float(np.linalg.norm((change * np.sqrt(system.arrays["mass"][1:].ravel()))[known]))
+    return float(np.linalg.norm((change / np.sqrt(system.arrays["weight"][1:].ravel()))[known]))
 
 
 def keep_rates(

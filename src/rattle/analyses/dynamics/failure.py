@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.analyses.assembly.rank import describe_rank_loss
+from rattle.analyses.assembly.rank import describe_rank_loss, loose_without_mass
 from rattle.analyses.undefined import evaluated, undefined
 from rattle.elements.custom import load_law
 from rattle.equations.complementarity import OFF
@@ -23,6 +23,7 @@ NEAR = 10.0  # lengths of the failed step within which contact laws are evaluate
 GLANCE, SHARE = 1e-6, 1e-3  # how far to look back, as a share of the run, and a share of that
 GROWN = 20.0  # factor by which a value grows towards a pole when the time to it shrinks by SHARE
 BEYOND = 1e100  # of a position or rate in SI units, where no mechanism gets
+NEARLY = 1e-2  # share of the largest singular value with which massless bodies count as held no more
 TINY = 1e-12  # a contact that needs shorter steps is too stiff [s]
 
 
@@ -49,6 +50,12 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
             " causes itself; try less friction, a smaller pin or a longer block"
         )
     record(workspace, t, workspace.state, np.zeros(width(system)))
+    if loose := loose_without_mass(system, workspace, NEARLY):
+        names = ", ".join(f"'{name}'" for name, _ in loose)
+        return (
+            f"cannot go on at t = {t:.6g} s: in this position {names}, which have no mass, can move without moving any,"
+            " so that nothing limits their accelerations; give one of them a mass"
+        )
     rank = describe_rank_loss(system, workspace)
     if rank:
         return f"cannot go on at t = {t:.6g} s: {rank}"

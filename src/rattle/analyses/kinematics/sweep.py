@@ -93,7 +93,12 @@ def begin(
         tag = len(registry.kinds("joint")) + driver.tag
         probe.append((tag, number[joint.a.body], number[joint.b.body], len(values), row))
         values += [*joint.a.at, *joint.b.at, *before_function(joint, driver), 0.0, 0.0, 0.0]
-    arrays = {**system.arrays, "weight": weight, "values": np.array(values, dtype=float)}
+    arrays = {
+        **system.arrays,
+        "weight": weight,
+        "massless": system.arrays["massless"][:0],
+        "values": np.array(values, dtype=float),
+    }
     workspace = replace(system, arrays=arrays).workspace(also=[one[0] for one in probe])
     node = np.zeros((9, 3 * system.body_count))
     made = Sweep(

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from rattle.equations.complementarity import FORWARD, OFF, STICK, B, friction_of
 from rattle.equations.compliant import locate_contacts
+from rattle.equations.massless import take_out_of_change
 from rattle.equations.motion import OK, constraints, correct, drive, place, rate_residual
 from rattle.equations.schur import factorise
 from rattle.equations.state import WORK, energies_at
@@ -71,6 +72,8 @@ def jolt(m, t, before, percussion):
     for _ in range(ROUNDS):
         rate_residual(m)
         correct(m)
+        if m.massless.shape[0] > 0:
+            take_out_of_change(m)
         for r in range(rows.shape[0]):
             percussion[r] += x[place_of[r]]
         for k in range(nq):

@@ -1,0 +1,34 @@
+"""Bodies without mass or inertia: where they cannot be used."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rattle.description.model import Body, Joint
+from rattle.description.read_values import Values
+
+
+MOST = 50  # bodies without mass or inertia
+
+
+def require_mass_at_contacts(values: Values, bodies: Mapping[str, Body], joints: Mapping[str, Joint]) -> None:
+    """Refuse bodies without mass or inertia on which contacts act: these need the masses that they move."""
+    without = [name for name, one in bodies.items() if one.mass == 0.0 or one.inertia == 0.0]
+    if len(without) > MOST:
+        values.wrong(("bodies", without[MOST]), f"at most {MOST} bodies may have no mass or no inertia; give it one")
+    for name, joint in joints.items():
+        if joint.is_loose:
+            what = f"joint '{name}' has play"
+        elif joint.stop is not None:
+            what = f"joint '{name}' has a stop"
+        elif joint.leaf.own_contact(joint.fields) is not None:
+            what = f"joint '{name}' is a {joint.kind}"
+        else:
+            continue
+        for end in (joint.a.body, joint.b.body):
+            body = bodies.get(end)
+            for key, number in (("mass", body.mass), ("inertia", body.inertia)) if body is not None else ():
+                if number == 0.0:
+                    said = f"{what}: '{end}' needs {'a mass' if key == 'mass' else 'an inertia'} there, got 0"
+                    values.wrong(("bodies", end, key), said)
+                    break
