@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from rattle.description.model import Body, Joint
 from rattle.description.read_values import Values
 
-
 MOST = 50  # bodies without mass or inertia
 
 
