@@ -94,8 +94,8 @@ class Building:
     ) -> Self:  # fmt: skip
         """A uniform bar between the points `first` and `second`, `length` [m] apart.
 
-        mass [kg]; inertia about the mass centre [kg*m^2], default m l^2/12; points: more points [m] in the frame of the
-        bar, with the origin at the mass centre and the x axis along the bar.
+        mass [kg], 0 if joints determine its motion; inertia about the mass centre [kg*m^2], default m l^2/12; points:
+        more points [m] in the frame of the bar, with the origin at the mass centre and the x axis along the bar.
         """
         return self._enter(
             "bodies",
@@ -125,7 +125,7 @@ class Building:
         points: Mapping[str, Pair],
         center: Pair = (0.0, 0.0),
     ) -> Self:
-        """A rigid body: mass [kg], inertia about the mass centre [kg*m^2].
+        """A rigid body: mass [kg], inertia about the mass centre [kg*m^2]; 0 where joints determine its motion.
 
         points, center: named points and the mass centre [m], in any one frame fixed to the body.
         """

@@ -53,8 +53,8 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
     if loose := loose_without_mass(system, workspace, NEARLY):
         names = ", ".join(f"'{name}'" for name, _ in loose)
         return (
-            f"cannot go on at t = {t:.6g} s: in this position {names}, which have no mass, can move without moving any,"
-            " so that nothing limits their accelerations; give one of them a mass"
+            f"cannot go on at t = {t:.6g} s: in this position {names} can move without moving any mass, so that nothing"
+            " limits accelerations there; give a mass to what has none"
         )
     rank = describe_rank_loss(system, workspace)
     if rank:
