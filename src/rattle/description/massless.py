@@ -11,17 +11,18 @@ MOST = 50  # bodies without mass or inertia
 
 
 def require_mass_at_contacts(values: Values, bodies: Mapping[str, Body], joints: Mapping[str, Joint]) -> None:
-    """Refuse bodies without mass or inertia on which contacts act: these need the masses that they move."""
+    """Refuse bodies without mass or inertia on which contacts with force laws act: these need the masses they move."""
     without = [name for name, one in bodies.items() if one.mass == 0.0 or one.inertia == 0.0]
     if len(without) > MOST:
         values.wrong(("bodies", without[MOST]), f"at most {MOST} bodies may have no mass or no inertia; give it one")
     for name, joint in joints.items():
-        if joint.is_loose:
-            what = f"joint '{name}' has play"
-        elif joint.stop is not None:
-            what = f"joint '{name}' has a stop"
-        elif joint.leaf.own_contact(joint.fields) is not None:
-            what = f"joint '{name}' is a {joint.kind}"
+        own = joint.leaf.own_contact(joint.fields)
+        if joint.is_loose and joint.contact is not None and not joint.contact.rigid:
+            what = f"joint '{name}' has play with a force law"
+        elif joint.stop is not None and not joint.stop.contact.rigid:
+            what = f"joint '{name}' has a stop with a force law"
+        elif own is not None and not own.rigid:
+            what = f"the {joint.kind} '{name}' has a force law"
         else:
             continue
         for end in (joint.a.body, joint.b.body):

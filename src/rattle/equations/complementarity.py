@@ -17,6 +17,7 @@ Non-Smooth Mechanical Systems (2004), chapter 5.
 
 from __future__ import annotations
 
+from rattle.equations.massless import prepare, take_out_of_response
 from rattle.equations.schur import solve
 from rattle.jit import layout as at
 from rattle.jit.families import call_problem
@@ -57,7 +58,8 @@ def rows_kernel(m, count):
             turn = kinematics[n, at.TURN] if d == 0 else 0.0
             w[r, 0], w[r, 1], w[r, 2] = -ux, -uy, -(kinematics[n, at.PAX] * uy - kinematics[n, at.PAY] * ux) - turn
             w[r, 3], w[r, 4], w[r, 5] = ux, uy, kinematics[n, at.PBX] * uy - kinematics[n, at.PBY] * ux + turn
-    held[at.SPARSE] = 1.0 if count > FEW and m.net_first.shape[0] > 0 and m.dry.shape[0] == 0 else 0.0
+    coupled = m.dry.shape[0] + m.massless.shape[0]  # responses that `contact_network` does not have
+    held[at.SPARSE] = 1.0 if count > FEW and m.net_first.shape[0] > 0 and coupled == 0 else 0.0
     if held[at.SPARSE] == 0.0:
         fill_delassus(m, count)
     return 0
@@ -74,6 +76,8 @@ def fill_delassus(m, count):
         m.delassus,
     )
     rows, weight, x, place_of = m.rows, m.weight, m.solution, m.place
+    if m.massless.shape[0] > 0:
+        prepare(m)
     for k in range(count):
         n = active[k]
         a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
@@ -109,6 +113,8 @@ def fill_delassus(m, count):
                             response[r, 3 * i - 3 + q] -= weight[i, q] * rows[row, at.AX + q] * z
                         if j > 0:
                             response[r, 3 * j - 3 + q] -= weight[j, q] * rows[row, at.BX + q] * z
+                if m.massless.shape[0] > 0:
+                    take_out_of_response(m, response, 0, multiplier_response, r)
             else:
                 for row in range(rows.shape[0]):
                     multiplier_response[r, row] = 0.0

@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import math
 
+from rattle.equations.massless import prepare, take_out_of_response
 from rattle.equations.schur import solve
 from rattle.jit import layout as at
 from rattle.jit.families import call_friction, call_joint
@@ -88,6 +89,8 @@ def respond(m, n):
         for k in range(3):
             response[n, 3 * a + k] -= weight[a, k] * rows[r, at.AX + k] * value
             response[n, 3 * b + k] -= weight[b, k] * rows[r, at.BX + k] * value
+    if m.massless.shape[0] > 0:
+        take_out_of_response(m, response, 3, reaction, n)
     m.dry_memory[n, at.DRY_HELD] = 1.0 if mobility(m, n, n) <= FIRM * free else 0.0
 
 
@@ -269,6 +272,8 @@ def add_dry_friction(m):
     Needs S factored and the motion without this friction.
     """
     dry, memory = m.dry, m.dry_memory
+    if m.massless.shape[0] > 0:
+        prepare(m)
     for n in range(dry.shape[0]):
         a, b, p = dry[n, at.DRY_A], dry[n, at.DRY_B], dry[n, at.DRY_P]
         call_joint(m.joint_table[dry[n, at.DRY_KERNEL]], (m.body, a, b, m.values, p, n, m.dry_rows))

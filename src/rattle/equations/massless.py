@@ -52,10 +52,13 @@ def respond(m, n):
             response[n, 3 * b + c] -= weight[b, c] * rows[r, at.BX + c] * value
 
 
-@compiled
-def find_forces(m):
-    """f of all massless coordinates in `massless_force`, which holds P^T dv_0 on entry; nan where nothing holds one."""
-    massless, response, system, force = m.massless, m.massless_response, m.massless_system, m.massless_force
+@native("void", "h")
+def prepare(m):
+    """Responses to unit forces along all massless coordinates, and 1/e - P^T Y factored; S is factored.
+
+    A pivot becomes nan where nothing holds its coordinate.
+    """
+    massless, response, system = m.massless, m.massless_response, m.massless_system
     count = massless.shape[0]
     for n in range(count):
         respond(m, n)
@@ -75,6 +78,13 @@ def find_forces(m):
             system[n, n] -= system[n, c] * system[n, c] * system[c, c]
         if not assume(system[n, n] > HELD * m.weight[i, k]):
             system[n, n] = math.nan
+
+
+@compiled
+def find_forces(m):
+    """f of all massless coordinates in `massless_force`, which holds P^T dv_0 on entry; needs `prepare`."""
+    system, force = m.massless_system, m.massless_force
+    count = force.shape[0]
     for n in range(count):
         for o in range(n):
             force[n] -= system[n, o] * force[o]
@@ -92,6 +102,7 @@ def take_out(m):
     acceleration, multiplier = m.acceleration, m.multiplier
     for n in range(massless.shape[0]):
         force[n] = acceleration[massless[n, 0], massless[n, 1]]
+    prepare(m)
     find_forces(m)
     for n in range(massless.shape[0]):
         for i in range(1, acceleration.shape[0]):
@@ -113,6 +124,7 @@ def take_out_of_change(m):
         before[r] = x[place_of[r]]
     for n in range(massless.shape[0]):
         force[n] = change[3 * massless[n, 0] - 3 + massless[n, 1]]
+    prepare(m)
     find_forces(m)
     for r in range(before.shape[0]):
         x[place_of[r]] = before[r]
@@ -124,3 +136,20 @@ def take_out_of_change(m):
             change[c] += response[n, 3 + c] * force[n]
         for r in range(before.shape[0]):
             x[place_of[r]] += reaction[n, r] * force[n]
+
+
+@compiled
+def take_out_of_response(m, responses, first, reactions, n):
+    """Row n of responses, in which x of the first body stands in column `first`, and of reactions, to some unit force.
+
+    Needs `prepare` at these positions.
+    """
+    massless, response, reaction, force = m.massless, m.massless_response, m.massless_reaction, m.massless_force
+    for o in range(massless.shape[0]):
+        force[o] = responses[n, first + 3 * massless[o, 0] - 3 + massless[o, 1]]
+    find_forces(m)
+    for o in range(massless.shape[0]):
+        for c in range(first, responses.shape[1]):
+            responses[n, c] += response[o, 3 + c - first] * force[o]
+        for r in range(reactions.shape[1]):
+            reactions[n, r] += reaction[o, r] * force[o]

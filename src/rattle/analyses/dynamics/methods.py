@@ -58,7 +58,6 @@ def choose_stepper(system: System, asked: str, step: float | None, span: float) 
         raise ValueError(f"{asked} {one.leaf.unfit[contacts]}; use method {usual_stepper(contacts)}")
     if contacts not in one.leaf.works_with:
         one = steppers[usual_stepper(contacts)]
-    require_masses(system, one)
     if contacts == SET_VALUED:
         require_friction_known(system, one)
         require_one_model(system)
@@ -78,25 +77,6 @@ def note_choice(system: System, asked: str, ran: Kind) -> tuple[str, ...]:
         return ()
     why = registry.kinds("stepper")[asked].leaf.unfit[contacts_of(system)]
     return (f"method {asked} {why}: {ran.name} was used",)
-
-
-def require_masses(system: System, stepper: Kind) -> None:
-    """Raise ModelError for bodies without mass or inertia where impulses, or friction of joints, need them."""
-    if not len(system.arrays["massless"]):
-        return
-    if stepper.leaf.loop != SMOOTH:
-        what = f"method {stepper.name} (set-valued contacts, ideal clutches)"
-    elif system.dry_joints:
-        what = f"friction in joints without play ({', '.join(system.dry_joints)})"
-    else:
-        return
-    problems = []
-    for i in dict.fromkeys(system.arrays["massless"][:, 0].tolist()):
-        one = system.model.bodies[system.bodies[i - 1]]
-        key = "mass" if one.mass == 0.0 else "inertia"
-        said = f"{what} needs the masses of all bodies, but this is 0; give it a small one"
-        problems.append(Problem(("bodies", one.name, key), said))
-    raise ModelError(problems)
 
 
 def require_friction_known(system: System, stepper: Kind) -> None:
