@@ -13,6 +13,8 @@ MOST = 50  # bodies without mass or inertia
 def require_mass_at_contacts(values: Values, bodies: Mapping[str, Body], joints: Mapping[str, Joint]) -> None:
     """Refuse bodies without mass or inertia on which contacts with force laws act: these need the masses they move."""
     without = [name for name, one in bodies.items() if one.mass == 0.0 or one.inertia == 0.0]
+    if not without or values.problems:  # fields of joints with problems have no values
+        return
     if len(without) > MOST:
         values.wrong(("bodies", without[MOST]), f"at most {MOST} bodies may have no mass or no inertia; give it one")
     for name, joint in joints.items():
