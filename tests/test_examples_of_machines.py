@@ -154,11 +154,13 @@ def test_ratchet_lifts_its_load_by_whole_teeth_and_loses_the_energy_of_its_impac
     # picked up where the arm comes to a tooth, put down where it comes back to the last tooth of the other pawl
     up = math.acos(1 - lost / half)
     down = 2 * math.pi - math.acos(1 - (teeth * pitch + lost) / half)
-    hits = [one for one in r.events if one.kind == "impact" and one.normal_speed > 0.1]
+    hits = [one for one in r.events if one.kind == "impact"]
     turn = 2 * math.pi
     assert [one.t for one in hits] == pytest.approx([n + at / turn for n in range(3) for at in (up, down)], abs=1e-8)
     speeds = [turn * half * abs(math.sin(at)) for at in (up, down)]
     assert [one.normal_speed for one in hits] == pytest.approx(3 * speeds, rel=1e-7)
+    coarse = rt.example("ratchet").set(A=half).simulate(rtol=1e-6)  # no more impacts from errors of their instants
+    assert sum(one.kind == "impact" for one in coarse.events) == 6
     inertia = 0.01 + 100 * 0.04**2
     assert r["energy.dissipated"][-1] == pytest.approx(3 * inertia * (speeds[0] ** 2 + speeds[1] ** 2) / 2, rel=1e-6)
 

@@ -115,9 +115,9 @@ def handle_event(m, t, y, who, what):
         project_on_contacts(m, t, y, who)
         count_shift(m)
         status = collide(m, t, y, who)
-        who = -1
         if status != OK:
             return status
+        who = who if what == HIT else -1  # it is at its wall, even if another contact holds it off by rounding
     else:
         nq, mode = m.change.shape[0], m.mode
         old = mode[who] if what == TURN else OFF
