@@ -222,3 +222,13 @@ def test_friction_of_joints_loses_what_the_brake_torque_says():
     assert of(power.elements, "lost", "O") == pytest.approx(0.5 * 0.001 * 100, rel=1e-9)  # all of the energy
     assert of(power.at(0.3), "power", "O", "disc") == pytest.approx(-torque * (10 - torque / 0.001 * 0.3), rel=1e-9)
     assert power.residual < 1e-9
+
+
+def test_a_run_that_a_stop_ends_has_powers_up_to_there():
+    """A disc driven at 100 rad/s^2 onto its stop at 0.5 rad: the motor has given J w^2/2 at w = 10 rad/s."""
+    m = rt.loads(DRIVEN.replace("ANGLE", "50*t**2")).set({"joints.O.stop": {"max": 0.5}})
+    r = m.simulate(1.0, rtol=1e-10)
+    assert not r.success
+    p = r.power()
+    assert p.t1 == pytest.approx(0.1, rel=1e-9)
+    assert p.elements.set_index("element").supplied["motor"] == pytest.approx(25.0, rel=1e-9)

@@ -87,6 +87,8 @@ def steps_between(m: Mechanism, settings: Settings, t0: float, t1: float) -> Ite
         behind.tally[at.OUTPUTS] = 0
         while status == PAUSED and behind.tally[at.STEPS] < ahead.run.tally[at.STEPS]:
             status = _advance(behind, int(ahead.run.tally[at.STEPS] - behind.tally[at.STEPS]))
+        if ahead.status not in (PAUSED, DONE) and status == PAUSED:
+            status = _advance(behind, 1)  # towards the event at which the run ends, part of a step that is not counted
         if behind.clock[at.T] != ahead.time or behind.tally[at.OUTPUTS] != len(behind.t_eval):
             raise SolverError(f"the run could not be repeated: it differs before t = {ahead.time:.9g} s", None)
         if not inside.any():
@@ -143,6 +145,8 @@ class _Ahead:
             change = self.impulses()
             if t0 < ends[-1] <= t1 * (1.0 + 1e-15):
                 work += change
+        if self.time > ends[-1]:  # the run ends within a step, at an event
+            ends.append(self.time)
         return np.array(ends), work, moved[: len(ends) - 1], closed[: len(ends) - 1]
 
 
