@@ -79,6 +79,25 @@ def test_a_slack_strand_does_not_push():
     assert any(e.kind == "contact" and e.t + e.duration < 0.4 for e in r.events), "one strand went slack"
 
 
+def test_pretension_is_energy_that_a_slack_strand_gives_back():
+    """Two stretched strands hold T0^2/K; of it nothing is lost where one goes slack, if nothing damps."""
+    r = rt.loads(text(push="300")).simulate(0.1, t_eval=[0, 0.1], **FINE)
+    assert sum(e.kind == "release" for e in r.events) > 1
+    assert r["energy.potential"][0] == pytest.approx(T0**2 / K, rel=1e-12)
+    assert r["energy.dissipated"][-1] == pytest.approx(0.0, abs=1e-8)
+    belt = r.power(0, 0.1).elements.set_index("element").loc["drive"]
+    assert belt.lost == pytest.approx(0.0, abs=1e-6)
+    assert belt.stored == pytest.approx(np.ptp(r["energy.potential"]), abs=1e-6)
+
+
+def test_the_largest_tension_is_found_between_outputs():
+    """Pushed by less than 2 r T0 it swings to twice the angle of rest, with T0 + M/r at most."""
+    r = rt.loads(text(push="60")).simulate(0.1, t_eval=[0, 0.1], **FINE)
+    value, t = r.peak("drive.tight")
+    assert value == pytest.approx(T0 + 60 / 0.2, rel=1e-9)
+    assert math.cos(math.sqrt(2 * K * 0.2**2 / J) * t) == pytest.approx(-1.0, abs=1e-6)
+
+
 @pytest.mark.parametrize(("crossed", "sense"), [("false", 1), ("true", -1)])
 def test_bearings_carry_both_strands_and_damping_takes_energy(crossed, sense):
     """The strands are inclined by asin((R_B -+ R_A)/l) to the line of centres."""

@@ -8,10 +8,13 @@ No contact and no release is missed because it is shorter than a step: see `gap_
 
 from __future__ import annotations
 
+import numpy as np
+
 from rattle.equations.compliant import add_contact_forces, contact_duration, locate_contacts
 from rattle.equations.motion import place
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
 from rattle.jit import layout as at  # fmt: skip
+from rattle.jit.families import call_stiffness
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import gets_ahead
 from rattle.solvers.contacts.event_rows import note_end
@@ -20,6 +23,7 @@ from rattle.solvers.dense_output import interpolate
 
 PARTS = 16  # samples in a step of what is left of the mode of a clutch
 DIPS = 4  # parabolas through a least value between them
+GAUSS, WEIGHTS = (np.array(one) for one in np.polynomial.legendre.leggauss(8))
 LATER = 1e-7  # share of a step at which a contact changes whose gap had the wrong sign at its start by rounding
 
 
@@ -35,6 +39,19 @@ def start_contacts(m, t, y):
         memory[n, at.CLOSED] = at.OPEN
         if kinematics[n, at.GAP] < 0.0 or (contact[n, at.LEVEL] == 1 and gets_ahead(m, n)):
             shut(m, n, t, y)
+            if contact[n, at.LEVEL] == 0:  # as a belt with its pretension: what it holds may be given back
+                y[account_at(m, n) + STORED] = strain_energy(m, n, -kinematics[n, at.GAP])
+
+
+@compiled
+def strain_energy(m, n, delta):
+    """Integral of the static force of contact n from 0 to delta [m], in J; by x = delta s^2, as F ~ x^1.5 at first."""
+    contact, total = m.contact, 0.0
+    for k in range(GAUSS.shape[0]):
+        s = 0.5 * (1.0 + GAUSS[k])
+        arguments = (delta * s * s, m.values, contact[n, at.STATIC_P])
+        total += WEIGHTS[k] * s * call_stiffness(m.stiffness_table[contact[n, at.STATIC]], arguments)
+    return delta * total
 
 
 @compiled
