@@ -350,11 +350,12 @@ _declare("events", """
 EVENT_T, EVENT_CONTACT, EVENT_KIND, EVENT_SPEED, EVENT_DURATION, EVENT_PEAK, EVENT_IMPULSE, EVENT_LOSS = range(8)
 CONTACT_EVENT, RELEASE_EVENT, IMPACT_EVENT, STICK_EVENT, SLIP_EVENT = 0.0, 1.0, 2.0, 3.0, 4.0
 _declare("quantity", """
-    FORM [] how it is formed from its columns: OF_VECTOR, OF_SIZE, OF_VALUE or OF_NEGATIVE
+    FORM [] how it is formed from its columns: OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE or OF_LARGER
     FIRST_COLUMN [] its first column after those of bodies
 """)
 FORM, FIRST_COLUMN = range(2)
-OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE = range(4)  # length of a vector, magnitude, the number, its negative
+# length of a vector, magnitude, the number, its negative, the larger of two
+OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE, OF_LARGER = range(5)
 
 # ---------------------------------------------------------------- output rows
 # the columns of every body, then of every joint and driver, the signals, the energies; names as in a result, with units

@@ -54,8 +54,9 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
     """Quantities whose peaks are found within the steps: name, how it is formed, first column after those of bodies.
 
     The largest magnitude of the force of every joint, its moment, normal and tangential force, of effort and power of
-    the drivers, and the largest penetration of contacts [SI].  For a joint without play, or a massless link, N has the
-    magnitude of the force; `<joint>.pressing` is the largest N of a link, whose N may also be negative.
+    the drivers, the larger tension of a belt, and the largest penetration of contacts [SI].  For a joint without play,
+    or a massless link, N has the magnitude of the force; `<joint>.pressing` is the largest N of a
+    link, whose N may also be negative.
     """
     found: list[tuple[str, int, int]] = []
     for n, name in enumerate(system.joints):
@@ -78,6 +79,8 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
         if joint.stop is not None:
             found.append((f"{name}.stop", at.OF_SIZE, c + at.STOP))
         if joint.contact is None or (sided is not None and sided.records):
+            if joint.is_loose:
+                found.append((f"{name}.{sided.records[0]}", at.OF_LARGER, c + at.JOINT_NORMAL))
             continue
         if kind is None:
             found.append((f"{name}.normal", at.OF_VALUE, c + at.JOINT_NORMAL))

@@ -19,7 +19,7 @@ from rattle.results.reductions import CONDITIONS, EVENTS, IDEAL, READ_OFF, Outpu
 from rattle.results.result import Result
 from rattle.results.sampled_curve import SampledCurve
 
-SIGNED = ("normal", "penetration")  # quantities whose peak is the largest value, not the largest magnitude
+SIGNED = ("normal", "penetration", "tight")  # quantities whose peak is the largest value, not the largest magnitude
 
 
 def evaluate(

@@ -133,10 +133,10 @@ class Result:
     def peak(self, name: str) -> tuple[float, float]:
         """Largest magnitude of a curve, in its SI unit, and its time [s].
 
-        For the force, moment, normal and tangential force of joints and for effort and power of drivers in a run in
-        time it is found within the steps of the whole run, whatever the output interval; `.peaks` holds all of them.
-        For other curves it is the maximum of a smooth curve through the outputs.  Raises UnknownName, ValueError
-        without any output.
+        For the force, moment, normal and tangential force of joints, the tight strand of a belt, and for effort and
+        power of drivers in a run in time it is found within the steps of the whole run, whatever the output interval;
+        `.peaks` holds all of them.  For other curves it is the maximum of a smooth curve through the outputs.  Raises
+        UnknownName, ValueError without any output.
         """
         return contact_summary.peak(self, name)
 

@@ -63,6 +63,8 @@ def value_of(row, kind, c):
         return math.sqrt(row[c] * row[c] + row[c + 1] * row[c + 1])
     if kind == at.OF_SIZE:
         return abs(row[c])
+    if kind == at.OF_LARGER:
+        return max(row[c], row[c + 1])
     return row[c] if kind == at.OF_VALUE else -row[c]
 
 
