@@ -75,6 +75,7 @@ def test_a_lesson_works_as_it_is_told(page, share, tmp_path, monkeypatch):
     assert shown
 
 
+@pytest.mark.long
 def test_the_best_designs_of_the_guide_are_found(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     blocks = dict(BLOCK.findall(DOCS["optimise.md"]))

@@ -10,6 +10,8 @@ from scipy.integrate import solve_ivp
 import rattle as rt
 from test_pages import BLOCK, DOCS, shows
 
+pytestmark = pytest.mark.long  # the program of the page searches designs for a minute
+
 BARS = ("frame", "arm", "link", "swing", "px", "py")
 BLOCKS = BLOCK.findall(DOCS["play-and-path.md"])
 G = 9.81
