@@ -384,7 +384,6 @@ def test_scotch_yoke_knocks_once_it_has_flown_across_the_play_of_its_slot():
 
 
 # ---------------------------------------------------------------- DC motor
-@pytest.mark.nojit
 def test_dc_motor_accounts_for_what_its_supply_gave_and_holds_the_arm_with_the_current_of_the_balance():
     r = rt.example("dc_motor_pid").simulate()
     stored = 0.5 * 2e-3 * r["i"] ** 2
@@ -394,7 +393,6 @@ def test_dc_motor_accounts_for_what_its_supply_gave_and_holds_the_arm_with_the_c
     assert r["i"][-1] == pytest.approx(0.5 * G * 0.15 * 0.5 / (50 * 0.05), rel=1e-4)
 
 
-@pytest.mark.nojit
 def test_without_its_integral_part_the_controller_leaves_the_error_that_ohms_law_says():
     """At rest Kp (target - angle) = R i with n k i = m g (l/2) cos(angle)."""
     r = rt.example("dc_motor_pid").set(Ki=0.0).simulate(3.0, t_eval=[3.0])
