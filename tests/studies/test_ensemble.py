@@ -187,6 +187,16 @@ def test_a_limit_on_one_side_holds_too():
 
 
 @pytest.mark.nojit
+def test_a_parameter_called_as_a_column_of_the_table_has_one_of_its_own(tmp_path):
+    m = rt.loads(SPRING.replace("\nk = ", "\nstatus = ").replace('"k"', '"status"').replace("min = 5, ", "min = 1, "))
+    e = m.sweep({"status": [4, 6]}, [OF], t_end=T)
+    assert list(e.table["parameter status"]) == [4, 6]
+    assert list(e.table["status"]) == ["ok", "ok"]
+    e.to_csv(tmp_path / "e.csv")
+    assert (tmp_path / "e.csv").read_text().startswith("sample,parameter status [N/m],")
+
+
+@pytest.mark.nojit
 def test_a_table_of_samples_is_a_file(tmp_path):
     e = spring().ensemble(8, [OF], t_end=T)
     e.to_csv(tmp_path / "e.csv")

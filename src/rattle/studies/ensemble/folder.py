@@ -29,7 +29,7 @@ from rattle.atomic_file import atomic
 from rattle.results.archive import package
 from rattle.studies.ensemble import history_files, identity
 from rattle.studies.ensemble.history_files import Damaged
-from rattle.studies.ensemble.pieces import STATUS, WAITING, Piece
+from rattle.studies.ensemble.pieces import OWN, STATUS, WAITING, Piece, column_name
 from rattle.studies.ensemble.plans import Plan
 from rattle.studies.ensemble.store import Memory, Store, add_counts
 from rattle.studies.runs.task import Task
@@ -41,7 +41,6 @@ DAMAGED = ".damaged"  # added to the name of a file that cannot be read
 NAME = re.compile(r"samples-(\d+)-(\d+)\.parquet")
 LEFTOVER = re.compile(r"\.(manifest|(samples|histories)-\d+-\d+)-[0-9a-f]{8}\.(json|parquet|nc)")
 STALE = 10.0  # seconds after which a temporary file is taken for one of a run that was killed
-OWN = ("sample", "status", "generic", "message")  # columns besides those of parameters and outputs
 REASONS = b"rattle.reasons"
 CODES = {text: code for code, text in STATUS.items()}
 
@@ -78,7 +77,7 @@ class Folder:
         self._plan, self._count = plan, plan.count
         self._units = {name: one.unit for name, one in task.mechanism.model.parameters.items() if name in plan.names}
         self._units |= {one.text: one.unit for one in task.outputs}
-        self._columns = {name: f"parameter {name}" if name in OWN else name for name in (*plan.names, *task.texts)}
+        self._columns = {name: column_name(name) for name in (*plan.names, *task.texts)}
         self._order = [*plan.names, *task.texts]
         self._histories = dict(zip(task.histories, task.history_units, strict=True))
         self._times = task.history_times

@@ -10,6 +10,12 @@ from rattle.studies.runs.runner import Progress, Runner
 
 WAITING, OK, FAILED, NOT_FINITE = -1, 0, 1, 2
 STATUS = {OK: "ok", FAILED: "failed", NOT_FINITE: "not finite", WAITING: "not run"}
+OWN = ("sample", "status", "generic", "message")  # columns of tables besides those of parameters and outputs
+
+
+def column_name(name: str) -> str:
+    """What the column of a parameter or output is called, in tables and files."""
+    return f"parameter {name}" if name in OWN else name
 
 
 @dataclass(eq=False)

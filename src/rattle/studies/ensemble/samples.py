@@ -15,7 +15,7 @@ from rattle.atomic_file import atomic
 from rattle.errors import suggest
 from rattle.results.archive import package
 from rattle.results.result import UnknownName, require_table
-from rattle.studies.ensemble.pieces import OK, STATUS, WAITING
+from rattle.studies.ensemble.pieces import OK, STATUS, WAITING, column_name
 from rattle.studies.ensemble.plans import Plan
 from rattle.studies.ensemble.shown import in_one_unit
 from rattle.studies.ensemble.store import Store
@@ -122,7 +122,7 @@ class Samples(ABC):
         pandas = package("pandas", "a table of samples")
         run = self.store.status() != WAITING
         numbers = np.flatnonzero(run)
-        columns: dict[str, Any] = {name: self[name][run] for name in (*self.parameters, *self.outputs)}
+        columns: dict[str, Any] = {column_name(name): self[name][run] for name in (*self.parameters, *self.outputs)}
         messages = self.messages
         columns["status"] = self.status[run]
         columns["message"] = [messages.get(int(n), "") for n in numbers]
@@ -138,7 +138,7 @@ class Samples(ABC):
         columns, status, messages = [self[name] for name in names], self.status, self.messages
         with atomic(path) as file, file.open("w", newline="", encoding="utf-8") as out:
             writer = csv.writer(out, lineterminator="\n")
-            titles = [f"{name} [{unit}]" if (unit := self.unit(name)) else name for name in names]
+            titles = [column_name(name) + (f" [{unit}]" if (unit := self.unit(name)) else "") for name in names]
             writer.writerow(["sample", *titles, "status", "message"])
             for n in np.flatnonzero(self.store.status() != WAITING).tolist():
                 writer.writerow([n, *(column[n] for column in columns), status[n], messages.get(n, "")])
