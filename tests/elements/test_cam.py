@@ -139,6 +139,22 @@ def test_an_eccentric_circle_is_the_rod_between_the_centres_with_the_same_force(
     assert np.abs(cam["energy.balance"]).max() < 1e-9
 
 
+@nojit
+@pytest.mark.parametrize("size", [0.0, 0.02])
+def test_a_follower_whose_guide_begins_in_the_cam_starts_outside_in_the_direction_of_the_guide(size):
+    """Eccentric of 10 mm, the guide through its axis or beside it; in the middle of a cam nothing says where out is."""
+    curve = f'radius = "0.01*cos(a) + sqrt(0.03**2 - (0.01*sin(a))**2)"\nroller = {size}'
+    for beside, turn in ((0.0, 0.0), (0.0, -2.0), (0.006, 0.0), (-0.006, 2.0)):
+        start = model(
+            wheel("disc"), body("follower"), driver("disc", f"{turn} + t"),
+            joint("guide", "prismatic", "ground.G", "follower.C", 'axis = "90 deg"\nangle = 0'),
+            joint("lift", "cam", "disc.C", "follower.C", curve), ground=f"O = [0, 0]\nG = [{beside}, 0]",
+        ).start  # fmt: skip
+        across = beside - 0.01 * math.cos(turn)
+        high = 0.01 * math.sin(turn) + math.sqrt((0.03 + size) ** 2 - across**2)
+        assert start.q[3:5] == pytest.approx([beside, high], abs=1e-12)
+
+
 def wire(s0, radius=0.25):
     """A bead on a cycloid that hangs from its cusps, given by a table of its distance from the middle between them."""
     s = np.arange(-2.8, 2.80625, 0.0125)

@@ -101,9 +101,12 @@ def place_positions(
             u = np.array([math.cos(axis), math.sin(axis)])
             where = wanted + own - at[parent] - other
             known = ~np.isnan(wanted)
-            along = float(u[known] @ where[known]) * sign if known.all() else 0.0
-            if known.sum() == 1 and abs(u[known][0]) > 1e-6:
+            if known.all():
+                along = float(u @ where) * sign
+            elif known.any() and abs(u[known][0]) > 1e-6:
                 along = float(where[known][0] / u[known][0]) * sign
+            else:
+                along = _out_of_cams(model, at, angles, body, at[parent] + other - own, sign * u)
             gap = u * (functions[driven[joint.name]] if joint.name in driven else along)
         elif joint.distance > 0.0:
             where = (wanted + own - at[parent] - other) * sign
@@ -116,6 +119,24 @@ def place_positions(
         x, y = at[name] if name in at else np.nan_to_num(given.get(name, np.zeros(2)))
         q[3 * n : 3 * n + 3] = x, y, angles[name]
     return q
+
+
+def _out_of_cams(
+    model: Model, at: Mapping[str, np.ndarray], angles: Mapping[str, float], body: str, start: np.ndarray, u: np.ndarray
+) -> float:
+    """Travel [m] along u at which a body that slides is out of the cam that it follows; 0 if it begins outside.
+
+    start: (2,) its position [m] without travel.  Near the centre of a cam no row says which way is out.
+    """
+    for joint in model.joints.values():
+        own, other = (joint.a, joint.b) if joint.a.body == body else (joint.b, joint.a)
+        if joint.leaf.places or joint.distance <= 0.0 or own.body != body or other.body not in at:
+            continue
+        arm = start + turned(angles[body], own.at) - at[other.body] - turned(angles[other.body], other.at)
+        inside, ahead = joint.distance**2 - float(arm @ arm), float(arm @ u)
+        if inside > 0.0:
+            return math.sqrt(ahead * ahead + inside) - ahead
+    return 0.0
 
 
 def first_guess(system: System, t: float = 0.0) -> np.ndarray:
