@@ -232,3 +232,28 @@ def test_a_run_that_a_stop_ends_has_powers_up_to_there():
     p = r.power()
     assert p.t1 == pytest.approx(0.1, rel=1e-9)
     assert p.elements.set_index("element").supplied["motor"] == pytest.approx(25.0, rel=1e-9)
+
+
+def test_powers_are_known_up_to_where_friction_locks():
+    """A parallelogram jams before its bars are in line; the last steps of its run are as short as rounding."""
+    m = rt.Mechanism(gravity=[0, -9.81]).ground(O=[0, 0], Q=[0.4, 0])
+    m = (
+        m.bar("a", "O", "A", length=0.2, mass=1)
+        .bar("b", "Q", "B", length=0.2, mass=1)
+        .bar("c", "A", "B", length=0.4, mass=1)
+    )
+    rubs = {"model": "coulomb", "mu": 0.3, "pin_radius": 0.02}
+    for name, one, two in (
+        ("O", "ground.O", "a.O"),
+        ("A", "a.A", "c.A"),
+        ("B", "b.B", "c.B"),
+        ("Q", "ground.Q", "b.Q"),
+    ):
+        m.revolute(name, one, two, friction=rubs)
+    r = m.initial("a", angle=0.8).initial("b", angle=0.8).simulate(1.0, rtol=1e-10)
+    assert "friction locks" in r.message
+    p = r.power(0.0, float(r.t[-1]))
+    assert p.elements.lost.sum(skipna=False) == pytest.approx(r["energy.dissipated"][-1], rel=1e-6)
+    whole = r.power()
+    assert whole.t1 > r.t[-1]
+    assert np.isfinite(whole.elements.lost).all()

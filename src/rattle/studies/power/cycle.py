@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rattle.errors import SolverError
 from rattle.mechanism import Mechanism
-from rattle.studies.power.ports import Ports
+from rattle.studies.power.ports import Flow, Ports
 from rattle.studies.power.steps import GAUSS, Settings, Steps, steps_between
 
 Array = NDArray[np.float64]
@@ -18,6 +19,7 @@ _POINTS, _WEIGHTS = _legendre.leggauss(ORDER)
 _SAMPLES = np.cos(np.pi * np.arange(33) / 32)[::-1]  # of a step, denser towards its ends
 _FIT = np.linalg.inv(_legendre.legvander(_POINTS, ORDER - 1))  # coefficients from values at the points of Gauss
 _SERIES = np.array([_legendre.legint(row, lbnd=-1.0) for row in np.eye(ORDER)])  # integrals of the polynomials
+UNKNOWN = 1e-6  # share of the window in which powers may be unknown, in steps that shrink to nothing
 NEWTON = 4  # iterations, from a zero that is good to some thousandths of a step
 
 
@@ -41,7 +43,7 @@ def cycle(m: Mechanism, ports: Ports, settings: Settings, t0: float, t1: float) 
     sums = np.zeros((3, len(ports.elements)))
     residual = 0.0
     for steps in steps_between(m, settings, t0, t1):
-        flow = ports.flow(steps.rows.reshape(-1, steps.rows.shape[-1]))
+        steps, flow = _known(ports, steps, t1 - t0)
         half = 0.5 * (steps.end - steps.start)
         values = flow.ports.reshape(len(half), len(settings.points), -1)
         positive, net, extreme = parts(values, half)
@@ -57,6 +59,23 @@ def cycle(m: Mechanism, ports: Ports, settings: Settings, t0: float, t1: float) 
         residual = max(residual, float(flow.unbalanced.max(initial=0.0)))
     supplied, lost, stored = sums
     return Cycle(t0, t1, into, out, peak, supplied, lost, stored, residual)
+
+
+def _known(ports: Ports, steps: Steps, span: float) -> tuple[Steps, Flow]:
+    """The steps at whose points all powers are known, and these; span: of the window [s].
+
+    Steps shrink to rounding before a run ends where no force is a solution.  Raises SolverError if more is unknown.
+    """
+    flow = ports.flow(steps.rows.reshape(-1, steps.rows.shape[-1]))
+    finite = np.isfinite(flow.unbalanced) & np.isfinite(flow.lost + flow.stored + flow.supplied).all(axis=1)
+    known = finite.reshape(len(steps.start), -1).all(axis=1)
+    if known.all():
+        return steps, flow
+    if not (steps.end - steps.start)[~known].sum() <= UNKNOWN * span:
+        raise SolverError(f"forces have no value at t = {steps.start[~known][0]:.6g} s: give times before it", None)
+    moved, closed = steps.moved[known], steps.closed[known]
+    left = Steps(steps.start[known], steps.end[known], steps.rows[known], steps.impulses, moved, closed)
+    return left, ports.flow(left.rows.reshape(-1, left.rows.shape[-1]))
 
 
 def parts(values: Array, half: Array) -> tuple[Array, Array, Array]:
