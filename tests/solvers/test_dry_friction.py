@@ -434,3 +434,17 @@ two = { x = 1, vx = 0 }
     assert max(one.t for one in run.events) == pytest.approx(breaks, abs=1e-12)
     assert abs(run["first.friction"][1] + run["second.friction"][1] + 1.5) < 1e-12
     assert abs(run["one.vx"][2] - (15 * (t * t - breaks**2) - limit * (t - breaks)) / 3) < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "said"),
+    [("0.3", "0", "guide: friction by"), ("0", "0.3", "other: friction by"), ("0", "0", "")],
+)
+def test_that_friction_follows_a_reaction_which_is_not_unique_is_said(first, second, said):
+    """Two guides on one line share the weight in any way, so the one that rubs may carry all of it or nothing."""
+    rubs = f"friction = {second}\n" if second != "0" else ""
+    other = f'[joints.other]\ntype = "prismatic"\nconnect = ["ground.O", "block.C"]\nangle = 0\n{rubs}'
+    r = rt.loads(block(f"friction = {first}" if first != "0" else "", more=other)).simulate(0.01)
+    assert r.trust.nonunique == ("guide", "other")
+    notes = [one for one in r.trust.notes if "neither is the motion" in one]
+    assert [one.startswith(said) for one in notes] == ([True] if said else [])

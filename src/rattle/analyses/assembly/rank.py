@@ -68,6 +68,17 @@ def nonunique_reactions(system: System, workspace: Workspace) -> tuple[str, ...]
     return tuple(dict.fromkeys(row.owner for row, takes in zip(system.rows, taking_part, strict=True) if takes))
 
 
+def unsure_friction(system: System, free: np.ndarray) -> tuple[str, ...]:
+    """Names of joints that rub by a reaction which is not unique; free: (nr, k) reactions that balance each other."""
+    unsure, found = np.abs(free).max(axis=1, initial=0.0) > 1e-6, []
+    for name, entry in zip(system.dry_joints, system.arrays["dry"], strict=True):
+        friction, row = system.model.joints[name].friction, int(entry[at.DRY_ROW])
+        second_counts = entry[at.DRY_FORM] == at.DRY_PIN or (friction is not None and friction.reach > 0.0)
+        if unsure[row] or (second_counts and unsure[row + 1]):
+            found.append(name)
+    return tuple(found)
+
+
 def drivers_on_one_dof(system: System, workspace: Workspace) -> tuple[str, ...]:
     """Names of drivers that move the same degree of freedom, at the state in the workspace."""
     if len(system.model.drivers) < 2 or system.row_count > LARGE:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle.analyses.assembly.rank import nonunique_reactions
+from rattle.analyses.assembly.rank import left_null, nonunique_reactions, unsure_friction
 from rattle.analyses.dynamics.events import contact_counts, contact_events, contact_notes
 from rattle.analyses.dynamics.horizon import Reach
 from rattle.analyses.dynamics.peak_values import peak_values
@@ -67,8 +67,16 @@ def _nonunique(run: Run) -> tuple[tuple[str, ...], tuple[str, ...]]:
     record(run.workspace, run.start.t, start_state(system, run.start), np.zeros(width(system)))
     nonunique = nonunique_reactions(system, run.workspace)
     if nonunique:
-        return nonunique, ()
+        return nonunique, _friction_note(unsure_friction(system, left_null(system, run.workspace)))
     return (), ("the run passed a singular position, in which the constraints are not independent",)
+
+
+def _friction_note(joints: tuple[str, ...]) -> tuple[str, ...]:
+    """That the motion depends on reactions that are not unique, by the friction of joints."""
+    if not joints:
+        return ()
+    said = f"{', '.join(joints)}: friction by a reaction that is not unique, so neither is the motion"
+    return (f"{said}; replace a joint by one that holds less",)
 
 
 def _series_notes(run: Run) -> tuple[str, ...]:

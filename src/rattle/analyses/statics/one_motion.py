@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.analyses.assembly.rank import RANK
+from rattle.analyses.assembly.rank import RANK, unsure_friction
 from rattle.analyses.clutches import require_known_torques
 from rattle.analyses.own_states import require_loads_without_states
 from rattle.analyses.statics.impending_motion import NOTHING, Limit, Rubbing, limit
@@ -135,13 +135,12 @@ def _require_unique(system: System, loose: np.ndarray, kept: np.ndarray) -> None
 
     loose: (rows, k) reactions that balance each other, of the rows `kept`.
     """
-    unsure = set(kept[np.abs(loose).max(axis=1, initial=0.0) > 1e-6].tolist())
-    for name, entry in zip(system.dry_joints, system.arrays["dry"], strict=True):
-        joint, row = system.model.joints[name], int(entry[at.DRY_ROW])
-        moment_counts = entry[at.DRY_FORM] == at.DRY_PIN or (joint.friction is not None and joint.friction.reach > 0.0)
-        if row in unsure or (moment_counts and row + 1 in unsure):
-            said = "its reaction is not unique (redundant constraints), so neither is its friction; replace a joint"
-            raise ModelError([Problem(("joints", name, "friction"), f"{said} by one that holds less")])
+    free = np.zeros((system.row_count, loose.shape[1]))
+    free[kept] = loose
+    said = "its reaction is not unique (redundant constraints), so neither is its friction; replace a joint by one"
+    names = unsure_friction(system, free)
+    if names:
+        raise ModelError([Problem(("joints", name, "friction"), f"{said} that holds less") for name in names])
 
 
 def _freedom(system: System, sought: Sought | None, dof: int) -> str:
