@@ -202,6 +202,7 @@ def test_a_stop_of_a_crank_without_mass_stops_what_it_drives():
     r = m.initial("crank", angle=0, omega=2).simulate(0.5, t_eval=[0.2, 0.3, 0.5])
     assert r["crank.omega"] == pytest.approx([2, -0.8, -0.8], rel=1e-9)
     (hit,) = [event for event in r.events if event.kind == "impact"]
+    assert "without mass or inertia: crank, bob" in str(m.check())
     assert (hit.t, hit.impulse) == pytest.approx((0.25, 0.04 * 2.8), rel=1e-9)  # m l^2 (1 + e) omega
 
 

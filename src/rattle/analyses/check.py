@@ -20,7 +20,7 @@ from rattle.equations.dense import LARGE
 from rattle.equations.placement import point_at
 from rattle.equations.system import System, is_link
 from rattle.jit.workspace import Workspace
-from rattle.results.display import table
+from rattle.results.display import quantity, table
 
 TURN = 72  # positions of a driver tried around a full turn, for bodies that turn no faster
 MOST_PIECES = 100  # times as many for those that do
@@ -46,6 +46,8 @@ class Check:
     laws: tuple[str, ...]  # contact laws of the user that pull or create energy
     start: tuple[str, ...]  # values given for the start that could not be kept, and why
     residual: float  # largest constraint residual after assembly [m or rad]
+    plates: tuple[str, ...] = ()  # what follows from their polygons
+    massless: tuple[str, ...] = ()  # bodies without mass or inertia
 
     def __repr__(self) -> str:
         return f"<rattle.Check: {self.bodies} bodies, {self.joints} joints, mobility {self.mobility}>"
@@ -70,6 +72,8 @@ class Check:
         if self.freedoms:
             more = f" and {len(self.freedoms) - 8} more" if len(self.freedoms) > 8 else ""
             lines.append(f"free: {', '.join(self.freedoms[:8])}{more}")
+        lines += [f"plate: {one}" for one in self.plates]
+        lines += [f"without mass or inertia: {', '.join(self.massless)}"] if self.massless else []
         lines += [f"loop: {one}" for one in self.loops[:8]]
         if len(self.loops) > 8:
             lines.append(f"... and {len(self.loops) - 8} more loops")
@@ -121,7 +125,19 @@ def check(system: System, start: Assembled) -> Check:
         laws=tuple(law_faults(model)),
         start=(*start.notes, *out_of_place(system, np.array([start.t]), start.q.reshape(1, -1, 3))),
         residual=start.residual,
+        plates=tuple(_plates(model)),
+        massless=tuple(name for name, one in model.bodies.items() if one.mass == 0.0 or one.inertia == 0.0),
     )
+
+
+def _plates(model: Model) -> list[str]:
+    """Mass, inertia and mass centre of every plate."""
+    return [
+        f"{name} {body.mass:.4g} kg, {body.inertia:.4g} kg*m^2 about its mass centre, which is"
+        f" [{quantity(-body.outline[0][0][0], 'm')}, {quantity(-body.outline[0][0][1], 'm')}] from its first corner"
+        for name, body in model.bodies.items()
+        if body.outline
+    ]
 
 
 def _clearances(model: Model) -> list[str]:
