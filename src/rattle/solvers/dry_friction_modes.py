@@ -68,6 +68,13 @@ def bring_to_rest(m, y):
 
 
 @compiled
+def stay_at_rest(m, t, y):
+    """Remove from the rates in y what joints that stick have drifted within the error of the steps."""
+    solve_at(m, t, y)
+    bring_to_rest(m, y)
+
+
+@compiled
 def violation(m, n, loose):
     """How far the mode of a joint at rest is from being possible, as a share; 0 if it is.
 

@@ -17,7 +17,7 @@ from rattle.language.bytecode import BENT, CROSSED, LESS, SIDE, evaluate, switch
 from rattle.language.table_reading import knot_coordinate
 from rattle.solvers.contacts.gap_search import NONE
 from rattle.solvers.dense_output import interpolate
-from rattle.solvers.dry_friction_modes import any_over, decide, first_change_of_modes
+from rattle.solvers.dry_friction_modes import any_over, decide, first_change_of_modes, stay_at_rest
 
 ACCEPT, REPEAT, SLIDES = 0, 1, 22  # the step is accepted; it is repeated; a switch changes its branch without end
 PARTS = 16  # pieces of a step that are searched
@@ -193,6 +193,7 @@ def turn(m, t, y, who, h):
         code[switch[n, at.OWN_CODE], CROSSED] = 0
     if m.dry.shape[0] > 0:
         landing[at.TURNS] += 1.0
+        stay_at_rest(m, t, y)
         decide(m, t, y, who - switch.shape[0] if who >= switch.shape[0] else -1, 1)
     landing[at.AGAIN] = landing[at.AGAIN] + 1.0 if t - landing[at.LAST_TURN] <= CLOSE * h else 0.0
     landing[at.LAST_TURN] = t

@@ -29,7 +29,7 @@ from rattle.solvers.contacts.gap_search import NONE, may_reach
 from rattle.solvers.contacts.pawls import drop_pawl, seat_pawls
 from rattle.solvers.contacts.penetration import ESCAPED, escaped, inside_wall, scale_of
 from rattle.solvers.dense_output import interpolate, prepare_dense
-from rattle.solvers.dry_friction_modes import KEEP, decide, modes_changed
+from rattle.solvers.dry_friction_modes import KEEP, decide, modes_changed, stay_at_rest
 from rattle.solvers.nonsmooth.contact_modes import CREEPS, DROP, HIT, NOTHING, TURN, update_modes
 from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, note_open, project_on_contacts
 from rattle.solvers.nonsmooth.event_search import any_closed, first_event
@@ -107,6 +107,8 @@ def handle_event(m, t, y, who, what):
     memory, kinematics = m.contact_memory, m.contact_kinematics
     for n in range(memory.shape[0]):
         memory[n, at.GAP_1] = kinematics[n, at.GAP]
+    if m.dry.shape[0] > 0:
+        stay_at_rest(m, t, y)
     if what == DROP:
         drop_pawl(m, who, 1.0)
         project_on_contacts(m, t, y, -1)
