@@ -181,3 +181,11 @@ def test_pulleys_that_overlap_are_refused():
 def test_a_pretension_that_stretches_the_strands_by_more_than_their_length_is_refused():
     with pytest.raises(rt.AssemblyError, match="the belt is too short for its path"):
         rt.loads(text().replace(f"pretension = {T0}", f"pretension = {0.6 * K}")).simulate(0.1)
+
+
+def test_rigid_contacts_beside_an_elastic_belt_are_refused_where_they_can_be_changed():
+    m = rt.loads(text()).set({"joints.two_pin.stop": {"max": 1.0}})
+    with pytest.raises(
+        rt.ModelError, match=r"joints\.two_pin\.stop\.contact: impact and compliant .* a belt is elastic"
+    ):
+        m.simulate(0.1)

@@ -141,7 +141,7 @@ def _sliding(system: System, workspace: Workspace) -> str:
     return (
         f"cannot go on at t = {t:.6g} s: {name} switches to and fro without end, each of its branches drives the motion"
         " back to the other. Make the change gradual, as tanh(x/width) for sign(x); for dry friction use `friction` of"
-        " a joint with clearance"
+        " a joint or its contact"
     )
 
 

@@ -99,7 +99,14 @@ def require_one_model(system: System) -> None:
     if COMPLIANT in models.values():
         listed = ", ".join(f"{_named(path)}: {model}" for path, model in models.items())
         said = f"impact and compliant contacts cannot be combined ({listed}); give all joints and stops the same kind"
-        raise ModelError([Problem(next(path for path, model in models.items() if model == COMPLIANT), said)])
+        elastic = [joint.name for joint in joints if joint.one_sided is not None and not joint.one_sided.chosen]
+        changing = COMPLIANT
+        if elastic:  # nothing can be changed there
+            said += (
+                f", here a force law, as a belt is elastic ({', '.join(elastic)}); a clutch may be viscous or compliant"
+            )
+            changing = SET_VALUED
+        raise ModelError([Problem(next(path for path, model in models.items() if model == changing), said)])
 
 
 def require_one_law(system: System, stepper: type[Stepper]) -> None:
