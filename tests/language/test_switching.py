@@ -162,6 +162,15 @@ def test_a_torque_in_steps_is_exact(torque):
     assert result.stats["rejected"] == 0
 
 
+def test_a_table_may_end_with_the_run():
+    """The instant at which it ends is found but for rounding, before or after the end of the run."""
+    for x in ([0, 0.3, 0.6, 1.0], [0, 0.2, 0.7], [0, 0.1, 0.3]):
+        m = rotor(torque="f(t)").set({"tables.f": {"x": x, "y": [2.0] * len(x)}})
+        result = m.simulate(x[-1])
+        assert result.success, result.message
+        assert result["rotor.omega"][-1] == pytest.approx(2.0 * x[-1] / 0.5, rel=1e-12)
+
+
 def test_a_pulse_shorter_than_any_step_is_not_missed():
     result = rotor(torque="1e6*(step(t - 0.5) - step(t - 0.500001))").simulate(1.0)
     assert result["rotor.omega"][-1] == pytest.approx(1e6 * 1e-6 / 0.5, rel=1e-9)  # 1e-16/1e-6 of the pulse is rounding

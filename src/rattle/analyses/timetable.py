@@ -72,7 +72,8 @@ def timetable(system: System, start: float, end: float) -> Timetable:
         return ALWAYS
     locate_all(system.signals, switches, start, beyond)
     every = merged(switches, span)
-    instants = np.minimum(every[every <= end + SAME * span], end)
+    instants = every[every <= end + SAME * span]
+    instants = np.where(instants >= end - SAME * span, end, instants)  # no step is left between it and the end
     edges = np.concatenate([[start], instants, [*every, beyond][len(instants) : len(instants) + 1]])
     middle = 0.5 * (edges[:-1] + edges[1:])
     sides = np.array([side_at(one, middle) for one in switches], np.int64).reshape(len(switches), len(middle)).T
