@@ -282,8 +282,10 @@ _declare("clock", """
     H_FREE [s] step of free flight
     FEWEST [] fewest steps in a contact
     CHANGE_AT [] share of the step at which a contact starts or ends
+    H_STABLE [s] longest step at which the method is stable
+    SHORTENED [] 1 if the last step was repeated because it was longer
 """)
-T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, CHANGE_AT = range(8)
+T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, CHANGE_AT, H_STABLE, SHORTENED = range(10)
 _declare("tally", """
     STEPS [] steps taken
     REJECTED [] steps repeated with a shorter length

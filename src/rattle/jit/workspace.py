@@ -146,7 +146,7 @@ ARRAYS = {
     "dry_system": Array("f2", "nd, nd + 1", "", "scratch"),
     # time integration
     "state": Array("f1", "ny", "SI", "y at clock[T], see `equations.state`"),
-    "stepper": Array("i1", "4", "", "properties of the stepper of the run, see `step_state`"),
+    "stepper": Array("i1", "6", "", "properties of the stepper of the run, see `step_state`"),
     "stepper_table": Array("i1", "0 or 2", "", "its kernels: step and dense output"),
     "rate": Array("f1", "ny", "SI/s", "its derivative"),
     "state_new": Array("f1", "ny", "SI", "the same at the end of a step"),
@@ -154,7 +154,7 @@ ARRAYS = {
     "stage": Array("f1", "ny", "SI", "state of one stage"),
     "slopes": Array("f2", "16, ny", "SI/s", "derivatives at the stages"),
     "dense": Array("f2", "7, ny", "SI", "coefficients of the dense output"),
-    "clock": Array("f1", "8", "s", "of the run"),
+    "clock": Array("f1", "10", "s", "of the run"),
     "tally": Array("i1", "13", "", "counts of the run"),
     "sign": Array("f1", "nw", "", "sign of every monitored force"),
     "crossings": Array("f2", "n, 3", "", "zero crossings of monitored forces"),

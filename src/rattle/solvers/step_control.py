@@ -12,15 +12,19 @@ from __future__ import annotations
 import math
 
 from rattle.equations.motion import OK
+from rattle.equations.state import states_at
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 from rattle.solvers.dense_output import prepare_dense
 from rattle.solvers.state_switches import REPEAT, SLIDES, arrive, crossed, land, release
 from rattle.solvers.step_audit import UNSOUND, stands
-from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, POWER
+from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, POWER, STABLE, STAGES
 
 TRY_AGAIN = -1  # the step must be repeated, with the length in `clock`
 SHORT = 1e-9  # share of the remaining time down to which a step that fails the audit is repeated with a shorter length
+COUNTS = 1e-2  # of the tolerances, from which differences between stages show that a step is not stable
+STABLE_SHARE = 0.9  # of the longest stable step, the next one
+REGROWTH = 1.005  # growth of the longest stable step from one step to the next
 
 
 @compiled
@@ -63,7 +67,41 @@ def lengthen(m, h, error, last, h_max):
     """Choose the step after one of length h [s]; last: the step was shortened to end at a given instant."""
     clock = m.clock
     ahead = h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-1.0 / m.stepper[POWER])))
-    clock[at.H] = min(h_max, max(ahead, clock[at.H] if last else 0.0))
+    clock[at.H_STABLE] *= REGROWTH
+    clock[at.H] = min(h_max, clock[at.H_STABLE], max(ahead, clock[at.H] if last else 0.0))
+
+
+@compiled
+def is_stable(m, h, rtol, atol):
+    """False if a step of length h [s] was too long for the stiffest spring or contact; `clock` then has a shorter one.
+
+    The last stage and the end of the step are two states at one instant.  With their differences dq, dv, da in the norm
+    of the masses, w of |da| = w^2 |dq| + w |dv| is at most the highest natural frequency, or the fastest decay, and
+    near to it where that shows in the step.  Beyond the limit of stability ends of steps may still be right, but not
+    what lies within them.  Differences far below the tolerances do not count; a step is repeated once.
+    """
+    clock, last, weight = m.clock, m.stepper[STAGES] - 1, m.weight
+    y, f, stage, slope = m.state_new, m.rate_new, m.stage, m.slopes
+    nq, dq2, dv2, da2, masses, counts = m.change.shape[0], 0.0, 0.0, 0.0, 0.0, False
+    for n in range(nq):
+        mass = 1.0 / weight[1 + n // 3, n % 3]
+        masses += mass
+        dq, dv, da = y[n] - stage[n], y[nq + n] - stage[nq + n], f[nq + n] - slope[last, nq + n]
+        dq2 += mass * dq * dq
+        dv2 += mass * dv * dv
+        da2 += mass * da * da
+        counts |= abs(dq) > COUNTS * (atol + rtol * abs(y[n])) or abs(dv) > COUNTS * (atol + rtol * abs(y[nq + n]))
+    for n in range(states_at(m), y.shape[0]):  # bristles move as bodies do; accelerations follow from them too
+        dq2 += masses * (y[n] - stage[n]) * (y[n] - stage[n])
+    again, clock[at.SHORTENED] = clock[at.SHORTENED], 0.0
+    da = math.sqrt(da2)
+    fall = math.sqrt(dv2) + math.sqrt(dv2 + 4.0 * da * math.sqrt(dq2))
+    if again == 1.0 or not counts or not da < math.inf or 2.0 * da * h <= m.stepper[STABLE] * fall:
+        return True
+    clock[at.SHORTENED] = 1.0
+    clock[at.H_STABLE] = max(0.2 * h, STABLE_SHARE * m.stepper[STABLE] * fall / (2.0 * da))
+    clock[at.H] = clock[at.H_STABLE]
+    return False
 
 
 @compiled

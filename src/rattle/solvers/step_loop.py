@@ -50,6 +50,7 @@ from rattle.solvers.step_control import (
     end_on_switch,
     end_stands,
     has_room,
+    is_stable,
     lengthen,
     next_step,
     output_due,
@@ -58,7 +59,7 @@ from rattle.solvers.step_control import (
     take_over,
     turn_switch,
 )  # fmt: skip
-from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, POWER, SAMPLES, STAGES, STEP
+from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, POWER, SAMPLES, STABLE, STAGES, STEP
 
 LEAP = 0.1  # share of the last regular step below which a step is not shortened further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is accepted [units of the state]; it doubles with every attempt
@@ -180,6 +181,7 @@ def search_step_for_events(m, t, t_new, changed, t_out, out):
 def turn_contact(m, t, y, who):
     """Contact `who` starts or ends at (t, y): change its memory, record the event, choose the next step."""
     clock, tally, memory = m.clock, m.tally, m.contact_memory
+    clock[at.H_STABLE] = math.inf
     was_shut = memory[who, at.CLOSED] == at.SHUT
     if was_shut:
         clock[at.FEWEST] = min(clock[at.FEWEST], memory[who, at.STEPS_IN])
@@ -239,9 +241,13 @@ def step_anew(m, t, h, error, weak):
 
 
 @compiled
-def end_on_constraints(m, t, h, t_new, t_end):
+def end_on_constraints(m, t, h, t_new, t_end, rtol, atol):
     """Project the end of the step onto the constraints; OK, TRY_AGAIN, UNSOUND or SLIDES, and True as in `try_step`."""
     finish_step(m, t_new, m.state_new, m.rate_new)
+    if m.stepper[STABLE] > 0 and not is_stable(m, h, rtol, atol):
+        m.tally[at.REJECTED] += 1
+        m.landing[at.LANDS] = 0.0
+        return TRY_AGAIN, False
     status = end_stands(m, t, h, t_new, t_end)
     if status != OK:
         return status, False
@@ -289,7 +295,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         t_new = t_end if last else t + h
         status, changed = try_step(m, t, h, last, rtol, atol, h_max)
         if status == OK:
-            status, at_end = end_on_constraints(m, t, h, t_new, t_end)
+            status, at_end = end_on_constraints(m, t, h, t_new, t_end, rtol, atol)
             changed |= at_end
         if status == TRY_AGAIN:
             continue

@@ -11,8 +11,9 @@ from rattle.jit import layout as at
 from rattle.registry import Kind, kinds
 
 # stepper: 1 if it is adaptive, power of the step with which the error of a step grows, stages of a step, layout of its
-# stages (see `peaks.samples`), further stages of its dense output; stepper_table: its kernels
-ADAPTIVE, POWER, STAGES, SAMPLES, DENSE_STAGES = range(5)
+# stages (see `peaks.samples`), further stages of its dense output, where it stops to be stable (0: not watched);
+# stepper_table: its kernels
+ADAPTIVE, POWER, STAGES, SAMPLES, DENSE_STAGES, STABLE = range(6)
 STEP, DENSE = range(2)
 
 
@@ -22,6 +23,7 @@ def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     clock = np.zeros(at.width("clock"))
     clock[at.H_MIN] = math.inf
     clock[at.FEWEST] = math.inf
+    clock[at.H_STABLE] = math.inf
     return {
         "state": y.copy(),
         **{name: np.zeros(ny) for name in ("rate", "state_new", "rate_new", "stage")},
@@ -44,6 +46,8 @@ def stepper_arrays(stepper: Kind) -> dict[str, np.ndarray]:
         return {}
     leaf = one.leaf
     return {
-        "stepper": np.array([leaf.adaptive, leaf.order, leaf.stages, leaf.samples, leaf.dense_stages], np.int64),
+        "stepper": np.array(
+            [leaf.adaptive, leaf.order, leaf.stages, leaf.samples, leaf.dense_stages, leaf.stable], np.int64
+        ),
         "stepper_table": functions.entries((one.kernel, leaf.dense_output)),
     }

@@ -43,6 +43,9 @@ class Stepper:
     step: ClassVar[Field]
     stages: ClassVar[int] = 0  # of a step; the first is the end of the step before
     dense_stages: ClassVar[int] = 0  # further ones that its dense output needs
+    stable: ClassVar[int] = (
+        0  # step times fastest rate beyond which it is not; its last stage is at the end. 0: ignored
+    )
     samples: ClassVar[int] = CUT  # where its stages lie, see `peaks.samples`; CUT: the dense output is sampled instead
     dense_output: ClassVar[KernelFunction | None] = None
     integrates_by: ClassVar[str] = ""  # the stepper whose kernels are called, if not its own

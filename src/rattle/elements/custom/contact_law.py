@@ -211,8 +211,12 @@ def failure(
 
 
 def _kernel(family: str, tag: float) -> KernelFunction:
-    """A kernel by its index in the table of its family."""
-    return [one.kernel for one in registry.kinds(family).values() if one.kernel is not None][int(tag)]
+    """A kernel by its index in the table of its family; the law of strands follows on the normal laws."""
+    found = list(registry.kinds(family).values())
+    if family == "normal":
+        found += registry.kinds("tension").values()
+    kernels: list[KernelFunction] = [one.kernel for one in found if one.kernel is not None]
+    return kernels[int(tag)]
 
 
 def _tried(kernel: ContactLaw, where: str, arguments: tuple[Any, ...], values: np.ndarray) -> tuple[float, str]:

@@ -109,6 +109,7 @@ class Dop853(AdaptiveStepper):
     usual_with = (FREE, COMPLIANT)
     stages = STAGES
     dense_stages = 3
+    stable = 4
     samples = DOP853
     dense_output = prepare_dense
     refinement = 10 ** (1 / 8)
