@@ -142,3 +142,10 @@ def test_of_equal_peaks_the_first_instant_is_told():
     """The crank turns once: the start comes again at the end, and rounding must not choose between them."""
     run = rt.example("slider_crank").simulate()
     assert [run.peaks[name].t for name in ("O.force", "A.force", "B.force")] == [0.0, 0.0, 0.0]
+
+
+def test_a_peak_next_to_a_singular_position_is_found_within_long_steps():
+    """Jansen's leg is nearly stretched where its crank is loaded most, between the ends of its few steps."""
+    m = rt.example("jansen_leg")
+    largest = m.inverse_dynamics(np.linspace(1.06, 1.07, 201))["O.force"].max()
+    assert m.simulate(1.2).peak("O.force")[0] == pytest.approx(largest, rel=1e-6)

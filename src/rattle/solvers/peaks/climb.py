@@ -44,6 +44,7 @@ from rattle.solvers.projection import project_on_constraints
 
 FINE = 1e-8  # share of a peak by which the last iteration of a search may exceed the one before
 TRIES = 8
+BLIND = 1e-8  # pivot, as a share of its diagonal, below which states on the constraints have no forces to trust
 UNSURE = 0.1  # share of the height of a crest above its sample by which a polynomial may be wrong
 SHORTEST = 1.0 / 1024.0  # share of a step that is not halved again
 BARYCENTRIC = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0])  # of nine evenly spaced samples
@@ -210,13 +211,16 @@ def end_step(m, t, h, until, layout, dense):
     peaks = m.peaks
     if peaks.shape[0] == 0:
         return 0
-    sound, solved = m.power[at.PIVOT_SHARE] > WEAK, 0
+    share, solved = m.power[at.PIVOT_SHARE], 0
+    sound, clear = share > WEAK, share > BLIND
     if dense < 0:
         if may_rise(m, h, layout):
             return -1
         dense = 0
     if until < 1.0 or layout == CUT:
-        return sample_pieces(m, t, h, until, until, sound)
+        return sample_pieces(m, t, h, until, until, clear)
+    if layout == DOP853 and dense and clear and not sound:  # stages are off the constraints by too much
+        return sample_pieces(m, t, h, 1.0, 0.125, clear)
     if layout == DOP853 and dense and sound and unresolved(m, h, DOP853):
         return sample_pieces(m, t, h, 1.0, 0.125, sound)
     add(m, t + h, h, layout, sound)

@@ -150,9 +150,7 @@ def may_rise(m, h, layout):
         return peaks.shape[0] > 0
     if layout == RK4:
         return near_peak(peaks)
-    if not m.power[at.PIVOT_SHARE] > WEAK:
-        return False
-    if unresolved(m, h, DOP853):
+    if not m.power[at.PIVOT_SHARE] > WEAK or unresolved(m, h, DOP853):
         return True
     for n in range(peaks.shape[0]):
         for i in range(COUNT[layout]):
