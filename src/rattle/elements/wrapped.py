@@ -20,6 +20,7 @@ import math
 from typing import NamedTuple
 
 from rattle.jit import layout as at
+from rattle.jit.choices import assume
 from rattle.jit.functions import compiled
 from rattle.jit.geometry import ends
 
@@ -56,6 +57,28 @@ def turned_by(wheels, s, from_start, psi, dx, dy):
     near = psi if from_start > 0.0 else wheels / s
     cos, sin = math.cos(near), math.sin(near)
     return wheels - s * (near + math.atan2(cos * dy - sin * dx, cos * dx + sin * dy))
+
+
+@compiled
+def write_turning(body, a, b, p, k, ra, rb, residual, row, rows):
+    """Write the row X = 0 of two wheels that roll on each other, or on a belt; residual: X [m]."""
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
+    wa, wb, s = body[a, at.W], body[b, at.W], ra + rb
+    l2 = dx * dx + dy * dy
+    # coincident centres have no direction
+    inv = 1.0 / l2 if assume(l2 > 1e-300) else 0.0
+    x, y = s * dx * inv, s * dy * inv
+    turned = dx * ddy - dy * ddx
+
+    rows[row, at.RES] = residual
+    rows[row, at.NU] = 0.0
+    rows[row, at.GAMMA] = (
+        x * (say * wa * wa - sby * wb * wb)
+        - y * (sax * wa * wa - sbx * wb * wb)
+        - 2.0 * s * (dx * ddx + dy * ddy) * turned * inv * inv
+    )
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -y, x, ra + x * sax + y * say
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = y, -x, rb - x * sbx - y * sby
 
 
 @compiled

@@ -137,7 +137,6 @@ def loose_without_mass(system: System, workspace: Workspace, tolerance: float = 
         on_a, on_b = bodies[:, at.ROW_A] == i, bodies[:, at.ROW_B] == i
         columns[:, n] = (rows[:, at.AX + k] * on_a + rows[:, at.BX + k] * on_b) / (system.size if k == 2 else 1.0)
     _, values, v = np.linalg.svd(columns)
-    found = np.zeros(len(massless))
     values = np.concatenate([values, np.zeros(len(massless) - min(len(massless), len(values)))])[: len(massless)]
     found = np.abs(v[values <= tolerance * max(values[0], 1e-300)]).max(axis=0, initial=0.0)
     moving: dict[int, list[int]] = {}

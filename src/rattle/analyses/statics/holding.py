@@ -71,16 +71,18 @@ def _sought(system: System, workspace: Workspace, name: str, t: float, q: np.nda
         raise ValueError(f"no load or driver '{name}'{suggest(name, known)}")
     load, force = model.loads[name], load_forces(system, t, q, np.zeros_like(q))[name]
     end = force[0 if load.b.body == "ground" else 1 + system.bodies.index(load.b.body)]
-    record = getattr(registry.kinds("load")[load.kind].leaf, "record", None) if load.law is None else None
-    if load.kind == "force":
-        value, unit = float(np.hypot(*end[:2])), "N"
-    elif load.kind == "torque":
-        value, unit = float(end[2]), "N*m"
-    elif record is not None and record.unit == "N*m":
-        value, unit = record.power * float(end[2]), "N*m"
-    elif record is not None:
+    kind = registry.kinds("load")[load.kind] if load.law is None else None
+    record = getattr(kind.leaf, "record", None) if kind else None
+    acts = next((one.unit for one in kind.fields.values() if one.live), "") if kind and record is None else ""
+    if record is not None and record.unit == "N":
         line = point_at(system, q, load.b) - point_at(system, q, load.a)
-        value, unit = math.copysign(float(np.hypot(*end[:2])), record.power * float(line @ end[:2])), "N"
+        value, unit = math.copysign(float(np.hypot(*end[:2])), record.power * float(line @ end[:2])), record.unit
+    elif record is not None:
+        value, unit = record.power * float(end[2]), record.unit
+    elif acts == "N":
+        value, unit = float(np.hypot(*end[:2])), acts
+    elif acts == "N*m":
+        value, unit = float(end[2]), acts
     else:
         value, unit = 1.0, ""
     return _scaled(name, force[1:].ravel(), unit, value)

@@ -17,9 +17,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle.elements.joints import Fit, JointKind, Strand
-from rattle.elements.wrapped import SMALL, turned_by
+from rattle.elements.wrapped import SMALL, turned_by, write_turning
 from rattle.jit import layout as at
-from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
 from rattle.registry import Field, kind
@@ -28,26 +27,12 @@ from rattle.registry import Field, kind
 @kernel("joint")
 def belt(body, a, b, p, k, row, rows):
     """Write the row of the belt [m]; p[k + 4:] = R_A, R_B [m], 1 if crossed, 3 of strands, 4 of the start."""
-    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
-    wa, wb = body[a, at.W], body[b, at.W]
+    _, _, _, _, dx, dy, _, _ = ends(body, a, b, p, k)
     ra, rb = p[k + 4], p[k + 5] * (2.0 * p[k + 6] - 1.0)
     s = ra + rb
-    l2 = dx * dx + dy * dy
-    # coincident centres have no direction
-    inv = 1.0 / l2 if assume(l2 > 1e-300) else 0.0
-    x, y = s * dx * inv, s * dy * inv
-    turned = dx * ddy - dy * ddx
     wheels = ra * body[a, at.PHI] + rb * body[b, at.PHI] - p[k + 10]
-
-    rows[row, at.RES] = turned_by(wheels, s, 1.0 if abs(s) < SMALL * (ra + abs(rb)) else p[k + 13], p[k + 12], dx, dy)
-    rows[row, at.NU] = 0.0
-    rows[row, at.GAMMA] = (
-        x * (say * wa * wa - sby * wb * wb)
-        - y * (sax * wa * wa - sbx * wb * wb)
-        - 2.0 * s * (dx * ddx + dy * ddy) * turned * inv * inv
-    )
-    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -y, x, ra + x * sax + y * say
-    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = y, -x, rb - x * sbx - y * sby
+    near = 1.0 if abs(s) < SMALL * (ra + abs(rb)) else p[k + 13]
+    write_turning(body, a, b, p, k, ra, rb, turned_by(wheels, s, near, p[k + 12], dx, dy), row, rows)
 
 
 @kind("joint", "belt", belt)

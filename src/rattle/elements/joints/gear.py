@@ -20,8 +20,8 @@ from typing import Any
 
 from rattle.elements.joints import Fit, JointKind
 from rattle.elements.profile import degrees
+from rattle.elements.wrapped import write_turning
 from rattle.jit import layout as at
-from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
 from rattle.registry import Field, kind
@@ -34,27 +34,13 @@ SLACK = 0.2  # of the smaller radius by which centres may be farther or nearer: 
 @kernel("joint")
 def gear(body, a, b, p, k, row, rows):
     """Write the row of the pair [m]; p[k + 4:] = R_A, R_B [m], 1 for a wheel inside of A, two of teeth, c [m]."""
-    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
-    wa, wb = body[a, at.W], body[b, at.W]
+    _, _, _, _, dx, dy, _, _ = ends(body, a, b, p, k)
     ra, rb = p[k + 4], p[k + 5] * (1.0 - 2.0 * p[k + 6])
     s = ra + rb
-    l2 = dx * dx + dy * dy
-    # coincident centres have no direction
-    inv = 1.0 / l2 if assume(l2 > 1e-300) else 0.0
-    x, y = s * dx * inv, s * dy * inv
-    turned = dx * ddy - dy * ddx
     theta = (ra * body[a, at.PHI] + rb * body[b, at.PHI] - p[k + 9]) / s
     cos, sin = math.cos(theta), math.sin(theta)
-
-    rows[row, at.RES] = s * math.atan2(sin * dx - cos * dy, cos * dx + sin * dy)
-    rows[row, at.NU] = 0.0
-    rows[row, at.GAMMA] = (
-        x * (say * wa * wa - sby * wb * wb)
-        - y * (sax * wa * wa - sbx * wb * wb)
-        - 2.0 * s * (dx * ddx + dy * ddy) * turned * inv * inv
-    )
-    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -y, x, ra + x * sax + y * say
-    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = y, -x, rb - x * sbx - y * sby
+    residual = s * math.atan2(sin * dx - cos * dy, cos * dx + sin * dy)
+    write_turning(body, a, b, p, k, ra, rb, residual, row, rows)
 
 
 @kind("joint", "gear", gear)
