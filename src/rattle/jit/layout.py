@@ -303,6 +303,16 @@ _declare("tally", """
 """)
 STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST_ROWS, LEAPS, STREAK, EVENT_COUNT = range(10)
 CONTACTS, TAME, SERIES = range(10, 13)
+_declare("iteration", """
+    JACOBIAN_T [s] time of the state at which the Jacobian was taken
+    STALE [] 1 if there is none, or if the iteration with it was slow
+    FACTORED_H [s] step for which its matrices are factored; 0: none
+    KEPT_T [s] start of the step whose stages are kept
+    KEPT_H [s] its length; 0: none is kept
+    ROUNDS [] iterations for the stages of the last step
+    CONTRACTION [] ratio of the last two corrections
+""")
+JACOBIAN_T, STALE, FACTORED_H, KEPT_T, KEPT_H, ROUNDS, CONTRACTION = range(7)
 _declare("audit", """
     OPEN_LIMIT [] openness beyond which a step is rejected
     UNREST_LIMIT [] share of the turnover beyond which unrest rejects a step

@@ -1,13 +1,16 @@
-"""Dense linear algebra of small matrices in scalar loops: rank, null space, least squares, singular values.
+"""Dense linear algebra of small matrices in scalar loops: rank, null space, least squares, singular
+values, linear equations.
 
     A^T P = Q R   by Householder reflections with pivoting, A (rows, n) stored by rows: row k is overwritten by
     column k of R above the diagonal, and by the reflection from there on
 
     H = U S V^T   by rotations of the columns of H that make them orthogonal (one-sided Jacobi)
 
+    P A = L U     by elimination with partial pivoting, A (n, n)
+
 Numbers are in the units of the caller.
 
-Source: Golub, Van Loan, Matrix Computations (2013), sections 5.4.2 and 8.6.3.
+Source: Golub, Van Loan, Matrix Computations (2013), sections 3.4, 5.4.2 and 8.6.3.
 """
 
 from __future__ import annotations
@@ -194,3 +197,49 @@ def solve_downhill(small, n, right, share, x):
         part /= max(length(small[j], n), share * largest + 1e-300)
         for k in range(n):
             x[k] += part * small[half + j, k]
+
+
+@compiled
+def factor_lu(a, order):
+    """L and U of A in place of it (n, n); order (n,): row exchanged at each step. Returns False if A is singular."""
+    n = order.shape[0]
+    for k in range(n):
+        best, at = abs(a[k, k]), k
+        for r in range(k + 1, n):
+            if abs(a[r, k]) > best:
+                best, at = abs(a[r, k]), r
+        if not best > 0.0:  # also if it is not a number
+            return False
+        order[k] = at
+        if at != k:
+            for c in range(n):
+                a[k, c], a[at, c] = a[at, c], a[k, c]
+        top = a[k]
+        inverse = 1.0 / top[k]
+        for r in range(k + 1, n):
+            line = a[r]
+            share = line[k] * inverse
+            line[k] = share
+            if share != 0.0:
+                for c in range(k + 1, n):
+                    line[c] -= share * top[c]
+    return True
+
+
+@compiled
+def solve_lu(a, order, x):
+    """Solve A x = x in place with the factors of `factor_lu`; only the first n numbers of x count."""
+    n = order.shape[0]
+    for k in range(n):
+        if order[k] != k:
+            x[k], x[order[k]] = x[order[k]], x[k]
+    for r in range(n):
+        line, value = a[r], x[r]
+        for c in range(r):
+            value -= line[c] * x[c]
+        x[r] = value
+    for r in range(n - 1, -1, -1):
+        line, value = a[r], x[r]
+        for c in range(r + 1, n):
+            value -= line[c] * x[c]
+        x[r] = value / line[r]

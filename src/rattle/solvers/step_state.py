@@ -9,6 +9,7 @@ import numpy as np
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.registry import Kind, kinds
+from rattle.solvers.shifted_matrices import implicit_arrays
 
 # stepper: 1 if it is adaptive, power of the step with which the error of a step grows, stages of a step, layout of its
 # stages (see `peaks.samples`), further stages of its dense output, where it stops to be stable (0: not watched);
@@ -38,16 +39,21 @@ def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     }
 
 
-def stepper_arrays(stepper: Kind) -> dict[str, np.ndarray]:
-    """Arrays that describe this stepper, or the one whose kernels it calls; empty if it has no kernels."""
+def stepper_arrays(stepper: Kind, bodies: int, states: int, ny: int) -> dict[str, np.ndarray]:
+    """Arrays that describe this stepper, or the one whose kernels it calls; empty if it has no kernels.
+
+    An implicit one works with further arrays, whose sizes follow from the numbers of bodies, of states of elements and
+    of all numbers of y.
+    """
     by = stepper.leaf.integrates_by
     one = kinds("stepper")[by] if by else stepper
     if one.kernel is None:
         return {}
     leaf = one.leaf
-    return {
+    power = leaf.error_order or leaf.order
+    return (implicit_arrays(bodies, states, ny) if leaf.implicit else {}) | {
         "stepper": np.array(
-            [leaf.adaptive, leaf.order, leaf.stages, leaf.samples, leaf.dense_stages, leaf.stable], np.int64
+            [leaf.adaptive, power, leaf.stages, leaf.samples, leaf.dense_stages, leaf.stable], np.int64
         ),
         "stepper_table": functions.entries((one.kernel, leaf.dense_output)),
     }

@@ -1,11 +1,12 @@
 """What a stepper (time integration method) declares: reader, schema, help, runs and messages use no stepper's name.
 
 A leaf in `rattle.solvers.steppers` is one class.  It derives from one of the three below, declares its `order` and, if
-it is explicit, its kernels:
+it takes the steps of smooth motion, its kernels:
 
     step           from (t, y), with y' in `rate`, to y_new at t + h; returns its error as a share of the tolerance
                    (0 with fixed steps, inf if y_new is not finite) and whether `watched_change` was true at a stage
-    dense_output   rows 3 to 6 of `dense`: zero if the cubic through both ends is enough
+    dense_output   rows 3 to 6 of `dense`: zero if the cubic through both ends is enough; a method whose derivative at
+                   the ends says nothing about the step, because it is stiff, replaces rows 1 and 2 as well
 """
 
 from __future__ import annotations
@@ -33,6 +34,8 @@ class Stepper:
     """A time integration method."""
 
     order: ClassVar[int]  # power of the step with which the error decreases, at least
+    error_order: ClassVar[int] = 0  # power with which the estimated error of one step grows; 0: its order
+    implicit: ClassVar[bool] = False  # it solves equations with the Jacobian, for which it needs arrays
     adaptive: ClassVar[bool]  # steps follow the tolerances; otherwise all have the length `step`
     loop: ClassVar[str]  # the loop that takes its steps
     works_with: ClassVar[tuple[str, ...]]  # contacts
@@ -55,7 +58,7 @@ class Stepper:
 
 
 class AdaptiveStepper(Stepper):
-    """An explicit method whose steps follow the tolerances."""
+    """A method whose steps follow the tolerances."""
 
     adaptive = True
     loop = SMOOTH

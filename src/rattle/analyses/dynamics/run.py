@@ -110,8 +110,11 @@ class Run(ABC):
     # ---------------------------------------------------------------- what all runs share
     def prepare(self) -> Workspace:
         """The workspace of the run."""
-        arrays = step_state.step_loop_arrays(start_state(self.system, self.start), len(self.system.watched))
-        arrays |= step_state.stepper_arrays(self.stepper)
+        y = start_state(self.system, self.start)
+        arrays = step_state.step_loop_arrays(y, len(self.system.watched))
+        states = state_layout(self.system).states
+        of_elements = states.stop - states.start
+        arrays |= step_state.stepper_arrays(self.stepper, self.system.body_count, of_elements, len(y))
         arrays |= audit_arrays(self.system, self.stepper.leaf.energy_limit)
         if self.ports:
             arrays["port_work"] = np.zeros((len(self.system.joints), at.width("port_work")))
