@@ -7,9 +7,14 @@ from step to step while the iteration converges fast.  With W = T^-1 Z it falls 
 
     (REAL / h - J) dW_1 = (T^-1 F)_1 - REAL / h W_1,     ((RE + i IM) / h - J) (dW_2 + i dW_3) = ..
 
-It begins with the stages of the step before, continued.  The error is that of an embedded formula of order 3; dense
-output is the polynomial through the start and the stages, with an error h^4.  Energies and impulses do not act on the
-motion: they are integrated with the derivatives of the last iteration.
+It begins with the stages of the step before, continued.  The error is that of an embedded formula of order 3,
+
+    e = (REAL / h - J)^-1 (f(t, y) - u'(0) / h),     u: the polynomial through the start and the stages, share theta
+
+which grows with h^4, that of the step with h^6: tolerances for e are 0.1 rtol^(2/3) and as much of atol.  Dense output
+is u(theta) + REAL e (theta - 4.5 theta^2 + 6 theta^3 - 2.5 theta^4), whose derivative is right at the start too as
+long as the step resolves it; its error is h^5, without e it were h^4.  Energies and impulses do not act on the motion:
+they are integrated with the derivatives of the last iteration.
 
 Source: Hairer, Wanner, Solving Ordinary Differential Equations II (1996), section IV.8.
 """
@@ -38,8 +43,8 @@ from rattle.solvers.sign_watch import watched_change
 from rattle.solvers.state_switches import crossed
 from rattle.solvers.stepper import AdaptiveStepper
 
-KEPT, CORRECTION, ERROR = 3, 9, 9  # first rows of `newton` after Z in 0 to 2: Z of the step before, W (6), dW; error
-W = 6
+# first rows of `newton` after Z in 0 to 2: Z of the step before, W, then dW or e and the slope that u lacks
+KEPT, W, CORRECTION, ERROR, FIRST = 3, 6, 9, 9, 10
 MOST_ROUNDS = 8
 CONVERGED, SLOW, NO_NUMBER = 0, 1, 2  # outcome of an iteration
 FINE = 1e-8  # error of the iteration, as a share of the increments, that counts as converged whatever the tolerances
@@ -186,7 +191,7 @@ def solve_stages(m, t, h, rtol, atol, tame):
 
 @compiled
 def error_of(m, f, h, rtol, atol):
-    """Error of the step of length h [s] relative to the tolerances, into row ERROR too; f: derivative at its start."""
+    """e of the step of length h [s] relative to the tolerances, and into row ERROR; f: derivative at its start."""
     y, y_new, z, count = m.state, m.state_new, m.newton, numbers_acting(m)
     for c in range(count):
         k = acting(m, c)
@@ -201,7 +206,7 @@ def error_of(m, f, h, rtol, atol):
 
 @compiled
 def end_stages(m, t, h):
-    """y_new from the stages; increments of energies and impulses; the stages are kept for the step after."""
+    """y_new from the stages; increments of energies and impulses; the stages are kept for dense output and guess."""
     y, y_new, z, slopes, iteration = m.state, m.state_new, m.newton, m.slopes, m.iteration
     for n in range(2 * m.change.shape[0], states_at(m)):
         for i in range(3):
@@ -222,11 +227,13 @@ def step(m, t, h, rtol, atol, tame):
     y, f, stage, slopes = m.state, m.rate, m.stage, m.slopes
     for n in range(y.shape[0]):
         slopes[0, n] = f[n]
-    outcome, changed = solve_stages(m, t, h, rtol, atol, tame)
+    wide = 0.1 * rtol ** (2.0 / 3.0)
+    atol *= wide / rtol
+    outcome, changed = solve_stages(m, t, h, wide, atol, tame)
     if outcome != CONVERGED:
         return (HALF if outcome == SLOW else math.inf), changed
     end_stages(m, t, h)
-    error = error_of(m, f, h, rtol, atol)
+    error = error_of(m, f, h, wide, atol)
     if error > 1.0:  # of a stiff component that is not at rest the estimate is too large: filtered once more
         for n in range(y.shape[0]):
             stage[n] = y[n]
@@ -235,21 +242,43 @@ def step(m, t, h, rtol, atol, tame):
             stage[k] = y[k] + m.newton[ERROR, k]
         derivative(m, t, stage, m.newton[MOVED])
         m.tally[at.EVALUATIONS] += 1
-        error = error_of(m, m.newton[MOVED], h, rtol, atol)
+        error = error_of(m, m.newton[MOVED], h, wide, atol)
     return error, changed
+
+
+@compiled
+def unresolved_start(m, h):
+    """h f(t, y) - u'(0) of what does not act on the motion, filtered as much as that of the motion, into row FIRST."""
+    f, z, nq = m.rate, m.newton, m.change.shape[0]
+    left, whole = 0.0, 0.0
+    for n in range(f.shape[0]):
+        z[FIRST, n] = h * f[n] + E[0] * z[KEPT, n] + E[1] * z[KEPT + 1, n] + E[2] * z[KEPT + 2, n]
+    for c in range(nq, numbers_acting(m)):
+        k = acting(m, c)
+        whole += z[FIRST, k] ** 2
+        z[FIRST, k] = REAL * z[ERROR, k]
+        left += z[FIRST, k] ** 2
+    share = math.sqrt(left / whole) if left < whole else 1.0
+    for c in range(nq):
+        z[FIRST, c] = REAL * z[ERROR, c]
+    for n in range(2 * nq, states_at(m)):
+        z[FIRST, n] *= share
 
 
 @kernel("dense output")
 def prepare_dense(m, t, h):
-    """The polynomial through the start and the stages, in place of the cubic through both ends."""
+    """The polynomial through the start and the stages, and a term of degree 4, for the cubic through both ends."""
     z, dense = m.newton, m.dense
+    unresolved_start(m, h)
     for n in range(dense.shape[1]):
         end = z[KEPT + 2, n]
         one = (z[KEPT, n] / C[0] - end) / (1.0 - C[0])
         two = (z[KEPT + 1, n] / C[1] - end) / (1.0 - C[1])
-        dense[2, n] = (two - one) / (C[1] - C[0])
-        dense[1, n] = one - C[0] * dense[2, n]
-        for row in range(3, 7):
+        bend, first = (two - one) / (C[1] - C[0]), z[FIRST, n]
+        dense[1, n] = one - C[0] * bend + first
+        dense[2, n] = bend - first
+        dense[3, n] = -2.5 * first
+        for row in range(4, 7):
             dense[row, n] = 0.0
 
 
