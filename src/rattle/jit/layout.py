@@ -311,8 +311,9 @@ _declare("iteration", """
     KEPT_H [s] its length; 0: none is kept
     ROUNDS [] iterations for the stages of the last step
     CONTRACTION [] ratio of the last two corrections
+    FAILED [] 1 if the last attempt found no stages
 """)
-JACOBIAN_T, STALE, FACTORED_H, KEPT_T, KEPT_H, ROUNDS, CONTRACTION = range(7)
+JACOBIAN_T, STALE, FACTORED_H, KEPT_T, KEPT_H, ROUNDS, CONTRACTION, FAILED = range(8)
 _declare("audit", """
     OPEN_LIMIT [] openness beyond which a step is rejected
     UNREST_LIMIT [] share of the turnover beyond which unrest rejects a step

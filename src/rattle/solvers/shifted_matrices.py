@@ -24,7 +24,7 @@ from rattle.jit.functions import compiled, native
 from rattle.jit.small_matrices import factor_lu, solve_lu
 
 INCREMENT = 1e-10  # of positions and angles, as a share of the mechanism's size and of 1 rad
-FASTER = 1e-8  # of rates and states, as a share of the largest of their kind
+FASTER = 1e-8  # of rates as a share of the largest, of states as a share of each
 WORK, MOVED, AT_RATE = 12, 13, 14  # rows of `newton`: scratch, a derivative, the derivative to which J belongs
 
 
@@ -65,11 +65,7 @@ def sizes(m, h):
             turning = max(turning, rate)
         else:
             speed, reach = max(speed, rate), max(reach, abs(y[k]))
-    return (
-        reach if reach > 0.0 else 1.0,
-        speed if speed > 0.0 else 1.0,
-        turning if turning > 0.0 else 1.0,
-    )
+    return reach if reach > 0.0 else 1.0, speed, turning
 
 
 @native("void", "h", "f", "f")
@@ -83,10 +79,10 @@ def differentiate(m, t, h):
         m.newton[AT_RATE, n] = f[n]
     for c in range(jacobian.shape[1]):
         k = acting(m, c)
-        if c < nq:
+        if c < 2 * nq:
             step = INCREMENT * (1.0 if c % 3 == 2 else reach)
-        elif c < 2 * nq:
-            step = FASTER * (turning if (c - nq) % 3 == 2 else speed)
+            if c >= nq:  # one that changes the position by as much within the step, or a share of the rates
+                step = max(step / h, FASTER * (turning if c % 3 == 2 else speed))
         else:
             step = FASTER * (abs(y[k]) + h * abs(f[k])) + INCREMENT * FASTER
         trial[k] = y[k] + step

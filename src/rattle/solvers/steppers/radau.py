@@ -51,6 +51,7 @@ FINE = 1e-8  # error of the iteration, as a share of the increments, that counts
 ROUNDING = 2e-15
 SLOW_RATE = 0.03  # ratio of two corrections above which the next step takes a new Jacobian
 HALF = (0.9 / 0.5) ** 4  # error that makes the next attempt half as long
+BEARABLE = 0.3  # ratio of two corrections that the next step may have; it is proportional to the step at most
 CONTINUED = 3.0  # growth of the step up to which stages are continued
 
 
@@ -185,6 +186,7 @@ def solve_stages(m, t, h, rtol, atol, tame):
         differentiate(m, t, h)
         current = True
     slow = iteration[at.ROUNDS] > 2.0 and iteration[at.CONTRACTION] > SLOW_RATE
+    iteration[at.FAILED] = 1.0 if outcome != CONVERGED else iteration[at.FAILED]
     iteration[at.STALE] = 1.0 if outcome != CONVERGED or slow else 0.0
     return outcome, changed
 
@@ -218,6 +220,17 @@ def end_stages(m, t, h):
     iteration[at.KEPT_T], iteration[at.KEPT_H] = t, h
 
 
+@compiled
+def held_back(m, error):
+    """The error of a step or a larger one, so that the next is not longer than the iteration is likely to bear."""
+    iteration = m.iteration
+    bearable = BEARABLE / max(iteration[at.CONTRACTION], 1e-3)
+    growth = 1.0 if iteration[at.FAILED] == 1.0 else max(1.0, bearable)
+    if error <= 1.0:
+        iteration[at.FAILED] = 0.0
+    return max(error, (0.9 / growth) ** 4)
+
+
 @kernel("stepper")
 def step(m, t, h, rtol, atol, tame):
     """One step from (t [s], y) of length h [s] into y_new; tame: stages are projected onto the constraints first.
@@ -243,7 +256,7 @@ def step(m, t, h, rtol, atol, tame):
         derivative(m, t, stage, m.newton[MOVED])
         m.tally[at.EVALUATIONS] += 1
         error = error_of(m, m.newton[MOVED], h, wide, atol)
-    return error, changed
+    return held_back(m, error), changed
 
 
 @compiled
