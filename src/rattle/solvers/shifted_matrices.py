@@ -25,6 +25,7 @@ from rattle.jit.small_matrices import factor_lu, solve_lu
 
 INCREMENT = 1e-10  # of positions and angles, as a share of the mechanism's size and of 1 rad
 FASTER = 1e-8  # of rates as a share of the largest, of states as a share of each
+INSIDE = 1e-3  # share of the step after which J is taken
 WORK, MOVED, AT_RATE = 12, 13, 14  # rows of `newton`: scratch, a derivative, the derivative to which J belongs
 
 
@@ -70,29 +71,31 @@ def sizes(m, h):
 
 @native("void", "h", "f", "f")
 def differentiate(m, t, h):
-    """J at the start of the step from t [s] of length h [s], with the contacts and switches as they are there."""
+    """J just after the start of the step from t [s] of length h [s]: a contact that begins there is in contact."""
     y, f, trial, moved, jacobian, iteration = m.state, m.rate, m.stage, m.newton[MOVED], m.jacobian, m.iteration
-    nq = m.change.shape[0]
+    nq, base = m.change.shape[0], m.newton[WORK]
     reach, speed, turning = sizes(m, h)
     for n in range(y.shape[0]):
-        trial[n] = y[n]
+        trial[n] = y[n] + (INSIDE * h * y[nq + n] if n < nq else 0.0)
         m.newton[AT_RATE, n] = f[n]
+    derivative(m, t, trial, base)
     for c in range(jacobian.shape[1]):
         k = acting(m, c)
+        start = trial[k]
         if c < 2 * nq:
             step = INCREMENT * (1.0 if c % 3 == 2 else reach)
             if c >= nq:  # one that changes the position by as much within the step, or a share of the rates
                 step = max(step / h, FASTER * (turning if c % 3 == 2 else speed))
         else:
             step = FASTER * (abs(y[k]) + h * abs(f[k])) + INCREMENT * FASTER
-        trial[k] = y[k] + step
-        step = trial[k] - y[k]
+        trial[k] = start + step
+        step = trial[k] - start
         derivative(m, t, trial, moved)
         for r in range(jacobian.shape[0]):
             j = acting(m, nq + r)
-            jacobian[r, c] = (moved[j] - f[j]) / step
-        trial[k] = y[k]
-    m.tally[at.EVALUATIONS] += jacobian.shape[1]
+            jacobian[r, c] = (moved[j] - base[j]) / step
+        trial[k] = start
+    m.tally[at.EVALUATIONS] += jacobian.shape[1] + 1
     iteration[at.JACOBIAN_T], iteration[at.STALE], iteration[at.FACTORED_H] = t, 0.0, 0.0
 
 

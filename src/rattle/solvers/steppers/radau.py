@@ -145,17 +145,19 @@ def iterate(m, t, h, rtol, atol, tame):
     before, left, rate = 0.0, math.inf, 0.0
     changed = False
     guess(m, t, h)
+    iteration[at.CONTRACTION] = 0.0
     for k in range(MOST_ROUNDS):
         changed = evaluate_stages(m, t, h, tame)
         size, whole = correct_stages(m, h, rtol, atol)
         if not size < math.inf:
             return NO_NUMBER, changed
         iteration[at.ROUNDS] = k + 1
-        left = size if size == 0.0 else math.inf
+        left = size if size <= FINE * whole else math.inf
         if k > 0:
             rate = size / before if before > 0.0 else 0.0
-            iteration[at.CONTRACTION] = rate
             left = rate / (1.0 - rate) * size if rate < 1.0 else math.inf
+            if before > FINE * whole:  # below that rounding counts
+                iteration[at.CONTRACTION] = rate
             if rate >= 1.0 or left * rate ** (MOST_ROUNDS - 1 - k) > enough:
                 return (CONVERGED if size < enough else SLOW), changed
         if left <= min(enough, max(least, FINE * whole)):
