@@ -8,7 +8,8 @@ with K and D the derivatives of (dv/dt, dz/dt) by q and by (v, z): the matrix ha
 A complex one, P + i Q, is factored as the real one of twice its size, [P, -Q; Q, P].
 
 K and D are forward differences.  They decide how fast the iteration of a stepper converges, not what it converges to.
-Their lengths are small against clearances and films, and large against rounding: INCREMENT of the mechanism's size.
+Their lengths are small against the least penetration, at most INCREMENT of the mechanism's size, and large against
+rounding.
 
 Source: Hairer, Wanner, Solving Ordinary Differential Equations II (1996), section IV.8, equations (8.11) to (8.14).
 """
@@ -23,7 +24,9 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.jit.small_matrices import factor_lu, solve_lu
 
-INCREMENT = 1e-10  # of positions and angles, as a share of the mechanism's size and of 1 rad
+INCREMENT = 1e-10  # of positions and angles, as a share of the mechanism's size and of 1 rad, at most
+SMALLEST = 1e-13  # the same, at least
+SHALLOW = 0.01  # of the least penetration
 FASTER = 1e-8  # of rates as a share of the largest, of states as a share of each
 INSIDE = 1e-3  # share of the step after which J is taken
 WORK, MOVED, AT_RATE = 12, 13, 14  # rows of `newton`: scratch, a derivative, the derivative to which J belongs
@@ -69,6 +72,17 @@ def sizes(m, h):
     return reach if reach > 0.0 else 1.0, speed, turning
 
 
+@compiled
+def increment(m, reach):
+    """Increment of angles [rad], and of positions as a share of reach [m], after `derivative` at the base."""
+    kinematics, memory, step = m.contact_kinematics, m.contact_memory, INCREMENT
+    for n in range(kinematics.shape[0]):
+        depth = -kinematics[n, at.GAP] if m.lever[n, at.ANGULAR] > 0.0 else -kinematics[n, at.GAP] / reach
+        if depth > 0.0 and memory[n, at.CLOSED] != at.OPEN and m.contact[n, at.LEVEL] == 0:
+            step = min(step, max(SMALLEST, SHALLOW * depth))
+    return step
+
+
 @native("void", "h", "f", "f")
 def differentiate(m, t, h):
     """J just after the start of the step from t [s] of length h [s]: a contact that begins there is in contact."""
@@ -79,15 +93,16 @@ def differentiate(m, t, h):
         trial[n] = y[n] + (INSIDE * h * y[nq + n] if n < nq else 0.0)
         m.newton[AT_RATE, n] = f[n]
     derivative(m, t, trial, base)
+    least = increment(m, reach)
     for c in range(jacobian.shape[1]):
         k = acting(m, c)
         start = trial[k]
         if c < 2 * nq:
-            step = INCREMENT * (1.0 if c % 3 == 2 else reach)
+            step = least * (1.0 if c % 3 == 2 else reach)
             if c >= nq:  # one that changes the position by as much within the step, or a share of the rates
                 step = max(step / h, FASTER * (turning if c % 3 == 2 else speed))
         else:
-            step = FASTER * (abs(y[k]) + h * abs(f[k])) + INCREMENT * FASTER
+            step = FASTER * (abs(y[k]) + h * abs(f[k])) + FASTER * FASTER
         trial[k] = start + step
         step = trial[k] - start
         derivative(m, t, trial, moved)
