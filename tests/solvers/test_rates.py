@@ -99,9 +99,9 @@ def test_dop853_keeps_its_tolerance():
     assert slope(tolerances, errors) == pytest.approx(1.0, abs=0.2)
 
 
-@pytest.mark.parametrize(("name", "order"), [("rk4", 4), ("dop853", 7), ("event", 7)])
+@pytest.mark.parametrize(("name", "order"), [("rk4", 4), ("dop853", 7), ("event", 7), ("radau", 5)])
 def test_dense_output_has_its_order(name, order):
-    """Between the steps: Hermite's cubic has error h^4, the interpolant of dop853, of order 7, at least h^7."""
+    """Between the steps: Hermite's cubic has error h^4, that of radau h^5, that of dop853, of order 7, at least h^7."""
     assert order_seen(kinds("stepper")[name], (1.0, 0.7, 0.5), np.linspace(0.1, T_END - 0.1, 977)) > order - 0.4
 
 

@@ -2,9 +2,10 @@
 
 Only positions q, rates v and states z act back on the motion; energies and impulses are left out.  As q' = v,
 
-    lambda dq - dv = r_q,     (lambda - D - K / lambda) (dv, dz) = (r_v, r_z) + K r_q / lambda,     dq = (r_q + dv) / lambda
+    lambda dq - dv = r_q
+    (lambda - D - K / lambda) (dv, dz) = (r_v, r_z) + K r_q / lambda,     dq = (r_q + dv) / lambda
 
-with K and D the derivatives of (dv/dt, dz/dt) by q and by (v, z): the matrix has one row for each rate and each state z.
+with K and D the derivatives of (dv/dt, dz/dt) by q and (v, z): the matrix has one row for each rate and each state z.
 A complex one, P + i Q, is factored as the real one of twice its size, [P, -Q; Q, P].
 
 K and D are forward differences.  They decide how fast the iteration of a stepper converges, not what it converges to.

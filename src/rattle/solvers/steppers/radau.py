@@ -2,7 +2,7 @@
 
     Z_i = h sum_j A_ij f(t + C_j h, y + Z_j),     y_new = y + Z_3
 
-A simplified Newton iteration solves for the increments Z of the stages.  Its Jacobian J, see `shifted_matrices`, is kept
+A simplified Newton iteration solves for the increments Z of the stages.  Its Jacobian J (`shifted_matrices`) is kept
 from step to step while the iteration converges fast.  With W = T^-1 Z it falls into a real system and a complex one,
 
     (REAL / h - J) dW_1 = (T^-1 F)_1 - REAL / h W_1,     ((RE + i IM) / h - J) (dW_2 + i dW_3) = ..
@@ -299,7 +299,7 @@ def prepare_dense(m, t, h):
 
 @kind("stepper", "radau", step)
 class Radau(AdaptiveStepper):
-    """Adaptive implicit Runge-Kutta method of order 5, L-stable: for stiff damping, whose rate does not limit its steps.
+    """Adaptive implicit Runge-Kutta method of order 5, L-stable: the rate of stiff damping does not limit its steps.
 
     Source: Hairer, Wanner, Solving Ordinary Differential Equations II (1996), section IV.8.
     """
