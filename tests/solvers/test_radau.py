@@ -38,7 +38,9 @@ def damped(rate: float) -> rt.Mechanism:
     return m.load("s", "spring", connect=["ground.O", "b.P"], stiffness=rate, damping=rate, free_length=1)
 
 
-@pytest.mark.parametrize("rate", [1e4, 1e6, 1e9])
+@pytest.mark.nojit
+@pytest.mark.plain
+@pytest.mark.parametrize("rate", [1e6, 1e9])
 def test_steps_do_not_follow_a_fast_rate(rate):
     r = damped(rate).simulate(1, t_eval=np.linspace(0, 1, 11), method="radau")
     fast = -0.5 * (rate + math.sqrt(rate * rate - 4 * rate))
