@@ -11,6 +11,12 @@ def compliant():
     return [r.t[-1], *(r[name][-1] for name in ("crank.angle", "rocker.omega", "O3.normal", "energy.kinetic"))]
 
 
+def implicit_steps():
+    """Steps of radau, with its Jacobian and matrices, into contacts and out of them."""
+    r = rt.example("slider_crank_play").simulate(2e-4, method="radau", horizon=False)
+    return [r.t[-1], *(r[name][-1] for name in ("crank.angle", "rod.omega", "B.normal", "energy.kinetic"))]
+
+
 def fixed_steps():
     """Steps of rk4 and rows of ideal joints, of loads and of a motor."""
     r = rt.example("squeezer").simulate(2e-3, method="rk4", step=2e-5, horizon=False)
@@ -41,7 +47,7 @@ def equilibria():
     return [float(len(found)), *(float(number) for one in found for number in one.q)]
 
 
-LOOPS = (compliant, fixed_steps, events, fixed_impacts, positions, equilibria)
+LOOPS = (compliant, implicit_steps, fixed_steps, events, fixed_impacts, positions, equilibria)
 
 
 def numbers():
