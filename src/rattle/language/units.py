@@ -61,6 +61,8 @@ FORCE = Dimension(1, 1, -2)
 MOMENT = Dimension(2, 1, -2)
 PRESSURE = Dimension(-1, 1, -2)
 POWER = Dimension(2, 1, -3)
+DYNAMIC_VISCOSITY = Dimension(-1, 1, -1)
+KINEMATIC_VISCOSITY = Dimension(2, 0, -1)
 RATE = Dimension(s=-1)
 
 UNITS: dict[str, tuple[float, Dimension]] = {
@@ -93,6 +95,7 @@ UNITS: dict[str, tuple[float, Dimension]] = {
     "Nmm": (1e-3, MOMENT),
     "kNm": (1e3, MOMENT),
     "Pa": (1.0, PRESSURE),
+    "mPa": (1e-3, PRESSURE),
     "kPa": (1e3, PRESSURE),
     "MPa": (1e6, PRESSURE),
     "GPa": (1e9, PRESSURE),
@@ -103,6 +106,10 @@ UNITS: dict[str, tuple[float, Dimension]] = {
     "kJ": (1e3, MOMENT),
     "W": (1.0, POWER),
     "kW": (1e3, POWER),
+    "P": (0.1, DYNAMIC_VISCOSITY),
+    "cP": (1e-3, DYNAMIC_VISCOSITY),
+    "St": (1e-4, KINEMATIC_VISCOSITY),
+    "cSt": (1e-6, KINEMATIC_VISCOSITY),
     "rad": (1.0, DIMENSIONLESS),
     "mrad": (1e-3, DIMENSIONLESS),
     "deg": (math.pi / 180.0, DIMENSIONLESS),
@@ -133,6 +140,9 @@ _NAMES: dict[Dimension, tuple[str, str]] = {
     Dimension(2, 1, 0): ("kg*m^2", "a moment of inertia"),
     Dimension(-3, 1, 0): ("kg/m^3", "a density"),
     Dimension(1, 1, -1): ("N*s", "an impulse"),
+    DYNAMIC_VISCOSITY: ("Pa*s", "a dynamic viscosity"),
+    KINEMATIC_VISCOSITY: ("m^2/s", "a kinematic viscosity"),
+    Dimension(3, 0, -1): ("m^3/s", "a volume flow"),
     Dimension(0, 1, -2): ("N/m", "a stiffness"),
     Dimension(-0.5, 1, -2): ("N/m^1.5", "a contact stiffness"),
     Dimension(0, 1, -1): ("N*s/m", "a damping"),

@@ -1,0 +1,39 @@
+"""Quantities given as numbers in SI units or as texts with a unit, such as "50 um"."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
+
+Quantity = float | str  # a number in SI units, or a text such as "20 ms"
+
+
+def in_si(value: Quantity, what: str, unit: str, example: str) -> float:
+    """A quantity as a number in its SI unit.
+
+    what: the name of the argument, unit: its SI unit, example: how it may be written, for messages.  Raises ValueError
+    if a text or number is no such quantity, TypeError for other types.
+    """
+    dimension = dimension_of(unit)
+    kind = describe(dimension)
+    if isinstance(value, str):
+        try:
+            found = parse_quantity(value)
+        except QuantityError as error:
+            raise ValueError(f"{what}: {error}") from None
+        if found is None:
+            raise ValueError(f"{what}: {value!r} is not {kind}; expected {unit}, as in {example}")
+        if found[1] is not None and found[1] != dimension:
+            raise ValueError(f"{what}: {value!r} is {describe(found[1])}; expected {kind}, as in {example}")
+        return found[0]
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError(f"{what}: the number is too large") from None
+    except (TypeError, ValueError):
+        raise _wrong_type(value, what, f"{kind} in {unit}", example) from None
+
+
+def _wrong_type(value: Any, what: str, kind: str, example: str) -> TypeError:
+    return TypeError(f"{what} is {kind}, as in {example}; got {value!r}")
