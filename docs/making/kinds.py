@@ -42,6 +42,10 @@ FAMILIES = {
     "stiffness": ("Stiffness", "`geometry` in `contact`: static force from material and shape; `power` from numbers."),
     "tension": ("Tension laws", "What the strands of a `belt` follow; it is not chosen."),
     "friction": ("Friction laws", "`friction = { model = NAME, ... }` in the `contact` of a normal force law."),
+    "film": (
+        "Oil films",
+        "`model` of `rt.Film` and `rattle film`, whose arguments are these fields, `bush_radius` as `radius`.",
+    ),
     "load": ("Loads", "`[loads.NAME]` with `type`: forces and moments on bodies."),
     "stepper": ("Steppers", "`method` in `[simulate]`, or `--method`: how the motion is computed."),
 }
@@ -165,6 +169,8 @@ def _live(field: Any, family: str) -> str:
 # ---------------------------------------------------------------- examples
 def example(catalog: Any, kind: Any) -> str:
     """A few lines of a model file with this kind, read by the program; empty if the kind is not written in files."""
+    if kind.family == "film":
+        return ""
     families = {"joint": _joint, "driver": _driver, "load": _load}
     own = {"clearance": _clearance, "stop": _stop, "one-sided": _one_sided, "clutch": _clutch, "stepper": _stepper}
     made = {**families, **own, "tension": _belt}.get(kind.family)

@@ -26,7 +26,7 @@ from rattle.jit.functions import KernelFunction, jit_runs
 REQUIRED: Any = object()
 ELEMENTS = tuple(
     f"rattle.elements.{one}"
-    for one in ("joints", "clearances", "one_sided", "stops", "clutches", "contact_laws", "loads")
+    for one in ("joints", "clearances", "one_sided", "stops", "clutches", "contact_laws", "film", "loads")
 )
 PACKAGES = {"stepper": ("rattle.solvers.steppers",)}  # packages of the families that are elsewhere
 _lock = threading.RLock()

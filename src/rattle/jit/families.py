@@ -18,6 +18,7 @@ SIGNATURE = {
     "stiffness": ("f", "f", "v", "i"),  # delta, p, k -> F
     "normal": ("f", "f", "f", "f", "f", "v", "i"),  # F_static, delta, ddelta, v0, p, k -> F
     "friction": ("f", "f", "f", "v", "v", "i", "v"),  # u, N, z, p, k, dz -> T
+    "film": ("void", *"ffffff", "v", "i", "v", "v"),  # e_x, e_y, v_x, v_y, w_A, w_B, p, k, table, out
     "closed contacts": ("void", "h"),  # m, see rattle.equations.unilateral
     "stepper": ("fi", "h", "f", "f", "f", "f", "i"),  # m, t, h, rtol, atol, 1 to project stages -> error, signs change
     "dense output": ("void", "h", "f", "f"),  # m, t, h
@@ -61,6 +62,11 @@ def call_friction(entry: Any, arguments: Any) -> Any:
     return entry(*arguments)
 
 
+def call_film(entry: Any, arguments: Any) -> None:
+    """Call one film kernel of a table: force, moments and loss of a film."""
+    entry(*arguments)
+
+
 def call_stepper(entry: Any, arguments: Any) -> Any:
     """Take a step; returns its error as a share of the tolerance, and 1 if monitored forces have changed signs."""
     return entry(*arguments)
@@ -88,6 +94,7 @@ CALLERS: dict[str, Callable[..., Any]] = {
     "stiffness": call_stiffness,
     "normal": call_normal,
     "friction": call_friction,
+    "film": call_film,
     "stepper": call_stepper,
     "dense output": call_dense_output,
     "closed contacts": call_closed_contacts,
