@@ -17,8 +17,8 @@ import rattle as rt
 from making.text import field, markdown, restructured
 from making.tree import Source, definition, source_of, sources, trailing_comments
 
-HOLDERS = ("Mechanism", "Result")  # what they return is documented too
-MADE_BY_USERS = ("Mechanism",)  # the only class whose signature matters to a reader
+HOLDERS = ("Mechanism", "Result", "Film")  # what they return is documented too
+MADE_BY_USERS = ("Mechanism", "Film")  # the classes whose signature matters to a reader
 
 
 def pages(folder: Path) -> dict[str, str]:
@@ -31,6 +31,7 @@ def pages(folder: Path) -> dict[str, str]:
     parts = ["## Mechanisms", *(_function(name) for name in functions if name not in {*laws, "load_result"})]
     parts += [_class("rattle.Mechanism"), "## Results", _function("load_result"), _class("rattle.Result")]
     parts += [_class(f"rattle.{name}") for name in classes]
+    parts += ["## Oil films", _class("rattle.Film")]
     parts += [
         "## What analyses return",
         *(_class(f"{source.name}.{name}") for name, source in returned(public).items()),

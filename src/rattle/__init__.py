@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rattle.results.event import Event
     from rattle.results.result import Result, load_result
     from rattle.results.trust import Trust
+    from rattle.studies.film.bearing import Film
 
 _HOME = {
     "Mechanism": "mechanism", "load": "loading", "loads": "loading", "example": "loading",
@@ -29,12 +30,13 @@ _HOME = {
     "ModelError": "errors", "AssemblyError": "errors", "SolverError": "errors",
     "Result": "results.result", "Event": "results.event", "Trust": "results.trust", "load_result": "results.result",
     "load_law": "elements.custom.load_law", "normal_law": "elements.custom.contact_law",
-    "friction_law": "elements.custom.contact_law",
+    "friction_law": "elements.custom.contact_law", "Film": "studies.film.bearing",
 }  # fmt: skip
 
 __all__ = [
     "AssemblyError",
     "Event",
+    "Film",
     "Mechanism",
     "ModelError",
     "Result",

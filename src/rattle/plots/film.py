@@ -1,0 +1,106 @@
+"""Chart of a journal bearing: eccentricity and attitude over the Sommerfeld number, and where the pin is."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rattle.plots.curves import BLACK, BLUE, BORE, GREY, LINES, RED, axis_label, handy_unit, new_figure, tidy
+from rattle.results.display import DEGREES
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rattle.studies.film.bearing import Film
+    from rattle.studies.film.journal import JournalPosition
+    from rattle.studies.film.locus import Columns
+
+ECCENTRICITIES = np.concatenate(
+    [np.geomspace(1e-3, 0.06, 14), np.linspace(0.08, 0.94, 38), 1.0 - np.geomspace(0.055, 1e-3, 24)]
+)
+MARKED = (0.1, 0.3, 0.5, 0.7, 0.9)  # eccentricities that are written on the path
+
+
+def plot_film(film: Film, position: JournalPosition | None) -> Figure:
+    """The chart of a film, with the point of a load if there is one."""
+    from rattle.studies.film.locus import locus
+
+    curves = locus(film, [float(one) for one in ECCENTRICITIES], coefficients=False)
+    figure = new_figure(9.6, 5.2)
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
+    top = tidy(figure.add_subplot(grid[0, 0]))
+    below = tidy(figure.add_subplot(grid[1, 0], sharex=top))
+    top.semilogx(curves["sommerfeld"], curves["eccentricity"], color=BLUE)
+    top.set(ylabel="eccentricity e/c", ylim=(0.0, 1.02))
+    below.semilogx(curves["sommerfeld"], DEGREES * curves["attitude"], color=BLUE)
+    below.set(ylabel=axis_label("attitude", "deg"), ylim=(0.0, 92.0), yticks=(0, 30, 60, 90))
+    below.set_xlabel("Sommerfeld number S = µ N (2 R L/W) (R/c)²")
+    below.set_xlim(*_decades(curves["sommerfeld"], position))
+    top.tick_params(labelbottom=False)
+    if position is not None:
+        top.plot([position.sommerfeld], [position.eccentricity], "o", color=RED)
+        below.plot([position.sommerfeld], [DEGREES * position.attitude], "o", color=RED)
+    _clearance(figure.add_subplot(grid[:, 1]), curves, position)
+    said = f"film '{film.model}', L/D = {film.ratio:.3g}" + (", no cavitation" if film.cavitation == "full" else "")
+    top.set_title(said, loc="left", fontsize=11)
+    return figure
+
+
+def _decades(numbers: np.ndarray, position: JournalPosition | None) -> tuple[float, float]:
+    """Whole decades that hold the Sommerfeld numbers of eccentricities from 0.02 to 0.99, and that of the load."""
+    shown = numbers[(ECCENTRICITIES > 0.02) & (ECCENTRICITIES < 0.992)]
+    ends = [float(shown.min()), float(shown.max()), *([position.sommerfeld] if position is not None else [])]
+    return 10.0 ** math.floor(math.log10(min(ends))), 10.0 ** math.ceil(math.log10(max(ends)))
+
+
+def _clearance(ax: Axes, curves: Columns, position: JournalPosition | None) -> None:
+    """The path of the pin's centre as the load grows, in the circle of the clearance; the load points down."""
+    from matplotlib.patches import Circle
+
+    way = -1.0 if position is not None and position.speed < 0.0 else 1.0
+    for radius in (1.0, 0.75, 0.5, 0.25):
+        edge = BLACK if radius == 1.0 else LINES
+        ax.add_patch(Circle((0, 0), radius, facecolor=BORE if radius == 1.0 else "none", edgecolor=edge, zorder=0))
+    e, attitude = curves["eccentricity"], curves["attitude"]
+    x, y = way * e * np.sin(attitude), -e * np.cos(attitude)
+    ax.plot(x, y, color=BLUE)
+    for mark in MARKED:
+        a = float(np.interp(mark, e, attitude))
+        place = (way * mark * math.sin(a), -mark * math.cos(a))
+        ax.plot(*place, ".", color=BLUE, markersize=5)
+        aside = (6.0 * way, 3.0) if mark < 0.6 else (7.0 * way, -2.0)
+        ax.annotate(
+            f"{mark:g}", place, aside, textcoords="offset points", color=BLUE, fontsize=8,
+            ha="left" if way > 0.0 else "right",
+        )  # fmt: skip
+    ax.annotate("", (0, -0.55), (0, 0), arrowprops={"arrowstyle": "-|>", "color": BLACK, "linewidth": 1.2})
+    ax.annotate(
+        "load", (0, -0.45), (-4 * way, 0), textcoords="offset points", ha="right" if way > 0 else "left", fontsize=9
+    )
+    turn = np.radians(np.linspace(100.0, 165.0, 30)) if way > 0.0 else np.radians(np.linspace(80.0, 15.0, 30))
+    ax.plot(0.85 * np.cos(turn[:-1]), 0.85 * np.sin(turn[:-1]), color=GREY, linewidth=1.0)
+    ends = [(0.85 * math.cos(one), 0.85 * math.sin(one)) for one in (turn[-1], turn[-3])]
+    ax.annotate("", ends[0], ends[1], arrowprops={"arrowstyle": "-|>", "color": GREY, "linewidth": 1.0})
+    ax.text(-0.42 * way, 0.52, "pin", color=GREY, fontsize=9, ha="center")
+    if position is not None:
+        a, r = position.attitude, position.eccentricity
+        place = (way * r * math.sin(a), -r * math.cos(a))
+        ax.plot([0.0, place[0]], [0.0, place[1]], color=RED, linewidth=1.0)
+        ax.plot(*place, "o", color=RED)
+    ax.set(xlim=(-1.08, 1.08), ylim=(-1.08, 1.08), aspect="equal")
+    ax.set_axis_off()
+    ax.set_title("centre of the pin in the clearance, e/c", fontsize=10)
+    if position is not None:
+        ax.text(0.5, -0.02, _told(position), transform=ax.transAxes, ha="center", va="top", fontsize=9, color=RED)
+
+
+def _told(position: JournalPosition) -> str:
+    """The point of the load in words."""
+    factor, unit = handy_unit("m", position.film_thickness)
+    return (
+        f"{position.load:.4g} N at {abs(position.speed):.4g} rad/s: e/c = {position.eccentricity:.3f},"
+        f" least film {factor * position.film_thickness:.3g} {unit}"
+    )
