@@ -50,10 +50,23 @@ class Choice:
 
 
 @dataclass(frozen=True)
+class OilFilm:
+    """The oil in the clearance of a joint."""
+
+    law: Choice  # of the family "film"
+    boundary: float  # thickness of the boundary film [m]: at thinner films the dry contact begins
+    roughness: float  # of both surfaces together, root mean square [m]
+    density: float  # [kg/m^3]
+    specific_heat: float  # [J/(kg*K)]
+    assumed: str = ""  # what the program has chosen, in words
+
+
+@dataclass(frozen=True)
 class Contact:
     """The contact model of a joint with clearance.
 
     model: a kind of the family "contact", or "compliant"; then `normal`, `static` and `friction` are its laws.
+    With a `film` they are those of the dry contact beside it.
     """
 
     model: str
@@ -63,6 +76,7 @@ class Contact:
     static: Choice | None = None
     friction: Choice | None = None
     unused: tuple[str, ...] = ()  # keys that only other models use
+    film: OilFilm | None = None  # in the clearance, beside the laws of the dry contact
     pushes: bool = False  # of a closed joint: it stands for contacts that only push, and N < 0 is noted
 
     @property
@@ -84,7 +98,7 @@ class Contact:
     @property
     def title(self) -> str:
         """The word that the user writes for the model."""
-        return self.normal.kind if self.normal else self.model
+        return self.normal.kind if self.normal and self.film is None else self.model
 
 
 @dataclass(frozen=True)

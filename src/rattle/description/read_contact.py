@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from rattle import registry
 from rattle.description.model import Choice, Contact
 from rattle.description.read_fields import FieldReader
+from rattle.description.read_film import film_keys, read_lubricated
 from rattle.description.read_values import Path, said
 from rattle.errors import suggest
 
@@ -42,12 +43,16 @@ def contact_models(joint: str = "") -> list[str]:
     if registry.play_of(joint) is None and registry.one_sided_of(joint) is None:
         return []
     massless = registry.kinds("joint")[joint].leaf.massless
-    return [*(name for name, one in known.items() if massless or not one.leaf.link), *registry.kinds("normal")]
+    play = registry.play_of(joint)
+    dry = play is None or not play.leaf.holds_oil
+    left = (name for name, one in known.items() if (massless or not one.leaf.link) and not (dry and one.leaf.oiled))
+    return [*left, *registry.kinds("normal")]
 
 
 def stop_models() -> list[str]:
     """Every name that the `contact` of a stop may have: models with contacts."""
-    return [*(name for name, one in registry.kinds("contact").items() if one.leaf.contacts), *registry.kinds("normal")]
+    known = registry.kinds("contact").items()
+    return [*(name for name, one in known if one.leaf.contacts and not one.leaf.oiled), *registry.kinds("normal")]
 
 
 def site_of_clearance(joint: str, clearance: float) -> Site:
@@ -91,6 +96,13 @@ def read_contact(reader: FieldReader, written: Any, site: Site, path: Path) -> C
             values.wrong((*path, key), why, at_key=True)
         return None
     if model in registry.kinds("contact"):
+        kind = registry.kinds("contact")[model]
+        if kind.leaf.oiled:
+
+            def dry(given: Mapping[str, Any], where: Path) -> Contact | None:
+                return _compliant(reader, given, str(given["model"]), site, where)
+
+            return read_lubricated(reader, table, kind, site.clearance, path, dry)
         return _plain(reader, table, str(model), site, path)
     return _compliant(reader, table, str(model), site, path)
 
@@ -119,6 +131,7 @@ def _unused(
 ) -> tuple[str, ...]:
     """Keys of a table that only other contact models use; they are checked too.  Unknown keys are refused."""
     fields: dict[str, registry.Field | None] = {"friction": None, "bush_radius": None, "geometry": None}
+    fields |= film_keys() | {"bush_radius": None}
     for family in ("stiffness", "normal", "contact"):
         for kind in registry.kinds(family).values():
             for key, one in kind.fields.items():
@@ -180,7 +193,7 @@ def _compliant(reader: FieldReader, table: Mapping[str, Any], model: str, site: 
     values = reader.values
     law = registry.kinds("normal")[model]
     statics = registry.kinds("stiffness")
-    by_geometry = any(key in table for key in GEOMETRY)
+    by_geometry = any(key in table for key in GEOMETRY if key != "length" or "stiffness" not in table)
     if by_geometry and "stiffness" in table:
         values.wrong((*path, "stiffness"), "give either a stiffness or materials and geometry, not both", at_key=True)
         return None

@@ -29,6 +29,7 @@ class ContactGeometry:
     slides: ClassVar[bool] = True  # True: it has a tangential row, on which friction acts
     column: ClassVar[int] = at.JOINT_NORMAL  # of an output row of its joint: N of its contacts is added there
     has_radius: ClassVar[bool] = True  # True: forces depend on the radius of the bush, which the contact may give
+    holds_oil: ClassVar[bool] = False  # True: a round pin in a round bush, between which a film of oil can be
     from_materials: ClassVar[bool] = False  # True: stiffness from materials, by the formulas for a pin in a bush
 
     @staticmethod

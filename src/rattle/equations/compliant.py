@@ -4,13 +4,17 @@ force on B  = -N n - T t   at the contact point (t = n turned by 90 degrees)
 force on A  = +N n + T t
 couple on B = -N m, on A = +N m         m of the normal; with n = 0 the gap is an angle and N a moment [N m]
 power taken from the motion = N ddelta + T u = (stored: F_static ddelta) + (lost: the remainder)    [W]
+
+Oil in the clearance acts in parallel, see `rattle.elements.film`: its force at the points of the joint, its moments on
+both bodies.  What it loses counts as lost by the mechanism, not by the contact.
 """
 
 from __future__ import annotations
 
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.families import call_clearance, call_friction, call_normal, call_stiffness
+from rattle.jit.families import call_clearance, call_film, call_friction, call_normal, call_stiffness
 from rattle.jit.functions import compiled, native
+from rattle.jit.geometry import ends
 
 
 @native("void", "h")
@@ -57,6 +61,8 @@ def add_contact_forces(m):
             continue
         for column in range(at.NORMAL, at.STORE + 1):
             kinematics[n, column] = 0.0
+        if contact[n, at.FILM_LAW] >= 0:
+            add_film_force(m, n)
         first = contact[n, at.FIRST_STATE]
         for k in range(first, first + contact[n, at.STATES]):
             rate[k] = 0.0
@@ -100,6 +106,27 @@ def add_clutch_torque(m, n):
     kinematics[n, at.NORMAL] = wound + oil
     kinematics[n, at.STORE], kinematics[n, at.LOSS] = wound * rate, oil * rate
     add_contact_force(force, kinematics, contact[n, at.A_BODY], contact[n, at.B_BODY], n, wound + oil, 0.0)
+
+
+@compiled
+def add_film_force(m, n):
+    """Add force and moments of the oil film of contact n to both bodies, and what it loses to the losses."""
+    contact, kinematics, values, force = m.contact, m.contact_kinematics, m.values, m.force
+    a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
+    sax, say, sbx, sby, ex, ey, dex, dey = ends(m.body, a, b, values, contact[n, at.SHAPE_P])
+    wa, wb, out = m.body[a, at.W], m.body[b, at.W], m.film_force
+    arguments = (ex, ey, dex, dey, wa, wb, values, contact[n, at.FILM_P], m.film_coefficients, out)
+    call_film(m.film_table[contact[n, at.FILM_LAW]], arguments)
+    for k in range(5):
+        kinematics[n, at.FILM_X + k] = out[k]
+    fx, fy = out[0], out[1]
+    force[a, at.X] -= fx
+    force[a, at.Y] -= fy
+    force[a, at.PHI] += kinematics[n, at.FILM_A] - (sax * fy - say * fx)
+    force[b, at.X] += fx
+    force[b, at.Y] += fy
+    force[b, at.PHI] += kinematics[n, at.FILM_B] + (sbx * fy - sby * fx)
+    m.power[at.LOSS_RATE] += kinematics[n, at.FILM_LOSS]
 
 
 @compiled

@@ -24,7 +24,10 @@ CONTACT_TABLES = {
     "stiffness_table": (("stiffness",), at.STATIC),
     "normal_table": (("normal", "tension"), at.NORMAL_LAW),
     "friction_table": (("friction",), at.FRICTION),
+    "film_table": (("film",), at.FILM_LAW),
 }
+
+NO_FILM = (-1, -1)
 
 
 class ContactGroup(NamedTuple):
@@ -45,7 +48,7 @@ def contact_groups(joint: Joint) -> list[ContactGroup]:
     play = registry.play_of(joint.kind)
     if joint.contact is not None and play is not None and joint.is_loose:
         sizes = [size for table in joint.dimensions.values() for size in table]
-        p = tuple(packed([*points, joint.clearance, joint.contact.bush_radius, *joint.numbers, *sizes]))
+        p = tuple(packed([*points, *_gap(joint.clearance, joint.contact), *joint.numbers, *sizes]))
         corners = tuple(range(play.leaf.contacts))
         found.append(ContactGroup(play, joint.contact, p, corners, ("joints", joint.name, "contact")))
     sided = registry.one_sided_of(joint.kind)
@@ -65,12 +68,13 @@ def contact_groups(joint: Joint) -> list[ContactGroup]:
 
 def contact_table(
     model: Model, number: Mapping[str, int], values: list[float], length: float
-) -> tuple[list[tuple[int, ...]], list[tuple[float, ...]]]:
+) -> tuple[list[tuple[int, ...]], list[tuple[float, ...]], list[float]]:
     """One entry per contact point, see `layout`: geometry and laws with their parameters; its entry in `lever`.
 
-    Parameters are appended to `values`; length: of the mechanism [m].
+    Then the tables that oil films read.  Parameters are appended to `values`; length: of the mechanism [m].
     """
     found: list[tuple[int, ...]] = []
+    coefficients: list[float] = []
     levers: list[tuple[float, ...]] = []
     states = 0
     for n, joint in enumerate(model.joints.values()):
@@ -88,10 +92,11 @@ def contact_table(
                     *_law("normal", _with_mass(contact.normal, model, joint, leaf.angular), values),
                     *_law("friction", contact.friction, values),
                 )
+            film = _film(contact, joint.clearance, values, coefficients)
             own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
             lever = (*leaf.levers(parameters), *map(float, (_turning(leaf), leaf.rounded, leaf.angular)))
             for corner in corners:
-                owned = (n, int(contact.rigid), states, own, leaf.column_of(corner), leaf.sense(corner), 0, 0)
+                owned = (n, int(contact.rigid), states, own, leaf.column_of(corner), leaf.sense(corner), 0, 0, *film)
                 found.append((_tag(kind), a, b, place, corner, *laws, *owned))
                 states += own
                 levers.append((*lever, leaf.scale(parameters, size), size, *bends))
@@ -107,12 +112,36 @@ def contact_table(
                 alone.sense,
                 int(alone.level),
                 int(alone.toothed),
+                *NO_FILM,
             )
             found.append((entry[0], a, b, *entry[1:], *owned))
             states += alone.states
             levers.append(its_lever)
     _share_law(found, values)
-    return found, levers
+    return found, levers, coefficients
+
+
+def _gap(clearance: float, contact: Contact) -> tuple[float, float]:
+    """Clearance and radius of the bush [m] of the dry contact: with oil it begins at the boundary film.
+
+    The point of contact stays midway between pin and bush.
+    """
+    if contact.film is None:
+        return clearance, contact.bush_radius
+    return clearance - contact.film.boundary, contact.bush_radius - 0.5 * contact.film.boundary
+
+
+def _film(
+    contact: Contact, clearance: float, values: list[float], coefficients: list[float]
+) -> tuple[int, int]:
+    """Kernel of the oil film of a contact and place of its parameters, which are appended, as is the table it reads."""
+    if contact.film is None:
+        return NO_FILM
+    law = contact.film.law
+    kind, place = registry.kinds("film")[law.kind], len(values)
+    values += kind.leaf.pack(law.values, clearance, contact.film.boundary, len(coefficients))
+    coefficients += kind.leaf.table(law.values).tolist()
+    return kind.tag, place
 
 
 def _turning(leaf: Any) -> int:

@@ -152,6 +152,7 @@ class System:
             "acceleration": (nb, 3),
             "change": (3 * nb - 3,),
             "contact_kinematics": (nc, at.width("contact_kinematics")),
+            "film_force": (5,),
             "contact_memory": (nc, at.width("contact_memory")),
             "massless_response": (nm, 3 * nb),
             "massless_reaction": (nm, nr),
@@ -258,7 +259,7 @@ def compile_system(model: Model) -> System:
             rows.append(Row(name, unit, True))
             row_body.append((a, b))
     length = _size(model)
-    contact, lever = contact_table(model, number, values, length)
+    contact, lever, films = contact_table(model, number, values, length)
     dry = friction_table(model, number, values, joint, sum(one[at.STATES] for one in contact))
     of_laws = sum(one[at.STATES] for one in contact) + sum(one[at.DRY_STATES] for one in dry)
     load, live = _loads(model, number, values, programs)
@@ -284,6 +285,7 @@ def compile_system(model: Model) -> System:
         "contact": _table(contact, at.width("contact")),
         "dry": _table(dry, at.width("dry")),
         "lever": array_of(lever).reshape(-1, at.width("lever")),
+        "film_coefficients": np.array(films, dtype=float),
         "values": array_of(values),
         "code": code,
         "const": const,

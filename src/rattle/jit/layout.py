@@ -101,9 +101,11 @@ declare("contact", """
     SENSE [] 1 or -1: N there counts positive or negative
     LEVEL [] 1 for a contact without gap that the rate g' alone decides, 0 otherwise
     TOOTHED [] 1 for a gap that becomes one pitch smaller where it reaches a pitch
+    FILM_LAW [] kernel of the oil film in the clearance; -1: none
+    FILM_P [] its first parameter
 """)
 SHAPE, A_BODY, B_BODY, SHAPE_P, CORNER, STATIC, STATIC_P, NORMAL_LAW, NORMAL_P, FRICTION, FRICTION_P = range(11)
-OWNER, IMPACT, FIRST_STATE, STATES, FORCE_COLUMN, SENSE, LEVEL, TOOTHED = range(11, 19)
+OWNER, IMPACT, FIRST_STATE, STATES, FORCE_COLUMN, SENSE, LEVEL, TOOTHED, FILM_LAW, FILM_P = range(11, 21)
 declare("lever", """
     ARM_A [m] longest arm on A to its contact points
     ARM_B [m] longest arm on B
@@ -162,8 +164,14 @@ declare("contact_kinematics", """
     STORE [W] power taken from the motion and stored
     ACROSS [m/s] speed of a pin's centre along t
     TURN [] couple of the normal: the moment on B is -N TURN besides that of the force; alone (n = 0) for an angular gap
+    FILM_X [N] force of the oil film on B at its point
+    FILM_Y [N] the same along y
+    FILM_A [N*m] its moment on A about the point of A; the force on A is the opposite one, there
+    FILM_B [N*m] its moment on B about the point of B
+    FILM_LOSS [W] what it loses
 """)
 GAP, DGAP, NX, NY, PAX, PAY, PBX, PBY, SLIP, GAMMA_N, GAMMA_T, NORMAL, TANGENT, LOSS, STORE, ACROSS, TURN = range(17)
+FILM_X, FILM_Y, FILM_A, FILM_B, FILM_LOSS = range(17, 22)
 declare("contact_memory", """
     CLOSED [] OPEN, SHUT or AUTO
     SPEED [m/s or rad/s] approach speed

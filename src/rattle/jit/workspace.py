@@ -44,7 +44,7 @@ ARRAYS = {
     "gravity": Array("f1", "2", "m/s^2", "acceleration of free fall"),
     "joint": Array("i2", "nj, 5", "", "joints, then drivers"),
     "load": Array("i2", "nl, 5", "", "loads"),
-    "contact": Array("i2", "nc, 19", "", "geometry and laws of every contact point"),
+    "contact": Array("i2", "nc, 21", "", "geometry and laws of every contact point"),
     "lever": Array("f2", "nc, 10", "m or rad", "what bounds the gap of every contact, and by what it is judged"),
     "code": Array(
         "i2", "nk, 4", "", "programs of all expressions, one after the other, with the branches of their switches"
@@ -69,6 +69,8 @@ ARRAYS = {
     "stiffness_table": Array("i1", "kinds", "", "kernels of static contact forces"),
     "normal_table": Array("i1", "kinds", "", "kernels of normal forces"),
     "friction_table": Array("i1", "kinds", "", "kernels of friction"),
+    "film_table": Array("i1", "kinds", "", "kernels of oil films"),
+    "film_coefficients": Array("f1", "numbers", "", "tables that they read, one after the other"),
     # this instant, in the order in which it is filled
     "values": Array("f1", "np", "SI", "parameters of joints, drivers, loads and contacts"),
     "signals": Array("f1", "ns", "SI", "states of the model, then values of signals"),
@@ -88,7 +90,8 @@ ARRAYS = {
     "multiplier": Array("f1", "nr", "N or N*m", "lambda"),
     "acceleration": Array("f2", "nb + 1, 3", "m/s^2, rad/s^2", "of every body"),
     "change": Array("f1", "3 nb", "m, rad or m/s, rad/s", "a correction of positions or rates"),
-    "contact_kinematics": Array("f2", "nc, 17", "m, m/s, N or rad, rad/s, N*m", "geometry and forces of every contact"),
+    "contact_kinematics": Array("f2", "nc, 22", "m, m/s, N or rad, rad/s, N*m", "geometry and forces of every contact"),
+    "film_force": Array("f1", "5", "N, N*m, W", "of one oil film, scratch"),
     "contact_memory": Array("f2", "nc, 24", "", "memory of every contact"),
     "element_state": Array("f1", "all states", "SI", "of friction laws, then of the model; see `equations.state`"),
     "element_rate": Array("f1", "all states", "SI/s", "their rates"),

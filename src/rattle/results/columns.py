@@ -18,6 +18,7 @@ from rattle.description.coordinates import record_of
 from rattle.description.model import Joint, Load, Model, Value
 from rattle.equations.system import System, joint_rows
 from rattle.jit import layout as at
+from rattle.results.film_columns import film_columns
 
 
 def width(system: System, ports: bool = False) -> int:
@@ -145,6 +146,9 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
                 made = _of_contact(system, joint, kind, raw, c)
                 for key, column in OF_CONTACT.items():
                     add(f"{name}.{key}", at.OUTPUT_JOINT[key], c + column, made.get(key))
+                if joint.contact.film is not None:
+                    for key, (unit, values) in film_columns(system, joint, raw, c).items():
+                        add(f"{name}.{key}", unit, c + at.EX, values)
         c += at.PER_JOINT
     for name, unit in model.recorded.items():
         add(name, unit, c)
@@ -229,9 +233,7 @@ def geometry(model: Model) -> dict[str, Any]:
             "bodies": [joint.a.body, joint.b.body],
             "points": [list(joint.a.at), list(joint.b.at)],
             "clearance": joint.clearance,
-            "contact": (joint.contact.normal.kind if joint.contact.normal else joint.contact.model)
-            if joint.contact
-            else "",
+            "contact": joint.contact.title if joint.contact else "",
         }
         if joint.leaf.bodies:
             joints[name]["sense"] = joint.fields["sense"]

@@ -116,6 +116,10 @@ def write_contacts(m, row, first):
         row[c + at.FY] += fy
         row[c + at.MOMENT] += (kinematics[n, at.PBX] - sbx) * fy - (kinematics[n, at.PBY] - sby) * fx
         row[c + at.MOMENT] -= normal * kinematics[n, at.TURN]
+        if contact[n, at.FILM_LAW] >= 0:
+            row[c + at.FX] += kinematics[n, at.FILM_X]
+            row[c + at.FY] += kinematics[n, at.FILM_Y]
+            row[c + at.MOMENT] += kinematics[n, at.FILM_B]
         column = contact[n, at.FORCE_COLUMN]
         row[c + column] += contact[n, at.SENSE] * normal
         if column == at.EFFORT:  # of a joint that is nothing but this contact

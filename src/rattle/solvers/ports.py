@@ -14,6 +14,7 @@ from rattle.equations.motion import place
 from rattle.jit import layout as at
 from rattle.jit.families import call_load
 from rattle.jit.functions import compiled, native
+from rattle.jit.geometry import ends
 
 
 @compiled
@@ -62,8 +63,26 @@ def write_contact_ports(m, row, first):
         row[c + at.PORT_B] -= fx
         row[c + at.PORT_B + 1] -= fy
         row[c + at.PORT_B + 2] -= kinematics[n, at.PBX] * fy - kinematics[n, at.PBY] * fx + couple
+        if contact[n, at.FILM_LAW] >= 0:
+            write_film_port(m, n, row, c)
         row[c + at.WASTED] += kinematics[n, at.LOSS]
         row[c + at.KEPT] += kinematics[n, at.STORE]
+
+
+@compiled
+def write_film_port(m, n, row, c):
+    """Add force, moments and loss of the oil film of contact n to the port of its joint at column c."""
+    contact, kinematics = m.contact, m.contact_kinematics
+    fx, fy = kinematics[n, at.FILM_X], kinematics[n, at.FILM_Y]
+    a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
+    sax, say, sbx, sby, _, _, _, _ = ends(m.body, a, b, m.values, contact[n, at.SHAPE_P])
+    row[c + at.PORT_A] -= fx
+    row[c + at.PORT_A + 1] -= fy
+    row[c + at.PORT_A + 2] += kinematics[n, at.FILM_A] - (sax * fy - say * fx)
+    row[c + at.PORT_B] += fx
+    row[c + at.PORT_B + 1] += fy
+    row[c + at.PORT_B + 2] += kinematics[n, at.FILM_B] + (sbx * fy - sby * fx)
+    row[c + at.WASTED] += kinematics[n, at.FILM_LOSS]
 
 
 @compiled

@@ -20,7 +20,10 @@ def outside(system: System, workspace: Workspace) -> str:
     for entry, one, gap in zip(contact, lever, workspace.contact_kinematics[:, at.GAP], strict=True):
         name = system.joints[entry[at.OWNER]]
         joint = system.model.joints[name]
-        if gap >= -1e-6 * one[at.GAP_SCALE]:
+        oil = joint.contact.film if joint.contact is not None and entry[at.FILM_LAW] >= 0 else None
+        if oil is not None and gap > -oil.boundary:  # the dry contact begins at the boundary film
+            continue
+        if oil is None and gap >= -1e-6 * one[at.GAP_SCALE]:
             continue
         if entry[at.FORCE_COLUMN] == at.STOP and joint.stop is not None:
             if joint.stop.contact.rigid:
@@ -34,6 +37,8 @@ def outside(system: System, workspace: Workspace) -> str:
                     f"joint '{name}' starts {-gap:.3g} m inside {joint.one_sided.wall}: give its bodies positions in"
                     " [initial] at which they are clear of each other, or none, and they touch"
                 )
+            if oil is not None:
+                gap += oil.boundary
             return (
                 f"joint '{name}' starts {-gap:.3g} m outside its clearance of {clearance:.3g} m: give the bodies"
                 f" positions with the pin inside, or an offset of '{name}' in [initial]"

@@ -62,4 +62,5 @@ class PinInBush(ClearanceKind):
 
     joint = "revolute"
     from_materials = True
+    holds_oil = True
     orbit = True

@@ -1,0 +1,130 @@
+"""Reading a lubricated contact: the oil film in a clearance, and the dry contact beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from rattle import registry
+from rattle.description.model import Choice, Contact, OilFilm
+from rattle.description.read_fields import FieldReader
+from rattle.description.read_values import Path, said
+from rattle.errors import suggest
+
+KEYS = ("film", "dry", "roughness", "bush_radius")  # of its table, besides fields of the model and of the film
+STEEL = {"model": "hertz", "geometry": "johnson", "bush_material": "steel", "friction": 0.1}  # if `dry` is left out
+ReadDry = Callable[[Mapping[str, Any], Path], Contact | None]
+
+
+def film_keys() -> dict[str, registry.Field | None]:
+    """Every key that a lubricated contact may have, with its field; None where it is none, or differs among films."""
+    found: dict[str, registry.Field | None] = dict.fromkeys(KEYS)
+    kinds = [*(one for one in registry.kinds("contact").values() if one.leaf.oiled), *registry.kinds("film").values()]
+    for one in kinds:
+        found |= {key: field for key, field in one.fields.items() if key not in found}
+    return found
+
+
+def read_lubricated(
+    reader: FieldReader, table: Mapping[str, Any], kind: registry.Kind, clearance: float, path: Path, dry: ReadDry
+) -> Contact | None:
+    """A contact with oil; None after a problem.
+
+    clearance [m]; dry: reads the table of a compliant contact in this joint.
+    """
+    values, before = reader.values, len(reader.values.problems)
+    law = reader.choose({"film": "finite", **table}, "film", path, "film")
+    if law is None:
+        return None
+    known = film_keys()
+    values.keys(table, ["model", *known], path)
+    chosen = reader.fields(law, table, path)
+    for key, one in law.fields.items():
+        if one.shape == "choice" and chosen[key] == chosen[key]:
+            chosen[key] = one.choices[int(chosen[key])]  # type: ignore[assignment]
+    rough = _roughness(reader, table, path)
+    read: dict[str, float] = {"roughness": rough, "clearance": clearance}
+    for key, one in kind.fields.items():
+        read[key] = reader.field(one, key, table, read, path)
+    if len(values.problems) > before:
+        return None
+    if not _fits(reader, law, chosen, read, table, path):
+        return None
+    found, assumed = _dry(reader, table, chosen, path, dry)
+    if found is None:
+        return None
+    film = OilFilm(
+        Choice(law.name, chosen), read["boundary_film"], rough or read["boundary_film"] / 3.0, read["density"],
+        read["specific_heat"], assumed,
+    )  # fmt: skip
+    unused = [key for key in table if key in known and key not in ("model", *KEYS, *law.fields, *kind.fields)]
+    unused += [f"dry.{key}" for key in found.unused if not assumed]
+    return replace(found, model=kind.name, film=film, unused=tuple(unused))
+
+
+def _fits(
+    reader: FieldReader, law: registry.Kind, chosen: Mapping[str, Any], read: Mapping[str, float],
+    table: Mapping[str, Any], path: Path,
+) -> bool:  # fmt: skip
+    """True if clearance, boundary film and film belong together; problems are reported otherwise."""
+    values, clearance, least = reader.values, read["clearance"], read["boundary_film"]
+    before = len(values.problems)
+    if not clearance > 0.0:
+        values.wrong(path, "oil needs a clearance of the joint above 0; give one, or use contact = \"ideal\"")
+        return False
+    for fault in law.leaf.faults(chosen, clearance):
+        values.wrong(path, fault)
+    if not least < 0.5 * clearance:
+        said_here = f"the boundary film of {least:.3g} m must be thinner than half the clearance of {clearance:.3g} m"
+        key = next((key for key in ("boundary_film", "roughness") if key in table), "boundary_film")
+        why = "" if key == "boundary_film" else " (3 times the roughness of both surfaces)"
+        values.wrong((*path, key), said_here + why, at_key=True)
+    return len(values.problems) == before
+
+
+def _roughness(reader: FieldReader, table: Mapping[str, Any], path: Path) -> float:
+    """Roughness of both surfaces together [m]: root of the sum of squares of one number each, or of one for both."""
+    if "roughness" not in table:
+        return 0.0
+    given, here = table["roughness"], (*path, "roughness")
+    if isinstance(given, list | tuple):
+        if len(given) != 2:
+            reader.values.wrong(here, f"expected a number in m, or [bush, pin], got {said(given)}")
+            return math.nan
+        each = [reader.values.value(one, "m", here, "not negative") for one in given]
+    else:
+        each = [reader.values.value(given, "m", here, "not negative")]
+    total = math.hypot(*each)
+    if total == 0.0:
+        reader.values.wrong(here, "must be positive; leave it out if it is not known")
+    return total
+
+
+def _dry(
+    reader: FieldReader, table: Mapping[str, Any], chosen: Mapping[str, Any], path: Path, read: ReadDry
+) -> tuple[Contact | None, str]:
+    """The dry contact, and in words what was assumed; None after a problem."""
+    radius = chosen["bush_radius"]
+    given = {"bush_radius": radius}
+    if "dry" not in table:
+        return read({**STEEL, **given, "length": chosen["length"]}, path), "steel on steel, friction 0.1"
+    here = (*path, "dry")
+    if not isinstance(table["dry"], Mapping):
+        reader.values.wrong(here, f"expected the table of a compliant contact, got {said(table['dry'])}")
+        return None, ""
+    dry = table["dry"]
+    laws = registry.kinds("normal")
+    if dry.get("model") not in laws:
+        words = f"dry needs the model of a compliant contact: {', '.join(laws)}"
+        got = f", got {said(dry['model'])}{suggest(str(dry['model']), laws)}" if "model" in dry else ""
+        reader.values.wrong(here, words + got)
+        return None, ""
+    if "bush_radius" in dry:
+        again = reader.values.value(dry["bush_radius"], "m", (*here, "bush_radius"), "positive")
+        if abs(again - radius) > 1e-9 * radius:
+            differs = f"is {again:g} m here and {radius:g} m for the film: leave it out here"
+            reader.values.wrong((*here, "bush_radius"), differs, at_key=True)
+            return None, ""
+    return read({**dry, **given}, here), ""

@@ -1,0 +1,48 @@
+"""Mixed lubrication: an oil film and a dry contact in parallel.
+
+h = c - |e|       film thickness; h_b: that of the boundary film, in which the highest asperities touch
+force = film(e, v), its coefficients those of max(h, h_b)   +   dry law of the penetration delta = h_b - h > 0
+
+Both are continuous at h = h_b, and neither gives energy: no weight multiplies a potential.  The friction over speed of a
+joint (Stribeck's curve) follows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rattle.elements.contact_laws import ContactKind
+from rattle.registry import Field, kind
+
+SIGMAS = 3.0  # boundary film over the roughness of both surfaces
+THIN = 1e-3  # boundary film over the clearance if no roughness is known
+
+
+@kind("contact", "lubricated")
+class Lubricated(ContactKind):
+    """An oil film in the clearance, and a compliant contact beside it where the film is thin.
+
+    Besides: the fields of its film (`film`: finite, short, pinkus-sternlicht), `dry`: the table of a compliant contact,
+    `roughness`: root mean square [m], a number or [bush, pin].
+
+    Source: this package; Hamrock, Schmid, Jacobson, Fundamentals of Fluid Film Lubrication (2004), sections 3.8 and 16
+    (film parameter, regimes).
+    """
+
+    contacts = True
+    oiled = True
+    boundary_film = Field(
+        "m",
+        "thickness of the film at which the dry contact begins; default: 3 times the roughness, or 1e-3 clearances",
+        lambda read: boundary_film(read),
+        least="positive",
+    )
+    density = Field("kg/m^3", "of the oil", 870.0, least="positive")
+    specific_heat = Field("J/(kg*K)", "of the oil", 2000.0, least="positive")
+
+
+def boundary_film(read: Mapping[str, Any]) -> float:
+    """Thickness [m] of the boundary film from `roughness`, of both surfaces together [m], and `clearance` [m]."""
+    roughness: float = read.get("roughness", 0.0)
+    return SIGMAS * roughness if roughness > 0.0 else THIN * float(read.get("clearance", 0.0))
