@@ -102,7 +102,10 @@ def read_contact(reader: FieldReader, written: Any, site: Site, path: Path) -> C
             def dry(given: Mapping[str, Any], where: Path) -> Contact | None:
                 return _compliant(reader, given, str(given["model"]), site, where)
 
-            return read_lubricated(reader, table, kind, site.clearance, path, dry)
+            def unused(used: Collection[str]) -> tuple[str, ...]:
+                return _unused(reader, table, used, site, path)
+
+            return read_lubricated(reader, table, kind, site.clearance, path, dry, unused)
         return _plain(reader, table, str(model), site, path)
     return _compliant(reader, table, str(model), site, path)
 
@@ -144,6 +147,8 @@ def _unused(
         field = fields[key]
         if key == "friction":
             _pack(reader, "friction", _friction(reader, table[key], (*path, key)), path)
+        elif key == "film":
+            reader.choose(table, "film", path, "film")
         elif key == "bush_radius":
             _radius(reader, table, site, "", path)
         elif key == "geometry":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +16,7 @@ from rattle.errors import suggest
 KEYS = ("film", "dry", "roughness", "bush_radius")  # of its table, besides fields of the model and of the film
 STEEL = {"model": "hertz", "geometry": "johnson", "bush_material": "steel", "friction": 0.1}  # if `dry` is left out
 ReadDry = Callable[[Mapping[str, Any], Path], Contact | None]
+Unused = Callable[[Collection[str]], tuple[str, ...]]
 
 
 def film_keys() -> dict[str, registry.Field | None]:
@@ -28,18 +29,19 @@ def film_keys() -> dict[str, registry.Field | None]:
 
 
 def read_lubricated(
-    reader: FieldReader, table: Mapping[str, Any], kind: registry.Kind, clearance: float, path: Path, dry: ReadDry
-) -> Contact | None:
+    reader: FieldReader, table: Mapping[str, Any], kind: registry.Kind, clearance: float, path: Path, dry: ReadDry,
+    unused: Unused,
+) -> Contact | None:  # fmt: skip
     """A contact with oil; None after a problem.
 
-    clearance [m]; dry: reads the table of a compliant contact in this joint.
+    clearance [m]; dry: reads the table of a compliant contact in this joint; unused: checks the keys of other models
+    and returns those that there are, given the keys that are used.
     """
     values, before = reader.values, len(reader.values.problems)
     law = reader.choose({"film": "finite", **table}, "film", path, "film")
     if law is None:
         return None
-    known = film_keys()
-    values.keys(table, ["model", *known], path)
+    left = unused(["model", *KEYS, *law.fields, *kind.fields])
     chosen = reader.fields(law, table, path)
     for key, one in law.fields.items():
         if one.shape == "choice" and chosen[key] == chosen[key]:
@@ -59,9 +61,8 @@ def read_lubricated(
         Choice(law.name, chosen), read["boundary_film"], rough or read["boundary_film"] / 3.0, read["density"],
         read["specific_heat"], assumed,
     )  # fmt: skip
-    unused = [key for key in table if key in known and key not in ("model", *KEYS, *law.fields, *kind.fields)]
-    unused += [f"dry.{key}" for key in found.unused if not assumed]
-    return replace(found, model=kind.name, film=film, unused=tuple(unused))
+    left += tuple(f"dry.{key}" for key in found.unused if not assumed)
+    return replace(found, model=kind.name, film=film, unused=left)
 
 
 def _fits(
@@ -72,7 +73,7 @@ def _fits(
     values, clearance, least = reader.values, read["clearance"], read["boundary_film"]
     before = len(values.problems)
     if not clearance > 0.0:
-        values.wrong(path, "oil needs a clearance of the joint above 0; give one, or use contact = \"ideal\"")
+        values.wrong(path, 'oil needs a clearance of the joint above 0; give one, or use contact = "ideal"')
         return False
     for fault in law.leaf.faults(chosen, clearance):
         values.wrong(path, fault)

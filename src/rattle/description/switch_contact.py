@@ -7,6 +7,7 @@ from typing import Any
 
 from rattle import registry
 from rattle.description.model import DEFAULT_CONTACT
+from rattle.description.read_film import STEEL, film_keys
 from rattle.errors import ModelError, Problem, suggest
 
 ELASTIC = ("stiffness", "exponent", "bush_material", "pin_material", "length", "geometry")
@@ -16,12 +17,18 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
     """The value of `contact` for another model, from the value written for the present one.
 
     Kept if the new model has them: restitution [-], friction (set-valued Coulomb keeps mu [-] of a friction law),
-    bush radius [m], stiffness or materials, and the fields of the same law.
+    bush radius [m], stiffness or materials, and the fields of the same law.  A contact with oil takes a compliant one as
+    its dry contact, and leaves it where the oil goes.
     """
     old: Mapping[str, Any] = written if isinstance(written, Mapping) else {"model": written}
     plain, laws = registry.kinds("contact"), registry.kinds("normal")
     if model in plain and not plain[model].leaf.contacts:
         return model
+    if model in plain and plain[model].leaf.oiled:
+        return _oiled(old, model)
+    if old["model"] in plain and plain[old["model"]].leaf.oiled:  # without the oil its dry contact is left
+        dry = {**STEEL, "length": old.get("length")} if "dry" not in old else old["dry"]
+        old = {"bush_radius": old.get("bush_radius"), **dry}
     keys = ["bush_radius", "friction"]
     keys += [*plain[model].fields] if model in plain else [*ELASTIC, *(laws[model].fields if model in laws else ())]
     made = {"model": model, **{key: value for key, value in old.items() if key in keys}}
@@ -31,6 +38,17 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
     if "restitution" in made and model in laws and laws[model].fields["restitution"].default == 1.0:
         del made["restitution"]  # a law without loss
     return made if len(made) > 1 else model
+
+
+def _oiled(old: Mapping[str, Any], model: str) -> dict[str, Any]:
+    """A lubricated contact, with the oil that the table has, and its compliant contact as the dry one."""
+    films, laws = film_keys(), registry.kinds("normal")
+    made = {"model": model, **{key: value for key, value in old.items() if key in films}}
+    if "dry" not in made and old["model"] in laws:
+        own = ["model", "friction", *laws[old["model"]].fields]
+        own += ELASTIC if "geometry" in old or "bush_material" in old else ELASTIC[:2]
+        made["dry"] = {key: value for key, value in old.items() if key in own}
+    return made
 
 
 def contact_of(document: Mapping[str, Any], joint: str) -> dict[str, Any]:

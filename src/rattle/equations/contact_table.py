@@ -131,9 +131,7 @@ def _gap(clearance: float, contact: Contact) -> tuple[float, float]:
     return clearance - contact.film.boundary, contact.bush_radius - 0.5 * contact.film.boundary
 
 
-def _film(
-    contact: Contact, clearance: float, values: list[float], coefficients: list[float]
-) -> tuple[int, int]:
+def _film(contact: Contact, clearance: float, values: list[float], coefficients: list[float]) -> tuple[int, int]:
     """Kernel of the oil film of a contact and place of its parameters, which are appended, as is the table it reads."""
     if contact.film is None:
         return NO_FILM

@@ -27,7 +27,8 @@ def film_columns(system: System, joint: Joint, raw: Array, c: int) -> dict[str, 
     over the boundary film.
     """
     contact = joint.contact
-    assert contact is not None and contact.film is not None, "called for a joint with oil"
+    assert contact is not None, "called for a joint with a contact"
+    assert contact.film is not None, "called for a joint with oil"
     film, clearance = contact.film, joint.clearance
     e, v, rates = _motion(system, joint, raw, c)
     fx, fy, loss, peak, leakage = _forces(film, e, v, rates, clearance)

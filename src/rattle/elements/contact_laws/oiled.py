@@ -3,8 +3,8 @@
 h = c - |e|       film thickness; h_b: that of the boundary film, in which the highest asperities touch
 force = film(e, v), its coefficients those of max(h, h_b)   +   dry law of the penetration delta = h_b - h > 0
 
-Both are continuous at h = h_b, and neither gives energy: no weight multiplies a potential.  The friction over speed of a
-joint (Stribeck's curve) follows.
+Both are continuous at h = h_b, and neither gives energy: no weight multiplies a potential.  Stribeck's curve, the
+friction of a joint over its speed, follows.
 """
 
 from __future__ import annotations
