@@ -17,8 +17,8 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
     """The value of `contact` for another model, from the value written for the present one.
 
     Kept if the new model has them: restitution [-], friction (set-valued Coulomb keeps mu [-] of a friction law),
-    bush radius [m], stiffness or materials, and the fields of the same law.  A contact with oil takes a compliant one as
-    its dry contact, and leaves it where the oil goes.
+    bush radius [m], stiffness or materials, and the fields of the same law.  A contact with oil takes a compliant one
+    as its dry contact, and leaves it where the oil goes.
     """
     old: Mapping[str, Any] = written if isinstance(written, Mapping) else {"model": written}
     plain, laws = registry.kinds("contact"), registry.kinds("normal")

@@ -114,6 +114,17 @@ def read_sheet(table, first, gap, tau):
     return value, slope * (0.5 * (NODES - 1))
 
 
+@compiled
+def read_ratios(e, alpha, table, found):
+    """exp of the sheet at every e [of the clearance] and alpha [rad], arrays (n,); the last one is filled."""
+    for k in range(e.shape[0]):
+        s = math.sqrt((1.0 - e[k]) * (1.0 + e[k]))
+        a = e[k] * math.cos(alpha[k])
+        tau, _ = edge_place(a, -e[k] * math.sin(alpha[k]), e[k], s, math.atan2(s, -a))
+        value, _ = read_sheet(table, 0, 1.0 - e[k], tau)
+        found[k] = math.exp(value)
+
+
 # ---------------------------------------------------------------- from nodes to coefficients
 def eccentricities() -> Array:
     """The nodes of the eccentricity, (NODES,) [of the clearance]."""

@@ -72,6 +72,13 @@ def short_peak(e, alpha):
 
 
 @compiled
+def short_peaks(e, alpha, found):
+    """`short_peak` of every state: arrays (n,), the last one is filled."""
+    for k in range(e.shape[0]):
+        found[k] = short_peak(e[k], alpha[k])
+
+
+@compiled
 def _rise(e, alpha, phi):
     """Slope of the pressure along the circumference, times a positive number."""
     turn = phi - alpha

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -31,11 +30,19 @@ def film_columns(system: System, joint: Joint, raw: Array, c: int) -> dict[str, 
     assert contact.film is not None, "called for a joint with oil"
     film, clearance = contact.film, joint.clearance
     e, v, rates = _motion(system, joint, raw, c)
-    fx, fy, loss, peak, leakage = _forces(film, e, v, rates, clearance)
-    size, force = np.hypot(*e), np.hypot(fx, fy)
+    size, (wa, wb) = np.hypot(*e), rates
+    on_a = contact.bush_radius - 0.5 * (clearance - size)  # see the clearance `pin`
+    moment = raw[:, c + at.MOMENT] - (raw[:, c + at.STOP] if joint.stops_angle else 0.0)
+    fx, fy = _force(raw, c, e)
+    u = v + 0.5 * (wa + wb) * np.array([e[1], -e[0]])
+    on_pin = moment + raw[:, c + at.JOINT_TANGENT] * (on_a - size)  # of the film alone
+    shear = -on_pin - 0.5 * (e[0] * fy - e[1] * fx)  # T_c, see `rattle.elements.film`
+    slip = _across(e, v) + wb * (on_a - size) - wa * on_a
     normal, friction = raw[:, c + at.JOINT_NORMAL], raw[:, c + at.JOINT_TANGENT]
+    peak, leakage = _pressure(film, e, u, clearance)
+    force = np.hypot(fx, fy)
     regime = np.where(normal > 0.0, np.where(force < LITTLE * normal, DRY, MIXED), FILM)
-    values, turns = film.law.values, np.abs(rates[0] + rates[1]) / (2.0 * math.pi)
+    values, turns = film.law.values, np.abs(wa + wb) / (2.0 * math.pi)
     mu, length, radius = (float(values[key]) for key in ("viscosity", "length", "bush_radius"))
     with np.errstate(divide="ignore", invalid="ignore"):
         unit = mu * turns * 2.0 * radius * length * (radius / clearance) ** 2
@@ -46,8 +53,8 @@ def film_columns(system: System, joint: Joint, raw: Array, c: int) -> dict[str, 
         "film_pressure": ("Pa", peak),
         "film_fx": ("N", fx),
         "film_fy": ("N", fy),
-        "friction_torque": ("N*m", raw[:, c + at.MOMENT]),
-        "friction_power": ("W", loss + friction * _slip(e, v, rates, contact.bush_radius, clearance)),
+        "friction_torque": ("N*m", moment),
+        "friction_power": ("W", shear * (wb - wa) - fx * u[0] - fy * u[1] + friction * slip),
         "leakage": ("m^3/s", leakage),
         "sommerfeld": ("", sommerfeld),
         "regime": ("", regime),
@@ -72,34 +79,30 @@ def _point_rate(system: System, end: Point, raw: Array) -> Array:
     return np.array([vx - w * y, vy + w * x, w])
 
 
-def _forces(film: OilFilm, e: Array, v: Array, rates: Array, clearance: float) -> Array:
-    """(5, n): force on B [N, N], loss [W], largest pressure [Pa] and leakage [m^3/s]."""
-    law, values = registry.kinds("film")[film.law.kind], film.law.values
-    kernel: Any = law.kernel
-    p = np.array(law.leaf.pack(values, clearance, film.boundary), dtype=float)
-    table, out, n = np.array(law.leaf.table(values)), np.zeros(5), e.shape[1]
-    mu, length, radius = (float(values[key]) for key in ("viscosity", "length", "bush_radius"))
-    found = np.empty((5, n))
-    wm = 0.5 * (rates[0] + rates[1])
-    ux, uy = v[0] + wm * e[1], v[1] - wm * e[0]
-    speed = np.hypot(ux, uy)
-    alpha = np.abs(np.arctan2(e[0] * uy - e[1] * ux, e[0] * ux + e[1] * uy))
-    part = np.minimum(np.hypot(*e), clearance - film.boundary) / clearance
-    for k, state in enumerate(np.concatenate([e, v, rates]).T.tolist()):
-        kernel(*state, p, 0, table, out)
-        found[:3, k] = out[0], out[1], out[4]
-        moves = speed[k] > 0.0
-        found[3, k] = law.leaf.peak(values, part[k], alpha[k]) if moves else 0.0
-        found[4, k] = law.leaf.leakage(values, part[k], alpha[k]) if moves else 0.0
-    found[3] *= mu * length**2 * speed / clearance**3
-    found[4] *= 2.0 * radius * length * speed
-    return found
-
-
-def _slip(e: Array, v: Array, rates: Array, radius: float, clearance: float) -> Array:
-    """Speed (n,) [m/s] at which the pin slips along the bush where they are nearest, see the clearance `pin`."""
+def _force(raw: Array, c: int, e: Array) -> tuple[Array, Array]:
+    """Force (n,) [N] of the film on B along x and y: what the dry contact leaves of that of the joint."""
     size = np.hypot(*e)
     with np.errstate(divide="ignore", invalid="ignore"):
-        across = np.where(size > 0.0, (e[0] * v[1] - e[1] * v[0]) / size, 0.0)
-    on_a = radius - 0.5 * (clearance - size)
-    return np.asarray(across + rates[1] * (on_a - size) - rates[0] * on_a)
+        nx, ny = np.where(size > 0.0, e / size, 0.0)
+    normal, tangent = raw[:, c + at.JOINT_NORMAL], raw[:, c + at.JOINT_TANGENT]
+    fx = raw[:, c + at.FX] + normal * nx - tangent * ny
+    fy = raw[:, c + at.FY] + normal * ny + tangent * nx
+    return fx, fy
+
+
+def _pressure(film: OilFilm, e: Array, u: Array, clearance: float) -> tuple[Array, Array]:
+    """(n,): largest pressure [Pa] and leakage [m^3/s]; u: the velocity [m/s] that the film sees."""
+    law, values = registry.kinds("film")[film.law.kind].leaf, film.law.values
+    mu, length, radius = (float(values[key]) for key in ("viscosity", "length", "bush_radius"))
+    speed = np.hypot(*u)
+    alpha = np.abs(np.arctan2(e[0] * u[1] - e[1] * u[0], e[0] * u[0] + e[1] * u[1]))
+    part = np.minimum(np.hypot(*e), clearance - film.boundary) / clearance
+    peak = mu * length**2 * speed / clearance**3 * law.peak(values, part, alpha)
+    return peak, 2.0 * radius * length * speed * law.leakage(values, part, alpha)
+
+
+def _across(e: Array, v: Array) -> Array:
+    """Velocity (n,) [m/s] of the centre of the pin across the eccentricity."""
+    size = np.hypot(*e)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(size > 0.0, (e[0] * v[1] - e[1] * v[0]) / size, 0.0)

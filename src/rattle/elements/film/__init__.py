@@ -77,14 +77,17 @@ class FilmLaw:
         return []
 
     @classmethod
-    def peak(cls, values: Mapping[str, Any], e: float, alpha: float) -> float:
-        """Largest pressure over mu L^2 |v|/c^3 at the eccentricity e [of the clearance], v at alpha [rad] from it."""
+    def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+        """Largest pressure over mu L^2 |v|/c^3 at eccentricities e [of the clearance], v at alpha [rad] from them.
+
+        All arrays are (n,).
+        """
         raise NotImplementedError
 
     @classmethod
-    def leakage(cls, values: Mapping[str, Any], e: float, alpha: float) -> float:
-        """What flows out of both ends over 2 R L |v|; nan if the law says nothing about it."""
-        return math.nan
+    def leakage(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+        """What flows out of both ends over 2 R L |v|; nan if the law says nothing about it.  All arrays are (n,)."""
+        return np.full(len(e), math.nan)
 
 
 def ratio_of(values: Mapping[str, Any]) -> float:

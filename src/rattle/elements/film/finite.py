@@ -21,9 +21,10 @@ from rattle.elements.film_table import (
     coefficients,
     edge_place,
     read_line,
+    read_ratios,
     read_sheet,
 )
-from rattle.elements.short_film import short_integrals, short_peak
+from rattle.elements.short_film import short_integrals, short_peaks
 from rattle.jit.functions import kernel
 from rattle.registry import kind
 
@@ -90,18 +91,19 @@ class Finite(FilmLaw):
         return super().faults(values, clearance) + ([long] if ratio > LONGEST * (1.0 + 1e-12) else [])
 
     @classmethod
-    def peak(cls, values: Mapping[str, Any], e: float, alpha: float) -> float:
-        return float(short_peak(e, alpha)) * cls._ratio("peak", values, e, alpha)
+    def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+        short = np.empty(len(e))
+        short_peaks(e, alpha, short)
+        return short * cls._ratio("peak", values, e, alpha)
 
     @classmethod
-    def leakage(cls, values: Mapping[str, Any], e: float, alpha: float) -> float:
+    def leakage(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
         return cls._ratio("leakage", values, e, alpha)
 
     @staticmethod
-    def _ratio(name: str, values: Mapping[str, Any], e: float, alpha: float) -> float:
+    def _ratio(name: str, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
         """A ratio to the short film from its table."""
-        s = math.sqrt((1.0 - e) * (1.0 + e))
-        a = e * math.cos(alpha)
-        tau, _ = edge_place(a, -e * math.sin(alpha), e, s, math.atan2(s, -a))
         kept = coefficients(f"{'full_' if values['cavitation'] == 'full' else ''}{name}", ratio_of(values))
-        return float(np.exp(read_sheet(kept, 0, 1.0 - e, tau)[0]))
+        found = np.empty(len(e))
+        read_ratios(e, alpha, np.array(kept), found)  # a copy: compiled functions take no read-only array
+        return found

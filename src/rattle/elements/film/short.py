@@ -10,9 +10,12 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from rattle.elements.film import CAVITATION, FilmLaw, ratio_of
 from rattle.elements.film_frame import FORCE, FULL, WETTED, book, relative_place, seen_velocity
-from rattle.elements.short_film import short_integrals, short_peak
+from rattle.elements.film_table import Array
+from rattle.elements.short_film import short_integrals, short_peaks
 from rattle.jit.functions import kernel
 from rattle.registry import kind
 
@@ -63,9 +66,11 @@ class Short(FilmLaw):
         return [f"at L/D = {ratio:.3g} a short film is too strong, by a multiple where it is thin; use 'finite'"]
 
     @classmethod
-    def peak(cls, values: Mapping[str, Any], e: float, alpha: float) -> float:
-        return float(short_peak(e, alpha))
+    def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+        found = np.empty(len(e))
+        short_peaks(e, alpha, found)
+        return found
 
     @classmethod
-    def leakage(cls, values: Mapping[str, Any], e: float, alpha: float) -> float:
-        return 1.0
+    def leakage(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+        return np.ones(len(e))

@@ -132,13 +132,16 @@ class Film:
         """Largest pressure [Pa] in the film; omega_mean [rad/s]: mean of the rates of both bodies."""
         e, alpha, speed = self._polar(ex, ey, vx, vy, omega_mean)
         unit = self.viscosity * self.length**2 * speed / self.clearance**3
-        return unit * float(self._kind.leaf.peak(self._values, e, alpha)) if speed > 0.0 else 0.0
+        return unit * self._of_law("peak", e, alpha) if speed > 0.0 else 0.0
 
     def leakage(self, ex: float, ey: float, vx: float, vy: float, omega_mean: float = 0.0) -> float:
         """Oil that flows out of both ends [m^3/s]; omega_mean [rad/s]: mean of the rates of both bodies."""
         e, alpha, speed = self._polar(ex, ey, vx, vy, omega_mean)
-        share = float(self._kind.leaf.leakage(self._values, e, alpha))
-        return 2.0 * self.radius * self.length * speed * share
+        return 2.0 * self.radius * self.length * speed * self._of_law("leakage", e, alpha)
+
+    def _of_law(self, name: str, e: float, alpha: float) -> float:
+        """A ratio that the law knows of one state."""
+        return float(getattr(self._kind.leaf, name)(self._values, np.array([e]), np.array([alpha]))[0])
 
     def _polar(self, ex: float, ey: float, vx: float, vy: float, omega: float) -> tuple[float, float, float]:
         """Eccentricity [of the clearance], angle [0, pi] from it to the velocity that the film sees, and its size."""
