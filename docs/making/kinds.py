@@ -44,7 +44,7 @@ FAMILIES = {
     "friction": ("Friction laws", "`friction = { model = NAME, ... }` in the `contact` of a normal force law."),
     "film": (
         "Oil films",
-        "`model` of `rt.Film` and `rattle film`, whose arguments are these fields, `bush_radius` as `radius`.",
+        "`film` in a lubricated `contact`; `model` of `rt.Film` and `rattle film`, with `bush_radius` as `radius`.",
     ),
     "load": ("Loads", "`[loads.NAME]` with `type`: forces and moments on bodies."),
     "stepper": ("Steppers", "`method` in `[simulate]`, or `--method`: how the motion is computed."),
@@ -168,9 +168,7 @@ def _live(field: Any, family: str) -> str:
 
 # ---------------------------------------------------------------- examples
 def example(catalog: Any, kind: Any) -> str:
-    """A few lines of a model file with this kind, read by the program; empty if the kind is not written in files."""
-    if kind.family == "film":
-        return ""
+    """A few lines of a model file with this kind, read by the program."""
     families = {"joint": _joint, "driver": _driver, "load": _load}
     own = {"clearance": _clearance, "stop": _stop, "one-sided": _one_sided, "clutch": _clutch, "stepper": _stepper}
     made = {**families, **own, "tension": _belt}.get(kind.family)
@@ -236,8 +234,12 @@ def _stepper(catalog: Any, kind: Any) -> list[str]:
 
 def _contact(catalog: Any, kind: Any) -> list[str]:
     needed = ", ".join(_needed(catalog, kind))
-    material = 'bush_radius = "10 mm", bush_material = "bronze", pin_material = "steel"'
-    if kind.family == "contact":
+    bush = 'bush_radius = "10 mm"'
+    material = f'{bush}, bush_material = "bronze", pin_material = "steel"'
+    if kind.family == "film" or getattr(kind.leaf, "oiled", False):
+        film = kind.name if kind.family == "film" else "finite"
+        said = f'{{ model = "lubricated", film = "{film}", viscosity = "50 mPa*s", length = "10 mm", {bush} }}'
+    elif kind.family == "contact":
         table = "".join(f", {key} = {value}" for key, value in WITH_CONTACT.items() if key in kind.fields)
         said = f'{{ model = "{kind.name}"{table} }}' if table else f'"{kind.name}"'
     elif kind.family == "normal":
@@ -251,7 +253,7 @@ def _contact(catalog: Any, kind: Any) -> list[str]:
         friction = f'{{ model = "{kind.name}"{", " if needed else ""}{needed} }}'
         said = f'{{ model = "exact", restitution = 0.5, {material}, friction = {friction} }}'
     joint = catalog.kinds("joint")["revolute"]
-    return [*_joint(catalog, joint), 'clearance = "0.2 mm"', f"contact = {said}"]
+    return [*_joint(catalog, joint), 'clearance = "0.1 mm"', f"contact = {said}"]
 
 
 def _needed(catalog: Any, kind: Any, live: bool = False) -> list[str]:

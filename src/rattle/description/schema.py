@@ -310,13 +310,38 @@ def _contact(
     every: dict[str, Schema] = {"geometry": {"enum": own, "description": "formula for the stiffness from materials"}}
     for kind in (*statics.values(), *laws.values(), *plain.values()):
         every |= _fields(kind)
+    oiled = [one for one in plain.values() if one.leaf.oiled]
+    every |= {**_oil(), **every} if oiled else {}
     every |= {**radius, **friction}
     every = {key: value for key, value in every.items() if key not in without}
     tables = []
-    for kind in (*plain.values(), *laws.values()):
+    for kind in oiled:
+        needed = ["model", "bush_radius", *_needed_by_all(registry.kinds("film").values())]
+        tables.append(_object({"model": _choice(kind), **every, **_fields(kind)}, dict.fromkeys(needed)))
+    for kind in (*(one for one in plain.values() if not one.leaf.oiled), *laws.values()):
         own_fields = {key: one for key, one in _fields(kind).items() if key != "friction" and key not in without}
         tables.append(_object({"model": _choice(kind), **every, **own_fields}, ("model", *_needed(kind))))
     return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": meaning}
+
+
+def _oil() -> dict[str, Schema]:
+    """Keys of the oil in a clearance, besides those of its model."""
+    films = registry.kinds("film")
+    found: dict[str, Schema] = {}
+    for kind in films.values():
+        found |= _fields(kind)
+    each = {"type": ["number", "string"]}
+    both = {"type": "array", "items": each, "minItems": 2, "maxItems": 2}
+    return found | {
+        "film": {"enum": list(films), "default": "finite", "description": "law of the oil film"},
+        "dry": {"type": "object", "description": "the dry contact beside the film: the table of a compliant contact"},
+        "roughness": {"anyOf": [_number("m", "of both surfaces"), both], "description": "root mean square [m]"},
+    }
+
+
+def _needed_by_all(kinds: Collection[Kind]) -> list[str]:
+    every = [_needed(kind) for kind in kinds]
+    return [key for key in every[0] if all(key in one for one in every)]
 
 
 def _friction() -> Schema:

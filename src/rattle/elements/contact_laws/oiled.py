@@ -26,8 +26,8 @@ class Lubricated(ContactKind):
     Besides: the fields of its film (`film`: finite, short, pinkus-sternlicht), `dry`: the table of a compliant contact,
     `roughness`: root mean square [m], a number or [bush, pin].
 
-    Source: this package; Hamrock, Schmid, Jacobson, Fundamentals of Fluid Film Lubrication (2004), sections 3.8 and 16
-    (film parameter, regimes).
+    Source: this package; Hamrock, Schmid, Jacobson, Fundamentals of Fluid Film Lubrication (2004) (film parameter and
+    regimes).
     """
 
     contacts = True
