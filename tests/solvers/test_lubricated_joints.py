@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle.results.film_summary import film_table
 
 C, W = 5e-5, 150.0  # clearance [m], speed [rad/s]
 LOAD = 30 * 0.750381081812  # [N], which a short film carries at half the clearance
@@ -203,3 +204,30 @@ def test_a_lubricated_slider_crank_runs_as_an_independent_program_has_it():
     assert abs(r["energy.balance"]).max() < 1e-8 * r["energy.kinetic"].max()
     assert not r.events
     assert r.power().residual < 1e-9 * np.abs(r["motor.power"]).max()
+
+
+def test_the_summary_of_a_run_says_how_thin_the_film_gets_and_what_it_costs():
+    m = rt.loads(SLIDER_CRANK.replace("CONTACT", oil(0.4, 0.02)))
+    fine, coarse = (m.simulate(0.012, t_eval=np.linspace(0, 0.012, n), rtol=1e-8) for n in (1201, 61))
+    for r, rel in ((fine, 1e-3), (coarse, 0.1)):
+        one = r.films["B"]
+        assert one.least_film == pytest.approx(fine["B.film_thickness"].min(), rel=1e-4)  # from within the steps
+        assert one.at_angle == pytest.approx(2 * math.pi * one.at_t / 0.012, rel=1e-6)
+        assert one.peak_pressure == pytest.approx(fine["B.film_pressure"].max(), rel=rel)
+        assert one.mean_power == pytest.approx(fine["energy.dissipated"][-1] / 0.012, rel=rel)
+        assert one.heating == pytest.approx(one.mean_power / (870 * 2000 * one.leakage), rel=1e-12)
+        assert one.mixed == 0.0
+    assert f"{1e6 * fine.films['B'].least_film:.4g} um" in film_table(fine)
+    assert film_table(rt.example("slider_crank_play").simulate(1e-6)) == ""
+
+
+def test_a_run_notes_what_the_film_leaves_out():
+    for contact, speed, said in [
+        (oil(0.05, 0.01), 100.0, "a short film is too strong"),
+        (oil(1e-4, film="finite"), 3000.0, "not laminar"),
+        (oil(2e-3, film="finite"), 2000.0, "inertia of the oil"),
+        (oil(0.05, film="finite", boundary_film=0.4 * C), 10.0, "thinner than its boundary film"),
+    ]:
+        r = pin(contact, mass=20.0, speed=speed, e=(0.8 * C, 0.0)).simulate(1e-6, t_eval=[0, 1e-6])
+        assert said in str(r.trust), said
+        assert "no dry contact given" in str(r.trust)

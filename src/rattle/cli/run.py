@@ -65,6 +65,7 @@ def run(
     Example:  rattle run fourbar --t-end 0.2 --set r3="2 mm" -o out.nc
     """
     from rattle.results.contact_summary import joint_table
+    from rattle.results.film_summary import film_table
 
     m = read_model(file, settings, ideal)
     if contact is not None:
@@ -86,6 +87,8 @@ def run(
         click.echo(to_json(record))
     else:
         click.echo(joint_table(result))
+        if said := film_table(result):
+            click.echo(said)
         click.echo(str(result.trust))
     finish(ctx, result, kept)
 

@@ -55,7 +55,8 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
     """Quantities whose peaks are found within the steps: name, how it is formed, first column after those of bodies.
 
     The largest magnitude of the force of every joint, its moment, normal and tangential force, of effort and power of
-    the drivers, the larger tension of a belt, and the largest penetration of contacts [SI].  For a joint without play,
+    the drivers, the larger tension of a belt, the largest penetration of contacts, the largest offset of a pin in oil
+    [SI].  For a joint without play,
     or a massless link, N has the magnitude of the force; `<joint>.pressing` is the largest N of a
     link, whose N may also be negative.
     """
@@ -87,6 +88,8 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
             found.append((f"{name}.normal", at.OF_VALUE, c + at.JOINT_NORMAL))
             found.append((f"{name}.tangential", at.OF_SIZE, c + at.JOINT_TANGENT))
             found.append((f"{name}.penetration", at.OF_VALUE, c + at.PENETRATION))
+            if joint.contact.film is not None:
+                found.append((f"{name}.offset", at.OF_VECTOR, c + at.EX))
         elif kind.name != joint.kind:
             found.append((f"{name}.pressing", at.OF_NEGATIVE, c + at.EFFORT))
     return found
@@ -250,6 +253,8 @@ def geometry(model: Model) -> dict[str, Any]:
             ends = (joint.stop.minimum, joint.stop.maximum)
             joints[name]["stop"] = [end if math.isfinite(end) else None for end in ends]
         joints[name] |= {table: list(sizes) for table, sizes in joint.dimensions.items()}
+        if joint.contact and (film := joint.contact.film) is not None:
+            joints[name]["oil"] = {key: getattr(film, key) for key in ("boundary", "density", "specific_heat")}
         if joint.contact and joint.contact.bush_radius:
             joints[name]["bush_radius"] = joint.contact.bush_radius
     loads = {

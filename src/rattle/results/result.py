@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rattle.atomic_file import atomic
-from rattle.results import archive, contact_summary
+from rattle.results import archive, contact_summary, film_summary
 from rattle.results.derived import rules, unit_of_rule, value_of
 from rattle.results.display import Picture, table
 from rattle.results.event import Event, Peak
@@ -161,6 +161,11 @@ class Result:
         """For each joint with clearance: share of time in contact, contacts, impacts, peak and RMS force [N], energy
         lost [J]; all fields in `ContactSummary`."""
         return contact_summary.contacts(self)
+
+    @property
+    def films(self) -> dict[str, film_summary.FilmSummary]:
+        """For each joint with oil: least film [m], pressure [Pa], power [W], leakage; fields in `FilmSummary`."""
+        return film_summary.films(self)
 
     def power(self, t0: float | None = None, t1: float | None = None) -> Power:
         """Powers [W] between elements and bodies, and their energies [J] from t0 to t1 [s].

@@ -11,7 +11,7 @@ import numpy as np
 
 from rattle import registry
 from rattle.analyses.law_check import law_faults
-from rattle.description.model import Joint, Model, OilFilm
+from rattle.description.model import Joint, Model
 from rattle.equations.compliant import contact_duration
 from rattle.equations.contact_table import ContactGroup, contact_groups, effective_mass
 from rattle.equations.state import IMPULSE, LOSS, state_layout
@@ -120,15 +120,6 @@ def _gains(events: Sequence[Event], energy: float) -> list[float]:
     return [gain for t, gain in gained.items() if gain > max(least[t], GAIN * energy)]
 
 
-def _oil_notes(name: str, film: OilFilm) -> list[str]:
-    """What the user should know of the oil film of a joint."""
-    notes = registry.kinds("film")[film.law.kind].leaf.notes(film.law.values)
-    found = [f"{name}, {film.law.kind}: {one}" for one in notes]
-    if film.assumed:
-        found.append(f"{name}: no dry contact given, so beyond the boundary film it is {film.assumed}")
-    return found
-
-
 def contact_notes(system: System, events: Sequence[Event], energy: float) -> tuple[str, ...]:
     """Notes on contacts: values not used, laws outside their range, laws of the user that create energy.
 
@@ -144,8 +135,6 @@ def contact_notes(system: System, events: Sequence[Event], energy: float) -> tup
         name, contact = joint.name, group.contact
         if contact.normal is None or contact.static is None:
             continue
-        if contact.film is not None:
-            found += _oil_notes(name, contact.film)
         peak = max((event.peak_force for event in events if event.joint == name), default=0.0)
         static, normal = (
             registry.kinds("stiffness")[contact.static.kind],

@@ -10,6 +10,7 @@ import numpy as np
 from rattle.analyses.assembly.rank import left_null, nonunique_reactions, unsure_friction
 from rattle.analyses.dynamics.events import contact_counts, contact_events, contact_notes
 from rattle.analyses.dynamics.horizon import Reach
+from rattle.analyses.dynamics.oil_notes import oil_notes
 from rattle.analyses.dynamics.peak_values import peak_values
 from rattle.analyses.dynamics.run import Run, pulls, start_state
 from rattle.analyses.dynamics.soundness import fast_links, loose, remarks
@@ -39,6 +40,7 @@ def report(run: Run, reach: Reach | None) -> Result:
         *singular,
         *run.notes,
         *contact_notes(system, contacts, float(curve["kinetic"].max(initial=0.0))),
+        *oil_notes(system, data, names),
         *jolt_notes(run.jolts, run.table),
         *run.about_peaks(any(event.kind == "impact" for event in contacts)),
         *(() if run.message else remarks(system, run.workspace, run.stepper.leaf)),

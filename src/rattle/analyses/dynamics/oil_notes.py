@@ -1,0 +1,68 @@
+"""What the oil films of a run leave out, where that matters: notes for `Trust`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from rattle import registry
+from rattle.description.model import Joint, OilFilm
+from rattle.equations.system import System
+
+INERTIA = 1.0  # rho w c^2/mu, w the mean of both rates, from which the inertia of the oil is not small
+VORTICES = 41.1  # rho w R c/mu over sqrt(R/c) from which vortices form (Taylor 1923, Phil. Trans. R. Soc. A 223, 289)
+HARD = 100e6  # pressure [Pa] from which a steel bush gives way by a part of the film
+
+
+def oil_notes(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[str, ...]:
+    """Notes on the films of all joints; data (n, k): the curves of the run [SI] with their names."""
+    found: list[str] = []
+    for name, joint in system.model.joints.items():
+        film = joint.contact.film if joint.contact is not None else None
+        if film is None or not joint.is_loose:
+            continue
+        law = registry.kinds("film")[film.law.kind].leaf
+        found += [f"{name}, {film.law.kind}: {one}" for one in law.notes(film.law.values)]
+        if film.assumed:
+            found.append(f"{name}: no dry contact given, so beyond the boundary film it is {film.assumed}")
+        if len(data):
+            curve = {key: data[:, names.index(f"{name}.{key}")] for key in ("film_thickness", "film_pressure")}
+            found += _in_the_run(name, film, joint, curve["film_thickness"], curve["film_pressure"])
+            found += _at_speed(name, film, joint, *_speeds(joint, data, names))
+    return tuple(found)
+
+
+def _in_the_run(name: str, film: OilFilm, joint: Joint, thickness: np.ndarray, pressure: np.ndarray) -> list[str]:
+    found = []
+    thin = float(np.mean(thickness < film.boundary))
+    if thin > 0.0:
+        found.append(
+            f"{name}: thinner than its boundary film of {1e6 * film.boundary:.3g} um at {100 * thin:.2g} % of the"
+            " outputs, where the dry contact carries too"
+        )
+    if (peak := float(pressure.max())) > HARD:
+        found.append(
+            f"{name}: up to {1e-6 * peak:.3g} MPa in the film; from about 100 MPa on bushes give way, which is left out"
+        )
+    return found
+
+
+def _at_speed(name: str, film: OilFilm, joint: Joint, mean: float, relative: float) -> list[str]:
+    """Notes for the largest mean and difference [rad/s] of the rates of bush and pin."""
+    c, radius = joint.clearance, float(film.law.values["bush_radius"])
+    over = film.density * c / float(film.law.values["viscosity"])
+    reynolds, reduced = over * relative * radius, over * mean * c
+    if reynolds > VORTICES * math.sqrt(radius / c):
+        return [f"{name}: at {relative:.3g} rad/s the film is not laminar (Re = {reynolds:.3g}), which is left out"]
+    if reduced > INERTIA:
+        return [f"{name}: at {mean:.3g} rad/s the inertia of the oil (Re c/R = {reduced:.3g}) counts, but is left out"]
+    return []
+
+
+def _speeds(joint: Joint, data: np.ndarray, names: Sequence[str]) -> tuple[float, float]:
+    """Largest magnitude of mean and difference [rad/s] of the rates of both bodies."""
+    ends = (joint.a.body, joint.b.body)
+    a, b = (0.0 * data[:, 0] if end == "ground" else data[:, names.index(f"{end}.omega")] for end in ends)
+    return 0.5 * float(np.abs(a + b).max()), float(np.abs(b - a).max())

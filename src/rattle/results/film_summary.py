@@ -1,0 +1,109 @@
+"""Summary of the oil films of a run, joint by joint: least film, pressure, friction, leakage, heat."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle.results.contact_summary import Curves, extreme
+
+HEAD = (
+    "oil in joint",
+    "least film",
+    "at t",
+    "at angle",
+    "peak pressure",
+    "friction",
+    "peak",
+    "mixed",
+    "leakage",
+    "heats by",
+)
+WIDTHS = (12, 12, 11, 14, 12, 12, 7, 15, 10)  # of the columns after the name
+
+
+class FilmSummary(NamedTuple):
+    """The oil film of one joint over a whole run; means over time from the outputs, the least film within the steps."""
+
+    least_film: float  # [m]
+    at_t: float  # when it is that thin [s]
+    at_angle: float  # of the crank then, 0 to 2 pi [rad]: of the first driven joint; nan if it has no angle
+    peak_pressure: float  # [Pa]
+    mean_power: float  # lost in the film and to dry friction [W]
+    peak_power: float  # [W]
+    mixed: float  # share of the time in which the dry contact carries too, 0 to 1
+    leakage: float  # mean flow out of both ends [m^3/s]
+    heating: float  # mean power over the heat capacity of the leakage [K]: if the oil takes all of it
+
+
+def films(result: Curves) -> dict[str, FilmSummary]:
+    """Summary of every joint with oil; units as in `FilmSummary`."""
+    joints = result.geometry["joints"].items() if len(result.t) else ()
+    return {name: _summary(result, name, form) for name, form in joints if f"{name}.film_thickness" in result}
+
+
+def _summary(result: Curves, name: str, form: dict[str, object]) -> FilmSummary:
+    t = result.t
+    offset = result.peaks.get(f"{name}.offset")
+    if offset is not None:
+        least, when = float(form["clearance"]) - offset.value, offset.t  # type: ignore[arg-type]
+    else:
+        high, when = extreme(t, result[f"{name}.eccentricity"])
+        least = float(form["clearance"]) * (1.0 - high)  # type: ignore[arg-type]
+    power, leakage = _mean(t, result[f"{name}.friction_power"]), _mean(t, result[f"{name}.leakage"])
+    oil: dict[str, float] = form["oil"]  # type: ignore[assignment]
+    capacity = oil["density"] * oil["specific_heat"] * leakage
+    return FilmSummary(
+        least_film=least,
+        at_t=when,
+        at_angle=_crank(result, when),
+        peak_pressure=extreme(t, result[f"{name}.film_pressure"])[0],
+        mean_power=power,
+        peak_power=extreme(t, result[f"{name}.friction_power"])[0],
+        mixed=_mean(t, (result[f"{name}.regime"] > 0.0).astype(float)),
+        leakage=leakage,
+        heating=power / capacity if capacity > 0.0 else math.nan,
+    )
+
+
+def _mean(t: np.ndarray, values: np.ndarray) -> float:
+    span = float(t[-1] - t[0])
+    return float(np.trapezoid(values, t)) / span if span > 0.0 else float(values[-1])
+
+
+def _crank(result: Curves, t: float) -> float:
+    """Angle [rad] of the first driven joint at t [s], within one turn; nan if there is none."""
+    for name in result.geometry["driven"]:
+        if f"{name}.angle" in result:
+            return float(np.interp(t, result.t, result[f"{name}.angle"])) % (2.0 * math.pi)
+    return math.nan
+
+
+def film_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Heading and one row per joint with oil, with units."""
+    rows: list[tuple[str, ...]] = []
+    for name, one in films(result).items():
+        angle = "-" if math.isnan(one.at_angle) else f"{math.degrees(one.at_angle):.1f} deg"
+        rows.append(
+            (
+                name, f"{1e6 * one.least_film:.4g} um", f"{one.at_t:.4g} s", angle,
+                f"{1e-6 * one.peak_pressure:.4g} MPa",
+                f"{one.mean_power:.4g} W", f"{one.peak_power:.4g} W", f"{100 * one.mixed:.0f} %",
+                f"{1e6 * one.leakage:.4g} cm^3/s", f"{one.heating:.3g} K",
+            )
+        )  # fmt: skip
+    return HEAD, rows
+
+
+def film_table(result: Curves) -> str:
+    """The rows of `film_rows` as text in columns; "" if no joint has oil."""
+    head, rows = film_rows(result)
+    if not rows:
+        return ""
+    wide = max([len(HEAD[0]), *(len(row[0]) for row in rows)]) + 2
+    return "\n".join(
+        f"{name:{wide}s}" + "".join(f"{cell:>{width}s}" for cell, width in zip(cells, WIDTHS, strict=True))
+        for name, *cells in (head, *rows)
+    )
