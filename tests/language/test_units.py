@@ -160,14 +160,15 @@ def test_long_texts_are_refused_at_once(text):
 
 
 _POWERS = st.integers(-8, 8).map(lambda n: n / 2)
+_DIMENSIONS = st.builds(Dimension, _POWERS, _POWERS, _POWERS, _POWERS)
 
 
-@given(st.builds(Dimension, _POWERS, _POWERS, _POWERS))
+@given(_DIMENSIONS)
 def test_unit_name_is_read_back_as_the_same_dimension(dimension):
     assert dimension_of(unit_name(dimension)) == dimension
 
 
-@given(st.builds(Dimension, _POWERS, _POWERS, _POWERS), st.builds(Dimension, _POWERS, _POWERS, _POWERS))
+@given(_DIMENSIONS, _DIMENSIONS)
 def test_dimensions_multiply_like_quantities(a, b):
     assert a.times(b).over(b) == a
     assert a.times(a) == a.power(2)

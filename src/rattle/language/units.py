@@ -26,11 +26,12 @@ class QuantityError(ValueError):
 
 
 class Dimension(NamedTuple):
-    """Exponents [-] of metre, kilogram and second.  Angles are plain numbers: all three are 0."""
+    """Exponents [-] of metre, kilogram, second and kelvin.  Angles are plain numbers: all are 0."""
 
     m: float = 0.0
     kg: float = 0.0
     s: float = 0.0
+    kelvin: float = 0.0
 
     def times(self, other: Dimension) -> Dimension:
         """Dimension of a product."""
@@ -64,6 +65,7 @@ POWER = Dimension(2, 1, -3)
 DYNAMIC_VISCOSITY = Dimension(-1, 1, -1)
 KINEMATIC_VISCOSITY = Dimension(2, 0, -1)
 RATE = Dimension(s=-1)
+TEMPERATURE = Dimension(kelvin=1)
 
 UNITS: dict[str, tuple[float, Dimension]] = {
     "m": (1.0, LENGTH),
@@ -110,6 +112,7 @@ UNITS: dict[str, tuple[float, Dimension]] = {
     "cP": (1e-3, DYNAMIC_VISCOSITY),
     "St": (1e-4, KINEMATIC_VISCOSITY),
     "cSt": (1e-6, KINEMATIC_VISCOSITY),
+    "K": (1.0, TEMPERATURE),
     "rad": (1.0, DIMENSIONLESS),
     "mrad": (1e-3, DIMENSIONLESS),
     "deg": (math.pi / 180.0, DIMENSIONLESS),
@@ -142,6 +145,8 @@ _NAMES: dict[Dimension, tuple[str, str]] = {
     Dimension(1, 1, -1): ("N*s", "an impulse"),
     DYNAMIC_VISCOSITY: ("Pa*s", "a dynamic viscosity"),
     KINEMATIC_VISCOSITY: ("m^2/s", "a kinematic viscosity"),
+    TEMPERATURE: ("K", "a difference of temperature"),
+    Dimension(2, 0, -2, -1): ("J/(kg*K)", "a specific heat"),
     Dimension(3, 0, -1): ("m^3/s", "a volume flow"),
     Dimension(0, 1, -2): ("N/m", "a stiffness"),
     Dimension(-0.5, 1, -2): ("N/m^1.5", "a contact stiffness"),
@@ -292,7 +297,7 @@ def unit_name(dimension: Dimension) -> str:
     """The SI unit of a dimension as it is written: "kg", "N*m", "m/s^2"; "" for plain numbers and angles."""
     if dimension in _NAMES:
         return _NAMES[dimension][0]
-    parts = list(zip(("kg", "m", "s"), (dimension.kg, dimension.m, dimension.s), strict=True))
+    parts = list(zip(("kg", "m", "s", "K"), (dimension.kg, dimension.m, dimension.s, dimension.kelvin), strict=True))
     above = [name if x == 1 else f"{name}^{x:g}" for name, x in parts if x > 0]
     below = [name if x == -1 else f"{name}^{-x:g}" for name, x in parts if x < 0]
     under = f"({'*'.join(below)})" if len(below) > 1 else "".join(below)
