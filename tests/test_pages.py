@@ -89,6 +89,7 @@ def test_the_best_designs_of_the_guide_are_found(tmp_path, monkeypatch):
     it_passes_the_ten_points(rt.load(tmp_path / "best.toml"))
 
 
+@pytest.mark.long
 def test_tolerances_in_ten_minutes(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     said, known = "", {}

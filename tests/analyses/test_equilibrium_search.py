@@ -130,6 +130,7 @@ def test_effort_out_of_its_range_is_refused_everywhere(wrong):
         m.modes(equilibrium=m.equilibrium()[0], effort=wrong)
 
 
+@pytest.mark.long
 def test_a_large_effort_finds_no_less_and_is_as_sure_as_the_usual_one():
     # what ends a search is its work: it takes more than 100 000 starts here
     found = rt.example("double_pendulum").equilibrium(effort=1600)

@@ -117,11 +117,10 @@ def test_where_a_driver_jumps_is_found_and_smooth_ones_are_left_alone(function, 
 
 def test_a_ratio_of_masses_that_leaves_no_digits_ends_the_run_and_is_named():
     m = rt.example("slider_crank").set({"bodies.slider.mass": "1e12 kg"})
-    run = m.simulate(0.01, horizon=True)
+    run = m.simulate(0.01, rtol=1e-5)
     assert not run.success
     assert "'slider' has 4.8e+12 times the mass of 'rod'" in run.message
     assert run.t[-1] < 0.01
-    assert run.trust.horizon <= run.t[-1]
     assert run.trust.drift < 1e-3 * m.system.extent
     assert run.trust.energy_share < 1e-3
 
