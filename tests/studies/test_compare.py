@@ -60,7 +60,7 @@ def comparison():
 
 
 def test_compare_has_every_model_with_the_same_instants(comparison):
-    assert list(comparison.results) == ["ideal", "massless link", "one-sided impact", "compliant"]
+    assert list(comparison.results) == ["ideal", "massless link", "one-sided impact", "compliant", "lubricated"]
     times = [r.t for r in comparison.results.values()]
     assert all(np.array_equal(times[0], t) for t in times)
     assert comparison.joint == "B"
@@ -68,12 +68,28 @@ def test_compare_has_every_model_with_the_same_instants(comparison):
 
 
 def test_compare_says_what_it_took_for_granted(comparison):
-    (said,) = comparison.assumed
+    said, oil = comparison.assumed
     assert "bush radius 5 mm" in said
     assert "restitution 0.5" in said
+    assert oil == "assumed for the lubricated B: oil of 50 mPa*s, bush radius 50 mm, a bush as long as wide"
     lines = str(comparison).splitlines()
     assert lines[1].split()[:6] == ["model", "peak", "force", "RMS", "force", "pressing"]
-    assert said in lines
+    assert {said, oil} < {*lines}
+
+
+def test_oil_takes_the_peaks_off_the_force(comparison):
+    ideal, oiled = comparison.results["ideal"], comparison.results["lubricated"]
+    assert oiled.peak("B.force")[0] == pytest.approx(ideal.peak("B.force")[0], rel=0.01)
+    assert comparison.results["compliant"].peak("B.force")[0] > 5 * ideal.peak("B.force")[0]
+    row = comparison.rows()[-1]
+    assert row[0] == "lubricated"
+    assert row[6] == f"{oiled['energy.dissipated'][-1]:.3g} J"  # nothing else loses energy here
+
+
+def test_oil_is_left_out_where_its_bush_would_not_fit_and_is_not_for_guides():
+    found = rt.example("fourbar").compare(t_end=1e-4)
+    assert "O3 has no bush_radius, and a usual one for 5 mm of play around oil, 0.5 m," in found.skipped["lubricated"]
+    assert "lubricated" not in {*(guide := rt.example("guide_play").compare(t_end=1e-4)).results, *guide.skipped}
 
 
 def test_every_model_starts_from_the_same_motion(comparison):

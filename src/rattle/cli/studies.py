@@ -36,10 +36,10 @@ def compare(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, joint: str | None, curve: str | None,
     law: str | None, t_end: float | None, output: str,
 ) -> None:  # fmt: skip
-    """Ideal joint, massless link, one-sided impact and compliant contact on one page: motion, force, orbit, energy.
+    """Ideal joint, massless link, impact, compliant contact and oil on one page: motion, force, orbit, energy.
 
-    FILE is a model file or the name of a shipped example.  Values that a compliant contact needs and the file does not
-    give are assumed; the page states them.
+    FILE is a model file or the name of a shipped example.  Values that a compliant contact or oil needs and the file
+    does not give are assumed; the page states them.
 
     \b
     Example:  rattle compare fourbar -o play.png

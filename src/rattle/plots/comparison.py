@@ -26,7 +26,7 @@ from rattle.plots.curves import (
 )
 from rattle.plots.orbit import length_unit, mark_impacts, mark_pulling, pin_path  # fmt: skip
 from rattle.results.contact_summary import pressing_spans
-from rattle.studies.compare import COMPLIANT, HEAD, IDEAL, IMPACT, LINK, Comparison, newton
+from rattle.studies.compare import COMPLIANT, HEAD, IDEAL, IMPACT, LINK, OILED, Comparison, newton
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,12 +34,14 @@ if TYPE_CHECKING:
 
     from rattle.results.result import Result
 
-COLOURS = {IDEAL: BLACK, LINK: BLUE, IMPACT: ORANGE, COMPLIANT: GREEN}
+COLOURS = {IDEAL: BLACK, LINK: BLUE, IMPACT: ORANGE, COMPLIANT: GREEN, OILED: RED}
 SAYS = {
     LINK: "Massless link: the pin cannot leave the bush wall",
     IMPACT: "One-sided impact: the {borne} flies, hits, stays or leaves",
     COMPLIANT: "Compliant: {borne} and {bearer} are elastic, with damping",
+    OILED: "Lubricated: oil between {borne} and {bearer}, force of film and dry contact",
 }
+BELOW = {LINK: "red: N < 0", IMPACT: "dots: impacts, by impulse", COMPLIANT: "rings: contacts", OILED: "in oil"}
 TOP = "▼ largest N"
 WIDTH = 13.0  # of the page [inches]
 
@@ -49,7 +51,7 @@ def page(found: Comparison) -> Figure:
 
     Units stand on the axes: N, J, mm or deg as the size asks, time in s or ms.
     """
-    loose = [model for model in (LINK, IMPACT, COMPLIANT) if model in found.results and _has_orbit(found, model)]
+    loose = [model for model in (LINK, IMPACT, COMPLIANT, OILED) if model in found.results and _has_orbit(found, model)]
     said = _said(found)
     panels = [1.9, 1.5, *[2.15] * len(loose), 1.5]
     heights = [*panels, 0.42 + 0.26 * len(found.results), *([0.1 + 0.17 * len(said)] if said else [])]
@@ -133,7 +135,7 @@ def _force_floor(found: Comparison) -> float:
 def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) -> None:
     """Normal force on a scale that shows both the reaction without play and the peaks, with a strip of events."""
     r, joint, ideal = found.results[model], found.joint, found.results.get(IDEAL)
-    normal = r[f"{joint}.normal"]
+    normal = r[f"{joint}.force" if model == OILED else f"{joint}.normal"]
     ax.set_yscale("symlog", linthresh=floor, linscale=0.7)
     ax.axhline(0.0, color=GREY, linewidth=0.8)
     if ideal is not None:
@@ -145,7 +147,10 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
     if short:  # contacts too short to be seen between two outputs; longer ones are seen in the curve itself
         at = [scale * (event.t + 0.5 * event.duration) for event in short]
         ax.vlines(at, 0.0, [event.peak_force for event in short], color=COLOURS[model], linewidth=0.7)
-    largest, when = r.peaks.get(f"{joint}.pressing", r.peaks.get(f"{joint}.normal", (0.0, 0.0)))[:2]
+    if model == OILED:
+        largest, when = r.peak(f"{joint}.force")
+    else:
+        largest, when = r.peaks.get(f"{joint}.pressing", r.peaks.get(f"{joint}.normal", (0.0, 0.0)))[:2]
     if largest > 0.0:
         ax.plot([scale * when], [largest], "v", color=COLOURS[model], markersize=5, zorder=5)
     curves = [one[f"{joint}.normal"] for one in found.results.values() if f"{joint}.normal" in one]
@@ -160,7 +165,9 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
     ticks = [-p for p in powers if -p >= low and model == LINK][::-1] + [0.0] + [p for p in powers if p <= high]
     ax.set_yticks(ticks, [_force_label(tick) for tick in ticks])
     ax.minorticks_off()
-    ax.set_ylabel(f"N at {joint} [N]\nlogarithmic beyond {_force_label(floor)}", fontsize=9)
+    ax.set_ylabel(
+        f"{'force' if model == OILED else 'N'} at {joint} [N]\nlogarithmic beyond {_force_label(floor)}", fontsize=9
+    )
     if model == LINK:
         for a, b in r.trust.intervals.get(joint, ()):
             ax.axvspan(scale * a, scale * b, color=RED, alpha=0.16, linewidth=0)
@@ -239,7 +246,7 @@ def _orbit(ax: Axes, found: Comparison, model: str) -> None:
         ax.set_xticks([-reach, 0, reach], [f"\N{MINUS SIGN}{reach:.3g}", "0", f"{reach:.3g} {unit}"], fontsize=8)
     ax.set_yticklabels([])
     ax.tick_params(length=0)
-    said = {LINK: "red: N < 0", IMPACT: "dots: impacts, by impulse", COMPLIANT: "rings: contacts"}[model]
+    said = BELOW[model]
     if guide:
         _walls(ax, form, c, limit)
     what = f"{play.borne} in its {play.bearer}"
@@ -267,7 +274,7 @@ def _energy(ax: Axes, found: Comparison, scale: float) -> None:
         style: dict[str, Any] = {"linewidth": 2.2, "alpha": 0.35} if first else {"linewidth": 1.2}
         ax.plot(scale * r.t, lost, color=COLOURS[model], **style)
     ax.set_ylabel(axis_label("energy lost", "J"))
-    _title(ax, "Energy lost in all joints and dampers (impacts, contact damping, friction)")
+    _title(ax, "Energy lost in all joints and dampers (impacts, contact damping, friction, oil)")
     audit = max(r.trust.energy_balance for r in found.results.values())
     note(ax, f"largest energy error of all runs {audit:.1g} J")
 
@@ -278,7 +285,7 @@ def _legend(ax: Axes, found: Comparison) -> None:
 
     ax.axis("off")
     for k, model in enumerate(COLOURS):
-        y = 0.92 - 0.17 * k
+        y = 0.95 - 0.15 * k
         why = found.skipped.get(model, "")
         if model in found.results:
             ax.plot(
@@ -302,7 +309,7 @@ def _legend(ax: Axes, found: Comparison) -> None:
         )
     if found.assumed:
         said = "\n".join(fill(one, 46) for one in found.assumed)
-        ax.text(0.0, 0.22, said, va="top", fontsize=7.5, color=GREY, transform=ax.transAxes)
+        ax.text(0.0, 0.2, said, va="top", fontsize=7.5, color=GREY, transform=ax.transAxes)
 
 
 def _sketch(ax: Axes, found: Comparison) -> None:

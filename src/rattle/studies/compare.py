@@ -20,10 +20,12 @@ if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
 
-IDEAL, LINK, IMPACT, COMPLIANT = "ideal", "massless link", "one-sided impact", "compliant"
+IDEAL, LINK, IMPACT, COMPLIANT, OILED = "ideal", "massless link", "one-sided impact", "compliant", "lubricated"
 DEFAULT_LAW, DEFAULT_RESTITUTION = "exact", 0.5
 RADII = 10.0  # bush radius that is assumed if none is given, in clearances
 POINTS = 4000  # output intervals
+OIL = "50 mPa*s"  # viscosity that is assumed if none is given: an oil ISO VG 46 at 40 degrees
+BORE = 100.0  # bush radius around oil that is assumed if none is given, in clearances
 CORNER = 1e9  # stiffness of a guide's corner that is assumed if none is given [N/m^1.5]
 
 
@@ -97,7 +99,8 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
     if not found or model == LINK:
         touched = (f"{100 * found.share:.0f} %" if found else "-", "-", "-", "-")
     else:
-        lost = f"{found.energy_lost:.3g} J"
+        oil = result.films.get(joint)  # its mean power has the dry friction beside it
+        lost = f"{oil.mean_power * float(result.t[-1] - result.t[0]) if oil else found.energy_lost:.3g} J"
         mine = [event for event in result.events if event.joint == joint and event.kind == "impact"]
         hardest = max((event.impulse for event in mine), default=0.0)
         hits = f"{found.impacts}, to {hardest:.2g} N*s" if found.impacts else "0"
@@ -114,14 +117,15 @@ def compare(
     m: Mechanism, *, joint: str | None = None, curve: str | None = None, t_end: float | None = None,
     law: str | None = None, progress: bool = False,
 ) -> Comparison:  # fmt: skip
-    """Run a mechanism ideal, with massless links, with one-sided impact and with compliant contacts.
+    """Run a mechanism ideal, with massless links, with one-sided impact, with compliant contacts and with oil.
 
     joint: the joint to show (default: the first with clearance).  curve: the motion to show (default: the angle or
     position of the last body).  t_end: duration [s] (default: one turn of the driver if it turns steadily, else
     what the model says).  law: the compliant law (default: that of the joint, else "exact").
 
     Values that a compliant contact needs and the model does not give are assumed, and listed in `.assumed`: a
-    steel pin in a steel bush with a radius of 10 clearances, sphere in socket, restitution 0.5.
+    steel pin in a steel bush with a radius of 10 clearances, sphere in socket, restitution 0.5.  Oil goes into revolute
+    joints, with the compliant contact beside it; 50 mPa s, a bush as long as wide with a radius of 100 clearances.
     Raises ModelError if no joint has clearance, or not the one to show, and ValueError for an unknown law.
     """
     from rattle.solvers.stepper import FREE, SET_VALUED, usual_stepper
@@ -145,9 +149,11 @@ def compare(
     results: dict[str, Result] = {}
     skipped: dict[str, str] = {}
     models[COMPLIANT] = lambda: compliant
+    if any(m.model.joints[name].play.holds_oil for name in loose):
+        models[OILED] = lambda: _oiled(m, compliant, loose, assumed)
     for model, make in models.items():
         try:
-            method = usual_stepper(SET_VALUED if model == IMPACT else FREE)
+            method = None if model == OILED else usual_stepper(SET_VALUED if model == IMPACT else FREE)
             results[model] = make().simulate(end, t_eval=times, method=method, horizon=True, progress=progress)
             if results[model].interrupted or results[model].stats.get("horizon_interrupted"):
                 skipped.update(dict.fromkeys([one for one in models if one not in results], "stopped by the user"))
@@ -228,3 +234,40 @@ def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechani
         if said:
             assumed.setdefault(", ".join(said), []).append(name)
     return made, [f"assumed for the compliant {', '.join(names)}: {said}" for said, names in assumed.items()]
+
+
+def _oiled(m: Mechanism, compliant: Mechanism, loose: list[str], assumed: list[str]) -> Mechanism:
+    """The mechanism with oil in every clearance that holds it, beside the compliant contact; adds to `assumed`."""
+    changes: dict[str, Any] = {}
+    by_words: dict[str, list[str]] = {}
+    for name in loose:
+        one = m.model.joints[name]
+        if one.contact is not None and one.contact.film is not None:
+            changes[f"joints.{name}.contact"] = m.contact_of(name)
+            continue
+        if not one.play.holds_oil:
+            continue
+        made, said = recontact(compliant.contact_of(name), "lubricated"), [f"oil of {OIL}"]
+        assert isinstance(made, dict), "a compliant contact is a table"
+        if "bush_radius" not in m.contact_of(name):
+            made["bush_radius"] = BORE * one.clearance
+            if made["bush_radius"] > 0.5 * m.system.extent:
+                play, radius = f"{1e3 * one.clearance:.3g} mm", f"{made['bush_radius']:.3g} m"
+                words = (
+                    f"{name} has no bush_radius, and a usual one for {play} of play around oil, {radius}, does not fit"
+                    " this mechanism; give bush_radius, length and viscosity"
+                )
+                raise ModelError([Problem(("joints", name), words)])
+            said.append(f"bush radius {1e3 * BORE * one.clearance:.3g} mm")
+        if "length" not in made:
+            radius = made["bush_radius"]
+            made["length"] = f"2*({radius})" if isinstance(radius, str) else 2.0 * radius
+            said.append("a bush as long as wide")
+        changes[f"joints.{name}.contact"] = {"viscosity": OIL, **made}
+        if math.hypot(*m.model.initial.offsets.get(name, (0.0, 0.0))) > 0.9 * one.clearance:
+            changes[f"initial.{name}.offset"] = [0, 0]
+            said.append("it starts in the middle")
+        by_words.setdefault(", ".join(said), []).append(name)
+    oiled = compliant.set(changes)
+    assumed += [f"assumed for the lubricated {', '.join(names)}: {said}" for said, names in by_words.items()]
+    return oiled
