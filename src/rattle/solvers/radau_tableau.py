@@ -3,6 +3,9 @@
     A^-1 = T diag(REAL, [RE, -IM; IM, RE]) T^-1
 
 Source: Hairer, Wanner, Solving Ordinary Differential Equations II (1996), table IV.5.6 and section IV.8.
+
+The dense output is corrected at the shares INNER of the step, by a polynomial that vanishes at both ends.  The terms of
+`dense_output` without the first are BASIS there, and SLOPE with the first are the derivatives of four.
 """
 
 from __future__ import annotations
@@ -31,3 +34,8 @@ TI = np.array([
     [-4.17871859155190428, -0.32768282076106237, 0.47662355450055044],
     [0.50287263494578682, -2.57192694985560522, 0.59603920482822492],
 ])  # fmt: skip
+
+INNER = 0.5 - 0.5 * np.cos(0.2 * math.pi * np.arange(1, 5))  # between those of Chebyshev at both ends
+BASIS = np.array([[s * (1 - s), s**2 * (1 - s), s**2 * (1 - s) ** 2, s**3 * (1 - s) ** 2] for s in INNER])
+SLOPE = np.array([[1.0, 1 - 2 * s, 2 * s - 3 * s**2, 2 * s * (1 - s) * (1 - 2 * s)] for s in INNER])
+FIT = np.linalg.inv(BASIS)  # from corrections at INNER to those terms

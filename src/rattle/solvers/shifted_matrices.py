@@ -30,7 +30,8 @@ SMALLEST = 1e-13  # the same, at least
 SHALLOW = 0.01  # of the least penetration
 FASTER = 1e-8  # of rates as a share of the largest, of states as a share of each
 INSIDE = 1e-3  # share of the step after which J is taken
-WORK, MOVED, AT_RATE = 12, 13, 14  # rows of `newton`: scratch, a derivative, the derivative to which J belongs
+# rows of `newton`: increments of a stage that is expected, scratch, a derivative, the derivative to which J belongs
+AHEAD, WORK, MOVED, AT_RATE = 1, 12, 13, 14
 
 
 def implicit_arrays(bodies: int, states: int, ny: int) -> dict[str, np.ndarray]:
@@ -44,7 +45,7 @@ def implicit_arrays(bodies: int, states: int, ny: int) -> dict[str, np.ndarray]:
         "shifted_pair": np.zeros((2 * n, 2 * n)),
         "shifted_order": np.zeros(n, np.int64),
         "pair_order": np.zeros(2 * n, np.int64),
-        "newton": np.zeros((15, max(ny, 2 * n))),
+        "newton": np.zeros((19, max(ny, 2 * n))),
         "iteration": iteration,
     }
 
@@ -84,15 +85,22 @@ def increment(m, reach):
     return step
 
 
-@native("void", "h", "f", "f")
-def differentiate(m, t, h):
-    """J just after the start of the step from t [s] of length h [s]: a contact that begins there is in contact."""
+@native("void", "h", "f", "f", "i")
+def differentiate(m, t, h, ahead):
+    """J within the step from t [s] of length h [s]: at the increments in row AHEAD of `newton` if ahead is 1.
+
+    Otherwise just after the start, so that a contact that begins there is in contact.
+    """
     y, f, trial, moved, jacobian, iteration = m.state, m.rate, m.stage, m.newton[MOVED], m.jacobian, m.iteration
     nq, base = m.change.shape[0], m.newton[WORK]
     reach, speed, turning = sizes(m, h)
     for n in range(y.shape[0]):
         trial[n] = y[n] + (INSIDE * h * y[nq + n] if n < nq else 0.0)
         m.newton[AT_RATE, n] = f[n]
+    if ahead:
+        for c in range(jacobian.shape[1]):
+            k = acting(m, c)
+            trial[k] = y[k] + m.newton[AHEAD, k]
     derivative(m, t, trial, base)
     least = increment(m, reach)
     for c in range(jacobian.shape[1]):
@@ -102,6 +110,7 @@ def differentiate(m, t, h):
             step = least * (1.0 if c % 3 == 2 else reach)
             if c >= nq:  # one that changes the position by as much within the step, or a share of the rates
                 step = max(step / h, FASTER * (turning if c % 3 == 2 else speed))
+                step = step if start >= 0.0 else -step  # away from rest, where the force of a film has a kink
         else:
             step = FASTER * (abs(y[k]) + h * abs(f[k])) + FASTER * FASTER
         trial[k] = start + step

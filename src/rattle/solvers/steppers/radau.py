@@ -2,8 +2,9 @@
 
     Z_i = h sum_j A_ij f(t + C_j h, y + Z_j),     y_new = y + Z_3
 
-A simplified Newton iteration solves for the increments Z of the stages.  Its Jacobian J (`shifted_matrices`) is kept
-from step to step while the iteration converges fast.  With W = T^-1 Z it falls into a real system and a complex one,
+A simplified Newton iteration solves for the increments Z of the stages.  Its Jacobian J (`shifted_matrices`), taken
+where the second stage is expected, is kept from step to step while the iteration converges fast.  With W = T^-1 Z it
+falls into a real system and a complex one,
 
     (REAL / h - J) dW_1 = (T^-1 F)_1 - REAL / h W_1,     ((RE + i IM) / h - J) (dW_2 + i dW_3) = ..
 
@@ -12,9 +13,14 @@ It begins with the stages of the step before, continued.  The error is that of a
     e = (REAL / h - J)^-1 (f(t, y) - u'(0) / h),     u: the polynomial through the start and the stages, share theta
 
 which grows with h^4, that of the step with h^6: tolerances for e are 0.1 rtol^(2/3) and as much of atol.  Dense output
-is u(theta) + REAL e (theta - 4.5 theta^2 + 6 theta^3 - 2.5 theta^4), whose derivative is right at the start too as
-long as the step resolves it; its error is h^5, without e it were h^4.  Energies and impulses do not act on the motion:
-they are integrated with the derivatives of the last iteration.
+is w = u(theta) + REAL e (theta - 4.5 theta^2 + 6 theta^3 - 2.5 theta^4), whose derivative is right at the start too as
+long as the step resolves it; its error is h^5, without e it were h^4.  What follows the motion at once, because it is
+stiff, comes closer than that, so that forces of stiff contacts and films are as good inside a step as at its ends: with
+the defect d = f(w) - w'/h at four shares of the step, w is corrected there by
+
+    -J (REAL / h - J)^-2 d,     for large J the Newton step -J^-1 d, for small J nothing
+
+Energies and impulses do not act on the motion: they are integrated with the derivatives of the last iteration.
 
 Source: Hairer, Wanner, Solving Ordinary Differential Equations II (1996), section IV.8.
 """
@@ -28,8 +34,9 @@ from rattle.equations.state import states_at
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel, native
 from rattle.registry import kind
+from rattle.solvers.dense_output import interpolate
 from rattle.solvers.projection import project_on_constraints
-from rattle.solvers.radau_tableau import IM, RE, REAL, TI, A, C, E, T
+from rattle.solvers.radau_tableau import FIT, IM, INNER, RE, REAL, SLOPE, TI, A, C, E, T
 from rattle.solvers.shifted_matrices import (
     MOVED,
     acting,
@@ -45,13 +52,14 @@ from rattle.solvers.stepper import AdaptiveStepper
 
 # first rows of `newton` after Z in 0 to 2: Z of the step before, W, then dW or e and the slope that u lacks
 KEPT, W, CORRECTION, ERROR, FIRST = 3, 6, 9, 9, 10
+SETTLED, AGAIN = 15, 0  # rows of `newton` for dense output: corrections at four shares of the step, scratch
 MOST_ROUNDS = 8
 CONVERGED, SLOW, NO_NUMBER = 0, 1, 2  # outcome of an iteration
 FINE = 1e-8  # error of the iteration, as a share of the increments, that counts as converged whatever the tolerances
 ROUNDING = 2e-15
 SLOW_RATE = 0.03  # ratio of two corrections above which the next step takes a new Jacobian
 HALF = (0.9 / 0.5) ** 4  # error that makes the next attempt half as long
-BEARABLE = 0.3  # ratio of two corrections that the next step may have; it is proportional to the step at most
+BEARABLE = 0.15  # ratio of two corrections that the next step may have; it is proportional to the step at most
 CONTINUED = 3.0  # growth of the step up to which stages are continued
 
 
@@ -74,7 +82,7 @@ def through(m, first, k, theta):
 
 @compiled
 def guess(m, t, h):
-    """First Z and W for the step from t [s] of length h [s]."""
+    """First Z and W for the step from t [s] of length h [s]; 1 if they follow from the step before, 0 if they are 0."""
     z, iteration = m.newton, m.iteration
     before = iteration[at.KEPT_H]
     again, onwards = t == iteration[at.KEPT_T], t == iteration[at.KEPT_T] + before
@@ -87,6 +95,7 @@ def guess(m, t, h):
             z[i, k] = through(m, KEPT, k, past + C[i] * h / before) - origin if known else 0.0
         for i in range(3):
             z[W + i, k] = TI[i, 0] * z[0, k] + TI[i, 1] * z[1, k] + TI[i, 2] * z[2, k]
+    return 1 if known else 0
 
 
 @compiled
@@ -173,7 +182,7 @@ def solve_stages(m, t, h, rtol, atol, tame):
     outcome, changed = SLOW, 0
     current = is_current(m, t)
     if iteration[at.STALE] == 1.0 and not current:
-        differentiate(m, t, h)
+        differentiate(m, t, h, guess(m, t, h))
         current = True
     for _ in range(2):
         if iteration[at.FACTORED_H] != h:
@@ -185,7 +194,7 @@ def solve_stages(m, t, h, rtol, atol, tame):
             outcome, changed = iterate(m, t, h, rtol, atol, tame)
         if outcome == CONVERGED or current:
             break
-        differentiate(m, t, h)
+        differentiate(m, t, h, guess(m, t, h))
         current = True
     slow = iteration[at.ROUNDS] > 2.0 and iteration[at.CONTRACTION] > SLOW_RATE
     iteration[at.FAILED] = 1.0 if outcome != CONVERGED else iteration[at.FAILED]
@@ -280,6 +289,36 @@ def unresolved_start(m, h):
         z[FIRST, n] *= share
 
 
+@compiled
+def settle(m, t, h):
+    """Correct what is stiff in the dense output at four shares of the step, by a polynomial that is 0 at its ends."""
+    z, dense, stage, count = m.newton, m.dense, m.stage, numbers_acting(m)
+    real = REAL / m.iteration[at.FACTORED_H]
+    for i in range(4):
+        interpolate(m, INNER[i], stage)
+        derivative(m, t + INNER[i] * h, stage, m.newton[MOVED])
+        x, again = z[SETTLED + i], z[AGAIN]
+        for c in range(count):
+            k = acting(m, c)
+            slope = 0.0
+            for r in range(4):
+                slope += SLOPE[i, r] * dense[r, k]
+            x[k] = z[MOVED, k] - slope / h
+        solve_real(m, real, x)
+        for c in range(count):
+            k = acting(m, c)
+            again[k] = x[k]
+        solve_real(m, real, again)
+        for c in range(count):
+            k = acting(m, c)
+            x[k] -= real * again[k]
+    for c in range(count):
+        k = acting(m, c)
+        for r in range(4):
+            for i in range(4):
+                dense[1 + r, k] += FIT[r, i] * z[SETTLED + i, k]
+
+
 @kernel("dense output")
 def prepare_dense(m, t, h):
     """The polynomial through the start and the stages, and a term of degree 4, for the cubic through both ends."""
@@ -295,6 +334,7 @@ def prepare_dense(m, t, h):
         dense[3, n] = -2.5 * first
         for row in range(4, 7):
             dense[row, n] = 0.0
+    settle(m, t, h)
 
 
 @kind("stepper", "radau", step)
@@ -307,6 +347,7 @@ class Radau(AdaptiveStepper):
     order = 5
     error_order = 4
     stages = 1
+    dense_stages = 4
     implicit = True
     dense_output = prepare_dense
     refinement = 10 ** (1 / 5)
