@@ -138,7 +138,8 @@ def test_a_run_across_the_boundary_film_has_no_jump_and_loses_at_every_instant()
 @pytest.mark.parametrize("law", ["short", "finite", "pinkus-sternlicht"])
 def test_a_film_between_two_free_bodies_keeps_momentum_and_books_its_loss(law):
     m = two_bodies(oil(film=law, dry=DRY))
-    r = m.simulate(2e-3, t_eval=np.linspace(0, 2e-3, 2001), rtol=1e-10, atol=1e-14)
+    # dop853: the integral of the losses, which no tolerance controls, is of order 8 then
+    r = m.simulate(2e-3, t_eval=np.linspace(0, 2e-3, 2001), method="dop853", rtol=1e-10, atol=1e-14)
     spin = 0.0
     for body, mass, inertia in (("A", 2.0, 3e-3), ("B", 0.7, 1e-3)):
         x, y, vx, vy, w = (r[f"{body}.{key}"] for key in ("x", "y", "vx", "vy", "omega"))
@@ -162,7 +163,10 @@ def test_forces_are_the_same_seen_from_a_turning_frame():
 
 def test_without_viscosity_the_dry_contact_is_left():
     """It begins at the boundary film, so the dry joint has that much less clearance."""
-    least, run = 0.1 * C, {"t_end": 5e-3, "t_eval": np.linspace(0, 5e-3, 101), "rtol": 1e-10, "atol": 1e-14}
+    least, run = (
+        0.1 * C,
+        {"t_end": 5e-3, "t_eval": np.linspace(0, 5e-3, 101), "rtol": 1e-10, "atol": 1e-14, "method": "dop853"},
+    )
     state = {"load": (500.0, -200.0), "speed": 100.0, "v": (0.1, 0.02)}
     thin = pin(oil(1e-16, boundary_film=least, dry=DRY), **state).simulate(**run)
     dry = pin(DRY.replace("{", f"{{ bush_radius = {0.01 - 0.5 * least},", 1), C - least, **state).simulate(**run)
@@ -198,10 +202,11 @@ def test_a_lubricated_slider_crank_runs_as_an_independent_program_has_it():
         (180, -0.668179507, 0.014122927, 1119.408641, -1.0526468, 0.0225881),
         (270, -0.753453806, -0.193553655, 881.758450, 126.217677, 77.1575615),
     ]:
-        assert (r["B.ex"][degrees], r["B.ey"][degrees]) == pytest.approx((ex * 2e-4, ey * 2e-4), abs=2e-12)
+        # m: 1e-7 of the clearance, as 25 m/s of the slider at rtol allow
+        assert (r["B.ex"][degrees], r["B.ey"][degrees]) == pytest.approx((ex * 2e-4, ey * 2e-4), abs=2e-11)
         assert (r["B.fx"][degrees], r["B.fy"][degrees]) == pytest.approx((fx, fy), abs=1e-3)
         assert r["motor.torque"][degrees] == pytest.approx(torque, abs=1e-4)
-    assert abs(r["energy.balance"]).max() < 1e-8 * r["energy.kinetic"].max()
+    assert abs(r["energy.balance"]).max() < 1e-7 * r["energy.kinetic"].max()  # integrals of losses and work: order 5
     assert not r.events
     assert r.power().residual < 1e-9 * np.abs(r["motor.power"]).max()
 

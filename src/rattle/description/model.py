@@ -287,7 +287,7 @@ class Settings:
     """The [simulate] table; None means that the program decides."""
 
     t_end: float = 1.0
-    method: str = "dop853"
+    method: str | None = None
     rtol: float | None = None
     atol: float | None = None
     step: float | None = None

@@ -18,7 +18,8 @@ from rattle.jit.functions import KernelFunction
 from rattle.registry import Field, kinds
 from rattle.solvers.peaks.samples import CUT
 
-FREE, COMPLIANT, SET_VALUED = "free", "compliant", "impact"  # contacts of a mechanism: none, or their model
+# contacts of a mechanism: none, or their model; OILED are compliant ones with an oil film beside at least one
+FREE, COMPLIANT, OILED, SET_VALUED = "free", "compliant", "lubricated", "impact"
 SMOOTH, EVENT_DRIVEN, TIME_STEPPING = "smooth", "event-driven", "time-stepping"  # loops
 RTOL, ATOL = 1e-8, 1e-2  # default relative tolerance, and the absolute one as a share of it
 LONGEST = 1e-4  # default step [s] of steppers with fixed steps
@@ -40,6 +41,7 @@ class Stepper:
     loop: ClassVar[str]  # the loop that takes its steps
     works_with: ClassVar[tuple[str, ...]]  # contacts
     usual_with: ClassVar[tuple[str, ...]] = ()  # contacts with which it runs unless another is chosen that works
+    usual_since: ClassVar[str] = ""  # why, where a run should say so
     refuses: ClassVar[tuple[str, ...]] = ()  # contacts with which no other stepper runs in its place
     unfit: ClassVar[dict[str, str]]  # by contacts: why it does not run with them, as words that follow its name
     refinement: ClassVar[float]  # `step` is divided by this for a run that is more accurate by one digit
@@ -62,7 +64,7 @@ class AdaptiveStepper(Stepper):
 
     adaptive = True
     loop = SMOOTH
-    works_with = (FREE, COMPLIANT)
+    works_with = (FREE, COMPLIANT, OILED)
     unfit = {SET_VALUED: "knows no impacts"}
     rtol = Field("", "relative tolerance per step on positions and rates", default=RTOL, least="positive")
     atol = Field(
@@ -78,8 +80,8 @@ class FixedStepper(Stepper):
     adaptive = False
     loop = SMOOTH
     works_with = (FREE,)
-    refuses = (COMPLIANT,)
-    unfit = {SET_VALUED: "knows no impacts", COMPLIANT: "takes fixed steps, which contacts do not allow"}
+    refuses = (COMPLIANT, OILED)
+    unfit = {SET_VALUED: "knows no impacts"} | dict.fromkeys(refuses, "takes fixed steps, which contacts do not allow")
     step = equal_steps(1000)
 
 
@@ -87,7 +89,7 @@ class SetValuedStepper(Stepper):
     """A method for set-valued contacts only."""
 
     works_with = (SET_VALUED,)
-    unfit = dict.fromkeys((FREE, COMPLIANT), "is for impact contacts, of which this model has none")
+    unfit = dict.fromkeys((FREE, COMPLIANT, OILED), "is for impact contacts, of which this model has none")
 
 
 def usual_stepper(contacts: str) -> str:

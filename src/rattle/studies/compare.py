@@ -128,7 +128,8 @@ def compare(
     joints, with the compliant contact beside it; 50 mPa s, a bush as long as wide with a radius of 100 clearances.
     Raises ModelError if no joint has clearance, or not the one to show, and ValueError for an unknown law.
     """
-    from rattle.solvers.stepper import FREE, SET_VALUED, usual_stepper
+    from rattle.analyses.dynamics.methods import contacts_of
+    from rattle.solvers.stepper import usual_stepper
     from rattle.studies.poincare import driver_period
 
     loose = [name for name, one in m.model.joints.items() if one.clearance > 0.0]
@@ -153,8 +154,9 @@ def compare(
         models[OILED] = lambda: _oiled(m, compliant, loose, assumed)
     for model, make in models.items():
         try:
-            method = None if model == OILED else usual_stepper(SET_VALUED if model == IMPACT else FREE)
-            results[model] = make().simulate(end, t_eval=times, method=method, horizon=True, progress=progress)
+            loosened = make()
+            method = usual_stepper(contacts_of(loosened.system))
+            results[model] = loosened.simulate(end, t_eval=times, method=method, horizon=True, progress=progress)
             if results[model].interrupted or results[model].stats.get("horizon_interrupted"):
                 skipped.update(dict.fromkeys([one for one in models if one not in results], "stopped by the user"))
                 break

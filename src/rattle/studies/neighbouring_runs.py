@@ -17,7 +17,7 @@ from rattle.equations.state import state_layout
 from rattle.jit import layout as at
 from rattle.solvers import step_loop
 from rattle.solvers.contacts.contact_events import pass_on, remember_end
-from rattle.solvers.stepper import ATOL, EVENT_DRIVEN, FREE, usual_stepper
+from rattle.solvers.stepper import ATOL, EVENT_DRIVEN
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -34,7 +34,7 @@ def growths(m: Mechanism, first: np.ndarray, weight: np.ndarray, times: np.ndarr
     weight: (6 nb,) of positions and rates in its size.  Raises ValueError if a run cannot go on.
     """
     span, length = float(times[-1]), float(times[0])
-    stepper, _ = choose_stepper(m.system, usual_stepper(FREE), None, span)
+    stepper, _ = choose_stepper(m.system, None, None, span)
     how = How(stepper, rtol, ATOL * rtol, None)
     none = np.zeros(0)
     one, two = (new_run(m.system, m.start, none, span, how) for _ in range(2))

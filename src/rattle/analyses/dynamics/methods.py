@@ -21,6 +21,7 @@ from rattle.solvers.stepper import (
     COMPLIANT,
     EVENT_DRIVEN,
     FREE,
+    OILED,
     SET_VALUED,
     SMOOTH,
     TIME_STEPPING,
@@ -41,21 +42,23 @@ def new_run(system: System, start: Assembled, t_eval: np.ndarray, t_end: float, 
 
 
 def contacts_of(system: System) -> str:
-    """The contacts of the mechanism: FREE (none), COMPLIANT or SET_VALUED (at least one)."""
-    rigid = system.arrays["contact"][:, at.IMPACT] == 1
-    return SET_VALUED if rigid.any() else COMPLIANT if len(rigid) else FREE
+    """The contacts of the mechanism: FREE (none), COMPLIANT, OILED or SET_VALUED (at least one)."""
+    contacts = system.arrays["contact"]
+    if (contacts[:, at.IMPACT] == 1).any():
+        return SET_VALUED
+    return OILED if (contacts[:, at.FILM_LAW] >= 0).any() else COMPLIANT if len(contacts) else FREE
 
 
-def choose_stepper(system: System, asked: str, step: float | None, span: float) -> tuple[Kind, float | None]:
+def choose_stepper(system: System, asked: str | None, step: float | None, span: float) -> tuple[Kind, float | None]:
     """The stepper for a request, and its step [s], over a time `span` [s].
 
-    If the requested one does not work with the contacts, the usual one is taken.  Raises ValueError if it refuses to be
-    replaced, and ModelError for set-valued contacts that no stepper can treat.
+    The usual one is taken if none is requested (None), or one that does not work with the contacts.  Raises ValueError
+    if that refuses to be replaced, and ModelError for set-valued contacts that no stepper can treat.
     """
     steppers, contacts = registry.kinds("stepper"), contacts_of(system)
-    one = steppers[asked]
+    one = steppers[usual_stepper(contacts) if asked is None else asked]
     if contacts in one.leaf.refuses:
-        raise ValueError(f"{asked} {one.leaf.unfit[contacts]}; use method {usual_stepper(contacts)}")
+        raise ValueError(f"{one.name} {one.leaf.unfit[contacts]}; use method {usual_stepper(contacts)}")
     if contacts not in one.leaf.works_with:
         one = steppers[usual_stepper(contacts)]
     if contacts == SET_VALUED:
@@ -63,7 +66,7 @@ def choose_stepper(system: System, asked: str, step: float | None, span: float) 
         require_one_model(system)
         require_one_law(system, one.leaf)
     settings = system.model.settings
-    said = steppers[settings.method].leaf
+    said = one.leaf if settings.method is None else steppers[settings.method].leaf
     if one.leaf.adaptive and not said.adaptive and said.loop != one.leaf.loop and contacts in said.works_with:
         step = None if step == settings.step else step  # the model's step is for the other stepper
     if step is None and not one.leaf.adaptive:
@@ -71,8 +74,10 @@ def choose_stepper(system: System, asked: str, step: float | None, span: float) 
     return one, step
 
 
-def note_choice(system: System, asked: str, ran: Kind) -> tuple[str, ...]:
-    """Note on a run by another stepper than the one requested."""
+def note_choice(system: System, asked: str | None, ran: Kind) -> tuple[str, ...]:
+    """Note on a run by another stepper than the one requested, or by one that is not the usual one of most models."""
+    if asked is None:
+        return (f"method {ran.name} was chosen, as {ran.leaf.usual_since}",) if ran.leaf.usual_since else ()
     if asked == ran.name:
         return ()
     why = registry.kinds("stepper")[asked].leaf.unfit[contacts_of(system)]

@@ -23,7 +23,7 @@ from rattle.jit import layout as at
 from rattle.registry import kinds
 from rattle.results.columns import width
 from rattle.results.result import Result
-from rattle.solvers.stepper import ATOL, FREE, RTOL, usual_stepper
+from rattle.solvers.stepper import ATOL, RTOL
 
 log = logging.getLogger("rattle")
 
@@ -41,7 +41,7 @@ def simulate(
     settings = system.model.settings
     end, times = output_times(settings, t_end, t_eval)
     asked, steppers = settings.method if method is None else method, kinds("stepper")
-    if asked not in steppers:
+    if asked is not None and asked not in steppers:
         raise ValueError(f"unknown method '{asked}'; expected {' or '.join(steppers)}")
     rtol = arguments.relative_tolerance(_first_given(rtol, settings.rtol, RTOL))
     atol = arguments.positive("atol", _first_given(atol, settings.atol, ATOL * rtol))
@@ -57,8 +57,7 @@ def simulate(
     if most_steps is not None and most_steps < 1:
         raise ValueError(f"most_steps must be at least 1, got {most_steps}")
     run.most_steps = most_steps
-    if method is not None or asked != usual_stepper(FREE):  # otherwise none was requested
-        run.notes = note_choice(system, asked, stepper)
+    run.notes = note_choice(system, asked, stepper)
     run.go(progress)
     reach, second = None, None
     if horizon and run.tally[at.OUTPUTS] > 1 and not run.interrupted:

@@ -48,7 +48,7 @@ from rattle.solvers.shifted_matrices import (
 )
 from rattle.solvers.sign_watch import watched_change
 from rattle.solvers.state_switches import crossed
-from rattle.solvers.stepper import AdaptiveStepper
+from rattle.solvers.stepper import OILED, AdaptiveStepper
 
 # first rows of `newton` after Z in 0 to 2: Z of the step before, W, then dW or e and the slope that u lacks
 KEPT, W, CORRECTION, ERROR, FIRST = 3, 6, 9, 9, 10
@@ -345,6 +345,8 @@ class Radau(AdaptiveStepper):
     """
 
     order = 5
+    usual_with = (OILED,)
+    usual_since = "oil films settle much faster than the mechanism moves"
     error_order = 4
     stages = 1
     dense_stages = 4

@@ -37,7 +37,7 @@ WRITTEN_AS = {"play": "accuracy", "inverse_dynamics": "inverse-dynamics"}
 class Stepping(NamedTuple):
     """How motions are integrated."""
 
-    method: str
+    method: str | None
     rtol: float
     atol: float
     step: float | None  # [s]
@@ -76,8 +76,8 @@ def steps_at_most(m: Mechanism, how: Stepping) -> int | None:
 
     Without contacts only a motion that is not credible needs so many steps that follow the tolerances.
     """
-    follow = kinds("stepper")[how.method].leaf.adaptive and contacts_of(m.system) == FREE
-    return MOST_STEPS if follow else None
+    follow = how.method is None or kinds("stepper")[how.method].leaf.adaptive
+    return MOST_STEPS if follow and contacts_of(m.system) == FREE else None
 
 
 def given_up(most: int) -> str:

@@ -52,7 +52,7 @@ class SideBySide:
 
     def __init__(self, task: Task) -> None:
         self.task = task
-        method = "dop853" if task.analysis in DRIVEN or task.how.method == usual_stepper(FREE) else task.how.method
+        method = usual_stepper(FREE) if task.analysis in DRIVEN or task.how.method is None else task.how.method
         _require_lanes(task, method)
         self.model = task.mechanism.recorded(list(task.names))
         follow = {*task.names, *self.model.dependent}

@@ -130,7 +130,7 @@ def task_of(
     end = _end(m, given, analysis, t_end, step)
     settings = m.model.settings
     method = settings.method if method is None else method
-    if method not in kinds("stepper"):
+    if method is not None and method not in kinds("stepper"):
         raise ValueError(f"unknown method '{method}'; expected {' or '.join(kinds('stepper'))}")
     rtol = arguments.relative_tolerance(RTOL if rtol is None else rtol)
     atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
