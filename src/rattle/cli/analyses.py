@@ -41,7 +41,7 @@ def span_options(points: int) -> Callable[[Callable[..., Any]], Callable[..., An
     return add
 
 
-def _times(m: Mechanism, t_end: float | None, points: int) -> np.ndarray:
+def span_times(m: Mechanism, t_end: float | None, points: int) -> np.ndarray:
     import numpy as np
 
     end = m.model.settings.t_end if t_end is None else t_end
@@ -153,7 +153,7 @@ def kinematics(
     """
     m = read_model(file, settings, ideal)
     check_results(file, output, csv, fallback)
-    result = m.kinematics(_times(m, t_end, points))
+    result = m.kinematics(span_times(m, t_end, points))
     if as_json:
         click.echo(_record(result))
     elif len(result.t):
@@ -190,7 +190,7 @@ def inverse_dynamics(
 
     m = read_model(file, settings, ideal)
     check_results(file, output, csv, fallback)
-    result = m.inverse_dynamics(_times(m, t_end, points), effort_at=effort_at)
+    result = m.inverse_dynamics(span_times(m, t_end, points), effort_at=effort_at)
     if as_json:
         click.echo(_record(result))
     elif len(result.t):
@@ -252,7 +252,7 @@ def equilibrium(
         return
     if path:
         check_results(file, output, csv, fallback)
-        result = m.equilibrium(_times(m, t_end, points), effort=effort)
+        result = m.equilibrium(span_times(m, t_end, points), effort=effort)
         if as_json:
             click.echo(_record(result))
         else:
@@ -357,7 +357,7 @@ def accuracy(
     if ideal:
         raise click.UsageError("accuracy is about play, and --ideal removes all of it; leave --ideal out")
     m = read_model(file, settings, False)
-    found = m.accuracy(of, _times(m, t_end, points), extremes=extremes)
+    found = m.accuracy(of, span_times(m, t_end, points), extremes=extremes)
     if as_json:
         arrays = {
             key: getattr(found, key).tolist()

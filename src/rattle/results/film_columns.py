@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +17,29 @@ FILM, MIXED, DRY = 0.0, 1.0, 2.0  # regimes
 LITTLE = 0.01  # force of the film over that of the dry contact, below which the joint counts as dry
 
 
+class PinMotion(NamedTuple):
+    """Where the pin is in its bush and how it moves, and what acts on it, at n instants."""
+
+    place: Array  # (2, n) e [m], from the centre of the bush to that of the pin
+    rate: Array  # (2, n) e' [m/s]
+    turning: Array  # (2, n) rates of bush and pin [rad/s]
+    force: Array  # (2, n) of film and dry contact together, on the pin [N]
+    moment: Array  # (n,) of both about the centre of the pin [N*m]
+    normal: Array  # (n,) of the dry contact [N]
+    tangential: Array  # (n,) its friction [N]
+
+
 def film_columns(system: System, joint: Joint, raw: Array, c: int) -> dict[str, tuple[str, Array]]:
-    """Units and values (n,) [SI] of the columns of a film; c: first raw column of the joint.
+    """Units and values (n,) [SI] of the columns of a film, see `film_values`; c: first raw column of the joint."""
+    a, b = (_point_rate(system, end, raw) for end in (joint.a, joint.b))
+    moment = raw[:, c + at.MOMENT] - (raw[:, c + at.STOP] if joint.stops_angle else 0.0)
+    place, force = raw[:, [c + at.EX, c + at.EY]].T, raw[:, [c + at.FX, c + at.FY]].T
+    dry = raw[:, c + at.JOINT_NORMAL], raw[:, c + at.JOINT_TANGENT]
+    return film_values(joint, PinMotion(place, b[:2] - a[:2], np.array([a[2], b[2]]), force, moment, *dry))
+
+
+def film_values(joint: Joint, pin: PinMotion) -> dict[str, tuple[str, Array]]:
+    """Units and values (n,) [SI] of the columns of a film.
 
     `friction_torque` is the moment on B about the centre of the pin; `friction_power` what film and dry friction lose;
     `leakage` leaves both ends together; `sommerfeld` is mu N (2 R L/W) (R/c)^2 with N the sum of both rates in
@@ -29,16 +51,14 @@ def film_columns(system: System, joint: Joint, raw: Array, c: int) -> dict[str, 
     assert contact is not None, "called for a joint with a contact"
     assert contact.film is not None, "called for a joint with oil"
     film, clearance = contact.film, joint.clearance
-    e, v, rates = _motion(system, joint, raw, c)
-    size, (wa, wb) = np.hypot(*e), rates
+    e, v, (wa, wb), normal, friction = pin.place, pin.rate, pin.turning, pin.normal, pin.tangential
+    size = np.hypot(*e)
     on_a = contact.bush_radius - 0.5 * (clearance - size)  # see the clearance `pin`
-    moment = raw[:, c + at.MOMENT] - (raw[:, c + at.STOP] if joint.stops_angle else 0.0)
-    fx, fy = _force(raw, c, e)
+    fx, fy = _of_film(pin)
     u = v + 0.5 * (wa + wb) * np.array([e[1], -e[0]])
-    on_pin = moment + raw[:, c + at.JOINT_TANGENT] * (on_a - size)  # of the film alone
+    on_pin = pin.moment + friction * (on_a - size)  # of the film alone
     shear = -on_pin - 0.5 * (e[0] * fy - e[1] * fx)  # T_c, see `rattle.elements.film`
     slip = _across(e, v) + wb * (on_a - size) - wa * on_a
-    normal, friction = raw[:, c + at.JOINT_NORMAL], raw[:, c + at.JOINT_TANGENT]
     peak, leakage = _pressure(film, e, u, clearance)
     force = np.hypot(fx, fy)
     regime = np.where(normal > 0.0, np.where(force < LITTLE * normal, DRY, MIXED), FILM)
@@ -53,19 +73,13 @@ def film_columns(system: System, joint: Joint, raw: Array, c: int) -> dict[str, 
         "film_pressure": ("Pa", peak),
         "film_fx": ("N", fx),
         "film_fy": ("N", fy),
-        "friction_torque": ("N*m", moment),
+        "friction_torque": ("N*m", pin.moment),
         "friction_power": ("W", shear * (wb - wa) - fx * u[0] - fy * u[1] + friction * slip),
         "leakage": ("m^3/s", leakage),
         "sommerfeld": ("", sommerfeld),
         "regime": ("", regime),
         "lambda_ratio": ("", (clearance - size) / film.roughness),
     }
-
-
-def _motion(system: System, joint: Joint, raw: Array, c: int) -> tuple[Array, Array, Array]:
-    """(2, n): place of the pin in the bush [m], its rate [m/s], and the rates of bush and pin [rad/s]."""
-    a, b = (_point_rate(system, end, raw) for end in (joint.a, joint.b))
-    return raw[:, [c + at.EX, c + at.EY]].T, b[:2] - a[:2], np.array([a[2], b[2]])
 
 
 def _point_rate(system: System, end: Point, raw: Array) -> Array:
@@ -79,15 +93,13 @@ def _point_rate(system: System, end: Point, raw: Array) -> Array:
     return np.array([vx - w * y, vy + w * x, w])
 
 
-def _force(raw: Array, c: int, e: Array) -> tuple[Array, Array]:
-    """Force (n,) [N] of the film on B along x and y: what the dry contact leaves of that of the joint."""
-    size = np.hypot(*e)
+def _of_film(pin: PinMotion) -> Array:
+    """Force (2, n) [N] of the film on B: what the dry contact leaves of that of the joint."""
+    size = np.hypot(*pin.place)
     with np.errstate(divide="ignore", invalid="ignore"):
-        nx, ny = np.where(size > 0.0, e / size, 0.0)
-    normal, tangent = raw[:, c + at.JOINT_NORMAL], raw[:, c + at.JOINT_TANGENT]
-    fx = raw[:, c + at.FX] + normal * nx - tangent * ny
-    fy = raw[:, c + at.FY] + normal * ny + tangent * nx
-    return fx, fy
+        nx, ny = np.where(size > 0.0, pin.place / size, 0.0)
+    found = pin.force + pin.normal * np.array([nx, ny]) + pin.tangential * np.array([-ny, nx])
+    return np.asarray(found)
 
 
 def _pressure(film: OilFilm, e: Array, u: Array, clearance: float) -> tuple[Array, Array]:

@@ -39,6 +39,9 @@ def outside(system: System, workspace: Workspace) -> str:
                 )
             if oil is not None:
                 gap += oil.boundary
+                if gap > -1e-9 * clearance:
+                    said = f"of '{name}' in [initial] within its clearance of {clearance:.3g} m"
+                    return f"joint '{name}' starts on its bush, where no oil is left: give an offset {said}"
             return (
                 f"joint '{name}' starts {-gap:.3g} m outside its clearance of {clearance:.3g} m: give the bodies"
                 f" positions with the pin inside, or an offset of '{name}' in [initial]"

@@ -21,7 +21,7 @@ def oil_notes(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[s
     found: list[str] = []
     for name, joint in system.model.joints.items():
         film = joint.contact.film if joint.contact is not None else None
-        if film is None or not joint.is_loose:
+        if film is None or not joint.is_loose or f"{name}.film_thickness" not in names:
             continue
         law = registry.kinds("film")[film.law.kind].leaf
         found += [f"{name}, {film.law.kind}: {one}" for one in law.notes(film.law.values)]
