@@ -79,20 +79,21 @@ def test_power_is_conserved_in_every_example(name):
     largest = float(np.abs(one.peak).max(initial=0.0))
     # accelerations are those of the solve, so that what a body gets is what it keeps, up to rounding
     assert p.residual <= 1e-13 * largest
-    # the run has steps to 1e-8, and its own sums of work and losses do not choose them
+    # the run has steps to 1e-8, and its own sums of work and losses do not choose them; radau has few of them
+    near = 1e-6 if r.provenance["method"] == "radau" else 1e-7
     for k, (body, masses) in enumerate(zip(ports.bodies, ports.system.arrays["mass"][1:], strict=True), 1):
         kinetic = 0.5 * masses @ np.array([r[f"{body}.{rate}"] ** 2 for rate in ("vx", "vy", "omega")])
         mine = [port.body == k for port in ports.list]
         gained = (one.into - one.out)[mine].sum()
-        assert gained == pytest.approx(kinetic[-1] - kinetic[0], rel=1e-7, abs=1e-7 * turnover), body
-    assert one.supplied.sum() == pytest.approx(r["energy.work"][-1], rel=1e-7, abs=1e-7 * turnover)
-    assert one.lost.sum() == pytest.approx(r["energy.dissipated"][-1], rel=1e-7, abs=1e-7 * turnover)
+        assert gained == pytest.approx(kinetic[-1] - kinetic[0], rel=near, abs=near * turnover), body
+    assert one.supplied.sum() == pytest.approx(r["energy.work"][-1], rel=near, abs=near * turnover)
+    assert one.lost.sum() == pytest.approx(r["energy.dissipated"][-1], rel=near, abs=near * turnover)
     net = np.bincount(ports.of_element, one.into - one.out, minlength=len(one.lost))
     kept = one.supplied - one.lost - one.stored
     if r.provenance["method"] == "moreau":  # its losses and drivers are of order one in the step
         assert kept == pytest.approx(net, abs=1e-2 * turnover)
     else:
-        assert kept == pytest.approx(net, abs=1e-9 * turnover)
+        assert kept == pytest.approx(net, abs=0.01 * near * turnover)
 
 
 def test_parts_of_a_power_that_changes_its_sign_in_a_step():
