@@ -408,7 +408,37 @@ def test_bad_clutch_is_refused_at_its_place(table, path, said):
 
 
 @nojit
-def test_smooth_clutches_cannot_be_combined_with_impacts():
-    ties = {"one": 'connect = ["r0", "r1"]', "two": 'connect = ["r1", "ground"]\nmodel = "viscous"\ndamping = 1'}
-    with pytest.raises(ModelError, match="cannot be combined"):
-        rt.loads(rotors([1, 1], ties)).simulate(0.1)
+@pytest.mark.parametrize(("sense", "taken"), [(1, True), (-1, False)])
+def test_impact_of_another_joint_engages_a_viscous_clutch(sense, taken):
+    """From the impact on the lag 1.5 rad/s decays with the rate c (1/J0 + 1/J1), which gives no impulse."""
+    c, late = 4.0, 0.1
+    r = struck(f'model = "viscous"\ndamping = {c}', sense).simulate(0.5 + late, t_eval=[0, 0.5 + late], rtol=1e-10)
+    lag = 1.5 * math.exp(-c * (1 / 1 + 1 / 2) * late) if taken else 1.5
+    assert r["r0.omega"][-1] - r["r1.omega"][-1] == pytest.approx(lag, abs=1e-8)
+    assert r["r0.omega"][-1] + 2 * r["r1.omega"][-1] == pytest.approx(0.0, abs=1e-9)  # momentum after the impact
+    assert times(r, "way", "lock") == pytest.approx([0.5] if taken else [], abs=1e-6)
+
+
+@nojit
+def test_smooth_clutch_brakes_beside_a_rigid_one():
+    """r0 drives r1 rigidly, or lags; r1 drags on the ground by oil: against SciPy, mode after mode."""
+    ties = {"one": 'connect = ["r0", "r1"]', "two": 'connect = ["r1", "ground"]\nmodel = "viscous"\ndamping = 1.5'}
+    end, push = 1.6, lambda t: 10 * math.sin(2 * math.pi * t)
+    r = rt.loads(rotors([1, 2], ties, [(0, "10*sin(2*pi*t)")])).simulate(end, t_eval=[0, end], **FINE)
+    locked = lambda t, w: 2 * [(push(t) - 1.5 * w[0]) / 3]  # noqa: E731
+    free = lambda t, w: [push(t), -0.75 * w[1]]  # noqa: E731
+    torque = lambda t, w: push(t) - locked(t, w)[0]  # noqa: E731
+    ahead = lambda t, w: w[1] - w[0]  # noqa: E731
+    torque.terminal = ahead.terminal = True
+    torque.direction = ahead.direction = -1
+    t, w, lets_go = 0.0, np.zeros(2), []
+    for mode, event in 3 * [(locked, torque), (free, ahead)]:
+        piece = solve_ivp(mode, (t, end), w, rtol=1e-12, atol=1e-14, events=event)
+        t, w = piece.t[-1], piece.y[:, -1]
+        lets_go += [t] if mode is locked and t < end else []
+        if t >= end:
+            break
+    assert w.min() > 0.0  # the oil holds all the time
+    assert times(r, "one", "free") == pytest.approx(lets_go, abs=1e-9)
+    assert [r["r0.omega"][-1], r["r1.omega"][-1]] == pytest.approx(list(w), abs=1e-8)
+    assert abs(r["energy.balance"]).max() < 1e-9

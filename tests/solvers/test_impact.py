@@ -324,13 +324,6 @@ rod = { x = 0, y = -0.1999, angle = 0, vx = -3, vy = 0, omega = 0 }
     assert stick.t == pytest.approx(0.4743, abs=1e-3)
 
 
-def test_mixed_contacts_are_refused_with_the_joints_named():
-    text = rt.example("fourbar_onesided").to_toml()
-    m = rt.loads(text).set({"joints.O4.contact": {"model": "exact", "stiffness": 1e8, "restitution": 0.5}})
-    with pytest.raises(rt.ModelError, match="O3: impact, O4: compliant"):
-        m.simulate(0.01)
-
-
 def test_run_says_that_infinite_series_of_bounces_were_closed():
     notes = " ".join(rt.example("bouncing_pin").simulate().trust.notes)
     assert "an infinite series of bounces was closed" in notes

@@ -284,7 +284,14 @@ def test_a_start_beyond_a_stop_is_refused(start, said):
         rod(impact(0.5, "min = 0, max = 0.1"), start=start).simulate(0.1)
 
 
-def test_impact_and_compliant_stops_do_not_mix():
-    law = '{ min = 0, contact = { model = "hertz", stiffness = 1e4, exponent = 1 } }'
-    with pytest.raises(ModelError, match=r"hinge: impact, hinge \(stop\): compliant"):
-        rod(law, start="angle = 1", more='clearance = "1 mm"\ncontact = "impact"').simulate(0.1)
+def test_elastic_stop_of_a_joint_with_an_impact_pin_holds_a_rod_without_sinking_pin():
+    """The rod comes to rest on its stop, which turns it with m g l/2 = k angle; the pin bears the weight alone."""
+    law = '{ min = 0, contact = { model = "kelvin-voigt", stiffness = 1e3, exponent = 1, restitution = 0.05 } }'
+    more = 'clearance = "1 mm"\ncontact = { model = "impact", restitution = 0, friction = 0.3, bush_radius = "10 mm" }'
+    r = rod(law, start="angle = 1e-2", more=more).simulate(3.0, t_eval=[0.0, 3.0], rtol=1e-9)
+    assert r.success
+    assert {(one.joint, one.kind) for one in r.events} >= {("hinge", "impact"), ("hinge", "contact")}
+    assert [r["hinge.fx"][-1], r["hinge.fy"][-1]] == pytest.approx([0.0, 9.81], abs=1e-6)
+    assert abs(r["hinge.stop"][-1]) == pytest.approx(9.81 * 0.5, abs=0.3 * 9.81 * 0.01)  # the pin may hold by friction
+    assert -r["rod.angle"][-1] == pytest.approx(abs(r["hinge.stop"][-1]) / 1e3, rel=1e-6)
+    assert abs(r["energy.balance"]).max() < 1e-7

@@ -26,8 +26,6 @@ from rattle.jit import layout as at
 from rattle.jit.families import call_stepper
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.contact_events import (
-    change_contacts,
-    contact_time,
     find_peaks,
     first_change,
     may_any_change,
@@ -35,6 +33,7 @@ from rattle.solvers.contacts.contact_events import (
     pass_on,
     remember_end,
     start_contacts,
+    turn,
 )
 from rattle.solvers.contacts.gap_search import NONE
 from rattle.solvers.contacts.penetration import ESCAPED, escaped
@@ -64,9 +63,6 @@ from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, POWER, SAMPLES, ST
 LEAP = 0.1  # share of the last regular step below which a step is not shortened further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is accepted [units of the state]; it doubles with every attempt
 MOST_TRIES = 20
-FIRST_STEP = (
-    0.01  # first step in a contact, as a share of its expected duration: its force starts with a fractional power
-)
 
 
 @native("void", "h", "f")
@@ -88,7 +84,7 @@ def begin(m, t, t_end, rtol, atol, h_max):
     clock, tally = m.clock, m.tally
     sign, watch, multiplier = m.sign, m.watch, m.multiplier
     clock[at.T] = t
-    if m.contact.shape[0] > 0:
+    if m.contact.shape[0] > 0 and m.mode.shape[0] == 0:  # the event-driven loop has done so
         start_contacts(m, t, y)
     tally[at.LOST_ROWS] = derivative(m, t, y, f)
     gauge(m, START, t)
@@ -156,7 +152,7 @@ def search_step_for_events(m, t, t_new, changed, t_out, out):
         prepare_dense(m, t, h)
         tally[at.EVALUATIONS] += m.stepper[DENSE_STAGES]
     if suspect:
-        share, who = first_change(m, h)
+        share, who = first_change(m, h, 1.0)
     until = min(share, 1.0)
     if contacts:
         find_peaks(m, until, peak)
@@ -180,23 +176,9 @@ def search_step_for_events(m, t, t_new, changed, t_out, out):
 @native("void", "h", "f", "v", "i")
 def turn_contact(m, t, y, who):
     """Contact `who` starts or ends at (t, y): change its memory, record the event, choose the next step."""
-    clock, tally, memory = m.clock, m.tally, m.contact_memory
-    clock[at.H_STABLE] = math.inf
-    was_shut = memory[who, at.CLOSED] == at.SHUT
-    if was_shut:
-        clock[at.FEWEST] = min(clock[at.FEWEST], memory[who, at.STEPS_IN])
-    else:
-        tally[at.CONTACTS] += 1
-        clock[at.H_FREE] = max(clock[at.H], 0.5 * clock[at.H_FREE])
-    change_contacts(m, who, t, y)
+    turn(m, who, t, y)
     finish_step(m, t, y, m.rate_new)
     remember_end(m)
-    if was_shut:
-        clock[at.H] = max(clock[at.H], 0.3 * clock[at.H_FREE])
-    else:
-        lasting = contact_time(m, who)
-        if lasting > 0.0:
-            clock[at.H] = min(clock[at.H], FIRST_STEP * lasting)
 
 
 @compiled

@@ -77,14 +77,22 @@ def closed_joints(system: System, workspace: Workspace) -> list[str]:
 
 
 def touching(system: System, workspace: Workspace) -> np.ndarray:
-    """(nc,) True for contacts that are closed, or about to."""
+    """(nc,) True for set-valued contacts that are closed, or about to."""
     near = workspace.contact_kinematics[:, at.GAP] < 1e-6 * system.arrays["lever"][:, at.GAP_SIZE]
-    return np.asarray((workspace.mode != complementarity.OFF) | near)
+    return np.asarray(((workspace.mode != complementarity.OFF) | near) & _rigid(system))
 
 
 def rough(system: System, workspace: Workspace) -> np.ndarray:
-    """(nc,) True for contacts with friction."""
-    return np.asarray(workspace.values[system.arrays["contact"][:, at.NORMAL_P] + at.MU] > 0.0)
+    """(nc,) True for set-valued contacts with friction."""
+    rigid = _rigid(system)
+    found = rigid.copy()
+    found[rigid] = workspace.values[system.arrays["contact"][rigid, at.NORMAL_P] + at.MU] > 0.0
+    return found
+
+
+def _rigid(system: System) -> np.ndarray:
+    """(nc,) True for set-valued contacts; the others have forces that depend on the state."""
+    return np.asarray(system.arrays["contact"][:, at.IMPACT] == 1)
 
 
 def friction_locks(system: System, workspace: Workspace, t: float) -> bool:

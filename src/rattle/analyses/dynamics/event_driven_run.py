@@ -48,7 +48,8 @@ class EventDrivenRun(Run):
         """Find the modes of closed contacts and apply impacts at the start t [s]; see `Run.begin`."""
         self.take_sides(t)
         values, contact = self.workspace.values, self.system.arrays["contact"]
-        self.may_pass = bool((values[contact[:, at.NORMAL_P] + at.JAM] > 0.0).any())
+        rigid = contact[contact[:, at.IMPACT] == 1]
+        self.may_pass = bool((values[rigid[:, at.NORMAL_P] + at.JAM] > 0.0).any())
         self.workspace.stuck[:] = 0.0
         self.workspace.stuck[at.EVENT_AT] = -math.inf
         self.clock[at.T] = t

@@ -63,7 +63,7 @@ def choose_stepper(system: System, asked: str | None, step: float | None, span: 
         one = steppers[usual_stepper(contacts)]
     if contacts == SET_VALUED:
         require_friction_known(system, one)
-        require_one_model(system)
+        require_rigid(system, one)
         require_one_law(system, one.leaf)
     settings = system.model.settings
     said = one.leaf if settings.method is None else steppers[settings.method].leaf
@@ -94,24 +94,17 @@ def require_friction_known(system: System, stepper: Kind) -> None:
         raise ModelError([Problem(("joints", name, "friction"), said) for name in system.dry_joints])
 
 
-def require_one_model(system: System) -> None:
-    """Raise ModelError if impact and compliant contacts are mixed."""
+def require_rigid(system: System, stepper: Kind) -> None:
+    """Raise ModelError for compliant and lubricated contacts if the stepper takes equal steps of impulses only."""
+    if stepper.leaf.loop != TIME_STEPPING:
+        return
     joints = system.model.joints.values()
-    groups = [group for joint in joints for group in contact_groups(joint)]
-    models = {group.path: SET_VALUED if group.contact.rigid else COMPLIANT for group in groups}
+    models = {group.path: group.contact.rigid for joint in joints for group in contact_groups(joint)}
     own = {("joints", joint.name, "model"): joint.leaf.own_contact(joint.fields) for joint in joints}
-    models |= {path: SET_VALUED if one.rigid else COMPLIANT for path, one in own.items() if one is not None}
-    if COMPLIANT in models.values():
-        listed = ", ".join(f"{_named(path)}: {model}" for path, model in models.items())
-        said = f"impact and compliant contacts cannot be combined ({listed}); give all joints and stops the same kind"
-        elastic = [joint.name for joint in joints if joint.one_sided is not None and not joint.one_sided.chosen]
-        changing = COMPLIANT
-        if elastic:  # nothing can be changed there
-            said += (
-                f", here a force law, as a belt is elastic ({', '.join(elastic)}); a clutch may be viscous or compliant"
-            )
-            changing = SET_VALUED
-        raise ModelError([Problem(next(path for path, model in models.items() if model == changing), said)])
+    models |= {path: one.rigid for path, one in own.items() if one is not None}
+    said = f"method {stepper.name} knows impact contacts only; use method {usual_stepper(SET_VALUED)}"
+    if not all(models.values()):
+        raise ModelError([Problem(path, said) for path, rigid in models.items() if not rigid])
 
 
 def require_one_law(system: System, stepper: type[Stepper]) -> None:
@@ -120,7 +113,8 @@ def require_one_law(system: System, stepper: type[Stepper]) -> None:
     An impact at several joints is one problem, with one law.
     """
     choices = registry.kinds("contact")["impact"].fields["restitution_law"].choices
-    groups = [group for joint in system.model.joints.values() for group in contact_groups(joint)]
+    joints = system.model.joints.values()
+    groups = [group for joint in joints for group in contact_groups(joint) if group.contact.rigid]
     laws = {group.path: choices[int(group.contact.fields["restitution_law"])] for group in groups}
     if not laws:
         return

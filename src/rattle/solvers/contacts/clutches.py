@@ -124,7 +124,7 @@ def slips_changed(m, h, count, v):
     contact, memory, active, side, dv = m.contact, m.contact_memory, m.active, m.side, m.velocity_change
     found, limited = False, False
     for n in range(contact.shape[0]):
-        limited = limited or not takes_impulses(m, n)
+        limited = limited or (contact[n, at.IMPACT] == 1 and not takes_impulses(m, n))
     if not limited:
         return False
     push_all(m, count)

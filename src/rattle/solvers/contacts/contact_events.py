@@ -8,6 +8,8 @@ No contact and no release is missed because it is shorter than a step: see `gap_
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from rattle.equations.compliant import add_contact_forces, contact_duration, locate_contacts
@@ -24,6 +26,9 @@ from rattle.solvers.dense_output import interpolate
 PARTS = 16  # samples in a step of what is left of the mode of a clutch
 DIPS = 4  # parabolas through a least value between them
 GAUSS, WEIGHTS = (np.array(one) for one in np.polynomial.legendre.leggauss(8))
+FIRST_STEP = (
+    0.01  # first step in a contact, as a share of its expected duration: its force starts with a fractional power
+)
 LATER = 1e-7  # share of a step at which a contact changes whose gap had the wrong sign at its start by rounding
 
 
@@ -203,18 +208,18 @@ def first_turn(m, h, n, until):
     return NONE
 
 
-@native("fi", "h", "f")
-def first_change(m, h):
-    """Share of the step at which the first contact starts or ends (NONE if none does), and its index."""
+@native("fi", "h", "f", "f")
+def first_change(m, h, until):
+    """Share of the step, up to `until`, at which the first contact starts or ends, and its index; NONE if none does."""
     contact, memory, best, who = m.contact, m.contact_memory, NONE, -1
     for n in range(contact.shape[0]):
         side = -1.0 if memory[n, at.CLOSED] == at.SHUT else 1.0
         if contact[n, at.IMPACT] == 0 and contact[n, at.LEVEL] == 1:
-            share = first_turn(m, h, n, min(best, 1.0))
+            share = first_turn(m, h, n, min(best, until))
             if share < best:
                 best, who = max(share, LATER), n
         elif contact[n, at.IMPACT] == 0 and may_reach(m, h, n, side):
-            share = search(m, h, n, side, min(best, 1.0))
+            share = search(m, h, n, side, min(best, until))
             if share < best:
                 best, who = max(share, LATER), n
     return best, who
@@ -222,20 +227,24 @@ def first_change(m, h):
 
 @compiled
 def near_peak(m):
-    """True if the force of a contact may have its maximum inside the step."""
-    memory = m.contact_memory
+    """True if the force of a compliant contact may have its maximum inside the step."""
+    contact, memory = m.contact, m.contact_memory
     for n in range(memory.shape[0]):
-        if memory[n, at.CLOSED] == at.SHUT and max(memory[n, at.N_0], memory[n, at.N_1]) > 0.7 * memory[n, at.PEAK]:
+        shut = contact[n, at.IMPACT] == 0 and memory[n, at.CLOSED] == at.SHUT
+        if shut and max(memory[n, at.N_0], memory[n, at.N_1]) > 0.7 * memory[n, at.PEAK]:
             return True
     return False
 
 
 @native("void", "h", "f", "i")
 def find_peaks(m, until, sampled):
-    """Largest force [N] of every contact up to the share `until` of the step; sampled: also from the dense output."""
-    memory = m.contact_memory
+    """Largest force [N] of every compliant contact up to the share `until` of the step.
+
+    sampled: also from the dense output.
+    """
+    contact, memory = m.contact, m.contact_memory
     for n in range(memory.shape[0]):
-        if memory[n, at.CLOSED] != at.SHUT:
+        if contact[n, at.IMPACT] == 1 or memory[n, at.CLOSED] != at.SHUT:
             continue
         memory[n, at.STEPS_IN] += 1.0
         high = max(memory[n, at.N_0], memory[n, at.N_1] if until >= 1.0 else 0.0)
@@ -272,9 +281,53 @@ def change_contacts(m, who, t, y):
             if (n == who and not was_shut) or (kinematics[n, at.GAP] <= 0.0 and kinematics[n, at.DGAP] < 0.0):
                 shut(m, n, t, y)
         elif n == who and was_shut:
-            k = account_at(m, n)
-            note_end(m, n, t, y, max(kinematics[n, at.DGAP], 0.0))
-            y[k + LOSS] += y[k + STORED]  # stored energy left by rounding is lost
-            y[k + STORED] = 0.0
-            clear_states(m, n, y)
-            memory[n, at.CLOSED] = at.OPEN
+            open_up(m, n, t, y)
+
+
+@compiled
+def open_up(m, n, t, y):
+    """Contact n ends at (t, y); its geometry is in `contact_kinematics`."""
+    k = account_at(m, n)
+    note_end(m, n, t, y, max(m.contact_kinematics[n, at.DGAP], 0.0))
+    y[k + LOSS] += y[k + STORED]  # stored energy left by rounding is lost
+    y[k + STORED] = 0.0
+    clear_states(m, n, y)
+    m.contact_memory[n, at.CLOSED] = at.OPEN
+
+
+@compiled
+def turn_clutches(m, t, y):
+    """Viscous and compliant clutches take or let go at (t, y), where rates have jumped."""
+    contact, kinematics, memory, nq = m.contact, m.contact_kinematics, m.contact_memory, m.change.shape[0]
+    for n in range(contact.shape[0]):
+        if contact[n, at.LEVEL] == 0 or contact[n, at.IMPACT] == 1:
+            continue
+        take_states(m, y)
+        place(m, y[:nq], y[nq : 2 * nq])
+        locate_contacts(m)
+        add_contact_forces(m)
+        shut_before = memory[n, at.CLOSED] == at.SHUT
+        if shut_before and kinematics[n, at.NORMAL] < 0.0:
+            open_up(m, n, t, y)
+        elif not shut_before and gets_ahead(m, n):
+            shut(m, n, t, y)
+
+
+@native("void", "h", "i", "f", "v")
+def turn(m, who, t, y):
+    """Contact `who` starts or ends at (t [s], y), see `change_contacts`; chooses the next step."""
+    clock, tally, memory = m.clock, m.tally, m.contact_memory
+    clock[at.H_STABLE] = math.inf
+    was_shut = memory[who, at.CLOSED] == at.SHUT
+    if was_shut:
+        clock[at.FEWEST] = min(clock[at.FEWEST], memory[who, at.STEPS_IN])
+    else:
+        tally[at.CONTACTS] += 1
+        clock[at.H_FREE] = max(clock[at.H], 0.5 * clock[at.H_FREE])
+    change_contacts(m, who, t, y)
+    if was_shut:
+        clock[at.H] = max(clock[at.H], 0.3 * clock[at.H_FREE])
+        return
+    lasting = contact_time(m, who)
+    if lasting > 0.0:
+        clock[at.H] = min(clock[at.H], FIRST_STEP * lasting)

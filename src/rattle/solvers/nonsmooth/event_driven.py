@@ -3,10 +3,13 @@
 Between events every contact keeps its mode (off, sticking, sliding) and closed contacts act as constraints whose
 forces `equations.unilateral.closed_contacts` adds.  Each step is searched on its dense output for the first of
 
-    gap = 0                  impact, with all contacts that are closed at that instant in one problem
+    gap = 0                  impact, with all contacts that are closed at that instant in one problem; or a compliant
+                             contact starts or ends
     N = 0                    release
     |T| = mu N               stick -> slip
     slip = 0                 slip -> stick, or slip in the other direction, by the problem for the accelerations
+
+Forces of compliant contacts and oil films are smooth ones besides: finite, so that they have no part in impacts.
 
 Impacts and the end of infinite sequences of bounces are in `impacts`, the choice of modes in `contact_modes`, the
 search in `event_search`.
@@ -16,24 +19,28 @@ Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), c
 
 from __future__ import annotations
 
-from rattle.equations.complementarity import FORWARD, OFF, STICK
-from rattle.equations.compliant import locate_contacts
-from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative, solve_motion
-from rattle.equations.state import take_states
-from rattle.equations.unilateral import CHATTER, LOCKED, NOT_FOUND
+from rattle.equations.complementarity import OFF
+from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative
+from rattle.equations.unilateral import CHATTER, LOCKED
 from rattle.jit import layout as at
 from rattle.jit.families import call_stepper
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import gets_ahead, takes_impulses
+from rattle.solvers.contacts.contact_events import (
+    find_peaks,
+    may_any_change,
+    near_peak,
+    remember_end,
+    start_contacts,
+)
 from rattle.solvers.contacts.gap_search import NONE, may_reach
-from rattle.solvers.contacts.pawls import drop_pawl, seat_pawls
+from rattle.solvers.contacts.pawls import seat_pawls
 from rattle.solvers.contacts.penetration import ESCAPED, escaped, inside_wall, scale_of
 from rattle.solvers.dense_output import interpolate, prepare_dense
-from rattle.solvers.dry_friction_modes import KEEP, decide, modes_changed, stay_at_rest
-from rattle.solvers.nonsmooth.contact_modes import CREEPS, DROP, HIT, NOTHING, TURN, update_modes
-from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, note_open, project_on_contacts
+from rattle.solvers.nonsmooth.contact_modes import HIT, MEETS, NOTHING
+from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, project_on_contacts
+from rattle.solvers.nonsmooth.event_handling import agree_with_friction, handle_event, new_modes, remember
 from rattle.solvers.nonsmooth.event_search import any_closed, first_event
-from rattle.solvers.nonsmooth.impacts import collide
 from rattle.solvers.output_row import record
 from rattle.solvers.peaks.climb import end_step
 from rattle.solvers.peaks.glances import END as LAST
@@ -48,6 +55,7 @@ from rattle.solvers.step_control import (
     end_on_switch,
     end_stands,
     has_room,
+    is_stable,
     lengthen,
     never_switches,
     next_step,
@@ -58,98 +66,11 @@ from rattle.solvers.step_control import (
     take_over,
     turn_switch,
 )  # fmt: skip
-from rattle.solvers.step_state import STAGES, STEP
+from rattle.solvers.step_state import STABLE, STAGES, STEP
 
-MOST_TURNS = 20  # between modes of contacts and of friction of joints
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
 MOST_IN_A_ROW = 200_000  # events, each after less than CROWDED of the run, after which it stops too
 CROWDED = 1e-6
-
-
-@compiled
-def remember(m):
-    """Store gaps [m or rad] and their rates for the start of the next step."""
-    kinematics, memory = m.contact_kinematics, m.contact_memory
-    for n in range(kinematics.shape[0]):
-        memory[n, at.GAP_0], memory[n, at.DGAP_0] = kinematics[n, at.GAP], kinematics[n, at.DGAP]
-
-
-@compiled
-def count_shift(m):
-    """Error of a located event [m or rad], from gaps before and after the projection; it counts as drift."""
-    memory, kinematics = m.contact_memory, m.contact_kinematics
-    for n in range(memory.shape[0]):
-        note_open(m, n, abs(kinematics[n, at.GAP] - memory[n, at.GAP_1]))
-
-
-@compiled
-def new_modes(m, t, y, who, what):
-    """New modes at (t, y) after an event, see `update_modes`; y is projected onto its constraints. Returns a status."""
-    nq = m.change.shape[0]
-    status = update_modes(m, t, y, who, what)
-    if status == CREEPS:
-        project_on_contacts(m, t, y, -1)
-        take_states(m, y)
-        solve_motion(m, t, y[:nq], y[nq : 2 * nq])
-        status = update_modes(m, t, y, who, what)
-    if status == OK:
-        project_on_contacts(m, t, y, -1)
-    return NOT_FOUND if status == CREEPS else status
-
-
-@native("i", "h", "f", "v", "i", "i")
-def handle_event(m, t, y, who, what):
-    """Event at (t [s], y): impact if contacts hit, then new modes; y is projected onto its constraints.
-
-    Returns a status.  `contact_kinematics` holds the gaps at (t, y).
-    what: HIT, LET_GO, BREAK_AWAY or TURN of contact `who`; or NOTHING: a run starts, `who` hits (-1: none does).
-    """
-    memory, kinematics = m.contact_memory, m.contact_kinematics
-    for n in range(memory.shape[0]):
-        memory[n, at.GAP_1] = kinematics[n, at.GAP]
-    if m.dry.shape[0] > 0:
-        stay_at_rest(m, t, y)
-    if what == DROP:
-        drop_pawl(m, who, 1.0)
-        project_on_contacts(m, t, y, -1)
-        return OK
-    if what == HIT or (what == NOTHING and who >= 0):
-        project_on_contacts(m, t, y, who)
-        count_shift(m)
-        status = collide(m, t, y, who)
-        if status != OK:
-            return status
-        who = who if what == HIT else -1  # it is at its wall, even if another contact holds it off by rounding
-    else:
-        nq, mode = m.change.shape[0], m.mode
-        old = mode[who] if what == TURN else OFF
-        if what == TURN:  # at the reversal there is no slip; the accelerations decide its sign
-            mode[who] = STICK if m.contact[who, at.LEVEL] == 0 else FORWARD
-        project_on_contacts(m, t, y, -1)
-        if what == TURN:
-            mode[who] = old
-        if what == TURN and m.contact[who, at.LEVEL] == 1 and gets_ahead(m, who):
-            # closed contacts and drivers hold the rate of the clutch at less than zero, by the error of the step
-            status = collide(m, t, y, who)
-            return new_modes(m, t, y, -1, HIT) if status == OK else status
-        take_states(m, y)
-        solve_motion(m, t, y[:nq], y[nq : 2 * nq])
-    status = new_modes(m, t, y, who, what)
-    return agree_with_friction(m, t, y) if status == OK and m.dry.shape[0] > 0 else status
-
-
-@compiled
-def agree_with_friction(m, t, y):
-    """New modes of the friction of joints after those of contacts, by turns until neither changes. Returns a status."""
-    for _ in range(MOST_TURNS):
-        if not decide(m, t, y, KEEP, 1):
-            return NOT_FOUND
-        if not modes_changed(m):
-            return OK
-        status = new_modes(m, t, y, -1, NOTHING)
-        if status != OK:
-            return status
-    return NOT_FOUND
 
 
 @native("i", "h", "f")
@@ -157,14 +78,14 @@ def start(m, t):
     """Modes at the start of a run: closed contacts that approach have their impact at once. Returns a status."""
     contact, kinematics, mode, y = m.contact, m.contact_kinematics, m.mode, m.state
     project(m, t, y)
-    locate_contacts(m)
+    start_contacts(m, t, y)
     seat_pawls(m, True)
     who, nearest = -1, -1
     for n in range(contact.shape[0]):
         if m.contact_memory[n, at.CLOSED] == at.AUTO:
             m.contact_memory[n, at.CLOSED] = at.OPEN
         if contact[n, at.LEVEL] == 1:
-            who = n if takes_impulses(m, n) and gets_ahead(m, n) else who
+            who = n if contact[n, at.IMPACT] == 1 and takes_impulses(m, n) and gets_ahead(m, n) else who
             continue
         near = max(NEAR * scale_of(m, n), 4.0 * noise(m, n))
         if contact[n, at.IMPACT] == 0 or mode[n] != OFF or kinematics[n, at.GAP] > near:
@@ -214,8 +135,11 @@ def write_until(m, t, h, t_until, t_out, out):
 
 @compiled
 def none_may_hit(m, h):
-    """True if no open contact can reach its wall in the step of length h [s]."""
+    """True if no open contact can reach its wall in the step of length h [s], and no compliant one can start or end,
+    or reach its largest force."""
     contact, mode = m.contact, m.mode
+    if may_any_change(m, h) or near_peak(m):
+        return False
     for n in range(contact.shape[0]):
         gap = contact[n, at.IMPACT] == 1 and mode[n] == OFF and contact[n, at.LEVEL] == 0
         if contact[n, at.TOOTHED] == 1:
@@ -241,19 +165,21 @@ def try_step(m, t, h, last, rtol, atol, h_max):
 
 
 @compiled
-def end_on_contacts(m, t, h, t_new, t_end):
+def end_on_contacts(m, t, h, t_new, t_end, rtol, atol):
     """Project the end of the step onto joints and closed contacts; a status, and True as in `try_step`."""
-    kinematics, memory, y_new = m.contact_kinematics, m.contact_memory, m.state_new
+    y_new = m.state_new
     project_on_contacts(m, t_new, y_new, -1)
     derivative(m, t_new, y_new, m.rate_new)
+    if m.stepper[STABLE] > 0 and not is_stable(m, h, rtol, atol):
+        m.tally[at.REJECTED] += 1
+        m.landing[at.LANDS] = 0.0
+        return TRY_AGAIN, False
     status = end_stands(m, t, h, t_new, t_end)
     if status != OK:
         return status, False
     gauge(m, END, t_new)
-    changed = watched_change(m)
-    for n in range(kinematics.shape[0]):
-        memory[n, at.GAP_1], memory[n, at.DGAP_1] = kinematics[n, at.GAP], kinematics[n, at.DGAP]
-    return OK, changed
+    remember_end(m)
+    return OK, watched_change(m)
 
 
 @compiled
@@ -289,6 +215,7 @@ def go_to(m, t, h, until, t_until, met, quiet, changed, t_out, out):
     Returns OK, or ESCAPED.
     """
     y_new = m.state_new
+    find_peaks(m, until, 0 if quiet else 1)
     if changed:
         find_crossings(m, t, h, until)
     if met:
@@ -313,8 +240,8 @@ def take_event(m, t, h, t_end, who, what):
     if stuck[at.EVENTS_THERE] > MOST_AT_ONCE or stuck[at.EVENTS_IN_A_ROW] > MOST_IN_A_ROW:
         return CHATTER
     status = handle_event(m, t, m.state_new, who, what)
-    if status == OK:
-        m.clock[at.H] = max(m.clock[at.H], h)
+    if status == OK and what != MEETS:
+        m.clock[at.H] = min(max(m.clock[at.H], h), m.clock[at.H_STABLE])
     return status
 
 
@@ -353,7 +280,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         t_new = t_end if last else t + h
         status, error, changed = try_step(m, t, h, last, rtol, atol, h_max)
         if status == OK:
-            status, at_end = end_on_contacts(m, t, h, t_new, t_end)
+            status, at_end = end_on_contacts(m, t, h, t_new, t_end, rtol, atol)
             changed |= at_end
         if status == TRY_AGAIN:
             continue

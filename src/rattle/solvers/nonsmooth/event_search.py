@@ -1,8 +1,9 @@
-"""Events of set-valued contacts inside a step.
+"""Events of contacts inside a step.
 
-Hits of open contacts are found by `gap_search`; changes of closed ones are detected at sampling points on the dense
-output, then located.  The sampling points are few and not evenly spaced, so that no period of a load fits them all;
-where a force or slip may have been below zero between two of them (`glances`) the interval is halved.
+Hits of open contacts, and starts and ends of compliant ones, are found by `gap_search`; changes of closed ones are
+detected at sampling points on the dense output, then located.  The sampling points are few and not evenly spaced, so
+that no period of a load fits them all; where a force or slip may have been below zero between two of them (`glances`)
+the interval is halved.
 If the stages of a step show that a contact condition is violated, its zero is located at once, starting from the zero
 of the polynomial through them; with the sample taken there they show whether anything may have happened before.
 """
@@ -17,10 +18,11 @@ from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 from rattle.solvers.contacts.clutches import most_torque, rate_left, watched
+from rattle.solvers.contacts.contact_events import first_change as first_meeting
 from rattle.solvers.contacts.gap_search import NONE, may_reach, search
 from rattle.solvers.contacts.pawls import first_drop
 from rattle.solvers.dense_output import interpolate
-from rattle.solvers.nonsmooth.contact_modes import BREAK_AWAY, DROP, HIT, LET_GO, NOTHING, TURN
+from rattle.solvers.nonsmooth.contact_modes import BREAK_AWAY, DROP, HIT, LET_GO, MEETS, NOTHING, TURN
 from rattle.solvers.peaks.glances import END as LAST
 from rattle.solvers.peaks.glances import KINDS, margin_of, matters, may_dip, slack_of, unseen, write_look
 from rattle.solvers.peaks.glances import PLACES as PLACES_OF_STAGES
@@ -287,8 +289,9 @@ def first_change(m, t, h, low, high, places, best, who, what):
         for n in range(contact.shape[0]):
             if contact[n, at.IMPACT] == 1:
                 memory[n, at.PEAK] = max(memory[n, at.PEAK], looks[i + 1, 1 + KINDS * n]) if mode[n] != OFF else 0.0
+        before = best
         best, who, what = first_between(m, t, h, i, best, who, what, 1 if narrow else 0)
-        if what > HIT:
+        if best < before:
             break
         i += 1
     m.tally[at.EVALUATIONS] += seen
@@ -368,6 +371,10 @@ def first_event(m, t, h, low, high):
     share, pawl = first_drop(m, h, min(best, 1.0))
     if best <= NONE and (share > NONE or share < best):
         best, who, what = share, pawl, DROP
+    if best <= NONE:
+        share, elastic = first_meeting(m, h, min(best, 1.0))
+        if share < best:
+            best, who, what = share, elastic, MEETS
     if not any_closed(m) or not 0.0 < best <= NONE:
         return best, who, what, False
     if best == NONE and high < LAST:
