@@ -134,7 +134,7 @@ class Column:
             n = self.side * STIFFNESS * max(depth, 0.0) ** 1.5 * max(1 + a * rate / self.came, 0.0)
         v = y[5] - y[4]
         a = (y[2] - y[1]) / C3 * (1 if v >= 0 else -1)
-        s = math.sqrt(max(1 - a * a, 1e-9))  # stages of steps that are refused go beyond
+        s = math.sqrt(max(1 - a * a, 1e-3))  # stages of steps that are refused go beyond
         film = -SQUEEZE * v * (3 * a * s + math.atan2(s, -a) * (s * s + 3 * a * a)) / s**5
         return n, film
 
@@ -157,7 +157,7 @@ class Column:
             ]
             for one in tests:
                 one.terminal, one.direction = True, -1
-            ahead = solve_ivp(self.rates, (t, times[-1]), y, "DOP853", rtol=1e-12, atol=1e-15, events=tests,
+            ahead = solve_ivp(self.rates, (t, times[-1]), y, "DOP853", rtol=1e-12, atol=1e-15, events=tests, first_step=1e-7,
                               dense_output=True)  # fmt: skip
             inside = [one for one in times if t <= one <= ahead.t[-1]]
             rows += [(one, *ahead.sol(one)) for one in inside if not rows or one > rows[-1][0]]
