@@ -197,3 +197,33 @@ def test_a_column_of_pins_moves_as_pieces_between_events_say():
     assert r.peaks["hard.normal"].value == pytest.approx(max(weights), rel=1e-4)  # of the reference: at ends of steps
     assert r.peaks["hard.normal"].value > 30 * M1 * G
     assert r.trust.energy_balance < 1e-9
+
+
+# ---------------------------------------------------------------- equilibria
+@pytest.mark.parametrize("hard_above", [True, False])
+def test_pins_hang_on_a_rigid_and_an_elastic_bush_each_as_its_law_says(hard_above):
+    """The rigid one holds at the end of its clearance, the elastic one gives way by (F/K)^(2/3) more; its stiffness
+    there and the mass below it are a mode."""
+    stiffness, c = 1e7, 1e-3
+    rigid = f'clearance = {c}, contact = {{ model = "impact", restitution = 0.3 }}'
+    elastic = f'clearance = {c}, contact = {{ model = "hertz", stiffness = {stiffness}, exponent = 1.5 }}'
+    above, below = (rigid, elastic) if hard_above else (elastic, rigid)
+    m = rt.loads(f"""
+format = 1
+gravity = [0, {-G}]
+ground.points = {{ O = [0, 0] }}
+bodies.upper = {{ points = {{ T = [0, 0.1], B = [0, -0.1] }}, center = [0, 0], mass = 2, inertia = 1e-2 }}
+bodies.lower = {{ points = {{ T = [0, 0.1] }}, center = [0, 0], mass = 3, inertia = 1e-2 }}
+joints.a = {{ type = "revolute", connect = ["ground.O", "upper.T"], {above} }}
+joints.b = {{ type = "revolute", connect = ["upper.B", "lower.T"], {below} }}
+""")
+    one = m.equilibrium()[0]
+    assert one.stable
+    assert one.admissible
+    mass = 3 if hard_above else 5
+    depth = (mass * G / stiffness) ** (2 / 3)
+    sunk = c + np.array([0.0, depth] if hard_above else [depth, 0.0])
+    assert [-one["a.ey"], -one["b.ey"]] == pytest.approx(list(sunk), rel=1e-8)
+    assert [one["a.normal"], one["b.normal"]] == pytest.approx([5 * G, 3 * G], rel=1e-8)
+    bounce = math.sqrt(1.5 * stiffness * math.sqrt(depth) / mass) / (2 * math.pi)
+    assert abs(m.modes().frequency - bounce).min() < 1e-4 * bounce

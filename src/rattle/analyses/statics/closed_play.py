@@ -30,6 +30,16 @@ def rigid_model(system: System) -> System | None:
     return compile_system(model) if any(is_link(one) for one in joints.values()) else None
 
 
+def with_rigid_pins(system: System) -> System:
+    """The mechanism with the pins that nothing can penetrate on massless links; compliant ones stay as they are."""
+    joints = dict(system.model.joints)
+    for name, one in joints.items():
+        if one.leaf.massless and one.is_loose and _is_rigid(one):
+            joints[name] = replace(one, contact=Contact("massless-link"))
+    changed = any(joints[name] is not one for name, one in system.model.joints.items())
+    return compile_system(replace(system.model, joints=joints)) if changed else system
+
+
 def _is_rigid(joint: Joint) -> bool:
     """True of contacts that nothing can penetrate, which hold in equilibrium; elastic ones give way."""
     return joint.contact is not None and joint.contact.rigid

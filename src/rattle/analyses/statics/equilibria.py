@@ -23,7 +23,7 @@ from rattle.analyses.assembly.rank import scaled_rows
 from rattle.analyses.kinematics.singular_positions import why_stuck
 from rattle.analyses.kinematics.sweep import begin
 from rattle.analyses.statics.balance import MOST_TURN, Found, StaticProblem
-from rattle.analyses.statics.closed_play import rigid_model, without_guide_play
+from rattle.analyses.statics.closed_play import rigid_model, with_rigid_pins, without_guide_play
 from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
 from rattle.analyses.statics.resting import MOST, Stopped, combinations, resting_system
 from rattle.analyses.statics.starts import Turning, along, apart, around, opened, sides
@@ -109,7 +109,7 @@ def _equilibria(system: System, t: float, branches: str, effort: float) -> Equil
     reference = start + _first_offset(problem, rigid, start)
     pressing = play.describe(partners.found)
     if any(joint.is_loose and _compliant(joint.contact) for joint in system.model.joints.values()):
-        pressing = partners.pressed(system, pressing)
+        pressing = partners.pressed(with_rigid_pins(system), pressing)
     stopped = search.stopped or partners.stopped
     extent = f"without play {search.extent}; every pin was put on either side of its bush" if search.extent else ""
     starts, undefined = search.starts + partners.starts, problem.undefined or play.undefined
@@ -395,4 +395,4 @@ def static_problem(system: System, one: Equilibrium) -> StaticProblem:
     rigid = rigid_model(system)
     if rigid is not None and rigid.row_count == len(one.multiplier):
         return StaticProblem(rigid, one.t)
-    return StaticProblem(system, one.t)
+    return StaticProblem(with_rigid_pins(system), one.t)
