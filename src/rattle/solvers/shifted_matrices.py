@@ -80,7 +80,8 @@ def increment(m, reach):
     kinematics, memory, step = m.contact_kinematics, m.contact_memory, INCREMENT
     for n in range(kinematics.shape[0]):
         depth = -kinematics[n, at.GAP] if m.lever[n, at.ANGULAR] > 0.0 else -kinematics[n, at.GAP] / reach
-        if depth > 0.0 and memory[n, at.CLOSED] != at.OPEN and m.contact[n, at.LEVEL] == 0:
+        elastic = m.contact[n, at.IMPACT] == 0 and m.contact[n, at.LEVEL] == 0
+        if depth > 0.0 and memory[n, at.CLOSED] != at.OPEN and elastic:
             step = min(step, max(SMALLEST, SHALLOW * depth))
     return step
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.motion import OK
+from rattle.equations.motion import OK, derivative
 from rattle.equations.state import states_at
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
@@ -45,6 +45,46 @@ def next_step(m, t_end):
     if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t:
         return 0.0, last
     return h, last
+
+
+@compiled
+def largest_rate(m, f):
+    """Largest of the derivatives f that the tolerances apply to [m/s, m/s^2 ...]; inf if one is not a number."""
+    most = 0.0
+    for n in range(2 * m.change.shape[0]):
+        most = most if abs(f[n]) <= most else abs(f[n])
+        if not most < math.inf:
+            return math.inf
+    return most
+
+
+@compiled
+def first_step(m, t, y, f, longest, rtol, atol):
+    """Length [s] of a step from (t [s], y) with the derivative f, where nothing is known of steps before.
+
+    Source: Hairer, Norsett, Wanner, section II.4, starting step size.
+    """
+    stage, k1 = m.stage, m.slopes[1]
+    ny = 2 * m.change.shape[0]
+    size, slope = 0.0, 0.0
+    for n in range(ny):
+        scale = atol + rtol * abs(y[n])
+        size += (y[n] / scale) ** 2
+        slope += (f[n] / scale) ** 2
+    h = 0.01 * math.sqrt(size / slope) if size > 1e-10 and slope > 1e-10 else 1e-6
+    h = min(h, longest)
+    for n in range(y.shape[0]):
+        stage[n] = y[n] + h * f[n]
+    derivative(m, t + h, stage, k1)
+    bend = 0.0
+    for n in range(ny):
+        bend += ((k1[n] - f[n]) / (atol + rtol * abs(y[n]))) ** 2
+    largest = max(math.sqrt(slope), math.sqrt(bend) / h) / math.sqrt(ny)
+    second = max(1e-6, 1e-3 * h)
+    if largest > 1e-15 and largest < math.inf:
+        second = (0.01 / largest) ** (1.0 / m.stepper[POWER])
+    m.tally[at.EVALUATIONS] += 2
+    return min(100.0 * h, second, longest)
 
 
 @compiled

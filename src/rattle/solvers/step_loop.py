@@ -48,8 +48,10 @@ from rattle.solvers.step_control import (
     TRY_AGAIN,
     end_on_switch,
     end_stands,
+    first_step,
     has_room,
     is_stable,
+    largest_rate,
     lengthen,
     next_step,
     output_due,
@@ -58,7 +60,7 @@ from rattle.solvers.step_control import (
     take_over,
     turn_switch,
 )  # fmt: skip
-from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, POWER, SAMPLES, STABLE, STAGES, STEP
+from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, SAMPLES, STABLE, STAGES, STEP
 
 LEAP = 0.1  # share of the last regular step below which a step is not shortened further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is accepted [units of the state]; it doubles with every attempt
@@ -80,7 +82,7 @@ def resume(m, t):
 @native("i", "h", "f", "f", "f", "f", "f")
 def begin(m, t, t_end, rtol, atol, h_max):
     """Derivative at the start, signs of the monitored forces, first step [s]."""
-    y, f, stage, k1 = m.state, m.rate, m.stage, m.slopes[1]
+    y, f = m.state, m.rate
     clock, tally = m.clock, m.tally
     sign, watch, multiplier = m.sign, m.watch, m.multiplier
     clock[at.T] = t
@@ -92,30 +94,11 @@ def begin(m, t, t_end, rtol, atol, h_max):
     pass_on(m)
     for n in range(watch.shape[0]):
         sign[n] = -1.0 if multiplier[watch[n]] < 0.0 else 1.0
-    ny = 2 * m.change.shape[0]
-    size, slope = 0.0, 0.0
-    for n in range(ny):
-        scale = atol + rtol * abs(y[n])
-        size += (y[n] / scale) ** 2
-        slope += (f[n] / scale) ** 2
-    if not slope < math.inf:
+    if not largest_rate(m, f) < math.inf:
         return NOT_FINITE
     m.audit[at.STARTED] = 0.0
     stands(m, y)
-    h = 0.01 * math.sqrt(size / slope) if size > 1e-10 and slope > 1e-10 else 1e-6
-    h = min(h, h_max, t_end - t)
-    for n in range(y.shape[0]):
-        stage[n] = y[n] + h * f[n]
-    derivative(m, t + h, stage, k1)
-    bend = 0.0
-    for n in range(ny):
-        bend += ((k1[n] - f[n]) / (atol + rtol * abs(y[n]))) ** 2
-    largest = max(math.sqrt(slope), math.sqrt(bend) / h) / math.sqrt(ny)
-    second = max(1e-6, 1e-3 * h)
-    if largest > 1e-15 and largest < math.inf:
-        second = (0.01 / largest) ** (1.0 / m.stepper[POWER])
-    clock[at.H] = min(100.0 * h, second, h_max, t_end - t)
-    tally[at.EVALUATIONS] += 2
+    clock[at.H] = first_step(m, t, y, f, min(h_max, t_end - t), rtol, atol)
     return OK
 
 

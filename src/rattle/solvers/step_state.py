@@ -39,13 +39,13 @@ def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     }
 
 
-def stepper_arrays(stepper: Kind, bodies: int, states: int, ny: int) -> dict[str, np.ndarray]:
+def stepper_arrays(stepper: Kind, stiff: bool, bodies: int, states: int, ny: int) -> dict[str, np.ndarray]:
     """Arrays that describe this stepper, or the one whose kernels it calls; empty if it has no kernels.
 
-    An implicit one works with further arrays, whose sizes follow from the numbers of bodies, of states of elements and
-    of all numbers of y.
+    stiff: the model has oil films.  An implicit one works with further arrays, whose sizes follow from the numbers of
+    bodies, of states of elements and of all numbers of y.
     """
-    by = stepper.leaf.integrates_by
+    by = (stepper.leaf.if_stiff if stiff else "") or stepper.leaf.integrates_by
     one = kinds("stepper")[by] if by else stepper
     if one.kernel is None:
         return {}

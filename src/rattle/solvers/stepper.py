@@ -54,6 +54,7 @@ class Stepper:
     samples: ClassVar[int] = CUT  # where its stages lie, see `peaks.samples`; CUT: the dense output is sampled instead
     dense_output: ClassVar[KernelFunction | None] = None
     integrates_by: ClassVar[str] = ""  # the stepper whose kernels are called, if not its own
+    if_stiff: ClassVar[str] = ""  # the one whose kernels are called instead for models with oil films
     restitution_laws: ClassVar[tuple[str, ...]] = ()  # restitution laws that it can use; empty: all
     energy_limit: ClassVar[float] = 1e-3  # share of the largest energy that may be unaccounted for
     title: ClassVar[str] = ""  # its name in messages about its design

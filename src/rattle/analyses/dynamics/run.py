@@ -114,7 +114,8 @@ class Run(ABC):
         arrays = step_state.step_loop_arrays(y, len(self.system.watched))
         states = state_layout(self.system).states
         of_elements = states.stop - states.start
-        arrays |= step_state.stepper_arrays(self.stepper, self.system.body_count, of_elements, len(y))
+        films = bool((self.system.arrays["contact"][:, at.FILM_LAW] >= 0).any())
+        arrays |= step_state.stepper_arrays(self.stepper, films, self.system.body_count, of_elements, len(y))
         arrays |= audit_arrays(self.system, self.stepper.leaf.energy_limit)
         if self.ports:
             arrays["port_work"] = np.zeros((len(self.system.joints), at.width("port_work")))

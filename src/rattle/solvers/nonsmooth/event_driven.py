@@ -54,6 +54,7 @@ from rattle.solvers.step_control import (
     TRY_AGAIN,
     end_on_switch,
     end_stands,
+    first_step,
     has_room,
     is_stable,
     lengthen,
@@ -66,7 +67,7 @@ from rattle.solvers.step_control import (
     take_over,
     turn_switch,
 )  # fmt: skip
-from rattle.solvers.step_state import STABLE, STAGES, STEP
+from rattle.solvers.step_state import DENSE_STAGES, SAMPLES, STABLE, STAGES, STEP
 
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
 MOST_IN_A_ROW = 200_000  # events, each after less than CROWDED of the run, after which it stops too
@@ -183,6 +184,14 @@ def end_on_contacts(m, t, h, t_new, t_end, rtol, atol):
 
 
 @compiled
+def in_doubt(m, error):
+    """`doubts` from the stages of dop853; those of another stepper do not decide."""
+    if m.stepper[SAMPLES] == DOP853:
+        return doubts(m, error)
+    return (0 if any_closed(m) else LAST), LAST
+
+
+@compiled
 def search_step(m, t, h, low, high, calm):
     """The first event in the step, see `first_event`; calm: there is none.
 
@@ -190,7 +199,7 @@ def search_step(m, t, h, low, high, calm):
     """
     if calm:
         keep_forces(m)
-        return NONE, -1, NOTHING, True
+        return NONE, -1, NOTHING, m.stepper[SAMPLES] == DOP853
     return first_event(m, t, h, low, high)
 
 
@@ -203,8 +212,8 @@ def sum_step(m, t, h, until, met, by_stages):
     if by_stages:
         solved = end_by_stages(m, t, h, until)
     else:
-        solved = end_step(m, t, h, until, LOOKS if not met and any_closed(m) else DOP853, 1)
-    m.tally[at.EVALUATIONS] += 3 + solved
+        solved = end_step(m, t, h, until, LOOKS if not met and any_closed(m) else m.stepper[SAMPLES], 1)
+    m.tally[at.EVALUATIONS] += m.stepper[DENSE_STAGES] + solved
 
 
 @compiled
@@ -246,9 +255,12 @@ def take_event(m, t, h, t_end, who, what):
 
 
 @compiled
-def start_next(m, t, met, quiet):
+def start_next(m, t, t_end, met, quiet, rtol, atol):
     """Make the end of a step at t, where an event may have occurred, the start of the next."""
     if not quiet:
+        if met and m.stepper[STABLE] == 0 and t < t_end:  # oil damps what an impact has thrown, at a rate of its own
+            derivative(m, t, m.state_new, m.rate_new)
+            m.clock[at.H] = min(m.clock[at.H], first_step(m, t, m.state_new, m.rate_new, t_end - t, rtol, atol))
         derivative(m, t, m.state_new, m.rate_new)
         m.tally[at.EVALUATIONS] += 1
         cross_at_once(m, t)
@@ -286,9 +298,9 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             continue
         if status != OK:
             return status
-        low, high = doubts(m, error)
+        low, high = in_doubt(m, error)
         calm = low == LAST and not changed and never_switches(m) and none_may_hit(m, t_new - t)
-        counted = calm and end_step(m, t, t_new - t, 1.0, DOP853, -1) >= 0  # no peak of a force in it
+        counted = calm and end_step(m, t, t_new - t, 1.0, m.stepper[SAMPLES], -1) >= 0  # no peak of a force in it
         quiet = counted and not output_due(m, t_new, t_out)
         if not quiet:
             prepare_dense(m, t, t_new - t)
@@ -315,7 +327,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         if status != OK:
             clock[at.T] = t_until
             return status
-        start_next(m, t_until, met, quiet)
+        start_next(m, t_until, t_end, met, quiet, rtol, atol)
         if m.held[at.DETERMINANT] < 0.0:
             return LOCKED
     return DONE if clock[at.T] >= t_end else PAUSED

@@ -8,8 +8,9 @@ from rattle.solvers.stepper import EVENT_DRIVEN, SET_VALUED, AdaptiveStepper, Se
 
 @kind("stepper", "event")
 class Event(SetValuedStepper):
-    """Locates every impact, release, stick and slip of impact contacts, with steps of dop853; their default.
+    """Locates every impact, release, stick and slip of impact contacts; their default.
 
+    Steps are those of dop853, or of radau beside oil films.
     Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapters 5 to 9.
     """
 
@@ -18,5 +19,6 @@ class Event(SetValuedStepper):
     loop = EVENT_DRIVEN
     usual_with = (SET_VALUED,)
     integrates_by = "dop853"
+    if_stiff = "radau"
     refinement = 10.0  # most steps end at events
     rtol, atol, step = AdaptiveStepper.rtol, AdaptiveStepper.atol, AdaptiveStepper.step
