@@ -1,6 +1,6 @@
 """Speed of rattle as ratios to yardsticks measured in the same run.
 
-    python benchmarks/run.py [fourbar exudyn contact chain kinematics pressing startup lanes] [--repeats 7]
+    python benchmarks/run.py [fourbar exudyn contact chain kinematics pressing startup lanes oil] [--repeats 7]
 
 A ratio is rattle's time divided by the yardstick's; the aim is a time, a ratio or both.
 """
@@ -11,6 +11,7 @@ import argparse
 
 import contact
 import kinematics
+import lubrication
 import measure
 import pressing
 import rhs
@@ -28,6 +29,7 @@ SECTIONS = {
     "pressing": pressing.rows,
     "startup": startup.rows,
     "lanes": straight_line.rows,
+    "oil": lubrication.rows,
 }
 
 
