@@ -42,22 +42,27 @@ def friction_of(m, n):
     return m.values[m.contact[n, at.NORMAL_P] + at.MU]
 
 
+@compiled
+def contact_row(m, n, d, w, r):
+    """Row r of w: the rate of penetration of contact n (d = 0), or its slip (d = 1)."""
+    kinematics = m.contact_kinematics
+    ux = kinematics[n, at.NX] if d == 0 else -kinematics[n, at.NY]
+    uy = kinematics[n, at.NY] if d == 0 else kinematics[n, at.NX]
+    turn = kinematics[n, at.TURN] if d == 0 else 0.0
+    w[r, 0], w[r, 1], w[r, 2] = -ux, -uy, -(kinematics[n, at.PAX] * uy - kinematics[n, at.PAY] * ux) - turn
+    w[r, 3], w[r, 4], w[r, 5] = ux, uy, kinematics[n, at.PBX] * uy - kinematics[n, at.PBY] * ux + turn
+
+
 @kernel("problem")
 def rows_kernel(m, count):
     """Rows of W of the active contacts; if they are few, also the responses to unit forces, and G.
 
     `contact_kinematics` and the factor of S must be up to date.
     """
-    kinematics, active, w, held = m.contact_kinematics, m.active, m.contact_jacobian, m.held
+    active, w, held = m.active, m.contact_jacobian, m.held
     for k in range(count):
-        n = active[k]
         for d in range(2):
-            r = 2 * k + d
-            ux = kinematics[n, at.NX] if d == 0 else -kinematics[n, at.NY]
-            uy = kinematics[n, at.NY] if d == 0 else kinematics[n, at.NX]
-            turn = kinematics[n, at.TURN] if d == 0 else 0.0
-            w[r, 0], w[r, 1], w[r, 2] = -ux, -uy, -(kinematics[n, at.PAX] * uy - kinematics[n, at.PAY] * ux) - turn
-            w[r, 3], w[r, 4], w[r, 5] = ux, uy, kinematics[n, at.PBX] * uy - kinematics[n, at.PBY] * ux + turn
+            contact_row(m, active[k], d, w, 2 * k + d)
     coupled = m.dry.shape[0] + m.massless.shape[0]  # responses that `contact_network` does not have
     held[at.SPARSE] = 1.0 if count > FEW and m.net_first.shape[0] > 0 and coupled == 0 else 0.0
     if held[at.SPARSE] == 0.0:
@@ -66,16 +71,51 @@ def rows_kernel(m, count):
 
 
 @compiled
+def respond(m, a, b, w, response, multiplier_response, r):
+    """Response to a unit force along row r of w, at bodies a and b, into rows r; the factor of S must be up to date."""
+    rows, weight, x, place_of, row_body = m.rows, m.weight, m.solution, m.place, m.row_body
+    for c in range(response.shape[1]):
+        response[r, c] = 0.0
+    for row in range(rows.shape[0]):
+        value = 0.0
+        for side in range(2):
+            i, c = row_body[row, side], at.AX + 3 * side
+            if i == a:
+                for q in range(3):
+                    value += rows[row, c + q] * weight[i, q] * w[r, q]
+            if i == b:
+                for q in range(3):
+                    value += rows[row, c + q] * weight[i, q] * w[r, 3 + q]
+        x[place_of[row]] = value
+    solve(m)
+    for q in range(3):
+        if a > 0:
+            response[r, 3 * a - 3 + q] += weight[a, q] * w[r, q]
+        if b > 0:
+            response[r, 3 * b - 3 + q] += weight[b, q] * w[r, 3 + q]
+    for row in range(rows.shape[0]):
+        z = x[place_of[row]]
+        multiplier_response[r, row] = z
+        i, j = row_body[row, at.ROW_A], row_body[row, at.ROW_B]
+        for q in range(3):
+            if i > 0:
+                response[r, 3 * i - 3 + q] -= weight[i, q] * rows[row, at.AX + q] * z
+            if j > 0:
+                response[r, 3 * j - 3 + q] -= weight[j, q] * rows[row, at.BX + q] * z
+    if m.massless.shape[0] > 0:
+        take_out_of_response(m, response, 0, multiplier_response, r)
+
+
+@compiled
 def fill_delassus(m, count):
     """Responses to a unit force along each row of W, and G [1/kg]; W and the factor of S must be up to date."""
-    contact, active, row_body = m.contact, m.active, m.row_body
+    contact, active = m.contact, m.active
     w, response, multiplier_response, delassus = (
         m.contact_jacobian,
         m.velocity_response,
         m.multiplier_response,
         m.delassus,
     )
-    rows, weight, x, place_of = m.rows, m.weight, m.solution, m.place
     if m.massless.shape[0] > 0:
         prepare(m)
     for k in range(count):
@@ -84,39 +124,12 @@ def fill_delassus(m, count):
         rough = friction_of(m, n) > 0.0
         for d in range(2):
             r = 2 * k + d
-            for c in range(response.shape[1]):
-                response[r, c] = 0.0
             if d == 0 or rough:
-                for row in range(rows.shape[0]):
-                    value = 0.0
-                    for side in range(2):
-                        i, c = row_body[row, side], at.AX + 3 * side
-                        if i == a:
-                            for q in range(3):
-                                value += rows[row, c + q] * weight[i, q] * w[r, q]
-                        if i == b:
-                            for q in range(3):
-                                value += rows[row, c + q] * weight[i, q] * w[r, 3 + q]
-                    x[place_of[row]] = value
-                solve(m)
-                for q in range(3):
-                    if a > 0:
-                        response[r, 3 * a - 3 + q] += weight[a, q] * w[r, q]
-                    if b > 0:
-                        response[r, 3 * b - 3 + q] += weight[b, q] * w[r, 3 + q]
-                for row in range(rows.shape[0]):
-                    z = x[place_of[row]]
-                    multiplier_response[r, row] = z
-                    i, j = row_body[row, at.ROW_A], row_body[row, at.ROW_B]
-                    for q in range(3):
-                        if i > 0:
-                            response[r, 3 * i - 3 + q] -= weight[i, q] * rows[row, at.AX + q] * z
-                        if j > 0:
-                            response[r, 3 * j - 3 + q] -= weight[j, q] * rows[row, at.BX + q] * z
-                if m.massless.shape[0] > 0:
-                    take_out_of_response(m, response, 0, multiplier_response, r)
+                respond(m, a, b, w, response, multiplier_response, r)
             else:
-                for row in range(rows.shape[0]):
+                for c in range(response.shape[1]):
+                    response[r, c] = 0.0
+                for row in range(multiplier_response.shape[1]):
                     multiplier_response[r, row] = 0.0
             for s in range(r + 1):
                 value = 0.0

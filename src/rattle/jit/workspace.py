@@ -133,6 +133,18 @@ ARRAYS = {
         "i1", "0 or 1", "", "the kernel that adds the forces of closed contacts, if there may be any"
     ),
     "problem_table": Array("i1", "parts", "", "kernels that solve contact problems, see `unilateral`"),
+    # compliant contacts and films in time stepping, four rows for each, see `implicit_forces`
+    "soft": Array("i1", "n", "", "which contacts they are"),
+    "soft_place": Array("f2", "n, 2", "m", "pin centre from bush centre, of a film"),
+    "soft_jacobian": Array("f2", "4 n, 6", "-, -, m", "J: rates of A, then of B, to those that the forces depend on"),
+    "soft_response": Array("f2", "4 n, 3 nb", "", "M^-1 (j - Phi_q^T z): response to a unit force"),
+    "soft_reaction": Array("f2", "4 n, nr", "", "z: multipliers caused by a unit force"),
+    "soft_delassus": Array("f2", "4 n, 4 n", "1/kg", "G"),
+    "soft_slope": Array("f2", "4 n, 4", "N*s/m", "D: derivative of the forces by their rates"),
+    "soft_matrix": Array("f2", "4 n, 4 n", "", "1 - h G D, factored"),
+    "soft_order": Array("i1", "4 n", "", "rows exchanged in it"),
+    "soft_force": Array("f2", "9, 4 n", "", "forces and rates of the iteration"),
+    "soft_free": Array("f1", "3 nb + 3 + nr", "", "accelerations and multipliers without these forces"),
     # coordinates without inertia, see `equations.massless`
     "massless_response": Array("f2", "n, 3 nb + 3", "", "Y: accelerations of all bodies caused by unit forces"),
     "massless_reaction": Array("f2", "n, nr", "", "Z: multipliers caused by unit forces"),

@@ -63,7 +63,7 @@ def choose_stepper(system: System, asked: str | None, step: float | None, span: 
         one = steppers[usual_stepper(contacts)]
     if contacts == SET_VALUED:
         require_friction_known(system, one)
-        require_rigid(system, one)
+        require_implicit(system, one)
         require_one_law(system, one.leaf)
     settings = system.model.settings
     said = one.leaf if settings.method is None else steppers[settings.method].leaf
@@ -94,17 +94,23 @@ def require_friction_known(system: System, stepper: Kind) -> None:
         raise ModelError([Problem(("joints", name, "friction"), said) for name in system.dry_joints])
 
 
-def require_rigid(system: System, stepper: Kind) -> None:
-    """Raise ModelError for compliant and lubricated contacts if the stepper takes equal steps of impulses only."""
+def require_implicit(system: System, stepper: Kind) -> None:
+    """Raise ModelError for elastic contacts that time stepping cannot take implicitly: clutches, friction with states."""
     if stepper.leaf.loop != TIME_STEPPING:
         return
-    joints = system.model.joints.values()
-    models = {group.path: group.contact.rigid for joint in joints for group in contact_groups(joint)}
-    own = {("joints", joint.name, "model"): joint.leaf.own_contact(joint.fields) for joint in joints}
-    models |= {path: one.rigid for path, one in own.items() if one is not None}
-    said = f"method {stepper.name} knows impact contacts only; use method {usual_stepper(SET_VALUED)}"
-    if not all(models.values()):
-        raise ModelError([Problem(path, said) for path, rigid in models.items() if not rigid])
+    problems, other = [], usual_stepper(SET_VALUED)
+    for joint in system.model.joints.values():
+        own = joint.leaf.own_contact(joint.fields)
+        if own is not None and not own.rigid:
+            said = f"method {stepper.name} knows no viscous or compliant clutches; use method {other}"
+            problems.append(Problem(("joints", joint.name, "model"), said))
+        for group in contact_groups(joint):
+            friction = group.contact.friction
+            if friction is not None and registry.kinds("friction")[friction.kind].leaf.states:
+                said = f"method {stepper.name} knows no friction with states ({friction.kind}); use method {other}"
+                problems.append(Problem((*group.path, "friction"), said))
+    if problems:
+        raise ModelError(problems)
 
 
 def require_one_law(system: System, stepper: type[Stepper]) -> None:

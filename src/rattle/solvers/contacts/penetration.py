@@ -45,8 +45,9 @@ def inside_wall(m):
 
 @compiled
 def deepest(m):
-    """Largest depth of a contact in its wall, as a share of its scale, from the present gaps."""
+    """Largest depth of a set-valued contact in its wall, as a share of its scale, from the present gaps."""
     kinematics, worst = m.contact_kinematics, 0.0
     for n in range(kinematics.shape[0]):
-        worst = max(worst, -kinematics[n, at.GAP] / scale_of(m, n))
+        if m.contact[n, at.IMPACT] == 1:
+            worst = max(worst, -kinematics[n, at.GAP] / scale_of(m, n))
     return worst

@@ -11,7 +11,7 @@ from rattle.equations import complementarity, contact_network, lemke, unilateral
 from rattle.equations.system import System
 from rattle.jit import functions
 from rattle.jit import layout as at
-from rattle.solvers.nonsmooth import event_search, impact_path, impact_phases, uniqueness
+from rattle.solvers.nonsmooth import event_search, impact_path, impact_phases, implicit_forces, uniqueness
 from rattle.solvers.peaks import glances
 
 
@@ -23,8 +23,10 @@ def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
     nc, nr, nb = len(system.arrays["contact"]), system.row_count, system.body_count
     contact, solvers = system.arrays["contact"], (contact_network.KERNEL, lemke.KERNEL, uniqueness.KERNELS[0])
     laws = (impact_phases.expand_kernel, impact_path.path_kernel, uniqueness.KERNELS[1])
+    soft = {} if lasting else _soft_arrays(contact, nb, nr)
     return {
-        **(contact_network.arrays(system.arrays["row_body"], contact) if nc > complementarity.FEW else {}),
+        **({} if soft or nc <= complementarity.FEW else contact_network.arrays(system.arrays["row_body"], contact)),
+        **soft,
         **{name: np.zeros(nc, np.int64) for name in ("mode", "active", "candidate", "slide")},
         "pivots": np.zeros(2 * nc, np.int64),
         "contact_jacobian": np.zeros((2 * nc, 6)),
@@ -47,4 +49,25 @@ def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
             if lasting
             else {}
         ),
+    }
+
+
+def _soft_arrays(contact: np.ndarray, nb: int, nr: int) -> dict[str, np.ndarray]:
+    """Arrays of compliant contacts and films of time stepping; none if there are none."""
+    soft = np.flatnonzero(contact[:, at.IMPACT] == 0)
+    size = implicit_forces.PER * len(soft)
+    if not size:
+        return {}
+    return {
+        "soft": soft,
+        "soft_place": np.zeros((len(soft), 2)),
+        "soft_jacobian": np.zeros((size, 6)),
+        "soft_response": np.zeros((size, 3 * nb)),
+        "soft_reaction": np.zeros((size, nr)),
+        "soft_delassus": np.zeros((size, size)),
+        "soft_slope": np.zeros((size, implicit_forces.PER)),
+        "soft_matrix": np.zeros((size, size)),
+        "soft_order": np.zeros(size, np.int64),
+        "soft_force": np.zeros((implicit_forces.WORK + 1, size)),
+        "soft_free": np.zeros(3 * nb + 3 + nr),
     }

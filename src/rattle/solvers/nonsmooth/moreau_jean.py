@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.complementarity import FORWARD, OFF, STICK, A, B, F, friction_of
+from rattle.equations.complementarity import UNDECIDED
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import (
     DONE,
@@ -39,14 +39,39 @@ from rattle.equations.motion import (
     place,
 )  # fmt: skip
 from rattle.equations.schur import factorise
-from rattle.equations.state import DISSIPATED, IMPULSE, LOSS, WORK, account_at, energies_at, states_at, take_states
-from rattle.equations.unilateral import along, contact_rows, ending, push_all, shift, solve_contacts, solve_modes
+from rattle.equations.state import (
+    DISSIPATED,
+    LOSS,
+    STORED,
+    WORK,
+    account_at,
+    energies_at,
+    states_at,
+    take_states,
+)
+from rattle.equations.unilateral import contact_rows, ending, push_all, solve_contacts
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import book_slips, slips_changed
-from rattle.solvers.contacts.event_rows import note, note_end, note_impact
 from rattle.solvers.contacts.pawls import seat_pawls
-from rattle.solvers.contacts.penetration import ESCAPED, deepest, scale_of
+from rattle.solvers.contacts.penetration import ESCAPED, deepest
+from rattle.solvers.nonsmooth.implicit_forces import (
+    BEARABLE,
+    MOST,
+    SAME,
+    add_base,
+    book,
+    go_to,
+    keep_forces,
+    keep_free,
+    linearise,
+    respond_all,
+    settle,
+    soften,
+    start_rates,
+    take_out,
+)
+from rattle.solvers.nonsmooth.percussions import choose_active, impact_side, lift, take_percussions
 from rattle.solvers.output_row import write
 from rattle.solvers.peaks.samples import START, add_step, gauge
 from rattle.solvers.ports import keep_ports, show_ports
@@ -55,10 +80,7 @@ from rattle.solvers.sign_watch import cross_at_once
 from rattle.solvers.step_audit import UNSOUND, stands
 from rattle.solvers.step_control import has_room
 
-ACTIVE = 1e-8  # share of its scale within which a contact takes part
-KEPT = 1e-4  # the same for one that pressed in the step before: on curved paths a gap of O(h^2) is no separation
 MOST_CHANGES = 4  # times that a step is taken for clutches that begin or cease to slip
-LASTING = 3  # steps in a row after which a contact counts as closed, or as released
 
 
 @native("void", "h", "f")
@@ -76,160 +98,6 @@ def start(m, t):
     m.audit[at.STARTED] = 0.0
     stands(m, y)
     m.clock[at.T] = t
-
-
-@compiled
-def choose_active(m):
-    """Choose the contacts that are closed, with the modes of the step before as a start; the others are off."""
-    contact, kinematics, mode = m.contact, m.contact_kinematics, m.mode
-    active, candidate, slide = m.active, m.candidate, m.slide
-    count = 0
-    for n in range(contact.shape[0]):
-        kinematics[n, at.NORMAL], kinematics[n, at.TANGENT], kinematics[n, at.LOSS] = 0.0, 0.0, 0.0
-        if m.contact_memory[n, at.SLIPS] == 1.0:
-            continue
-        if kinematics[n, at.GAP] <= (ACTIVE if mode[n] == OFF else KEPT) * scale_of(m, n):
-            active[count], candidate[count], slide[count] = n, mode[n], 0
-            count += 1
-    return count
-
-
-@compiled
-def late(h, gap, speed):
-    """Time from the hit to the middle of the step [s]: within the step, also if it began inside the wall."""
-    return min(max(-gap / speed, -0.5 * h), 0.5 * h)
-
-
-@compiled
-def impact_side(m, count, h):
-    """b of the active contacts without impulses [m/s]: g'+ minus the required rate of a bounce, and -(u_t+ + e_T u_t-).
-
-    Rates are those at the end of the step, at the position of its middle.
-    """
-    contact, kinematics, active, side = m.contact, m.contact_kinematics, m.active, m.side
-    acceleration, values, memory, body = m.acceleration, m.values, m.contact_memory, m.body
-    for k in range(count):
-        n, p = active[k], contact[active[k], at.NORMAL_P]
-        kinematics[n, at.DGAP] = -along(m, 2 * k, n, body, at.VX)
-        kinematics[n, at.SLIP] = along(m, 2 * k + 1, n, body, at.VX)
-        pull, bend = along(m, 2 * k, n, acceleration, 0), kinematics[n, at.GAMMA_N]
-        least = 2.0 * h * abs(bend - pull)
-        hits = kinematics[n, at.DGAP] < -least
-        memory[n, at.HITS], memory[n, at.E_T] = (
-            1.0 if hits else 0.0,
-            values[p + at.TANGENTIAL_RESTITUTION] if hits else 0.0,
-        )
-        memory[n, at.RATE_AFTER] = memory[n, at.SHIFT] = 0.0  # a jolt has left other quantities there
-        if hits:
-            when = 0.5 * h - late(h, kinematics[n, at.GAP], -kinematics[n, at.DGAP])  # after the start of the step
-            speed = kinematics[n, at.DGAP] - pull * when + bend * (when - 0.5 * h)
-            if -values[p + at.RESTITUTION] * speed > least:  # it bounces: free before and after
-                memory[n, at.RATE_AFTER] = (
-                    -values[p + at.RESTITUTION] * speed - bend * (when - 0.5 * h) - pull * (h - when)
-                )
-        side[B, 2 * k] = kinematics[n, at.DGAP] - h * pull - memory[n, at.RATE_AFTER]
-        side[B, 2 * k + 1] = -(1.0 + memory[n, at.E_T]) * kinematics[n, at.SLIP] - h * along(
-            m, 2 * k + 1, n, acceleration, 0
-        )
-
-
-@compiled
-def take_percussions(m, t, count, h, y):
-    """Add the impulses to rates, multipliers, forces and energies; y holds q_M and the rates without impulses.
-
-    Returns True if there was an impact.
-    """
-    contact, kinematics, active, candidate = m.contact, m.contact_kinematics, m.active, m.candidate
-    side, dv, dlambda, multiplier = m.side, m.velocity_change, m.multiplier_change, m.multiplier
-    memory, mode, nq = m.contact_memory, m.mode, m.change.shape[0]
-    rows, power = m.rows, m.power
-    push_all(m, count)
-    for c in range(nq):
-        y[nq + c] -= dv[1 + c // 3, c % 3]
-    for row in range(multiplier.shape[0]):
-        multiplier[row] -= dlambda[row] / h
-    energies = energies_at(m)
-    y[energies + WORK] += h * power[at.WORK_RATE]
-    y[energies + DISSIPATED] += h * power[at.LOSS_RATE]
-    for row in range(multiplier.shape[0]):
-        y[energies + WORK] -= h * multiplier[row] * rows[row, at.NU]
-    k, nc, impact = 0, contact.shape[0], False
-    for n in range(nc):
-        old = mode[n]
-        mode[n] = OFF
-        if k < count and active[k] == n:
-            pressed, held = side[F, 2 * k], side[F, 2 * k + 1]
-            if pressed > 0.0:
-                mode[n] = candidate[k]
-                gap_rate = side[A, 2 * k] + memory[n, at.RATE_AFTER]
-                slip = -side[A, 2 * k + 1] - memory[n, at.E_T] * kinematics[n, at.SLIP]
-                if friction_of(m, n) == 0.0:
-                    slip = kinematics[n, at.SLIP]
-                lost = 0.5 * (held * (kinematics[n, at.SLIP] + slip) - pressed * (kinematics[n, at.DGAP] + gap_rate))
-                account = account_at(m, n)
-                y[account + IMPULSE] += pressed
-                y[account + LOSS] += lost
-                kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = pressed / h, held / h
-                kinematics[n, at.LOSS] = lost / h
-                if old == OFF and memory[n, at.HITS] == 1.0:
-                    speed = -kinematics[n, at.DGAP]
-                    when = t + 0.5 * h - late(h, kinematics[n, at.GAP], speed)
-                    note_impact(m, n, when, speed, pressed, lost)
-                    memory[n, at.SPEED] = speed
-                    memory[n, at.SHIFT] = gap_rate * late(h, kinematics[n, at.GAP], speed) - kinematics[n, at.GAP]
-                    impact = True
-            k += 1
-        watch_contact(m, n, old, t, h, y)
-    return impact
-
-
-@compiled
-def watch_contact(m, n, old, t, h, y):
-    """Count pressed and free steps of contact n; record when it closes or opens, sticks or slips."""
-    mode, memory, kinematics = m.mode, m.contact_memory, m.contact_kinematics
-    steps = memory[n, at.STEPS_ON]
-    account = account_at(m, n)
-    if mode[n] != OFF:
-        steps = max(steps, 0.0) + 1.0
-        if memory[n, at.CLOSED] == at.OPEN and steps >= LASTING:
-            memory[n, at.CLOSED], memory[n, at.SINCE], memory[n, at.PEAK] = at.SHUT, t + h - steps * h, 0.0
-            memory[n, at.IMPULSE_0], memory[n, at.LOSS_0] = y[account + IMPULSE], y[account + LOSS]
-            if mode[n] == STICK and friction_of(m, n) > 0.0:
-                note(m, at.STICK_EVENT, n, t, 0.0)
-        elif memory[n, at.CLOSED] == at.SHUT and (old == STICK) != (mode[n] == STICK) and friction_of(m, n) > 0.0:
-            note(m, at.STICK_EVENT if mode[n] == STICK else at.SLIP_EVENT, n, t, 0.0)
-        memory[n, at.PEAK] = max(memory[n, at.PEAK], kinematics[n, at.NORMAL])
-    else:
-        steps = min(steps, 0.0) - 1.0
-        if memory[n, at.CLOSED] == at.SHUT and steps <= -LASTING:
-            note_end(m, n, t + (steps + 1.0) * h, y, 0.0)
-            memory[n, at.CLOSED], memory[n, at.SPEED] = at.OPEN, 0.0
-    memory[n, at.STEPS_ON] = steps
-
-
-@compiled
-def lift(m, count, y):
-    """Correct positions: bounces to where they would be had they hit in time, closed contacts onto the wall."""
-    kinematics, active, candidate, side = m.contact_kinematics, m.active, m.candidate, m.side
-    memory, nq = m.contact_memory, m.change.shape[0]
-    deep = False
-    for k in range(count):
-        n = active[k]
-        candidate[k] = OFF
-        side[B, 2 * k], side[B, 2 * k + 1] = 0.0, 0.0
-        if (
-            m.contact[n, at.LEVEL] == 0
-            and kinematics[n, at.NORMAL] > 0.0
-            and (kinematics[n, at.GAP] < 0.0 or memory[n, at.CLOSED] == at.SHUT or memory[n, at.SHIFT] > 0.0)
-        ):
-            candidate[k] = FORWARD
-            side[B, 2 * k] = memory[n, at.SHIFT] if memory[n, at.SHIFT] > 0.0 else -kinematics[n, at.GAP]
-            deep = True
-        memory[n, at.SHIFT] = 0.0
-    if not deep:
-        return
-    solve_modes(m, count, 0)
-    shift(m, count, y[:nq], 1.0)
 
 
 @compiled
@@ -254,6 +122,7 @@ def write_until(m, t, h, t_out, out):
         lost = stage[energies + DISSIPATED]
         for n in range(nc):
             lost += stage[account_at(m, n) + LOSS]
+            m.power[at.POTENTIAL_ENERGY] += stage[account_at(m, n) + STORED]
         write(m, stage[energies + WORK], lost, out[k])
         show_ports(m, out[k])
         tally[at.OUTPUTS] = k + 1
@@ -275,6 +144,8 @@ def move_free(m, t, h):
     drive(m, t + 0.5 * h)
     constraints(m)
     loads(m, t + 0.5 * h)
+    if m.soft.shape[0] > 0:
+        take_out(m, t, h)
     m.power[at.PIVOT_SHARE] = 1.0
     factorise(m)
     accelerate(m)
@@ -287,15 +158,47 @@ def solve_step(m, h):
     Returns how many there are, or -1 where no solution was found.
     """
     y, y_new, acceleration, nq = m.state, m.state_new, m.acceleration, m.change.shape[0]
-    active = choose_active(m)
-    contact_rows(m, active)
     place(m, y_new[:nq], y[nq : 2 * nq])
-    impact_side(m, active, h)
+    active = solve_all(m, h) if m.soft.shape[0] > 0 else solve_rigid(m, h)
     for c in range(nq):
         y_new[nq + c] = y[nq + c] + h * acceleration[1 + c // 3, c % 3]
+    return active
+
+
+@compiled
+def solve_rigid(m, h):
+    """Set-valued contacts that take part and their percussions; how many there are, -1 if no solution was found."""
+    active = choose_active(m)
+    contact_rows(m, active)
+    if m.soft.shape[0] > 0:
+        soften(m, h, active)
+    impact_side(m, active, h)
     if active > 0 and not solve_contacts(m, active):
         return -1
     return active
+
+
+@compiled
+def solve_all(m, h):
+    """The same together with the forces of compliant contacts and films, by Newton's method."""
+    respond_all(m)
+    keep_free(m)
+    start_rates(m, h)
+    before = math.inf
+    for k in range(MOST):
+        linearise(m, h)
+        add_base(m)
+        active = solve_rigid(m, h)
+        if active < 0:
+            return -1
+        push_all(m, active)
+        off = settle(m, h)
+        if off <= SAME or (k == MOST - 1 and off <= BEARABLE):
+            return active
+        go_to(m, 1.0 if off < 0.5 * before else 0.5)
+        before = off
+    m.held[at.OUTCOME] = UNDECIDED
+    return -1
 
 
 @compiled
@@ -304,6 +207,8 @@ def end_step(m, t, h, active):
     y, y_new, rate, nq = m.state, m.state_new, m.rate, m.change.shape[0]
     impact = take_percussions(m, t, active, h, y_new)
     book_slips(m, h, y, y_new)
+    if m.soft.shape[0] > 0:
+        keep_forces(m, h, y[nq : 2 * nq], y_new[nq : 2 * nq], y_new)
     keep_ports(m, t, h)
     cross_at_once(m, t)
     for c in range(nq):
@@ -319,6 +224,8 @@ def end_step(m, t, h, active):
         lift(m, active, y_new)
         place(m, y_new[:nq], y_new[nq : 2 * nq])
     close_joints(m, t + h, y_new)
+    if m.soft.shape[0] > 0:
+        book(m, t + h, h, y_new)
 
 
 @compiled
