@@ -95,7 +95,7 @@ def require_friction_known(system: System, stepper: Kind) -> None:
 
 
 def require_implicit(system: System, stepper: Kind) -> None:
-    """Raise ModelError for elastic contacts that time stepping cannot take implicitly: clutches, friction with states."""
+    """Raise ModelError for what time stepping cannot take implicitly: elastic clutches, friction with states."""
     if stepper.leaf.loop != TIME_STEPPING:
         return
     problems, other = [], usual_stepper(SET_VALUED)

@@ -347,6 +347,7 @@ def keep_forces(m, h, v, v_new, y):
     v, v_new: (3 nb,) rates at both ends of the step.
     """
     kinematics, contact, linear, j = m.contact_kinematics, m.contact, m.soft_force[LINEAR], m.soft_jacobian
+    memory = m.contact_memory
     for s in range(m.soft.shape[0]):
         n, r = m.soft[s], PER * s
         for k in range(r, r + PER):  # the mean rate, with which they do work
@@ -359,8 +360,12 @@ def keep_forces(m, h, v, v_new, y):
             m.soft_force[WORK, k] = total
         mean = m.soft_force[WORK]
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = -linear[r], -linear[r + 1]
-        kinematics[n, at.LOSS], kinematics[n, at.STORE] = -linear[r] * mean[r] - linear[r + 1] * mean[r + 1], 0.0
-        y[account_at(m, n) + IMPULSE] -= h * linear[r]
+        account, depth = account_at(m, n), 0.5 * h * m.soft_force[NEW, r] - kinematics[n, at.GAP]
+        taken, stored = -linear[r] * mean[r] - linear[r + 1] * mean[r + 1], 0.0
+        if memory[n, at.CLOSED] == at.SHUT:
+            stored = ((strain_energy(m, n, depth) if depth > 0.0 else 0.0) - y[account + STORED]) / h
+        kinematics[n, at.STORE], kinematics[n, at.LOSS] = stored, taken - stored
+        y[account + IMPULSE] -= h * linear[r]
         if contact[n, at.FILM_LAW] >= 0:
             fx, fy = linear[r + 2], linear[r + 3]
             half = 0.5 * (m.soft_place[s, 0] * fy - m.soft_place[s, 1] * fx)
@@ -383,7 +388,7 @@ def book(m, t, h, y):
             continue
         depth = -kinematics[n, at.GAP]
         stored = strain_energy(m, n, depth) if depth > 0.0 else 0.0
-        y[account + LOSS] += h * kinematics[n, at.LOSS] - stored + y[account + STORED]
+        y[account + LOSS] += h * (kinematics[n, at.LOSS] + kinematics[n, at.STORE]) - stored + y[account + STORED]
         y[account + STORED] = stored
         memory[n, at.PEAK] = max(memory[n, at.PEAK], kinematics[n, at.NORMAL])
         memory[n, at.STEPS_IN] += 1.0

@@ -101,8 +101,11 @@ def start(m, t):
 
 
 @compiled
-def write_until(m, t, h, t_out, out):
-    """Write outputs up to t + h: positions interpolated in the step, rates of its end, forces of this step."""
+def write_until(m, t, h, impact, t_out, out):
+    """Write outputs up to t + h: positions interpolated in the step, rates of its end, forces of this step.
+
+    Rates are interpolated too where forces of compliant contacts and films follow from both, if there was no impact.
+    """
     tally, y, y_new, stage = m.tally, m.state, m.state_new, m.stage
     acceleration, nq, nc = m.acceleration, m.change.shape[0], m.contact_kinematics.shape[0]
     energies = energies_at(m)
@@ -112,7 +115,8 @@ def write_until(m, t, h, t_out, out):
         for c in range(y.shape[0]):
             stage[c] = y[c] + share * (y_new[c] - y[c])
         for c in range(nq):
-            stage[nq + c] = y[nq + c] if share == 0.0 else y_new[nq + c]
+            last = share > 0.0 and (impact or m.soft.shape[0] == 0)
+            stage[nq + c] = y_new[nq + c] if last else y[nq + c] + share * (y_new[nq + c] - y[nq + c])
             acceleration[1 + c // 3, c % 3] = (y_new[nq + c] - y[nq + c]) / h
         take_states(m, stage)
         place(m, stage[:nq], stage[nq : 2 * nq])
@@ -203,7 +207,10 @@ def solve_all(m, h):
 
 @compiled
 def end_step(m, t, h, active):
-    """Percussions into rates, the second half of the step with these, positions onto walls and joints."""
+    """Percussions into rates, the second half of the step with these, positions onto walls and joints.
+
+    Returns True if there was an impact.
+    """
     y, y_new, rate, nq = m.state, m.state_new, m.rate, m.change.shape[0]
     impact = take_percussions(m, t, active, h, y_new)
     book_slips(m, h, y, y_new)
@@ -226,6 +233,7 @@ def end_step(m, t, h, active):
     close_joints(m, t + h, y_new)
     if m.soft.shape[0] > 0:
         book(m, t + h, h, y_new)
+    return impact
 
 
 @compiled
@@ -271,11 +279,11 @@ def advance(m, t_start, h, count, t_out, out, most_steps):
                 return ending(m)
             if not slips_changed(m, h, active, y_new[nq : 2 * nq]):
                 break
-        end_step(m, t, h, active)
+        impact = end_step(m, t, h, active)
         status = end_stands(m, t, h)
         if status != OK:
             return status
-        write_until(m, t, h, t_out, out)
+        write_until(m, t, h, impact, t_out, out)
         for c in range(y.shape[0]):
             y[c] = y_new[c]
         tally[at.STEPS] += 1

@@ -10,6 +10,7 @@ from rattle.solvers.stepper import TIME_STEPPING, SetValuedStepper, equal_steps
 class Moreau(SetValuedStepper):
     """Time stepping for impact contacts without locating events: impulses over fixed steps, for many contacts.
 
+    Compliant contacts and oil films beside them act with their forces at the end of a step, however stiff they are.
     Source: Jean, The non-smooth contact dynamics method, Comput. Methods Appl. Mech. Eng. 177 (1999) 235-257; Moreau,
     Unilateral contact and dry friction in finite freedom dynamics (1988).
     """
