@@ -35,6 +35,21 @@ def fixed_impacts():
     return [r[name][-1] for name in r.names if name.endswith((".x", ".y", ".vx", ".vy"))]
 
 
+MIXED = ("crank.angle", "coupler.omega", "rocker.omega", "O2.ex", "O2.ey", "O3.ex", "O3.ey", "energy.kinetic")
+
+
+def events_in_oil():
+    """Implicit steps from event to event, with an oil film beside impacts."""
+    r = rt.example("fourbar_oil").simulate(1.5e-3, rtol=1e-6, horizon=False)
+    return [float(len(r.events)), *(r[name][-1] for name in MIXED)]
+
+
+def impacts_in_oil():
+    """Time steps with a film at their ends."""
+    r = rt.example("fourbar_oil").simulate(2e-3, method="moreau", step=1e-4, horizon=False)
+    return [float(len(r.events)), *(r[name][-1] for name in MIXED)]
+
+
 def positions():
     """The sweep over positions, with all reactions."""
     r = rt.example("slider_crank").inverse_dynamics(np.linspace(0.0, 0.02, 21))
@@ -47,7 +62,17 @@ def equilibria():
     return [float(len(found)), *(float(number) for one in found for number in one.q)]
 
 
-LOOPS = (compliant, implicit_steps, fixed_steps, events, fixed_impacts, positions, equilibria)
+LOOPS = (
+    compliant,
+    implicit_steps,
+    fixed_steps,
+    events,
+    fixed_impacts,
+    events_in_oil,
+    impacts_in_oil,
+    positions,
+    equilibria,
+)
 
 
 def numbers():
