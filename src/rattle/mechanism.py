@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, overload
 
 from rattle.analyses.analysed_model import AnalysedModel
-from rattle.errors import ModelError
+from rattle.errors import ModelError, suggest
 from rattle.language.times import Seconds, seconds_or_none
+from rattle.results.result import UnknownName
 
 if TYPE_CHECKING:
     import os
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from rattle.studies.ensemble.sweep import Sweep
     from rattle.studies.ensemble.tolerance import Tolerance
     from rattle.studies.ensemble.within import Within
+    from rattle.studies.film.bearing import Film
     from rattle.studies.lyapunov import Lyapunov
     from rattle.studies.many import Many
     from rattle.studies.optimise.optimum import Optimum
@@ -78,11 +80,23 @@ class Mechanism(AnalysedModel):
 
         return plot_model(self, ax)
 
+    def film(self, joint: str) -> Film:
+        """The oil film of a joint as a calculator: static positions, whirl, Stribeck curve, chart; see `rt.Film`.
+
+        Raises UnknownName for a joint that is not there, ModelError for one without oil.
+        """
+        from rattle.studies.film.bearing import Film
+
+        joints = self.model.joints
+        if joint not in joints:
+            raise UnknownName(f"the model has no joint {joint!r}{suggest(joint, joints)}")
+        return Film.of_joint(joints[joint])
+
     def compare(
         self, *, joint: str | None = None, curve: str | None = None, t_end: Seconds | None = None,
         law: str | None = None, progress: bool = False,
     ) -> Comparison:  # fmt: skip
-        """The mechanism with ideal joints, massless links, one-sided impact and compliant contacts, side by side.
+        """The mechanism with ideal joints, massless links, impact, compliant contacts and oil, side by side.
 
         joint: whose force and orbit are shown (default: the first with clearance).  curve: of the motion (default:
         one of the last body).  t_end: [s] (default: one turn of the driver).  law: normal force law of the compliant

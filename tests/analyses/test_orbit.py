@@ -184,3 +184,16 @@ def test_a_mechanism_that_gets_stuck_ends_its_orbit_there():
     assert "dead centre" in o.message
     assert 0 < len(o.t) < 101
     assert np.isfinite(o["B.eccentricity"]).all()
+
+
+def test_chart_of_the_film_has_the_points_of_the_orbit():
+    from rattle.plots.film import load_points
+
+    m = rt.example("slider_crank_oil")
+    o = m.orbit("B", np.linspace(0.0, 0.012, 121))
+    points = load_points(o, "B")
+    assert len(points.sommerfeld) > 100
+    assert points.eccentricity == pytest.approx(o["B.eccentricity"][-len(points.eccentricity) :])
+    figure = m.film("B").plot(result=o, joint="B")
+    drawn = [line for line in figure.axes[0].lines if len(line.get_xdata()) == len(points.sommerfeld)]
+    assert drawn

@@ -43,6 +43,32 @@ def test_chart_and_file(tmp_path):
     assert float(rows[3]["attitude"]) == pytest.approx(math.atan2(math.pi * math.sqrt(1 - e * e), 4 * e), rel=1e-12)
 
 
+def test_stribeck_curve_in_lines_and_as_a_chart(tmp_path):
+    chart = tmp_path / "stribeck.svg"
+    done = run(*BEARING, "--load", "500 N", "--boundary-film", "1 um", "-o", chart)
+    assert done.exit_code == 0, done.output
+    rows = [line.split() for line in done.output.partition("Stribeck")[2].splitlines() if line.endswith(" um") and "%" in line]
+    assert len(rows) > 8
+    assert float(rows[0][1]) == pytest.approx(0.099, abs=1e-3)
+    assert "coefficient of friction" in chart.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ((), "missing --viscosity, --length, --radius, --clearance; or take them from a model"),
+        (("--of", "slider_crank_oil", "--viscosity", "1"), "the model says that already"),
+        (("--joint", "B", *BEARING), "give --of FILE"),
+        (("--of", "fourbar"), "this needs a joint with oil"),
+        ((*BEARING, "--boundary-film", "1 um"), "needs --load"),
+    ],
+)
+def test_a_bearing_comes_from_sizes_or_from_a_model(given, said):
+    done = run(*given)
+    assert done.exit_code == 2
+    assert said in done.output
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [

@@ -33,7 +33,7 @@ def test_an_orbit_prints_its_film_and_is_saved_and_drawn(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("slider_crank_play",), "an orbit needs a joint with oil"),
+        (("slider_crank_play",), "this needs a joint with oil"),
         ((*OILED, "--joint", "C"), "no joint 'C'"),
         ((*OILED, "--joint", "A"), "joints.A.contact: an orbit needs oil"),
         ((*OILED, "--ideal"), "an orbit is about play"),

@@ -221,3 +221,48 @@ def test_the_chart_has_the_point_of_the_load():
     assert math.atan2(x, -y) == pytest.approx(p.attitude)  # the load points down, the pin turns to the left
     with pytest.raises(ValueError, match="both, load and speed"):
         one.plot(500.0)
+
+
+# ---------------------------------------------------------------- Stribeck's curve
+STRIBECK = [  # speed [rad/s], e/c, attitude [deg], dry share, friction with the dry part at the bush: solved elsewhere
+    (0.1, 0.99941351, -5.34101, 0.970676, 0.0970838), (1.0, 0.99501291, -2.02852, 0.750645, 0.0752264),
+    (3.0, 0.98513937, 5.28587, 0.256968, 0.0261765), (10.0, 0.96857033, 11.40351, 0.0, 0.0009840),
+    (100.0, 0.90196645, 20.60628, 0.0, 0.0037038), (1000.0, 0.70479037, 38.32822, 0.0, 0.0188064),
+]  # fmt: skip
+
+
+def test_stribeck_curve_of_a_short_bearing():
+    f = rt.Film("50 mPa*s", "10 mm", "10 mm", "50 um", "short")
+    speeds = [row[0] for row in STRIBECK]
+    found = f.stribeck("500 N", speeds, boundary_film="1 um", friction=0.1, stiffness=5e8)
+    friction = found["friction"] + 0.1 * found["dry"] * 5e-5 / 10e-3  # here it acts at the pin's radius
+    seen = np.array([found["eccentricity"], np.degrees(found["attitude"]), found["dry"], friction]).T
+    np.testing.assert_allclose(seen, np.array(STRIBECK)[:, 1:], atol=3e-6)
+    # what is lost is what the torque gives
+    np.testing.assert_allclose(found["loss"], found["torque"] * found["speed"], rtol=1e-9)
+
+
+def test_stribeck_curve_goes_from_dry_friction_over_its_valley_to_the_film_alone():
+    f = rt.Film("50 mPa*s", "10 mm", "10 mm", "50 um")
+    found = f.stribeck(500, boundary_film=1e-6)
+    # pressed and rubbing at right angles, at the radius of the pin
+    assert found["friction"].iloc[0] == pytest.approx(0.1 / math.hypot(1, 0.1) * (1 - 5e-5 / 10e-3), rel=2e-3)
+    alone = found[found["dry"] == 0]
+    assert alone["friction"].is_monotonic_increasing
+    assert found["friction"].idxmin() == alone.index[0]
+    last = found.iloc[-1]
+    assert last["friction"] == pytest.approx(f.static(500, last["speed"]).friction, rel=1e-9)
+    with pytest.raises(ValueError, match="thinner than half the clearance"):
+        f.stribeck(500, boundary_film="25 um")
+    with pytest.raises(ValueError, match="boundary_film must be positive"):
+        f.stribeck(500, boundary_film=0)
+
+
+def test_film_of_a_joint_has_its_sizes():
+    m = rt.example("slider_crank_oil")
+    f = m.film("B")
+    assert (f.viscosity, f.length, f.radius, f.clearance, f.model) == pytest.approx((0.1, 0.02, 0.01, 1e-4, "finite"))
+    with pytest.raises(rt.ModelError, match="needs oil in the joint"):
+        m.film("A")
+    with pytest.raises(KeyError, match="did you mean 'B'"):
+        m.film("b")

@@ -3,30 +3,45 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from rattle.cli.output import say_written
 
 if TYPE_CHECKING:
+    from rattle.results.result import Result
     from rattle.studies.film.bearing import Film
     from rattle.studies.film.journal import JournalPosition
 
 SHOWN = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)  # eccentricities of the table
+SIZES = ("viscosity", "length", "radius", "clearance")
+SPARSE = 25  # every so many rows of a Stribeck curve are printed
 PICTURES = (".svg", ".png", ".pdf")
 
 
 @click.command()
 @click.option(
-    "--viscosity", required=True, metavar="VALUE", help='Dynamic, of the warm oil: "50 mPa*s", "50 cP", 0.05.'
-)
-@click.option("--length", required=True, metavar="VALUE", help="Of the bush, along its axis.")
-@click.option("--radius", required=True, metavar="VALUE", help="Of the bore of the bush.")
-@click.option("--clearance", required=True, metavar="VALUE", help="Radial: half of the difference of the diameters.")
+    "--of", "source", metavar="FILE",
+    help="Model file or shipped example: takes the bearing from a joint with oil, and draws where that joint is.",
+)  # fmt: skip
+@click.option("--joint", metavar="JOINT", help="Which one of --of; default: the only joint with oil.")
+@click.option("--viscosity", metavar="VALUE", help='Dynamic, of the warm oil: "50 mPa*s", "50 cP", 0.05.')
+@click.option("--length", metavar="VALUE", help="Of the bush, along its axis.")
+@click.option("--radius", metavar="VALUE", help="Of the bore of the bush.")
+@click.option("--clearance", metavar="VALUE", help="Radial: half of the difference of the diameters.")
 @click.option("--load", metavar="VALUE", help='Steady load on one bearing, "500 N"; needs --speed.')
 @click.option("--speed", metavar="VALUE", help='Of the pin in the bush at rest, "1000 rpm" or in rad/s; needs --load.')
+@click.option(
+    "--boundary-film", metavar="VALUE",
+    help='Thickness at which the surfaces touch, "1 um": adds the Stribeck curve of --load; -o then draws that.',
+)  # fmt: skip
+@click.option(
+    "--friction", default=0.1, show_default=True, metavar="NUMBER", help="Dry coefficient of the Stribeck curve."
+)
 @click.option(
     "--model", default="finite", show_default=True, metavar="NAME",
     help="finite: any length up to twice the diameter; short: closed form; pinkus-sternlicht: long, to repeat papers.",
@@ -40,7 +55,10 @@ PICTURES = (".svg", ".png", ".pdf")
     help="The film drags on the whole circumference, or where it has pressure: wetted.",
 )  # fmt: skip
 @click.option("-o", "--output", metavar="FILE", help="Chart (.svg, .png, .pdf) or table (.csv) to write.")
-def film(load: str | None, speed: str | None, output: str | None, **bearing: str) -> None:
+def film(
+    source: str | None, joint: str | None, load: str | None, speed: str | None, boundary_film: str | None,
+    friction: float, output: str | None, **bearing: str | None,
+) -> None:  # fmt: skip
     """An oil film between pin and bush: what it carries, at which film thickness, and when the pin whirls.
 
     Prints a table of static positions, the same for every load and speed through the Sommerfeld number
@@ -51,32 +69,81 @@ def film(load: str | None, speed: str | None, output: str | None, **bearing: str
     Example:  rattle film --viscosity "50 mPa*s" --length "10 mm" --radius "10 mm" --clearance "50 um"
               rattle film --viscosity 0.02 --length 0.03 --radius 0.05 --clearance 1e-4 --load 1000 --speed "3000 rpm"
               rattle film --viscosity "20 cP" --length .03 --radius .05 --clearance 1e-4 --model short -o chart.svg
+              rattle film --viscosity 0.02 --length 0.03 --radius 0.05 --clearance 1e-4 --load 1000 --boundary-film "1 um" -o stribeck.svg
+              rattle film --of slider_crank_oil -o load_points.svg
 
     e/c eccentricity over clearance; attitude from the load to the line of centres, in the sense of rotation; f R/c
     coefficient of friction; p_max over load/(2 R L); leakage over R c N L; m c w^2/W the mass from which the pin whirls
-    and whirl/w the rate of whirl there, over the speed w ("never": every mass is stable).
-    """
+    and whirl/w the rate of whirl there, over the speed w ("never": every mass is stable).  With --of the chart has a
+    dot for every output of its orbit; dots beside the line carry by squeezing oil.
+    """  # noqa: E501
     from rattle.studies.film.bearing import Film
 
     table = output is not None and Path(output).suffix.lower() == ".csv"
     if output is not None and not table and Path(output).suffix.lower() not in PICTURES:
         raise ValueError(f"{output}: a film is written as .csv, or as a picture in .svg, .png or .pdf")
-    if (load is None) != (speed is None):
+    if boundary_film is None and (load is None) != (speed is None):
         raise click.UsageError("the point of a load needs both, --load and --speed")
-    made = Film(**bearing)
+    if boundary_film is not None and load is None:
+        raise click.UsageError("a Stribeck curve needs --load")
+    orbit = None
+    if source is None:
+        if joint is not None:
+            raise click.UsageError("--joint names a joint of a model: give --of FILE")
+        missing = [f"--{name}" for name in SIZES if bearing[name] is None]
+        if missing:
+            raise click.UsageError(f"missing {', '.join(missing)}; or take them from a model: --of FILE")
+        made = Film(**bearing)  # type: ignore[arg-type]
+    else:
+        made, orbit, joint = _of_model(source, joint, bearing)
     found = None if load is None or speed is None else made.static(load, speed)
-    click.echo("\n".join([*_locus(made), *(["", *_position(made, found)] if found is not None else [])]))
+    lines = [*_locus(made), *(["", *_position(made, found)] if found is not None else [])]
+    if boundary_film is not None and load is not None:
+        lines += ["", *_stribeck(made, load, boundary_film, friction)]
+    click.echo("\n".join(lines))
     for note in made.notes:
         click.echo(f"note: {note}", err=True)
     if output is None:
         return
+    stribeck = {"boundary_film": boundary_film, "friction": friction}
     if table:
-        _write(made.table(), output)
+        _write(made.table() if boundary_film is None else made.stribeck(load, **stribeck), output)  # type: ignore[arg-type]
     else:
         from rattle.plots.curves import save_figure
 
-        save_figure(made.plot(load, speed), output)
+        if boundary_film is not None:
+            save_figure(made.plot_stribeck(load, **stribeck), output)  # type: ignore[arg-type]
+        else:
+            save_figure(made.plot(load, speed, result=orbit, joint=joint or ""), output)
     say_written(output)
+
+
+def _of_model(source: str, joint: str | None, bearing: Mapping[str, str | None]) -> tuple[Film, Result, str]:
+    """The film of a joint of a model, its orbit, and its name.  Raises click.UsageError for sizes given twice."""
+    from rattle.cli.options import read_model
+    from rattle.cli.orbit import only_oiled
+
+    context = click.get_current_context()
+    given = [f"--{name}" for name in bearing if context.get_parameter_source(name) is not ParameterSource.DEFAULT]
+    if given:
+        raise click.UsageError(f"{', '.join(given)}: the model says that already; leave it out with --of")
+    m = read_model(source, (), False)
+    name = joint if joint is not None else only_oiled(m)
+    made = m.film(name)
+    return made, m.orbit(name), name
+
+
+def _stribeck(made: Film, load: str, boundary_film: str, friction: float) -> list[str]:
+    """The Stribeck curve, a line for each speed."""
+    frame = made.stribeck(load, boundary_film=boundary_film, friction=friction)
+    lines = [
+        f"Stribeck curve at {load}, boundary film {boundary_film}",
+        "speed [rad/s]  friction  dry share  least film",
+    ]
+    for row in frame.iloc[::SPARSE].itertuples():
+        share, film = f"{100 * row.dry:.3g} %", f"{1e6 * row.film_thickness:.4g} um"
+        lines.append(f"{row.speed:13.4g}  {row.friction:8.4g}  {share:>9}  {film:>10}")
+    return lines
 
 
 def _write(frame: Any, path: str) -> None:

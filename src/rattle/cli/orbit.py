@@ -57,7 +57,7 @@ def orbit(
     check_results(file, saved, csv, fallback)
     check_pictures(file, output if picture else None)
     m = read_model(file, settings, False)
-    name = joint if joint is not None else _only(m)
+    name = joint if joint is not None else only_oiled(m)
     result = m.orbit(name, span_times(m, t_end, points))
     if as_json:
         curves = {
@@ -80,12 +80,12 @@ def orbit(
     finish(ctx, result, keep(result, saved, csv, fallback))
 
 
-def _only(m: Mechanism) -> str:
+def only_oiled(m: Mechanism) -> str:
     """The joint with oil.  Raises click.UsageError if there is none, or more than one."""
     oiled = [name for name, one in m.model.joints.items() if one.contact is not None and one.contact.film is not None]
     if len(oiled) == 1:
         return oiled[0]
     if oiled:
-        raise click.UsageError(f"--joint says whose pin is followed: {', '.join(oiled)}")
-    said = 'an orbit needs a joint with oil: contact = { model = "lubricated", viscosity, length, bush_radius }'
+        raise click.UsageError(f"--joint says which of the joints with oil: {', '.join(oiled)}")
+    said = 'this needs a joint with oil: contact = { model = "lubricated", viscosity, length, bush_radius }'
     raise click.UsageError(said)

@@ -3,17 +3,31 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rattle.plots.curves import BLACK, BLUE, BORE, GREY, LINES, RED, axis_label, handy_unit, new_figure, tidy
+from rattle.plots.curves import (
+    BLACK,
+    BLUE,
+    BORE,
+    GREY,
+    LINES,
+    ORANGE,
+    RED,
+    axis_label,
+    handy_unit,
+    new_figure,
+    note,
+    tidy,
+)
 from rattle.results.display import DEGREES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rattle.results.result import Result
     from rattle.studies.film.bearing import Film
     from rattle.studies.film.journal import JournalPosition
     from rattle.studies.film.locus import Columns
@@ -24,8 +38,32 @@ ECCENTRICITIES = np.concatenate(
 MARKED = (0.1, 0.3, 0.5, 0.7, 0.9)  # eccentricities that are written on the path
 
 
-def plot_film(film: Film, position: JournalPosition | None) -> Figure:
-    """The chart of a film, with the point of a load if there is one."""
+class LoadPoints(NamedTuple):
+    """Where a joint of a mechanism is, at every output with a turning film and a load: arrays (n,)."""
+
+    sommerfeld: np.ndarray
+    eccentricity: np.ndarray
+    attitude: np.ndarray  # from the load to the line of centres, in the sense of the mean rate, -pi to pi [rad]
+    joint: str
+
+
+def load_points(result: Result, joint: str) -> LoadPoints:
+    """The points of a joint with oil.  Raises UnknownName."""
+    s, e, fx, fy, ex, ey = (
+        result[f"{joint}.{key}"] for key in ("sommerfeld", "eccentricity", "film_fx", "film_fy", "ex", "ey")
+    )
+    a, b = (
+        result[f"{body}.omega"] if body != "ground" else np.zeros(len(result.t))
+        for body in result.geometry["joints"][joint]["bodies"]
+    )
+    turned = np.arctan2(ey, ex) - np.arctan2(-fy, -fx)
+    angle = np.sign(a + b) * np.arctan2(np.sin(turned), np.cos(turned))
+    known = np.isfinite(s) & (s > 0.0) & (e > 0.0)
+    return LoadPoints(s[known], e[known], angle[known], joint)
+
+
+def plot_film(film: Film, position: JournalPosition | None, points: LoadPoints | None = None) -> Figure:
+    """The chart of a film, with the point of a load if there is one, and the points of a joint."""
     from rattle.studies.film.locus import locus
 
     curves = locus(film, [float(one) for one in ECCENTRICITIES], coefficients=False)
@@ -39,11 +77,17 @@ def plot_film(film: Film, position: JournalPosition | None) -> Figure:
     below.set(ylabel=axis_label("attitude", "deg"), ylim=(0.0, 92.0), yticks=(0, 30, 60, 90))
     below.set_xlabel("Sommerfeld number S = µ N (2 R L/W) (R/c)²")
     below.set_xlim(*_decades(curves["sommerfeld"], position))
+    if points is not None:
+        dots: dict[str, Any] = {"color": ORANGE, "linestyle": "none", "marker": ".", "markersize": 3, "zorder": 1}
+        top.plot(points.sommerfeld, points.eccentricity, **dots)
+        below.plot(points.sommerfeld, DEGREES * points.attitude, **dots)
+        below.set(ylim=(-180.0, 180.0), yticks=(-180, -90, 0, 90, 180))
+        note(top, f"dots: {points.joint} at its outputs; beside the line oil is squeezed")
     top.tick_params(labelbottom=False)
     if position is not None:
         top.plot([position.sommerfeld], [position.eccentricity], "o", color=RED)
         below.plot([position.sommerfeld], [DEGREES * position.attitude], "o", color=RED)
-    _clearance(figure.add_subplot(grid[:, 1]), curves, position)
+    _clearance(figure.add_subplot(grid[:, 1]), curves, position, points)
     said = f"film '{film.model}', L/D = {film.ratio:.3g}" + (", no cavitation" if film.cavitation == "full" else "")
     top.set_title(said, loc="left", fontsize=11)
     return figure
@@ -56,7 +100,7 @@ def _decades(numbers: np.ndarray, position: JournalPosition | None) -> tuple[flo
     return 10.0 ** math.floor(math.log10(min(ends))), 10.0 ** math.ceil(math.log10(max(ends)))
 
 
-def _clearance(ax: Axes, curves: Columns, position: JournalPosition | None) -> None:
+def _clearance(ax: Axes, curves: Columns, position: JournalPosition | None, points: LoadPoints | None) -> None:
     """The path of the pin's centre as the load grows, in the circle of the clearance; the load points down."""
     from matplotlib.patches import Circle
 
@@ -67,6 +111,9 @@ def _clearance(ax: Axes, curves: Columns, position: JournalPosition | None) -> N
     e, attitude = curves["eccentricity"], curves["attitude"]
     x, y = way * e * np.sin(attitude), -e * np.cos(attitude)
     ax.plot(x, y, color=BLUE)
+    if points is not None:
+        e_joint, a_joint = points.eccentricity, points.attitude
+        ax.plot(way * e_joint * np.sin(a_joint), -e_joint * np.cos(a_joint), ".", color=ORANGE, markersize=3, zorder=1)
     for mark in MARKED:
         a = float(np.interp(mark, e, attitude))
         place = (way * mark * math.sin(a), -mark * math.cos(a))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle import registry
-from rattle.errors import suggest
+from rattle.errors import ModelError, Problem, suggest
 from rattle.language.quantities import Quantity, in_si
 from rattle.results.archive import package
 from rattle.studies.film.journal import JournalPosition, located, position_at, threshold
@@ -19,6 +19,9 @@ from rattle.studies.film.locus import locus
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
+
+    from rattle.description.model import Joint
+    from rattle.results.result import Result
 
 Array = NDArray[np.float64]
 THINNEST = 1e-6  # least film over the clearance: thinner ones act as this one
@@ -30,6 +33,8 @@ EXAMPLES = {  # argument -> SI unit, how it may be written
     "clearance": ("m", '5e-5 or "50 um"'),
     "load": ("N", '500 or "500 N"'),
     "speed": ("rad/s", '100 or "1000 rpm"'),
+    "boundary_film": ("m", '1e-6 or "1 um"'),
+    "stiffness": ("N/m", '5e8 or "5e8 N/m"'),
 }
 
 
@@ -74,9 +79,23 @@ class Film:
         faults = self._kind.leaf.faults(self._values, self.clearance)
         if faults:
             raise ValueError("; ".join(faults))
-        least = THINNEST * self.clearance
-        self._p = np.array(self._kind.leaf.pack(self._values, self.clearance, least), dtype=float)
+        self._p = self._packed(THINNEST * self.clearance)
         self._table = np.array(self._kind.leaf.table(self._values))  # its own: compiled functions take no read-only one
+
+    @classmethod
+    def of_joint(cls, joint: Joint) -> Film:
+        """The film of a joint with oil.  Raises ModelError for another one."""
+        film = joint.contact.film if joint.contact is not None and joint.is_loose else None
+        if film is None:
+            said = 'a clearance, and contact = { model = "lubricated", viscosity, length, bush_radius }'
+            raise ModelError([Problem(("joints", joint.name, "contact"), f"a film needs oil in the joint: {said}")])
+        values = dict(film.law.values)
+        sizes = (values.pop("viscosity"), values.pop("length"), values.pop("bush_radius"))
+        return cls(*sizes, joint.clearance, film.law.kind, **values)
+
+    def _packed(self, least: float) -> Array:
+        """Parameters of the kernel; least: thickness [m] below which a film acts as one that thick."""
+        return np.array(self._kind.leaf.pack(self._values, self.clearance, least), dtype=float)
 
     def __repr__(self) -> str:
         sizes = f"{self.viscosity:g} Pa*s, L {self.length:g} m, R {self.radius:g} m, c {self.clearance:g} m"
@@ -161,16 +180,76 @@ class Film:
         pandas = package("pandas", "a table of a film")
         return pandas.DataFrame(locus(self, eccentricities))
 
-    def plot(self, load: Quantity | None = None, speed: Quantity | None = None) -> Figure:
+    def stribeck(
+        self, load: Quantity, speeds: Sequence[Quantity] | None = None, *, boundary_film: Quantity,
+        friction: float = 0.1, stiffness: Quantity | None = None,
+    ) -> DataFrame:  # fmt: skip
+        """Stribeck's curve: friction under a steady load [N] over the speed, as a pandas.DataFrame.
+
+        The pin turns in a bush at rest; speeds: [rad/s], by default five decades about the one from which the film
+        carries alone.  boundary_film: thickness [m] at which the surfaces begin to touch, 3 times the roughness of both
+        together; friction: dry coefficient; stiffness: of the dry contact [N/m], by default so stiff that the load
+        presses it by a hundredth of the boundary film.
+        Columns: `speed` [rad/s]; `eccentricity` [of the clearance]; `attitude` [rad]; `film_thickness` [m]; `dry`,
+        the share of the load on the asperities; `friction`, coefficient at the radius of the bush; `torque` [N*m];
+        `loss` [W].  Raises ValueError for a boundary film of half the clearance or more, MissingPackage.
+        """
+        pandas = package("pandas", "a Stribeck curve")
+        return pandas.DataFrame(self._stribeck(load, speeds, boundary_film, friction, stiffness))
+
+    def _stribeck(
+        self, load: Quantity, speeds: Sequence[Quantity] | None, boundary_film: Quantity, friction: float,
+        stiffness: Quantity | None,
+    ) -> dict[str, Array]:  # fmt: skip
+        from rattle.studies.film import stribeck
+
+        weight, boundary = _positive("load", load), _positive("boundary_film", boundary_film)
+        if not boundary < 0.5 * self.clearance:
+            said = f"the boundary film of {boundary:.3g} m must be thinner than half the clearance"
+            raise ValueError(f"{said} of {self.clearance:.3g} m")
+        if not (math.isfinite(friction) and friction >= 0.0):
+            raise ValueError(f"friction is a coefficient, 0 or more, not {friction!r}")
+        k = weight / (stribeck.SINKS * boundary) if stiffness is None else _positive("stiffness", stiffness)
+        kernel: Any = self._kind.kernel
+        parameters, out = self._packed(boundary), np.zeros(5)
+
+        def force(e: float, w: float) -> tuple[float, ...]:
+            kernel(e, 0.0, 0.0, 0.0, 0.0, w, parameters, 0, self._table, out)
+            return tuple(out.tolist())
+
+        if speeds is None:
+            alone = stribeck.lift_off(force, weight, self.clearance - boundary)
+            speeds = [float(w) for w in np.geomspace(1e-3 * alone, 1e2 * alone, 251)]
+        turning = [abs(_speed(one)) for one in speeds]
+        sizes = (self.radius, self.clearance)
+        return stribeck.stribeck_curve(force, weight, turning, sizes, boundary, float(friction), k)
+
+    def plot_stribeck(
+        self, load: Quantity, speeds: Sequence[Quantity] | None = None, *, boundary_film: Quantity,
+        friction: float = 0.1, stiffness: Quantity | None = None,
+    ) -> Figure:  # fmt: skip
+        """Stribeck's curve, and the thickness of the film, over the speed; arguments and errors as of `stribeck`."""
+        from rattle.plots.stribeck import plot_stribeck
+
+        columns = self._stribeck(load, speeds, boundary_film, friction, stiffness)
+        return plot_stribeck(self, columns, _positive("load", load), _positive("boundary_film", boundary_film))
+
+    def plot(
+        self, load: Quantity | None = None, speed: Quantity | None = None, *, result: Result | None = None,
+        joint: str = "",
+    ) -> Figure:  # fmt: skip
         """Eccentricity and attitude over the Sommerfeld number, and the path of the pin's centre in its clearance.
 
-        With a load [N] and a speed [rad/s] their point is drawn.  Raises as `static` does.
+        With a load [N] and a speed [rad/s] their point is drawn; with a result of `orbit` or `simulate` and the name of
+        a joint with oil, where that joint is at every output: what carries more than its static load is being squeezed.
+        Raises as `static` does, and UnknownName for a joint without oil.
         """
-        from rattle.plots.film import plot_film
+        from rattle.plots.film import load_points, plot_film
 
         if (load is None) != (speed is None):
             raise ValueError("the point of a load needs both, load and speed")
-        return plot_film(self, None if load is None or speed is None else self.static(load, speed))
+        position = None if load is None or speed is None else self.static(load, speed)
+        return plot_film(self, position, None if result is None else load_points(result, joint))
 
 
 def _kind(model: str) -> registry.Kind:
