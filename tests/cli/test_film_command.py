@@ -47,7 +47,11 @@ def test_stribeck_curve_in_lines_and_as_a_chart(tmp_path):
     chart = tmp_path / "stribeck.svg"
     done = run(*BEARING, "--load", "500 N", "--boundary-film", "1 um", "-o", chart)
     assert done.exit_code == 0, done.output
-    rows = [line.split() for line in done.output.partition("Stribeck")[2].splitlines() if line.endswith(" um") and "%" in line]
+    rows = [
+        line.split()
+        for line in done.output.partition("Stribeck")[2].splitlines()
+        if line.endswith(" um") and "%" in line
+    ]
     assert len(rows) > 8
     assert float(rows[0][1]) == pytest.approx(0.099, abs=1e-3)
     assert "coefficient of friction" in chart.read_text(encoding="utf-8")
