@@ -264,5 +264,5 @@ def test_film_of_a_joint_has_its_sizes():
     assert (f.viscosity, f.length, f.radius, f.clearance, f.model) == pytest.approx((0.1, 0.02, 0.01, 1e-4, "finite"))
     with pytest.raises(rt.ModelError, match="needs oil in the joint"):
         m.film("A")
-    with pytest.raises(KeyError, match="did you mean 'B'"):
+    with pytest.raises(KeyError, match="no joint 'b'; known: O, A, B"):
         m.film("b")
