@@ -114,7 +114,8 @@ def add_film_force(m, n):
     contact, kinematics, values, force = m.contact, m.contact_kinematics, m.values, m.force
     a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
     sax, say, sbx, sby, ex, ey, dex, dey = ends(m.body, a, b, values, contact[n, at.SHAPE_P])
-    wa, wb, out = m.body[a, at.W], m.body[b, at.W], m.film_force
+    ta, tb, out = m.turning[a], m.turning[b], m.film_force
+    wa, wb = m.body[a, at.W] + ta, m.body[b, at.W] + tb
     arguments = (ex, ey, dex, dey, wa, wb, values, contact[n, at.FILM_P], m.film_coefficients, out)
     call_film(m.film_table[contact[n, at.FILM_LAW]], arguments)
     for k in range(5):
@@ -127,6 +128,10 @@ def add_film_force(m, n):
     force[b, at.Y] += fy
     force[b, at.PHI] += kinematics[n, at.FILM_B] + (sbx * fy - sby * fx)
     m.power[at.LOSS_RATE] += kinematics[n, at.FILM_LOSS]
+    if ta != 0.0 or tb != 0.0:  # the dry contact rubs by them too, see the clearance `pin`
+        p, gap = contact[n, at.SHAPE_P], kinematics[n, at.GAP]
+        on_a, size = values[p + at.RADIUS] - 0.5 * gap, values[p + at.CLEARANCE] - gap
+        kinematics[n, at.SLIP] += tb * (on_a - size) - ta * on_a
 
 
 @compiled

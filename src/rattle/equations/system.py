@@ -152,6 +152,7 @@ class System:
             "acceleration": (nb, 3),
             "change": (3 * nb - 3,),
             "contact_kinematics": (nc, at.width("contact_kinematics")),
+            "turning": (nb,),
             "film_force": (5,),
             "contact_memory": (nc, at.width("contact_memory")),
             "massless_response": (nm, 3 * nb),

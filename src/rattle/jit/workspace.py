@@ -91,6 +91,9 @@ ARRAYS = {
     "acceleration": Array("f2", "nb + 1, 3", "m/s^2, rad/s^2", "of every body"),
     "change": Array("f1", "3 nb", "m, rad or m/s, rad/s", "a correction of positions or rates"),
     "contact_kinematics": Array("f2", "nc, 22", "m, m/s, N or rad, rad/s, N*m", "geometry and forces of every contact"),
+    "turning": Array(
+        "f1", "nb + 1", "rad/s", "rates that oil films see besides those of the motion: in statics, those of drivers"
+    ),
     "film_force": Array("f1", "5", "N, N*m, W", "of one oil film, scratch"),
     "contact_memory": Array("f2", "nc, 24", "", "memory of every contact"),
     "element_state": Array("f1", "all states", "SI", "of friction laws, then of the model; see `equations.state`"),

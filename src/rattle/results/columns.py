@@ -101,8 +101,10 @@ def passes_moment(joint: Joint) -> bool:
     return kind is None or kind.leaf.moment or joint.friction is not None or joint.stops_angle
 
 
-def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dict[str, str]]:
-    """Raw rows (n, width) -> named columns (n, k) in SI units, their names and units."""
+def columns(
+    system: System, raw: np.ndarray, turning: np.ndarray | None = None
+) -> tuple[np.ndarray, list[str], dict[str, str]]:
+    """Raw rows (n, width) -> named columns (n, k) in SI units, their names and units; turning: see `film_columns`."""
     model = system.model
     units: dict[str, str] = {}  # by name, in order
     taken: list[int] = []  # column of the raw rows
@@ -150,7 +152,7 @@ def columns(system: System, raw: np.ndarray) -> tuple[np.ndarray, list[str], dic
                 for key, column in OF_CONTACT.items():
                     add(f"{name}.{key}", at.OUTPUT_JOINT[key], c + column, made.get(key))
                 if joint.contact.film is not None:
-                    for key, (unit, values) in film_columns(system, joint, raw, c).items():
+                    for key, (unit, values) in film_columns(system, joint, raw, c, turning).items():
                         add(f"{name}.{key}", unit, c + at.EX, values)
         c += at.PER_JOINT
     for name, unit in model.recorded.items():

@@ -29,9 +29,18 @@ class PinMotion(NamedTuple):
     tangential: Array  # (n,) its friction [N]
 
 
-def film_columns(system: System, joint: Joint, raw: Array, c: int) -> dict[str, tuple[str, Array]]:
-    """Units and values (n,) [SI] of the columns of a film, see `film_values`; c: first raw column of the joint."""
-    a, b = (_point_rate(system, end, raw) for end in (joint.a, joint.b))
+def film_columns(
+    system: System, joint: Joint, raw: Array, c: int, turning: Array | None = None
+) -> dict[str, tuple[str, Array]]:
+    """Units and values (n,) [SI] of the columns of a film, see `film_values`; c: first raw column of the joint.
+
+    turning (n, nb + 1): rates of the ground and of all bodies [rad/s] that the film sees while its pin stays in place;
+    default: the motion in the rows.
+    """
+    a, b = (
+        _point_rate(system, end, raw) if turning is None else _turning_only(system, end, turning)
+        for end in (joint.a, joint.b)
+    )
     moment = raw[:, c + at.MOMENT] - (raw[:, c + at.STOP] if joint.stops_angle else 0.0)
     place, force = raw[:, [c + at.EX, c + at.EY]].T, raw[:, [c + at.FX, c + at.FY]].T
     dry = raw[:, c + at.JOINT_NORMAL], raw[:, c + at.JOINT_TANGENT]
@@ -91,6 +100,14 @@ def _point_rate(system: System, end: Point, raw: Array) -> Array:
     cos, sin = np.cos(angle), np.sin(angle)
     x, y = cos * end.at[0] - sin * end.at[1], sin * end.at[0] + cos * end.at[1]
     return np.array([vx - w * y, vy + w * x, w])
+
+
+def _turning_only(system: System, end: Point, turning: Array) -> Array:
+    """(3, n): no velocity of the point, and the rate of its body [rad/s]."""
+    found = np.zeros((3, len(turning)))
+    if end.body != "ground":
+        found[2] = turning[:, 1 + system.bodies.index(end.body)]
+    return found
 
 
 def _of_film(pin: PinMotion) -> Array:
