@@ -185,6 +185,9 @@ class AnalysedModel(WrittenModel):
         initial guess.  A pin with clearance is a massless link; equilibria with the pin on the other side of its bush
         (n and -n at every pin) are in the list too.  A compliant pin sinks in by its law, an impact pin is rigid;
         friction is left out.
+        A pin in oil floats where its film carries, with the dry contact beside it where it is thin: films, and they
+        alone, see the speeds that the drivers have at t, as of a machine that turns steadily; the inertia of bodies
+        that move then is left out, and `.note` says so.
         The search is limited: it minimises the potential first, so that stable ones are found before all others, and
         ends within about a tenth of a second for ten bodies; `.extent` of the list says how far it went, `.note` that
         it was cut short.  branches: "near" keeps the branch in which the mechanism is assembled, "all" searches the
@@ -278,7 +281,9 @@ class AnalysedModel(WrittenModel):
     def modes(self, t: Seconds = 0.0, equilibrium: Equilibrium | None = None, *, effort: float = 1.0) -> Modes:
         """Natural frequencies [Hz], damping ratios, growth [1/s] and shapes about an equilibrium, all forces together.
 
-        Pins with clearance are massless links that press.  Matrices are exact derivatives or differences: see `.how`.
+        Pins with clearance are massless links that press, those in oil float.  The stiffness of a film under a pin that
+        turns is not symmetric: a mode that grows by it is oil whirl, and named so with its frequency over the turning
+        speed (`.whirl`: the film of each mode).  Matrices are exact derivatives or differences: see `.how`.
         t: time of the drivers [s].  equilibrium: default the first of `equilibrium(t)`.  effort: as of `equilibrium`.
         Raises ValueError if there is no equilibrium, or the one given is not one of this mechanism.
         """

@@ -231,7 +231,8 @@ def equilibrium(
 ) -> None:  # fmt: skip
     """Equilibria: admissible (no bush has to pull) and stable ones first.
 
-    FILE is a model file or the name of a shipped example.
+    FILE is a model file or the name of a shipped example.  A pin in oil floats where its film carries at the speeds
+    that the drivers have at --at.
 
     \b
     Examples: rattle equilibrium balanced_arm
@@ -302,7 +303,8 @@ def modes(
 ) -> None:  # fmt: skip
     """Natural frequencies about the first equilibrium.
 
-    FILE is a model file or the name of a shipped example.
+    FILE is a model file or the name of a shipped example.  A mode that an oil film makes grow is named as oil whirl,
+    with its frequency over the turning speed.
 
     \b
     Example:  rattle modes balanced_arm -o mode.svg

@@ -92,9 +92,9 @@ def holding_record(held: HoldingRange) -> dict[str, Any]:
 
 
 def modes_record(found: Modes) -> dict[str, Any]:
-    """Every mode with its frequencies [Hz], omega [rad/s], growth [1/s], damping ratio, roots (real and imaginary
-    parts [1/s]) and shape (x, y [m], angle [rad] of every body, scaled; a quarter of a cycle later: minus the imaginary
-    part), the equilibrium it is about, whether any grows, and how the matrices were found."""
+    """Every mode with its frequencies [Hz], omega [rad/s], growth [1/s], damping ratio, the film whose oil whirl it is,
+    roots (real and imaginary parts [1/s]) and shape (x, y [m], angle [rad] of every body, scaled; a quarter of a cycle
+    later: minus the imaginary part), the equilibrium, whether any mode grows, and how the matrices were found."""
     bodies = list(found.equilibrium.result.geometry["bodies"])
     listed = [
         {
@@ -103,12 +103,13 @@ def modes_record(found: Modes) -> dict[str, Any]:
             "omega": found.omega[k],
             "growth": found.growth[k],
             "damping": found.damping[k],
+            "whirl": None if whirl is None else whirl._asdict(),
             "time_constants": found.time_constants[k].tolist(),
             "roots": [[root.real, root.imag] for root in found.roots[k]],
             "shape": dict(zip(bodies, found.shapes[k].reshape(-1, 3).tolist(), strict=True)),
             "imaginary": dict(zip(bodies, found.vectors[k, 0].imag.reshape(-1, 3).tolist(), strict=True)),
         }
-        for k in range(len(found))
+        for k, whirl in enumerate(found.whirl or (None,) * len(found))
     ]
     facts = {"grows": bool(found.growth.any()), "note": found.note, "how": found.how}
     return {"modes": listed, "about": found.about, "equilibrium": entry(found.equilibrium), **facts}

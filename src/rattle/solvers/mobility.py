@@ -48,17 +48,49 @@ def carried_at(t, nodes, course, k):
     return ((third * s + second) * s + first) * s + course[low, 3 * QUANTITIES + k]
 
 
+@native("void", "h", "i", "f", "f", "f", "f", "f", "f")
+def film_at(m, n, ex, ey, vx, vy, wa, wb):
+    """Force [N], moments [N m] and loss [W] of the film of contact n into `film_force`; see `rattle.elements.film`."""
+    contact = m.contact
+    arguments = (ex, ey, vx, vy, wa, wb, m.values, contact[n, at.FILM_P], m.film_coefficients, m.film_force)
+    call_film(m.film_table[contact[n, at.FILM_LAW]], arguments)
+
+
+@compiled
+def dry_forces(m, n, ex, ey, wa, wb):
+    """Normal and friction force [N] of the dry contact n: elastic, with the friction of the turning."""
+    contact, values, none = m.contact, m.values, m.film_force
+    p = contact[n, at.SHAPE_P]
+    size = math.sqrt(ex * ex + ey * ey)
+    depth = size - values[p + at.CLEARANCE]
+    if depth <= 0.0:
+        return 0.0, 0.0
+    normal = call_stiffness(m.stiffness_table[contact[n, at.STATIC]], (depth, values, contact[n, at.STATIC_P]))
+    if contact[n, at.FRICTION] < 0 or contact[n, at.STATES] > 0:
+        return normal, 0.0
+    arm = values[p + at.RADIUS] + 0.5 * depth
+    slip = (wb - wa) * (arm - 0.5 * size)
+    arguments = (slip, normal, none, values, contact[n, at.FRICTION_P], none)
+    return normal, call_friction(m.friction_table[contact[n, at.FRICTION]], arguments)
+
+
+@native("void", "h", "i", "f", "f", "f", "v")
+def still_force(m, n, size, wa, wb, out):
+    """Force [N] on a pin that stays at e = (size, 0) [m] while both bodies turn: of film and dry contact n."""
+    normal, tangent = dry_forces(m, n, size, 0.0, wa, wb)
+    film_at(m, n, size, 0.0, 0.0, 0.0, wa, wb)
+    out[0], out[1] = m.film_force[0] - normal, m.film_force[1] - tangent
+
+
 @compiled
 def turned(m, n, ex, ey, dx, dy, x):
     """The film at a speed of 1 m/s in the direction d turned by x [rad]: sine of the angle from d to what resists.
 
     Then the size of the force [N], and the direction.
     """
-    contact, out = m.contact, m.film_force
-    cos, sin = math.cos(x), math.sin(x)
+    out, cos, sin = m.film_force, math.cos(x), math.sin(x)
     mx, my = dx * cos - dy * sin, dy * cos + dx * sin
-    arguments = (ex, ey, mx, my, 0.0, 0.0, m.values, contact[n, at.FILM_P], m.film_coefficients, out)
-    call_film(m.film_table[contact[n, at.FILM_LAW]], arguments)
+    film_at(m, n, ex, ey, mx, my, 0.0, 0.0)
     strength = math.sqrt(out[0] * out[0] + out[1] * out[1])
     return (dy * out[0] - dx * out[1]) / strength, strength, mx, my
 
@@ -96,24 +128,6 @@ def seen_velocity_for(m, n, ex, ey, fx, fy):
         if not high - low > NARROW:
             break
     return size / strength * mx, size / strength * my
-
-
-@compiled
-def dry_forces(m, n, ex, ey, wa, wb):
-    """Normal and friction force [N] of the dry contact n: elastic, with the friction of the turning."""
-    contact, values, none = m.contact, m.values, m.film_force
-    p = contact[n, at.SHAPE_P]
-    size = math.sqrt(ex * ex + ey * ey)
-    depth = size - values[p + at.CLEARANCE]
-    if depth <= 0.0:
-        return 0.0, 0.0
-    normal = call_stiffness(m.stiffness_table[contact[n, at.STATIC]], (depth, values, contact[n, at.STATIC_P]))
-    if contact[n, at.FRICTION] < 0 or contact[n, at.STATES] > 0:
-        return normal, 0.0
-    arm = values[p + at.RADIUS] + 0.5 * depth
-    slip = (wb - wa) * (arm - 0.5 * size)
-    arguments = (slip, normal, none, values, contact[n, at.FRICTION_P], none)
-    return normal, call_friction(m.friction_table[contact[n, at.FRICTION]], arguments)
 
 
 @compiled
@@ -169,11 +183,9 @@ def write_place(m, n, t, x, y, nodes, course, row):
     """Write place, its rate, the dry forces and the moment of the film on the pin at t [s] into a row."""
     dx, dy, normal, tangent = rate_at(m, n, t, x, y, nodes, course)
     wa, wb = carried_at(t, nodes, course, 2), carried_at(t, nodes, course, 3)
-    contact, out = m.contact, m.film_force
-    arguments = (x, y, dx, dy, wa, wb, m.values, contact[n, at.FILM_P], m.film_coefficients, out)
-    call_film(m.film_table[contact[n, at.FILM_LAW]], arguments)
+    film_at(m, n, x, y, dx, dy, wa, wb)
     row[E_X], row[E_Y], row[RATE_X], row[RATE_Y] = x, y, dx, dy
-    row[NORMAL], row[TANGENT], row[MOMENT] = normal, tangent, out[3]
+    row[NORMAL], row[TANGENT], row[MOMENT] = normal, tangent, m.film_force[3]
 
 
 @native("i", "h", "i", "v", "m", "v", "f", "f", "v", "m", "m")

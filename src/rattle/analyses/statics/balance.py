@@ -21,8 +21,9 @@ from rattle.analyses.clutches import require_known_torques
 from rattle.analyses.own_states import require_loads_without_states
 from rattle.analyses.statics.equilibrium import Equilibrium, Table
 from rattle.analyses.undefined import undefined
+from rattle.description.model import Joint
 from rattle.elements.custom import load_law
-from rattle.equations.closure import close_position
+from rattle.equations.closure import close_position, open_by
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import drive
 from rattle.equations.placement import point_at
@@ -36,6 +37,7 @@ from rattle.solvers.positions import equilibrium_newton, reduced_forces
 
 MOST_TURN = 0.4  # of a body in one step [rad]
 MOST_TRIALS = 600  # positions tried from one start before it is given up
+STILL = 1e-9  # speed over size and largest rate, below which a body does not move
 CHUNK = 10_000_000  # operations, roughly, between two checks for Ctrl-C
 
 
@@ -80,6 +82,21 @@ class Found(NamedTuple):
     potential: float  # energy [J]
     force: float  # typical size of the acting forces [N]
     raw: np.ndarray  # (width,) output row [SI]
+    turning: np.ndarray  # (nb + 1,) rates that films see [rad/s]
+
+
+def has_pin(joint: Joint) -> bool:
+    """True of a joint whose pin has play: it sinks in, floats, or is on a massless link."""
+    return bool(joint.leaf.massless) and (joint.is_loose or is_link(joint))
+
+
+def _oiled(system: System) -> list[tuple[str, int, int, int]]:
+    """Joints with oil: name, contact, numbers of both bodies."""
+    found = []
+    for n, entry in enumerate(system.arrays["contact"]):
+        if entry[at.FILM_LAW] >= 0:
+            found.append((system.joints[entry[at.OWNER]], n, int(entry[at.A_BODY]), int(entry[at.B_BODY])))
+    return found
 
 
 class StaticProblem:
@@ -108,6 +125,8 @@ class StaticProblem:
         entries = system.arrays["joint"][np.array([system.joints.index(name) for name in self.links], np.int64)]
         self.pins = np.ascontiguousarray(entries[:, 1:4])
         self.room = Room.of(3 * system.body_count, system.row_count, len(self.links))
+        self.oiled = _oiled(system)
+        self.moving: list[str] = []  # bodies that the drivers move at the rates that films see
         self.trials = 0  # positions evaluated
         self.arrived = False  # True: the last start led to an equilibrium, known or new
         self.redundant = False  # True: the rows evaluated last are dependent
@@ -166,6 +185,37 @@ class StaticProblem:
             found.append(point_at(self.system, q, joint.b) - point_at(self.system, q, joint.a))
         return np.array(found).reshape(-1, 2)
 
+    def turn(self, q: np.ndarray) -> np.ndarray:
+        """Let films see the rates (nb + 1,) [rad/s] of the ground and of all bodies that the drivers give at q (3 nb,).
+
+        They are those with which every pin keeps its place in its bush; where the drivers do not determine them, the
+        smallest.
+        """
+        workspace, system = self.workspace, self.system
+        if not self.oiled:
+            return workspace.turning
+        open_by(workspace, self.t, q, np.zeros_like(q))
+        rows, rates = dense_rows(system, workspace), workspace.rows[:, at.NU].copy()
+        still = np.vstack([self.pin_rows(q, name) for name, one in system.model.joints.items() if has_pin(one)])
+        whole = np.vstack([rows, still]) * self.scale
+        found = np.linalg.lstsq(whole, np.concatenate([rates, np.zeros(len(still))]), rcond=RANK)[0] * self.scale
+        workspace.turning[1:] = found[2::3]
+        speed = np.hypot(found[::3], found[1::3])
+        moves = speed > STILL * system.size * np.abs(found[2::3]).max()
+        self.moving = [name for name, one in zip(system.bodies, moves, strict=True) if one]
+        return workspace.turning.copy()
+
+    def pin_rows(self, q: np.ndarray, name: str) -> np.ndarray:
+        """Jacobian (2, 3 nb) of the offset of a pin [m] at q (3 nb,)."""
+        rows, joint = np.zeros((2, len(q))), self.system.model.joints[name]
+        for sign, end in ((-1.0, joint.a), (1.0, joint.b)):
+            if end.body != "ground":
+                first = 3 * self.system.bodies.index(end.body)
+                place = slice(first, first + 3)
+                px, py = point_at(self.system, q, end) - q[place][:2]
+                rows[:, place] = (sign, 0.0, -sign * py), (0.0, sign, sign * px)
+        return rows
+
     def find(
         self,
         start: np.ndarray,
@@ -181,6 +231,17 @@ class StaticProblem:
         comes within `near` [m] of one of them.  most: positions to try before the start is given up; `trials` counts
         them.  turn: largest rotation of a body in one step [rad]; a large one may leave the nearest valley.
         """
+        self.turn(start)
+        found = self._find(start, downhill, known, near, most, turn)
+        if found is None or not self.oiled:
+            return found
+        self.turn(found[0])  # the rates there differ a little
+        return self._find(found[0], downhill, known, near, most, turn)
+
+    def _find(
+        self, start: np.ndarray, downhill: bool, known: np.ndarray | None, near: float, most: int, turn: float
+    ) -> tuple[np.ndarray, int] | None:
+        """`find` with the rates that films see now."""
         q, room = start.copy(), self.room
         room.state[:] = 0.0
         room.state[equilibrium_newton.MOST_TURN] = turn
@@ -228,6 +289,7 @@ class StaticProblem:
     def assess(self, q: np.ndarray, iterations: int) -> Found:
         """Stability, residuals and output row of the equilibrium q (3 nb,) [m, m, rad], left in the workspace."""
         workspace, system = self.workspace, self.system
+        turning = self.turn(q)
         g, null = self.reduce(q)
         eigenvalue, neutral, falling = math.inf, 0, 0
         if len(g):
@@ -252,13 +314,15 @@ class StaticProblem:
             q.copy(), workspace.multiplier.copy(), eigenvalue, residual, gap, iterations,
             nonunique_reactions(system, workspace) if self.redundant else (),
             len(g), neutral, falling, float(workspace.power[at.POTENTIAL_ENERGY]), self.force_scale(), raw,
+            turning,
         )  # fmt: skip
 
     def describe(self, found: Sequence[Found]) -> list[Equilibrium]:
         """Equilibria with all their quantities."""
         if not found:
             return []
-        data, names, units = columns(self.system, np.array([one.raw for one in found]))
+        turning = np.array([one.turning for one in found]) if self.oiled else None
+        data, names, units = columns(self.system, np.array([one.raw for one in found]), turning)
         keep = [k for k, name in enumerate(names) if name not in ("energy.work", "energy.dissipated", "energy.balance")]
         if self.table is None:
             self.table = self._table([names[k] for k in keep], units)

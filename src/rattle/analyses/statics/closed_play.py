@@ -20,11 +20,24 @@ def without_guide_play(system: System) -> System:
     return compile_system(replace(system.model, joints=joints)) if changed else system
 
 
-def rigid_model(system: System) -> System | None:
-    """The mechanism with every pin with clearance on a massless link; None if no joint has clearance."""
+def without_oil(system: System) -> System:
+    """The mechanism without play in the joints with oil; the system itself if there are none."""
+    joints = dict(system.model.joints)
+    oiled = [name for name, one in joints.items() if one.is_loose and _has_oil(one)]
+    if not oiled:
+        return system
+    joints |= {name: replace(joints[name], contact=Contact("ideal")) for name in oiled}
+    return compile_system(replace(system.model, joints=joints))
+
+
+def rigid_model(system: System, floating: bool = False) -> System | None:
+    """The mechanism with every pin with clearance on a massless link; None if no joint has clearance.
+
+    floating: pins in oil stay in it.
+    """
     joints = dict(system.model.joints)
     for name, one in joints.items():
-        if one.leaf.massless and (one.is_loose or is_link(one)):
+        if one.leaf.massless and (one.is_loose or is_link(one)) and not (floating and _has_oil(one)):
             joints[name] = replace(one, contact=Contact("massless-link"))
     model = replace(system.model, joints=joints)
     return compile_system(model) if any(is_link(one) for one in joints.values()) else None
@@ -38,6 +51,10 @@ def with_rigid_pins(system: System) -> System:
             joints[name] = replace(one, contact=Contact("massless-link"))
     changed = any(joints[name] is not one for name, one in system.model.joints.items())
     return compile_system(replace(system.model, joints=joints)) if changed else system
+
+
+def _has_oil(joint: Joint) -> bool:
+    return joint.contact is not None and joint.contact.film is not None
 
 
 def _is_rigid(joint: Joint) -> bool:

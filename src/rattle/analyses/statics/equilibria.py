@@ -23,10 +23,11 @@ from rattle.analyses.assembly.rank import scaled_rows
 from rattle.analyses.kinematics.singular_positions import why_stuck
 from rattle.analyses.kinematics.sweep import begin
 from rattle.analyses.statics.balance import MOST_TURN, Found, StaticProblem
-from rattle.analyses.statics.closed_play import rigid_model, with_rigid_pins, without_guide_play
+from rattle.analyses.statics.closed_play import rigid_model, with_rigid_pins, without_guide_play, without_oil
 from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
+from rattle.analyses.statics.loaded_pins import pressed
 from rattle.analyses.statics.resting import MOST, Stopped, combinations, resting_system
-from rattle.analyses.statics.starts import Turning, along, apart, around, opened, sides
+from rattle.analyses.statics.starts import Turning, along, around, opened, same, sides, tiny
 from rattle.analyses.travel import left_out, with_friction, with_stops
 from rattle.description.model import Contact
 from rattle.elements.custom import load_law
@@ -83,24 +84,29 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
         undefined = f"the positions of balance without stops are beyond those of {', '.join(stopped.passed)}"
     one, starts = parts[0], sum(part.starts for part in parts)
     extent = f"every combination of stops: {one.extent}" if one.extent else ""
-    return Equilibria(_sorted(found, start), starts, cut, extent, effort, undefined, one.left_out, one.rubbing)
+    ends = one.left_out, one.rubbing, one.moving
+    return Equilibria(_sorted(found, start), starts, cut, extent, effort, undefined, *ends)
 
 
 def _equilibria(system: System, t: float, branches: str, effort: float) -> Equilibria:
     """`equilibria` of a mechanism without stops."""
     ends = left_out(system.model), with_friction(system.model)
     system = without_guide_play(system)
-    rigid = rigid_model(system)
-    shut = ideal_system(system.model) if rigid is not None else system
+    dry = without_oil(system)  # a film holds its pin in one place: the search closes the joint
+    floats, rigid = dry is not system, rigid_model(dry)
+    shut = ideal_system(system.model) if rigid is not None or floats else system
     start = position_at(shut, t)
     problem = StaticProblem(shut, t)
     search = Search(problem, effort if rigid is None else 0.5 * effort)
     search.explore(start, branches == "all")
     found = problem.describe(search.found)
     if rigid is None:
+        found = search.pressed(system, found) if floats else found
+        extent = f"without play {search.extent}" if floats and search.extent else search.extent
         return Equilibria(
-            _sorted(found, start), search.starts, search.stopped, search.extent, effort, problem.undefined, *ends
-        )
+            _sorted(found, start), search.starts, search.stopped, extent, effort, problem.undefined, *ends,
+            search.moving,
+        )  # fmt: skip
     play = StaticProblem(rigid, t)
     partners = Search(play, 0.5 * effort)
     partners.partners(sides(problem, play, sorted(found, key=_height)))
@@ -113,7 +119,7 @@ def _equilibria(system: System, t: float, branches: str, effort: float) -> Equil
     stopped = search.stopped or partners.stopped
     extent = f"without play {search.extent}; every pin was put on either side of its bush" if search.extent else ""
     starts, undefined = search.starts + partners.starts, problem.undefined or play.undefined
-    return Equilibria(_sorted(pressing, reference), starts, stopped, extent, effort, undefined, *ends)
+    return Equilibria(_sorted(pressing, reference), starts, stopped, extent, effort, undefined, *ends, partners.moving)
 
 
 def _height(one: Equilibrium) -> tuple[bool, float]:
@@ -161,11 +167,12 @@ class Search:
         self.starts = 0
         self.stopped = False  # True: the work was used up before the search was complete
         self.extent = ""  # how far the search went, in words
+        self.moving = ""  # bodies that drivers move while films see it, in words
         self.arrived = False  # True: the last start led to an equilibrium, known or new
         self._work, self._left = 0.0, WORK * effort
         self._known = np.zeros((16, 3 * problem.system.body_count))
         self._count = 0
-        self._near = 1e-3 * _tiny(problem.system)
+        self._near = 1e-3 * tiny(problem.system)
         self._trials = problem.trials
         self._turning: Turning | None = None
         self._start = np.zeros(3 * problem.system.body_count)
@@ -187,7 +194,7 @@ class Search:
         most, turn = (TRIALS_EACH, WIDE) if downhill else (TRIALS_NEWTON, MOST_TURN)
         solution = problem.find(start, downhill, self._known[: self._count], self._near, most, turn)
         self.arrived = problem.arrived
-        assessed = solution is not None and not _same(problem.system, solution[0], self._known[: self._count])
+        assessed = solution is not None and not same(problem.system, solution[0], self._known[: self._count])
         new = False
         if solution is not None and assessed:
             self._remember(solution[0])
@@ -316,26 +323,15 @@ class Search:
             if not self.arrived and not self.spent():
                 self.try_start(start, True)
 
-    def pressed(self, system: System, rigid: list[Equilibrium]) -> list[Equilibrium]:
-        """Equilibria with compliant pins, from rigid ones that press at every pin: each pin is let sink in."""
-        play, problem = self.problem, StaticProblem(system, self.problem.t)
-        ideal = StaticProblem(ideal_system(system.model), problem.t)
-        found: list[Equilibrium] = []
-        for one in sorted((one for one in rigid if one.admissible), key=_height):
-            if found and self._work >= self._left + PRESSED * WORK * self.effort:
-                self.stopped = True
-                break
-            offsets = dict(zip(play.links, play.offsets(one.q), strict=True))
-            for depth in (1e-4, 1e-3, 1e-2, 1e-5, 1e-1):  # of the clearance
-                before = problem.trials
-                start = opened(ideal, one.q, {name: e * (1 + depth) for name, e in offsets.items()})
-                solution = problem.find(start)
-                self._work += price(problem, problem.trials - before, solution is not None)
-                if solution is not None:
-                    if not found or not _same(system, solution[0], np.array([other.q for other in found])):
-                        found.append(problem.finish(*solution))
-                    break
-        return found
+    def pressed(self, system: System, held: list[Equilibrium]) -> list[Equilibrium]:
+        """Equilibria with pins that sink in or float, from those that hold every pin and press where they have to."""
+        most = self._left + PRESSED * WORK * self.effort - self._work
+        admissible = sorted((one for one in held if one.admissible), key=_height)
+        made = pressed(self.problem, system, admissible, most, price)
+        self._work += made.work
+        self.stopped = self.stopped or made.stopped
+        self.moving = ", ".join(map(repr, made.moving))
+        return made.found
 
 
 def _one_family(one: Found, other: Found, links: np.ndarray, size: float) -> bool:
@@ -350,18 +346,6 @@ def _one_family(one: Found, other: Found, links: np.ndarray, size: float) -> boo
         return False
     pulls, others = one.multiplier[links], other.multiplier[links]
     return bool((pulls * others >= -1e-18 * one.force**2).all())
-
-
-def _tiny(system: System) -> float:
-    """The smallest length of the mechanism [m], against which positions are compared."""
-    return min([system.size] + [joint.clearance for joint in system.model.joints.values() if joint.clearance > 0])
-
-
-def _same(system: System, one: np.ndarray, others: np.ndarray) -> bool:
-    """True if a position (3 nb,) is one of the others (k, 3 nb)."""
-    if not len(others):
-        return False
-    return bool(apart(system, one, others).min() < 1e-5 * _tiny(system) + 1e-10 * system.size)
 
 
 def _first_offset(ideal: StaticProblem, rigid: System, start: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ import numpy as np
 
 from rattle.analyses.arguments import MOST_EFFORT
 from rattle.results.display import quantity, table
+from rattle.results.film_columns import DRY
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 
@@ -130,9 +131,7 @@ class Equilibrium:
     def described(self, kind: str) -> str:
         """The equilibrium in words, its kind first: "stable" or what else is known of it."""
         sides = f", {', '.join(self.pulled)} would have to pull" if self.pulled else ""
-        pins = "".join(
-            f", {name} presses with {abs(n):.4g} N" for name, n in self.normals.items() if name not in self.pulled
-        )
+        pins = "".join(f", {self._pin(name, abs(n))}" for name, n in self.normals.items() if name not in self.pulled)
         for name in self.resting:
             force = f"{abs(self[f'{name}.stop']):.4g} {self.unit(f'{name}.stop')}"
             pins += f", {name} rests on its stop with {force}" if name not in self.pulled else ""
@@ -141,15 +140,24 @@ class Equilibrium:
         hold = f", stiffness {self.eigenvalue:.3g} N/m" if math.isfinite(self.eigenvalue) else ""
         return f"{kind}{hold}{sides}{pins}; balanced to {self.residual:.1g} N, closed to {self.gap:.1g} m"
 
+    def _pin(self, name: str, normal: float) -> str:
+        """How a pin is held, in words: pressed with `normal` [N], or by a film of oil."""
+        if f"{name}.film_thickness" not in self.table.column or self[f"{name}.regime"] == DRY:
+            return f"{name} presses with {normal:.4g} N"
+        dry = f" and presses with {normal:.4g} N" if normal > 0.0 else ""
+        floats = f"{name} floats on {1e6 * self[f'{name}.film_thickness']:.4g} um of oil"
+        return f"{floats} (e/c {self[f'{name}.eccentricity']:.4f}){dry}"
+
 
 class Equilibria(list[Equilibrium]):
     """The equilibria that were found, in order, and how far the search went; shows itself as a table."""
 
     def __init__(
         self, found: Iterable[Equilibrium], starts: int, stopped: bool, extent: str = "", effort: float = 1.0,
-        undefined: str = "", left_out: str = "", rubbing: str = "",
+        undefined: str = "", left_out: str = "", rubbing: str = "", moving: str = "",
     ) -> None:  # fmt: skip
         super().__init__(found)
+        self.moving = moving  # bodies that drivers move while films see their speeds, in quotes; "" if there are none
         self.left_out = left_out  # what of the model an equilibrium does not contain; "" if it contains all
         self.rubbing = rubbing  # joints whose friction holds other positions too, in quotes; "" if there are none
         self.starts = starts  # number of starts of the search
@@ -175,6 +183,11 @@ class Equilibria(list[Equilibrium]):
             lacking += (
                 f"{'; ' if lacking else ''}friction in {self.rubbing} is left out: with it the mechanism may also rest"
                 f" {where} (dead_band), and under other loads (holds, --holds LOAD)"
+            )
+        if self.moving:
+            lacking += (
+                f"{'; ' if lacking else ''}films see the speeds of the drivers, the inertia of {self.moving} is left"
+                " out: orbit and simulate have it"
             )
         if not self.stopped:
             return lacking

@@ -20,9 +20,10 @@ from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibria import static_problem
 from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
 from rattle.analyses.statics.exact_stiffness import exact_stiffness
+from rattle.analyses.statics.oil_whirl import Whirl, seen_speeds, whirls
 from rattle.analyses.statics.small_motions import DIFFERENCES, EXACT, small_motions
 from rattle.equations.motion import loads, place
-from rattle.equations.rest_force import force_at
+from rattle.equations.rest_force import FACTORS, SHIFTS, force_at
 from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.results.build import build_result
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
 
 FRAMES = 61
 OTHER = 1e-6  # share of size and forces by which an equilibrium may be open or unbalanced, to be one of a mechanism
+SLOW = 1e-4  # velocity by which damping is found [sizes of the mechanism per second]
+SHARE = 1e-3  # the same as a share of what a film sees
 STEPS = 8  # from the equilibrium outwards, so that pins with clearance keep their side
 
 
@@ -54,6 +57,7 @@ class Modes:
     problem: StaticProblem = field(repr=False)
     note: str = ""  # how far the search for the equilibrium went, if it was cut short
     how: str = ""  # how stiffness and damping were found: "exact derivatives", or "differences" and why
+    whirl: tuple[Whirl | None, ...] = ()  # of every mode: the film that makes it grow, None where no film does
 
     @property
     def omega(self) -> np.ndarray:
@@ -107,6 +111,8 @@ class Modes:
             return rest.described("held by forces without a potential") if rest.eigenvalue < 0.0 else str(rest)
         if divergent and rest.eigenvalue < 0.0:
             return str(rest)
+        if any(self.whirl):
+            return rest.described(f"{'stable statically, ' if rest.stable else ''}unstable by oil whirl")
         still = "stable statically, " if rest.stable else "" if rest.eigenvalue < 0.0 else "neutral statically, "
         return rest.described(f"{still}unstable by {'negative damping' if divergent else 'flutter'}")
 
@@ -122,6 +128,10 @@ class Modes:
         """Behaviour of a mode (0 = lowest) in words: frequency [Hz], time constants [s] or growth [1/s]."""
         one, other = (complex(root) for root in self.roots[mode])
         cycles = f"{self.frequency[mode]:.{digits}g} Hz"
+        whirl = self.whirl[mode] if self.whirl else None
+        if whirl is not None:
+            ratio = f", {whirl.ratio:.{digits}g} of the turning speed" if math.isfinite(whirl.ratio) else ""
+            return f"oil whirl of {whirl.joint} at {cycles}{ratio}, grows at {one.real:.{digits}g} 1/s"
         if one.imag != 0.0:
             return f"flutter at {cycles}, grows at {one.real:.{digits}g} 1/s" if one.real > 0.0 else cycles
         if one.real > 0.0:
@@ -210,6 +220,7 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
     """Natural modes [rad/s, 1/s] about an equilibrium found with `problem`; see `Mechanism.modes`."""
     require_known_torques(problem.system, "a small motion about an equilibrium", also_smooth=True)
     problem.at(one.t)
+    problem.turn(one.q)
     g, null = problem.reduce(one.q)
     if not len(g):
         return Modes(one, np.zeros((0, 2), complex), np.zeros((0, 2, len(one.q)), complex), problem, note)
@@ -221,7 +232,8 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
     place = np.abs(displacement).argmax(axis=2)[:, :, None]
     largest = np.take_along_axis(displacement, place, axis=2)
     turned = np.where(np.isreal(largest), np.abs(largest), largest)  # a real shape keeps its sign
-    return Modes(one, roots, problem.system.size * vectors / turned, problem, note, how)
+    found = whirls(problem, one.q, roots, vectors)
+    return Modes(one, roots, problem.system.size * vectors / turned, problem, note, how, found)
 
 
 def own_problem(system: System, one: Equilibrium) -> StaticProblem:
@@ -254,22 +266,24 @@ def _matrices(problem: StaticProblem, q: np.ndarray, null: np.ndarray) -> tuple[
     try:
         return *exact_stiffness(problem, q, null), "exact derivatives", EXACT
     except TraceError as error:
-        damping = null.T @ _damping(problem, q) @ null
-        return problem.hessian(q, null), damping, f"differences, because {error}", DIFFERENCES
+        return problem.hessian(q, null), _damping(problem, q, null), f"differences, because {error}", DIFFERENCES
 
 
-def _damping(problem: StaticProblem, q: np.ndarray) -> np.ndarray:
-    """C = -dQ/dv (3 nb, 3 nb) [N*s/m, N*m*s] at zero velocity, by differences."""
-    workspace, n = problem.workspace, len(q)
-    result = np.zeros((n, n))
-    for k in range(n):
-        sides = []
-        for sign in (1.0, -1.0):
-            v = np.zeros(n)
-            v[k] = sign * 1e-4 * problem.scale[k] * problem.system.size
-            place(workspace, q, v)
+def _damping(problem: StaticProblem, q: np.ndarray, null: np.ndarray) -> np.ndarray:
+    """Z^T C Z (dof, dof) [N*s/m], C = -dQ/dv at zero velocity, by differences along Z = null (3 nb, dof).
+
+    The force of a film changes over the velocity that it sees already.
+    """
+    workspace, dof = problem.workspace, null.shape[1]
+    step = SLOW * problem.system.size
+    films = seen_speeds(problem, q)
+    if films:
+        step = min(step, SHARE * min(films))
+    result = np.zeros((dof, dof))
+    for k in range(dof):
+        for shift, factor in zip(SHIFTS, FACTORS, strict=True):
+            place(workspace, q, shift * step * null[:, k])
             loads(workspace, problem.t)
-            sides.append(workspace.force[1:].ravel().copy())
-        result[:, k] = -(sides[0] - sides[1]) / (2e-4 * problem.scale[k] * problem.system.size)
+            result[:, k] += factor / (12.0 * step) * (null.T @ workspace.force[1:].ravel())
     force_at(workspace, problem.t, q, problem.out)
     return result

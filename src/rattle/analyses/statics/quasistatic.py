@@ -19,9 +19,10 @@ from rattle import registry
 from rattle.analyses.assembly.assembly import ideal_system
 from rattle.analyses.kinematics.kinematics import instants
 from rattle.analyses.statics.balance import StaticProblem
-from rattle.analyses.statics.closed_play import rigid_model, without_guide_play
+from rattle.analyses.statics.closed_play import rigid_model, without_guide_play, without_oil
 from rattle.analyses.statics.equilibria import equilibria
 from rattle.analyses.statics.equilibrium import Equilibrium
+from rattle.analyses.statics.loaded_pins import Loaded
 from rattle.analyses.statics.starts import opened
 from rattle.analyses.travel import past_stops, without_stops
 from rattle.equations.dense import dense_rows
@@ -50,6 +51,8 @@ class Path:
     ideal: StaticProblem | None  # of the mechanism without clearance
     last: Equilibrium
     before: Equilibrium | None = None
+    loaded: Loaded | None = None  # pins in oil, whose places follow from their reactions without play
+    held: StaticProblem | None = None  # of the mechanism without play in joints with oil
 
     def step(self, t: float) -> Equilibrium | None:
         """The equilibrium at t [s] that follows smoothly from the last one, or None."""
@@ -59,10 +62,20 @@ class Path:
             guesses.insert(0, last.q + (last.q - before.q) * (t - last.t) / (last.t - before.t))
         self.problem.at(t)
         for guess in guesses:
-            solution = self.problem.find(guess)
+            start = self._floated(t, guess)
+            solution = self.problem.find(start) if start is not None else None
             if solution is not None and self._near(solution[0]):
                 return self.problem.finish(*solution)
         return None
+
+    def _floated(self, t: float, guess: np.ndarray) -> np.ndarray | None:
+        """A guess (3 nb,) with its pins in oil where they carry at t [s]; None if there is no balance without play."""
+        if self.loaded is None or self.held is None:
+            return guess
+        self.loaded.at(t)
+        self.held.at(t)
+        solution = self.held.find(guess)
+        return self.loaded.starts(self.held, self.held.finish(*solution))[0] if solution is not None else None
 
     def _near(self, q: np.ndarray) -> bool:
         """True if a position (3 nb,) is so close to the last one that it belongs to the same branch."""
@@ -84,9 +97,12 @@ def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Resu
     functions.start()
     given, system = system, without_guide_play(compile_system(without_stops(system.model)))
     first = equilibria(system, float(times[0]), effort=effort)
-    rigid = rigid_model(system)
+    rigid = rigid_model(system, floating=True)
     ideal = StaticProblem(ideal_system(system.model), float(times[0])) if rigid is not None else None
     path = Path(StaticProblem(rigid or system, float(times[0])), ideal, first.first_at(float(times[0])))
+    if path.problem.oiled:
+        path.loaded = Loaded(path.problem, StaticProblem(ideal_system(system.model), float(times[0])))
+        path.held = StaticProblem(without_oil(rigid or system), float(times[0]))
     if rigid is not None and path.last.result.geometry["joints"] != {}:
         path.last = _on_links(path, first[0])
     kept = [path.last]

@@ -197,6 +197,18 @@ def apart(system: System, one: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 # ---------------------------------------------------------------- pins
+def tiny(system: System) -> float:
+    """The smallest length of the mechanism [m], against which positions are compared."""
+    return min([system.size] + [joint.clearance for joint in system.model.joints.values() if joint.clearance > 0])
+
+
+def same(system: System, one: np.ndarray, others: np.ndarray) -> bool:
+    """True if a position (3 nb,) is one of the others (k, 3 nb)."""
+    if not len(others):
+        return False
+    return bool(apart(system, one, others).min() < 1e-5 * tiny(system) + 1e-10 * system.size)
+
+
 def opened(ideal: StaticProblem, q: np.ndarray, wanted: Mapping[str, np.ndarray]) -> np.ndarray:
     """The ideal mechanism's position q after the least change that displaces its pins by `wanted` (2,) [m]."""
     system = ideal.system
