@@ -42,12 +42,13 @@ def orbit(
     the least film agrees while the film is loaded, the path differs while it is not.
 
     \b
-    Example:  rattle orbit slider_crank_play --set c=1e-4 --set joints.B.contact='{model="lubricated",viscosity=0.1,length=0.02,bush_radius=0.01}' -o orbit.svg
+    Example:  rattle orbit slider_crank_oil
+              rattle orbit slider_crank_oil --joint B --set mu="20 cP" --t-end "24 ms" -o orbit.svg
 
     The table: least thickness of the film, when, and where the crank (the first driven joint) is then; largest
     pressure; mean and largest power that the film and dry friction lose; share of the time in which the dry contact
     carries too; oil that leaves both ends, and by how much the lost power warms it.
-    """  # noqa: E501
+    """
     from rattle.plots.curves import SUFFIXES, save_figure
 
     if ideal:

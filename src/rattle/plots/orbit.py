@@ -24,6 +24,7 @@ from rattle.plots.curves import (
     note,
     shade_after_horizon,
 )
+from rattle.plots.oil_orbit import draw_oil_orbit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -92,16 +93,15 @@ def plot_orbit(result: Result, joint: str, ax: Axes) -> Axes: ...
 def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | Axes:
     """Path of the pin centre in the clearance circle of a joint [mm or µm], coloured by the normal force [N].
 
+    A pin in oil is coloured by the largest pressure in its film [MPa]: a red ring is the boundary film, dots are every
+    10 degrees of the driven joint, a diamond is where the film is thinnest; the last turn is drawn thick.
+
     Larger forces lie on top of smaller ones.  Ticks outside the circle show where N < 0, that is,
     where the bush would have to pull; dots on the circle are impacts, with an area proportional to the impulse;
     rings show where a contact that lasts begins.
     ax: draw there.  Returns a new figure, or `ax` if it is given.
     Raises ValueError if the joint is not a pin with clearance in a bush.
     """
-    from matplotlib.collections import LineCollection
-    from matplotlib.colors import Normalize
-    from matplotlib.patches import Circle
-
     form = clearance_joints(result).get(joint)
     if form is None:
         known = ", ".join(clearance_joints(result)) or "none"
@@ -112,6 +112,32 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
     x, y = x * scale, y * scale
     given, ax = ax, ax if ax is not None else new_axes(6.4, 5.4)[0]
 
+    oiled = f"{joint}.film_pressure" in result
+    if oiled:
+        draw_oil_orbit(ax, result, joint, scale)
+    else:
+        _coloured_by_force(ax, result, joint, x, y, normal, c, scale)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2 if oiled else 3, frameon=False, fontsize=9)
+    limit = 1.22 * max(c, float(np.hypot(x, y).max()))
+    ax.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
+    ax.set_xlabel(f"pin centre from bush centre, x [{length}]")
+    ax.set_ylabel(f"y [{length}]")
+    where = "in oil, " if oiled else ""
+    ax.set_title(f"{joint}: orbit of the pin, {where}clearance {c:.4g} {length}", fontsize=11, loc="left", pad=18)
+    if shade_after_horizon(ax, result, draw=False):
+        note(ax, f"t = {result.t[0]:g} to {result.t[-1]:g} s; after t = {result.trust.horizon:.3g} s statistics only")
+    return drawn(ax, given)
+
+
+def _coloured_by_force(
+    ax: Axes, result: Result, joint: str, x: Array, y: Array, normal: Array, c: float, scale: float
+) -> None:
+    """The path x, y (n,) of a dry pin in its circle of radius c, all in the unit of the axes; normal (n,) [N]."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.colors import Normalize
+    from matplotlib.patches import Circle
+
+    form = clearance_joints(result)[joint]
     ax.add_patch(Circle((0, 0), c, facecolor=BORE, edgecolor=GREY, linewidth=0.8, zorder=0))
     ax.plot([0], [0], "+", color=GREY, markersize=8)
     size = np.abs(normal)
@@ -132,15 +158,6 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
     if pulls.any():
         mark_pulling(ax, np.arctan2(y[pulls], x[pulls]), c)
     mark_impacts(ax, result, joint, scale)
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False, fontsize=9)
-    limit = 1.22 * max(c, float(np.hypot(x, y).max()))
-    ax.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
-    ax.set_xlabel(f"pin centre from bush centre, x [{length}]")
-    ax.set_ylabel(f"y [{length}]")
-    ax.set_title(f"{joint}: orbit of the pin, clearance {c:.4g} {length}", fontsize=11, loc="left", pad=18)
-    if shade_after_horizon(ax, result, draw=False):
-        note(ax, f"t = {result.t[0]:g} to {result.t[-1]:g} s; after t = {result.trust.horizon:.3g} s statistics only")
-    return drawn(ax, given)
 
 
 def mark_pulling(ax: Axes, direction: Array, c: float) -> None:
