@@ -44,6 +44,8 @@ COARSER = 10.0  # tolerance of the force over that of the path
 PIECE = 20_000  # steps between two checks for Ctrl-C
 MOST_STEPS = 5_000_000
 FIRST = 1e-3  # share of the clearance that the first step goes
+FEWEST = 36  # outputs in a turn with which it is compared with the one before
+CLOSED = 1e-2  # change of the path from turn to turn, in clearances, below which it is closed
 LEFT_OUT = "the path of the pin follows the forces of the mechanism without play; its own inertia is left out"
 MEMORY = "dry friction by a law with a memory is left out of an orbit"
 
@@ -76,7 +78,7 @@ def orbit(
     made = _course(ideal, ideal_start, joint, base, COARSER * tolerance)
     e = point_at(system, start.q, joint.b) - point_at(system, start.q, joint.a)
     path = _followed(system, name, made, base.t, e, tolerance)
-    notes = [LEFT_OUT, *([MEMORY] if _remembers(joint) else []), *_unsure(name, made)]
+    notes = [LEFT_OUT, *([MEMORY] if _remembers(joint) else []), *_unsure(name, made), *_open(joint, base, path)]
     message = base.message
     if len(path.rows) < reached:
         message = f"the pin of '{name}' cannot be followed beyond t = {path.end:.6g} s: {_why(name, base, path.end)}"
@@ -154,6 +156,25 @@ def _unsure(name: str, made: Course) -> list[str]:
     if made.unsure < 1e-3:
         return []
     return [f"{name}: its force changes faster than it was followed at {100 * made.unsure:.2g} % of the time"]
+
+
+def _open(joint: Joint, base: Result, path: Orbit) -> list[str]:
+    """A note if the path of the last turn of the driver is not that of the turn before."""
+    driven = [name for name in base.geometry["driven"] if f"{name}.angle" in base]
+    if not driven or len(path.rows) < len(base.t):
+        return []
+    turns = np.abs(base[f"{driven[0]}.angle"] - base[f"{driven[0]}.angle"][0]) / (2.0 * math.pi)
+    if turns[-1] < 2.0 - 1e-6 or not (np.diff(turns) > 0.0).all() or (turns > turns[-1] - 1.0).sum() < FEWEST:
+        return []
+    now = turns[turns > turns[-1] - 1.0]
+    place = path.rows[turns > turns[-1] - 1.0, :2].T
+    before = np.array([np.interp(now - 1.0, turns, values) for values in path.rows[:, :2].T])
+    change = float(np.hypot(*(place - before)).max()) / joint.clearance
+    if change < CLOSED:
+        return []
+    return [
+        f"{joint.name}: the last turn differs from the one before by {change:.2g} of the clearance; take more turns"
+    ]
 
 
 def _why(name: str, base: Result, t: float) -> str:
