@@ -175,6 +175,16 @@ def test_in_a_linkage_the_film_carries_at_the_speeds_of_the_present_position():
     assert rotor(100.0).equilibrium().note == ""  # nothing is left out where the mass centre stays in its place
 
 
+def test_where_only_the_film_loads_a_mechanism_its_drag_presses_the_other_pin():
+    """The coupler turns against its oil: the moment of the film is held by the reaction of the dry pin."""
+    one = rt.example("fourbar_oil").equilibrium()[0]
+    angle, force = one["coupler.angle"], -np.array([one["O3.fx"], one["O3.fy"]])
+    held = 0.26 * (math.cos(angle) * force[1] - math.sin(angle) * force[0])
+    assert held == pytest.approx(one["O2.friction_torque"], rel=1e-3)  # O3 and O2 are off their bushes by c/l
+    assert one["O3.normal"] > 0.1
+    assert one.stable
+
+
 def test_the_commands_say_where_a_pin_floats_and_name_its_whirl(tmp_path):
     load = static_short(0.5)[0] * UNIT
     file = tmp_path / "rotor.toml"

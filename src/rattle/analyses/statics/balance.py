@@ -235,8 +235,10 @@ class StaticProblem:
         found = self._find(start, downhill, known, near, most, turn)
         if found is None or not self.oiled:
             return found
-        self.turn(found[0])  # the rates there differ a little
-        return self._find(found[0], downhill, known, near, most, turn)
+        self.turn(
+            found[0]
+        )  # the rates there differ a little, which a film much stiffer than its load needs may not see
+        return self._find(found[0], downhill, known, near, most, turn) or found
 
     def _find(
         self, start: np.ndarray, downhill: bool, known: np.ndarray | None, near: float, most: int, turn: float

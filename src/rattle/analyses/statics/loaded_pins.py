@@ -18,11 +18,15 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.assembly.assembly import ideal_system
+from rattle.analyses.assembly.rank import RANK
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.analyses.statics.starts import opened, same
+from rattle.equations.dense import dense_rows
+from rattle.equations.rest_force import force_at
 from rattle.equations.system import System
-from rattle.solvers.mobility import still_force
+from rattle.jit import layout as at
+from rattle.solvers.mobility import film_at, still_force
 
 DEPTHS = (1e-4, 1e-3, 1e-2, 1e-5, 1e-1)  # to which pins are let sink in at first, in clearances
 DEEPEST = 1e3  # of the clearance
@@ -33,6 +37,7 @@ class Loaded:
 
     def __init__(self, problem: StaticProblem, ideal: StaticProblem) -> None:
         self.problem, self.ideal = problem, ideal
+        self._drag: list[tuple[int, float]] = []  # bodies and moments [N*m] of films on them
 
     def at(self, t: float) -> None:
         """Set the drivers to time t [s]."""
@@ -46,20 +51,46 @@ class Loaded:
         sinking = {name: e for name, e in links.items() if name not in self.problem.links}
         kept = {name: e for name, e in links.items() if name in self.problem.links}
         depths = DEPTHS if sinking else DEPTHS[:1]
-        return [
-            opened(self.ideal, one.q, floating | kept | {name: e * (1 + depth) for name, e in sinking.items()})
-            for depth in depths
-        ]
+        ways = [floating | kept | {name: e * (1 + depth) for name, e in sinking.items()} for depth in depths]
+        if floating and kept:
+            ways.append(ways[0] | self._dragged(one.q, list(kept)))
+        return [opened(self.ideal, one.q, way) for way in ways]
+
+    def _dragged(self, q: np.ndarray, links: list[str]) -> dict[str, np.ndarray]:
+        """Offset (2,) [m] of pins that press, of a mechanism that hardly anything but the drag of films loads."""
+        ideal, q = self.ideal, q.copy()
+        ideal.close(q)
+        ideal.workspace.multiplier[:] = 0.0
+        force_at(ideal.workspace, ideal.t, q, ideal.out)
+        applied = ideal.out.copy()
+        for body, moment in self._drag:
+            if body:
+                applied[3 * body - 1] += moment
+        rows = dense_rows(ideal.system, ideal.workspace) * ideal.scale
+        reaction = np.linalg.lstsq(rows.T, applied * ideal.scale, rcond=RANK)[0]
+        found = {}
+        for name in links:
+            first = ideal.system.first_row(name)
+            lines = ideal.workspace.rows[first : first + 2, at.BX : at.BY + 1]
+            force = -lines.T @ reaction[first : first + 2]  # on B
+            size = float(np.hypot(*force))
+            if size > 0.0:
+                found[name] = -ideal.system.model.joints[name].clearance / size * force
+        return found
 
     def _floating(self, one: Equilibrium) -> dict[str, np.ndarray]:
         """Offset (2,) [m] of every pin in oil that carries its reaction in an equilibrium without its play."""
         if not self.problem.oiled:
             return {}
         turning = self.problem.turn(one.q)
+        self._drag = []
         found = {}
         for name, number, a, b in self.problem.oiled:
             force = np.array([one[f"{name}.fx"], one[f"{name}.fy"]])
             found[name] = self._place(number, self.problem.system.model.joints[name].clearance, force, turning[[a, b]])
+            ex, ey = found[name].tolist()
+            film_at(self.problem.workspace, number, ex, ey, 0.0, 0.0, float(turning[a]), float(turning[b]))
+            self._drag += zip((a, b), self.problem.workspace.film_force[2:4].tolist(), strict=True)
         return found
 
     def _place(self, number: int, clearance: float, force: np.ndarray, rates: np.ndarray) -> np.ndarray:

@@ -62,20 +62,20 @@ class Path:
             guesses.insert(0, last.q + (last.q - before.q) * (t - last.t) / (last.t - before.t))
         self.problem.at(t)
         for guess in guesses:
-            start = self._floated(t, guess)
-            solution = self.problem.find(start) if start is not None else None
-            if solution is not None and self._near(solution[0]):
-                return self.problem.finish(*solution)
+            for start in self._floated(t, guess):
+                solution = self.problem.find(start)
+                if solution is not None and self._near(solution[0]):
+                    return self.problem.finish(*solution)
         return None
 
-    def _floated(self, t: float, guess: np.ndarray) -> np.ndarray | None:
-        """A guess (3 nb,) with its pins in oil where they carry at t [s]; None if there is no balance without play."""
+    def _floated(self, t: float, guess: np.ndarray) -> list[np.ndarray]:
+        """Guesses (3 nb,) with pins in oil where they carry at t [s]; none if there is no balance without play."""
         if self.loaded is None or self.held is None:
-            return guess
+            return [guess]
         self.loaded.at(t)
         self.held.at(t)
         solution = self.held.find(guess)
-        return self.loaded.starts(self.held, self.held.finish(*solution))[0] if solution is not None else None
+        return self.loaded.starts(self.held, self.held.finish(*solution)) if solution is not None else []
 
     def _near(self, q: np.ndarray) -> bool:
         """True if a position (3 nb,) is so close to the last one that it belongs to the same branch."""
