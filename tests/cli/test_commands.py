@@ -80,7 +80,7 @@ def test_example_writes_a_model_file_with_its_tables_beside_it(tmp_path):
 
 @nojit
 def test_example_without_such_a_model_suggests_one():
-    refused("example", "forbar", saying="no example 'forbar'; did you mean 'fourbar'?")
+    refused("example", "forbar", saying="no example 'forbar'; did you mean 'fourbar'")
 
 
 @nojit
