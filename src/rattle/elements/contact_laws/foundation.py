@@ -1,0 +1,50 @@
+"""Static force of a round pin on an elastic foundation: springs side by side, which do not feel each other.
+
+p = K_w (e cos theta - c) where that is positive, e = c + delta, cos theta_0 = c/e:
+
+    F = R L K_w c (theta_0/cos theta_0 - sin theta_0)      = R L K_w c (2/3) (2 delta/c)^1.5 for small delta
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rattle.elements.contact_laws.stiffness import Elastic
+from rattle.jit.functions import kernel
+from rattle.registry import Field, kind
+
+
+@kernel("stiffness")
+def bedded(delta, p, k):
+    """Force [N] of `Foundation`: p[k:] = R L K_w [N/m], c [m]."""
+    if delta <= 0.0:
+        return 0.0
+    c = p[k + 1]
+    s = math.sqrt(delta * (2.0 * c + delta)) / (c + delta)  # sin theta_0
+    theta = math.atan2(s * (c + delta), c)
+    if theta > 0.03:
+        return p[k] * (theta * (c + delta) - c * s)
+    q = theta * theta
+    return p[k] * c * theta * q * (2.0 / 3.0 + q * (0.2 + q * (107.0 / 1260.0 + q * 779.0 / 22680.0)))
+
+
+@kind("stiffness", "foundation", bedded)
+class Foundation(Elastic):
+    """F = R L K_w c (theta_0/cos theta_0 - sin theta_0), cos theta_0 = c/(c + delta): a soft layer, or a worn bush.
+
+    Range: a layer that is thin compared with the contact, R_A much larger than the clearance.
+    Source: Johnson, Contact Mechanics (1985), section 4.3.
+    """
+
+    bush_radius = Field("m", "radius of the bush; the pin radius is smaller by the clearance", least="positive")
+    foundation = Field("Pa/m", "K_w, pressure per penetration", least="positive")
+    length = Field("m", "length of the contact along the pin", least="positive")
+
+    @classmethod
+    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+        play = float(values["clearance"])
+        if not play > 0.0:
+            raise ValueError("an elastic foundation of a pin in a bush needs a clearance")
+        return float(values["bush_radius"]) * float(values["length"]) * float(values["foundation"]), play
