@@ -102,6 +102,30 @@ class Contact:
 
 
 @dataclass(frozen=True)
+class Wear:
+    """How pin and bush of a joint wear, and the profiles that they have."""
+
+    bush: float  # k: volume lost per force and sliding distance [m^2/N]
+    pin: float
+    foundation: float  # K_w: pressure per penetration [Pa/m]
+    radius: float  # of the bush [m]
+    length: float  # of the contact along the pin [m]
+    bins: int
+    smooth: float  # D of h_i += D (h_{i-1} - 2 h_i + h_{i+1}) after every jump [-]; 0: none
+    cycle: float  # [s]; nan: one turn of the driver
+    cycles: float
+    jump: float  # cycles; nan: chosen
+    wall: float  # thickness of the softer part [m]: at this depth it is worn through
+    profile: tuple[tuple[float, ...], tuple[float, ...]] | None = None  # depths of bush and pin, (bins,) each [m]
+    assumed: str = ""  # what the program has chosen, in words
+
+    def bed(self, clearance: float) -> Choice:
+        """The static force of the round pin on this foundation; clearance [m]."""
+        given = {"bush_radius": self.radius, "foundation": self.foundation, "length": self.length}
+        return Choice("foundation", {**given, "clearance": clearance})
+
+
+@dataclass(frozen=True)
 class Stop:
     """The ends of the coordinate of a joint [m or rad], infinite where there is none, and what happens there."""
 
@@ -136,6 +160,14 @@ class Joint:
     stop: Stop | None = None
     friction: JointFriction | None = None  # of a joint without play
     constants: tuple[float, ...] = ()  # [m or rad] of a kind whose rows count from the start
+    wear: Wear | None = None
+
+    @property
+    def worn(self) -> Wear | None:
+        """Wear of a joint whose contact is between two profiles; None if its surfaces are round."""
+        if self.wear is None or self.wear.profile is None or self.contact is None or self.contact.normal is None:
+            return None
+        return self.wear
 
     @property
     def numbers(self) -> tuple[Any, ...]:

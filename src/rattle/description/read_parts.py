@@ -31,6 +31,7 @@ from rattle.description.read_fields import FieldReader
 from rattle.description.read_friction import joint_friction
 from rattle.description.read_plates import read_plate
 from rattle.description.read_values import Path, Values, said
+from rattle.description.read_wear import read_wear
 from rattle.errors import suggest
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
 from rattle.language.units import Dimension, dimension_of
@@ -38,7 +39,7 @@ from rattle.registry import Field
 
 BODY = ("points", "center", "mass", "inertia")  # keys of a body
 BAR = ("bar", "length", "points", "mass", "inertia")
-JOINT = ("type", "connect", "clearance", "contact", "stop", "friction")  # and the fields of its kind
+JOINT = ("type", "connect", "clearance", "contact", "stop", "friction", "wear")  # and the fields of its kind
 NOWHERE = Point("", "", (math.nan, math.nan))
 
 
@@ -233,7 +234,12 @@ class Parts(FieldReader):
         if "friction" in given:
             block = next(iter(dimensions.values()), ())
             friction = joint_friction(self, given["friction"], found, block, clearance > 0.0, (*path, "friction"))
-        self.joints[name] = Joint(name, found.name, a, b, fields, clearance, contact, dimensions, stop, friction)
+        wear = None
+        if "wear" in given:
+            wear = read_wear(self, given["wear"], found, clearance, contact, given.get("contact"), (*path, "wear"))
+        self.joints[name] = Joint(
+            name, found.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear
+        )
         if len(values.problems) > before:
             self.broken_joints.add(name)
 

@@ -14,6 +14,7 @@ from rattle.description.builder import Building
 from rattle.description.changes import ENTRIES, Change, copied, path_of, put, through_points
 from rattle.description.model import Model, Parameter
 from rattle.description.read_tables import with_files
+from rattle.description.wear_profile import with_profiles, written
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.expression import names, parse
 from rattle.language.units import parse_quantity, unit_of_quantity
@@ -30,7 +31,8 @@ class WrittenModel(Building):
         made._text = text
         made._file = file
         try:
-            made._document = with_files(made._document, Path(file).parent if file else None, file)
+            folder = Path(file).parent if file else None
+            made._document = with_profiles(with_files(made._document, folder, file), folder, file)
         except ModelError as error:
             raise model_file.point_out(error, text) from None
         _ = made.model
@@ -93,19 +95,20 @@ class WrittenModel(Building):
 
     def to_toml(self) -> str:
         """The model as TOML text; comments of the original text are kept.  Tables of files are written out."""
-        return self._dumped(lambda name: False)
+        document, changes, _ = self._written_out(lambda name: False)
+        return model_file.dump(document, self._text, [*self._changes, *changes])
 
     def to_json(self) -> str:
         """The model as JSON text, without comments.  Tables of files are written out."""
         return model_file.dump_json(self._written_out(lambda name: False)[0])
 
-    def _dumped(self, stays: Callable[[str], bool]) -> str:
-        """The model as TOML text; stays: whether the file of a table is still found under this name."""
-        document, changes = self._written_out(stays)
-        return model_file.dump(document, self._text, [*self._changes, *changes])
+    def _written_out(
+        self, stays: Callable[[str], bool], beside: bool = False
+    ) -> tuple[dict[str, Any], list[Change], dict[str, str]]:
+        """The document as it is written: of each table either the file or the numbers; and the changes to the text.
 
-    def _written_out(self, stays: Callable[[str], bool]) -> tuple[dict[str, Any], list[Change]]:
-        """The document as it is written: of each table either the file or the numbers; and the changes to the text."""
+        stays: whether a file is still found under its name.  beside: profiles of wear go to files, which come last.
+        """
         tables = self._document.get("tables", {})
         made, changes = dict(tables), list[Change]()
         for name, one in tables.items():
@@ -114,19 +117,24 @@ class WrittenModel(Building):
                 made[name] = {key: value for key, value in one.items() if key not in leave}
                 if "file" in leave:
                     changes.append((("tables", name), made[name]))
-        return {**self._document, "tables": made} if tables else self._document, changes
+        joints, of_wear, files = written(self._document.get("joints", {}), stays, beside)
+        whole = self._document | ({"tables": made} if tables else {}) | ({"joints": joints} if joints else {})
+        return whole, [*changes, *of_wear], files
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the model file, completely or not at all: JSON if its name ends in .json, otherwise TOML.
 
         A table that was read from a file stays in it if the model is saved in the same folder; otherwise its numbers
-        are written into the model file.
+        are written into the model file.  Profiles of worn joints go to files beside it, `<joint>.wear.csv`.
         Raises ValueError for a name that ends in neither .toml nor .json, OSError that says why it cannot be written.
         """
         json = model_file.wants_json(path)
         here = bool(self._file) and Path(self._file).resolve().parent == Path(path).resolve().parent
-        document, _ = self._written_out(lambda name: here)
-        model_file.save(path, model_file.dump_json(document) if json else self._dumped(lambda name: here))
+        document, changes, files = self._written_out(lambda name: here, beside=True)
+        text = None if json else model_file.dump(document, self._text, [*self._changes, *changes])
+        for name, profile in files.items():
+            model_file.save(Path(path).with_name(name), profile)
+        model_file.save(path, model_file.dump_json(document) if text is None else text)
 
     def set(self, values: Mapping[str, Any] | None = None, /, **parameters: Any) -> Self:
         """A new mechanism with some values changed; numbers are in SI units, texts may have units.
@@ -154,6 +162,7 @@ class WrittenModel(Building):
                 made._put(("initial", path[1]), None)
         folder, read = Path(made._file).parent if made._file else None, self._document.get("tables", {})
         made._document = with_files(made._document, folder, made._file, read)
+        made._document = with_profiles(made._document, folder, made._file, self._document.get("joints", {}))
         try:
             _ = made.model
         except ModelError as error:

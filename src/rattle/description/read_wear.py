@@ -1,0 +1,182 @@
+"""Reading the `wear` of a joint with clearance: what wears how fast, and the profiles that its surfaces have."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rattle import registry
+from rattle.description.model import Contact, Wear
+from rattle.description.read_fields import FieldReader
+from rattle.description.read_values import Path, said
+from rattle.description.wear_profile import DEPTHS
+from rattle.registry import REQUIRED, Field
+
+RATE = "m^2/N"  # of k: 1 mm^3/(N*m) = 1e-9 m^2/N
+SIDES = ("bush", "pin")
+FIELDS = {
+    "foundation": Field(
+        "Pa/m", "K_w, pressure per penetration; default: fitted to the contact law at a hundredth of the clearance",
+        math.nan, least="positive",
+    ),
+    "bins": Field("", "of the circumference, in which depths are kept", 360.0, least="positive"),
+    "smooth": Field(
+        "", "D of h_i += D (h_{i-1} - 2 h_i + h_{i+1}) after every jump, 0 to 0.25", 0.0, least="not negative"
+    ),
+    "cycle": Field("s", "after which the motion repeats; default: one turn of the driver", math.nan, least="positive"),
+    "cycles": Field("", "how many", 1e4, least="positive"),
+    "wall": Field("m", "depth at which the bush or the pin is worn through", math.inf, least="positive"),
+}  # fmt: skip
+COEFFICIENT = {
+    "coefficient": Field("", "of Archard's law, K_a", REQUIRED, least="not negative"),
+    "hardness": Field("Pa", "H of the softer surface; k = K_a/H", REQUIRED, least="positive"),
+}
+LAYER = {
+    "E": Field("Pa", "modulus of the layer", REQUIRED, least="positive"),
+    "nu": Field("", "its Poisson's ratio", 0.3, least="not negative"),
+    "thickness": Field("m", "of the layer", REQUIRED, least="positive"),
+}
+KEYS = (*SIDES, "layer", "jump", "profile", DEPTHS, *FIELDS)
+FEWEST, MOST = 12, 20_000  # bins
+SUNK = 0.01  # penetration over clearance at which the foundation is fitted to the law of the contact
+
+
+def read_wear(
+    reader: FieldReader, written: Any, joint: registry.Kind, clearance: float, contact: Contact | None, given: Any,
+    path: Path,
+) -> Wear | None:  # fmt: skip
+    """The wear of one joint; None after a problem.
+
+    clearance [m] (0 if there is none); given: its contact as it is written, of which the length is read.
+    """
+    values = reader.values
+    play = registry.play_of(joint.name)
+    if play is None or play.name not in registry.kinds("worn"):
+        values.wrong(
+            path, f"a {joint.name} joint does not wear here; only pins in bushes do: leave it out", at_key=True
+        )
+        return None
+    if not clearance > 0.0:
+        values.wrong(path, "needs a clearance of the joint: a pin that fills its bush has no contact that moves")
+        return None
+    before, table = len(values.problems), values.table(written, path)
+    values.keys(table, KEYS, path)
+    read = {key: reader.field(one, key, table, {}, path) for key, one in FIELDS.items()}
+    rates = [_rate(reader, table.get(side, 0.0), (*path, side)) for side in SIDES]
+    jump = math.nan
+    if table.get("jump", "auto") != "auto":
+        jump = values.value(table["jump"], "", (*path, "jump"), "positive")
+    bins = read["bins"]
+    if bins == bins and not (FEWEST <= bins <= MOST and bins == round(bins)):
+        values.wrong((*path, "bins"), f"expected a whole number from {FEWEST} to {MOST}, got {bins:g}")
+    if read["smooth"] > 0.25:
+        values.wrong((*path, "smooth"), f"{read['smooth']:g} is outside [0, 0.25], where smoothing would be unstable")
+    layer = _layer(reader, table["layer"], (*path, "layer")) if "layer" in table else math.nan
+    if "layer" in table and "foundation" in table:
+        values.wrong((*path, "layer"), "give a foundation or the layer from which it follows, not both", at_key=True)
+    if len(values.problems) > before or contact is None:
+        return None
+    bed = layer if layer == layer else read["foundation"]
+    sizes = _sizes(reader, contact, given, (*path[:-1], "contact"))
+    if sizes is None:
+        return None
+    radius, length = sizes
+    assumed = ""
+    if bed != bed and contact.static is not None:
+        bed, assumed = _fitted(contact, clearance, radius, length)
+    profile = _profile(reader, table, int(bins), path)
+    if len(values.problems) > before:
+        return None
+    return Wear(
+        rates[0], rates[1], bed, radius, length, int(bins), read["smooth"], read["cycle"], read["cycles"], jump,
+        read["wall"], profile, assumed,
+    )  # fmt: skip
+
+
+def _rate(reader: FieldReader, given: Any, path: Path) -> float:
+    """k [m^2/N], from a number or from Archard's coefficient and the hardness; nan after a problem."""
+    if not isinstance(given, Mapping):
+        return float(reader.values.value(given, RATE, path, "not negative"))
+    reader.values.keys(given, COEFFICIENT, path)
+    found = {key: reader.field(one, key, given, {}, path) for key, one in COEFFICIENT.items()}
+    return float(found["coefficient"] / found["hardness"])
+
+
+def _layer(reader: FieldReader, given: Any, path: Path) -> float:
+    """K_w [Pa/m] of a thin layer bonded to a rigid body; nan after a problem.
+
+    Source: Johnson, Contact Mechanics (1985), section 5.8.
+    """
+    table = reader.values.table(given, path)
+    reader.values.keys(table, LAYER, path)
+    found = {key: reader.field(one, key, table, {}, path) for key, one in LAYER.items()}
+    nu = found["nu"]
+    if nu >= 0.5:
+        reader.values.wrong((*path, "nu"), f"{nu:g} is not below 0.5: such a layer cannot be compressed")
+        return math.nan
+    return float((1.0 - nu) * found["E"] / ((1.0 + nu) * (1.0 - 2.0 * nu) * found["thickness"]))
+
+
+def _sizes(reader: FieldReader, contact: Contact, given: Any, path: Path) -> tuple[float, float] | None:
+    """Radius of the bush and length of the contact [m]; None after a problem.
+
+    Contacts without a law, in which nothing can wear as they are, need neither.
+    """
+    radius, found = contact.bush_radius, contact.static.values.get("length") if contact.static else None
+    table = given if isinstance(given, Mapping) else {}
+    if contact.film is not None:
+        found = contact.film.law.values["length"]
+    elif found is None and "length" in table:
+        found = reader.values.value(table["length"], "m", (*path, "length"), "positive")
+    if contact.normal is None:
+        return radius, math.nan if found is None else float(found)
+    missing = [key for key, one in (("bush_radius", radius), ("length", found)) if not one]
+    for key in missing:
+        reader.values.wrong(path, f"needs {key} in m: the area that wears depends on it")
+    return None if missing or found is None else (radius, float(found))
+
+
+def _fitted(contact: Contact, clearance: float, radius: float, length: float) -> tuple[float, str]:
+    """K_w [Pa/m] with which a round pin sinks in as by the law of its contact, and that in words."""
+    static = contact.static
+    assert static is not None, "called for a contact with a law"
+    if static.kind == "foundation":
+        return float(static.values["foundation"]), ""
+    law, bed = registry.kinds("stiffness")[static.kind], registry.kinds("stiffness")["foundation"]
+    depth = SUNK * clearance
+    force = law.kernel.python(depth, [*law.leaf.pack(static.values), 0.0], 0)  # type: ignore[union-attr]
+    found = float(force / bed.kernel.python(depth, [radius * length, clearance], 0))  # type: ignore[union-attr]
+    words = f"foundation of {found:.3g} Pa/m: the round pin sinks in by {depth:.3g} m under {force:.3g} N"
+    return found, f"{words}, as by '{static.kind}'"
+
+
+def _profile(
+    reader: FieldReader, table: Mapping[str, Any], bins: int, path: Path
+) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
+    """Depths of bush and pin [m]; None if the surfaces are round, or after a problem."""
+    if "profile" in table and DEPTHS not in table:
+        reader.values.wrong((*path, "profile"), f"{said(table['profile'])}: a model without a file has no folder")
+        return None
+    if DEPTHS not in table:
+        return None
+    here, given = (*path, DEPTHS), reader.values.table(table[DEPTHS], (*path, DEPTHS))
+    reader.values.keys(given, SIDES, here)
+    found = []
+    for side in SIDES:
+        numbers = given.get(side, [0.0] * bins)
+        if not isinstance(numbers, list | tuple) or len(numbers) != bins:
+            count = f"{len(numbers)} numbers" if isinstance(numbers, list | tuple) else said(numbers)
+            what = (*path, "profile") if "profile" in table else (*here, side)
+            reader.values.wrong(what, f"{side}: expected a depth in m for each of the {bins} bins, got {count}")
+            return None
+        found.append(
+            tuple(reader.values.value(one, "m", (*here, side, n), "not negative") for n, one in enumerate(numbers))
+        )
+    return found[0], found[1]
+
+
+def kind_wears(joint: registry.Kind) -> bool:
+    """True of a kind of joint whose clearance wears."""
+    play = registry.play_of(joint.name)
+    return play is not None and play.name in registry.kinds("worn")
