@@ -30,6 +30,7 @@ class ContactGeometry:
     column: ClassVar[int] = at.JOINT_NORMAL  # of an output row of its joint: N of its contacts is added there
     has_radius: ClassVar[bool] = True  # True: forces depend on the radius of the bush, which the contact may give
     holds_oil: ClassVar[bool] = False  # True: a round pin in a round bush, between which a film of oil can be
+    worn: ClassVar[int] = 0  # 1: its force is that of a foundation between two profiles, see `equations.worn_contact`
     from_materials: ClassVar[bool] = False  # True: stiffness from materials, by the formulas for a pin in a bush
 
     @staticmethod

@@ -11,6 +11,7 @@ both bodies.  What it loses counts as lost by the mechanism, not by the contact.
 
 from __future__ import annotations
 
+from rattle.equations.worn_contact import add_worn_force
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.families import call_clearance, call_film, call_friction, call_normal, call_stiffness
 from rattle.jit.functions import compiled, native
@@ -72,6 +73,9 @@ def add_contact_forces(m):
         delta, ddelta = -kinematics[n, at.GAP], -kinematics[n, at.DGAP]
         if delta <= 0.0 or memory[n, at.CLOSED] == at.OPEN:
             continue
+        if contact[n, at.WORN] == 1:
+            add_worn_contact(m, n)
+            continue
         static = call_stiffness(static_table[contact[n, at.STATIC]], (delta, values, contact[n, at.STATIC_P]))
         arguments = (static, delta, ddelta, memory[n, at.SPEED], values, contact[n, at.NORMAL_P])
         normal = call_normal(normal_table[contact[n, at.NORMAL_LAW]], arguments)
@@ -132,6 +136,14 @@ def add_film_force(m, n):
         p, gap = contact[n, at.SHAPE_P], kinematics[n, at.GAP]
         on_a, size = values[p + at.RADIUS] - 0.5 * gap, values[p + at.CLEARANCE] - gap
         kinematics[n, at.SLIP] += tb * (on_a - size) - ta * on_a
+
+
+@compiled
+def add_worn_contact(m, n):
+    """Add the force of contact n, a worn pin in its bush, to both bodies."""
+    add_worn_force(m, n)
+    kinematics, a, b = m.contact_kinematics, m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
+    add_contact_force(m.force, kinematics, a, b, n, kinematics[n, at.NORMAL], kinematics[n, at.TANGENT])
 
 
 @compiled

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from rattle import registry
@@ -17,6 +18,7 @@ GEOMETRIES = (
     "one-sided",
     "stop",
     "clutch",
+    "worn",
 )  # families of kernels that give the geometry of a contact, in one table
 # tables of kernels that contacts call: the families in them, and the column of `contact` that names an entry
 CONTACT_TABLES = {
@@ -49,8 +51,11 @@ def contact_groups(joint: Joint) -> list[ContactGroup]:
     if joint.contact is not None and play is not None and joint.is_loose:
         sizes = [size for table in joint.dimensions.values() for size in table]
         p = tuple(packed([*points, *_gap(joint.clearance, joint.contact), *joint.numbers, *sizes]))
-        corners = tuple(range(play.leaf.contacts))
-        found.append(ContactGroup(play, joint.contact, p, corners, ("joints", joint.name, "contact")))
+        corners, contact = tuple(range(play.leaf.contacts)), joint.contact
+        if (wear := joint.worn) is not None:
+            play = registry.kinds("worn")[play.name]
+            p, contact = (*p, *play.leaf.parameters(wear)), replace(contact, static=wear.bed(p[at.CLEARANCE]))
+        found.append(ContactGroup(play, contact, p, corners, ("joints", joint.name, "contact")))
     sided = registry.one_sided_of(joint.kind)
     if joint.contact is not None and sided is not None and joint.is_loose:
         p = tuple(packed([*points, *sided.leaf.parameters(joint.fields, joint.constants)]))
@@ -96,7 +101,18 @@ def contact_table(
             own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
             lever = (*leaf.levers(parameters), *map(float, (_turning(leaf), leaf.rounded, leaf.angular)))
             for corner in corners:
-                owned = (n, int(contact.rigid), states, own, leaf.column_of(corner), leaf.sense(corner), 0, 0, *film)
+                owned = (
+                    n,
+                    int(contact.rigid),
+                    states,
+                    own,
+                    leaf.column_of(corner),
+                    leaf.sense(corner),
+                    0,
+                    0,
+                    *film,
+                    leaf.worn,
+                )
                 found.append((_tag(kind), a, b, place, corner, *laws, *owned))
                 states += own
                 levers.append((*lever, leaf.scale(parameters, size), size, *bends))
@@ -113,6 +129,7 @@ def contact_table(
                 int(alone.level),
                 int(alone.toothed),
                 *NO_FILM,
+                0,
             )
             found.append((entry[0], a, b, *entry[1:], *owned))
             states += alone.states

@@ -154,6 +154,7 @@ class System:
             "contact_kinematics": (nc, at.width("contact_kinematics")),
             "turning": (nb,),
             "film_force": (5,),
+            "bin_sums": (8,),
             "contact_memory": (nc, at.width("contact_memory")),
             "massless_response": (nm, 3 * nb),
             "massless_reaction": (nm, nr),

@@ -103,9 +103,10 @@ declare("contact", """
     TOOTHED [] 1 for a gap that becomes one pitch smaller where it reaches a pitch
     FILM_LAW [] kernel of the oil film in the clearance; -1: none
     FILM_P [] its first parameter
+    WORN [] 1 for a pin and a bush with profiles of wear on an elastic foundation
 """)
 SHAPE, A_BODY, B_BODY, SHAPE_P, CORNER, STATIC, STATIC_P, NORMAL_LAW, NORMAL_P, FRICTION, FRICTION_P = range(11)
-OWNER, IMPACT, FIRST_STATE, STATES, FORCE_COLUMN, SENSE, LEVEL, TOOTHED, FILM_LAW, FILM_P = range(11, 21)
+OWNER, IMPACT, FIRST_STATE, STATES, FORCE_COLUMN, SENSE, LEVEL, TOOTHED, FILM_LAW, FILM_P, WORN = range(11, 22)
 declare("lever", """
     ARM_A [m] longest arm on A to its contact points
     ARM_B [m] longest arm on B

@@ -44,7 +44,7 @@ ARRAYS = {
     "gravity": Array("f1", "2", "m/s^2", "acceleration of free fall"),
     "joint": Array("i2", "nj, 5", "", "joints, then drivers"),
     "load": Array("i2", "nl, 5", "", "loads"),
-    "contact": Array("i2", "nc, 21", "", "geometry and laws of every contact point"),
+    "contact": Array("i2", "nc, 22", "", "geometry and laws of every contact point"),
     "lever": Array("f2", "nc, 10", "m or rad", "what bounds the gap of every contact, and by what it is judged"),
     "code": Array(
         "i2", "nk, 4", "", "programs of all expressions, one after the other, with the branches of their switches"
@@ -95,6 +95,7 @@ ARRAYS = {
         "f1", "nb + 1", "rad/s", "rates that oil films see besides those of the motion: in statics, those of drivers"
     ),
     "film_force": Array("f1", "5", "N, N*m, W", "of one oil film, scratch"),
+    "bin_sums": Array("f1", "8", "N, N*m, W", "sums over the bins of one worn contact, scratch"),
     "contact_memory": Array("f2", "nc, 24", "", "memory of every contact"),
     "element_state": Array("f1", "all states", "SI", "of friction laws, then of the model; see `equations.state`"),
     "element_rate": Array("f1", "all states", "SI/s", "their rates"),
@@ -179,7 +180,7 @@ ARRAYS = {
     "shifted_order": Array("i1", "n", "", "rows exchanged in `shifted`"),
     "pair_order": Array("i1", "2 n", "", "rows exchanged in `shifted_pair`"),
     "newton": Array("f2", "19, ny or 2 n", "", "increments of the stages and their corrections"),
-    "iteration": Array("f1", "10", "", "what is known of the iteration"),
+    "iteration": Array("f1", "8", "", "what is known of the iteration"),
     "clock": Array("f1", "10", "s", "of the run"),
     "tally": Array("i1", "13", "", "counts of the run"),
     "sign": Array("f1", "nw", "", "sign of every monitored force"),
@@ -196,6 +197,13 @@ ARRAYS = {
         "f2", "0 or nj, 6", "J", "work of impulses on the bodies of every joint, if powers are asked for"
     ),
     "port_row": Array("f1", "0 or columns", "SI", "output row with the ports of a step of time stepping"),
+    "wear_rate": Array("f2", "0 or nc, 2 bins", "W", "P |slip| in the bins of bush and pin, if wear is asked for"),
+    "wear_last": Array("f2", "0 or nc, 2 bins", "W", "N |slip| at the last step"),
+    "wear_work": Array("f2", "0 or nc, 2 bins", "J", "its integral over time"),
+    "wear_load": Array("f2", "0 or rows, 4", "m, N*m, N*m, m", "loads under which they slide, see `wear_sum`"),
+    "wear_load_last": Array("f2", "0 or nc, 4", "m/s", "their rates at the last step"),
+    "wear_speed": Array("f1", "0 or nc", "m/s", "approach speeds of contacts that last from before the run"),
+    "wear_count": Array("i2", "0 or nc, 3", "", "rows filled, steps in the present row, steps in a row"),
     "landing": Array("f1", "5", "", "of switches that depend on the state, see `state_switches`"),
 }
 

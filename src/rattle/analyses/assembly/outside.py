@@ -23,7 +23,8 @@ def outside(system: System, workspace: Workspace) -> str:
         oil = joint.contact.film if joint.contact is not None and entry[at.FILM_LAW] >= 0 else None
         if oil is not None and gap > -oil.boundary:  # the dry contact begins at the boundary film
             continue
-        if oil is None and gap >= -1e-6 * one[at.GAP_SCALE]:
+        slight = 1e-4 if entry[at.WORN] == 1 else 1e-6  # a worn surface is a polygon
+        if oil is None and gap >= -slight * one[at.GAP_SCALE]:
             continue
         if entry[at.FORCE_COLUMN] == at.STOP and joint.stop is not None:
             if joint.stop.contact.rigid:

@@ -15,6 +15,7 @@ import numpy as np
 from rattle.equations.compliant import add_contact_forces, contact_duration, locate_contacts
 from rattle.equations.motion import place
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
+from rattle.equations.worn_contact import worn_energy
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.families import call_stiffness
 from rattle.jit.functions import compiled, native
@@ -52,6 +53,8 @@ def start_contacts(m, t, y):
 def strain_energy(m, n, delta):
     """Integral of the static force of contact n from 0 to delta [m], in J; by x = delta s^2, as F ~ x^1.5 at first."""
     contact, total = m.contact, 0.0
+    if contact[n, at.WORN] == 1:
+        return worn_energy(m, n)
     for k in range(GAUSS.shape[0]):
         s = 0.5 * (1.0 + GAUSS[k])
         arguments = (delta * s * s, m.values, contact[n, at.STATIC_P])
