@@ -37,6 +37,7 @@ from rattle.solvers.contacts.contact_events import (
 )
 from rattle.solvers.contacts.gap_search import NONE
 from rattle.solvers.contacts.penetration import ESCAPED, escaped
+from rattle.solvers.contacts.wear_sum import add_wear
 from rattle.solvers.dense_output import interpolate, prepare_dense
 from rattle.solvers.output_row import record
 from rattle.solvers.peaks.climb import end_step
@@ -128,7 +129,7 @@ def search_step_for_events(m, t, t_new, changed, t_out, out):
     tally, stage, h = m.tally, m.stage, t_new - t
     share, who, contacts = NONE, -1, m.contact.shape[0] > 0
     suspect = may_any_change(m, h)
-    peak = near_peak(m)
+    peak = m.wear_work.shape[0] == 0 and near_peak(m)
     samples = m.stepper[SAMPLES]
     dense = suspect or peak or output_due(m, t_new, t_out) or changed or may_rise(m, h, samples)
     if dense:
@@ -276,4 +277,6 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             clock[at.TROUBLE] = t_new
             return ESCAPED
         start_next(m, t_new, who)
+        if m.wear_work.shape[0] > 0:
+            add_wear(m, t_new - t)
     return DONE if clock[at.T] >= t_end else PAUSED

@@ -62,6 +62,7 @@ def choose_stepper(system: System, asked: str | None, step: float | None, span: 
     if contacts not in one.leaf.works_with:
         one = steppers[usual_stepper(contacts)]
     if contacts == SET_VALUED:
+        require_round(system, one)
         require_friction_known(system, one)
         require_implicit(system, one)
         require_one_law(system, one.leaf)
@@ -82,6 +83,14 @@ def note_choice(system: System, asked: str | None, ran: Kind) -> tuple[str, ...]
         return ()
     why = registry.kinds("stepper")[asked].leaf.unfit[contacts_of(system)]
     return (f"method {asked} {why}: {ran.name} was used",)
+
+
+def require_round(system: System, stepper: Kind) -> None:
+    """Raise ModelError for worn surfaces if the stepper does not know them."""
+    worn = system.arrays["contact"][system.arrays["contact"][:, at.WORN] == 1, at.OWNER].tolist()
+    if stepper.leaf.loop == TIME_STEPPING and worn:
+        said = f"method {stepper.name} knows round surfaces only; use method {usual_stepper(SET_VALUED)}"
+        raise ModelError([Problem(("joints", system.joints[n], "wear"), said) for n in worn])
 
 
 def require_friction_known(system: System, stepper: Kind) -> None:

@@ -30,6 +30,7 @@ from rattle.registry import Kind
 from rattle.results.columns import width
 from rattle.solvers import step_state
 from rattle.solvers.contacts.penetration import ESCAPED
+from rattle.solvers.contacts.wear_sum import wear_arrays
 from rattle.solvers.dry_friction_modes import decide
 from rattle.solvers.nonsmooth.jolts import jolt, speeds
 from rattle.solvers.output_row import record
@@ -49,6 +50,7 @@ class How(NamedTuple):
     atol: float  # [m, rad, m/s, rad/s]
     step: float | None  # [s]; the largest of an adaptive stepper, None for any
     ports: bool = False  # output rows go on with the ports of all elements, see `solvers.ports`
+    wear: bool = False  # sliding of worn contacts is summed in their bins, see `solvers.contacts.wear_sum`
 
 
 class Run(ABC):
@@ -58,7 +60,7 @@ class Run(ABC):
 
     def __init__(self, system: System, start: Assembled, t_eval: np.ndarray, t_end: float, how: How) -> None:
         self.system, self.start, self.t_eval, self.t_end = system, start, t_eval, t_end
-        self.stepper, self.rtol, self.atol, self.step, self.ports = how
+        self.stepper, self.rtol, self.atol, self.step, self.ports, self.wear = how
         self.table = timetable(system, start.t, t_end)
         self.piece = 0  # index of the present smooth piece of the run
         self.jolts: list[Jolt] = []
@@ -117,9 +119,12 @@ class Run(ABC):
         films = bool((self.system.arrays["contact"][:, at.FILM_LAW] >= 0).any())
         arrays |= step_state.stepper_arrays(self.stepper, films, self.system.body_count, of_elements, len(y))
         arrays |= audit_arrays(self.system, self.stepper.leaf.energy_limit)
+        if self.wear:
+            arrays |= wear_arrays(self.system)
         if self.ports:
             arrays["port_work"] = np.zeros((len(self.system.joints), at.width("port_work")))
-        return self.system.workspace(**arrays, **self.loop_arrays(), **peak_arrays(self.system))
+        peaks = {} if self.wear else peak_arrays(self.system)
+        return self.system.workspace(**arrays, **self.loop_arrays(), **peaks)
 
     def take_sides(self, t: float) -> None:
         """Set every switch to the side that it has from the time t [s] on.

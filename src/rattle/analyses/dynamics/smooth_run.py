@@ -11,6 +11,7 @@ from rattle.analyses.dynamics.soundness import set_floor
 from rattle.equations.motion import OK, PAUSED
 from rattle.jit import layout as at
 from rattle.solvers import step_loop
+from rattle.solvers.contacts.wear_sum import add_wear, keep_speeds
 from rattle.solvers.dry_friction_modes import decide
 
 
@@ -30,6 +31,10 @@ class SmoothRun(Run):
         status = step_loop.begin(self.workspace, t, self.t_end, self.rtol, self.atol, self.step or math.inf)
         set_floor(self.system, self.workspace, self.rtol, self.atol)
         self.pace(t)
+        if self.wear:
+            keep_speeds(self.workspace)
+            step_loop.resume(self.workspace, t)
+            add_wear(self.workspace, 0.0)
         return PAUSED if status == OK else int(status)
 
     def pace(self, t: float) -> None:
