@@ -1,0 +1,1 @@
+"""Wear of pins and bushes over many cycles."""
