@@ -40,6 +40,10 @@ FAMILIES = {
     ),
     "normal": ("Normal force laws", "Also a `model` of `contact`: elastic pin and bush."),
     "stiffness": ("Stiffness", "`geometry` in `contact`: static force from material and shape; `power` from numbers."),
+    "worn": (
+        "Worn surfaces",
+        "What a pin in a bush becomes with the profiles of its `wear`: an elastic foundation between them.",
+    ),
     "tension": ("Tension laws", "What the strands of a `belt` follow; it is not chosen."),
     "friction": ("Friction laws", "`friction = { model = NAME, ... }` in the `contact` of a normal force law."),
     "film": (
@@ -61,7 +65,7 @@ mass = 0.5
 WITH_CONTACT = {"restitution": 0.5, "friction": '0.1, bush_radius = "10 mm"'}  # what a contact model may need
 VALUES = {  # values of fields in examples, by unit
     "m": "20 mm", "rad": "30 deg", "N": "10 N", "N*m": "2 N*m", "N/m": "2 kN/m", "N*m/rad": "5 N*m/rad",
-    "N*s/m": "20 N*s/m", "m/s": "1 mm/s", "Pa": "200 GPa", "": 0.5, "1/m": 1e4, "N/m^exponent": 1e9,
+    "N*s/m": "20 N*s/m", "m/s": "1 mm/s", "Pa": "200 GPa", "": 0.5, "1/m": 1e4, "N/m^exponent": 1e9, "Pa/m": "7 GPa/mm",
 }  # fmt: skip
 
 
@@ -170,7 +174,14 @@ def _live(field: Any, family: str) -> str:
 def example(catalog: Any, kind: Any) -> str:
     """A few lines of a model file with this kind, read by the program."""
     families = {"joint": _joint, "driver": _driver, "load": _load}
-    own = {"clearance": _clearance, "stop": _stop, "one-sided": _one_sided, "clutch": _clutch, "stepper": _stepper}
+    own = {
+        "clearance": _clearance,
+        "stop": _stop,
+        "one-sided": _one_sided,
+        "clutch": _clutch,
+        "stepper": _stepper,
+        "worn": _worn,
+    }
     made = {**families, **own, "tension": _belt}.get(kind.family)
     lines = made(catalog, kind) if made else _contact(catalog, kind)
     text = "\n".join(lines)
@@ -216,6 +227,13 @@ def _one_sided(catalog: Any, kind: Any) -> list[str]:
     joint = _joint(catalog, catalog.kinds("joint")[kind.leaf.joint])
     teeth = ['pressure_angle = "20 deg"', 'backlash = "0.1 mm"'] if kind.name == "flanks" else []
     return [*joint, *teeth, *(['contact = { model = "impact", restitution = 0.5 }'] if kind.leaf.chosen else [])]
+
+
+def _worn(catalog: Any, kind: Any) -> list[str]:
+    contact = 'contact = { model = "hertz", stiffness = 1e9, length = "20 mm", bush_radius = "10 mm" }'
+    depths = ", ".join(["0"] * 11 + ["1e-6"])
+    wear = f'wear = {{ bush = "1e-6 mm^3/(N*m)", bins = 12, depths = {{ bush = [{depths}] }} }}'
+    return [*_joint(catalog, catalog.kinds("joint")["revolute"]), 'clearance = "0.2 mm"', contact, wear]
 
 
 def _belt(catalog: Any, kind: Any) -> list[str]:
