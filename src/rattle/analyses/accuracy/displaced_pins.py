@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle import registry
 from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.kinematics.sweep import begin
 from rattle.description.model import Joint
@@ -178,4 +179,13 @@ class Displaced:
 
 def free_play(joint: Joint) -> Any:
     """The displacements that the clearance of a joint allows, a `FreePlay` [m, rad]."""
+    if joint.worn is not None:
+        return worn_surface(joint).worn_play(joint.worn, joint.clearance)
     return joint.play.free_play(joint.clearance, joint.fields, joint.dimensions)
+
+
+def worn_surface(joint: Joint) -> Any:
+    """The class of the worn surfaces of a joint."""
+    play = registry.play_of(joint.kind)
+    assert play is not None, "only joints with play wear"
+    return registry.kinds("worn")[play.name].leaf

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle.elements.clearances import ClearanceKind
+from rattle.elements.clearances import ClearanceKind, FreePlay
 from rattle.elements.worn_bins import CHORD, COUNT, LEAST, around, depth_at, pin_place, pin_slope, window
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
@@ -64,6 +64,30 @@ def worn_pin(body, a, b, p, k, corner, row, kinematics):
     kinematics[row, at.GAMMA_N], kinematics[row, at.GAMMA_T], kinematics[row, at.TURN] = 0.0, 0.0, 0.0
 
 
+class WornPlay(FreePlay):
+    """The displacements of a pin in a worn bush: a convex polygon, e . u_i <= c + h_A,i + the largest h_B.
+
+    Corners follow from the hull of the dual points u_i/(c + h_i).
+    """
+
+    def __init__(self, clearance: float, bush: np.ndarray, pin: np.ndarray) -> None:
+        from scipy.spatial import ConvexHull
+
+        super().__init__(clearance)
+        theta = (np.arange(len(bush)) + 0.5) * 2.0 * math.pi / len(bush)
+        far = clearance + bush + float(pin.max())
+        dual = np.array([np.cos(theta), np.sin(theta)]).T / far[:, None]
+        kept = dual[ConvexHull(dual).vertices]
+        self._corners = np.array(
+            [np.linalg.solve([one, other], [1.0, 1.0]) for one, other in zip(kept, np.roll(kept, -1, 0), strict=True)]
+        )
+
+    def first_order(self, y: np.ndarray) -> tuple[float, np.ndarray]:
+        reached = self._corners @ y
+        best = int(reached.argmax())
+        return float(reached[best]), self._corners[best].copy()
+
+
 @kind("worn", "pin", worn_pin)
 class WornPin(ClearanceKind):
     """A worn pin in a worn bush: an elastic foundation between two profiles; it takes the place of `pin`.
@@ -76,6 +100,12 @@ class WornPin(ClearanceKind):
     from_materials = True
     holds_oil = True
     orbit = True
+
+    @staticmethod
+    def worn_play(wear: Any, clearance: float) -> FreePlay:
+        """The displacements that the clearance and the profiles of a joint allow; wear: `Wear` of a model."""
+        bush, pin = (np.asarray(one, dtype=float) for one in wear.profile)
+        return WornPlay(clearance, bush, pin)
 
     @staticmethod
     def parameters(wear: Any) -> tuple[float, ...]:
