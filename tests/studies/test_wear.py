@@ -298,3 +298,20 @@ def test_nothing_is_lost_when_it_is_killed(tmp_path):
     )
     assert w.interrupted
     assert w.cycles == done + 1
+
+
+@pytest.mark.nojit
+def test_accuracy_knows_the_hollow_of_a_worn_bush():
+    m = rt.example("slider_crank_worn")
+    theta = (np.arange(360) + 0.5) * math.pi / 180
+
+    def worst(bush):
+        worn = m.set({"joints.B.wear.depths": {"bush": bush.tolist()}})
+        return np.abs(worn.accuracy("slider.x", [0.0, 0.01, 0.02], loaded=False).worst)
+
+    round_, wide, along = (worst(one) for one in (0 * theta, 1e-5 + 0 * theta, 3e-5 * np.maximum(np.cos(theta), 0.0)))
+    assert round_ == pytest.approx(np.abs(m.accuracy("slider.x", [0.0, 0.01, 0.02], loaded=False).worst), rel=1e-4)
+    assert wide == pytest.approx(round_ * 4.0 / 3.0, rel=1e-4)  # a bush that is 10 um wider than 30
+    assert along[0] == pytest.approx(
+        2.0 * round_[0], rel=1e-3
+    )  # twice as far along the rod, whose bush is hollow there
