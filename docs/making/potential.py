@@ -8,7 +8,10 @@ from pathlib import Path
 import numpy as np
 
 import rattle as rt
-from rattle.plots.curves import CURVES, new_figure, tidy
+from making.tree import module_with
+
+_pictures = module_with("CURVES", "new_figure", "tidy")
+CURVES, new_figure, tidy = _pictures.CURVES, _pictures.new_figure, _pictures.tidy
 
 BEARING = {"viscosity": 1.0, "radius": 1.0, "clearance": 1e-3}
 PLACES = (0.0, 0.5, 0.8, 0.9)  # eccentricities whose level lines are drawn
