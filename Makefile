@@ -22,7 +22,7 @@ check: ## the gate without the set-up
 	$(BIN)/lint-imports --no-logo
 	$(SPHINX)
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q -n 2
-	RATTLE_JIT=plain $(BIN)/python -m pytest -q tests/jit/test_every_loop.py tests/jit/test_workspace.py -k 'not events'
+	RATTLE_JIT=plain $(BIN)/python -m pytest -q -n 2 tests/jit/test_every_loop.py tests/jit/test_workspace.py -k 'not events'
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -q tests/jit/test_every_loop.py tests/jit/test_bounds.py
 	$(BIN)/python -m pytest -q -n 2 -m "not plain and not long"
 
