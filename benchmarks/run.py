@@ -1,6 +1,6 @@
 """Speed of rattle as ratios to yardsticks measured in the same run.
 
-    python benchmarks/run.py [fourbar exudyn contact chain kinematics pressing startup lanes oil] [--repeats 7]
+    python benchmarks/run.py [fourbar exudyn contact chain kinematics pressing startup lanes oil wear] [--repeats 7]
 
 A ratio is rattle's time divided by the yardstick's; the aim is a time, a ratio or both.
 """
@@ -18,6 +18,7 @@ import rhs
 import startup
 import straight_line
 import versus_exudyn
+import wear
 
 SECTIONS = {
     "fourbar": rhs.fourbar_rows,
@@ -30,6 +31,7 @@ SECTIONS = {
     "startup": startup.rows,
     "lanes": straight_line.rows,
     "oil": lubrication.rows,
+    "wear": wear.rows,
 }
 
 
