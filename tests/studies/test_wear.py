@@ -1,5 +1,6 @@
 """Wear over many cycles: closed forms, conservation, jumps, folders, bad input."""
 
+import json
 import math
 import signal
 import subprocess
@@ -10,6 +11,8 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle.description.schema import schema
+from rattle.plots.wear import factor_of
 from rattle.studies.wear.chebyshev import integrate
 
 C, R, L, K = 5e-6, 0.01, 0.01, 1e12  # clearance, radius, length, foundation of the bed
@@ -146,6 +149,10 @@ def test_it_ends_at_a_depth_a_volume_and_the_wall():
             assert side.volume == pytest.approx(2e-16, rel=1e-9)
         else:
             assert side.deepest == pytest.approx(1e-6, rel=1e-9)
+    figure = w.plot()
+    written = [text.get_text() for ax in figure.axes for text in ax.texts]
+    assert any(f"drawn {factor_of(1e-6 / R):g} times deeper" in one for one in written)
+    assert any(one.startswith("bush: 1 ") for one in written)
     low, high = w.band("O", "bush")
     assert low < side.deepest < high
     assert w.limiting == ("O", "bush")
@@ -247,6 +254,12 @@ def test_questions_without_sense_are_refused():
     ):  # fmt: skip
         with pytest.raises(ValueError, match=said):
             m.wear(*arguments)
+
+
+@pytest.mark.nojit
+def test_the_schema_knows_wear_and_is_json():
+    text = json.dumps(schema(), allow_nan=False)
+    assert all(f'"{key}"' in text for key in ("foundation", "hardness", "wall", "depths"))
 
 
 @pytest.mark.nojit

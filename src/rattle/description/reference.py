@@ -42,7 +42,7 @@ MEANING: Mapping[str, str] = {
 
 def topics() -> dict[str, Topic]:
     """All topics by name."""
-    made = [make() for make in (*(_table(name) for name in TABLES), _names, _functions, _units, _materials)]
+    made = [make() for make in (*(_table(name) for name in TABLES), _wear, _names, _functions, _units, _materials)]
     return {one.name: one for one in made}
 
 
@@ -56,7 +56,7 @@ def common(family: str, kind: str) -> list[str]:
     properties: Mapping[str, Any] = schema()["properties"]
     if family == "joint":
         one = _variant(properties["joints"], "type", kind)
-        return [_line(key, one[key]) for key in ("connect", "clearance", "contact") if key in one] + (
+        return [_line(key, one[key]) for key in ("connect", "clearance", "contact", "wear") if key in one] + (
             _dimensions(kind) + _stop(kind)
         )
     if family == "driver":
@@ -105,6 +105,15 @@ def _table(name: str) -> Callable[[], Topic]:
         return Topic(name, one.get("description", f"the table [{name}]"), tuple(dict.fromkeys(lines)))
 
     return make
+
+
+def _wear() -> Topic:
+    """The table `wear` of a joint."""
+    joints: Mapping[str, Any] = schema()["properties"]["joints"]
+    variants = (one["properties"] for one in joints["additionalProperties"]["anyOf"])
+    entry = next(one["wear"] for one in variants if "wear" in one)
+    lines = [_line(key, value) for key, value in entry["properties"].items()]
+    return Topic("wear", f"wear = {{ ... }} of a joint: {entry['description']}", tuple(lines))
 
 
 def _line(key: str, one: Mapping[str, Any]) -> str:

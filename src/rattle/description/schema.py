@@ -170,21 +170,23 @@ def _joint(kind: Kind) -> Schema:
 
 def _wear() -> dict[str, Schema]:
     """How pin and bush of a joint wear."""
-    rate = {
-        "anyOf": [of.number("m^2/N", "k, volume lost per force and distance", "not negative"), _table_of(COEFFICIENT)]
-    }
-    given = {key: of.field(one) for key, one in FIELDS.items()} | dict.fromkeys(SIDES, rate)
+    hard = _table_of(COEFFICIENT, "Archard's coefficient over the hardness")
+    given: dict[str, Schema] = {}
+    for side in SIDES:
+        said = f"k of the {side}, volume lost per force and distance [m^2/N], or {{ coefficient, hardness }}"
+        given[side] = {"anyOf": [of.number("m^2/N", "k", "not negative"), hard], "description": said}
+    given |= {key: of.field(one) for key, one in FIELDS.items()}
     given["jump"] = {"anyOf": [{"const": "auto"}, of.number("", "cycles", "positive")], "description": "size of jumps"}
-    given["layer"] = _table_of(LAYER)
+    given["layer"] = _table_of(LAYER, "thin layer { E, nu, thickness } from which the foundation follows")
     given["profile"] = {"type": "string", "description": "file beside the model file with the depths that are worn"}
     numbers = {"type": "array", "items": {"type": ["number", "string"]}}
     given[DEPTHS] = of.table(dict.fromkeys(SIDES, numbers), meaning="the same, written out: a number for each bin [m]")
     return {"wear": of.table(given, meaning="how pin and bush wear, for the study of wear")}
 
 
-def _table_of(fields: Mapping[str, Field]) -> Schema:
+def _table_of(fields: Mapping[str, Field], meaning: str) -> Schema:
     needed = [key for key, one in fields.items() if one.default is REQUIRED]
-    return of.table({key: of.field(one) for key, one in fields.items()}, needed)
+    return of.table({key: of.field(one) for key, one in fields.items()}, needed, meaning)
 
 
 def _dimensions(joint: Kind) -> dict[str, Schema]:

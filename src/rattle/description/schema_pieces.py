@@ -82,7 +82,8 @@ def field(one: Field) -> Schema:
         made = {"anyOf": [{"type": "string"}, of_own], "description": meaning}
     else:
         made = number(one.unit, meaning, one.least)
-    if one.default is not REQUIRED and not callable(one.default) and one.default != math.inf:
+    chosen = one.default is REQUIRED or callable(one.default)
+    if not chosen and not (isinstance(one.default, float) and not math.isfinite(one.default)):
         made["default"] = one.default
     return made
 
