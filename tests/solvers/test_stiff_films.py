@@ -112,3 +112,28 @@ def test_a_pin_at_rest_in_oil_takes_long_steps():
     few, many = (m.simulate(end, t_eval=[end]) for end in (0.05, 0.5))
     assert abs(many["pin.vx"][-1]) < 1e-9  # m/s, some atol
     assert many.stats["steps"] < few.stats["steps"] + 20
+
+
+THIN = """
+format = 1
+ground.points = { O = [0, 0] }
+[bodies]
+crank = { points = { O = [0, 0], A = [0.05, 0] }, center = [0, 0], mass = 0.3, inertia = 1e-4 }
+rod = { bar = ["A", "B"], length = 0.12, mass = 2.558, inertia = 3.07e-3 }
+slider = { points = { B = [0, 0] }, mass = 2.558, inertia = 1e-4 }
+[joints]
+O = { type = "revolute", connect = ["ground.O", "crank.O"] }
+A = { type = "revolute", connect = ["crank.A", "rod.A"], clearance = 2.34e-6, contact = OIL }
+B = { type = "revolute", connect = ["rod.B", "slider.B"], clearance = 2.34e-6, contact = OIL }
+guide = { type = "prismatic", connect = ["ground.O", "slider.B"], axis = 0 }
+[drivers]
+motor = { joint = "O", angle = "12.95*t" }
+"""
+
+
+def test_pins_creep_through_films_of_micrometres_onto_their_bush():
+    """Rates of 1e-8 m/s beside 1 m/s: neither differences for the Jacobian nor the search for contacts may miss them."""
+    oil = '{ model = "lubricated", viscosity = 1.167e-3, length = 6.05e-4, bush_radius = 3.31e-3 }'
+    r = rt.loads(THIN.replace("OIL", oil)).simulate(0.37, t_eval=[0.37], most_steps=900)
+    assert [one.kind for one in r.events] == ["contact"]
+    assert 0.364 < r.events[0].t < 0.366

@@ -242,11 +242,12 @@ def search(m, h, n, side, until):
     bend, turning = bounds(m, h, n)
     slight = rounding(m, n)
     left, gap, rate, right = 0.0, side * memory[at.GAP_0], side * memory[at.DGAP_0], until
+    least = min(gap, 0.0) - slight  # of all samples: between two a slow gap may fall by less than rounding
     begin, at_begin, rate_begin = left, gap, rate  # the last sample that was positive, or rising
     end, end_rate = gap_at(m, right, n)
     end, end_rate = side * end, side * end_rate
     for _ in range(FEW_LOOKS if m.contact[n, at.IMPACT] == 1 else MOST_LOOKS):
-        dt, least = (right - left) * h, min(gap, 0.0) - slight
+        dt = (right - left) * h
         tiny = dt <= 4e-16 * abs(t) or right - left <= 1e-12
         round_, distance = sweep(m, n, bend, dt, max(gap, end) if side > 0.0 else 0.0)
         curve = bend + round_ * round_ * distance
