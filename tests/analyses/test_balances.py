@@ -28,6 +28,8 @@ def test_energy_audit_closes(runs, name):
     # tolerances are 1e-8 and finer per step, steps up to 1e4; in metres and radians, so small energies need a floor;
     # Moreau-Jean has order one: its step of 1e-4 of the run leaves a few times that
     share = 1e-3 if r.provenance["method"] == "moreau" else 1e-6
+    if r.films and r.provenance["method"] == "event":  # what an impact leaves to a film is lost within a part of a step
+        share = 2e-5
     assert r.trust.energy_balance < share * turned_over + 1e-7
     total = r["energy.kinetic"] + r["energy.potential"] - r["energy.work"] + r["energy.dissipated"]
     assert r["energy.balance"] == pytest.approx(total - total[0], abs=1e-12 * turned_over)

@@ -132,7 +132,7 @@ motor = { joint = "O", angle = "12.95*t" }
 
 
 def test_pins_creep_through_films_of_micrometres_onto_their_bush():
-    """Rates of 1e-8 m/s beside 1 m/s: neither differences for the Jacobian nor the search for contacts may miss them."""
+    """Rates of 1e-8 m/s beside 1 m/s: neither the Jacobian nor the search for contacts may miss them."""
     oil = '{ model = "lubricated", viscosity = 1.167e-3, length = 6.05e-4, bush_radius = 3.31e-3 }'
     r = rt.loads(THIN.replace("OIL", oil)).simulate(0.37, t_eval=[0.37], most_steps=900)
     assert [one.kind for one in r.events] == ["contact"]
