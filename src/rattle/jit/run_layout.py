@@ -45,8 +45,10 @@ declare("iteration", """
     ROUNDS [] iterations for the stages of the last step
     CONTRACTION [] ratio of the last two corrections
     FAILED [] 1 if the last attempt found no stages
+    JACOBIAN_H [s] length of the step for which the Jacobian was taken
+    BEARS [s] longest step for which stages are likely to be found
 """)
-JACOBIAN_T, STALE, FACTORED_H, KEPT_T, KEPT_H, ROUNDS, CONTRACTION, FAILED = range(8)
+JACOBIAN_T, STALE, FACTORED_H, KEPT_T, KEPT_H, ROUNDS, CONTRACTION, FAILED, JACOBIAN_H, BEARS = range(10)
 declare("audit", """
     OPEN_LIMIT [] openness beyond which a step is rejected
     UNREST_LIMIT [] share of the turnover beyond which unrest rejects a step

@@ -180,7 +180,7 @@ ARRAYS = {
     "shifted_order": Array("i1", "n", "", "rows exchanged in `shifted`"),
     "pair_order": Array("i1", "2 n", "", "rows exchanged in `shifted_pair`"),
     "newton": Array("f2", "19, ny or 2 n", "", "increments of the stages and their corrections"),
-    "iteration": Array("f1", "8", "", "what is known of the iteration"),
+    "iteration": Array("f1", "10", "", "what is known of the iteration"),
     "clock": Array("f1", "10", "s", "of the run"),
     "tally": Array("i1", "13", "", "counts of the run"),
     "sign": Array("f1", "nw", "", "sign of every monitored force"),

@@ -28,8 +28,9 @@ from rattle.jit.small_matrices import factor_lu, solve_lu
 INCREMENT = 1e-10  # of positions and angles, as a share of the mechanism's size and of 1 rad, at most
 SMALLEST = 1e-13  # the same, at least
 SHALLOW = 0.01  # of the least penetration
-FASTER = 1e-8  # of rates as a share of the largest, of states as a share of each
+FASTER = 1e-9  # of rates as a share of the largest, of states as a share of each
 INSIDE = 1e-3  # share of the step after which J is taken
+NEARLY = 1.5  # ratio to a shorter step for which J is as good
 # rows of `newton`: increments of a stage that is expected, scratch, a derivative, the derivative to which J belongs
 AHEAD, WORK, MOVED, AT_RATE = 1, 12, 13, 14
 
@@ -38,7 +39,7 @@ def implicit_arrays(bodies: int, states: int, ny: int) -> dict[str, np.ndarray]:
     """Arrays of an implicit stepper for `bodies` bodies, `states` states of elements and a state of ny numbers."""
     n = 3 * bodies + states
     iteration = np.zeros(at.width("iteration"))
-    iteration[at.STALE], iteration[at.JACOBIAN_T] = 1.0, -np.inf
+    iteration[at.STALE], iteration[at.JACOBIAN_T], iteration[at.BEARS] = 1.0, -np.inf, np.inf
     return {
         "jacobian": np.zeros((n, n + 3 * bodies)),
         "shifted": np.zeros((n, n)),
@@ -108,9 +109,10 @@ def differentiate(m, t, h, ahead):
         k = acting(m, c)
         start = trial[k]
         if c < 2 * nq:
-            step = least * (1.0 if c % 3 == 2 else reach)
-            if c >= nq:  # one that changes the position by as much within the step, or a share of the rates
-                step = max(step / h, FASTER * (turning if c % 3 == 2 else speed))
+            size = 1.0 if c % 3 == 2 else reach
+            step = least * size
+            if c >= nq:  # one that changes the position within the step by more than rounding, or a share of the rates
+                step = max(SMALLEST * size / h, FASTER * (turning if c % 3 == 2 else speed))
                 step = step if start >= 0.0 else -step  # away from rest, where the force of a film has a kink
         else:
             step = FASTER * (abs(y[k]) + h * abs(f[k])) + FASTER * FASTER
@@ -122,14 +124,15 @@ def differentiate(m, t, h, ahead):
             jacobian[r, c] = (moved[j] - base[j]) / step
         trial[k] = start
     m.tally[at.EVALUATIONS] += jacobian.shape[1] + 1
-    iteration[at.JACOBIAN_T], iteration[at.STALE], iteration[at.FACTORED_H] = t, 0.0, 0.0
+    iteration[at.JACOBIAN_T], iteration[at.JACOBIAN_H] = t, h
+    iteration[at.STALE], iteration[at.FACTORED_H] = 0.0, 0.0
 
 
 @compiled
-def is_current(m, t):
-    """True if J was taken at the present start of the step, t [s], with the same derivative."""
+def is_current(m, t, h):
+    """True if J was taken for this step from t [s] of length h [s], or one not much longer, with this derivative."""
     f, then = m.rate, m.newton[AT_RATE]
-    if m.iteration[at.JACOBIAN_T] != t:
+    if m.iteration[at.JACOBIAN_T] != t or m.iteration[at.JACOBIAN_H] > NEARLY * h:
         return False
     for n in range(f.shape[0]):
         if f[n] != then[n]:

@@ -57,9 +57,11 @@ MOST_ROUNDS = 8
 CONVERGED, SLOW, NO_NUMBER = 0, 1, 2  # outcome of an iteration
 FINE = 1e-8  # error of the iteration, as a share of the increments, that counts as converged whatever the tolerances
 ROUNDING = 2e-15
+STUCK, ROUGH = 0.01, 1e-6  # of the tolerances and increments: corrections that rounding of stiff forces may cause
 SLOW_RATE = 0.03  # ratio of two corrections above which the next step takes a new Jacobian
 HALF = (0.9 / 0.5) ** 4  # error that makes the next attempt half as long
 BEARABLE = 0.15  # ratio of two corrections that the next step may have; it is proportional to the step at most
+REMEMBERED, REGROWTH = 0.6, 1.2  # share of a step that failed which the next ones may reach, and how that grows
 CONTINUED = 3.0  # growth of the step up to which stages are continued
 
 
@@ -165,10 +167,11 @@ def iterate(m, t, h, rtol, atol, tame):
         if k > 0:
             rate = size / before if before > 0.0 else 0.0
             left = rate / (1.0 - rate) * size if rate < 1.0 else math.inf
-            if before > FINE * whole:  # below that rounding counts
+            rough = min(STUCK, ROUGH * whole)
+            if before > max(rough, FINE * whole):  # below that rounding counts
                 iteration[at.CONTRACTION] = rate
             if rate >= 1.0 or left * rate ** (MOST_ROUNDS - 1 - k) > enough:
-                return (CONVERGED if size < enough else SLOW), changed
+                return (CONVERGED if size < max(enough, rough) else SLOW), changed
         if left <= min(enough, max(least, FINE * whole)):
             return CONVERGED, changed
         before = size
@@ -180,7 +183,7 @@ def solve_stages(m, t, h, rtol, atol, tame):
     """The same with the Jacobian at hand or, if that does not do, a new one."""
     iteration = m.iteration
     outcome, changed = SLOW, 0
-    current = is_current(m, t)
+    current = is_current(m, t, h)
     if iteration[at.STALE] == 1.0 and not current:
         differentiate(m, t, h, guess(m, t, h))
         current = True
@@ -197,7 +200,8 @@ def solve_stages(m, t, h, rtol, atol, tame):
         differentiate(m, t, h, guess(m, t, h))
         current = True
     slow = iteration[at.ROUNDS] > 2.0 and iteration[at.CONTRACTION] > SLOW_RATE
-    iteration[at.FAILED] = 1.0 if outcome != CONVERGED else iteration[at.FAILED]
+    if outcome != CONVERGED:
+        iteration[at.FAILED], iteration[at.BEARS] = 1.0, REMEMBERED * h
     iteration[at.STALE] = 1.0 if outcome != CONVERGED or slow else 0.0
     return outcome, changed
 
@@ -232,13 +236,14 @@ def end_stages(m, t, h):
 
 
 @compiled
-def held_back(m, error):
+def held_back(m, h, error):
     """The error of a step or a larger one, so that the next is not longer than the iteration is likely to bear."""
     iteration = m.iteration
     bearable = BEARABLE / max(iteration[at.CONTRACTION], 1e-3)
-    growth = 1.0 if iteration[at.FAILED] == 1.0 else max(1.0, bearable)
+    growth = 1.0 if iteration[at.FAILED] == 1.0 else max(1.0, min(bearable, iteration[at.BEARS] / h))
     if error <= 1.0:
         iteration[at.FAILED] = 0.0
+        iteration[at.BEARS] *= REGROWTH
     return max(error, (0.9 / growth) ** 4)
 
 
@@ -267,7 +272,7 @@ def step(m, t, h, rtol, atol, tame):
         derivative(m, t, stage, m.newton[MOVED])
         m.tally[at.EVALUATIONS] += 1
         error = error_of(m, m.newton[MOVED], h, wide, atol)
-    return held_back(m, error), changed
+    return held_back(m, h, error), changed
 
 
 @compiled
