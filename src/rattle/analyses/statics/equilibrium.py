@@ -125,8 +125,15 @@ class Equilibrium:
         ]
         return table(("body", "x", "y", "angle"), rows, str(self), forces)
 
+    @property
+    def floats(self) -> bool:
+        """True if a pin floats on oil, whose speeds may make it whirl where it is stable at rest: `modes` says that."""
+        column = self.table.column
+        return any(f"{name}.film_thickness" in column and self[f"{name}.regime"] != DRY for name in self.normals)
+
     def __str__(self) -> str:
-        return self.described("stable" if self.stable else "neutral" if self.eigenvalue == 0.0 else "unstable")
+        stable = "stable statically (whether oil makes it whirl, its modes say)" if self.floats else "stable"
+        return self.described(stable if self.stable else "neutral" if self.eigenvalue == 0.0 else "unstable")
 
     def described(self, kind: str) -> str:
         """The equilibrium in words, its kind first: "stable" or what else is known of it."""

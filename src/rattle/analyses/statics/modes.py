@@ -108,7 +108,9 @@ class Modes:
         rest, grows = self.equilibrium, self.growth > 0.0
         divergent = np.isnan(self.omega).any()
         if not grows.any():
-            return rest.described("held by forces without a potential") if rest.eigenvalue < 0.0 else str(rest)
+            if rest.eigenvalue < 0.0:
+                return rest.described("held by forces without a potential")
+            return rest.described("stable") if rest.stable else str(rest)
         if divergent and rest.eigenvalue < 0.0:
             return str(rest)
         if any(self.whirl):
