@@ -271,6 +271,9 @@ def test_rates_and_layers_are_read_in_their_units():
     layer = {"E": "2 GPa", "nu": 0.3, "thickness": "0.5 mm"}
     made = m.set({"joints.O.wear": {"bush": 1e-13, "layer": layer}}).model.joints["O"].wear
     assert made.foundation == pytest.approx(0.7 * 2e9 / (1.3 * 0.4 * 0.5e-3))
+    hollow = m.set({"joints.O.wear.depths": {"bush": [1e-6] * 360}})
+    assert any("takes the bush as round" in one for one in hollow.with_contact("impact").model.remarks)
+    assert not hollow.model.remarks
     fitted = m.set({"joints.O.wear": {"bush": 1e-13}}).model.joints["O"].wear
     assert "as by 'johnson'" in fitted.assumed
 

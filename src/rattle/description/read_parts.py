@@ -234,9 +234,7 @@ class Parts(FieldReader):
         if "friction" in given:
             block = next(iter(dimensions.values()), ())
             friction = joint_friction(self, given["friction"], found, block, clearance > 0.0, (*path, "friction"))
-        wear = None
-        if "wear" in given:
-            wear = read_wear(self, given["wear"], found, clearance, contact, given.get("contact"), (*path, "wear"))
+        wear, contact = read_wear(self, given, found, clearance, contact, (*path, "wear"))
         self.joints[name] = Joint(
             name, found.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear
         )

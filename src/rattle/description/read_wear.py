@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from rattle import registry
@@ -43,13 +44,25 @@ SUNK = 0.01  # penetration over clearance at which the foundation is fitted to t
 
 
 def read_wear(
+    reader: FieldReader, given: Mapping[str, Any], joint: registry.Kind, clearance: float, contact: Contact | None,
+    path: Path,
+) -> tuple[Wear | None, Contact | None]:  # fmt: skip
+    """The wear of one joint, None if it has none or after a problem; and its contact, of which it uses the length.
+
+    clearance [m], 0 if there is none; given: the joint as it is written.
+    """
+    if "wear" not in given:
+        return None, contact
+    if contact is not None:
+        contact = replace(contact, unused=tuple(key for key in contact.unused if key != "length"))
+    return _wear(reader, given["wear"], joint, clearance, contact, given.get("contact"), path), contact
+
+
+def _wear(
     reader: FieldReader, written: Any, joint: registry.Kind, clearance: float, contact: Contact | None, given: Any,
     path: Path,
 ) -> Wear | None:  # fmt: skip
-    """The wear of one joint; None after a problem.
-
-    clearance [m] (0 if there is none); given: its contact as it is written, of which the length is read.
-    """
+    """The wear as it is written; given: the contact as it is written."""
     values = reader.values
     play = registry.play_of(joint.name)
     if play is None or play.name not in registry.kinds("worn"):
@@ -88,6 +101,9 @@ def read_wear(
     profile = _profile(reader, table, int(bins), path)
     if len(values.problems) > before:
         return None
+    if profile is not None and contact.acts and contact.normal is None:
+        said_ = f"contact '{contact.title}' takes the bush as round; a compliant one knows its profile"
+        values.remarks.append(f"{'.'.join(map(str, path))}: {said_}")
     return Wear(
         rates[0], rates[1], bed, radius, length, int(bins), read["smooth"], read["cycle"], read["cycles"], jump,
         read["wall"], profile, assumed,
