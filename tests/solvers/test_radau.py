@@ -111,3 +111,14 @@ def test_steps_end_where_an_expression_switches_and_motion_dies_away():
     assert one.stats["switchings"] == other.stats["switchings"] == 1
     for name in ("arm.angle", "jaw.x"):
         assert one[name] == pytest.approx(other[name], abs=1e-8)
+
+
+@pytest.mark.parametrize("rtol", [1e-7, 3e-8, 1e-8])
+def test_switches_of_equal_expressions_do_not_undo_each_other(rtol):
+    """Limits of the voltage and of its integral part are one function, whose sign rounding has where it is 0."""
+    m = rt.example("dc_motor_pid")
+    one = m.simulate(0.02, t_eval=[0.0, 0.02], method="radau", rtol=rtol)
+    other = m.simulate(0.02, t_eval=[0.0, 0.02], rtol=1e-10)
+    assert one.success, one.message
+    assert one.stats["switchings"] <= 6
+    assert one["arm.omega"] == pytest.approx(other["arm.omega"], rel=100 * rtol)

@@ -180,12 +180,17 @@ def land(m, t, h, t_end, go_on):
 
 @compiled
 def turn(m, t, y, who, h):
-    """Switch `who` changes its branch at (t, y), and with it all whose sign has changed; h: usual step [s]."""
+    """Switch `who` changes its branch at (t, y), and with it all whose sign has changed; h: usual step [s].
+
+    Again at the same time it changes alone: switching functions that are equal are 0 together, and there rounding has
+    a sign that would undo what the first of them has done.
+    """
     switch, code, landing = m.switch, m.code, m.landing
+    again = t - landing[at.LAST_TURN] <= CLOSE * h
     see(m, t, y)
     for n in range(switch.shape[0]):
         row = switch[n, at.OWN_CODE]
-        if n == who or argument(m, n, t) * code[row, SIDE] < 0.0:
+        if n == who or (not again and argument(m, n, t) * code[row, SIDE] < 0.0):
             code[row, SIDE] = -code[row, SIDE]
             landing[at.TURNS] += 1.0
     take_sides(m, t)
@@ -195,7 +200,7 @@ def turn(m, t, y, who, h):
         landing[at.TURNS] += 1.0
         stay_at_rest(m, t, y)
         decide(m, t, y, who - switch.shape[0] if who >= switch.shape[0] else -1, 1)
-    landing[at.AGAIN] = landing[at.AGAIN] + 1.0 if t - landing[at.LAST_TURN] <= CLOSE * h else 0.0
+    landing[at.AGAIN] = landing[at.AGAIN] + 1.0 if again else 0.0
     landing[at.LAST_TURN] = t
 
 
