@@ -118,6 +118,30 @@ def test_modes_of_a_journal_are_those_of_another_program(mass, root):
         assert "whirl" not in str(found) + found.about
 
 
+def test_an_equilibrium_of_a_floating_pin_claims_no_more_than_statics():
+    """It may whirl; about modes that all die away it is stable, and where surfaces are indented no film has a thickness."""
+    load = static_short(0.5)[0] * UNIT
+    whirls, rests = (rotor(load, mass=mass * load / (C * W**2)) for mass in (8, 5))
+    for m in (whirls, rests):
+        assert str(m.equilibrium()[0]).startswith("stable statically (whether oil makes it whirl, its modes say), ")
+    assert whirls.modes().about.startswith("stable statically, unstable by oil whirl")
+    assert rests.modes().about.startswith("stable, ")
+    indented = rotor(500.0, speed=0.1, contact=oil("finite")).equilibrium()[0]
+    assert indented["O.film_thickness"] < 0.0 < indented["O.normal"] < 499.0
+    assert "um of oil" not in str(indented)
+    assert "O is carried by oil between asperities (e/c 1." in str(indented)
+
+
+def test_a_film_that_pulls_too_leaves_no_direction_free():
+    """Stiffness of a full film is only that across: its eigenvalues are imaginary, and every mass whirls."""
+    m = rotor(50.0, contact=oil(cavitation='"full"'))
+    one, found = m.equilibrium()[0], m.modes()
+    assert (one.eigenvalue, one.neutral, one.stable) == (0.0, 0, False)
+    assert str(one).startswith("held only across its displacements, stiffness 0 N/m, O floats on ")
+    assert found.about.startswith("unstable by oil whirl, ")
+    assert found.whirl[0].joint == "O"
+
+
 def test_the_threshold_of_whirl_is_where_theory_has_it():
     """The least mass that whirls, and the eccentricity from which none does."""
     for e, critical in [(0.1, 7.514608561), (0.45, 6.410664672), (0.7, 13.16109701)]:

@@ -298,10 +298,11 @@ class StaticProblem:
             h = self.hessian(q, null)
             largest = float(np.abs(h).max())
             even = float(np.abs(h - h.T).max()) <= 1e-9 * largest  # conservative loads
-            values = np.linalg.eigvalsh(0.5 * (h + h.T)) if even else np.linalg.eigvals(h).real
+            roots = np.linalg.eigvalsh(0.5 * (h + h.T)) if even else np.linalg.eigvals(h)
+            values = roots.real
             # only what is within rounding counts as zero: a soft direction beside a stiff contact is not neutral
             tiny = max(1e-8 * self.force_scale() / system.size, 1e-13 * float(np.abs(values).max()))
-            neutral, falling = int((np.abs(values) < tiny).sum()), int((values <= -tiny).sum())
+            neutral, falling = int((np.abs(roots) < tiny).sum()), int((values <= -tiny).sum())
             eigenvalue = float(values.min()) if abs(values.min()) >= tiny else 0.0
         force_at(workspace, self.t, q, self.out)
         gap = float(np.abs(workspace.rows[:, at.RES]).max(initial=0.0))

@@ -96,7 +96,10 @@ class Equilibrium:
 
     @property
     def stable(self) -> bool:
-        """True if the mechanism returns after every small displacement (all eigenvalues positive)."""
+        """True if the mechanism returns after every small displacement (all eigenvalues positive).
+
+        A pin that floats in oil may whirl about such a position all the same: `modes` tells.
+        """
         return self.eigenvalue > 0.0
 
     @property
@@ -128,12 +131,12 @@ class Equilibrium:
     @property
     def floats(self) -> bool:
         """True if a pin floats on oil, whose speeds may make it whirl where it is stable at rest: `modes` says that."""
-        column = self.table.column
-        return any(f"{name}.film_thickness" in column and self[f"{name}.regime"] != DRY for name in self.normals)
+        return any(self._floats(name) for name in self.normals)
 
     def __str__(self) -> str:
         stable = "stable statically (whether oil makes it whirl, its modes say)" if self.floats else "stable"
-        return self.described(stable if self.stable else "neutral" if self.eigenvalue == 0.0 else "unstable")
+        free = "neutral" if self.neutral else "held only across its displacements"
+        return self.described(stable if self.stable else free if self.eigenvalue == 0.0 else "unstable")
 
     def described(self, kind: str) -> str:
         """The equilibrium in words, its kind first: "stable" or what else is known of it."""
@@ -147,11 +150,17 @@ class Equilibrium:
         hold = f", stiffness {self.eigenvalue:.3g} N/m" if math.isfinite(self.eigenvalue) else ""
         return f"{kind}{hold}{sides}{pins}; balanced to {self.residual:.1g} N, closed to {self.gap:.1g} m"
 
+    def _floats(self, name: str) -> bool:
+        """True if a film carries at least a part of the force in a joint."""
+        return f"{name}.film_thickness" in self.table.column and bool(self[f"{name}.regime"] != DRY)
+
     def _pin(self, name: str, normal: float) -> str:
         """How a pin is held, in words: pressed with `normal` [N], or by a film of oil."""
-        if f"{name}.film_thickness" not in self.table.column or self[f"{name}.regime"] == DRY:
+        if not self._floats(name):
             return f"{name} presses with {normal:.4g} N"
         dry = f" and presses with {normal:.4g} N" if normal > 0.0 else ""
+        if self[f"{name}.film_thickness"] <= 0.0:
+            return f"{name} is carried by oil between asperities (e/c {self[f'{name}.eccentricity']:.4f}){dry}"
         floats = f"{name} floats on {1e6 * self[f'{name}.film_thickness']:.4g} um of oil"
         return f"{floats} (e/c {self[f'{name}.eccentricity']:.4f}){dry}"
 
