@@ -226,6 +226,12 @@ def test_the_summary_of_a_run_says_how_thin_the_film_gets_and_what_it_costs():
     assert film_table(rt.example("slider_crank_play").simulate(1e-6)) == ""
 
 
+def test_the_summary_has_a_crank_at_rest_at_zero_degrees():
+    """Its angle may be 0 less rounding, which is no turn of 360 degrees."""
+    m = rt.loads(SLIDER_CRANK.replace("CONTACT", oil(0.4, 0.02))).set({"drivers.motor.angle": "-1e-6*t"})
+    assert m.simulate(1e-6, t_eval=[0.0, 1e-6]).films["B"].at_angle == 0.0
+
+
 def test_a_run_notes_what_the_film_leaves_out():
     for contact, speed, said in [
         (oil(0.05, 0.01), 100.0, "a short film is too strong"),

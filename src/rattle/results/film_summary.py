@@ -21,11 +21,15 @@ HEAD = (
     "leakage",
     "heats by",
 )
+ROUNDING = 1e-9  # [rad] by which an angle may be short of a whole turn
 WIDTHS = (12, 12, 11, 14, 12, 12, 7, 15, 10)  # of the columns after the name
 
 
 class FilmSummary(NamedTuple):
-    """The oil film of one joint over a whole run; means over time from the outputs, the least film within the steps."""
+    """The oil film of one joint over a whole run.
+
+    The least film is found within the steps; pressure, power and means over time are those of the outputs.
+    """
 
     least_film: float  # [m]
     at_t: float  # when it is that thin [s]
@@ -77,7 +81,8 @@ def _crank(result: Curves, t: float) -> float:
     """Angle [rad] of the first driven joint at t [s], within one turn; nan if there is none."""
     for name in result.geometry["driven"]:
         if f"{name}.angle" in result:
-            return float(np.interp(t, result.t, result[f"{name}.angle"])) % (2.0 * math.pi)
+            angle = float(np.interp(t, result.t, result[f"{name}.angle"])) % (2.0 * math.pi)
+            return angle if angle < 2.0 * math.pi - ROUNDING else 0.0
     return math.nan
 
 
