@@ -119,7 +119,7 @@ def test_modes_of_a_journal_are_those_of_another_program(mass, root):
 
 
 def test_an_equilibrium_of_a_floating_pin_claims_no_more_than_statics():
-    """It may whirl; about modes that all die away it is stable, and where surfaces are indented no film has a thickness."""
+    """It may whirl; if all modes die away it is stable, and where surfaces are indented no film has a thickness."""
     load = static_short(0.5)[0] * UNIT
     whirls, rests = (rotor(load, mass=mass * load / (C * W**2)) for mass in (8, 5))
     for m in (whirls, rests):
