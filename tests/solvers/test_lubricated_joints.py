@@ -226,6 +226,13 @@ def test_the_summary_of_a_run_says_how_thin_the_film_gets_and_what_it_costs():
     assert film_table(rt.example("slider_crank_play").simulate(1e-6)) == ""
 
 
+def test_a_least_film_before_the_first_output_is_at_no_known_angle():
+    m = rt.loads(SLIDER_CRANK.replace("CONTACT", oil(0.4, 0.02)))
+    one = m.simulate(0.006, t_eval=np.linspace(0.0055, 0.006, 3)).films["B"]
+    assert one.at_t < 0.0055
+    assert math.isnan(one.at_angle)
+
+
 def test_the_summary_has_a_crank_at_rest_at_zero_degrees():
     """Its angle may be 0 less rounding, which is no turn of 360 degrees."""
     m = rt.loads(SLIDER_CRANK.replace("CONTACT", oil(0.4, 0.02))).set({"drivers.motor.angle": "-1e-6*t"})

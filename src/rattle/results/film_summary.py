@@ -33,7 +33,7 @@ class FilmSummary(NamedTuple):
 
     least_film: float  # [m]
     at_t: float  # when it is that thin [s]
-    at_angle: float  # of the crank then, 0 to 2 pi [rad]: of the first driven joint; nan if it has no angle
+    at_angle: float  # of the crank then, 0 to 2 pi [rad]: of the first driven joint; nan if there is none
     peak_pressure: float  # [Pa]
     mean_power: float  # lost in the film and to dry friction [W]
     peak_power: float  # [W]
@@ -78,11 +78,11 @@ def _mean(t: np.ndarray, values: np.ndarray) -> float:
 
 
 def _crank(result: Curves, t: float) -> float:
-    """Angle [rad] of the first driven joint at t [s], within one turn; nan if there is none."""
+    """Angle [rad] of the first driven joint at t [s], within one turn; nan if there is none or no output up to t."""
     for name in result.geometry["driven"]:
         if f"{name}.angle" in result:
-            angle = float(np.interp(t, result.t, result[f"{name}.angle"])) % (2.0 * math.pi)
-            return angle if angle < 2.0 * math.pi - ROUNDING else 0.0
+            angle = float(np.interp(t, result.t, result[f"{name}.angle"], left=math.nan)) % (2.0 * math.pi)
+            return 0.0 if angle >= 2.0 * math.pi - ROUNDING else angle
     return math.nan
 
 
