@@ -274,6 +274,10 @@ def test_rates_and_layers_are_read_in_their_units():
     hollow = m.set({"joints.O.wear.depths": {"bush": [1e-6] * 360}})
     assert any("takes the bush as round" in one for one in hollow.with_contact("impact").model.remarks)
     assert not hollow.model.remarks
+    oil = {"model": "lubricated", "viscosity": 0.05, "length": L, "bush_radius": R}
+    assert hollow.set({"joints.O.contact": oil}).model.joints["O"].worn is None
+    with pytest.raises(rt.ModelError, match="oil film of a worn bush is not known"):
+        m.set({"joints.O.contact": oil}).wear(10)
     fitted = m.set({"joints.O.wear": {"bush": 1e-13}}).model.joints["O"].wear
     assert "as by 'johnson'" in fitted.assumed
 

@@ -164,8 +164,10 @@ class Joint:
 
     @property
     def worn(self) -> Wear | None:
-        """Wear of a joint whose contact is between two profiles; None if its surfaces are round."""
-        if self.wear is None or self.wear.profile is None or self.contact is None or self.contact.normal is None:
+        """Wear of a joint whose contact is between two profiles; None if its surfaces are round, as those in oil."""
+        if self.wear is None or self.wear.profile is None or self.contact is None:
+            return None
+        if self.contact.normal is None or self.contact.film is not None:
             return None
         return self.wear
 

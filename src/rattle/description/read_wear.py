@@ -101,8 +101,8 @@ def _wear(
     profile = _profile(reader, table, int(bins), path)
     if len(values.problems) > before:
         return None
-    if profile is not None and contact.acts and contact.normal is None:
-        said_ = f"contact '{contact.title}' takes the bush as round; a compliant one knows its profile"
+    if profile is not None and contact.acts and (contact.normal is None or contact.film is not None):
+        said_ = f"contact '{contact.title}' takes the bush as round; a compliant one without oil knows its profile"
         values.remarks.append(f"{'.'.join(map(str, path))}: {said_}")
     return Wear(
         rates[0], rates[1], bed, radius, length, int(bins), read["smooth"], read["cycle"], read["cycles"], jump,
