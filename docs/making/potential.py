@@ -52,7 +52,7 @@ def _level_lines(ax) -> None:
 
 
 def _over_short(ax) -> None:
-    """Resistance over that of the short film as the eccentricity grows, for a pin that turns and one that approaches."""
+    """Resistance over that of the short film as the eccentricity grows, towards the bush and across."""
     e = np.linspace(0.0, 0.99, 100)
     for ratio, colour in zip(LENGTHS, CURVES, strict=False):
         finite, short = (rt.Film(**BEARING, length=2.0 * ratio, model=model) for model in ("finite", "short"))
