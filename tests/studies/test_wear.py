@@ -153,6 +153,9 @@ def test_it_ends_at_a_depth_a_volume_and_the_wall():
     written = [text.get_text() for ax in figure.axes for text in ax.texts]
     assert any(f"drawn {factor_of(1e-6 / R):g} times deeper" in one for one in written)
     assert any(one.startswith("bush: 1 ") for one in written)
+    worn = w.mechanism.set({"joints.O.wear.wall": 1e-3}).wear(1000, stop={"volume": 1e-16})
+    assert worn.cycles == 0.0  # it has lost more than that before
+    assert "volume" in worn.outcome
     low, high = w.band("O", "bush")
     assert low < side.deepest < high
     assert w.limiting == ("O", "bush")
@@ -221,6 +224,30 @@ def test_a_study_in_a_folder_goes_on_to_the_same_bits(tmp_path):
         m.set({"joints.O.wear.bush": 1e-13}).wear(60, 6, out=tmp_path / "study")
 
 
+def test_damaged_folders_are_refused_in_words(tmp_path):
+    m = bed(0.1, rate(10.0, 1000))
+    m.wear(2, 1, out=tmp_path)
+    state, manifest = tmp_path / "state.npz", tmp_path / "manifest.json"
+    whole, settings = state.read_bytes(), manifest.read_bytes()
+    flipped = bytearray(whole)
+    flipped[len(whole) // 3] ^= 255
+    with np.load(state) as kept:
+        arrays = dict(kept)
+    for bad in (b"", whole[:5000], bytes(flipped), b"text" * 100):
+        state.write_bytes(bad)
+        with pytest.raises(ValueError, match=r"is damaged .* remove it to begin anew"):
+            m.wear(3, 1, out=tmp_path)
+    for bad, said in ((arrays["depths0"][:, :100], "do not have 360 bins"), (arrays["depths0"] * math.nan, "numbers")):
+        np.savez(state, **{**arrays, "depths0": bad})
+        with pytest.raises(ValueError, match=f"is damaged .*{said}"):
+            m.wear(3, 1, out=tmp_path)
+    state.write_bytes(whole)
+    for bad in (b"", b"[1]", b"null", settings[:50]):
+        manifest.write_bytes(bad)
+        with pytest.raises(ValueError, match="cannot be read"):
+            m.wear(3, 1, out=tmp_path)
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -251,6 +278,8 @@ def test_questions_without_sense_are_refused():
     for arguments, said in (
         ((0,), "cycles"), ((10, 0.5), "at least one cycle"), ((10, "many"), "a number of cycles"),
         ((10, 1, -1.0), "cycle"), ((10, 1, None, {"width": 1}), "stop knows"),
+        ((10, math.nan), "jump must be"), ((10, math.inf), "jump must be"),
+        ((10, 1, None, {"depth": math.nan}), "stop: depth"), ((10, 1, None, {"volume": 0.0}), "stop: volume"),
     ):  # fmt: skip
         with pytest.raises(ValueError, match=said):
             m.wear(*arguments)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import os
+import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ from rattle.description.wear_profile import profile_text
 from rattle.mechanism import Mechanism
 from rattle.studies.ensemble.identity import python_laws
 from rattle.studies.wear.cycle import Sliding, State
-from rattle.studies.wear.pins import Pin, as_documents
+from rattle.studies.wear.pins import Depths, Pin, as_documents
 from rattle.studies.wear.worn import Reached
 from rattle.version import __version__
 
@@ -79,6 +80,7 @@ class Folder:
                 cycle, t, next_, simulated, seen = (float(one) for one in kept["numbers"])
                 state = State(t, kept["y"], kept["speeds"])
                 rows = kept["rows"].tolist()
+                self._check(depths, lost, state)
                 pins = range(len(self._pins))
                 works = [[kept[f"work{k}.{n}"] for n in pins] for k in range(int(seen))]
                 loads = [[kept[f"loads{k}.{n}"] for n in pins] for k in range(int(seen))]
@@ -86,8 +88,16 @@ class Folder:
                 recent = [Sliding(*one, state) for one in zip(works, loads, shares, strict=True)]
                 outcome = str(kept["outcome"])
                 return Reached(depths, cycle, state, recent, next_, int(simulated), outcome, rows, lost)
-        except (OSError, KeyError, ValueError) as error:
+        except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
             raise ValueError(f"{place} is damaged ({error}); remove it to begin anew") from None
+
+    def _check(self, depths: Depths, lost: Depths, state: State) -> None:
+        """Raise ValueError for depths of other sizes, and for what is not a number."""
+        for pin, *both in zip(self._pins, depths, lost, strict=True):
+            if any(one.shape != (2, pin.bins) for one in both):
+                raise ValueError(f"depths of {pin.joint} do not have {pin.bins} bins")
+        if not all(np.isfinite(one).all() for one in (*depths, *lost, state.y, state.speeds, state.t)):
+            raise ValueError("it has values that are not numbers")
 
     def write(self, reached: Reached) -> None:
         """Keep how far the study has come."""
@@ -128,5 +138,5 @@ class Folder:
 def _read(manifest: Path) -> dict[str, Any]:
     try:
         return dict(json.loads(manifest.read_text(encoding="utf-8")))
-    except (OSError, ValueError) as error:
+    except (OSError, TypeError, ValueError) as error:
         raise ValueError(f"{manifest} cannot be read ({error}); give another folder") from None

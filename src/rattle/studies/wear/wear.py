@@ -87,25 +87,26 @@ def _question(
 ) -> Question:  # fmt: skip
     """The arguments, or what the first joint that wears says.  Raises ValueError."""
     said = [joint.wear for joint in m.model.joints.values() if joint.wear is not None]
-    count = arguments.positive("cycles", said[0].cycles if cycles is None else float(cycles))
+    count = arguments.positive("cycles", said[0].cycles if cycles is None else cycles)
     if isinstance(jump, str) and jump != "auto":
         raise ValueError(f'jump must be a number of cycles or "auto", got {jump!r}')
     given = [one.jump for one in said if one.jump == one.jump]
-    size = (given[0] if given else math.nan) if jump is None else math.nan if jump == "auto" else float(jump)
-    if size == size and not size >= 1.0:
+    chosen = jump if jump is not None else given[0] if given else "auto"
+    size = math.nan if chosen == "auto" else arguments.positive("jump", chosen)
+    if size < 1.0:
         raise ValueError(f"jump must be at least one cycle, got {size:g}")
     periods = [one.cycle for one in said if one.cycle == one.cycle]
     period = cycle if cycle is not None else periods[0] if periods else driver_period(m.system)
     if period is None:
         raise ValueError("no driver turns at constant rate; give the duration of a cycle in s")
-    ends = dict(stop or {})
-    if unknown := [key for key in ends if key not in STOPS]:
+    if unknown := [key for key in stop or {} if key not in STOPS]:
         raise ValueError(f"stop knows {' and '.join(STOPS)}, not {unknown[0]!r}")
+    ends = {key: arguments.positive(f"stop: {key}", value) for key, value in (stop or {}).items()}
     settings = m.model.settings
     tolerance = arguments.relative_tolerance(rtol or settings.rtol or RTOL)
     return Question(
-        count, size, arguments.positive("cycle", period), float(ends.get("depth", math.inf)),
-        float(ends.get("volume", math.inf)), tolerance, settings.atol or ATOL * tolerance,
+        count, size, arguments.positive("cycle", period), ends.get("depth", math.inf),
+        ends.get("volume", math.inf), tolerance, settings.atol or ATOL * tolerance,
     )  # fmt: skip
 
 
@@ -274,8 +275,10 @@ def _share(h: Array, g: Array, limit: float) -> float:
 
 
 def _crossing(before: float, after: float, limit: float) -> float:
-    """Share of a jump at which a volume reaches the limit; inf if it does not."""
-    return (limit - before) / (after - before) if before < limit <= after else math.inf
+    """Share of a jump at which a volume reaches the limit, 0 if it has before; inf if it does not."""
+    if before >= limit:
+        return 0.0
+    return (limit - before) / (after - before) if limit <= after else math.inf
 
 
 def _smooth(pin: Pin, h: Array) -> tuple[Array, float]:
