@@ -8,6 +8,7 @@ import rattle as rt
 from rattle.cli.main import main
 from rattle.description.switch_contact import recontact
 from rattle.errors import ModelError
+from rattle.studies import compare
 
 STEEL = {"bush_radius": "20 mm", "bush_material": "steel", "pin_material": "steel"}
 FULL = {"model": "hunt-crossley", "restitution": 0.7, "friction": {"model": "lugre", "mu": 0.2}, **STEEL}
@@ -23,6 +24,17 @@ def test_another_model_keeps_what_it_knows():
     assert recontact("massless-link", "impact") == "impact"
     assert "restitution" not in recontact(FULL, "hertz")  # loses nothing
     assert "tangential_restitution" not in recontact({"model": "impact", "tangential_restitution": 0.1}, "exact")
+
+
+@pytest.mark.nojit
+def test_a_foundation_goes_with_its_geometry_and_needs_no_materials():
+    bed = {"geometry": "foundation", "foundation": 1e12, "length": 0.02}
+    soft = {"model": "flores", "restitution": 0.5, "bush_radius": 0.01, **bed}
+    assert recontact(soft, "exact") == {**soft, "model": "exact"}
+    assert recontact({**soft, "viscosity": 0.05}, "lubricated")["dry"].items() >= bed.items()
+    made, assumed = compare._compliant(rt.example("slider_crank_worn"), ["B"], "hertz")
+    assert not assumed
+    assert not made.model.joints["B"].contact.unused
 
 
 @pytest.mark.nojit

@@ -30,7 +30,9 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
         dry = {**STEEL, "length": old.get("length")} if "dry" not in old else old["dry"]
         old = {"bush_radius": old.get("bush_radius"), **dry}
     keys = ["bush_radius", "friction"]
-    keys += [*plain[model].fields] if model in plain else [*ELASTIC, *(laws[model].fields if model in laws else ())]
+    keys += (
+        [*plain[model].fields] if model in plain else [*_elastic(old), *(laws[model].fields if model in laws else ())]
+    )
     made = {"model": model, **{key: value for key, value in old.items() if key in keys}}
     friction = made.get("friction")
     if model in plain and isinstance(friction, Mapping):
@@ -40,13 +42,19 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
     return made if len(made) > 1 else model
 
 
+def _elastic(old: Mapping[str, Any]) -> list[str]:
+    """Keys of the stiffness of a contact, those of its geometry among them."""
+    geometry = registry.kinds("stiffness").get(str(old.get("geometry")))
+    return [*ELASTIC, *(geometry.fields if geometry is not None else ())]
+
+
 def _oiled(old: Mapping[str, Any], model: str) -> dict[str, Any]:
     """A lubricated contact, with the oil that the table has, and its compliant contact as the dry one."""
     films, laws = film_keys(), registry.kinds("normal")
     made = {"model": model, **{key: value for key, value in old.items() if key in films}}
     if "dry" not in made and old["model"] in laws:
         own = ["model", "friction", *laws[old["model"]].fields]
-        own += ELASTIC if "geometry" in old or "bush_material" in old else ELASTIC[:2]
+        own += _elastic(old) if "geometry" in old or "bush_material" in old else ELASTIC[:2]
         made["dry"] = {key: value for key, value in old.items() if key in own}
     return made
 

@@ -212,7 +212,7 @@ def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechani
         fields = registry.kinds("normal")[written["model"]].fields
         more: dict[str, Any] = {}
         said = []
-        if "stiffness" not in written and not any(key.endswith("material") for key in written):
+        if not any(key == "stiffness" or key.endswith("material") for key in written) and not _bedded(written):
             if one.play.from_materials:
                 radius = written.get("bush_radius")
                 if radius is None:
@@ -236,6 +236,12 @@ def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechani
         if said:
             assumed.setdefault(", ".join(said), []).append(name)
     return made, [f"assumed for the compliant {', '.join(names)}: {said}" for said, names in assumed.items()]
+
+
+def _bedded(written: Mapping[str, Any]) -> bool:
+    """True of a contact with a geometry whose stiffness needs no materials."""
+    known = registry.kinds("stiffness").get(str(written.get("geometry")))
+    return known is not None and "bush_material" not in known.fields
 
 
 def _oiled(m: Mechanism, compliant: Mechanism, loose: list[str], assumed: list[str]) -> Mechanism:
