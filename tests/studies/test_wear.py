@@ -301,7 +301,8 @@ def test_rates_and_layers_are_read_in_their_units():
     made = m.set({"joints.O.wear": {"bush": 1e-13, "layer": layer}}).model.joints["O"].wear
     assert made.foundation == pytest.approx(0.7 * 2e9 / (1.3 * 0.4 * 0.5e-3))
     hollow = m.set({"joints.O.wear.depths": {"bush": [1e-6] * 360}})
-    assert any("takes the bush as round" in one for one in hollow.with_contact("impact").model.remarks)
+    for model in ("impact", "massless-link"):
+        assert any("takes the bush as round" in one for one in hollow.with_contact(model).model.remarks)
     assert not hollow.model.remarks
     oil = {"model": "lubricated", "viscosity": 0.05, "length": L, "bush_radius": R}
     assert hollow.set({"joints.O.contact": oil}).model.joints["O"].worn is None

@@ -101,7 +101,8 @@ def _wear(
     profile = _profile(reader, table, int(bins), path)
     if len(values.problems) > before:
         return None
-    if profile is not None and contact.acts and (contact.normal is None or contact.film is not None):
+    known = registry.kinds("contact").get(contact.model)
+    if profile is not None and known is not None and (known.leaf.contacts or known.leaf.link):
         said_ = f"contact '{contact.title}' takes the bush as round; a compliant one without oil knows its profile"
         values.remarks.append(f"{'.'.join(map(str, path))}: {said_}")
     return Wear(
