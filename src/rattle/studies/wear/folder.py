@@ -96,7 +96,7 @@ class Folder:
         for pin, *both in zip(self._pins, depths, lost, strict=True):
             if any(one.shape != (2, pin.bins) for one in both):
                 raise ValueError(f"depths of {pin.joint} do not have {pin.bins} bins")
-        if not all(np.isfinite(one).all() for one in (*depths, *lost, state.y, state.speeds, state.t)):
+        if not all(np.isfinite(one).all() for one in (*depths, *lost, state.y, state.speeds, np.array(state.t))):
             raise ValueError("it has values that are not numbers")
 
     def write(self, reached: Reached) -> None:
