@@ -13,7 +13,9 @@ import pytest
 import rattle as rt
 from rattle.description.schema import schema
 from rattle.plots.wear import factor_of
+from rattle.solvers.contacts.wear_march import slide_under
 from rattle.studies.wear.chebyshev import integrate
+from rattle.studies.wear.cycle import Cycles, first_places
 
 C, R, L, K = 5e-6, 0.01, 0.01, 1e12  # clearance, radius, length, foundation of the bed
 BED = R * L * K * C  # 500 N
@@ -365,3 +367,23 @@ def test_accuracy_knows_the_hollow_of_a_worn_bush():
     assert along[0] == pytest.approx(
         2.0 * round_[0], rel=1e-3
     )  # twice as far along the rod, whose bush is hollow there
+
+
+def test_loads_of_a_hammering_pin_wear_at_rest_where_they_wore_in_the_run(monkeypatch):
+    """Loads that are put together lose their spread: the same work, but on a narrower arc."""
+    seen, run = [], Cycles.run
+
+    def kept(self, depths, state):
+        seen.append((self, depths, run(self, depths, state)))
+        return seen[-1][2]
+
+    monkeypatch.setattr(Cycles, "run", kept)
+    theta = (np.arange(360) + 0.5) * 2 * math.pi / 360
+    hollow = np.maximum(33e-6 * np.abs(np.cos(theta)) - 30e-6, 0.0).tolist()
+    rt.example("slider_crank_worn").set({"joints.B.wear.depths": {"bush": hollow}}).wear(2, 1)
+    cycles, depths, found = seen[-1]
+    p = cycles.pins[0].parameters(cycles.system.arrays["values"], depths[0])
+    made, sums = np.zeros(720), np.zeros(5)
+    slide_under(p, found.loads[0], first_places(cycles.pins[0], found.loads[0]), made, sums)
+    arcs, rest = (work.reshape(36, 10).sum(axis=1) for work in (found.work[0][0], made[:360]))
+    assert rest == pytest.approx(arcs, abs=0.03 * arcs.max())

@@ -18,7 +18,7 @@ from rattle.equations.worn_contact import DAMPED, OF_N, OF_SLIP, OF_X, OF_Y, sum
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
-LOADS = 256  # rows for the loads of a contact
+LOADS = 2048  # rows for the loads of a contact; means over the blows of a hammering pin wear a narrower arc
 SLIDING, FORCE_X, FORCE_Y, TURNED = range(4)
 FILLED, STEPS_IN_ROW, STEPS_PER_ROW = range(3)  # of `wear_count`
 
