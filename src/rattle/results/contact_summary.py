@@ -194,7 +194,8 @@ def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
         row: tuple[str, ...] = (joint, f"{force:.4g} N", f"{when:.4g} s", f"{mean:.4g} N")
         if one := loose.get(joint):
             row += (f"{100 * one.share:.0f} %", str(one.contacts), str(one.impacts))
-            row += (f"{one.energy_lost:.4g} J", f"{one.power_lost:.4g} W")
+            part = " dry" if f"{joint}.film_thickness" in result else ""  # what its oil loses stands in the oil's table
+            row += (f"{one.energy_lost:.4g} J{part}", f"{one.power_lost:.4g} W{part}")
         rows.append(row + ("-",) * (len(head) - len(row)))
     return head, rows
 

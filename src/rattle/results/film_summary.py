@@ -108,7 +108,8 @@ def film_table(result: Curves) -> str:
     if not rows:
         return ""
     wide = max([len(HEAD[0]), *(len(row[0]) for row in rows)]) + 2
-    return "\n".join(
+    lines = [
         f"{name:{wide}s}" + "".join(f"{cell:>{width}s}" for cell, width in zip(cells, WIDTHS, strict=True))
         for name, *cells in (head, *rows)
-    )
+    ]
+    return "\n".join([*lines, "(least film within the steps; pressure, friction, leakage at the outputs)"])
