@@ -116,10 +116,16 @@ def test_more_effort_finds_more_and_says_when_it_is_enough():
         assert [one.stable for one in found[:2]] == [True, False]
 
 
+@pytest.fixture(scope="module")
+def arm():
+    m = rt.example("balanced_arm")
+    return m, m.equilibrium(effort=0.1)[0]
+
+
 @nojit
 @pytest.mark.parametrize("wrong", [0.0, -3.0, math.nan, math.inf, 1.0001e4, 1e308])
-def test_effort_out_of_its_range_is_refused_everywhere(wrong):
-    m = rt.example("balanced_arm")
+def test_effort_out_of_its_range_is_refused_everywhere(arm, wrong):
+    m, rest = arm
     with pytest.raises(ValueError, match="effort must be"):
         m.equilibrium(effort=wrong)
     with pytest.raises(ValueError, match="effort must be"):
@@ -127,7 +133,7 @@ def test_effort_out_of_its_range_is_refused_everywhere(wrong):
     with pytest.raises(ValueError, match="effort must be"):
         m.modes(effort=wrong)
     with pytest.raises(ValueError, match="effort must be"):
-        m.modes(equilibrium=m.equilibrium()[0], effort=wrong)
+        m.modes(equilibrium=rest, effort=wrong)
 
 
 @pytest.mark.long

@@ -183,9 +183,12 @@ def test_a_pretension_that_stretches_the_strands_by_more_than_their_length_is_re
         rt.loads(text().replace(f"pretension = {T0}", f"pretension = {0.6 * K}")).simulate(0.1)
 
 
-def test_rigid_contacts_beside_an_elastic_belt_are_refused_where_they_can_be_changed():
-    m = rt.loads(text()).set({"joints.two_pin.stop": {"max": 1.0}})
-    with pytest.raises(
-        rt.ModelError, match=r"joints\.two_pin\.stop\.contact: impact and compliant .* a belt is elastic"
-    ):
-        m.simulate(0.1)
+def test_a_rigid_stop_beside_an_elastic_belt_is_hit_and_keeps_the_energy():
+    stop = {"max": 0.01, "contact": {"model": "impact", "restitution": 0.5}}
+    m = rt.loads(text()).set({"joints.two_pin.stop": stop, "initial.two": {"angle": 0, "omega": 3}})
+    r = m.simulate(0.1)
+    assert r.success, r.message
+    hits = [one for one in r.events if one.kind == "impact"]
+    assert hits
+    assert r["two_pin.angle"].max() < 0.01 + 1e-9
+    assert r.trust.energy_balance < 1e-6 * np.abs(r["energy.kinetic"]).max() + 1e-9

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -18,11 +19,13 @@ from rattle.equations.system import System
 from rattle.errors import SolverError
 from rattle.jit import layout as at
 from rattle.solvers.contacts.wear_march import bear_at, slide_under
-from rattle.solvers.contacts.wear_sum import FILLED, FORCE_X, LOADS, STEPS_IN_ROW
+from rattle.solvers.contacts.wear_sum import FILLED, FORCE_X, LOADS, SLIDING, STEPS_IN_ROW
 from rattle.studies.wear.pins import Depths, Pin, enter
 
 Array = NDArray[np.float64]
 FEWEST = 720  # steps in a cycle, at least: what turns passes every bin
+CELL = math.radians(3.0)  # of directions of loads that are put together, and of angles of the pin
+SIZE = 0.4  # of their sizes, relative
 LARGEST = 600  # coordinates of a mechanism whose pins are moved outwards after a jump; larger ones find their places
 
 
@@ -44,21 +47,30 @@ class Sliding(NamedTuple):
 
 
 def together(cycles: Sequence[Sliding]) -> Sliding:
-    """The mean of some cycles, with the state at the end of the last."""
-    if len(cycles) == 1:
-        return cycles[0]
+    """The mean of some cycles, with the state at the end of the last; loads that are nearly equal are put together."""
     share = 1.0 / len(cycles)
     work = [share * sum(parts) for parts in zip(*(one.work for one in cycles), strict=True)]
     loads = [share * np.concatenate(parts) for parts in zip(*(one.loads for one in cycles), strict=True)]
-    while max(map(len, loads)) > LOADS:
-        loads = [_halved(rows) for rows in loads]
+    loads = [merged(rows) for rows in loads]
     return Sliding(work, loads, np.mean([one.shares for one in cycles], axis=0), cycles[-1].state)
 
 
-def _halved(rows: Array) -> Array:
-    """Every second row added to the one before it."""
-    even = rows[: len(rows) // 2 * 2].reshape(-1, 2, 4).sum(axis=1)
-    return np.concatenate([even, rows[len(rows) // 2 * 2 :]])
+def merged(rows: Array) -> Array:
+    """Loads (rows, 4) whose force and angle fall into one cell, added up: their order does not matter.
+
+    Cells are CELL [rad] wide in the direction of the force and the angle of the pin, and SIZE of the force's size.
+    """
+    slid = rows[rows[:, SLIDING] > 0.0]
+    fx, fy, turned = slid[:, FORCE_X:].T / slid[:, SLIDING]
+    size = np.hypot(fx, fy)
+    size, slid, fx, fy, turned = (part[size > 0.0] for part in (size, slid, fx, fy, turned))
+    if not len(slid):
+        return np.asarray(slid)
+    places = np.array([np.arctan2(fy, fx) / CELL, np.log(size / size.max()) / SIZE, turned / CELL])
+    _, which = np.unique(np.round(places), axis=1, return_inverse=True)
+    found = np.zeros((which.max() + 1, 4))
+    np.add.at(found, which.ravel(), slid)
+    return found
 
 
 def first_places(pin: Pin, loads: Array) -> Array:
