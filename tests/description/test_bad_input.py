@@ -17,7 +17,7 @@ from rattle.description import file as model_file
 from rattle.description.reader import read
 from rattle.errors import MOST, ModelError
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 
 TEXT = (Path(__file__).parents[1] / "data" / "full.toml").read_text()
 DOCUMENT = tomllib.loads(TEXT)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import rattle as rt
 from rattle.language.syntax import Apply, Name, Number
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 
 TEXT = (Path(__file__).parents[1] / "data" / "full.toml").read_text()
 EXAMPLES = sorted((Path(rt.__file__).parent / "examples").glob("*.toml"))

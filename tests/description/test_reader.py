@@ -12,7 +12,7 @@ from rattle.description.model import ValueTable
 from rattle.description.reader import read
 from rattle.language.expression import names, value
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 
 BAR = {"bar": ["A", "B"], "length": 1, "mass": 12}
 

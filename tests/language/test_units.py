@@ -26,7 +26,7 @@ from rattle.language.units import (
     unit_name,
 )
 
-pytestmark = pytest.mark.nojit
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 INERTIA = Dimension(2, 1, 0)
 
 

@@ -25,6 +25,7 @@ SHORT = 1e-9  # share of the remaining time down to which a step that fails the 
 COUNTS = 1e-2  # of the tolerances, from which differences between stages show that a step is not stable
 STABLE_SHARE = 0.9  # of the longest stable step, the next one
 REGROWTH = 1.005  # growth of the longest stable step from one step to the next
+TOO_LARGE = 1e130  # of a derivative in SI units
 
 
 @compiled
@@ -49,11 +50,14 @@ def next_step(m, t_end):
 
 @compiled
 def largest_rate(m, f):
-    """Largest of the derivatives f that the tolerances apply to [m/s, m/s^2 ...]; inf if one is not a number."""
+    """Largest of the derivatives f that the tolerances apply to [m/s, m/s^2 ...].
+
+    inf if one is not a number, or so large that its square over the tolerance is none.
+    """
     most = 0.0
     for n in range(2 * m.change.shape[0]):
         most = most if abs(f[n]) <= most else abs(f[n])
-        if not most < math.inf:
+        if not most < TOO_LARGE:
             return math.inf
     return most
 
