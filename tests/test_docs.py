@@ -55,7 +55,8 @@ def test_the_guide_names_every_function_and_state():
 @pytest.mark.parametrize("name", sorted(DOCS))
 def test_links_of_the_guides_lead_somewhere(name):
     for target in re.findall(r"\]\(([^)#:]+)\)", DOCS[name]):
-        assert (ROOT / "docs" / target).exists(), f"{name}: {target}"
+        made = target.startswith("generated/")  # by the build of the pages, which refuses pictures that are not there
+        assert made or (ROOT / "docs" / target).exists(), f"{name}: {target}"
 
 
 def test_the_guide_to_results_explains_every_kind_of_event_and_names_that_exist():
