@@ -98,10 +98,18 @@ def _reach(stage: Scene, body: str) -> Iterator[Array]:
 
 
 def extent(stage: Scene) -> tuple[Array, Array]:
-    """Lower left and upper right corner (2,) [m] of the box that holds everything at every frame."""
+    """Lower left and upper right corner (2,) [m] of the box that holds everything at every frame.
+
+    It is no smaller than a bush: the path of a pin in its clearance alone is no picture of a mechanism.
+    """
     paths = [stage.path(body, p) for body in stage.bodies for p in _reach(stage, body)]
     for part, how in parts(stage.result.geometry):
         paths += [stage.path(body, p) for body, p in how.reach(part.form)]
     everything = np.vstack(paths)
     everything = everything[np.isfinite(everything).all(axis=1)]
-    return everything.min(axis=0), everything.max(axis=0)
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    bush = 2.0 * max((form.get("bush_radius", 0.0) for form in stage.result.geometry["joints"].values()), default=0.0)
+    if float(max(high - low)) < bush:
+        middle = 0.5 * (low + high)
+        low, high = middle - 0.5 * bush, middle + 0.5 * bush
+    return low, high
