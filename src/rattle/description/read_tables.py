@@ -264,19 +264,24 @@ def inside(folder: FilePath, name: str) -> FilePath:
     return place
 
 
+def text_of(place: FilePath, name: str) -> str:
+    """Text of a file; name: as messages call it.  Raises ValueError for one that is too large or cannot be read."""
+    try:
+        if place.stat().st_size > LARGEST:
+            raise ValueError(f"{said(name)} has more than {LARGEST / 1e6:.0f} MB")
+        return place.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise ValueError(f"cannot read {said(name)}: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise ValueError(f"{said(name)} is not UTF-8 text") from None
+
+
 def read_points(place: FilePath, name: str) -> dict[str, Any]:
     """x, y and their units from a file of two columns; name: as messages call it.
 
     Its first line may be a header such as `angle [deg], lift [mm]`.  Raises ValueError with the line.
     """
-    try:
-        if place.stat().st_size > LARGEST:
-            raise ValueError(f"{said(name)} has more than {LARGEST / 1e6:.0f} MB")
-        text = place.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise ValueError(f"cannot read {said(name)}: {error.strerror or error}") from None
-    except UnicodeDecodeError:
-        raise ValueError(f"{said(name)} is not UTF-8 text") from None
+    text = text_of(place, name)
     first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
     split = next((one for one in (";", "\t", ",") if one in first), ",")
     units = ["", ""]

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rattle.description.changes import Change
-from rattle.description.read_tables import LARGEST, inside
+from rattle.description.read_tables import inside, text_of
 from rattle.description.read_values import said
 from rattle.errors import ModelError, Problem
 
@@ -58,16 +58,7 @@ def _of_file(given: Any, folder: Path | None, joint: str) -> dict[str, list[floa
         raise ValueError(f'expected a file beside the model file, such as "pin.wear.csv", got {said(given)}')
     if folder is None:
         raise ValueError(f"{said(given)}: a model that was not read from a file has no folder")
-    place = inside(folder, given)
-    try:
-        if place.stat().st_size > LARGEST:
-            raise ValueError(f"{said(given)} has more than {LARGEST / 1e6:.0f} MB")
-        text = place.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise ValueError(f"cannot read {said(given)}: {error.strerror or error}") from None
-    except UnicodeDecodeError:
-        raise ValueError(f"{said(given)} is not UTF-8 text") from None
-    return parsed(text, given, joint)
+    return parsed(text_of(inside(folder, given), given), given, joint)
 
 
 def parsed(text: str, name: str, joint: str) -> dict[str, list[float]]:
