@@ -13,6 +13,8 @@ from click.core import ParameterSource
 from rattle.cli.output import say_written
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from rattle.results.result import Result
     from rattle.studies.film.bearing import Film
     from rattle.studies.film.journal import JournalPosition
@@ -69,16 +71,14 @@ def film(
     Example:  rattle film --viscosity "50 mPa*s" --length "10 mm" --radius "10 mm" --clearance "50 um"
               rattle film --viscosity 0.02 --length 0.03 --radius 0.05 --clearance 1e-4 --load 1000 --speed "3000 rpm"
               rattle film --viscosity "20 cP" --length .03 --radius .05 --clearance 1e-4 --model short -o chart.svg
-              rattle film --viscosity 0.02 --length 0.03 --radius 0.05 --clearance 1e-4 --load 1000 --boundary-film "1 um" -o stribeck.svg
+              rattle film --of slider_crank_oil --load "500 N" --boundary-film "1 um" -o stribeck.svg
               rattle film --of slider_crank_oil -o load_points.svg
 
     e/c eccentricity over clearance; attitude from the load to the line of centres, in the sense of rotation; f R/c
     coefficient of friction; p_max over load/(2 R L); leakage over R c N L; m c w^2/W the mass from which the pin whirls
     and whirl/w the rate of whirl there, over the speed w ("never": every mass is stable).  With --of the chart has a
     dot for every output of its orbit; dots beside the line carry by squeezing oil.
-    """  # noqa: E501
-    from rattle.studies.film.bearing import Film
-
+    """
     table = output is not None and Path(output).suffix.lower() == ".csv"
     if output is not None and not table and Path(output).suffix.lower() not in PICTURES:
         raise ValueError(f"{output}: a film is written as .csv, or as a picture in .svg, .png or .pdf")
@@ -90,32 +90,42 @@ def film(
     if source is None:
         if joint is not None:
             raise click.UsageError("--joint names a joint of a model: give --of FILE")
-        missing = [f"--{name}" for name in SIZES if bearing[name] is None]
-        if missing:
-            raise click.UsageError(f"missing {', '.join(missing)}; or take them from a model: --of FILE")
-        made = Film(**bearing)  # type: ignore[arg-type]
+        made = _of_sizes(bearing)
     else:
         made, orbit, joint = _of_model(source, joint, bearing)
     found = None if load is None or speed is None else made.static(load, speed)
     lines = [*_locus(made), *(["", *_position(made, found)] if found is not None else [])]
+    curve = None
     if boundary_film is not None and load is not None:
-        lines += ["", *_stribeck(made, load, boundary_film, friction)]
+        curve = made.stribeck(load, boundary_film=boundary_film, friction=friction)
+        lines += ["", f"Stribeck curve at {load}, boundary film {boundary_film}", *_stribeck(curve)]
     click.echo("\n".join(lines))
     for note in made.notes:
         click.echo(f"note: {note}", err=True)
     if output is None:
         return
-    stribeck = {"boundary_film": boundary_film, "friction": friction}
     if table:
-        _write(made.table() if boundary_film is None else made.stribeck(load, **stribeck), output)  # type: ignore[arg-type]
+        _write(made.table() if curve is None else curve, output)
     else:
         from rattle.plots.curves import save_figure
 
-        if boundary_film is not None:
-            save_figure(made.plot_stribeck(load, **stribeck), output)  # type: ignore[arg-type]
+        if boundary_film is not None and load is not None:
+            drawn = made.plot_stribeck(load, boundary_film=boundary_film, friction=friction)
         else:
-            save_figure(made.plot(load, speed, result=orbit, joint=joint or ""), output)
+            drawn = made.plot(load, speed, result=orbit, joint=joint or "")
+        save_figure(drawn, output)
     say_written(output)
+
+
+def _of_sizes(bearing: Mapping[str, str | None]) -> Film:
+    """The film of a bearing that is given by itself.  Raises click.UsageError for sizes that are missing."""
+    from rattle.studies.film.bearing import Film
+
+    given = {name: one for name, one in bearing.items() if one is not None}
+    missing = [f"--{name}" for name in SIZES if name not in given]
+    if missing:
+        raise click.UsageError(f"missing {', '.join(missing)}; or take them from a model: --of FILE")
+    return Film(**given)
 
 
 def _of_model(source: str, joint: str | None, bearing: Mapping[str, str | None]) -> tuple[Film, Result, str]:
@@ -133,20 +143,16 @@ def _of_model(source: str, joint: str | None, bearing: Mapping[str, str | None])
     return made, m.orbit(name), name
 
 
-def _stribeck(made: Film, load: str, boundary_film: str, friction: float) -> list[str]:
+def _stribeck(frame: DataFrame) -> list[str]:
     """The Stribeck curve, a line for each speed."""
-    frame = made.stribeck(load, boundary_film=boundary_film, friction=friction)
-    lines = [
-        f"Stribeck curve at {load}, boundary film {boundary_film}",
-        "speed [rad/s]  friction  dry share  least film",
-    ]
+    lines = ["speed [rad/s]  friction  dry share  least film"]
     for row in frame.iloc[::SPARSE].itertuples():
         share, film = f"{100 * row.dry:.3g} %", f"{1e6 * row.film_thickness:.4g} um"
         lines.append(f"{row.speed:13.4g}  {row.friction:8.4g}  {share:>9}  {film:>10}")
     return lines
 
 
-def _write(frame: Any, path: str) -> None:
+def _write(frame: DataFrame, path: str) -> None:
     from rattle.atomic_file import atomic
 
     with atomic(path) as file:

@@ -42,10 +42,10 @@ def read_lubricated(
     if law is None:
         return None
     left = unused(["model", *KEYS, *law.fields, *kind.fields])
-    chosen = reader.fields(law, table, path)
-    for key, one in law.fields.items():
-        if one.shape == "choice" and chosen[key] == chosen[key]:
-            chosen[key] = one.choices[int(chosen[key])]  # type: ignore[assignment]
+    numbers = reader.fields(law, table, path)
+    chosen = {
+        key: _word(one, numbers[key]) if one.shape == "choice" else numbers[key] for key, one in law.fields.items()
+    }
     rough = _roughness(reader, table, path)
     read: dict[str, float] = {"roughness": rough, "clearance": clearance}
     for key, one in kind.fields.items():
@@ -63,6 +63,11 @@ def read_lubricated(
     )  # fmt: skip
     left += tuple(f"dry.{key}" for key in found.unused if not assumed)
     return replace(found, model=kind.name, film=film, unused=left)
+
+
+def _word(field: registry.Field, number: float) -> str:
+    """The choice with this number; "" after a problem."""
+    return "" if math.isnan(number) else field.choices[int(number)]
 
 
 def _fits(

@@ -160,10 +160,12 @@ def _fitted(contact: Contact, clearance: float, radius: float, length: float) ->
     assert static is not None, "called for a contact with a law"
     if static.kind == "foundation":
         return float(static.values["foundation"]), ""
-    law, bed = registry.kinds("stiffness")[static.kind], registry.kinds("stiffness")["foundation"]
-    depth = SUNK * clearance
-    force = law.kernel.python(depth, [*law.leaf.pack(static.values), 0.0], 0)  # type: ignore[union-attr]
-    found = float(force / bed.kernel.python(depth, [radius * length, clearance], 0))  # type: ignore[union-attr]
+    laws, depth = registry.kinds("stiffness"), SUNK * clearance
+    law, bed = laws[static.kind], laws["foundation"].kernel
+    assert law.kernel is not None, "every law of a stiffness has a kernel"
+    assert bed is not None, "so has the foundation"
+    force = law.kernel.python(depth, [*law.leaf.pack(static.values), 0.0], 0)
+    found = float(force / bed.python(depth, [radius * length, clearance], 0))
     words = f"foundation of {found:.3g} Pa/m: the round pin sinks in by {depth:.3g} m under {force:.3g} N"
     return found, f"{words}, as by '{static.kind}'"
 
