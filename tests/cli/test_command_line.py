@@ -87,7 +87,7 @@ def never(monkeypatch):
         ("kinematics model.toml -o out.bmp", "saved as .nc (netCDF) or .npz"),
         ("compare model.toml -o x.bmp", "a picture needs a name ending in"),
         ("poincare model.toml -o nowhere/x.png", "the folder nowhere does not exist"),
-        ("modes model.toml -o x.html", ".html is not available yet"),
+        ("modes model.toml -o x.html", "only the result of a run becomes a page; use .gif or .mp4 here"),
         ("accuracy model.toml --of a -o x.gif", "a picture needs a name ending in"),
         ("equilibrium model.toml -o x.nc", "they need --path"),
         ("export same.npz -o same.npz", "it is the input file"),

@@ -146,8 +146,8 @@ def test_other_suffixes_are_refused_before_anything_is_drawn(tmp_path, monkeypat
     r = circling()
     with pytest.raises(ValueError, match=r"ending in \.svg, \.png, \.pdf"):
         save_figure(r.plot("O.normal"), tmp_path / "p.bmp")
-    with pytest.raises(ValueError, match=r"\.html is not available yet; use \.gif or \.mp4"):
-        r.animate(tmp_path / "a.html")
+    with pytest.raises(ValueError, match=r"fps, power: only \.gif and \.mp4 have this"):
+        r.animate(tmp_path / "a.html", fps=30, power=True)
     with pytest.raises(ValueError, match=r"ending in \.gif or \.mp4"):
         r.animate(tmp_path / "a.avi")
     with pytest.raises(RuntimeError, match="needs the program ffmpeg"):

@@ -154,7 +154,11 @@ def _labelled(text: str) -> tuple[str, str]:
 @click.command()
 @click.argument("result")
 @click.option(
-    "-o", "--output", metavar="FILE", required=True, help="Animation to write (.gif; .mp4 if ffmpeg is installed)."
+    "-o",
+    "--output",
+    metavar="FILE",
+    required=True,
+    help="Page (.html) or animation to write (.gif; .mp4 if ffmpeg is installed).",
 )
 @click.option(
     "--frames", default=120, show_default=True,
@@ -179,15 +183,21 @@ def animate(
 ) -> None:
     """Animate a saved result, with the pin in its bush magnified beside it.
 
+    A page (.html) is one file that needs no network: play, stop, go back, choose curves and forces, in any browser and
+    on a phone.  --frames and --power are for .gif and .mp4.
+
     \b
-    Example:  rattle animate out.nc -o out.gif
+    Example:  rattle animate out.nc -o out.html
+              rattle animate out.nc -o out.gif
               rattle animate out.nc --trace coupler.O3 --frames 40 -o out.gif
     """
-    from rattle.plots.animation import animate as make
+    from pathlib import Path
+
     from rattle.plots.movie_file import require_film
     from rattle.results.result import load_result
 
-    require_film(output)
+    if Path(output).suffix.lower() != ".html":
+        require_film(output)
     check_files(result, output)
-    make(load_result(result), output, frames=frames, trace=trace, speed=speed, names=names, power=power)
+    load_result(result).animate(output, frames=frames, trace=trace, speed=speed, names=names, power=power)
     say_written(output)

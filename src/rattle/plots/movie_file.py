@@ -25,7 +25,7 @@ def require_film(path: str | os.PathLike[str]) -> None:
 
     suffix = Path(path).suffix.lower()
     if suffix == ".html":
-        raise ValueError(f"{os.fspath(path)}: .html is not available yet; use .gif or .mp4")
+        raise ValueError(f"{os.fspath(path)}: only the result of a run becomes a page; use .gif or .mp4 here")
     if suffix not in FILMS:
         raise ValueError(f"{os.fspath(path)}: an animation needs a name ending in .gif or .mp4")
     if suffix == ".mp4" and not FFMpegWriter.isAvailable():

@@ -323,14 +323,24 @@ class Result:
         self, path: str | os.PathLike[str], *, frames: int = 120, fps: int = 20, trace: Iterable[str] = (),
         dpi: float = 90.0, speed: float | None = None, names: bool = False, power: bool = False,
     ) -> Picture:  # fmt: skip
-        """Write an animation of the mechanism as .gif or .mp4; a notebook shows it.
+        """Write the motion of the mechanism as a page (.html), or as .gif or .mp4; a notebook shows it.
 
-        At most `frames` pictures, evenly spaced in time, shown at `fps` [1/s].  trace: points ("coupler.P") whose
-        paths are drawn.  dpi: resolution [1/inch].  speed: of the animation relative to the motion, 0.1 for ten times
-        slower; it sets the number of frames.  names: label the bodies with their names.  power: arrows show the power
-        that goes through joints, and from drivers and loads, by their width.
+        A page is one file without need of a network, in which one plays, stops, goes back and chooses curves; `frames`,
+        `fps`, `dpi` and `power` are for .gif and .mp4.  At most `frames` pictures, evenly spaced in time, shown at
+        `fps` [1/s].  trace: points ("coupler.P") whose paths are drawn.  dpi: resolution [1/inch].  speed: of the
+        animation relative to the motion, 0.1 for ten times slower; of a .gif or .mp4 it sets the number of frames.
+        names: label the bodies with their names.  power: arrows show the power that goes through joints, and from
+        drivers and loads, by their width.
         Raises ValueError for another suffix or a result without instants, UnknownName, MissingProgram without ffmpeg.
         """
+        if Path(path).suffix.lower() == ".html":
+            from rattle.pages import replay
+
+            replay.animate(
+                self, path, trace=trace, names=names, speed=speed,
+                film={"frames": frames != 120, "fps": fps != 20, "dpi": dpi != 90.0, "power": power},
+            )  # fmt: skip
+            return Picture(Path(path))
         from rattle.plots import animation
 
         animation.animate(

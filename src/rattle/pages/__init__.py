@@ -1,0 +1,1 @@
+"""Self-contained web pages: motion that one can play, turn and send."""

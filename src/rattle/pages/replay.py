@@ -1,0 +1,88 @@
+"""A page that shows one result, or several: a single file, no network, no server."""
+
+from __future__ import annotations
+
+import html
+import math
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rattle.atomic_file import atomic
+from rattle.pages.scene import scene_json, scene_of
+from rattle.pages.viewer_text import viewer_text
+from rattle.plots.orbit import require_point
+from rattle.results.result import Result
+
+# nothing may be asked for from outside: a browser then refuses what a mistake would load
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline' blob:; style-src 'unsafe-inline'; img-src data: blob:; "
+    "worker-src blob:"
+)
+PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="generator" content="{program}">
+<title>{title}</title>
+<link rel="icon" href="data:,">
+<style>html, body {{ margin: 0; height: 100%; }} #rattle {{ min-height: 100%; }}</style>
+</head>
+<body>
+<div id="rattle"></div>
+<noscript>This page shows a motion: it needs JavaScript, which is switched off here.</noscript>
+<script type="application/json" id="scene">{scene}</script>
+<script type="module">
+{viewer}
+const scene = JSON.parse(document.getElementById("scene").textContent);
+window.rattle = mount(document.getElementById("rattle"), scene, {host});
+</script>
+</body>
+</html>
+"""
+
+
+def replay(
+    result: Result, path: str | os.PathLike[str], *, trace: Iterable[str] = (), names: bool = False,
+    speed: float | None = None, ideal: Result | None = None,
+) -> None:  # fmt: skip
+    """Write the page of one result.
+
+    trace: names of points ("coupler.P") whose paths are drawn at first.  names: bodies are labelled at first.
+    speed: of the animation relative to the motion, at first.  ideal: the same mechanism without play, as a ghost.
+    Raises ValueError for a result without motion, UnknownName for an unknown point, OSError.
+    """
+    show: dict[str, Any] = {"traces": list(trace), "names": names, "speed": speed}
+    scene = scene_of([("", result)], ideal=ideal, show=show)
+    for point in show["traces"]:
+        require_point(result, point)
+    write_page(scene, path)
+
+
+def animate(
+    result: Result, path: str | os.PathLike[str], *, trace: Iterable[str], names: bool, speed: float | None,
+    film: Mapping[str, bool],
+) -> None:  # fmt: skip
+    """`Result.animate` for a page; film: settings that only .gif and .mp4 have, and whether they were given."""
+    if given := [key for key, is_given in film.items() if is_given]:
+        raise ValueError(f"{', '.join(given)}: only .gif and .mp4 have this; a page plays all instants, leave it out")
+    if speed is not None and not 0.0 < speed < math.inf:
+        raise ValueError(f"speed must be positive and finite, got {speed:g}")
+    replay(result, path, trace=trace, names=names, speed=speed)
+
+
+def write_page(scene: Mapping[str, Any], path: str | os.PathLike[str]) -> None:
+    """Write a scene with the viewer as one HTML file. Raises OSError."""
+    text = page_text(scene)
+    with atomic(path) as file:
+        file.write_text(text, encoding="utf-8")
+
+
+def page_text(scene: Mapping[str, Any]) -> str:
+    """A scene with the viewer as the text of one HTML file."""
+    return PAGE.format(
+        policy=html.escape(POLICY), program=html.escape(str(scene["program"])), title=html.escape(str(scene["title"])),
+        scene=scene_json(scene), viewer=viewer_text().replace("</script", "<\\/script"), host="{ page: true }",
+    )  # fmt: skip

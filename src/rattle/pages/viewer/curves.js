@@ -1,0 +1,101 @@
+// Curves over time: one panel for each unit, all with the same window of time.
+
+import { Panel } from "./panel.js";
+
+export class Curves {
+  // host: {seek(t), choose(names), invalidate(), mayZoom(event)}
+  constructor(element, host) {
+    this.element = element;
+    this.host = host;
+    this.panels = [];
+    this.chosen = [];
+    this.own = null; // the window of time that a user chose
+    this.version = 0;
+  }
+
+  get shown() { return this.own ?? this.whole; }
+  get whole() {
+    const { start, end } = this.motion;
+    return end > start ? [start, end] : [start - 0.5, start + 0.5];
+  }
+  get span() { return this.shown[1] - this.shown[0]; }
+
+  // others: [{motion, label}], their curves of the same names are dashed.
+  setMotion(motion, others) {
+    this.motion = motion;
+    this.others = others;
+    if (this.own && !(this.own[0] < this.whole[1] && this.own[1] > this.whole[0])) this.own = null;
+    this.setNames(this.chosen.filter((name) => motion.has(name)));
+  }
+
+  setNames(names) {
+    this.chosen = [...new Set(names)];
+    this.version += 1;
+    const units = new Map();
+    for (const name of this.chosen) {
+      const unit = this.motion.unit(name);
+      units.set(unit, [...(units.get(unit) ?? []), name]);
+    }
+    for (const panel of this.panels.filter((one) => !units.has(one.unit))) panel.end();
+    this.panels = [...units.keys()].map((unit) => this.panels.find((one) => one.unit === unit) ?? new Panel(unit, this));
+    for (const panel of this.panels) {
+      const own = units.get(panel.unit);
+      panel.setLines(own, own.flatMap((name, k) => [
+        { name, motion: this.motion, colour: k },
+        ...this.others.filter((one) => one.motion.has(name)).map((one, n) =>
+          ({ name, motion: one.motion, colour: k, label: one.label, dash: n ? [2, 3] : [6, 4] })),
+      ]));
+    }
+    this.element.replaceChildren(...this.panels.map((one) => one.element));
+    this.element.classList.toggle("empty", !this.panels.length);
+  }
+
+  window(range) {
+    this.own = range;
+    this.host.invalidate();
+  }
+
+  // Zoom about a time, then move by a time [s].
+  zoom(t, factor, by) {
+    const [low, high] = this.whole, [from, to] = this.shown;
+    const span = Math.max((high - low) * 1e-5, Math.min(high - low, (to - from) / factor)), share = (t - from) / (to - from);
+    const start = Math.max(low, Math.min(high - span, t - share * span + by));
+    this.own = span > (high - low) * 0.999 ? null : [start, start + span];
+    this.host.invalidate();
+  }
+
+  draw(time, theme) {
+    for (const panel of this.panels) panel.draw(time, theme);
+  }
+
+  destroy() {
+    for (const panel of this.panels) panel.end();
+  }
+}
+
+// Curves that say most about a mechanism, where nobody chose any.
+export function firstChoice(motion, pins) {
+  const { geometry, names } = motion, found = [];
+  const add = (list, most) => found.push(...list.filter((name) => motion.has(name) && !found.includes(name)).slice(0, most));
+  add(pins.filter((name) => motion.has(`${name}.film_pressure`)).map((name) => `${name}.film_thickness`), 2);
+  add(pins.map((name) => `${name}.normal`), 3);
+  if (!found.length) add(names.filter((name) => name.endsWith(".torque") && !(name.slice(0, -7) in geometry.loads)), 1);
+  if (!found.length) add(Object.keys(geometry.joints).map((name) => `${name}.normal`), 2);
+  if (!found.length) add(Object.keys(geometry.joints).map((name) => `${name}.force`), 2);
+  const bodies = Object.keys(geometry.bodies);
+  const moving = (name) => motion.has(name) && spread(motion.curve(name)) > 1e-6;
+  const turning = bodies.filter((body) => moving(`${body}.angle`)).map((body) => `${body}.angle`);
+  add(turning.slice(-1), 1);
+  const sliding = bodies.filter((body) => !turning.includes(`${body}.angle`)).flatMap((body) => [`${body}.x`, `${body}.y`]).filter(moving);
+  add(sliding, 1);
+  return found;
+}
+
+function spread(values) {
+  let low = Infinity, high = -Infinity;
+  for (const value of values) {
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return high - low;
+}

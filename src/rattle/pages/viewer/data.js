@@ -1,0 +1,130 @@
+// Runs: numbers unpacked from a scene, curves by name, and places of bodies at any time.
+
+import { derivedRules } from "./derived.js";
+
+const GROUND = { x: 0, y: 0, angle: 0, cos: 1, sin: 0 };
+
+function bytesOf(text) {
+  const raw = atob(text);
+  const bytes = new Uint8Array(raw.length);
+  for (let k = 0; k < raw.length; k++) bytes[k] = raw.charCodeAt(k);
+  return bytes.buffer;
+}
+
+// A run of a scene with its numbers as arrays; one that is unpacked already comes back as it is.
+export function unpack(run) {
+  if (run.columns) return run;
+  const t = new Float64Array(bytesOf(run.t)), data = new Float32Array(bytesOf(run.data));
+  const columns = {}, units = {};
+  run.names.forEach((name, k) => {
+    columns[name] = data.subarray(k * run.n, (k + 1) * run.n);
+    units[name] = run.units[k];
+  });
+  const { data: _, ...rest } = run;
+  return { ...rest, t, columns, units };
+}
+
+export const EVENT = ["t", "joint", "kind", "speed", "duration", "force", "impulse", "lost"];
+
+// One run that is shown: its curves, derived ones too, and where it is in time.
+export class Motion {
+  constructor(run, geometry) {
+    this.run = unpack(run);
+    this.t = this.run.t;
+    this.n = this.t.length;
+    this.geometry = this.run.geometry ?? geometry;
+    this.label = this.run.label ?? "";
+    this.trust = this.run.trust ?? { text: [] };
+    const stored = this.run.names.filter((name) => this.run.columns[name]);
+    this.rules = derivedRules(this.geometry, new Set(stored));
+    this.names = [...stored, ...this.rules.keys()];
+    this.made = new Map();
+    this.events = (this.run.events ?? []).map((one) =>
+      Array.isArray(one) ? Object.fromEntries(EVENT.map((key, k) => [key, one[k]])) : one);
+  }
+
+  get start() { return this.n ? this.t[0] : 0; }
+  get end() { return this.n ? this.t[this.n - 1] : 0; }
+  get span() { return this.end - this.start; }
+  get horizon() {
+    const one = this.trust.horizon;
+    return typeof one === "number" && one < this.end ? one : null;
+  }
+
+  has(name) { return Boolean(this.run.columns[name]) || this.rules.has(name); }
+
+  unit(name) { return this.rules.get(name)?.unit ?? this.run.units[name] ?? ""; }
+
+  // One curve (n,) in its SI unit; an unknown name is an error that names near ones.
+  curve(name) {
+    const stored = this.run.columns[name] ?? this.made.get(name);
+    if (stored) return stored;
+    const rule = this.rules.get(name);
+    if (!rule) {
+      const near = this.names.filter((one) => one.split(".")[0] === String(name).split(".")[0]).slice(0, 6);
+      throw new Error(`this motion has no curve ${name}${near.length ? `; there are ${near.join(", ")}` : ""}`);
+    }
+    this.made.set(name, rule.make((one) => this.curve(one), this.n));
+    return this.made.get(name);
+  }
+
+  // The row k at or before a time, and how far from there to the next row, 0 to 1.
+  row(time) {
+    const { t, n } = this;
+    if (!(time > t[0])) return { k: 0, f: 0 };
+    if (time >= t[n - 1]) return { k: n - 1, f: 0 };
+    let low = 0, high = n - 1;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (t[middle] <= time) low = middle;
+      else high = middle;
+    }
+    const f = (time - t[low]) / (t[high] - t[low]);
+    return f < 1e-9 ? { k: low, f: 0 } : { k: low, f };
+  }
+
+  // A curve at a time, linear between rows.
+  value(name, time, row = this.row(time)) {
+    const y = this.curve(name);
+    return row.f === 0 ? y[row.k] : y[row.k] + row.f * (y[row.k + 1] - y[row.k]);
+  }
+
+  // Largest magnitude of a curve, without what is not a number.
+  largest(name) {
+    let most = 0;
+    for (const value of this.curve(name)) if (Number.isFinite(value) && Math.abs(value) > most) most = Math.abs(value);
+    return most;
+  }
+
+  // Places of all bodies at a time: {body: {x, y, angle, cos, sin}}, the ground too.
+  pose(time) {
+    const row = this.row(time);
+    const places = { ground: GROUND };
+    for (const body of Object.keys(this.geometry.bodies)) {
+      if (!this.has(`${body}.x`)) continue;
+      const x = this.value(`${body}.x`, time, row), y = this.value(`${body}.y`, time, row);
+      const angle = this.value(`${body}.angle`, time, row);
+      places[body] = { x, y, angle, cos: Math.cos(angle), sin: Math.sin(angle) };
+    }
+    return places;
+  }
+
+  poseAt(k) { return this.pose(this.t[k]); }
+}
+
+// Where a point given in the frame of a body is, [x, y] in metres.
+export function pointAt(pose, body, [px, py]) {
+  const one = pose[body];
+  return [one.x + one.cos * px - one.sin * py, one.y + one.sin * px + one.cos * py];
+}
+
+// Places of a named point ("coupler.P", or a body for its mass centre) as curves {x, y}; null if there are none.
+export function pathOf(motion, name) {
+  return motion.has(`${name}.x`) && motion.has(`${name}.y`)
+    ? { x: motion.curve(`${name}.x`), y: motion.curve(`${name}.y`) } : null;
+}
+
+// All that has a path: mass centres, then named points.
+export function pathNames(motion) {
+  return motion.names.filter((name) => name.endsWith(".x") && motion.has(`${name.slice(0, -1)}y`)).map((name) => name.slice(0, -2));
+}

@@ -1,0 +1,118 @@
+// The page around the pictures: title, trust line, toolbar, tabs, help.
+
+import { button, make, say, toggle } from "./dom.js";
+
+const KEYS = [
+  ["Space", "play and pause"], ["← →", "one instant back or on, with Shift ten"], ["Home, End", "to the start, to the end"],
+  ["+ −", "faster, slower"], ["L", "loop"], ["T", "paths of points"], ["F", "forces"], ["G", "the mechanism without play"],
+  ["N", "names of bodies"], ["0", "show everything again"], ["D", "dark or light"], ["?", "this help"],
+];
+const MOUSE = [
+  ["Mechanism", "drag to move, wheel or pinch to zoom, double-click to show everything"],
+  ["Curves", "click to go to a time, drag to zoom into a span, wheel or pinch to zoom, double-click to show everything"],
+];
+
+// All elements of one viewer by name; host: the viewer.
+export function layout(host, scene) {
+  const title = make("h1", {}, scene.title ?? "Mechanism");
+  const theme = button("moon", "Dark or light (D)", () => host.turnTheme());
+  const help = button("?", "Help (?)", () => host.help(true), { class: "round" });
+  const trust = make("div", { class: "trust", role: "status", "aria-live": "polite" });
+  const notes = make("ul", { class: "notes quiet" });
+  const canvas = make("canvas", { class: "mechanism", role: "img", "aria-label": `${scene.title ?? "Mechanism"}, to scale` });
+  const tools = make("div", { class: "tools", role: "toolbar", "aria-label": "What is shown" });
+  const insets = make("div", { class: "insets" });
+  const busy = make("div", { class: "busy", role: "status", hidden: true });
+  const late = make("div", { class: "late quiet", hidden: true }, "after the horizon: statistics only");
+  const stage = make("section", { class: "stage", "aria-label": "Mechanism" }, canvas, tools, insets, late, busy);
+  const knobs = make("section", { class: "knobs", "aria-label": "Parameters", hidden: true });
+  const runs = make("div", { class: "runs", hidden: true });
+  const tabs = make("div", { class: "tabs", role: "tablist" });
+  const sheets = make("div", { class: "sheets" });
+  const side = make("section", { class: "side", "aria-label": "Curves and orbits" }, runs, knobs, tabs, sheets);
+  const header = make("header", {}, title, make("span", { class: "grow" }), theme, help);
+  const main = make("main", {}, stage, side);
+  return { title, theme, header, trust, notes, canvas, tools, insets, busy, late, stage, knobs, runs, tabs, sheets, side, main,
+    help: helpSheet(host) };
+}
+
+function helpSheet(host) {
+  const rows = (list) => list.flatMap(([key, text]) => [make("dt", {}, key), make("dd", {}, text)]);
+  const close = button("close", "Close help (Escape)", () => host.help(false));
+  const sheet = make("div", { class: "help", role: "dialog", "aria-modal": "true", "aria-label": "Help", tabindex: -1, hidden: true },
+    make("div", { class: "card" }, make("h2", {}, "Keys"), close, make("dl", {}, ...rows(KEYS)), make("h2", {}, "Mouse and fingers"),
+      make("dl", {}, ...rows(MOUSE)), make("h2", {}, "Colours"),
+      make("p", {}, "Black arrows are forces of joints on their second body; red where a massless link would have to pull, so that the pin "
+        + "would lift off. Red ticks on the time line are impacts. The shaded time lies after the horizon: there only statistics can be trusted.")));
+  sheet.addEventListener("click", (event) => { if (event.target === sheet) host.help(false); });
+  return sheet;
+}
+
+// What a page says about how far a run can be trusted; a run that stopped says why, first.
+export function sayTrust(element, notes, motion, remarks) {
+  const { run, trust } = motion, pulled = Object.values(trust.pulled ?? {}).some((share) => share > 0);
+  const level = run.success === false ? "bad" : pulled || motion.horizon !== null ? "mind" : "good";
+  const words = { bad: "Stopped", mind: "With limits", good: "Trust" }[level];
+  const lines = [...(run.success === false ? [`The run stopped: ${run.message || "no reason was given"}`] : []), ...(trust.text ?? [])];
+  element.className = `trust ${level}`;
+  element.replaceChildren(make("span", { class: "badge" }, words), make("div", { class: "lines" }, ...lines.map((line) => make("p", {}, line))));
+  notes.replaceChildren(...remarks.map((line) => make("li", {}, line)));
+  notes.hidden = !remarks.length;
+}
+
+// Tabs with their sheets: {tab(name, text, sheet), choose(name), current}; arrows move between them.
+export function tabbed(tabs, sheets, changed) {
+  const every = new Map();
+  const choose = (name) => {
+    for (const [one, { tab, sheet }] of every) {
+      tab.setAttribute("aria-selected", String(one === name));
+      tab.tabIndex = one === name ? 0 : -1;
+      sheet.hidden = one !== name;
+    }
+    tools.current = name;
+    changed(name);
+  };
+  const move = (event) => {
+    const shown = [...every].filter(([, one]) => !one.tab.hidden).map(([name]) => name), way = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!way) return;
+    const next = shown[(shown.indexOf(tools.current) + way + shown.length) % shown.length];
+    choose(next);
+    every.get(next).tab.focus();
+    event.stopPropagation();
+    event.preventDefault();
+  };
+  tabs.addEventListener("keydown", move);
+  const tools = {
+    current: null,
+    add(name, text, sheet) {
+      const tab = make("button", { type: "button", role: "tab", onclick: () => choose(name) }, text);
+      sheet.setAttribute("role", "tabpanel");
+      sheet.setAttribute("aria-label", text);
+      every.set(name, { tab, sheet });
+      tabs.append(tab);
+      sheets.append(sheet);
+    },
+    show(name, on, text) {
+      const { tab } = every.get(name);
+      tab.hidden = !on;
+      if (text) say(tab, text);
+      if (!on && tools.current === name) choose([...every].find(([, one]) => !one.tab.hidden)[0]);
+    },
+    choose,
+  };
+  return tools;
+}
+
+// Chips of the toolbar, and the list of points whose paths can be drawn.
+export function toolbar(host, scene) {
+  const forces = toggle("Forces", "Forces at joints (F)", host.show.forces, (on) => host.turn("forces", on));
+  const ghost = toggle("Without play", "The mechanism without play, dotted (G)", host.show.ghost, (on) => host.turn("ghost", on));
+  const names = toggle("Names", "Names of bodies (N)", host.show.names, (on) => host.turn("names", on));
+  const list = make("div", { class: "menu", role: "group", "aria-label": "Points", hidden: true,
+    onkeydown: (event) => { if (event.key === "Escape") { event.stopPropagation(); host.openTraces(false); } } });
+  const traces = make("button", { type: "button", class: "chip", "aria-expanded": "false", title: "Paths of points (T)",
+    onclick: () => host.openTraces(list.hidden) }, "Paths");
+  const fit = button("fit", "Show everything (0)", () => host.fit(), { class: "chip icon" });
+  ghost.hidden = !scene.ideal;
+  return { forces, ghost, names, traces, list, fit, all: [forces, traces, ghost, names, fit, list] };
+}

@@ -1,0 +1,157 @@
+// The mechanism to scale: bodies and parts, paths of points, another motion behind it, forces, and a scale bar.
+
+import { drawBody, drawGhost } from "./bodies.js";
+import { pathOf } from "./data.js";
+import { drawForces, forcesOf, forceScale } from "./forces.js";
+import { FONT, Painter, sized } from "./painter.js";
+import { pinsWithPlay, Stage } from "./stage.js";
+import { drawingUnit, niceStep, short } from "./units.js";
+
+const DASHED = [6, 5];
+
+export class MechanismView {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.width = this.height = 0;
+    this.own = null; // the view that a user chose: {scale, x, y}, or null where everything is shown
+  }
+
+  // motion: what is shown; ghosts: [{motion, name}] behind it, the ideal mechanism first.
+  setMotion(motion, scene, ghosts) {
+    this.stage = new Stage(motion, scene);
+    const { stage } = this, parts = stage.parts();
+    const instead = new Set(parts.flatMap((part) => part.drawing.instead(stage, part.form)));
+    const bodies = Object.keys(stage.bodies).filter((body) => stage.first?.[body] && !instead.has(body));
+    this.drawn = [...parts.flatMap((part) => part.drawing.prepare(stage, part)), ...bodies.flatMap((body) => drawBody(stage, body))];
+    this.drawn.sort((a, b) => a.z - b.z);
+    this.ghosts = ghosts.map(({ motion: other, name }) => this.ghostOf(other, scene, name));
+    this.forces = forcesOf(stage);
+    this.pins = Object.entries(pinsWithPlay(motion, scene.kinds));
+    this.reachNow();
+  }
+
+  ghostOf(motion, scene, name) {
+    const stage = new Stage(motion, scene), ideal = name === "ideal";
+    const style = { dash: ideal ? [2, 4] : DASHED, colour: ideal ? null : (body) => this.theme.body(body) };
+    const bodies = Object.keys(stage.bodies).filter((body) => stage.first?.[body]);
+    return { name, motion, stage, drawn: bodies.map((body) => drawGhost(stage, body, style)) };
+  }
+
+  // The box that is shown: it stays while a knob is turned, as long as the motion is inside and not much smaller.
+  reachNow() {
+    const low = [...this.stage.low], high = [...this.stage.high];
+    const inside = this.low && [0, 1].every((k) => this.low[k] <= low[k] + 1e-9 && this.high[k] >= high[k] - 1e-9);
+    const size = Math.max(high[0] - low[0], high[1] - low[1]);
+    const large = this.low && Math.max(this.high[0] - this.low[0], this.high[1] - this.low[1]);
+    if (inside && large < 1.3 * size) return;
+    this.low = low;
+    this.high = high;
+  }
+
+  get view() {
+    if (this.own) return this.own;
+    const edge = Math.max(22, 0.07 * Math.min(this.width, this.height)), below = edge + 26;
+    const wide = Math.max(this.high[0] - this.low[0], 1e-9), tall = Math.max(this.high[1] - this.low[1], 1e-9);
+    const room = [Math.max(20, this.width - 2 * edge), Math.max(20, this.height - edge - below)];
+    const scale = Math.min(room[0] / wide, room[1] / tall);
+    const middle = [0, 1].map((k) => (this.low[k] + this.high[k]) / 2);
+    return { scale, x: this.width / 2 - scale * middle[0], y: edge + room[1] / 2 + scale * middle[1] };
+  }
+
+  fit() { this.own = null; }
+
+  zoom(x, y, factor) {
+    const { scale, x: ox, y: oy } = this.view;
+    const f = Math.max(1e-3, Math.min(1e7, scale * factor)) / scale;
+    this.own = { scale: scale * f, x: x + (ox - x) * f, y: y + (oy - y) * f };
+  }
+
+  pan(dx, dy) {
+    const view = this.view;
+    this.own = { ...view, x: view.x + dx, y: view.y + dy };
+  }
+
+  // show: {forces, ghost, names, traces: [names]}
+  draw(time, theme, show) {
+    this.theme = theme;
+    const context = sized(this.canvas, this.width, this.height), p = new Painter(context, this.view, theme);
+    const { stage } = this, pose = stage.motion.pose(time);
+    this.grid(p);
+    this.traces(p, time, show);
+    for (const ghost of this.ghosts) {
+      if (ghost.name === "ideal" && !show.ghost) continue;
+      const there = ghost.motion.pose(time);
+      for (const one of ghost.drawn) one.draw(p, there);
+    }
+    for (const one of this.drawn) one.draw(p, pose, time);
+    const side = Math.min(this.width, this.height);
+    if (show.forces) drawForces(p, stage, this.forces, pose, time, side);
+    for (const [name, form] of this.pins) p.tag(name, stage.ends(form, pose)[0], { bold: true });
+    if (show.names) {
+      for (const body of Object.keys(stage.bodies)) {
+        if (pose[body]) p.tag(body, [pose[body].x, pose[body].y], { colour: theme.body(body) });
+      }
+    }
+    this.legend(p, show, side);
+  }
+
+  grid(p) {
+    const { context, theme } = p, step = niceStep(p.metres(84));
+    const { unit, factor } = drawingUnit(Math.max(p.metres(this.width), p.metres(this.height)));
+    context.strokeStyle = theme.faint;
+    context.lineWidth = 1;
+    context.beginPath();
+    const from = (pixel) => Math.ceil((pixel - p.view.x) / p.view.scale / step), line = (X, Y, toX, toY) => {
+      context.moveTo(X, Y);
+      context.lineTo(toX, toY);
+    };
+    for (let k = from(0); p.X(k * step) < this.width; k++) line(Math.round(p.X(k * step)) + 0.5, 0, Math.round(p.X(k * step)) + 0.5, this.height);
+    for (let k = Math.floor(p.view.y / p.view.scale / step); p.Y(k * step) < this.height; k--) line(0, Math.round(p.Y(k * step)) + 0.5, this.width, Math.round(p.Y(k * step)) + 0.5);
+    context.stroke();
+    this.bar = { length: step * p.view.scale, text: `${short(factor * step)} ${unit}` };
+  }
+
+  traces(p, time, show) {
+    show.traces.forEach((name, n) => {
+      const colour = p.theme.curve(n), { motion } = this.stage, path = pathOf(motion, name);
+      if (!path) return;
+      const all = Array.from({ length: motion.n }, (_, k) => [path.x[k], path.y[k]]), { k, f } = motion.row(time);
+      p.line(all, { colour, width: 1, opacity: 0.4 });
+      const now = [motion.value(`${name}.x`, time), motion.value(`${name}.y`, time)];
+      p.line([...all.slice(0, k + 1), ...(f ? [now] : [])], { colour, width: 2 });
+      p.dot(now, 3.6, { colour, fill: colour });
+      for (const ghost of this.ghosts.filter((one) => one.name !== "ideal" || show.ghost)) {
+        const other = pathOf(ghost.motion, name);
+        if (other) p.line(Array.from(other.x, (x, i) => [x, other.y[i]]), { colour, width: 1.1, dash: DASHED, opacity: 0.7 });
+      }
+    });
+  }
+
+  // The scale bar at the lower left, the scale of forces at the lower right.
+  legend(p, show, side) {
+    const { context, theme } = p, y = this.height - 14, { length, text } = this.bar;
+    context.strokeStyle = context.fillStyle = theme.ink;
+    context.lineWidth = 1.6;
+    context.lineCap = "butt";
+    context.beginPath();
+    context.moveTo(16, y - 5);
+    context.lineTo(16, y);
+    context.lineTo(16 + length, y);
+    context.lineTo(16 + length, y - 5);
+    context.stroke();
+    context.font = `12px ${FONT}`;
+    context.textAlign = "center";
+    context.fillText(text, 16 + length / 2, y - 7);
+    if (!show.forces) return;
+    const lines = forceScale(p, this.stage, this.forces, side);
+    context.textAlign = "right";
+    lines.forEach((one, k) => {
+      const base = y - 20 * (lines.length - 1 - k), right = this.width - 16 - (one.arc ? 0 : one.length + 10);
+      context.fillStyle = one.colour;
+      context.fillText(one.text, right, base + 4);
+      if (one.arc) return;
+      const corner = { view: { x: this.width - 16 - one.length, y: base, scale: 1 } };
+      new Painter(context, corner.view, theme).arrow([0, 0], [one.length, 0], { colour: one.colour });
+    });
+  }
+}

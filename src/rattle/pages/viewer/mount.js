@@ -1,0 +1,59 @@
+// mount(root, scene, host): the viewer in an element, and what scripts can do with it.  docs/scene.md describes a scene.
+
+import { make } from "./dom.js";
+import { unpack } from "./data.js";
+import { Viewer } from "./viewer.js";
+
+// host: {page: true} for a page of its own, {autoplay: false}, {theme: "dark"}; returns the app of the page.
+export function mount(root, scene, host = {}) {
+  if (!String(scene.format).startsWith("rattle-scene 1")) throw new Error(`this viewer shows scenes of format 1, not ${scene.format}`);
+  const viewer = new Viewer(root, scene, host), app = appOf(viewer);
+  const runs = (scene.runs ?? []).map(unpack);
+  if (runs.length) viewer.setRun(runs[0], { others: runs.length === 2 ? [runs[1]] : [] });
+  if (runs.length > 1) chooseRuns(viewer, runs);
+  return app;
+}
+
+function appOf(viewer) {
+  const { scene } = viewer;
+  const given = Object.fromEntries((scene.knobs ?? []).map((knob) => [knob.name, knob.value]));
+  return {
+    viewer,
+    get names() { return viewer.motion ? [...viewer.motion.names] : []; },
+    get parameters() { return { ...given, ...viewer.motion?.run.parameters, ...viewer.parameters }; },
+    set: (name, value) => viewer.turnKnob(name, value),
+    curve(name) {
+      const { motion } = viewer;
+      return { t: Array.from(motion.t), y: Array.from(motion.curve(name)), unit: motion.unit(name) };
+    },
+    get time() { return viewer.clock.time; },
+    get playing() { return viewer.clock.playing; },
+    play: () => viewer.play(),
+    pause: () => viewer.pause(),
+    seek: (t) => viewer.seek(t),
+    get speed() { return viewer.clock.speed; },
+    set speed(value) { viewer.setSpeed(value); },
+    get trust() { return viewer.motion?.trust ?? null; },
+    get run() { return viewer.motion?.run ?? null; },
+    setRun: (run, options) => viewer.setRun(run, options),
+    choose: (names) => viewer.choose(names),
+    on: (event, call) => viewer.on(event, call),
+    destroy: () => viewer.destroy(),
+  };
+}
+
+// Which of several runs is shown, and which one is dashed beside it.
+function chooseRuns(viewer, runs) {
+  const options = (none) => [...(none ? [make("option", { value: "" }, "nothing")] : []),
+    ...runs.map((run, k) => make("option", { value: k }, run.label || `run ${k + 1}`))];
+  const shown = make("select", {}, ...options(false)), beside = make("select", {}, ...options(true));
+  if (runs.length === 2) beside.value = "1";
+  const change = () => {
+    const other = beside.value === "" || beside.value === shown.value ? [] : [runs[Number(beside.value)]];
+    viewer.setRun(runs[Number(shown.value)], { others: other });
+  };
+  shown.addEventListener("change", change);
+  beside.addEventListener("change", change);
+  viewer.parts.runs.append(make("label", {}, "Motion ", shown), make("label", {}, "dashed beside it ", beside));
+  viewer.parts.runs.hidden = false;
+}

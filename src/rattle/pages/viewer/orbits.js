@@ -1,0 +1,147 @@
+// Orbits of pins in their clearance circles, coloured by the normal force, or in oil by the pressure of the film.
+
+import { ramp } from "./colours.js";
+import { make, say } from "./dom.js";
+import { FONT, Painter, sized } from "./painter.js";
+import { pinNow, pinPath } from "./pins.js";
+import { pinsWithPlay } from "./stage.js";
+import { clearanceUnit, handyUnit, short, steady, ticks } from "./units.js";
+
+const LEVELS = 24; // colours of a path
+const BAR = 78; // pixels for the colour bar with its numbers
+
+// All orbits of a motion, one figure for each pin with play.
+export class Orbits {
+  constructor(host) {
+    this.host = host;
+    this.tiles = [];
+  }
+
+  setMotion(motion, scene) {
+    this.motion = motion;
+    const pins = Object.entries(pinsWithPlay(motion, scene.kinds));
+    if (pins.map(([name]) => name).join("\n") !== this.tiles.map((one) => one.name).join("\n")) this.build(pins);
+    this.tiles.forEach((tile, k) => this.describe(tile, pins[k][1]));
+    return pins.length;
+  }
+
+  build(pins) {
+    this.tiles = pins.map(([name]) => {
+      const below = make("canvas", { role: "img" }), above = make("canvas", { class: "above", "aria-hidden": "true" });
+      const title = make("figcaption", {}), live = make("p", { class: "number quiet" }), key = make("p", { class: "key quiet" });
+      const element = make("figure", { class: "orbit" }, title, make("div", { class: "layers" }, below, above), live, key);
+      return { name, below, above, title, live, key, element };
+    });
+    this.host.replaceChildren(...this.tiles.map((one) => one.element));
+  }
+
+  describe(tile, form) {
+    const { motion } = this, { name } = tile, oil = motion.has(`${name}.film_pressure`);
+    const path = pinPath(motion, name), { factor, unit } = clearanceUnit(form.clearance);
+    const strength = oil ? motion.curve(`${name}.film_pressure`) : path.normal.map(Math.abs);
+    const sizes = Array.from(strength).filter(Number.isFinite).sort((a, b) => a - b);
+    const top = sizes[Math.min(sizes.length - 1, Math.floor(0.999 * sizes.length))] || 1;
+    Object.assign(tile, { form, path, oil, strength, top, factor, unit, fresh: false });
+    tile.shown = handyUnit(oil ? "Pa" : "N", top);
+    tile.least = Math.max(1, ...Array.from(path.x, (x, k) => Math.hypot(x, path.y[k]) / form.clearance).filter(Number.isFinite));
+    tile.hits = motion.events.filter((one) => one.joint === name && one.kind === "impact" && one.impulse > 0);
+    tile.lasting = motion.events.filter((one) => one.joint === name && one.kind === "contact");
+    tile.pulls = form.contact === "massless-link" ? Array.from(path.normal.keys()).filter((k) => path.normal[k] < 0) : [];
+    say(tile.title, `${name}: orbit of the pin${oil ? " in oil" : ""}, clearance ${short(factor * form.clearance)} ${unit}`);
+    tile.below.setAttribute("aria-label", tile.title.textContent);
+    say(tile.key, keyOf(tile));
+    tile.texts = {
+      place: steady(factor * form.clearance, 4), angle: steady(360, 4),
+      force: steady(tile.shown.factor * Math.max(...sizes.slice(-1), 0), 4),
+    };
+  }
+
+  draw(time, theme) {
+    for (const tile of this.tiles) {
+      const width = tile.below.clientWidth, height = tile.below.clientHeight;
+      if (!width) continue;
+      const side = Math.min(width - BAR, height), radius = (0.5 * side) / (1.24 * tile.least);
+      const view = { scale: radius / tile.form.clearance, x: 0.5 * side, y: 0.5 * height };
+      const mark = `${width} ${height} ${theme.dark}`;
+      if (tile.fresh !== mark) {
+        drawPath(new Painter(sized(tile.below, width, height), view, theme), this.motion, tile, side, height);
+        tile.fresh = mark;
+      }
+      this.live(tile, new Painter(sized(tile.above, width, height), view, theme), time);
+    }
+  }
+
+  live(tile, p, time) {
+    const now = pinNow(this.motion, tile.name, tile.path, time), at = [now.x, now.y];
+    const pulls = tile.path.pieces > 1 && this.motion.value(`${tile.name}.normal`, time) < 0;
+    p.line([[0, 0], at], { colour: p.theme.grey, width: 1 });
+    p.dot(at, 6, { colour: p.theme.paper, fill: pulls ? p.theme.red : p.theme.ink, width: 2 });
+    const e = Math.hypot(...at), turn = (Math.atan2(now.y, now.x) * 180) / Math.PI;
+    const ratio = short(e / tile.form.clearance, 3);
+    const size = this.motion.value(`${tile.name}.${tile.oil ? "film_pressure" : "normal"}`, time);
+    say(tile.live, `${tile.texts.place(tile.factor * e)} ${tile.unit} from the centre (${ratio} of the clearance) at ${tile.texts.angle(turn)}°, `
+      + `${tile.oil ? "pressure" : "N"} ${tile.texts.force(tile.shown.factor * size)} ${tile.shown.unit}${pulls ? ": the bush would have to pull" : ""}`);
+  }
+}
+
+function keyOf(tile) {
+  const found = [];
+  if (tile.pulls.length) found.push("red ticks: the bush would have to pull");
+  if (tile.hits.length) found.push(`dots: ${tile.hits.length} impact${tile.hits.length > 1 ? "s" : ""}, area by impulse`);
+  if (tile.lasting.length) found.push(`rings: ${tile.lasting.length} contact${tile.lasting.length > 1 ? "s" : ""} begin`);
+  if (tile.oil) found.push(`red ring: boundary film, ${short(1e6 * tile.form.oil.boundary)} µm`);
+  return found.join("; ");
+}
+
+function drawPath(p, motion, tile, side, height) {
+  const { theme } = p, { form, path, strength } = tile, c = form.clearance;
+  p.circle([0, 0], c, { colour: theme.grey, fill: theme.bore, width: 1.2 });
+  if (tile.oil) p.circle([0, 0], c - form.oil.boundary / 2, { colour: theme.red, width: Math.max(1, form.oil.boundary * p.view.scale), opacity: 0.45 });
+  p.line([[-0.05 * c, 0], [0.05 * c, 0], null, [0, -0.05 * c], [0, 0.05 * c]], { colour: theme.grey, width: 1 });
+  const bins = Array.from({ length: LEVELS }, () => []);
+  for (let k = 0; k + 1 < path.x.length; k++) {
+    const most = Math.max(strength[k], strength[k + 1]), level = Math.min(LEVELS - 1, Math.floor((LEVELS * most) / tile.top) || 0);
+    bins[level].push([path.x[k], path.y[k]], [path.x[k + 1], path.y[k + 1]], null);
+  }
+  const width = path.pieces > 1 ? 4.5 : 1.5;
+  bins.forEach((bin, level) => p.line(bin, { colour: theme.force(level / (LEVELS - 1)), width }));
+  p.dot([path.x[0], path.y[0]], 4, { width: 1.4 });
+  drawMarks(p, motion, tile);
+  drawBar(p, tile, side, height);
+}
+
+// Red ticks where the bush would have to pull, impacts as dots with an area by their impulse, contacts as rings.
+function drawMarks(p, motion, tile) {
+  const { theme } = p, c = tile.form.clearance, { x, y } = tile.path;
+  const opacity = Math.max(0.06, Math.min(1, 100 / tile.pulls.length));
+  for (const k of tile.pulls) {
+    const r = Math.hypot(x[k], y[k]) || 1, tick = [1.06, 1.14].map((one) => [(one * c * x[k]) / r, (one * c * y[k]) / r]);
+    p.line(tick, { colour: theme.red, width: 1.6, opacity });
+  }
+  const onCircle = (event) => {
+    const row = motion.row(event.t), ex = motion.value(`${tile.name}.ex`, event.t, row), ey = motion.value(`${tile.name}.ey`, event.t, row);
+    const r = Math.hypot(ex, ey) || 1;
+    return [(c * ex) / r, (c * ey) / r];
+  };
+  for (const event of tile.lasting) p.dot(onCircle(event), 4, { colour: theme.ink, fill: null, width: 1, opacity: 0.6 });
+  const most = Math.max(...tile.hits.map((one) => one.impulse));
+  for (const event of tile.hits) {
+    p.dot(onCircle(event), Math.max(1.2, 6 * Math.sqrt(event.impulse / most)), { colour: null, fill: theme.red, opacity: 0.5 });
+  }
+}
+
+function drawBar(p, tile, side, height) {
+  const { context, theme } = p, x = side + 6, top = 0.14 * height, tall = 0.72 * height, { factor, unit } = tile.shown;
+  for (let k = 0; k < tall; k++) {
+    context.fillStyle = theme.dark ? ramp(1 - k / tall) : ramp(k / tall);
+    context.fillRect(x, top + k, 12, 1.5);
+  }
+  context.fillStyle = theme.ink;
+  context.font = `12px ${FONT}`;
+  context.textAlign = "left";
+  context.textBaseline = "middle";
+  const scale = ticks(0, factor * tile.top, 4);
+  for (const value of scale.values) context.fillText(scale.text(value), x + 17, top + tall * (1 - value / (factor * tile.top)));
+  context.textBaseline = "alphabetic";
+  context.fillText(`${tile.oil ? "p" : "|N|"} [${unit}]`, x - 4, top - 12);
+}

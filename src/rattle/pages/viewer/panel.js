@@ -1,0 +1,278 @@
+// One panel of curves of one unit: axes, lines, cursor, and what stands under the mouse.
+
+import { make, say } from "./dom.js";
+import { gestures } from "./gestures.js";
+import { FONT, sized } from "./painter.js";
+import { handyUnit, QUANTITY, steady, ticks, timeText } from "./units.js";
+
+const LEFT = 58, RIGHT = 12, TOP = 10, BOTTOM = 24; // pixels around the lines
+const AFTER = "after the horizon: statistics only";
+
+export class Panel {
+  // curves: the view it belongs to, which holds the window of time that all panels share
+  constructor(unit, curves) {
+    this.unit = unit;
+    this.curves = curves;
+    this.names = [];
+    this.below = make("canvas", { role: "img" });
+    this.above = make("canvas", { class: "above", "aria-hidden": "true" });
+    this.tip = make("div", { class: "tip", hidden: true });
+    this.legend = make("ul", { class: "legend" });
+    this.layers = make("div", { class: "layers plot" }, this.below, this.above, this.tip);
+    this.element = make("div", { class: "panel" }, this.legend, this.layers);
+    this.end = gestures(this.above, {
+      tap: (x) => curves.host.seek(this.timeAt(x)),
+      double: () => curves.window(null),
+      start: (x, y, pointer) => { this.picking = pointer === "mouse" ? { from: x, to: x } : "scrub"; },
+      drag: (x) => this.dragged(x),
+      end: (x) => this.released(x),
+      pinch: (x, y, factor, dx) => { this.picking = null; curves.zoom(this.timeAt(x), factor, (-dx / this.room) * curves.span); },
+      wheel: (x, y, factor, event) => this.wheeled(x, factor, event),
+      hover: (x) => { this.over = x; curves.host.invalidate(); },
+      leave: () => { this.over = null; this.tip.hidden = true; curves.host.invalidate(); },
+    });
+  }
+
+  get room() { return Math.max(1, this.width - LEFT - RIGHT); }
+
+  timeAt(x) {
+    const [from, to] = this.curves.shown;
+    return from + (Math.max(0, Math.min(this.room, x - LEFT)) / this.room) * (to - from);
+  }
+
+  dragged(x) {
+    if (this.picking === "scrub") this.curves.host.seek(this.timeAt(x));
+    else if (this.picking) this.picking.to = x;
+    this.curves.host.invalidate();
+  }
+
+  released(x) {
+    const { picking } = this;
+    this.picking = null;
+    if (x !== null && picking?.to !== undefined && Math.abs(picking.to - picking.from) > 6) {
+      this.curves.window([this.timeAt(Math.min(picking.from, picking.to)), this.timeAt(Math.max(picking.from, picking.to))]);
+    }
+    this.curves.host.invalidate();
+  }
+
+  wheeled(x, factor, event) {
+    if (!this.curves.host.mayZoom(event)) return false;
+    if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
+      this.curves.zoom(this.timeAt(x), 1, (0.002 * (event.deltaX || event.deltaY)) * this.curves.span);
+    } else this.curves.zoom(this.timeAt(x), factor, 0);
+    return true;
+  }
+
+  // Which curves it shows: [{name, motion, colour index, label, dash}]; texts of the legend are made once.
+  setLines(names, lines) {
+    this.names = names;
+    this.lines = lines;
+    const most = Math.max(0, ...lines.map((one) => one.motion.largest(one.name)));
+    this.handy = handyUnit(this.unit, most);
+    this.text = steady(this.handy.factor * most);
+    this.fresh = null;
+    this.legend.replaceChildren(...names.map((name) => this.entry(name)));
+    const quantity = QUANTITY[this.unit] ?? "";
+    this.title = this.handy.unit ? `${quantity} [${this.handy.unit}]`.trim() : "no unit";
+    this.below.setAttribute("aria-label", `${this.title} over time: ${names.join(", ")}`);
+  }
+
+  entry(name) {
+    const lines = this.lines.filter((one) => one.name === name);
+    const swatch = make("span", { class: "swatch" });
+    const values = lines.map(() => make("span", { class: "number" }));
+    lines.forEach((one, k) => { one.swatch = k ? null : swatch; one.value = values[k]; });
+    const close = make("button", { type: "button", class: "close", "aria-label": `Remove ${name}`, title: `Remove ${name}`,
+      onclick: () => this.curves.host.choose(this.curves.chosen.filter((one) => one !== name)) }, "×");
+    return make("li", {}, swatch, make("span", { class: "name" }, name), ...values, make("span", { class: "quiet" }, this.handy.unit), close);
+  }
+
+  layout() {
+    this.width = this.layers.clientWidth;
+    this.height = this.layers.clientHeight;
+    return this.width > 40 && this.height > 40;
+  }
+
+  draw(time, theme) {
+    if (!this.layout()) return;
+    const [from, to] = this.curves.shown, mark = [this.width, this.height, theme.dark, from, to, this.curves.version].join(" ");
+    if (mark !== this.fresh) {
+      this.fresh = mark;
+      this.range(from, to);
+      this.static(theme, from, to);
+    }
+    this.live(time, theme);
+  }
+
+  X(t) { return LEFT + ((t - this.curves.shown[0]) / this.curves.span) * this.room; }
+  Y(value) { return TOP + ((this.high - value) / (this.high - this.low)) * (this.height - TOP - BOTTOM); }
+
+  // Lowest and highest value within the window of time.
+  range(from, to) {
+    let low = Infinity, high = -Infinity;
+    for (const { name, motion } of this.lines) {
+      const y = motion.curve(name), first = motion.row(from).k, last = Math.min(motion.n - 1, motion.row(to).k + 1);
+      for (let k = first; k <= last; k++) {
+        if (y[k] < low) low = y[k];
+        if (y[k] > high) high = y[k];
+      }
+    }
+    if (!Number.isFinite(low + high)) [low, high] = [0, 1];
+    const size = Math.max(Math.abs(low), Math.abs(high)), least = 1e-6 * size || 1e-12, air = Math.max(0.06 * (high - low), least);
+    this.low = this.handy.factor * (low - air);
+    this.high = this.handy.factor * (high + air);
+  }
+
+  static(theme, from, to) {
+    const c = sized(this.below, this.width, this.height), bottom = this.height - BOTTOM;
+    const { horizon } = this.curves.motion;
+    if (horizon !== null && horizon < to) this.shade(c, theme, Math.max(horizon, from), to);
+    c.font = `11px ${FONT}`;
+    c.lineWidth = 1;
+    const wide = ticks(from, to, Math.max(2, Math.floor(this.room / 80))), tall = ticks(this.low, this.high, Math.max(2, Math.floor(bottom / 38)));
+    c.strokeStyle = theme.lines;
+    c.fillStyle = theme.grey;
+    c.beginPath();
+    c.textAlign = "right";
+    c.textBaseline = "middle";
+    for (const value of tall.values) {
+      const y = Math.round(this.Y(value)) + 0.5;
+      c.moveTo(LEFT, y);
+      c.lineTo(this.width - RIGHT, y);
+      c.fillText(tall.text(value), LEFT - 6, y);
+    }
+    c.textAlign = "center";
+    c.textBaseline = "alphabetic";
+    for (const value of wide.values) {
+      const x = Math.round(this.X(value)) + 0.5;
+      c.moveTo(x, bottom);
+      c.lineTo(x, bottom + 4);
+      if (x < this.width - 48) c.fillText(wide.text(value), x, bottom + 16);
+    }
+    c.stroke();
+    c.textAlign = "right";
+    c.fillText("t [s]", this.width - RIGHT, bottom + 16);
+    c.save();
+    c.translate(12, TOP + (bottom - TOP) / 2);
+    c.rotate(-Math.PI / 2);
+    c.textAlign = "center";
+    c.fillStyle = theme.ink;
+    c.fillText(this.title, 0, 0, bottom);
+    c.restore();
+    this.marks(c, theme);
+    c.save();
+    c.beginPath();
+    c.rect(LEFT, 0, this.room, bottom + 1);
+    c.clip();
+    for (const line of [...this.lines].reverse()) this.stroke(c, theme, line, from, to);
+    c.restore();
+  }
+
+  shade(c, theme, from, to) {
+    c.fillStyle = theme.shade;
+    c.fillRect(this.X(from), TOP, this.X(to) - this.X(from), this.height - TOP - BOTTOM);
+    c.fillStyle = theme.grey;
+    c.font = `11px ${FONT}`;
+    c.textAlign = "right";
+    if (this.X(to) - this.X(from) > 60) c.fillText(AFTER, this.X(to) - 6, TOP + 12, this.X(to) - this.X(from) - 10);
+  }
+
+  // Events as short ticks on top: impacts in red, all others grey.
+  marks(c, theme) {
+    const taken = new Set();
+    for (const event of this.curves.motion.events) {
+      const x = Math.round(this.X(event.t)), impact = event.kind === "impact", key = `${x} ${impact}`;
+      if (x < LEFT || x > this.width - RIGHT || taken.has(key)) continue;
+      taken.add(key);
+      c.fillStyle = impact ? theme.red : theme.grey;
+      c.fillRect(x - 0.5, impact ? TOP - 7 : TOP - 4, 1.4, impact ? 7 : 4);
+    }
+  }
+
+  // A line; where there are more rows than pixels, lowest and highest of each pixel.
+  stroke(c, theme, line, from, to) {
+    const { motion } = line, y = motion.curve(line.name), { factor } = this.handy;
+    const first = Math.max(0, motion.row(from).k - 1), last = Math.min(motion.n - 1, motion.row(to).k + 2);
+    c.strokeStyle = theme.curve(line.colour);
+    if (line.swatch) line.swatch.style.background = c.strokeStyle;
+    c.lineWidth = line.dash ? 1.5 : 1.7;
+    c.globalAlpha = line.dash ? 0.85 : 1;
+    c.setLineDash(line.dash ?? []);
+    c.beginPath();
+    if (last - first > 4 * this.room) this.envelope(c, motion, y, factor, first, last);
+    else {
+      let down = false;
+      for (let k = first; k <= last; k++) {
+        const X = this.X(motion.t[k]), Y = this.Y(factor * y[k]);
+        if (!Number.isFinite(Y)) { down = false; continue; }
+        if (down) c.lineTo(X, Y);
+        else c.moveTo(X, Y);
+        down = true;
+      }
+    }
+    c.stroke();
+    c.setLineDash([]);
+    c.globalAlpha = 1;
+  }
+
+  envelope(c, motion, y, factor, first, last) {
+    let pixel = null, low = 0, high = 0;
+    const put = () => {
+      c.lineTo(pixel, this.Y(factor * low));
+      c.lineTo(pixel, this.Y(factor * high));
+    };
+    for (let k = first; k <= last; k++) {
+      const x = Math.round(this.X(motion.t[k]));
+      if (!Number.isFinite(y[k])) continue;
+      if (x !== pixel) {
+        if (pixel !== null) put();
+        [pixel, low, high] = [x, y[k], y[k]];
+      } else if (y[k] < low) low = y[k];
+      else if (y[k] > high) high = y[k];
+    }
+    if (pixel !== null) put();
+  }
+
+  live(time, theme) {
+    const c = sized(this.above, this.width, this.height), bottom = this.height - BOTTOM, { factor } = this.handy;
+    if (this.picking?.to !== undefined) {
+      c.fillStyle = theme.dark ? "rgba(86,180,233,.2)" : "rgba(0,114,178,.14)";
+      c.fillRect(Math.min(this.picking.from, this.picking.to), TOP, Math.abs(this.picking.to - this.picking.from), bottom - TOP);
+    }
+    const x = this.X(time);
+    if (x >= LEFT - 0.5 && x <= this.width - RIGHT + 0.5) {
+      c.fillStyle = theme.ink;
+      c.fillRect(x - 0.6, TOP - 4, 1.2, bottom - TOP + 4);
+      for (const line of this.lines) this.dot(c, theme, line, x, line.motion.value(line.name, time));
+    }
+    for (const line of this.lines) if (line.value) say(line.value, this.text(factor * line.motion.value(line.name, time)));
+    if (this.over !== null && this.over !== undefined) this.hover(c, theme, bottom);
+  }
+
+  dot(c, theme, line, x, value) {
+    const y = this.Y(this.handy.factor * value);
+    if (!Number.isFinite(y)) return;
+    c.beginPath();
+    c.arc(x, y, 3.6, 0, 2 * Math.PI);
+    c.fillStyle = theme.curve(line.colour);
+    c.fill();
+    c.strokeStyle = theme.paper;
+    c.lineWidth = 1.4;
+    c.stroke();
+  }
+
+  hover(c, theme, bottom) {
+    const x = Math.max(LEFT, Math.min(this.width - RIGHT, this.over)), t = this.timeAt(x);
+    c.fillStyle = theme.grey;
+    c.fillRect(x - 0.5, TOP, 1, bottom - TOP);
+    for (const line of this.lines) this.dot(c, theme, line, x, line.motion.value(line.name, t));
+    const near = this.curves.motion.events.filter((one) => Math.abs(this.X(one.t) - x) < 4).slice(0, 3);
+    const rows = [`t = ${timeText(this.curves.span)(t)} s`,
+      ...this.lines.map((one) => `${one.name}${one.label ? `, ${one.label}` : ""} = ${this.text(this.handy.factor * one.motion.value(one.name, t)).trim()} ${this.handy.unit}`),
+      ...near.map((one) => `${one.joint}: ${one.kind}`)];
+    say(this.tip, rows.join("\n"));
+    this.tip.hidden = false;
+    const left = x > this.width / 2 ? x - this.tip.offsetWidth - 10 : x + 10;
+    this.tip.style.transform = `translate(${Math.max(2, left)}px, ${TOP + 2}px)`;
+  }
+}

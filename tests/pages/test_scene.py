@@ -1,0 +1,128 @@
+"""Scenes: the numbers of a result arrive in the viewer, and everything that is drawn there lies where it should."""
+
+import base64
+import json
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from any_motion import any_motion
+from circling import circling
+from rattle import registry
+from rattle.pages.replay import page_text
+from rattle.pages.scene import MOST_ROWS, plain, scene_json, scene_of
+from rattle.plots.drawings import drawings
+from rattle.results.result import Result
+from rattle.results.trust import Trust
+
+pytestmark = [pytest.mark.nojit, pytest.mark.plain]
+EXAMPLES = sorted(rt.examples())
+
+
+def test_numbers_are_those_of_the_result():
+    r = circling()
+    scene = json.loads(scene_json(scene_of([("", r)])))
+    (run,) = scene["runs"]
+    t = np.frombuffer(base64.b64decode(run["t"]), "<f8")
+    data = np.frombuffer(base64.b64decode(run["data"]), "<f4").reshape(len(run["names"]), run["n"])
+    np.testing.assert_array_equal(t, r.t)
+    for name, column in zip(run["names"], data, strict=True):
+        np.testing.assert_array_equal(column, r[name].astype(np.float32))
+    assert run["units"] == [r.unit(name) for name in run["names"]]
+    assert run["trust"]["text"] == str(r.trust).splitlines()
+    assert run["events"] == [[0.01, "O", "impact", 0.5, 0.0, 0.0, 0.25, 0.0]]
+
+
+def test_long_results_are_thinned_evenly_and_it_is_said():
+    r = circling(n=7002)
+    scene = scene_of([("", r)])
+    t = np.frombuffer(base64.b64decode(scene["runs"][0]["t"]), "<f8")
+    assert len(t) <= MOST_ROWS
+    assert (t[0], t[-1]) == (r.t[0], r.t[-1])
+    steps = np.diff(t)
+    assert np.ptp(steps[:-1]) < 1e-12
+    assert f"shown are {len(t)} of the 7002 instants" in scene["notes"][0]
+
+
+def test_numbers_that_are_not_finite_become_null():
+    assert plain({"a": np.float64("nan"), "b": [np.inf, 1], "c": np.int64(3)}) == {"a": None, "b": [None, 1], "c": 3}
+
+
+def test_text_of_a_model_cannot_end_the_script_it_stands_in():
+    r = circling()
+    page = page_text(scene_of([("", r)], title="</script><script>alert(1)</script>"))
+    assert "<script>alert" not in page
+    assert page.count("</script>") == 2
+
+
+def test_a_result_without_motion_is_refused(tmp_path):
+    r = circling()
+    nothing = {"bodies": {}, "ground": {"points": {}}, "joints": {}, "loads": {}, "driven": []}
+    curves = Result(
+        t=r.t, data=r["lift"][:, None], names=["lift"], units={"lift": ""}, geometry=nothing, trust=Trust(drift=0.0),
+        stats={}, provenance={},
+    )  # fmt: skip
+    with pytest.raises(ValueError, match="curves only, no motion"):
+        curves.animate(tmp_path / "x.html")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_every_form_is_drawn_in_pages_too(viewer_in_node):
+    drawn = viewer_in_node('import { FORMS } from "./viewer.mjs";\nconsole.log(JSON.stringify(Object.keys(FORMS)));')
+    assert set(drawn) == set(drawings())
+    named = {
+        getattr(one.leaf, "drawn_as", "") for family in ("joint", "load") for one in registry.kinds(family).values()
+    }
+    assert named - {""} <= set(drawn)
+
+
+CURVES = """
+import { Motion } from "./viewer.mjs";
+const found = data.map((scene) => {
+  const motion = new Motion(scene.runs[0], scene.geometry);
+  return Object.fromEntries(motion.names.map((name) => [name, [motion.unit(name), Array.from(motion.curve(name))]]));
+});
+console.log(JSON.stringify(found));
+"""
+
+
+def test_derived_curves_are_those_of_python_in_every_example(viewer_in_node):
+    results = [any_motion(name) for name in EXAMPLES]
+    found = viewer_in_node(CURVES, [plain(scene_of([("", r)])) for r in results])
+    for r, curves in zip(results, found, strict=True):
+        assert sorted(curves) == sorted(r.names)
+        for name, (unit, y) in curves.items():
+            assert unit == r.unit(name)
+            # float32 of numbers of the size of 1, multiplied by at most a few more such
+            scale = 1.0 + np.abs(r[name]).max()
+            np.testing.assert_allclose(np.array(y, float), r[name], atol=2e-5 * scale, err_msg=name)
+
+
+PLACES = """
+import { Motion, Stage, pointAt } from "./viewer.mjs";
+const found = data.map((scene) => {
+  const motion = new Motion(scene.runs[0], scene.geometry), stage = new Stage(motion, scene), places = {};
+  for (const [body, form] of Object.entries(motion.geometry.bodies)) {
+    for (const [point, at] of Object.entries(form.points)) {
+      places[`${body}.${point}`] = Array.from(motion.t, (t) => pointAt(motion.pose(t), body, at));
+    }
+  }
+  const drawn = stage.parts().flatMap((part) => part.drawing.prepare(stage, part));
+  return { places, parts: stage.parts().length, drawn: drawn.length, low: stage.low, high: stage.high };
+});
+console.log(JSON.stringify(found));
+"""
+
+
+def test_points_are_drawn_where_they_are_in_every_example(viewer_in_node):
+    results = [any_motion(name) for name in EXAMPLES]
+    scenes = [plain(scene_of([("", r)])) for r in results]
+    for r, scene, found in zip(results, scenes, viewer_in_node(PLACES, scenes), strict=True):
+        assert found["parts"] == len(scene["kinds"]["joints"]) + len(scene["kinds"]["loads"])
+        assert found["drawn"] >= 1
+        for point, path in found["places"].items():
+            there = np.column_stack([r[f"{point}.x"], r[f"{point}.y"]])
+            np.testing.assert_allclose(np.array(path), there, atol=1e-6 * (1 + np.abs(there).max()))
+            assert (there >= np.array(found["low"]) - 1e-5).all()
+            assert (there <= np.array(found["high"]) + 1e-5).all()
