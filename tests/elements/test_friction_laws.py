@@ -61,6 +61,7 @@ def test_bristles_never_give_back_more_than_they_hold(name, u, N, z, alpha, damp
     assert friction(name, -u, N, -z, alpha=alpha, sigma1=damping) == (-T, -dz)
 
 
+@pytest.mark.plain
 @pytest.mark.parametrize("name", BRISTLES)
 @given(
     st.lists(st.tuples(st.floats(-0.05, 0.05), st.floats(0.1, 100)), min_size=2, max_size=6),
