@@ -26,7 +26,7 @@ from rattle.equations.state import (
     take_states,
 )
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.choices import assume, select
+from rattle.jit.choices import select, usually
 from rattle.jit.families import call_closed_contacts, call_joint, call_load
 from rattle.jit.functions import compiled, native
 from rattle.language.bytecode import evaluate
@@ -191,7 +191,7 @@ def accelerate(m):
             acceleration[i, k] = weight[i, k] * force[i, k]
     for r in range(rows.shape[0]):
         multiplier[r] = 0.0
-    rounds = 1 if assume(m.power[at.PIVOT_SHARE] > WEAK) else 3  # near a singular position the solution is refined
+    rounds = 1 if usually(m.power[at.PIVOT_SHARE] > WEAK) else 3  # near a singular position the solution is refined
     for _ in range(rounds):
         for r in range(rows.shape[0]):
             a, b = row_body[r, at.ROW_A], row_body[r, at.ROW_B]

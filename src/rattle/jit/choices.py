@@ -15,3 +15,9 @@ def select(condition, yes, no):
 def assume(condition):
     """The condition itself; a recording takes it for true and notes that it has to be."""
     return condition
+
+
+@compiled
+def usually(condition):
+    """The condition itself, where both ways are sound; a recording takes the usual one as `assume`, or the other."""
+    return condition

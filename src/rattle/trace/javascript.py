@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from rattle.trace.graph import ROUND, Graph
-from rattle.trace.javascript_text import BEGIN, GUIDE, MAIN, NO_BEGIN
+from rattle.trace.javascript_text import BEGIN, GUIDE, HEAD, MAIN, NO_BEGIN
 from rattle.trace.program import PIECES, ROWS, Begin, Input, Program
 from rattle.trace.text import pieces
 
@@ -80,35 +80,47 @@ def module(header: Sequence[str], made: Program, t_end: float, step: float) -> s
 
     header: lines of the comment on top; t_end, step: what `run` does when not told [s].
     """
-    functions = [function(made.graph, outputs, f"{name}Of") for name, outputs in made.functions.items()]
     first = next(iter(made.parameters), None)
-    change = f", {{ {_text(first.name)}: {number(first.value)} }}" if first is not None else ""
-    guide = GUIDE.replace("@change@", _comment(change)).replace("@name@", _comment(_text(made.names[0])))
+    change = f", {{ {as_text(first.name)}: {number(first.value)} }}" if first is not None else ""
+    guide = GUIDE.replace("@change@", _comment(change)).replace("@name@", _comment(as_text(made.names[0])))
     comment = "\n * ".join(_comment(line) for line in header)
-    pairs = ", ".join(f"[{_text(one.name)}, {number(one.value)}]" for one in made.parameters)
-    table = "".join(f"  {_input(one)},\n" for one in made.parameters)
-    main = MAIN.replace("@begin@", NO_BEGIN if made.begin is None else _begin(made.begin))
-    for key, text in (
-        ("ny", str(len(made.start))), ("rows", str(ROWS)), ("start", ", ".join(map(number, made.start))),
-        ("t_end", number(t_end)), ("step", number(step)),
-    ):  # fmt: skip
+    texts = [function(made.graph, outputs, f"{name}Of") for name, outputs in made.functions.items()]
+    main = MAIN
+    for key, text in (("rows", str(ROWS)), ("t_end", number(t_end)), ("step", number(step))):
         main = main.replace(f"@{key}@", text)
-    tables = [
+    return "\n".join([f"/** {comment}\n *{guide} */", *shared(made, texts), main.lstrip("\n")])
+
+
+def shared(made: Program, functions: Sequence[str]) -> list[str]:
+    """Parts of a module that every use of it needs: tables of names, the functions, and the start for parameters.
+
+    functions: texts of functions, those of the start of the program among them.
+    """
+    pairs = ", ".join(f"[{as_text(one.name)}, {number(one.value)}]" for one in made.parameters)
+    table = "".join(f"  {_input(one)},\n" for one in made.parameters)
+    head = HEAD.replace("@begin@", NO_BEGIN if made.begin is None else _begin(made.begin))
+    for key, text in (
+        ("ny", str(len(made.start))), ("inputs", str(len(made.graph.inputs))), ("start", ", ".join(map(number, made.start))),
+    ):  # fmt: skip
+        head = head.replace(f"@{key}@", text)
+    return [
         f"/** Names of what is in a row: t, then the outputs; and their units. */\n"
-        f"export const names = {_text(['t', *made.names])};",
-        f"export const units = {_text(['s', *made.units])};",
+        f"export const names = {as_text(['t', *made.names])};",
+        f"export const units = {as_text(['s', *made.units])};",
         f"/** Values of the parameters in the model [SI], by name. */\n"
         f"export const parameters = Object.fromEntries([{pairs}]);",
         f"/** The same with their units, and limits where the model has some. */\n"
         f"export const sliders = [\n{table}];\n",
+        BITS,
+        *functions,
+        head.lstrip("\n"),
     ]
-    return "\n".join([f"/** {comment}\n *{guide} */", *tables, BITS, *functions, main.lstrip("\n")])
 
 
 def _input(one: Input) -> str:
     low, high = ("null" if x is None else number(x) for x in (one.low, one.high))
     return (
-        f"{{ name: {_text(one.name)}, value: {number(one.value)}, unit: {_text(one.unit)}, min: {low}, max: {high} }}"
+        f"{{ name: {as_text(one.name)}, value: {number(one.value)}, unit: {as_text(one.unit)}, min: {low}, max: {high} }}"
     )
 
 
@@ -116,7 +128,7 @@ def _begin(begin: Begin) -> str:
     text = BEGIN
     for key, value in (
         ("sizes", ", ".join(map(number, begin.sizes))),
-        ("gaps", _text([[name, unit] for name, _, unit in begin.gaps])), ("rounds", str(begin.rounds)),
+        ("gaps", as_text([[name, unit] for name, _, unit in begin.gaps])), ("rounds", str(begin.rounds)),
         ("small", number(begin.small)), ("closed", number(begin.closed)), ("far", number(begin.far)),
         ("missed", number(begin.missed)), ("pieces", str(PIECES)),
     ):  # fmt: skip
@@ -124,7 +136,7 @@ def _begin(begin: Begin) -> str:
     return text
 
 
-def _text(x: Any) -> str:
+def as_text(x: Any) -> str:
     """A text or list of texts as JavaScript reads it, inside a page too."""
     return json.dumps(x).replace("<", "\\u003c")
 

@@ -1,8 +1,7 @@
 """What stands after the recorded functions in an ES module; `javascript` puts in what stands in @...@ here."""
 
-MAIN = """
-const NY = @ny@, NO = names.length - 1, NP = sliders.length, ROWS = @rows@;
-const input = new Float64Array(1 + NY + NP + 1), rates = new Float64Array(NY + 1), row = new Float64Array(NO + 1);
+HEAD = """
+const NY = @ny@, NP = sliders.length, input = new Float64Array(@inputs@);
 const ownStart = Float64Array.of(@start@); // y at t = 0 for the values of the model
 
 // parameters as an array: those that are not given have their values in the model
@@ -61,6 +60,10 @@ export function start(p) {
   if (given.some((x, k) => x !== model[k])) begin(y, given);
   return y;
 }
+"""
+
+MAIN = """
+const NO = names.length - 1, ROWS = @rows@, rates = new Float64Array(NY + 1), row = new Float64Array(NO + 1);
 
 // the energy at the start [J], from which energy.balance counts; NaN for parameters that have no start
 const last = { p: null, energy: NaN };

@@ -40,14 +40,15 @@ CONSTANT = frozenset(("mass", "weight", "gravity", "lever", "const"))  # float a
 class Recorder:
     """Runs functions of the compiled layer on symbols of one graph; the journal of numbers that are recorded."""
 
-    def __init__(self, graph: Graph) -> None:
-        self.graph = graph
+    def __init__(self, graph: Graph, usual: bool = True) -> None:
+        self.graph, self.usual = graph, usual  # usual: whether conditions that usually hold are taken for true
         self.guards: list[Symbol] = []
         self.assumed: dict[int, Symbol] = {}  # by place: what reading the model has found true of its parameters
         self._language = _language(graph)
         self._made: dict[Any, Callable[..., Any]] = {
             choices.select.python: select,
             choices.assume.python: self._assume,
+            choices.usually.python: self._usually,
             **{one.python: own for one, own in self._language.items()},
         }
         self._math = SimpleNamespace(**{name: getattr(math, name) for name in dir(math)})
@@ -86,6 +87,9 @@ class Recorder:
             self.guards.append(condition)
             return True
         return condition
+
+    def _usually(self, condition: Any) -> Any:
+        return self._assume(condition) if self.usual or not isinstance(condition, Symbol) else False
 
     def _function(self, op: str, plain: Callable[..., Any]) -> Callable[..., Any]:
         def call(*given: Any) -> Any:

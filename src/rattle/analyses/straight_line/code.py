@@ -114,21 +114,25 @@ def _bound(model: RecordedModel) -> list[str]:
     return [name for k, name in enumerate(model.parameters) if not good[2 * k : 2 * k + 2].any()]
 
 
-def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = None) -> Program:
+def straight_line(
+    model: RecordedModel, constants: Mapping[str, str] | None = None, further: Mapping[str, Sequence[Any]] | None = None
+) -> Program:
     """The functions of a recorded model, with its parameters.
 
-    constants: parameters of the model file that are none of the program, and why.
+    constants: parameters of the model file that are none of the program, and why.  further: symbols of its graph that
+    make up more functions, by name.
     """
-    curves, first = all_curves(model), model.first
+    curves, first, further = all_curves(model), model.first, further or {}
     parts: list[list[Any]] = [model.derivative, model.projection, [*curves.values(), model.sound_curves]]
     if first is not None:
         parts += [[model.readable], first.correction, first.rates, [gap.open for gap in first.gaps]]
+    parts += [list(one) for one in further.values()]
     graph, every = lower(model.graph, [x for part in parts for x in part])
     ends = np.cumsum([0, *map(len, parts)])
     rates, projection, outputs, *more = (every[one:other] for one, other in itertools.pairwise(ends))
     begin, size = None, model.system.size
     if first is not None:
-        (readable,), correction, closing, gaps = more
+        (readable,), correction, closing, gaps = more[:4]
         said = [(one.words, gap, one.unit) for one, gap in zip(first.gaps, gaps, strict=True)]
         begin = Begin(
             readable, correction, closing, said, [size, size, 1.0] * model.system.body_count, CLOSED * size, MISSED,
@@ -143,6 +147,7 @@ def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = No
     return Program(
         graph, rates, projection, outputs, list(curves), [model.units.get(name, "m") for name in curves], inputs,
         model.start_state.tolist(), begin, switching, constants or {}, [] if first is None else _bound(model),
+        dict(zip(further, more[len(more) - len(further) :], strict=True)),
     )  # fmt: skip
 
 

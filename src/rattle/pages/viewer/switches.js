@@ -1,0 +1,3 @@
+export function takeSides() {}
+export function endOnSwitch() { return true; }
+export function turnSwitch() {}

@@ -1,0 +1,162 @@
+"""A live page computes the motion that `simulate` computes: the same steps, checks and words."""
+
+import shutil
+
+import numpy as np
+import pytest
+from live import computed, program_of
+
+import rattle as rt
+from rattle.errors import TraceError
+from rattle.pages.live_program import live_program
+from rattle.results.columns import geometry
+
+pytestmark = [pytest.mark.nojit, pytest.mark.plain, pytest.mark.skipif(shutil.which("node") is None, reason="no node")]
+
+
+def simulated(m, run, live, **settings):
+    """The same motion by Python: at the instants, with the settings of a run of the page."""
+    s = {**live.settings, **settings}
+    return m.set(**run["parameters"]).simulate(
+        s["t_end"], t_eval=run["t"], method=s["method"], rtol=s["rtol"], atol=s["atol"], step=s["step"],
+        horizon=settings.get("horizon", False),
+    )  # fmt: skip
+
+
+def apart(run, r, names=None):
+    """The largest difference of any curve, as a share of its largest value (or of the largest of its unit)."""
+    widest = {}
+    for name in r.names:
+        widest[r.unit(name)] = max(widest.get(r.unit(name), 0.0), float(np.abs(r[name]).max()))
+    return max(
+        float(np.abs(run["columns"][name] - r[name]).max()) / max(widest.get(r.unit(name), 0.0), 1e-12)
+        for name in names or run["names"]
+    )
+
+
+EQUAL = {  # steps of equal length: s, steps, changed parameters
+    "fourbar": (0.02, 200, {"r3": 0.003, "M": -20.0}),
+    "double_pendulum": (0.2, 100, {"upper_length": 0.38, "start": 1.1}),
+    "slider_crank": (0.012, 200, {"rod_length": 0.13}),
+    "squeezer": (0.004, 60, {"mom": 0.04}),
+    "quick_return": (0.2, 60, {"r": 0.09}),
+}
+
+
+@pytest.mark.parametrize("name", EQUAL)
+def test_equal_steps_give_the_curves_of_simulate(name, tmp_path):
+    """Rounding alone is between them, which forces over short lengths magnify."""
+    live, m = program_of(name)
+    end, steps, change = EQUAL[name]
+    for p in ({}, change):
+        settings = {"method": "rk4", "t_end": end, "step": end / steps, "outputs": 5}
+        run = computed(tmp_path, live, p, **settings)
+        assert run["stats"]["steps"] == steps
+        assert run["parameters"] == {**run["parameters"], **p}
+        assert apart(run, simulated(m, run, live, **settings)) < 1e-10
+
+
+ADAPTIVE = {"fourbar": (0.03, {"r3": 0.003}), "chain": (0.02, {}), "geneva": (0.1, {"r": 0.045}), "five_bar": (0.3, {})}
+
+
+@pytest.mark.parametrize("name", ADAPTIVE)
+def test_the_usual_method_takes_the_steps_of_simulate(name, tmp_path):
+    live, m = program_of(name)
+    end, change = ADAPTIVE[name]
+    run = computed(tmp_path, live, change, t_end=end, outputs=30)
+    r = simulated(m, run, live, t_end=end)
+    assert (run["stats"]["steps"], run["stats"]["rejected"]) == (r.stats["steps"], r.stats["rejected"])
+    assert apart(run, r, [name for name in run["names"] if name.endswith((".x", ".y", ".angle"))]) < 1e-9
+    assert apart(run, r) < 1e-7
+
+
+def test_a_motion_through_singular_positions_goes_on_as_in_python(tmp_path):
+    """The rods of the windows fall into one line at 0.708 s: steps leap across."""
+    live, m = program_of("windows")
+    run = computed(tmp_path, live, t_end=1.0, outputs=50)
+    r = simulated(m, run, live, t_end=1.0)
+    assert run["success"]
+    assert apart(run, r, ["p1.x", "p1.y"]) < 1e-6
+
+
+def test_trust_says_what_python_says(tmp_path):
+    """In its words, to the digit: the pulls of links are located, the horizon is that of a tighter run."""
+    live, m = program_of("fourbar")
+    settings = {"t_end": 0.1, "outputs": 100, "horizon": True}
+    run = computed(tmp_path, live, **settings)
+    r = simulated(m, run, live, **settings)
+    said, want = ("\n".join(run["trust"]["text"]), str(r.trust))
+    # the constraint error is rounding, and the page corrects once more
+    assert said.split(", energy error")[1] == want.split(", energy error")[1]
+    assert run["trust"]["pulled"] == pytest.approx(dict(r.trust.pulled), abs=1e-6)
+    assert run["trust"]["first_pull"] == pytest.approx(dict(r.trust.first_pull), abs=1e-9)
+    assert run["trust"]["energy_share"] == pytest.approx(r.trust.energy_share, rel=0.01)
+
+
+def test_a_chaotic_motion_has_a_horizon(tmp_path):
+    live, _ = program_of("double_pendulum")
+    run = computed(tmp_path, live, horizon=True)
+    assert 8.0 < run["trust"]["horizon"] < 14.0
+    assert run["trust"]["text"][1].endswith("(horizon), after it statistics only")
+
+
+def test_a_step_that_tears_joints_apart_ends_the_run_in_words(tmp_path):
+    live, m = program_of("double_pendulum")
+    settings = {"method": "rk4", "t_end": 20.0, "step": 1.0, "outputs": 20}
+    run = computed(tmp_path, live, **settings)
+    r = simulated(m, run, live, **settings)
+    assert not run["success"]
+    assert run["message"] == r.message
+    assert run["n"] == len(r.t) < 21
+
+
+def test_parameters_that_do_not_close_are_refused_in_words(tmp_path):
+    live, _ = program_of("slider_crank")
+    run = computed(tmp_path, live, {"rod_length": 0.01})
+    assert "outside of its limits" in run["error"]
+    run = computed(tmp_path, program_of("quick_return")[0], {"d": 1e6})
+    assert "outside of its limits" in run["error"]
+
+
+# ---------------------------------------------------------------- the drawing
+@pytest.mark.parametrize("name", ["fourbar", "double_wishbone", "five_bar", "scissor_lift", "geneva"])
+def test_the_drawing_follows_the_parameters(name, tmp_path):
+    """Every number of it is that of the model at these parameters."""
+    live, m = program_of(name)
+    change = {one.name: one.value * 1.02 + (0.01 if one.value == 0.0 else 0.0) for one in live.program.parameters}
+    script_run = computed(tmp_path, live, t_end=1e-9, outputs=1, rtol=1e-3, atol=1e-3)
+    assert "error" not in script_run
+    same_numbers(script_run["geometry"], geometry(m.model))
+    made = drawn_at(tmp_path, change)
+    same_numbers(made, geometry(m.set(**change).model))
+
+
+def drawn_at(folder, change):
+    """geometry(p) of the module in this folder."""
+    import json
+    import subprocess
+
+    text = f'import {{ geometry }} from "./model.mjs"; console.log(JSON.stringify(geometry({json.dumps(change)})));'
+    (folder / "drawn.mjs").write_text(text)
+    done = subprocess.run(["node", "drawn.mjs"], cwd=folder, capture_output=True, text=True, check=True, timeout=60)
+    return json.loads(done.stdout)
+
+
+def same_numbers(got, want):
+    if isinstance(want, dict):
+        assert got.keys() == want.keys()
+        for key, inner in want.items():
+            same_numbers(got[key], inner)
+    elif isinstance(want, list | tuple):
+        assert len(got) == len(want)
+        for one, other in zip(got, want, strict=True):
+            same_numbers(one, other)
+    elif isinstance(want, float):
+        assert got == pytest.approx(want, rel=1e-12, abs=1e-14)
+    else:
+        assert got == want
+
+
+def test_what_cannot_compute_in_a_page_says_why():
+    with pytest.raises(TraceError, match="contacts begin and end"):
+        live_program(rt.example("bouncing_pin"))
