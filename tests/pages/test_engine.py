@@ -11,7 +11,7 @@ from rattle.errors import TraceError
 from rattle.pages.live_program import live_program
 from rattle.results.columns import geometry
 
-pytestmark = [pytest.mark.nojit, pytest.mark.plain, pytest.mark.skipif(shutil.which("node") is None, reason="no node")]
+pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="no node")
 
 
 def simulated(m, run, live, **settings):
@@ -29,7 +29,7 @@ def apart(run, r, names=None):
     for name in r.names:
         widest[r.unit(name)] = max(widest.get(r.unit(name), 0.0), float(np.abs(r[name]).max()))
     return max(
-        float(np.abs(run["columns"][name] - r[name]).max()) / max(widest.get(r.unit(name), 0.0), 1e-12)
+        float(np.abs(run["columns"][name] - r[name]).max()) / max(widest.get(r.unit(name), 0.0), 1e-6)
         for name in names or run["names"]
     )
 
@@ -70,6 +70,51 @@ def test_the_usual_method_takes_the_steps_of_simulate(name, tmp_path):
     assert apart(run, r) < 1e-7
 
 
+@pytest.mark.parametrize(("name", "end"), [("dc_motor_pid", 0.5), ("double_wishbone", 0.3), ("toggle", 0.1)])
+def test_steps_end_where_expressions_switch(name, end, tmp_path):
+    """Currents that saturate, tyres that lift off, a stop: what a step across such a kink would miss shows at once."""
+    live, m = program_of(name)
+    run = computed(tmp_path, live, t_end=end, outputs=100)
+    r = simulated(m, run, live, t_end=end)
+    assert run["success"]
+    assert apart(run, r, [name for name in run["names"] if name.endswith((".x", ".y", ".angle"))]) < 1e-10
+    assert apart(run, r) < 1e-6
+
+
+PULSE = """
+format = 1
+[parameters]
+width = { value = "5 ms", min = "1 ms", max = "20 ms" }
+[bodies.block]
+points = { P = [0, 0] }
+mass = 2
+inertia = 1
+[ground.points]
+O = [0, 0]
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "block.P"]
+[loads.kick]
+type = "force"
+at = "block.P"
+force = ["100 if t > 0.1 and t < 0.1 + width else 0", 0]
+[initial]
+block = { x = 0, vx = 0 }
+[simulate]
+t_end = 1
+"""
+
+
+def test_a_short_pulse_is_not_stepped_over(tmp_path):
+    """v = F width / m for a pulse of a hundredth of the run, whatever its width: closed form."""
+    live = live_program(rt.loads(PULSE))
+    for width in (0.005, 0.0123):
+        run = computed(tmp_path, live, {"width": width})
+        assert run["columns"]["block.vx"][-1] == pytest.approx(100.0 * width / 2.0, rel=1e-9)
+        want = 50.0 * width * (0.9 - 0.5 * width)
+        assert run["columns"]["block.x"][-1] == pytest.approx(want, rel=1e-9)
+
+
 def test_a_motion_through_singular_positions_goes_on_as_in_python(tmp_path):
     """The rods of the windows fall into one line at 0.708 s: steps leap across."""
     live, m = program_of("windows")
@@ -106,7 +151,9 @@ def test_a_step_that_tears_joints_apart_ends_the_run_in_words(tmp_path):
     run = computed(tmp_path, live, **settings)
     r = simulated(m, run, live, **settings)
     assert not run["success"]
-    assert run["message"] == r.message
+    said, want = run["message"], r.message  # how far it would open is rounding, hugely magnified
+    assert said.split("'")[0] == want.split("'")[0] == "ended at t = 0 s, before "
+    assert said.split("energy: ")[1] == want.split("energy: ")[1]
     assert run["n"] == len(r.t) < 21
 
 

@@ -9,13 +9,14 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from rattle.analyses.dynamics import soundness
 from rattle.analyses.straight_line.code import straight_line, with_parameters
-from rattle.analyses.straight_line.recorded_model import RecordedModel, read_at, record_model
+from rattle.analyses.straight_line.recorded_model import RecordedModel, read_at, record_curves, record_model
 from rattle.equations.closure import open_by
 from rattle.equations.motion import derivative
 from rattle.equations.state import state_layout
@@ -33,6 +34,7 @@ from rattle.trace.graph import Symbol, both
 from rattle.trace.hoist import hoist
 from rattle.trace.program import Program
 from rattle.trace.recording import Recorder, Recording
+from rattle.trace.sides import landed_on, stand_on_sides, switching_functions
 
 ENERGIES = 5  # result curves that come last
 TRIED = (-0.3, -0.07, 0.01, 0.11, 0.4)  # changes of a parameter at which its drawing is checked, in shares of it
@@ -63,22 +65,52 @@ def live_program(m: Mechanism, t_end: float | None = None) -> LiveProgram:
     model, undrawn = _drawable(m, model)
     constants = {**constants, **undrawn}
     drawing, places, sizes, sound = drawn(model)
-    made = straight_line(model, constants, {**_functions(model), "geometry": [*sizes, sound]})
+    model, recorders, switching = _on_sides(model)
+    made = straight_line(model, constants, {**_functions(model, recorders, switching), "geometry": [*sizes, sound]})
     settings, notes = run_settings(m, t_end)
-    return LiveProgram(_module(model, made, drawing, places), made, settings, constants, notes)
+    return LiveProgram(_module(model, made, drawing, places), made, settings, constants, (*notes, *_uncertain(model)))
 
 
 # ---------------------------------------------------------------- functions of a run
-def _functions(model: RecordedModel) -> dict[str, list[Any]]:
+def _on_sides(model: RecordedModel) -> tuple[RecordedModel, tuple[Recorder, Recorder], list[Any]]:
+    """The model with an input more for every switch, its side; what records it, and its switching functions.
+
+    The second recorder records what holds next to singular positions.
+    """
+    recorders, recorded = (Recorder(model.graph), Recorder(model.graph, usual=False)), model.recorded
+    switches = landed_on(recorded)
+    if not switches:
+        return model, recorders, []
+    t, y, energy = model.time, _state(model), Symbol(model.graph, model.graph.inputs[-1])
+    sides = {one.row: model.graph.input() for one in switches}
+    for one in recorders:
+        stand_on_sides(one, sides)
+    recording = Recording(recorded, recorders[0])
+    rate, sound_rate = recording.guarded(lambda: recording.derivative(t, y))
+    curves, _, sound = record_curves(recording, t, y)
+    curves["energy.balance"] = curves["energy.balance"] - energy
+    functions = switching_functions(recorders[0], recorded, t, y)
+    return replace(model, derivative=[*rate, sound_rate], curves=curves, sound_curves=sound), recorders, functions
+
+
+def _uncertain(model: RecordedModel) -> tuple[str, ...]:
+    """Switches at which the steps of a page do not end, in words."""
+    known = {one.row for one in landed_on(model.system)}
+    names = sorted({one.name for one in model.system.switches if one.row not in known})
+    return (f"steps go across the switches of {', '.join(names)} (floor, mod, tables with kinks)",) if names else ()
+
+
+def _functions(
+    model: RecordedModel, recorders: tuple[Recorder, Recorder], switching: Sequence[Any]
+) -> dict[str, list[Any]]:
     """What a page computes at every step, as symbols."""
-    recorded, graph = model.recorded, model.graph
-    recorder = Recorder(graph)
-    recording = Recording(recorded, recorder)
+    recorded = model.recorded
+    recording = Recording(recorded, recorders[0])
     t, y = model.time, _state(model)
     nq = 3 * recorded.body_count
     opened = recording.run(open_by, t, y[:nq], y[nq : 2 * nq])
     rate = np.zeros(len(y), dtype=object)
-    moved, refined = recording.run(derivative, t, y, rate), _refined(model)
+    moved, refined = recording.run(derivative, t, y, rate), _refined(model, recorders[1])
     links = [model.curves[f"{name}.normal"] for name in recorded.watched]
     residuals = [opened.rows[n, at.RES] for n in range(len(recorded.rows))]
     weight = recorded.arrays["weight"][1:]
@@ -86,16 +118,17 @@ def _functions(model: RecordedModel) -> dict[str, list[Any]]:
     push: list[Any] = [0.0, 0.0]
     for fx, fy, moment in moved.force[1:]:
         push = [push[0] + abs(moment), push[1] + abs(fx) + abs(fy)]
+    beside = [moved.power[at.PIVOT_SHARE], *links, *switching]
     energies = [model.curves["energy.kinetic"], model.curves["energy.potential"]]
     return {
-        "rates": [*model.derivative, moved.power[at.PIVOT_SHARE], *links],
-        "refined": [*refined, moved.power[at.PIVOT_SHARE], *links], "residual": [*residuals, *energies], "fixed": [*masses, *push],
+        "rates": [*model.derivative, *beside],
+        "refined": [*refined, *beside], "residual": [*residuals, *energies], "fixed": [*masses, *push],
     }  # fmt: skip
 
 
-def _refined(model: RecordedModel) -> list[Any]:
+def _refined(model: RecordedModel, recorder: Recorder) -> list[Any]:
     """dy/dt (ny,) [SI/s] and a flag, as computed next to singular positions."""
-    recording = Recording(model.recorded, Recorder(model.graph, usual=False))
+    recording = Recording(model.recorded, recorder)
     rate, sound = recording.guarded(lambda: recording.derivative(model.time, _state(model)))
     return [*rate, sound]
 
@@ -115,7 +148,8 @@ def _layout(model: RecordedModel, made: Program, prepared: int) -> dict[str, Any
     return {
         "ny": model.state_size, "prepared": prepared, "nb": system.body_count,
         "controlled": [*range(6 * system.body_count), *range(own.start, own.stop)],
-        "links": list(system.watched), "rows": [[row.owner, row.unit] for row in system.rows],
+        "links": list(system.watched),
+        "switches": [[one.name, one.timed] for one in landed_on(system)], "rows": [[row.owner, row.unit] for row in system.rows],
         "extent": float(system.extent), "size": float(system.size), "compared": count, "signals": signals,
         "states": [made.names.index(name) for name in system.model.states], "first_state": own.start,
     }  # fmt: skip
@@ -222,7 +256,8 @@ def _module(model: RecordedModel, made: Program, drawing: Any, places: Sequence[
     plain = json.loads(json.dumps(drawing, default=float))
     moving = {"project": made.projection, "outputs": made.outputs} | {name: made.further[name] for name in MOVING}
     once = {**made.starting, "fixed": made.further["fixed"], "geometry": made.further["geometry"]}
-    early = made.graph.inputs[1 + model.state_size :]
+    last = 1 + model.state_size + len(model.parameters) + 1  # sides of switches come after E_0
+    early = made.graph.inputs[1 + model.state_size : last]
     hoisted = hoist(made.graph, [x for one in moving.values() for x in one], early)
     ends = np.cumsum([0, *map(len, moving.values())])
     texts = [javascript.function(made.graph, one, f"{name}Of") for name, one in once.items()]

@@ -119,9 +119,7 @@ def shared(made: Program, functions: Sequence[str]) -> list[str]:
 
 def _input(one: Input) -> str:
     low, high = ("null" if x is None else number(x) for x in (one.low, one.high))
-    return (
-        f"{{ name: {as_text(one.name)}, value: {number(one.value)}, unit: {as_text(one.unit)}, min: {low}, max: {high} }}"
-    )
+    return f"{{ name: {as_text(one.name)}, value: {number(one.value)}, unit: {as_text(one.unit)}, min: {low}, max: {high} }}"
 
 
 def _begin(begin: Begin) -> str:

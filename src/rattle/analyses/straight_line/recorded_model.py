@@ -122,12 +122,9 @@ def record_model(
     recorded = compile_system(_counting(read(document, chosen=chosen), system, recorder)) if names else system
     _require_known_states(recorded)
     recording = Recording(recorded, recorder)
-    row = np.zeros(width(system), dtype=object)
     rate, sound_rate = recording.guarded(lambda: recording.derivative(t, y))
     closed, sound_closed = recording.guarded(lambda: recording.projection(t, y))
-    _, sound_row = recording.guarded(lambda: recording.run(record, t, y, row))
-    table, titles, units = recording.plain(columns)(recorded, Table([[0.0] * len(row), list(row)]))
-    curves = dict(zip(titles, (one[1] for one in table), strict=True))
+    curves, units, sound_row = record_curves(recording, t, y)
     curves["energy.balance"] = curves["energy.balance"] - graph.input()
     first = record_start(system, start, recorded, recorder, y) if names else None
     made = RecordedModel(
@@ -139,6 +136,14 @@ def record_model(
     )  # fmt: skip
     _require_same(made)
     return made
+
+
+def record_curves(recording: Recording, t: Any, y: np.ndarray) -> tuple[dict[str, Any], dict[str, str], Any]:
+    """Result columns by name [SI], the balance of energy as the energy itself; their units, and a flag."""
+    row = np.zeros(width(recording.system), dtype=object)
+    _, sound = recording.guarded(lambda: recording.run(record, t, y, row))
+    table, titles, units = recording.plain(columns)(recording.system, Table([[0.0] * len(row), list(row)]))
+    return dict(zip(titles, (one[1] for one in table), strict=True)), units, sound
 
 
 def _counting(model: Model, system: System, recorder: Recorder) -> Model:

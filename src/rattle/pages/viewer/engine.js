@@ -9,11 +9,12 @@ import {
 } from "./audit.js";
 import { interpolate, prepareDense, stepDop853, stepRk4 } from "./dop853.js";
 import { agreement } from "./horizon.js";
-import { endOnSwitch, takeSides, turnSwitch } from "./switches.js";
+import { endOnSwitch, nextInstant, release, slides, takeSides, turnSwitch } from "./switches.js";
 
 const OK = 0, AGAIN = 1, STOP = 2;
 const WEAK = 1e-3; // share of a pivot below which the position is next to a singular one
 const LEAP = 0.1, LEAP_ERROR = 1e-8, MOST_TRIES = 20; // steps across it, see solvers/step_loop.py
+const SAME = 1e-13; // share of a run within which two instants count as one
 const SCAN = 8; // parts of a step that are searched for zeros of a link's force
 
 /** A run from the start to settings.t_end, with everything that a page shows of it. */
@@ -27,6 +28,7 @@ export function runLive(module, settings, parameters) {
 export function runWithHorizon(module, settings, parameters) {
   const first = beginRun(module, settings, parameters);
   advanceRun(first, Infinity);
+  if (first.written < 2) return endRun(first);
   const second = beginSecond(first);
   advanceRun(second, Infinity);
   return endRun(first, agreement(first, second));
@@ -40,9 +42,9 @@ export function beginRun(module, settings, parameters = {}) {
   s.times = outputTimes(settings);
   s.data = new Float64Array(s.no * s.times.length);
   s.began = now();
+  takeSides(s);
   if (!s.rates(0, y, s.f)) return stop(s, `${cannot(0)}: ${SINGULAR}`);
   if (!finite(s.f, s.ny)) return stop(s, `${cannot(0)}: ${NOT_FINITE}`);
-  takeSides(s, 0, y);
   for (let n = 0; n < s.nl; n++) s.sign[n] = s.f[s.ny + 2 + n] < 0 ? -1 : 1;
   s.firstSign = s.sign.slice();
   s.functions.outputs(s.at(0, y), s.row);
@@ -76,26 +78,31 @@ export function advanceRun(s, milliseconds) {
 const now = () => (typeof performance === "undefined" ? Date.now() : performance.now());
 
 function newState(module, settings, p, y) {
-  const { layout, functions } = module, { ny, nb, links, rows } = layout;
-  const array = (n) => new Float64Array(n), arrays = (n) => Array.from({ length: n }, () => array(ny + 2 + links.length));
+  const { layout, functions } = module, { ny, nb, links, rows, switches } = layout;
+  const array = (n) => new Float64Array(n), arrays = (n) => Array.from({ length: n }, () => array(ny + 2 + links.length + switches.length));
   const s = {
     module, settings, layout, functions, p, ny, nb, nm: 6 * nb, nl: links.length, no: module.names.length - 1,
     method: settings.method, tableau: settings.tableau, rtol: settings.rtol, atol: settings.atol,
     longest: settings.step === null ? Infinity : settings.step, controlled: layout.controlled,
     y: y.slice(), f: arrays(1)[0], yNew: array(ny), fNew: arrays(1)[0], stage: array(ny), k: arrays(16), dense: arrays(7),
-    whole: array(module.inputs), input: array(1 + ny + layout.prepared), made: array(ny + 1),
+    whole: array(module.inputs), input: array(1 + ny + switches.length + layout.prepared), made: array(ny + 1),
     row: array(module.names.length), residual: array(rows.length + 2), fixed: array(3 * nb + 2),
     t: 0, h: 0, tEnd: settings.t_end, longestStable: Infinity, shortened: false, written: 0, steps: 0, rejected: 0,
-    sign: array(links.length), crossings: [], changed: false, turns: 0, message: "", done: false, pivot: 1, tame: false, streak: 0, soundStep: 0, lands: 0, shortest: Infinity,
+    sign: array(links.length), crossings: [], changed: false, message: "", done: false, pivot: 1, tame: false, streak: 0, soundStep: 0, lands: 0, shortest: Infinity,
     drift: 0, driftAngle: 0, driftRow: -1, openness: 0, openRow: 0, correction: 0,
     total0: 0, work0: 0, mostKinetic: 0, mostWork: 0, least: 0, most: 0, unrest: 0, mostUnrest: 0, floor: 0,
   };
+  const ns = switches.length;
+  Object.assign(s, {
+    ns, sides: s.input.subarray(1 + ny, 1 + ny + ns), over: array(ns), values: array(ns), scratch: arrays(1)[0],
+    instants: [], crossed: false, goOn: 0, again: 0, lastTurn: -Infinity, endless: "",
+  });
   addFunctions(s);
   return s;
 }
 
 function addFunctions(s) {
-  const { functions, ny, nl, input, whole, p } = s;
+  const { functions, ny, nl, ns, sides, input, whole, p } = s;
   s.at = (t, state) => {
     input[0] = t;
     for (let n = 0; n < ny; n++) input[1 + n] = state[n];
@@ -107,6 +114,7 @@ function addFunctions(s) {
     if (out[ny] === 0) functions.refined(input, out); // next to a singular position
     if (out[ny + 1] < s.pivot) s.pivot = out[ny + 1];
     for (let n = 0; n < nl && !s.changed; n++) s.changed = out[ny + 2 + n] * s.sign[n] < 0;
+    for (let n = 0; n < ns; n++) if (out[ny + 2 + nl + n] * sides[n] < 0) s.over[n] = s.crossed = true;
     if (out[ny] === 0) s.why = SINGULAR;
     return out[ny] !== 0;
   };
@@ -122,7 +130,7 @@ function addFunctions(s) {
     whole.set(p, 1 + ny);
     whole[1 + ny + p.length] = energy;
     functions.fixed(whole, s.fixed);
-    functions.prepare(whole, input.subarray(1 + ny));
+    functions.prepare(whole, input.subarray(1 + ny + ns));
   };
   s.prepare(0);
 }
@@ -140,7 +148,7 @@ function finite(values, n) {
 
 // ---------------------------------------------------------------- steps
 function equalStep(s, t) {
-  const ahead = s.tEnd - t, step = s.settings.step ?? s.settings.fixed_step;
+  const ahead = nextInstant(s) - t, step = s.settings.step ?? s.settings.fixed_step;
   return ahead / Math.max(1, Math.ceil(ahead / step - 1e-9));
 }
 
@@ -165,15 +173,14 @@ function firstStep(s) {
 function oneStep(s) {
   const { t, tEnd } = s;
   if (t >= tEnd) return void (s.done = true);
-  let h = s.h;
-  const last = t + (s.lands ? 1 : 1.000001) * h >= tEnd;
-  if (last) h = tEnd - t;
+  const end = nextInstant(s), last = t + (s.lands ? 1 : 1.000001) * s.h >= end, h = last ? end - t : s.h;
   if (h <= 1e-15 * Math.abs(t) || h <= 1e-16 * tEnd || t + h === t) return void stop(s, `${cannot(t)}: ${s.why}`);
   if (s.steps + s.rejected >= s.settings.most_steps) return void stop(s, tooMany(s));
-  const tNew = last ? tEnd : t + h;
+  const tNew = last ? end : t + h;
   s.changed = false;
   let status = tryStep(s, t, h, last);
   if (status === OK) status = endOnConstraints(s, t, h, tNew);
+  if (s.endless) return void stop(s, slides(s));
   if (status !== OK) return;
   search(s, t, tNew);
   startNext(s, tNew);
@@ -203,6 +210,7 @@ function tryStep(s, t, h, last) {
 function stepAnew(s, t, h, error, weak) {
   s.trouble = t + h;
   s.lands = 0;
+  if (!(error < Infinity) && s.crossed && release(s)) return s.rejected++, AGAIN;
   if (s.method === "rk4") return stop(s, diverged(s, h)), STOP;
   s.rejected++;
   if (s.pivot < WEAK && !s.tame) {
@@ -223,8 +231,9 @@ function endOnConstraints(s, t, h, tNew) {
     s.lands = 0;
     return AGAIN;
   }
-  if (sound) checkResidual(s, tNew, yNew);
-  if (!sound || !stands(s, yNew, false)) {
+  checkResidual(s, tNew, yNew);
+  const torn = s.correction > s.settings.limits.jump || s.openness > s.settings.limits.drift;
+  if (!stands(s, yNew, false) || !sound) {
     s.trouble = tNew;
     s.lands = 0;
     if (s.method === "dop853" && h > 1e-9 * (s.tEnd - t)) {
@@ -232,7 +241,7 @@ function endOnConstraints(s, t, h, tNew) {
       s.rejected++;
       return AGAIN;
     }
-    return stop(s, sound ? unsound(s, tNew) : `${cannot(t)}: ${SINGULAR}`), STOP;
+    return stop(s, sound || torn ? unsound(s, tNew) : `${cannot(t)}: ${SINGULAR}`), STOP;
   }
   return endOnSwitch(s, t, tNew - t) ? OK : AGAIN;
 }
@@ -265,7 +274,8 @@ function search(s, t, tNew) {
   const { changed } = s;
   if (due || changed) prepareDense(s, t, h);
   if (changed) findCrossings(s, t, h);
-  while (s.written < s.times.length && s.times[s.written] <= tNew) {
+  const until = tNew < s.tEnd && tNew === nextInstant(s) ? tNew - SAME * s.tEnd : tNew; // there, values just after it
+  while (s.written < s.times.length && s.times[s.written] <= until) {
     const at = s.times[s.written];
     interpolate(s, (at - t) / h, s.stage);
     s.project(at, s.stage);
@@ -299,12 +309,16 @@ function findCrossings(s, t, h) {
 }
 
 function startNext(s, tNew) {
+  const at = nextInstant(s) === tNew && tNew < s.tEnd;
   turnSwitch(s, tNew);
   [s.y, s.yNew] = [s.yNew, s.y];
   [s.f, s.fNew] = [s.fNew, s.f];
   s.shortest = Math.min(s.shortest, tNew - s.t);
   s.t = tNew;
   s.steps++;
+  if (!at) return;
+  if (s.method === "rk4") s.h = equalStep(s, tNew);
+  while (s.written < s.times.length && s.times[s.written] <= tNew + SAME * s.tEnd) record(s, tNew, s.y);
 }
 
 function record(s, t, y) {
