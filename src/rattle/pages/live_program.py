@@ -20,7 +20,7 @@ from rattle.analyses.straight_line.recorded_model import RecordedModel, read_at,
 from rattle.equations.closure import open_by
 from rattle.equations.motion import derivative
 from rattle.equations.state import state_layout
-from rattle.errors import ModelError, TraceError
+from rattle.errors import ModelError
 from rattle.jit import layout as at
 from rattle.language.recorded import Recorded, symbol_of
 from rattle.mechanism import Mechanism
@@ -149,7 +149,8 @@ def _layout(model: RecordedModel, made: Program, prepared: int) -> dict[str, Any
         "ny": model.state_size, "prepared": prepared, "nb": system.body_count,
         "controlled": [*range(6 * system.body_count), *range(own.start, own.stop)],
         "links": list(system.watched),
-        "switches": [[one.name, one.timed] for one in landed_on(system)], "rows": [[row.owner, row.unit] for row in system.rows],
+        "switches": [[one.name, one.timed] for one in landed_on(system)],
+        "rows": [[row.owner, row.unit] for row in system.rows],
         "extent": float(system.extent), "size": float(system.size), "compared": count, "signals": signals,
         "states": [made.names.index(name) for name in system.model.states], "first_state": own.start,
     }  # fmt: skip

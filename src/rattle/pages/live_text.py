@@ -1,4 +1,4 @@
-"""What stands after the recorded functions in the module of a live page; `live_program` puts in what stands in @...@."""
+"""What stands after the functions in the module of a live page; `live_program` puts in what stands in @...@ here."""
 
 LIVE = """
 export { values };

@@ -100,7 +100,8 @@ def shared(made: Program, functions: Sequence[str]) -> list[str]:
     table = "".join(f"  {_input(one)},\n" for one in made.parameters)
     head = HEAD.replace("@begin@", NO_BEGIN if made.begin is None else _begin(made.begin))
     for key, text in (
-        ("ny", str(len(made.start))), ("inputs", str(len(made.graph.inputs))), ("start", ", ".join(map(number, made.start))),
+        ("ny", str(len(made.start))), ("inputs", str(len(made.graph.inputs))),
+        ("start", ", ".join(map(number, made.start))),
     ):  # fmt: skip
         head = head.replace(f"@{key}@", text)
     return [
@@ -119,7 +120,8 @@ def shared(made: Program, functions: Sequence[str]) -> list[str]:
 
 def _input(one: Input) -> str:
     low, high = ("null" if x is None else number(x) for x in (one.low, one.high))
-    return f"{{ name: {as_text(one.name)}, value: {number(one.value)}, unit: {as_text(one.unit)}, min: {low}, max: {high} }}"
+    value, unit = number(one.value), as_text(one.unit)
+    return f"{{ name: {as_text(one.name)}, value: {value}, unit: {unit}, min: {low}, max: {high} }}"
 
 
 def _begin(begin: Begin) -> str:

@@ -13,8 +13,8 @@ from typing import Any
 from rattle.equations.system import System
 from rattle.language import bytecode as code
 from rattle.language.switching import Switch
-from rattle.trace.graph import Symbol, select
 from rattle.solvers.state_switches import see
+from rattle.trace.graph import Symbol, select
 from rattle.trace.recording import Recorder
 
 INF = float("inf")
@@ -30,7 +30,7 @@ def stand_on_sides(recorder: Recorder, sides: Mapping[int, Symbol]) -> None:
         for row in range(first, last):
             op, k = (int(x) for x in rows[row, :2])
             if op <= code.SIGNAL:
-                held.append((const, None, body, signals)[op][_place(op, k)] if op != code.TIME else t)
+                held.append(_read(op, k, const, t, body, signals))
                 continue
             count = code.operands_of(op)
             given = held[-count:]
@@ -68,8 +68,10 @@ def switching_functions(recorder: Recorder, system: System, t: Any, y: Any) -> l
     return found
 
 
-def _place(op: int, k: int) -> Any:
-    return (k >> 3, k & 7) if op == code.STATE else k
+def _read(op: int, k: int, const: Any, t: Any, body: Any, signals: Any) -> Any:
+    if op == code.STATE:
+        return body[k >> 3, k & 7]
+    return t if op == code.TIME else (const if op == code.CONST else signals)[k]
 
 
 def _on_side(side: Symbol | None, plain: Any, ways: tuple[Any, Any] | None) -> Any:
