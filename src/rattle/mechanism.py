@@ -13,6 +13,7 @@ from rattle.results.result import UnknownName
 if TYPE_CHECKING:
     import os
     from concurrent.futures import Executor
+    from pathlib import Path
 
     import numpy as np
     from matplotlib.axes import Axes
@@ -57,13 +58,15 @@ class Mechanism(AnalysedModel):
         return f"<rattle.Mechanism{f' {name!r}' if name else ''}: {', '.join(counts)}>"
 
     def _repr_html_(self) -> str:
-        from rattle.results.display import model_tables, table
+        from rattle.plots.diagram import drawing
+        from rattle.results.display import card, model_tables, table
 
         try:
-            return model_tables(self.model, repr(self)[1:-1])
+            tables = model_tables(self.model)
         except ModelError as error:
             problems = [(one.key, one.message) for one in error.problems]
             return table(("where", "what is still wrong or missing"), problems, repr(self)[1:-1])
+        return card(repr(self)[1:-1].partition(": ")[2], drawing(self), tables, hint="m.check(), m.simulate()")
 
     @overload
     def plot(self, ax: None = None) -> Figure: ...
@@ -80,6 +83,25 @@ class Mechanism(AnalysedModel):
         from rattle.plots.diagram import plot_model
 
         return plot_model(self, ax)
+
+    def report(
+        self, path: str | os.PathLike[str], *, title: str = "", author: str = "", t_end: Seconds | None = None,
+        paper: str = "A4", progress: bool = False,
+    ) -> Path:  # fmt: skip
+        """Write a report to hand on: one .html page that needs nothing else and prints well, or a .pdf.
+
+        Model, drawing, assumptions, checks, motion, forces, contacts, equilibria, power and accuracy, as far as they
+        apply, and how far to trust them.  A motion that fails gives a report that says so at its top.
+        title, author: default the name of the model, and none.  t_end: end of the motion [s].  paper: A4 or Letter, of
+        a .pdf, which a browser prints.  progress: show a progress bar.  Returns the path.
+        Raises ModelError, ValueError for another suffix, MissingProgram for a .pdf without a browser, OSError.
+        """
+        from rattle.pages.report import report
+
+        return report(
+            self, path, title=title, author=author, t_end=seconds_or_none(t_end, "t_end"), paper=paper,
+            progress=progress,
+        )  # fmt: skip
 
     def film(self, joint: str) -> Film:
         """The oil film of a joint as a calculator: static positions, whirl, Stribeck curve, chart; see `rt.Film`.

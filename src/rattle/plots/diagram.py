@@ -23,6 +23,7 @@ from rattle.jit import layout as at
 from rattle.plots.arrows import straight, turning
 from rattle.plots.curves import BLACK, GREY, RED, drawn, figure_of, length_axes, new_figure, tidy
 from rattle.plots.drawings import drawing_of, parts
+from rattle.plots.figure import Page
 from rattle.plots.labels import Label, place_labels
 from rattle.plots.scene import Array, Scene
 from rattle.plots.sketch import draw_mechanism, extent
@@ -86,6 +87,15 @@ def plot_model(m: AnalysedModel, ax: Axes | None = None) -> Figure | Axes:
     if given is None:
         figure_of(ax).set_layout_engine("none")  # names are placed for this layout
     return drawn(ax, given)
+
+
+def drawing(m: AnalysedModel) -> str:
+    """The drawing as an SVG element of a page; "" of a mechanism without bodies."""
+    if not m.model.bodies:
+        return ""
+    figure = plot_model(m)
+    assert isinstance(figure, Page), "without axes given it is a new figure"
+    return figure.to_page(f"drawing of {m.name or 'the mechanism'}")
 
 
 def _position(m: AnalysedModel) -> Position:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
+import html
 import io
+import re
 from typing import Any
 
 from matplotlib import rc_context
@@ -11,6 +14,8 @@ from matplotlib.figure import Figure
 
 TEXT: Any = {"svg.fonttype": "none", "svg.hashsalt": "rattle"}  # settings: text is text, the same picture the same file
 DPI = 110  # of the picture in a notebook
+FINE = 200  # dots per inch of the parts of a picture in a page that are drawn as dots
+MANY = 400  # lines of one collection above which they are drawn as dots in a page: each would be an element of its own
 
 
 class Page(Figure):
@@ -30,3 +35,22 @@ class Page(Figure):
         out = io.BytesIO()
         self.savefig(out, format="png", dpi=DPI)
         return out.getvalue()
+
+    def to_page(self, label: str = "") -> str:
+        """The picture as an SVG element that may stand in a page among others: text is text, names are its own.
+
+        label: what it shows, for those who do not see it.  Collections of many lines are drawn as dots.
+        """
+        dense = [one for ax in self.axes for one in ax.collections if len(one.get_paths()) > MANY]
+        for one in dense:
+            one.set_rasterized(True)
+        out = io.StringIO()
+        self.savefig(out, format="svg", dpi=FINE, metadata={"Date": None})
+        for one in dense:
+            one.set_rasterized(False)
+        text = out.getvalue()
+        text = re.sub(r"<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.DOTALL)
+        own = "p" + hashlib.sha256(text.encode()).hexdigest()[:8]  # the same picture has the same names
+        text = re.sub(r'(\sid="|url\(#|href="#)', rf"\1{own}-", text)
+        opening = f'<svg class="picture" role="img" aria-label="{html.escape(label)}"'
+        return text.replace("<svg", opening, 1).strip()

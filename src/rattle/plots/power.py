@@ -36,7 +36,7 @@ def plot_cycle(p: Power) -> Figure:
         ax.text(0.5, 0.5, "no energy is exchanged in this time", ha="center", va="center", color=GREY)
         return _finished(ax, p)
     sheet = lay_out(nodes, links)
-    (ax,) = new_axes(max(7.5, 2.3 * sheet.columns + 2.0), float(np.clip(0.9 * sheet.lines + 1.2, 3.0, 10.0)))
+    (ax,) = new_axes(max(7.5, 1.8 * sheet.columns + 1.8), float(np.clip(1.1 * sheet.lines + 1.2, 3.2, 10.0)))
     largest = max(link.net + link.back for link in links)
     size, unit = next((one for one in SIZES if largest >= one[0]), SIZES[-1])
     for link, ends in zip(sheet.links, sheet.ends, strict=True):

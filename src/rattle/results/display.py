@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import math
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -16,6 +17,33 @@ ROUNDING = 1e-12  # an angle below it is zero [rad]
 _READ_AS = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2"}
 _KIND_OF_FILE = {".gif": "image/gif", ".png": "image/png", ".svg": "image/svg+xml", ".mp4": "video/mp4"}
 LARGEST = 20_000_000  # size of an animation that is embedded in a notebook [bytes]
+_NUMBER = re.compile(r"[-+±\N{MINUS SIGN}]?\+?-?\d[\d.e+-]*( ?(%|°)| [^ ]{1,9})?( dry)?$|[-\u2013]$")
+_UNIT = re.compile(r"(?<=\d )[a-zA-Z]+(?:[*/^]\(?[a-zA-Z0-9]+\)?)+(?![\w*(])")  # after a number
+_MICRO = re.compile(r"(?<=\d )u(?=[ms]\b)")
+_RIGHT = ' class="number"'
+_PRINTED = str.maketrans("*", "·")
+# the colours of the text are those of the notebook, light or dark; a white ground only behind pictures
+_STYLE = {
+    "": "font:13px/1.45 system-ui,sans-serif;max-width:60em;margin:.3em 0",
+    "header": "font-weight:600;font-size:1.05em;margin-bottom:.4em",
+    "table": "border-collapse:collapse;margin:.2em 0 .6em;font:inherit;font-variant-numeric:tabular-nums",
+    ":is(th,td)": "padding:.2em .9em .2em 0;text-align:left;border:0;background:none;vertical-align:top",
+    "thead th": "opacity:.65;border-bottom:1px solid color-mix(in srgb,currentColor 40%,transparent)",
+    "tbody tr+tr td": "border-top:1px solid color-mix(in srgb,currentColor 12%,transparent)",
+    "td:first-child": "font-weight:600",
+    ".number:not(:first-child)": "text-align:right;white-space:nowrap",
+    "p": "margin:.2em 0;opacity:.85",
+    "pre": "white-space:pre-wrap;margin:.2em 0;font-size:12px;background:none",
+    "ul": "list-style:none;padding:0;margin:.2em 0",
+    "li": "margin:.25em 0;padding-left:1.5em;text-indent:-1.5em",
+    "li::before": "display:inline-block;width:1.5em;text-indent:0;font-weight:700",
+    ".good::before": "content:'\\2713';color:#009E73",
+    ".bad::before": "content:'!';color:#D55E00",
+    ".note::before": "content:'\\2022';opacity:.6",
+    "svg.picture": "display:block;background:#fff;border-radius:6px;max-width:min(100%,44em);height:auto;margin:.3em 0",
+    "footer": "margin-top:.4em;opacity:.7",
+}  # colours of texts are those of the notebook, light or dark; a white ground only behind pictures
+STYLE = f"<style>{''.join(f'.rattle-card {part}{{{rule}}}' for part, rule in _STYLE.items())}</style>"
 
 
 def scale(unit: str, size: float) -> tuple[float, str]:
@@ -46,33 +74,76 @@ def quantity(value: float, unit: str, digits: int = 4) -> str:
     return f"{factor * value:.{digits}g} {shown}".rstrip()
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", below: Iterable[str] = ()) -> str:
-    """An HTML table; names and texts are escaped."""
-    cells = ["".join(f'<td style="text-align:left">{html.escape(str(cell))}</td>' for cell in row) for row in rows]
-    top = "".join(f'<th style="text-align:left">{html.escape(name)}</th>' for name in head)
-    parts = [f"<div><b>{html.escape(caption)}</b></div>"] if caption else []
-    parts.append(
-        f"<table><thead><tr>{top}</tr></thead><tbody>{''.join(f'<tr>{row}</tr>' for row in cells)}</tbody></table>"
+def table(
+    head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", below: Iterable[str] = (), hint: str = ""
+) -> str:
+    """A card with one table; names and texts are escaped.  hint: what to type next."""
+    return card(caption, grid(head, rows), *(f"<p>{html.escape(line)}</p>" for line in below), hint=hint)
+
+
+def grid(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table without a frame around it; cells with numbers stand on the right."""
+    every = [[str(cell) for cell in row] for row in rows]
+    numbers = [all(_NUMBER.match(row[k]) for row in every if k < len(row) and row[k]) for k in range(len(head))]
+    top = "".join(
+        f'<th scope="col"{_RIGHT if right else ""}>{html.escape(printed(name))}</th>'
+        for name, right in zip(head, numbers, strict=True)
     )
-    parts += [f"<div>{html.escape(line)}</div>" for line in below]
-    return "".join(parts)
+    body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in every)
+    return f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
 
 
-def model_tables(model: Model, caption: str) -> str:
-    """Joints and parameters of a model as tables of a notebook."""
-    joints = [
+def _cell(text: str) -> str:
+    return f"<td{_RIGHT if _NUMBER.match(text) else ''}>{html.escape(printed(text))}</td>"
+
+
+def printed(text: str) -> str:
+    """A text in which units after numbers are as they are printed: N·m, m/s², µm, ±."""
+    text = _UNIT.sub(lambda unit: unit[0].translate(_PRINTED).replace("^2", "²").replace("^3", "³"), text)
+    return _MICRO.sub("µ", text).replace("+-", "±")
+
+
+def card(title: str, *parts: str, hint: str = "") -> str:
+    """What a notebook shows of an object: a title, parts in HTML, and what to type next; light or dark as the notebook.
+
+    title and hint are escaped, the parts are not.
+    """
+    top = f"<header>{html.escape(title)}</header>" if title else ""
+    end = f"<footer>next: <code>{html.escape(hint)}</code></footer>" if hint else ""
+    return f'<div class="rattle-card">{STYLE}{top}{"".join(parts)}{end}</div>'
+
+
+def marks(said: Iterable[tuple[str, str]]) -> str:
+    """Sentences with a mark before each: "good", "bad" or "note"; no colour alone says which."""
+    items = [f'<li class="{kind}">{html.escape(printed(_sentence(text)))}</li>' for kind, text in said]
+    return f"<ul>{''.join(items)}</ul>" if items else ""
+
+
+def _sentence(text: str) -> str:
+    """With a capital letter, unless it begins with a name."""
+    word = text.partition(" ")[0]
+    return text[:1].upper() + text[1:] if word.isalpha() and word.islower() and len(word) > 1 else text
+
+
+def joint_rows_of(model: Model) -> list[tuple[str, str, str, str, str]]:
+    """Joints of a model: name, type, bodies, clearance and contact as texts."""
+    return [
         (name, one.kind, f"{one.a.body} - {one.b.body}", quantity(one.clearance, "m") if one.contact else "",
          one.contact.title if one.contact else "")
         for name, one in model.joints.items()
     ]  # fmt: skip
+
+
+def model_tables(model: Model) -> str:
+    """Joints and parameters of a model as tables of a notebook."""
     named = [(name, quantity(one.value, one.unit, 6)) for name, one in model.parameters.items()]
-    parts = [table(("joint", "type", "between", "clearance", "contact"), joints, caption)]
-    return "".join([*parts, table(("parameter", "value"), named)] if named else parts)
+    parts = grid(("joint", "type", "between", "clearance", "contact"), joint_rows_of(model))
+    return parts + grid(("parameter", "value"), named) if named else parts
 
 
-def lines(text: str) -> str:
-    """A report of several lines as HTML, as it is printed."""
-    return f'<pre style="white-space:pre-wrap">{html.escape(text)}</pre>'
+def lines(text: str, title: str = "", hint: str = "") -> str:
+    """A report of several lines as a card, as it is printed."""
+    return card(title, f"<pre>{html.escape(text)}</pre>", hint=hint)
 
 
 class Picture:

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from rattle.atomic_file import atomic
 from rattle.results import archive, contact_summary, film_summary
 from rattle.results.derived import rules, unit_of_rule, value_of
-from rattle.results.display import Picture, table
+from rattle.results.display import Picture
 from rattle.results.event import Event, Peak
 from rattle.results.trust import Trust
 
@@ -89,9 +89,10 @@ class Result:
         return f"<rattle.Result: {span}, {len(self.names)} names{'' if self.success else ', FAILED'}>"
 
     def _repr_html_(self) -> str:
-        said = [] if self.success else [f"stopped: {self.message}"]
-        title = f"{self.provenance.get('model') or 'mechanism'}: {repr(self)[1:-1]}"
-        return table(*contact_summary.joint_rows(self), title, [*said, *str(self.trust).splitlines()])
+        from rattle.results.shown import result_card
+
+        title = f"{self.provenance.get('model') or 'mechanism'}: {repr(self)[1:-1].partition(': ')[2]}"
+        return result_card(self, title, "" if self.success else self.message, self.names[0])
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self.names)

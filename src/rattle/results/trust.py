@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.results.display import lines
+from rattle.results.display import card, marks
 
 Array = NDArray[np.float64]
+LOOSE = 1e-6  # drift over the size of the mechanism, and share of the energy, above which a solution is loose
 FEW = 6  # steps in the shortest contact below which its forces are coarse
 
 
@@ -43,12 +44,48 @@ class Trust:
         return f"<rattle.Trust: {self._accuracy()}; {self._reach()}>"
 
     def _repr_html_(self) -> str:
-        return lines(str(self))
+        marked = [("good", one) for one in self.holds()] + [("bad", one) for one in self.doubts()]
+        return card("How far to trust it", marks([*marked, *(("note", one) for one in self.notes)]))
 
     def __str__(self) -> str:
         remarks = self.remarks()
         first = f"{self._accuracy()}; {self._reach()}"
         return f"{first}\n{remarks}" if remarks else f"{self._accuracy()}\n{self._reach()}"
+
+    def holds(self, size: float = 1.0) -> tuple[str, ...]:
+        """What was checked and is well, in sentences; size: of the mechanism [m], which a drift is compared with."""
+        said = [] if self._loosely_solved(size) else [f"the equations were solved well: {self._accuracy()}"]
+        if self._reaches_the_end() and not self.stopped:
+            said.append(self._reach())
+        if self.pulled and not any(self.pulled.values()):
+            said.append(self._links())
+        if self._touching() and not self.coarse():
+            said.append(self._touching())
+        return tuple(said)
+
+    def doubts(self, size: float = 1.0) -> tuple[str, ...]:
+        """What cannot be vouched for, in sentences; empty if there is nothing.  size: as in `holds`.
+
+        The notes of the run, which may be harmless, are in `notes`.
+        """
+        said = [f"the run ended early, at t = {self.t_end:.4g} s"] if self.stopped else []
+        if self._loosely_solved(size):
+            said.append(f"the equations were solved loosely, a smaller tolerance or step helps: {self._accuracy()}")
+        if self.stopped or not self._reaches_the_end():
+            said.append(self._reach())
+        if any(self.pulled.values()):
+            said.append(self._links())
+        said += self.coarse()
+        if self.nonunique:
+            said.append(f"the reactions of {', '.join(self.nonunique)} are not unique, as constraints are redundant")
+        return tuple(said)
+
+    def _loosely_solved(self, size: float) -> bool:
+        off = max(self.drift / size, self.drift_angle, self.energy_share or 0.0)
+        return not off <= LOOSE
+
+    def _reaches_the_end(self) -> bool:
+        return self.horizon is not None and self.horizon >= self.t_end
 
     def remarks(self) -> str:
         """Links that would have to pull, contacts, and all else that must be said, in one line; "" if nothing."""

@@ -13,6 +13,8 @@ class Ideal(ContactKind):
     Source: definition.
     """
 
+    assumes = "The play is left out: both parts share one centre, as in a perfect bearing."
+
 
 @kind("contact", "massless-link")
 class MasslessLink(ContactKind):
@@ -25,3 +27,8 @@ class MasslessLink(ContactKind):
     """
 
     link = True
+    assumes = (
+        "The pin is taken to touch the wall of its bush all the time: a rigid link without mass, as long as the"
+        " clearance, joins both centres.  It knows no impacts and no friction.  Where the wall would have to pull,"
+        " a real pin would lift off and the model does not hold."
+    )

@@ -32,6 +32,11 @@ class Lubricated(ContactKind):
 
     contacts = True
     oiled = True
+    assumes = (
+        "Oil fills the clearance, with one viscosity for the whole film and ends that are always supplied: heating,"
+        " starvation, misalignment and bending of the bush are left out.  Where the film is thinner than its boundary"
+        " film, a dry contact carries beside it."
+    )
     boundary_film = Field(
         "m",
         "thickness of the film at which the dry contact begins; default: 3 times the roughness, or 1e-3 clearances",

@@ -20,6 +20,11 @@ class Impact(ContactKind):
     """
 
     contacts = True
+    assumes = (
+        "Both parts are rigid and never overlap.  They fly, collide and slide: a collision takes no time and returns"
+        " the given share of the approach speed, so that there are impulses but no peak forces of collisions; between"
+        " collisions dry friction truly sticks."
+    )
     restitution = Field("", "normal restitution e_N, 0 to 1", default=0.0, least="not negative")
     tangential_restitution = Field("", "tangential restitution e_T, 0 to 1", default=0.0, least="not negative")
     friction = Field("", "coefficient of friction mu", default=0.0, least="not negative")

@@ -17,6 +17,7 @@ from rattle.atomic_file import atomic
 from rattle.loading import loads
 from rattle.mechanism import Mechanism
 from rattle.results.archive import package
+from rattle.results.display import quantity, table
 from rattle.results.result import Result, require_table
 from rattle.studies.poincare import driver_period
 from rattle.studies.power.cycle import Cycle, cycle
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 Array = NDArray[np.float64]
+NOISE = 1e-9  # share of the largest energy into a body below which one is rounding
 RUN_AGAIN = "run it again with this version"
 
 
@@ -70,7 +72,14 @@ class Power:
         return f"<rattle.Power: {len(self._ports.list)} ports, {self.t0:g} to {self.t1:g} s>"
 
     def _repr_html_(self) -> str:
-        return str(self.table.to_html())
+        largest = float(self.cycle.into.max(initial=0.0))
+        rows = [
+            (name, kind, *(quantity(one, "J") if abs(one) > NOISE * largest else "" for one in sizes))
+            for name, kind, *sizes in self.balance()
+        ]
+        head, title = ("element", "kind", "supplied", "lost", "stored"), f"Energies from {self.t0:g} to {self.t1:g} s"
+        said = f"powers of every body balanced to {self.residual:.1g} W"
+        return table(head, [row for row in rows if any(row[2:])], title, [said], hint="p.plot(), p.table")
 
     @cached_property
     def cycle(self) -> Cycle:
@@ -161,6 +170,12 @@ class Power:
             "kind": [one.kind for one in elements],
             "body": [ports.bodies[port.body - 1] for port in ports.list],
         }
+
+    def balance(self) -> list[tuple[str, str, float, float, float]]:
+        """Name and kind of every element, and what it supplied from outside, lost and stored from t0 to t1 [J]."""
+        one, every = self.cycle, self._ports.elements
+        sums = zip(one.supplied.tolist(), one.lost.tolist(), one.stored.tolist(), strict=True)
+        return [(element.name, element.kind, *sizes) for element, sizes in zip(every, sums, strict=True)]
 
     @property
     def driven(self) -> dict[str, str]:

@@ -1,0 +1,71 @@
+"""The command report."""
+
+from __future__ import annotations
+
+import click
+
+from rattle.cli.options import model_options, read_model, time
+from rattle.cli.output import check_files, say_written
+
+
+@click.command()
+@model_options
+@click.option(
+    "-o", "--output", metavar="FILE", default=None, help="File to write: .html, or .pdf printed by a browser."
+)
+@click.option("--t-end", type=time, help="End of the motion, in s or as '20 ms'; default: as in the model.")
+@click.option("--title", default="", help="Title of the report; default: the name of the model.")
+@click.option("--author", default="", help="Who made it, below the title.")
+@click.option("--paper", type=click.Choice(["A4", "Letter"]), default="A4", show_default=True, help="Paper of a .pdf.")
+@click.pass_context
+def report(
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str | None, t_end: float | None,
+    title: str, author: str, paper: str,
+) -> None:  # fmt: skip
+    """A report to hand on: model, drawing, assumptions, motion, forces, contacts, power, and how far to trust them.
+
+    One page that needs nothing else and prints well, by default FILE.html.  What does not apply to the mechanism is
+    left out, with the reason.  A motion that fails gives a report that says so at its top, and exit status 1.
+
+    FILE is a model file or the name of a shipped example.
+
+    \b
+    Example:  rattle report fourbar -o fourbar.html
+              rattle report fourbar --set r3="2 mm" --author "A. Engineer" -o fourbar.pdf
+    """
+    from pathlib import Path
+
+    from rattle.pages.report import require_name, write_report
+
+    m = read_model(file, settings, ideal)
+    target = Path(output) if output else Path(f"{Path(file).stem}.html")
+    require_name(target, paper)
+    check_files(file, target)
+    command = _typed(ctx, file, target)
+    found = write_report(
+        m, target, title=title, author=author, t_end=t_end, paper=paper, command=command,
+        progress=not ctx.obj["quiet"],
+    )  # fmt: skip
+    say_written(target)
+    if found.trouble:
+        for one in found.trouble:
+            click.echo(f"error: {one}", err=True)
+        ctx.exit(1)
+
+
+def _typed(ctx: click.Context, file: str, target: object) -> str:
+    """The command as it was typed, files by their names alone: folders of a machine are no business of a reader."""
+    import shlex
+    from pathlib import Path
+
+    words = ["rattle", "report", Path(file).name]
+    for name, value in ctx.params.items():
+        option = next((one for one in ctx.command.params if one.name == name and isinstance(one, click.Option)), None)
+        if option is None or name in ("file", "output") or not value or value == option.default:
+            continue
+        flag = option.opts[-1]
+        for one in value if isinstance(value, tuple) else (value,):
+            words += [flag] if one is True else [flag, str(one)]
+    words += [part for path in ctx.meta.get("rattle.without", ()) for part in ("--without", path)]
+    words += [part for path in ctx.meta.get("rattle.laws", ()) for part in ("--laws", Path(path).name)]
+    return shlex.join([*words, "-o", Path(str(target)).name])

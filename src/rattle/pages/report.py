@@ -1,0 +1,202 @@
+"""A report of a mechanism for people who do not use this program: one page that prints well, or a PDF."""
+
+from __future__ import annotations
+
+import datetime
+import itertools
+import logging
+import os
+import platform
+import re
+from collections.abc import Sequence
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rattle.atomic_file import atomic
+from rattle.pages import report_model, report_results, report_summary
+from rattle.pages.print_pdf import print_pdf, require_browser
+from rattle.pages.report_figures import drawing
+from rattle.pages.report_html import Section, listed, paragraph, sentence, table
+from rattle.pages.report_study import Study, study
+from rattle.version import __version__
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+
+SUFFIXES = (".html", ".pdf")
+PAPERS = ("A4", "Letter")
+_log = logging.getLogger("rattle")
+
+
+def report(
+    m: Mechanism, path: str | os.PathLike[str], *, title: str = "", author: str = "", t_end: float | None = None,
+    paper: str = "A4", progress: bool = False,
+) -> Path:  # fmt: skip
+    """Write a report of a mechanism; see `Mechanism.report`."""
+    write_report(m, path, title=title, author=author, t_end=t_end, paper=paper, progress=progress)
+    return Path(path)
+
+
+def write_report(
+    m: Mechanism, path: str | os.PathLike[str], *, title: str = "", author: str = "", t_end: float | None = None,
+    paper: str = "A4", command: str = "", progress: bool = False,
+) -> Study:  # fmt: skip
+    """As `report`; returns what was found out.  command: what was typed to make it; "" says how to make it again."""
+    target = Path(path)
+    require_name(target, paper)
+    found = study(m, t_end, progress)
+    _log.info("report: drawing and writing")
+    page = page_of(found, title, author, command)
+    if target.suffix.lower() == ".pdf":
+        print_pdf(page, target, paper)
+    else:
+        with atomic(target) as file:
+            file.write_text(page, encoding="utf-8")
+    return found
+
+
+def require_name(path: Path, paper: str = "A4") -> None:
+    """Refuse what cannot be written before anything runs.  Raises ValueError, MissingProgram for a PDF."""
+    if path.suffix.lower() not in SUFFIXES:
+        raise ValueError(f"{path}: a report needs a name ending in {' or '.join(SUFFIXES)}")
+    if paper not in PAPERS:
+        raise ValueError(f"paper {paper!r}: expected {' or '.join(PAPERS)}")
+    if path.suffix.lower() == ".pdf":
+        require_browser(path)
+
+
+# ---------------------------------------------------------------- the page
+def page_of(s: Study, title: str = "", author: str = "", command: str = "") -> str:
+    """The whole report as one HTML page that needs nothing else."""
+    name = title or s.m.name or "Mechanism"
+    day = datetime.date.today().isoformat()
+    style = files("rattle.pages").joinpath("report.css").read_text(encoding="utf-8")
+    style += _print_lines(name, f"rattle {__version__}, {day}")
+    sections = _sections(s)
+    present = [one for one in sections if one.body]
+    why = [f"{one.title}: {sentence(one.reason)}" for one in sections if not one.body and one.reason]
+    extra = {"without play": "Motion without play", "quasi-static": "Slow motion", "modes": "Natural frequencies"}
+    why += [f"{words}: {sentence(s.reasons[what])}" for what, words in extra.items() if what in s.reasons]
+    if why:
+        present.append(Section("Not in this report", listed(why)))
+    present += [_making(s, command), _appendix(s)]
+    body = _head(s, name, author, day) + _contents(present) + "".join(map(_section, present))
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        '<meta name="color-scheme" content="light dark">\n'
+        f"<title>{escape(name)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n<main>\n{_numbered(body)}\n</main>\n"
+        "</body>\n</html>\n"
+    )
+
+
+def _sections(s: Study) -> list[Section]:
+    made = [report_summary.trust_section(s), report_model.model_section(s), report_model.assumptions_section(s)]
+    made.append(_check(s))
+    if s.run is None:
+        return made
+    results = (
+        report_results.motion_section, report_results.force_section, report_results.contact_section,
+        report_results.oil_section, report_results.wear_section, report_results.rest_section,
+        report_results.power_section, report_results.accuracy_section, report_results.event_section,
+    )  # fmt: skip
+    return [*made, *(make(s) for make in results)]
+
+
+def _head(s: Study, name: str, author: str, day: str) -> str:
+    by = f"{escape(author)}, " if author else ""
+    trouble = "".join(paragraph(sentence(one)) for one in s.trouble)
+    alarm = f'<div class="alarm" role="alert"><strong>This needs attention.</strong>{trouble}</div>' if trouble else ""
+    lead = ""
+    if s.run is not None:
+        span = f"Motion from t = 0 to {s.run.trust.t_end:.4g} s"
+        lead = paragraph(f"{span}; numbers are of the whole run, including its start.", "lead")
+    return (
+        f'<header><p class="kind">Mechanism report</p><h1>{escape(name)}</h1>'
+        f'<p class="by">{by}<time datetime="{day}">{day}</time>, made with rattle {__version__}</p></header>'
+        f"{alarm}{report_summary.headline(s)}{report_summary.verdict(s)}{lead}{drawing(s)}"
+    )
+
+
+def _contents(sections: Sequence[Section]) -> str:
+    items = "".join(f'<li><a href="#{one.anchor}">{escape(one.title)}</a></li>' for one in sections)
+    return f'<nav aria-label="Contents"><ol>{items}</ol></nav>'
+
+
+def _section(one: Section) -> str:
+    return f'<section id="{one.anchor}"><h2>{escape(one.title)}</h2>{one.body}</section>\n'
+
+
+def _numbered(body: str) -> str:
+    """Figures and tables with captions get their numbers in the order of the page."""
+    for tag, word in (("figcaption", "Figure"), ("caption", "Table")):
+        number = itertools.count(1)
+        body = re.sub(f"<{tag}>", lambda _, w=word, n=number, t=tag: f"<{t}><b>{w} {next(n)}.</b> ", body)  # type: ignore[misc]
+    return body
+
+
+def _check(s: Study) -> Section:
+    if s.check is None:
+        return Section("Checks before the run", "", s.reasons.get("check", ""))
+    words = {"free": "free coordinates", "loop": "closed loop", "play": "radial play", "driver": "range of the driver"}
+    rows = []
+    for line in str(s.check).splitlines()[1:]:
+        what, colon, found = line.partition(": ")
+        rows.append((words.get(what, what), found) if colon else ("assembly", line))
+    left = "it moves as it is driven" if s.check.mobility == 0 else "free to move under the loads"
+    lead = f"Degrees of freedom beside the drivers: {s.check.mobility} ({left})."
+    return Section("Checks before the run", paragraph(lead) + table(("what", "found"), rows))
+
+
+# ---------------------------------------------------------------- how it was made
+def _making(s: Study, command: str) -> Section:
+    run = s.run
+    rows = [("program", f"rattle {__version__}"), ("language", f"Python {platform.python_version()}")]
+    rows.append(
+        ("packages", ", ".join(f"{one} {_version(one)}" for one in ("numpy", "scipy", "llvmlite", "matplotlib")))
+    )
+    rows.append(("platform", f"{platform.system()} on {platform.machine()}"))
+    if run is not None:
+        facts, stats = run.provenance, run.stats
+        rows += [
+            (
+                "method",
+                f"{facts.get('method')}, relative tolerance {facts.get('rtol'):g}, absolute {facts.get('atol'):g}",
+            ),
+            (
+                "steps",
+                f"{stats.get('steps')} in {float(stats.get('wall_time', 0.0)):.2g} s, {stats.get('rejected')} repeated",
+            ),
+        ]
+    again = command or 'the model text below, saved as "model.toml", with: rattle report model.toml -o report.html'
+    return Section(
+        "How this report was made", table(("what", "which"), rows) + f"<p>Made by</p><pre>{escape(again)}</pre>"
+    )
+
+
+def _version(package: str) -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def _appendix(s: Study) -> Section:
+    lead = paragraph("The complete model as text, with all changes: from it everything above can be computed again.")
+    return Section("Appendix: model file", f'{lead}<pre class="file">{escape(s.m.to_toml())}</pre>')
+
+
+def _print_lines(name: str, maker: str) -> str:
+    """What stands at the edges of printed pages."""
+
+    def quoted(text: str) -> str:
+        return '"' + "".join(c if c.isalnum() or c in " .,-" else f"\\{ord(c):x} " for c in text) + '"'
+
+    return (
+        f"@page{{@top-left{{content:{quoted(name)}}}@bottom-left{{content:{quoted(maker)}}}"
+        '@bottom-right{content:counter(page) " / " counter(pages)}}\n@page:first{@top-left{content:""}}\n'
+    )

@@ -1,0 +1,100 @@
+"""Pieces of a report in HTML: sections, tables, figures, paragraphs; all texts are escaped here."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+
+from matplotlib.figure import Figure
+
+from rattle.plots.figure import Page
+from rattle.results.display import grid, printed, quantity
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a report: its heading, and what stands below it; without a body it is left out, for a reason."""
+
+    title: str
+    body: str = ""  # HTML
+    reason: str = ""  # why it is left out, in words
+
+    @property
+    def anchor(self) -> str:
+        """Its name in links."""
+        return re.sub(r"[^a-z]+", "-", self.title.lower()).strip("-")
+
+
+_SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {  # unit: (from this size on, factor, unit shown), ...
+    "N": ((1e7, 1e-6, "MN"), (1e4, 1e-3, "kN")),
+    "N*m": ((1e4, 1e-3, "kN*m"),),
+    "W": ((1e4, 1e-3, "kW"), (0.1, 1.0, "W"), (0.0, 1e3, "mW")),
+    "J": ((1e4, 1e-3, "kJ"), (0.1, 1.0, "J"), (0.0, 1e3, "mJ")),
+    "s": ((0.1, 1.0, "s"), (1e-4, 1e3, "ms"), (0.0, 1e6, "us")),
+    "m": ((0.05, 1.0, "m"), (1e-4, 1e3, "mm"), (0.0, 1e6, "um")),
+    "Pa": ((1e9, 1e-9, "GPa"), (1e6, 1e-6, "MPa"), (1e3, 1e-3, "kPa")),
+    "Hz": ((1e4, 1e-3, "kHz"),),
+}
+
+
+def said(value: float, unit: str, digits: int = 4) -> str:
+    """A value [SI] as text in a handy unit, as it is printed."""
+    size = abs(value)
+    factor, shown = next(((f, u) for least, f, u in _SCALES.get(unit, ()) if size >= least and size), (1.0, unit))
+    text = quantity(factor * value, shown, digits) if shown == unit else f"{factor * value:.{digits}g} {shown}"
+    text = printed(text)
+    return text.replace("-", "\N{MINUS SIGN}", 1) if text.startswith("-") else text
+
+
+def paragraph(text: str, kind: str = "") -> str:
+    """A paragraph; kind: a class of the style sheet."""
+    mark = f' class="{kind}"' if kind else ""
+    return f"<p{mark}>{escape(printed(text))}</p>"
+
+
+def listed(items: Iterable[str], kind: str = "") -> str:
+    """A list with a point for each text; "" without any."""
+    points = "".join(f"<li>{escape(printed(one))}</li>" for one in items)
+    return f'<ul class="{kind}">{points}</ul>' if points else ""
+
+
+def sentence(text: str) -> str:
+    """With a full stop."""
+    text = text.strip()
+    return text if not text or text[-1] in ".!?:" else f"{text}."
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
+    """A table that may be wider than the page on a phone; columns without any entry are left out; "" without rows."""
+    every = [list(row) for row in rows]
+    if not every:
+        return ""
+    keep = [k for k in range(len(head)) if any(row[k] for row in every)]
+    inner = grid([head[k] for k in keep], [[row[k] for k in keep] for row in every])
+    if caption:
+        inner = inner.replace("<table>", f"<table><caption>{escape(printed(caption))}</caption>", 1)
+    return f'<div class="wide">{inner}</div>'
+
+
+def figure(picture: Figure, caption: str) -> str:
+    """A picture with its caption; figures are numbered where the page is put together."""
+    if not isinstance(picture, Page):
+        raise TypeError("a picture of a page is one of our own figures")
+    return f"<figure>{picture.to_page(caption)}<figcaption>{escape(printed(caption))}</figcaption></figure>"
+
+
+def side_by_side(figures: Sequence[str]) -> str:
+    """Figures in two columns where there is room."""
+    return f'<div class="pair">{"".join(figures)}</div>' if len(figures) > 1 else "".join(figures)
+
+
+def count(n: int, one: str, many: str = "") -> str:
+    """ "1 joint", "2 joints", "no joint"."""
+    return f"{n or 'no'} {one if n < 2 else many or one + 's'}"
+
+
+def enumerated(words: Sequence[str]) -> str:
+    """ "a, b and c"."""
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)

@@ -1,0 +1,271 @@
+"""The model of a report in words and tables: bodies, joints, drivers, loads, parameters, and what was assumed."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rattle import registry
+from rattle.description.model import Contact, Joint, Model, ValueTable
+from rattle.language.units import parse_quantity
+from rattle.pages.report_html import Section, count, enumerated, listed, paragraph, said, sentence, table
+from rattle.pages.report_study import Study
+
+COMPLIANT = (
+    "Where the surfaces overlap, a force pushes them apart: it stands for what both give way at the contact. It never"
+    " pulls. Peak forces depend on its stiffness more than on anything else."
+)
+GENERAL = (
+    "Everything happens in one plane: forces, tilting and misalignment across it are left out.",
+    "Bodies are rigid: they do not bend, and do not ring after a blow.",
+)
+
+
+def model_section(s: Study) -> Section:
+    """Bodies, joints, drivers, loads, parameters."""
+    model, written = s.m.model, json.loads(s.m.to_json())
+    parts = [paragraph(_in_words(model)), _bodies(model), _joints(model, written), _moved(model, written)]
+    parts += [_written("load", written.get("loads", {}), "type"), _parameters(model, written)]
+    parts += [_named("signal", written.get("signals", {})), _named("state", written.get("states", {}), "rate")]
+    parts += [_start(written)]
+    return Section("The model", "".join(parts))
+
+
+def _in_words(model: Model) -> str:
+    counts = [count(len(model.bodies), "body", "bodies"), count(len(model.joints), "joint")]
+    counts += [count(len(model.drivers), "driver"), count(len(model.loads), "load")]
+    gx, gy = model.gravity
+    pull = f"Gravity is {said(math.hypot(gx, gy), 'm/s^2')}" if gx or gy else "There is no gravity"
+    if gx or gy:
+        way = {(0, -1): ", downwards", (0, 1): ", upwards", (-1, 0): ", to the left", (1, 0): ", to the right"}
+        straight = way.get(((gx > 0) - (gx < 0), (gy > 0) - (gy < 0)))
+        pull += straight if straight and (not gx or not gy) else f" along ({gx:.4g}, {gy:.4g})"
+    told = "Values are as the model file writes them; a number without a unit is in m, rad, kg, s, N."
+    return f"The mechanism has {enumerated(counts)}. {pull}. {told}"
+
+
+def _bodies(model: Model) -> str:
+    rows = []
+    for name, body in model.bodies.items():
+        form = "uniform bar" if body.bar else "plate" if body.outline else ""
+        points = ", ".join(f"{point} ({said(x, 'm')}, {said(y, 'm')})" for point, (x, y) in body.points.items())
+        rows.append((name, form, said(body.mass, "kg"), said(body.inertia, "kg*m^2"), points))
+    head = ("body", "form", "mass", "moment of inertia", "points, from the mass centre in the frame of the body")
+    return table(head, rows, "Bodies")
+
+
+def _joints(model: Model, written: Mapping[str, Any]) -> str:
+    rows = []
+    for name, joint in model.joints.items():
+        ends = [f"{end.body}.{end.name}" if end.name else end.body for end in (joint.a, joint.b)]
+        rows.append(
+            (
+                name, joint.kind.replace("-", " "), " and ".join(ends),
+                said(joint.clearance, "m") if joint.clearance > 0.0 else "",
+                _contact_word(joint), _values(written["joints"].get(name, {}), skip=_TOLD), _stop(joint),
+            )
+        )  # fmt: skip
+    head = ("joint", "type", "between", "radial play", "contact", "values", "ends")
+    return table(head, rows, "Joints")
+
+
+_TOLD = ("type", "connect", "clearance", "contact", "stop", "wear", "friction")
+
+
+def _contact_word(joint: Joint) -> str:
+    if joint.contact is None or (joint.clearance == 0.0 and joint.one_sided is None):
+        return ""
+    return joint.contact.title.replace("-", " ") + (", one-sided" if joint.one_sided is not None else "")
+
+
+def _stop(joint: Joint) -> str:
+    if joint.stop is None:
+        return ""
+    unit = "rad" if joint.stops_angle else "m"
+    return " to ".join(
+        said(one, unit) if math.isfinite(one) else "no end" for one in (joint.stop.minimum, joint.stop.maximum)
+    )
+
+
+def _moved(model: Model, written: Mapping[str, Any]) -> str:
+    rows = []
+    for name, driver in model.drivers.items():
+        entry = written["drivers"].get(name, {})
+        given = next((f"{key} = {entry[key]}" for key in ("angle", "position") if key in entry), "")
+        rows.append((name, driver.on.replace("'", ""), f"{entry.get('coordinate', '')} ".lstrip() + given))
+    return table(("driver", "acts on", "motion over time t"), rows, "Drivers")
+
+
+def _written(what: str, entries: Mapping[str, Any], kind: str) -> str:
+    """Entries of the model file: name, type and all else as written."""
+    rows = [
+        (name, str(one.get(kind, "")).replace("-", " "), _values(one, skip=(kind,))) for name, one in entries.items()
+    ]
+    return table((what, "type", "values"), rows, f"{what.capitalize()}s")
+
+
+def _named(what: str, entries: Mapping[str, Any], key: str = "value") -> str:
+    rows = []
+    for name, one in entries.items():
+        text, more = (one.get(key, ""), _values(one, skip=(key,))) if isinstance(one, Mapping) else (one, "")
+        rows.append((name, _text(text), more))
+    return table((what, "is" if key == "value" else "changes by", "values"), rows, f"{what.capitalize()}s")
+
+
+def _values(entry: Mapping[str, Any], skip: tuple[str, ...] = ()) -> str:
+    """All keys of a table of the model file with their values, as written."""
+    return "; ".join(f"{key.replace('_', ' ')} {_text(one)}" for key, one in entry.items() if key not in skip)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return f"({_values(value)})"
+    if isinstance(value, list):
+        more = f", ... {len(value)} in all" if len(value) > 8 else ""
+        return f"[{', '.join(map(_text, value[:8]))}{more}]"
+    return str(value).lower() if isinstance(value, bool) else f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _parameters(model: Model, written: Mapping[str, Any]) -> str:
+    rows = []
+    for name, one in model.parameters.items():
+        entry = written["parameters"].get(name, {})
+        entry = entry if isinstance(entry, Mapping) else {"value": entry}
+        text = _text(entry.get("value", ""))
+        plain = parse_quantity(text) is not None
+        dist = "" if not one.dist else " (table of values)" if isinstance(one.dist, ValueTable) else f" ({one.dist})"
+        tol = f"±{_text(entry['tol'])}{dist}" if "tol" in entry else dist.strip()
+        span = " to ".join(_text(entry[key]) for key in ("min", "max") if key in entry)
+        value = text if plain and not isinstance(entry.get("value"), int | float) else said(one.value, one.unit, 6)
+        rows.append((name, value, "" if plain else text, span, tol))
+    return table(("parameter", "value", "follows from", "range", "tolerance"), rows, "Parameters")
+
+
+def _start(written: Mapping[str, Any]) -> str:
+    given = {name: _values(one) for name, one in written.get("initial", {}).items() if isinstance(one, Mapping)}
+    return table(("body or joint", "start values given"), given.items(), "Start")
+
+
+# ---------------------------------------------------------------- assumptions
+def assumptions_section(s: Study) -> Section:
+    """What the model takes as true, what the program has chosen, and what is not modelled."""
+    model = s.m.model
+    taken = [*GENERAL, *_of_bodies(model), *_of_drivers(model)]
+    bare = [name for name, one in model.joints.items() if one.contact is None and one.friction is None]
+    plain = [name for name in bare if not model.joints[name].leaf.bodies]
+    if plain:
+        taken.append(f"Without play and without friction: {enumerated(plain)}.")
+    if clutches := [name for name, one in model.joints.items() if one.leaf.bodies]:
+        taken.append(f"One-way clutches drive in one sense and run free in the other: {enumerated(clutches)}.")
+    rubbing = [name for name, one in model.joints.items() if one.friction is not None]
+    if rubbing:
+        taken.append(f"With friction by their own reaction, without play: {enumerated(rubbing)}.")
+    parts = [listed(taken), contact_table(s)]
+    chosen = [sentence(one) for one in (*model.remarks, *_chosen(model))]
+    if chosen:
+        parts += [
+            paragraph("Chosen by the program, or worth a second look, because the model leaves it open:"),
+            listed(chosen),
+        ]
+    parts.append(paragraph(_left_out(model)))
+    return Section("Assumptions", "".join(parts))
+
+
+def _of_bodies(model: Model) -> list[str]:
+    found = []
+    if bars := [name for name, one in model.bodies.items() if one.bar]:
+        found.append(
+            f"Uniform slender bars, from whose length and mass the moment of inertia follows: {enumerated(bars)}."
+        )
+    if light := [name for name, one in model.bodies.items() if one.mass == 0.0 or one.inertia == 0.0]:
+        found.append(f"Without mass or moment of inertia: {enumerated(light)}.")
+    return found
+
+
+def _of_drivers(model: Model) -> list[str]:
+    names = list(model.drivers)
+    if not names:
+        return ["No motion is prescribed: loads, gravity and the start decide what happens."]
+    verb = "keeps its" if len(names) == 1 else "keep their"
+    word = "driver" if len(names) == 1 else "drivers"
+    return [f"The {word} {enumerated(names)} {verb} prescribed motion exactly, whatever effort that takes."]
+
+
+def contact_table(s: Study) -> str:
+    """Every contact with its laws and what they assume."""
+    told: dict[tuple[str, str, str], list[str]] = {}
+    for name, joint in s.m.model.joints.items():
+        for place, contact in ((name, joint.contact), (f"{name}, stop", joint.stop.contact if joint.stop else None)):
+            if contact is None or (place == name and joint.clearance == 0.0 and joint.one_sided is None):
+                continue
+            told.setdefault((assumed_by(contact), _laws(contact), _sources(contact)), []).append(place)
+    rows = [(", ".join(places), *words) for words, places in told.items()]
+    return table(("contact", "what its model assumes", "laws", "source"), rows, "Contacts")
+
+
+def assumed_by(contact: Contact) -> str:
+    """What the model of a contact takes as true, in plain words."""
+    known = registry.kinds("contact").get(contact.model)
+    return str(known.leaf.assumes) if known is not None else COMPLIANT
+
+
+def _kinds(contact: Contact) -> list[tuple[registry.Kind, Mapping[str, Any]]]:
+    """The laws of a contact with their values."""
+    found = []
+    if contact.film is not None:
+        found.append((registry.kinds("film")[contact.film.law.kind], contact.film.law.values))
+    if contact.normal is not None:
+        found.append((registry.normal_law(contact.normal.kind), contact.normal.values))
+    for family, one in (("stiffness", contact.static), ("friction", contact.friction)):
+        if one is not None:
+            found.append((registry.kinds(family)[one.kind], one.values))
+    if not found and contact.model in registry.kinds("contact"):
+        found.append((registry.kinds("contact")[contact.model], contact.fields))
+    return found
+
+
+def _laws(contact: Contact) -> str:
+    """The laws with their numbers, in words."""
+    found = []
+    for one, values in _kinds(contact):
+        numbers = [
+            f"{key.replace('_', ' ')} {_number(values[key], field.unit)}"
+            for key, field in one.fields.items()
+            if key in values and field.shape not in ("choice", "flag") and values[key] != field.default
+        ]
+        word = "" if one.name == contact.model else one.name.replace("-", " ")
+        found.append(f"{word}: {', '.join(numbers)}".strip(": ") if numbers else word)
+    return "; ".join(one for one in found if one)
+
+
+def _number(value: Any, unit: str) -> str:
+    if isinstance(value, Mapping):
+        return " ".join(f"{key} {said(one, 'Pa' if key == 'E' else '')}" for key, one in value.items())
+    return said(value, unit) if isinstance(value, float | int) else str(value)
+
+
+def _sources(contact: Contact) -> str:
+    return "; ".join(dict.fromkeys(one.source.rstrip(".") for one, _ in _kinds(contact) if one.source))
+
+
+def _chosen(model: Model) -> list[str]:
+    found = []
+    for name, joint in model.joints.items():
+        film = joint.contact.film if joint.contact is not None else None
+        found += [
+            f"{name}: {one}" for one in (film.assumed if film else "", joint.wear.assumed if joint.wear else "") if one
+        ]
+    return found
+
+
+def _left_out(model: Model) -> str:
+    oiled = any(one.contact is not None and one.contact.film is not None for one in model.joints.values())
+    wearing = any(one.wear is not None for one in model.joints.values())
+    wear = "wear while the mechanism runs (worn surfaces stay as they are)" if wearing else "wear"
+    heat = "heating and expansion, also of the oil" if oiled else "heating and expansion"
+    return (
+        "Not part of this model: play and friction other than listed here, scatter of dimensions, bending and vibration"
+        f" of the parts, their strength and fatigue, {heat}, {wear}, noise."
+    )

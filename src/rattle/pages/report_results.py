@@ -1,0 +1,269 @@
+"""Results of a report: forces, contacts, oil, wear, equilibria, accuracy, power, events, as tables and pictures."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+
+from rattle import registry
+from rattle.pages import report_figures as figures
+from rattle.pages.report_html import Section, count, enumerated, figure, listed, paragraph, said, sentence, table
+from rattle.pages.report_study import Study
+from rattle.results.event import Event
+from rattle.results.film_summary import film_rows
+from rattle.results.result import Result
+
+MOST_EVENTS = 15
+ROUNDING = 1e-9  # moment over force times size below which it is rounding
+MOST_RESTS = 8
+KINDS = {
+    "contact": "touches", "release": "lifts off", "impact": "impact", "stick": "sticks", "slip": "slips",
+    "jolt": "jump of the driver's speed", "lock": "locks", "free": "runs free", "side": "changes sides",
+}  # fmt: skip
+
+
+def motion_section(s: Study) -> Section:
+    """What moves and how."""
+    pictures = figures.motion_figures(s)
+    return Section("Motion", "".join(pictures), "" if pictures else s.reasons.get("motion", "there is no motion"))
+
+
+def force_section(s: Study) -> Section:
+    """Efforts of drivers, forces of joints: pictures, and a table with instants."""
+    run = s.run
+    if run is None or not len(run.t):
+        return Section("Forces", "", s.reasons.get("motion", "there is no motion"))
+    parts = [_drivers(s, run), *figures.driver_figures(s), _joints(s, run), *figures.force_figures(s)]
+    if s.path is not None:
+        parts.append(figures.path_figure(s))
+    return Section("Forces and efforts", "".join(parts), "no joint and no driver exerts a force")
+
+
+def _joints(s: Study, run: Result) -> str:
+    rows = []
+    for name in run.geometry["joints"]:
+        if f"{name}.fx" not in run:
+            continue
+        force, when = run.peak(f"{name}.force")
+        row = [name, said(force, "N"), _at(run, when), said(run.rms(f"{name}.force"), "N")]
+        ideal = s.ideal.peak(f"{name}.force")[0] if s.ideal is not None and f"{name}.fx" in s.ideal else math.nan
+        row += [said(ideal, "N"), f"{force / ideal:.3g}"] if 1e-9 * force < ideal else ["", ""]
+        moment = run.peak(f"{name}.moment")[0] if f"{name}.moment" in run else 0.0
+        rows.append([*row, said(moment, "N*m") if moment > ROUNDING * force * s.m.system.extent else ""])
+    head = ("joint", "peak force", "at t", "RMS force", "peak without play", "ratio", "peak moment")
+    return table(head, rows, "Joint forces over the whole run; peaks are found within the steps") + _late_note(rows)
+
+
+def late(run: Result, t: float) -> bool:
+    """True for an instant [s] after the horizon: what happens there is one of many possible motions."""
+    return run.trust.horizon is not None and t > run.trust.horizon
+
+
+def _at(run: Result, t: float) -> str:
+    return said(t, "s") + (" *" if late(run, t) else "")
+
+
+def _late_note(rows: Sequence[Sequence[str]]) -> str:
+    if not any(cell.endswith(" *") for row in rows for cell in row):
+        return ""
+    words = "* after the horizon: this peak is one of many possible ones, a repeated run may have another."
+    return paragraph(words, "fine")
+
+
+def _drivers(s: Study, run: Result) -> str:
+    rows = []
+    for name, driver in s.m.model.drivers.items():
+        effort = f"{name}.{registry.kinds('driver')[driver.kind].leaf.effort[0]}"
+        if effort not in run:
+            continue
+        unit, (peak, when), (power, at) = run.unit(effort), run.peak(effort), run.peak(f"{name}.power")
+        rms = said(run.rms(effort), unit)
+        rows.append((name, said(peak, unit), _at(run, when), rms, said(power, "W"), _at(run, at)))
+    head = ("driver", "peak effort", "at t", "RMS effort", "peak power", "at t")
+    return table(head, rows, "Efforts of the drivers") + _late_note(rows)
+
+
+def contact_section(s: Study) -> Section:
+    """Orbits, contacts and impacts of joints with play, stops and one-sided joints."""
+    run = s.run
+    title = "Play, contacts and impacts"
+    if run is None:
+        return Section(title, "", s.reasons.get("motion", "there is no motion"))
+    rows = []
+    for name, one in run.contacts.items():
+        hits = [event.impulse for event in run.events if event.joint == name and event.kind == "impact"]
+        angular = _angular(s, name)
+        unit, impulse = ("N*m", "N*m*s") if angular else ("N", "N*s")
+        link = name in run.trust.pulled
+        rows.append(
+            (
+                name, f"{100 * one.share:.3g} %", "" if link else str(one.contacts), "" if link else str(one.impacts),
+                said(max(hits), impulse) if hits else "", said(one.peak, unit), said(one.rms, unit),
+                said(one.longest_flight, "s") if one.longest_flight > 0.0 else "",
+                "" if link else said(one.energy_lost, "J"), "" if link else said(one.power_lost, "W"),
+            )
+        )  # fmt: skip
+    head = (
+        "joint", "pressing", "contacts", "impacts", "hardest impact", "peak normal force", "RMS", "longest flight",
+        "energy lost", "mean power lost",
+    )  # fmt: skip
+    body = table(head, rows, "Contacts over the whole run; forces between impacts") + figures.orbit_figures(s)
+    return Section(title, body, "no joint has play, a stop or a one-sided contact")
+
+
+def _angular(s: Study, name: str) -> bool:
+    joint = s.m.model.joints.get(name)
+    return joint is not None and joint.clearance == 0.0 and (joint.stops_angle or joint.leaf.bodies)
+
+
+def oil_section(s: Study) -> Section:
+    """Films of oil, and what their regime was."""
+    head, rows = film_rows(s.run) if s.run is not None else ((), [])
+    if not rows:
+        return Section("Oil films", "", "no joint has oil")
+    lead = "The least film is found within the steps; pressure, power and leakage at the output instants. Mixed is the"
+    lead += " share of time in which the surfaces touch through the film."
+    return Section("Oil films", paragraph(lead) + table(("joint", *head[1:]), rows))
+
+
+def wear_section(s: Study) -> Section:
+    """What the model says about wear; the depths over many cycles are a study of their own."""
+    rows = []
+    for name, joint in s.m.model.joints.items():
+        one = joint.wear
+        if one is None:
+            continue
+        deepest = [said(max(side), "m") for side in one.profile] if one.profile is not None else ["new", "new"]
+        cycle = said(one.cycle, "s") if math.isfinite(one.cycle) else "one turn of the driver"
+        rows.append(
+            (
+                name, f"{1e9 * one.bush:.3g} mm³/(N·m)", f"{1e9 * one.pin:.3g} mm³/(N·m)", *deepest, said(one.wall, "m")
+                if math.isfinite(one.wall) else "", f"{one.cycles:g} of {cycle}",
+            )
+        )  # fmt: skip
+    if not rows:
+        return Section("Wear", "", "no joint wears")
+    head = (
+        "joint",
+        "wear of bush",
+        "wear of pin",
+        "bush worn by",
+        "pin worn by",
+        "worn through at",
+        "cycles of a study",
+    )
+    lead = "This report is of the mechanism as it is now. `rattle wear` carries the wear over many cycles."
+    return Section("Wear", paragraph(lead) + table(head, rows))
+
+
+# ---------------------------------------------------------------- at rest, over a cycle, under play
+def rest_section(s: Study) -> Section:
+    """Equilibria and natural frequencies of a mechanism without drivers."""
+    if not s.rest:
+        return Section("Equilibrium and vibration", "", s.reasons.get("equilibrium", ""))
+    rows = []
+    for n, one in enumerate(s.rest[:MOST_RESTS]):
+        units = {"x": "m", "y": "m", "angle": "rad"}
+        places = [
+            f"{body} {', '.join(said(one[f'{body}.{key}'], unit) for key, unit in units.items())}"
+            for body in list(s.m.model.bodies)[:6]
+        ]
+        pulls = f"no: {', '.join(one.pulled)} would have to pull" if one.pulled else "yes"
+        rows.append((str(n + 1), "yes" if one.stable else "no", pulls, "; ".join(places)))
+    many = f" (the first {MOST_RESTS} of {len(s.rest)})" if len(s.rest) > MOST_RESTS else ""
+    body = table(("", "stable", "possible", "bodies at x, y, angle"), rows, f"Equilibria{many}")
+    body += paragraph(sentence(f"How far the search went: {s.rest.extent}")) if s.rest.extent else ""
+    if s.modes is not None and len(s.modes):
+        head = ("mode", "natural frequency", "damping", "bodies that move most")
+        body += table(head, s.modes.rows(), "Small vibrations about the first equilibrium")
+    return Section("Equilibrium and vibration", body)
+
+
+def power_section(s: Study) -> Section:
+    """Where the energy of a cycle goes."""
+    if s.power is None:
+        return Section("Power", "", s.reasons.get("power", ""))
+    power, rows, left = s.power, [], 0.0
+    one = power.cycle
+    for name, kind, supplied, lost, stored in power.balance():
+        left += supplied - lost - stored
+        sizes = [
+            said(value, "J") if abs(value) > 1e-9 * float(one.into.max()) else "" for value in (supplied, lost, stored)
+        ]
+        if any(sizes):
+            rows.append((name, "driver" if name in s.m.model.drivers else kind.replace("-", " "), *sizes))
+    head = ("element", "type", "supplied from outside", "lost", "stored")
+    if abs(left) > 1e-6 * float(one.into.max()):
+        rows.append(("all bodies", "kinetic energy", "", "", said(left, "J")))
+    span = f"Energies from t = {said(power.t0, 's')} to {said(power.t1, 's')}"
+    caption = (
+        "Where the energy goes: from what drives on the left, through the bodies, to losses and loads on the right."
+    )
+    checked = f"In every body powers and the rate of kinetic energy agree within {one.residual:.1g} W."
+    return Section(
+        "Power", figure(figures.untitled(power.plot()), caption) + table(head, rows, span) + paragraph(checked)
+    )
+
+
+def accuracy_section(s: Study) -> Section:
+    """How far play lets the output deviate."""
+    one = s.accuracy
+    if one is None:
+        return Section("Accuracy", "", s.reasons.get("accuracy", ""))
+    k = int(np.argmax(one.worst))
+    total = one.worst[k]
+    facts = [
+        f"Worst case, every pin anywhere in its clearance: ±{said(total, one.unit)}, at t = {said(one.t[k], 's')}."
+    ]
+    facts.append(f"Root sum square, if the joints vary independently: ±{said(one.rss[k], one.unit)} there.")
+    most = one.share[one.tighten]
+    first = [name for name, share in one.share.items() if share > 0.99 * most]
+    if len(one.joints) > 1:
+        facts.append(f"To tighten first: {' or '.join(first)}.")
+    rows = [
+        (name, said(one.clearances[name], "m"), f"±{said(one.contributions[k, one.joints.index(name)], one.unit)}",
+         f"{100 * share:.0f} %")
+        for name, share in sorted(one.share.items(), key=lambda item: -item[1])
+    ]  # fmt: skip
+    body = paragraph(f"How far the play lets {one.of} deviate from its value without play.") + listed(facts)
+    body += table(("joint", "clearance", "contribution at most", "share"), rows) + listed(map(sentence, one.notes))
+    return Section("Accuracy under play", body + figure(one.plot(), f"{one.of} with the band that play allows."))
+
+
+# ---------------------------------------------------------------- events
+def event_section(s: Study) -> Section:
+    """Events by joint and kind, and the hardest of them."""
+    run = s.run
+    if run is None or not run.events:
+        return Section("Events", "", "nothing made or lost contact, stuck, slipped or jumped")
+    counts = Counter((one.joint, one.kind) for one in run.events)
+    by_joint: dict[str, list[str]] = {}
+    for (joint, kind), n in counts.items():
+        by_joint.setdefault(joint, []).append(f"{KINDS.get(kind, kind)} {n} time{'s' if n > 1 else ''}")
+    body = listed(f"{joint}: {enumerated(told)}." for joint, told in by_joint.items())
+    hardest = sorted(run.events, key=lambda one: (-max(one.impulse, 0.0), -one.peak_force, one.t))[:MOST_EVENTS]
+    rows = [_event(s, one) for one in sorted(hardest, key=lambda one: one.t)]
+    head = ("t", "joint", "event", "approach speed", "lasted", "peak force", "impulse", "energy lost")
+    few = len(run.events) <= MOST_EVENTS
+    caption = "All events" if few else f"The {MOST_EVENTS} hardest of {count(len(run.events), 'event')}"
+    return Section("Events", body + table(head, rows, caption))
+
+
+def _event(s: Study, one: Event) -> tuple[str, ...]:
+    angular = _angular(s, one.joint)
+    speed, force, impulse = ("rad/s", "N*m", "N*m*s") if angular else ("m/s", "N", "N*s")
+    driver = s.m.model.drivers.get(one.joint)
+    if driver is not None and driver.sets_angle:
+        speed, impulse = "rad/s", "N*m*s"
+
+    def if_any(value: float, unit: str) -> str:
+        return said(value, unit) if value else ""
+
+    return (
+        said(one.t, "s", 5), one.joint, KINDS.get(one.kind, one.kind), if_any(one.normal_speed, speed),
+        if_any(one.duration, "s"), if_any(one.peak_force, force), if_any(one.impulse, impulse),
+        if_any(one.energy_lost, "J"),
+    )  # fmt: skip

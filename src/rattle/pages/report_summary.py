@@ -1,0 +1,111 @@
+"""The first page of a report: what was found in a few numbers, and how far it can be trusted."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+
+from rattle import registry
+from rattle.pages import report_results
+from rattle.pages.report_html import Section, count, listed, paragraph, said, sentence
+from rattle.pages.report_study import Study
+from rattle.results.display import printed
+from rattle.results.result import Result
+
+
+def headline(s: Study) -> str:
+    """A few numbers that a reader wants first, each with its unit and what it is."""
+    found = _numbers(s)
+    cells = "".join(
+        f"<div><dt>{escape(what)}</dt><dd>{escape(number)}</dd><dd class='more'>{escape(printed(more))}</dd></div>"
+        for what, number, more in found
+    )
+    return f'<dl class="numbers">{cells}</dl>' if found else ""
+
+
+def _numbers(s: Study) -> list[tuple[str, str, str]]:
+    """What it is, number, where or when."""
+    run = s.run
+    if run is None or not len(run.t):
+        return []
+    found = []
+    joints = [name for name in run.geometry["joints"] if f"{name}.fx" in run]
+    if joints:
+        name = max(joints, key=lambda one: run.peak(f"{one}.force")[0])
+        force, when = run.peak(f"{name}.force")
+        ideal = s.ideal.peak(f"{name}.force")[0] if s.ideal is not None and f"{name}.fx" in s.ideal else 0.0
+        more = f", {force / ideal:.3g} times that without play" if ideal > 1e-9 * force else ""
+        more = f"in {name} at t = {said(when, 's')}{more}{_late(run, when)}"
+        found.append(("Largest joint force", said(force, "N"), more))
+    for name, driver in list(s.m.model.drivers.items())[:1]:
+        effort = f"{name}.{registry.kinds('driver')[driver.kind].leaf.effort[0]}"
+        if effort in run:
+            (peak, when), unit = run.peak(effort), run.unit(effort)
+            more = f"at t = {said(when, 's')}; RMS {said(run.rms(effort), unit)}{_late(run, when)}"
+            found.append((f"Peak effort of {name}", said(peak, unit), more))
+    found += _touching(run)
+    for name, film in list(run.films.items())[:1]:
+        micro = f"{1e6 * film.least_film:.3g} µm"
+        found.append((f"Least oil film in {name}", micro, f"pressure up to {1e-6 * film.peak_pressure:.3g} MPa"))
+    if s.accuracy is not None:
+        worst = float(s.accuracy.worst.max())
+        found.append(("Deviation by play at most", f"±{said(worst, s.accuracy.unit)}", f"of {s.accuracy.of}"))
+    if s.rest:
+        stable = sum(one.stable and one.admissible for one in s.rest)
+        first = "" if s.modes is None or not len(s.modes) else f"first natural frequency {_frequency(s)}"
+        found.append(("Stable equilibria", str(stable), first))
+    return found
+
+
+def _late(run: Result, t: float) -> str:
+    return " (after the horizon: one of many possible values)" if report_results.late(run, t) else ""
+
+
+def verdict(s: Study) -> str:
+    """A line that says how much there is that cannot be vouched for."""
+    if s.run is None:
+        return ""
+    n = len(s.run.trust.doubts(s.m.system.extent))
+    link = '<a href="#how-far-this-can-be-trusted">How far this can be trusted</a>'
+    if not n:
+        return f'<p class="verdict good">All checks of the computation hold. {link}</p>'
+    return f'<p class="verdict bad">{count(n, "thing")} this report cannot vouch for. {link}</p>'
+
+
+def _frequency(s: Study) -> str:
+    assert s.modes is not None, "asked for with modes"
+    value = float(s.modes.frequency[0])
+    return said(value, "Hz") if math.isfinite(value) else "none"
+
+
+def _touching(run: Result) -> list[tuple[str, str, str]]:
+    loose = {name: one for name, one in run.contacts.items() if name not in run.trust.pulled}
+    hits = sum(one.impacts + one.contacts for one in loose.values())
+    if not hits:
+        return []
+    lost = sum(one.energy_lost for one in loose.values())
+    return [("Impacts and contacts", str(hits), f"in {', '.join(loose)}; {said(lost, 'J')} lost in them")]
+
+
+def trust_section(s: Study) -> Section:
+    """What was checked and holds, and what nobody should rely on."""
+    title = "How far this can be trusted"
+    run = s.run
+    if run is None:
+        return Section(title, paragraph("There is no result: see the top of this page.", "bad"))
+    size = s.m.system.extent
+    good, bad = run.trust.holds(size), run.trust.doubts(size)
+    if s.power is not None:
+        share = s.power.residual / max(float(abs(s.power.cycle.peak).max()), 1e-300)
+        if share < 1e-6:
+            good += ("powers of every body add up to the rate of its kinetic energy",)
+    parts = [_said("What was checked and holds", good, "good"), _said("What this report cannot vouch for", bad, "bad")]
+    if not bad:
+        parts.append(paragraph("Beyond the assumptions below there is nothing in the numbers that needs a warning."))
+    parts.append(_said("Also said by the run", run.trust.notes, "note"))
+    return Section(title, "".join(parts))
+
+
+def _said(head: str, sentences: tuple[str, ...], kind: str) -> str:
+    items = [sentence(one[:1].upper() + one[1:] if one.partition(" ")[0].islower() else one) for one in sentences]
+    return f"<h3>{escape(head)}</h3>{listed(items, kind)}" if items else ""
