@@ -160,16 +160,11 @@ def _making(s: Study, command: str) -> Section:
     rows.append(("platform", f"{platform.system()} on {platform.machine()}"))
     if run is not None:
         facts, stats = run.provenance, run.stats
-        rows += [
-            (
-                "method",
-                f"{facts.get('method')}, relative tolerance {facts.get('rtol'):g}, absolute {facts.get('atol'):g}",
-            ),
-            (
-                "steps",
-                f"{stats.get('steps')} in {float(stats.get('wall_time', 0.0)):.2g} s, {stats.get('rejected')} repeated",
-            ),
-        ]
+        words = {"rtol": "relative tolerance", "atol": "absolute tolerance", "step": "step [s]"}
+        numbers = [f"{word} {facts[key]:g}" for key, word in words.items() if facts.get(key) is not None]
+        rows.append(("method", ", ".join([str(facts.get("method")), *numbers])))
+        count = f"{stats.get('steps')}, {stats.get('rejected')} more repeated"
+        rows.append(("steps", f"{count}, in {float(stats.get('wall_time', 0.0)):.2g} s of computing"))
     again = command or 'the model text below, saved as "model.toml", with: rattle report model.toml -o report.html'
     return Section(
         "How this report was made", table(("what", "which"), rows) + f"<p>Made by</p><pre>{escape(again)}</pre>"

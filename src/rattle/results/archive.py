@@ -14,7 +14,7 @@ import io
 import json
 import os
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -295,3 +295,18 @@ def _require_plain(record: Any, count: int) -> None:
     for group in ("bodies", "joints", "loads"):
         if not all(isinstance(one, dict) for one in record["geometry"].get(group, {}).values()):
             raise ValueError("geometry is made of tables")
+
+
+def first_place(
+    write: Callable[[Path], None], path: str | os.PathLike[str], fallback: str | os.PathLike[str] | None
+) -> Path:
+    """Write under `path`, or in the folder `fallback` if the system cannot; returns the file written."""
+    try:
+        write(Path(path))
+        return Path(path)
+    except OSError:
+        if fallback is None:
+            raise
+    place = Path(fallback).expanduser() / Path(path).name
+    write(place)
+    return place

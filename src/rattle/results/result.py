@@ -8,7 +8,7 @@ from __future__ import annotations
 import csv
 import difflib
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
@@ -224,7 +224,7 @@ class Result:
                 writer.writerow(header)
                 writer.writerows(table.tolist())
 
-        return _first_place(write, path, fallback)
+        return archive.first_place(write, path, fallback)
 
     def save(self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None) -> Path:
         """Write everything as netCDF (`.nc`) or `.npz`; `load_result` reads it back, bit for bit.
@@ -245,7 +245,7 @@ class Result:
             "message": self.message,
             "peaks": self.peaks,
         }
-        return _first_place(lambda place: archive.write(place, record, self.t, self._data), path, fallback)
+        return archive.first_place(lambda place: archive.write(place, record, self.t, self._data), path, fallback)
 
     # ------------------------------------------------------------ pictures
     @overload
@@ -381,21 +381,6 @@ def require_table(path: str | os.PathLike[str]) -> None:
     """Raise ValueError for a file name whose suffix belongs to another format than CSV."""
     if Path(path).suffix.lower() not in TABLES:
         raise ValueError(f"{os.fspath(path)}: curves are written as plain text; give a name ending in .csv")
-
-
-def _first_place(
-    write: Callable[[Path], None], path: str | os.PathLike[str], fallback: str | os.PathLike[str] | None
-) -> Path:
-    """Write under `path`, or in the folder `fallback` if the system cannot; returns the file written."""
-    try:
-        write(Path(path))
-        return Path(path)
-    except OSError:
-        if fallback is None:
-            raise
-    place = Path(fallback).expanduser() / Path(path).name
-    write(place)
-    return place
 
 
 def _frozen(values: ArrayLike) -> Array:
