@@ -17,7 +17,7 @@ from rattle.results.trust import Trust
 from rattle.version import __version__
 
 FORMAT = "rattle-scene 1"
-MOST_ROWS = 2001  # of a run in a page
+MOST_ROWS = 2501  # of a run in a page
 
 
 def scene_of(

@@ -53,20 +53,41 @@ function paintShape(p, stage, shape, pose, body) {
     p.dot(pointAt(pose, body, shape.spot), 7.5, { colour, fill: tint, width: 1.8 });
   } else {
     const path = shape.points.map((point) => pointAt(pose, body, point)), width = barWidth(stage, p);
-    const closed = path.length > 2;
-    p.line(path, { colour, width, closed });
-    if (closed) p.area(path, tint);
-    p.line(path, { colour: tint, width: width - 3, closed });
+    if (path.length > 2) paintPlate(p, path, width, colour, tint);
+    else {
+      p.line(path, { colour, width });
+      p.line(path, { colour: tint, width: width - 3 });
+    }
   }
+}
+
+// A plate with round corners through which one sees a little of what lies behind.
+function paintPlate(p, path, width, colour, tint) {
+  const grown = rounded(path, p.metres(width / 2));
+  p.area(grown, tint, 0.78);
+  p.line(grown, { colour, width: 1.6, closed: true });
+}
+
+// The outline of a convex polygon, counter-clockwise, that is larger by a distance to all sides.
+export function rounded(corners, by) {
+  const outline = [];
+  corners.forEach(([x, y], k) => {
+    const [px, py] = corners[(k + corners.length - 1) % corners.length], [qx, qy] = corners[(k + 1) % corners.length];
+    const from = Math.atan2(y - py, x - px) - Math.PI / 2;
+    let turn = Math.atan2(qy - y, qx - x) - Math.PI / 2 - from;
+    turn -= 2 * Math.PI * Math.floor(turn / (2 * Math.PI));
+    for (let i = 0; i <= 8; i++) outline.push([x + by * Math.cos(from + (turn * i) / 8), y + by * Math.sin(from + (turn * i) / 8)]);
+  });
+  return outline;
 }
 
 // A body of another motion: its outline alone.
 export function drawGhost(stage, body, style) {
   const shape = shapeOf(stage, body);
   return {
-    z: 0,
     draw(p, pose) {
-      const line = { colour: style.colour?.(body) ?? p.theme.grey, width: 1.6, dash: style.dash, opacity: 0.85 };
+      const colour = style.own ? mix(p.theme.body(body), p.theme.ink, 0.45) : p.theme.ink;
+      const line = { colour, width: 1.8, dash: style.dash, opacity: 0.8 };
       const paths = shape.rings ?? [shape.points ?? [shape.spot]];
       for (const path of paths) {
         const points = path.map((point) => pointAt(pose, body, point));

@@ -1,6 +1,7 @@
 // Curves over time: one panel for each unit, all with the same window of time.
 
 import { Panel } from "./panel.js";
+import { handyUnit } from "./units.js";
 
 export class Curves {
   // host: {seek(t), choose(names), invalidate(), mayZoom(event)}
@@ -33,13 +34,13 @@ export class Curves {
     this.version += 1;
     const units = new Map();
     for (const name of this.chosen) {
-      const unit = this.motion.unit(name);
+      const unit = this.panelOf(name);
       units.set(unit, [...(units.get(unit) ?? []), name]);
     }
-    for (const panel of this.panels.filter((one) => !units.has(one.unit))) panel.end();
-    this.panels = [...units.keys()].map((unit) => this.panels.find((one) => one.unit === unit) ?? new Panel(unit, this));
+    for (const panel of this.panels.filter((one) => !units.has(one.key))) panel.end();
+    this.panels = [...units.keys()].map((unit) => this.panels.find((one) => one.key === unit) ?? new Panel(unit, this));
     for (const panel of this.panels) {
-      const own = units.get(panel.unit);
+      const own = units.get(panel.key);
       panel.setLines(own, own.flatMap((name, k) => [
         { name, motion: this.motion, colour: k },
         ...this.others.filter((one) => one.motion.has(name)).map((one, n) =>
@@ -48,6 +49,12 @@ export class Curves {
     }
     this.element.replaceChildren(...this.panels.map((one) => one.element));
     this.element.classList.toggle("empty", !this.panels.length);
+  }
+
+  // Curves are in one panel if they have one unit, and lengths in µm, mm and m apart.
+  panelOf(name) {
+    const unit = this.motion.unit(name);
+    return unit === "m" ? `${unit} ${handyUnit(unit, this.motion.largest(name)).unit}` : unit;
   }
 
   window(range) {
@@ -76,8 +83,10 @@ export class Curves {
 // Curves that say most about a mechanism, where nobody chose any.
 export function firstChoice(motion, pins) {
   const { geometry, names } = motion, found = [];
-  const add = (list, most) => found.push(...list.filter((name) => motion.has(name) && !found.includes(name)).slice(0, most));
-  add(pins.filter((name) => motion.has(`${name}.film_pressure`)).map((name) => `${name}.film_thickness`), 2);
+  const add = (list, most) => found.push(...list.filter((name) => motion.has(name) && !found.includes(name) && motion.largest(name) > 0).slice(0, most));
+  const oiled = pins.filter((name) => motion.has(`${name}.film_pressure`));
+  add(oiled.map((name) => `${name}.eccentricity`), 2);
+  add(oiled.map((name) => `${name}.film_pressure`), 2);
   add(pins.map((name) => `${name}.normal`), 3);
   if (!found.length) add(names.filter((name) => name.endsWith(".torque") && !(name.slice(0, -7) in geometry.loads)), 1);
   if (!found.length) add(Object.keys(geometry.joints).map((name) => `${name}.normal`), 2);

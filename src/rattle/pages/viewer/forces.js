@@ -65,14 +65,14 @@ export function drawForces(p, stage, known, pose, time, side) {
     if (kind === "load") put(a, -size * Math.cos(angle), -size * Math.sin(angle), colour);
   }
   for (const { name, form } of known.moments) {
-    if (known.turn > 0) arc(p, pointAt(pose, form.bodies[1], form.points[1]), value(`${name}.torque`) / known.turn);
+    if (known.turn > 0) drawMoment(p, pointAt(pose, form.bodies[1], form.points[1]), value(`${name}.torque`) / known.turn);
   }
 }
 
 // A moment as an arc about a point: its length is the share of the usual moment, three quarters of a turn at most.
-function arc(p, at, share) {
-  const sweep = Math.min(1.5, Math.abs(share)) * Math.PI, radius = 22;
-  if (!(sweep > 0.12)) return;
+export function drawMoment(p, at, share, radius = 22) {
+  const sweep = Math.min(1.5, Math.abs(share)) * Math.PI;
+  if (!(sweep > 0.5)) return;
   const way = Math.sign(share), { context } = p, x = p.X(at[0]), y = p.Y(at[1]), end = -Math.PI / 2 - way * sweep;
   context.strokeStyle = context.fillStyle = p.theme.curve(3);
   context.lineWidth = 2.6;
@@ -88,7 +88,7 @@ function arc(p, at, share) {
 }
 
 // What the legend says: [{text, length in pixels, colour}].
-export function forceScale(p, stage, known, side) {
+export function forceScale(p, known, side) {
   const found = [];
   if (known.scale > 0 && known.forces.length) {
     const step = niceStep(0.45 * known.scale), { factor, unit } = handyUnit("N", step);
@@ -98,7 +98,8 @@ export function forceScale(p, stage, known, side) {
   }
   if (known.moments.length && known.turn > 0) {
     const { factor, unit } = handyUnit("N*m", known.turn);
-    found.push({ text: `half a turn: ${short(factor * known.turn, 2)} ${unit} of the driver`, arc: true, colour: p.theme.curve(3) });
+    const step = niceStep(0.45 * factor * known.turn);
+    found.push({ text: `${short(step)} ${unit} driver`, share: step / (factor * known.turn), colour: p.theme.curve(3) });
   }
   return found;
 }

@@ -4,7 +4,7 @@
 
 import { pointAt } from "./data.js";
 import { feet } from "./ground.js";
-import { actuator, cylinderBodies, guide, guideReach, slot } from "./guides.js";
+import { actuator, cylinderBodies, guide, guideReach, slot, slotReach } from "./guides.js";
 import { spring, torsionSpring } from "./springs.js";
 import { belt, beltReach, cam, camReach, flatFollower, gear, gearReach, rack } from "./wheels.js";
 
@@ -18,7 +18,7 @@ export const FORMS = {
   rod: { reach: ends, instead: none, prepare: rod },
   clutch: { reach: (form) => [[hub(form), [0, 0]]], instead: none, prepare: clutch },
   guide: { reach: guideReach, instead: cylinderBodies, prepare: guide },
-  slot: { reach: guideReach, instead: none, prepare: slot },
+  slot: { reach: slotReach, instead: none, prepare: slot },
   actuator: { reach: ends, instead: none, prepare: actuator },
   spring: { reach: ends, instead: none, prepare: spring },
   "torsion-spring": { reach: ends, instead: none, prepare: torsionSpring },

@@ -30,10 +30,33 @@ function box(line, low, high, half) {
 
 const known = (form) => (form.stop ?? []).filter((end) => end !== null);
 
-export function guideReach(form) {
-  const [a, b] = form.bodies, [p, q] = form.points;
-  const ways = ["travel" in form ? [-form.travel, form.travel] : [], known(form)].flat();
-  return [[a, p], [b, q], ...ways.map((way) => [a, [p[0] + way * Math.cos(form.axis), p[1] + way * Math.sin(form.axis)]])];
+// Both points, and the ends of the guide or slot with its height.
+const reachOf = (spanOf) => (form, stage) => {
+  const [a, b] = form.bodies, [p, q] = form.points, { low, high, half } = spanOf(stage, form);
+  const c = Math.cos(form.axis), s = Math.sin(form.axis);
+  const ends = [low, high].flatMap((x) => [-half, half].map((y) => [a, [p[0] + x * c - y * s, p[1] + x * s + y * c]]));
+  return [[a, p], [b, q], ...ends];
+};
+
+export const guideReach = reachOf(guideSpan), slotReach = reachOf(slotSpan);
+
+function ways(stage, form) {
+  return stage.range((pose) => coordinate(lineOf(stage, form, pose), stage.ends(form, pose)[1]));
+}
+
+// How far a guide goes along its line, half its height, and the block in it.
+function guideSpan(stage, form) {
+  const [least, most] = ways(stage, form), [length, height] = form.block ?? [0.12 * stage.size, 0.07 * stage.size];
+  const low = Math.min(least, ...known(form)) - 0.85 * length, high = Math.max(most, ...known(form)) + 0.85 * length;
+  return { low, high, half: height / 2 + form.clearance, length, height };
+}
+
+// A slot goes as far as it is long, or else a little farther than its pin.
+function slotSpan(stage, form) {
+  const [least, most] = ways(stage, form), more = SLOT_MORE * stage.size;
+  const [low, high] = "travel" in form ? [-form.travel, form.travel] : [least - more, most + more];
+  const half = form.bush_radius || 0.02 * stage.size + form.clearance;
+  return { low: low - half, high: high + half, half };
 }
 
 function allOnLine(stage, form, body) {
@@ -66,9 +89,7 @@ function stopWalls(stage, form, before, half) {
 export function guide(stage, part) {
   const { form } = part;
   if (cylinderBodies(stage, form).length) return cylinder(stage, form);
-  const [length, height] = form.block ?? [0.12 * stage.size, 0.07 * stage.size];
-  const [least, most] = stage.range((pose) => coordinate(lineOf(stage, form, pose), stage.ends(form, pose)[1]));
-  const low = Math.min(least, ...known(form)) - 0.85 * length, high = Math.max(most, ...known(form)) + 0.85 * length;
+  const { low, high, length, height } = guideSpan(stage, form);
   const ground = form.bodies[0] === "ground";
   const walls = (p, pose) => {
     const line = lineOf(stage, form, pose);
@@ -135,9 +156,8 @@ function cylinder(stage, form) {
 // Pin in a slot with rounded ends, of its given length or else a little longer than the pin moves.
 export function slot(stage, part) {
   const { form } = part;
-  const [least, most] = stage.range((pose) => coordinate(lineOf(stage, form, pose), stage.ends(form, pose)[1]));
-  const [low, high] = "travel" in form ? [-form.travel, form.travel] : [least - SLOT_MORE * stage.size, most + SLOT_MORE * stage.size];
-  const half = form.bush_radius || 0.02 * stage.size + form.clearance, size = half - form.clearance;
+  const span = slotSpan(stage, form), { half } = span, size = half - form.clearance;
+  const [low, high] = [span.low + half, span.high - half];
   const turns = Array.from({ length: 19 }, (_, k) => -Math.PI / 2 + (Math.PI * k) / 18);
   const edge = [
     ...turns.map((s) => [high + half * Math.cos(s), half * Math.sin(s)]),

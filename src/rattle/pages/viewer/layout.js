@@ -24,7 +24,7 @@ export function layout(host, scene) {
   const insets = make("div", { class: "insets" });
   const busy = make("div", { class: "busy", role: "status", hidden: true });
   const late = make("div", { class: "late quiet", hidden: true }, "after the horizon: statistics only");
-  const stage = make("section", { class: "stage", "aria-label": "Mechanism" }, canvas, tools, insets, late, busy);
+  const stage = make("section", { class: "stage", "aria-label": "Mechanism" }, canvas, tools, insets, busy);
   const knobs = make("section", { class: "knobs", "aria-label": "Parameters", hidden: true });
   const runs = make("div", { class: "runs", hidden: true });
   const tabs = make("div", { class: "tabs", role: "tablist" });

@@ -2,7 +2,7 @@
 
 import { drawBody, drawGhost } from "./bodies.js";
 import { pathOf } from "./data.js";
-import { drawForces, forcesOf, forceScale } from "./forces.js";
+import { drawForces, drawMoment, forcesOf, forceScale } from "./forces.js";
 import { FONT, Painter, sized } from "./painter.js";
 import { pinsWithPlay, Stage } from "./stage.js";
 import { drawingUnit, niceStep, short } from "./units.js";
@@ -16,7 +16,7 @@ export class MechanismView {
     this.own = null; // the view that a user chose: {scale, x, y}, or null where everything is shown
   }
 
-  // motion: what is shown; ghosts: [{motion, name}] behind it, the ideal mechanism first.
+  // motion: what is shown; ghosts: [{motion, name}] with it, the ideal mechanism first.
   setMotion(motion, scene, ghosts) {
     this.stage = new Stage(motion, scene);
     const { stage } = this, parts = stage.parts();
@@ -32,7 +32,7 @@ export class MechanismView {
 
   ghostOf(motion, scene, name) {
     const stage = new Stage(motion, scene), ideal = name === "ideal";
-    const style = { dash: ideal ? [2, 4] : DASHED, colour: ideal ? null : (body) => this.theme.body(body) };
+    const style = { dash: ideal ? [1, 5] : DASHED, own: !ideal };
     const bodies = Object.keys(stage.bodies).filter((body) => stage.first?.[body]);
     return { name, motion, stage, drawn: bodies.map((body) => drawGhost(stage, body, style)) };
   }
@@ -48,9 +48,12 @@ export class MechanismView {
     this.high = high;
   }
 
+  // Height of the picture over its width, for places where it may have the height it needs.
+  get tall() { return (this.high[1] - this.low[1]) / Math.max(this.high[0] - this.low[0], 1e-9); }
+
   get view() {
     if (this.own) return this.own;
-    const edge = Math.max(22, 0.07 * Math.min(this.width, this.height)), below = edge + 26;
+    const side = Math.min(this.width, this.height), edge = Math.max(22, 0.07 * side) + (this.roomy ? 0.09 * side : 0), below = edge + 26;
     const wide = Math.max(this.high[0] - this.low[0], 1e-9), tall = Math.max(this.high[1] - this.low[1], 1e-9);
     const room = [Math.max(20, this.width - 2 * edge), Math.max(20, this.height - edge - below)];
     const scale = Math.min(room[0] / wide, room[1] / tall);
@@ -74,16 +77,17 @@ export class MechanismView {
   // show: {forces, ghost, names, traces: [names]}
   draw(time, theme, show) {
     this.theme = theme;
+    this.roomy = show.forces;
     const context = sized(this.canvas, this.width, this.height), p = new Painter(context, this.view, theme);
     const { stage } = this, pose = stage.motion.pose(time);
     this.grid(p);
     this.traces(p, time, show);
-    for (const ghost of this.ghosts) {
+    for (const one of this.drawn) one.draw(p, pose, time);
+    for (const ghost of this.ghosts) { // on top: its bars lie within a bar's width
       if (ghost.name === "ideal" && !show.ghost) continue;
       const there = ghost.motion.pose(time);
       for (const one of ghost.drawn) one.draw(p, there);
     }
-    for (const one of this.drawn) one.draw(p, pose, time);
     const side = Math.min(this.width, this.height);
     if (show.forces) drawForces(p, stage, this.forces, pose, time, side);
     for (const [name, form] of this.pins) p.tag(name, stage.ends(form, pose)[0], { bold: true });
@@ -143,15 +147,15 @@ export class MechanismView {
     context.textAlign = "center";
     context.fillText(text, 16 + length / 2, y - 7);
     if (!show.forces) return;
-    const lines = forceScale(p, this.stage, this.forces, side);
+    const lines = forceScale(p, this.forces, side);
     context.textAlign = "right";
     lines.forEach((one, k) => {
-      const base = y - 20 * (lines.length - 1 - k), right = this.width - 16 - (one.arc ? 0 : one.length + 10);
+      const base = y - 22 * (lines.length - 1 - k), wide = one.share ? 24 : one.length;
       context.fillStyle = one.colour;
-      context.fillText(one.text, right, base + 4);
-      if (one.arc) return;
-      const corner = { view: { x: this.width - 16 - one.length, y: base, scale: 1 } };
-      new Painter(context, corner.view, theme).arrow([0, 0], [one.length, 0], { colour: one.colour });
+      context.fillText(one.text, this.width - 26 - wide, base + 4);
+      const corner = new Painter(context, { x: this.width - 16 - wide, y: base, scale: 1 }, theme);
+      if (one.share) drawMoment(corner, [12, -2], one.share, 9);
+      else corner.arrow([0, 0], [one.length, 0], { colour: one.colour });
     });
   }
 }

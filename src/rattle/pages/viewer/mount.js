@@ -19,6 +19,7 @@ function appOf(viewer) {
   const given = Object.fromEntries((scene.knobs ?? []).map((knob) => [knob.name, knob.value]));
   return {
     viewer,
+    mount,
     get names() { return viewer.motion ? [...viewer.motion.names] : []; },
     get parameters() { return { ...given, ...viewer.motion?.run.parameters, ...viewer.parameters }; },
     set: (name, value) => viewer.turnKnob(name, value),

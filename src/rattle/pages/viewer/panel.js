@@ -1,5 +1,6 @@
 // One panel of curves of one unit: axes, lines, cursor, and what stands under the mouse.
 
+import { mix } from "./colours.js";
 import { make, say } from "./dom.js";
 import { gestures } from "./gestures.js";
 import { FONT, sized } from "./painter.js";
@@ -10,8 +11,10 @@ const AFTER = "after the horizon: statistics only";
 
 export class Panel {
   // curves: the view it belongs to, which holds the window of time that all panels share
-  constructor(unit, curves) {
-    this.unit = unit;
+  // key: the unit, for lengths with the one in which they are shown
+  constructor(key, curves) {
+    this.key = key;
+    [this.unit] = key.split(" ");
     this.curves = curves;
     this.names = [];
     this.below = make("canvas", { role: "img" });
@@ -72,16 +75,20 @@ export class Panel {
     this.text = steady(this.handy.factor * most);
     this.fresh = null;
     this.legend.replaceChildren(...names.map((name) => this.entry(name)));
-    const quantity = QUANTITY[this.unit] ?? "";
-    this.title = this.handy.unit ? `${quantity} [${this.handy.unit}]`.trim() : "no unit";
+    const quantity = QUANTITY[this.unit] ?? names[0].slice(names[0].lastIndexOf(".") + 1).replaceAll("_", " ");
+    this.title = this.handy.unit ? `${quantity} [${this.handy.unit}]` : `${quantity} [1]`;
     this.below.setAttribute("aria-label", `${this.title} over time: ${names.join(", ")}`);
   }
 
   entry(name) {
     const lines = this.lines.filter((one) => one.name === name);
-    const swatch = make("span", { class: "swatch" });
-    const values = lines.map(() => make("span", { class: "number" }));
-    lines.forEach((one, k) => { one.swatch = k ? null : swatch; one.value = values[k]; });
+    const values = lines.map((one) => {
+      one.swatch = make("span", { class: one.dash ? "swatch dashed" : "swatch" });
+      one.value = make("span", { class: "number" });
+      const label = one.label ? make("span", { class: "quiet" }, one.label) : null;
+      return one.dash ? make("span", { class: "beside" }, one.swatch, label, one.value) : one.value;
+    });
+    const { swatch } = lines[0];
     const close = make("button", { type: "button", class: "close", "aria-label": `Remove ${name}`, title: `Remove ${name}`,
       onclick: () => this.curves.host.choose(this.curves.chosen.filter((one) => one !== name)) }, "×");
     return make("li", {}, swatch, make("span", { class: "name" }, name), ...values, make("span", { class: "quiet" }, this.handy.unit), close);
@@ -118,7 +125,7 @@ export class Panel {
       }
     }
     if (!Number.isFinite(low + high)) [low, high] = [0, 1];
-    const size = Math.max(Math.abs(low), Math.abs(high)), least = 1e-6 * size || 1e-12, air = Math.max(0.06 * (high - low), least);
+    const size = Math.max(Math.abs(low), Math.abs(high)), least = 1e-6 * size || 1 / this.handy.factor, air = Math.max(0.06 * (high - low), least);
     this.low = this.handy.factor * (low - air);
     this.high = this.handy.factor * (high + air);
   }
@@ -129,7 +136,7 @@ export class Panel {
     if (horizon !== null && horizon < to) this.shade(c, theme, Math.max(horizon, from), to);
     c.font = `11px ${FONT}`;
     c.lineWidth = 1;
-    const wide = ticks(from, to, Math.max(2, Math.floor(this.room / 80))), tall = ticks(this.low, this.high, Math.max(2, Math.floor(bottom / 38)));
+    const wide = ticks(from, to, Math.max(2, Math.floor(this.room / 62))), tall = ticks(this.low, this.high, Math.max(2, Math.floor(bottom / 38)));
     c.strokeStyle = theme.lines;
     c.fillStyle = theme.grey;
     c.beginPath();
@@ -174,7 +181,7 @@ export class Panel {
     c.fillStyle = theme.grey;
     c.font = `11px ${FONT}`;
     c.textAlign = "right";
-    if (this.X(to) - this.X(from) > 60) c.fillText(AFTER, this.X(to) - 6, TOP + 12, this.X(to) - this.X(from) - 10);
+    if (this.X(to) - this.X(from) > 60 && this.curves.panels[0] === this) c.fillText(AFTER, this.X(to) - 6, TOP + 12, this.X(to) - this.X(from) - 10);
   }
 
   // Events as short ticks on top: impacts in red, all others grey.
@@ -193,8 +200,9 @@ export class Panel {
   stroke(c, theme, line, from, to) {
     const { motion } = line, y = motion.curve(line.name), { factor } = this.handy;
     const first = Math.max(0, motion.row(from).k - 1), last = Math.min(motion.n - 1, motion.row(to).k + 2);
-    c.strokeStyle = theme.curve(line.colour);
-    if (line.swatch) line.swatch.style.background = c.strokeStyle;
+    const colour = theme.curve(line.colour);
+    c.strokeStyle = line.dash ? mix(colour, theme.ink, 0.5) : colour;
+    line.swatch.style.color = c.strokeStyle;
     c.lineWidth = line.dash ? 1.5 : 1.7;
     c.globalAlpha = line.dash ? 0.85 : 1;
     c.setLineDash(line.dash ?? []);

@@ -58,8 +58,9 @@ export class Insets {
       const { unit, factor } = clearanceUnit(every[k].form.clearance);
       Object.assign(tile, every[k], { path: every[k].draw === drawPin ? pinPath(motion, every[k].name) : null });
       tile.usual = usualForce(motion, tile.name);
-      const { factor: of, unit: newtons } = handyUnit("N", motion.largest(`${tile.name}.normal`));
-      tile.say = { factor: of, unit: newtons, text: steady(of * motion.largest(`${tile.name}.normal`), 3) };
+      tile.curve = `${tile.name}.${motion.has(`${tile.name}.film_pressure`) ? "force" : "normal"}`;
+      const most = motion.has(tile.curve) ? motion.largest(tile.curve) : 0, { factor: of, unit: newtons } = handyUnit("N", most);
+      tile.say = { factor: of, unit: newtons, text: steady(of * most, 3), name: tile.curve.endsWith("normal") ? "N" : "force" };
       say(tile.size, `play ${short(factor * tile.form.clearance)} ${unit}`);
     });
     this.host.hidden = !every.length;
@@ -80,10 +81,10 @@ export class Insets {
       const side = tile.canvas.clientWidth;
       if (!side) continue;
       const context = sized(tile.canvas, side, side), p = new Painter(context, { scale: 1, x: side / 2, y: side / 2 }, theme);
-      const normal = this.motion.has(`${tile.name}.normal`) ? this.motion.value(`${tile.name}.normal`, time) : 0;
+      const normal = this.motion.has(tile.curve) ? this.motion.value(tile.curve, time) : 0;
       const pulls = tile.form.contact === "massless-link" && normal < 0;
       tile.draw(p, this.motion, tile, time, side, pulls);
-      say(tile.force, `N =${tile.say.text(tile.say.factor * normal)} ${tile.say.unit}${pulls ? " would pull" : ""}`);
+      say(tile.force, `${tile.say.name} =${tile.say.text(tile.say.factor * normal)} ${tile.say.unit}${pulls ? " would pull" : ""}`);
       tile.force.classList.toggle("bad", pulls);
     }
   }
@@ -132,7 +133,7 @@ function walls(p, axis, half, side) {
   const u = [Math.cos(axis), Math.sin(axis)], n = [-u[1], u[0]], reach = 0.44 * side;
   for (const way of [-1, 1]) {
     const ends = [-way, way].map((end) => [0, 1].map((k) => way * half * n[k] - end * reach * u[k]));
-    p.wall(...ends.reverse(), { stroke: 7, colour: p.theme.metal, width: 1.6 });
+    p.wall(...ends, { stroke: 7, colour: p.theme.metal, width: 1.6 });
   }
 }
 

@@ -18,9 +18,11 @@ export class Stage {
     for (let k = 0; k < motion.n; k += every) this.poses.push(motion.poseAt(k));
     if (motion.n && (motion.n - 1) % every) this.poses.push(motion.poseAt(motion.n - 1));
     this.first = this.poses[0];
-    this.size = 1;
-    [this.low, this.high] = this.extent();
-    this.size = Math.max(this.high[0] - this.low[0], this.high[1] - this.low[1]) || 1;
+    this.size = 0; // until it is known: parts whose size follows from it then reach as far as their points
+    for (let round = 0; round < 2; round++) {
+      [this.low, this.high] = this.extent();
+      this.size ||= Math.max(this.high[0] - this.low[0], this.high[1] - this.low[1]) || 1;
+    }
   }
 
   // All joints and loads that are drawn: {name, family, form, driven, drawing}.

@@ -38,7 +38,7 @@ export class Viewer {
     this.insets = new Insets(parts.insets);
     this.player = new Player(this);
     this.tools = toolbar(this, this.scene);
-    parts.tools.append(...this.tools.all);
+    parts.tools.append(...this.tools.all, parts.late);
     const panels = make("div", { class: "panels" });
     this.curves = new Curves(panels, this);
     this.chooser = new Chooser(this);
@@ -113,6 +113,7 @@ export class Viewer {
     this.others = others.map((one) => new Motion(one, this.scene.geometry));
     this.tools.ghost.hidden = !this.ghost;
     this.regroup();
+    this.parts.canvas.style.setProperty("--tall", Math.min(2, this.view.tall).toFixed(3));
     this.insets.setMotion(this.motion, this.scene);
     this.player.setMotion(this.motion);
     this.chooser.setMotion(this.motion);

@@ -6,8 +6,8 @@ import { pointAt } from "./data.js";
 
 const DEPTH = 0.3; // height of a tooth on either side of the pitch circle, as a share of the pitch
 const RIM = 3; // height of the rim of a ring, in such heights
-const FEWEST = 14; // teeth on the smallest wheel
-const MOST_TEETH = 30;
+const FEWEST = 18; // teeth on the smallest wheel
+const MOST_TEETH = 36;
 const BEYOND = 1.5; // of a rack beyond the ways of its pinion, in radii
 const LONGEST = 400; // teeth of a rack
 const TURN = Array.from({ length: 97 }, (_, k) => (2 * Math.PI * k) / 96);
@@ -105,7 +105,7 @@ function wheelDraw(stage, wheel) {
   const edge = shift(wheel.whole ? teeth(wheel) : circle([0, 0], wheel.radius));
   const outer = shift(circle([0, 0], rim)), strokes = wheel.whole ? null : shift(marks(wheel));
   const holes = wheel.ring ? [] : [0, 1, 2].map((k) => shift(circle(
-    [0.56 * wheel.radius * Math.cos((2 * Math.PI * k) / 3), 0.56 * wheel.radius * Math.sin((2 * Math.PI * k) / 3)], 0.17 * wheel.radius)));
+    [0, 1].map((way) => 0.56 * wheel.radius * Math.cos((Math.PI * (2 * k + 1)) / 3 - way * Math.PI / 2)), 0.17 * wheel.radius)));
   const spoke = shift(wheel.ring ? [[wheel.radius + 1.5 * DEPTH * wheel.step, 0], [rim, 0]] : [[0, 0], [0.8 * wheel.radius, 0]]);
   return (p, pose) => {
     const move = (points) => points.map((one) => one && pointAt(pose, wheel.body, one));
