@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.dynamics.run import stop
 from rattle.errors import SolverError
+from rattle.progress_bar import progress_bar
 from rattle.studies.poincare import period_of
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ def bifurcation(
         found[: len(r.t)] = r[of]
         return found, r
 
-    bar = _bar(len(changed)) if progress else None
+    bar = progress_bar(len(changed), "bifurcation", unit="run") if progress else None
     rows: list[np.ndarray] = []
     interrupted = False
     pool = ThreadPoolExecutor(threads)
@@ -120,9 +121,3 @@ def bifurcation(
     return Bifurcation(
         parameter, given, what.unit if what else "", of, first.unit(of), np.array(rows), rule, interrupted
     )
-
-
-def _bar(total: int) -> Any:
-    from tqdm import tqdm
-
-    return tqdm(total=total, desc="bifurcation", unit="run")

@@ -26,6 +26,7 @@ from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.language.switching import SAME
+from rattle.progress_bar import progress_bar
 from rattle.registry import Kind
 from rattle.results.columns import width
 from rattle.solvers import step_state
@@ -216,7 +217,7 @@ class Run(ABC):
         m, tally = self.workspace, self.tally
         began = time.perf_counter()
         load_law.forget()
-        bar = progress_bar(self.t_end, what) if progress else None
+        bar = bar_over_time(self.t_end, what) if progress else None
         try:
             status = self.begin(self.start.t)
             mark = (0, self.start.t)
@@ -285,9 +286,7 @@ def pulls(run: Run, reached: float) -> tuple[dict[str, float], dict[str, float |
     return pulled, first, intervals
 
 
-def progress_bar(t_end: float, what: str = "simulate") -> Any:
+def bar_over_time(t_end: float, what: str = "simulate") -> Any:
     """A progress bar over the times of a run to t_end [s]; it appears if the run takes longer than a second."""
-    from tqdm import tqdm
-
     form = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]"
-    return tqdm(total=t_end, unit="s", desc=what, bar_format=form, delay=1.0)
+    return progress_bar(t_end, what, unit="s", bar_format=form, delay=1.0)

@@ -12,6 +12,7 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.errors import AssemblyError, ModelError, SolverError
+from rattle.progress_bar import progress_bar
 from rattle.results.evaluation import evaluate
 from rattle.studies.optimise.designs import Design, Designs
 from rattle.studies.optimise.optimum import Check, Optimum, Search
@@ -139,9 +140,7 @@ class _Bar:
     """A progress bar over the searches, with the runs and the best objective so far."""
 
     def __init__(self, total: int) -> None:
-        from tqdm import tqdm
-
-        self._bar = tqdm(total=total, desc="optimise", unit="start", delay=1.0, miniters=0)
+        self._bar = progress_bar(total, "optimise", unit="start", delay=1.0, miniters=0)
         self._runs, self._best = 0, ""
 
     def run(self) -> None:

@@ -26,6 +26,7 @@ from rattle.analyses.dynamics.run import How
 from rattle.errors import ModelError, Problem
 from rattle.jit import functions
 from rattle.mechanism import Mechanism
+from rattle.progress_bar import progress_bar
 from rattle.solvers.stepper import ATOL, SMOOTH
 from rattle.studies.poincare import driver_period
 from rattle.studies.wear.cycle import FEWEST, Cycles, Sliding, State, together
@@ -295,10 +296,8 @@ def _told(progress: bool | Callable[[float, float], None], cycles: float) -> Cal
         return lambda done: progress(done, cycles)
     if not progress:
         return lambda done: None
-    from tqdm import tqdm
-
     form = "{l_bar}{bar}| {n:.4g}/{total:.4g} cycles [{elapsed}<{remaining}]"
-    bar = tqdm(total=cycles, desc="wear", bar_format=form, delay=1.0)
+    bar = progress_bar(cycles, "wear", bar_format=form, delay=1.0)
 
     def tell(done: float) -> None:
         bar.update(done - bar.n)
