@@ -8,7 +8,8 @@ export function handleKeys(viewer) {
     if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
     const inside = viewer.shadow.activeElement, elsewhere = document.activeElement;
     const free = !elsewhere || elsewhere === document.body || elsewhere === viewer.box;
-    if (!(inside || (free && (over || viewer.host.page)))) return;
+    if (!(inside || (free && !viewer.host.inside && (over || viewer.host.page)))) return;
+    if (viewer.host.inside && ["d", "D", "?"].includes(event.key)) return; // those of the page around it
     if (event.key === "Escape") return viewer.help(false);
     if (typing(inside, event.key)) return;
     if (act(viewer, event)) event.preventDefault();

@@ -4,7 +4,7 @@ import { make } from "./dom.js";
 import { unpack } from "./data.js";
 import { Viewer } from "./viewer.js";
 
-// host: {page: true} for a page of its own, {autoplay: false}, {theme: "dark"}; returns the app of the page.
+// host: {page: true} for a page of its own, {inside: true} in one that has title and trust, {autoplay: false}, {theme: "dark"}; returns the app of the page.
 export function mount(root, scene, host = {}) {
   if (!String(scene.format).startsWith("rattle-scene 1")) throw new Error(`this viewer shows scenes of format 1, not ${scene.format}`);
   const viewer = new Viewer(root, scene, host), app = appOf(viewer);

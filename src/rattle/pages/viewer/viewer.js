@@ -51,7 +51,7 @@ export class Viewer {
     this.tabs.add("orbits", "Orbits", this.orbitSheet);
     this.tabs.add("events", "Events", this.eventSheet);
     this.tabs.choose("curves");
-    this.frame = make("div", { class: `frame${this.host.page ? " page" : ""}`, tabindex: 0, role: "region", "aria-label": this.scene.title ?? "Mechanism" },
+    this.frame = make("div", { class: `frame${this.host.page ? " page" : this.host.inside ? " inside" : ""}`, tabindex: 0, role: "region", "aria-label": this.scene.title ?? "Mechanism" },
       parts.header, parts.trust, parts.notes, parts.main, this.player.element, parts.help);
     this.shadow.append(make("style", {}, viewerStyle), this.frame);
   }
