@@ -33,7 +33,13 @@ PACKED = 1100  # largest compression ratio that deflate can reach
 NETCDF = b"\x89HDF\r\n\x1a\n"
 ZIP = b"PK\x03\x04"
 HINT = "pip install h5netcdf h5py xarray pandas"
-HINTS = {"pyarrow": "pip install pyarrow", "distributed": "pip install distributed"}  # where other packages are needed
+STUDIO = 'pip install "rattle[studio]"'
+HINTS = {
+    "pyarrow": "pip install pyarrow",
+    "distributed": "pip install distributed",
+    "panel": STUDIO,
+    "bokeh": STUDIO,
+}  # where other packages are needed
 
 
 def package(module: str, what: str) -> Any:

@@ -1,0 +1,318 @@
+"""One session of the studio: its model text, what is computed of it, and what its page asks for.
+
+The text of the model file is the truth; knobs change the text.  Everything here runs in the thread of the page.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from rattle.description import file as model_file
+from rattle.errors import ModelError, suggest
+from rattle.loading import examples, load
+from rattle.mechanism import Mechanism
+from rattle.studio import edits
+from rattle.studio.bench import Bench, Outcome
+from rattle.studio.draft import EMPTY, Draft
+from rattle.studio.facts import facts, problems_of
+from rattle.studio.folder import Folder, Refused
+from rattle.studio.shelf import Source
+from rattle.studio.tabs import TABS
+
+Message = dict[str, Any]
+_thumbnails: dict[str, str] = {}  # drawings of examples, for all sessions
+SETTINGS = ("gravity.0", "gravity.1", "simulate.t_end", "simulate.rtol", "simulate.step")
+QUICK = 1.5  # a tab that took less is computed again as soon as the model changes while it is looked at [s]
+
+
+class Desk:
+    """What the page of one session shows and asks.
+
+    send: gives a message to the page.  later: has a function run aside, then calls the other with what it returned.
+    """
+
+    def __init__(
+        self,
+        folder: Folder,
+        send: Callable[[Message], None],
+        later: Callable[[Callable[[], Any], Callable[[Any], None]], None],
+        post: Callable[[Callable[[], None]], None],
+    ) -> None:
+        self.folder, self.send, self._later = folder, send, later
+        self.bench = Bench(self._outcome, post)
+        self.draft = Draft(folder)
+        self.version = 0  # of the text
+        self.sound: Source | None = None  # the last text without problems
+        self._checking = False
+        self.shown = "motion"
+        self.options: dict[str, Message] = {}
+        self.computed: dict[str, tuple[Source, Message]] = {}  # what tabs show was computed for
+        self._began: dict[str, float] = {}
+        self._took: dict[str, float] = {}
+
+    # ------------------------------------------------------------ what the page asks
+    def hear(self, message: Any) -> None:
+        """Do what a message of the page asks; a message that makes no sense is answered with words."""
+        asked = message.get("do") if isinstance(message, dict) else None
+        action = getattr(self, f"do_{asked.replace('-', '_')}", None) if isinstance(asked, str) else None
+        if action is None:
+            self.send({"kind": "trouble", "words": "the page asked for something that this studio does not know"})
+            return
+        try:
+            action(**{key: value for key, value in message.items() if key != "do"})
+        except ModelError as error:
+            self.send({"kind": "trouble", "words": str(error), "about": asked})
+        except (Refused, OSError, ValueError, TypeError) as error:
+            self.send({"kind": "trouble", "words": str(error), "about": asked})
+
+    def do_hello(self) -> None:
+        """The page is there: show it everything."""
+        self._send_text()
+        self._check()
+
+    def do_text(self, text: str) -> None:
+        """The text was changed in the editor."""
+        if text == self.draft.text:
+            return
+        self.draft.text = edits.require_size(text)
+        self.version += 1
+        self._send_name()
+        self._check()
+
+    def do_knob(self, name: str, value: Any) -> None:
+        """A knob was turned, or a value entered: a number in SI units or a text such as "5 mm"."""
+        if not isinstance(value, int | float | str | bool):
+            raise ValueError("expected a number or a text")
+        made = edits.changed(self.draft.text, str(name), value)
+        if isinstance(value, str):  # typed; a slider stays between its limits
+            self._require_sound(made)
+        self._edit(made)
+
+    def do_contact(self, joint: str, model: str) -> None:
+        """Another contact model was chosen for a joint."""
+        made = edits.with_contact(self.draft.text, str(joint), str(model))
+        self._require_sound(made)
+        self._edit(made)
+
+    def do_setting(self, name: str, value: str) -> None:
+        """A component of gravity, or an entry of [simulate], was written."""
+        if name not in SETTINGS:
+            raise ValueError(f"there is no setting {name!r}{suggest(str(name), SETTINGS)}")
+        made = edits.changed(self.draft.text, name, edits.number_or_text(value))
+        self._require_sound(made)
+        self._edit(made)
+
+    def do_method(self, method: str) -> None:
+        """A method of integration was chosen, "" for that which the program chooses."""
+        if method or "method" in self.draft.document().get("simulate", {}):
+            made = edits.changed(self.draft.text, "simulate.method", str(method) or None)
+            self._require_sound(made)
+            self._edit(made)
+
+    def do_show(self, tab: str, options: Message | None = None) -> None:
+        """A tab was opened: what it shows is computed with these options if that has not been done."""
+        self.shown = tab
+        self.options.setdefault(tab, dict(options or {}))
+        if tab in TABS and not self._is_current(tab) and tab not in (self.bench.busy, *self.bench.waiting):
+            self._compute(tab)
+
+    def do_compute(self, tab: str, options: Message) -> None:
+        """A tab is to be computed with these options."""
+        if tab not in TABS:
+            raise ValueError(f"there is no tab {tab!r}{suggest(str(tab), TABS)}")
+        self.options[tab] = dict(options)
+        self._compute(tab)
+
+    def do_pick(self, number: int) -> None:
+        """A bar of the ensemble was clicked: its mechanism is to be seen."""
+        if self.sound is not None:
+            self.bench.ask("sample", source=self.sound, number=int(number))
+
+    def do_stop(self, tab: str) -> None:
+        """The user stops what is computed for a tab."""
+        self.bench.stop(str(tab))
+
+    # ------------------------------------------------------------ files
+    def do_files(self, gallery: bool = False) -> None:
+        """List the model files of the folder, or the shipped examples."""
+        if gallery:
+            shipped = [{"name": name, "title": title_of(path)} for name, path in examples().items()]
+            self.send({"kind": "files", "gallery": True, "examples": shipped})
+        else:
+            self.send({"kind": "files", "files": self.folder.models(), "folder": self.folder.root.name})
+
+    def do_thumbnails(self, names: Sequence[str]) -> None:
+        """Draw these examples, unless another session has had them drawn."""
+        for name in names:
+            if name in _thumbnails:
+                self.send({"kind": "thumbnail", "name": name, "svg": _thumbnails[name]})
+            elif name in examples():
+                self.bench.ask(f"thumbnail {name}", example=name)
+
+    def do_open(self, name: str) -> None:
+        """Open a model file of the folder."""
+        text = self.folder.read(name)
+        self._begin(text, name)
+
+    def do_example(self, name: str) -> None:
+        """Begin with a shipped example, without a file; tables that it reads are written out."""
+        known = examples()
+        if name not in known:
+            raise ValueError(f"no example '{name}'{suggest(str(name), known)}")
+        self._begin(example_text(known[name]), "")
+
+    def do_new(self) -> None:
+        """Begin with an empty text."""
+        self._begin(EMPTY, "")
+
+    def do_save(self, name: str = "", sure: bool = False) -> None:
+        """Save under a name, or where it is; a file that this session has not written itself is asked about first."""
+        if not name.strip() and not self.draft.name:
+            self.do_save_as()
+            return
+        name = self.draft.target(name)
+        question = "" if sure else self.draft.would_lose(name)
+        if question:
+            self.send({"kind": "overwrite", "name": name, "words": question})
+            return
+        self.draft.write(name)
+        self._send_name()
+        self.send({"kind": "said", "words": f"saved as {name}"})
+
+    def do_save_as(self) -> None:
+        """Ask under which name to save."""
+        self.send({"kind": "name", "suggested": self.draft.suggested()})
+
+    def do_python(self) -> None:
+        """The model as Python code."""
+        code = edits.as_python(self.draft.text, self.draft.name, self.draft.saved if self.draft.name else None)
+        self.send({"kind": "python", "code": code})
+
+    def end(self) -> None:
+        """The page is gone: nothing is computed for it any more."""
+        self.bench.end()
+
+    # ------------------------------------------------------------ text
+    def _begin(self, text: str, name: str) -> None:
+        self.draft.begin(text, name)
+        self.version += 1
+        self.computed.clear()
+        self.options.clear()
+        self.bench.drop(*TABS, "motion", "trust")
+        self._send_text(fresh=True)
+        self._check()
+
+    def _edit(self, text: str) -> None:
+        if text == self.draft.text:
+            return
+        self.draft.text = text
+        self.version += 1
+        self._send_text()
+        self._check()
+
+    def _require_sound(self, text: str) -> None:
+        """Refuse a change that would make a sound text wrong; of a text that is wrong already none is refused."""
+        if self.sound is not None and self.sound["text"] == self.draft.text:
+            Mechanism.from_text(text, self.draft.source()["file"])
+
+    def _send_text(self, fresh: bool = False) -> None:
+        self.send({"kind": "text", "text": self.draft.text, "fresh": fresh})
+        self._send_name()
+
+    def _send_name(self) -> None:
+        self.send({"kind": "name-is", "name": self.draft.name, "changed": self.draft.changed})
+
+    # ------------------------------------------------------------ checking
+    def _check(self) -> None:
+        """Read the text aside; one check at a time, of the newest text."""
+        if self._checking:
+            return
+        self._checking = True
+        version, source = self.version, self.draft.source()
+        self._later(lambda: check(source), lambda found: self._checked(version, source, found))
+
+    def _checked(self, version: int, source: Source, found: Message) -> None:
+        self._checking = False
+        if version != self.version:
+            self._check()
+            return
+        self.send({"kind": "model", **found})
+        if found["problems"]:
+            return
+        if source != self.sound or not self._is_current("motion"):
+            self.sound = source
+            self._model_changed()
+
+    def _model_changed(self) -> None:
+        """Compute the motion anew; tabs say that they are out of date, the open one is computed too if it is quick."""
+        self.bench.drop(*(tab for tab in (*TABS, "trust") if tab != "motion"))
+        self._compute("motion")
+        for tab in self.computed:
+            if tab in TABS:
+                self.send({"kind": "tab", "tab": tab, "state": "old"})
+        if self.shown in TABS and self._took.get(self.shown, 0.0) < QUICK:
+            self._compute(self.shown)
+
+    # ------------------------------------------------------------ computing
+    def _is_current(self, tab: str) -> bool:
+        return self.computed.get(tab) == (self.sound, self.options.get(tab, {}))
+
+    def _compute(self, tab: str) -> None:
+        if self.sound is None:
+            self.send({"kind": "tab", "tab": tab, "state": "failed", "words": "the model has problems: see Text"})
+            return
+        self._began[tab] = time.monotonic()
+        self.send({"kind": "tab", "tab": tab, "state": "waiting"})
+        self.bench.ask(tab, source=self.sound, **self.options.get(tab, {}))
+
+    def _outcome(self, tab: str, outcome: Outcome) -> None:
+        """What the process says of a job."""
+        job, _, name = tab.partition(" ")
+        if job == "thumbnail":
+            if outcome.kind == "done":
+                _thumbnails[name] = outcome.value
+                self.send({"kind": "thumbnail", "name": name, "svg": outcome.value})
+            return
+        if tab == "sample" and outcome.kind == "done":
+            self.send({"kind": "sample", **outcome.value})
+            self.send({"kind": "tab", "tab": tab, "state": "done"})
+            return
+        if outcome.kind == "progress":
+            what, share = outcome.value
+            self.send({"kind": "tab", "tab": tab, "state": "running", "what": what, "share": share})
+        elif outcome.kind == "done":
+            self._took[tab] = time.monotonic() - self._began.get(tab, 0.0)
+            if self.sound is not None:
+                self.computed[tab] = (self.sound, self.options.get(tab, {}))
+            self.send({"kind": "tab", "tab": tab, "state": "done", "value": outcome.value})
+            if tab == "motion" and self.sound is not None:
+                self.bench.ask("trust", source=self.sound)
+        else:
+            words = outcome.value if outcome.kind == "failed" else "stopped"
+            self.send({"kind": "tab", "tab": tab, "state": outcome.kind, "words": words})
+
+
+@cache
+def title_of(path: Path) -> str:
+    """What a shipped example is."""
+    return str(model_file.parse(path.read_text(encoding="utf-8")).get("name", ""))
+
+
+def example_text(path: Path) -> str:
+    """The text of a shipped example; tables that it reads from files are written out."""
+    text = path.read_text(encoding="utf-8")
+    reads = any("file" in one for one in model_file.parse(text).get("tables", {}).values())
+    return load(path).to_toml() if reads else text
+
+
+def check(source: Source) -> Message:
+    """What the page shows of a text: its facts, or its problems."""
+    try:
+        m = Mechanism.from_text(source["text"], source["file"])
+    except ModelError as error:
+        return {"problems": problems_of(error, source["text"])}
+    return {"problems": [], "facts": facts(m, model_file.parse(source["text"]))}

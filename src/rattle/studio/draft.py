@@ -1,0 +1,100 @@
+"""The text of one session and its file: opened, changed, and saved only where nothing is lost."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from rattle.description import file as model_file
+from rattle.errors import ModelError
+from rattle.studio.folder import Folder, Refused, mark_of
+from rattle.studio.shelf import Source
+
+EMPTY = """format = 1
+name = "my mechanism"
+gravity = [0, -9.81]
+
+[parameters]
+l = { value = "1 m", min = "0.2 m", max = "2 m" }
+
+[ground.points]
+O = [0, 0]
+
+[bodies.rod]
+bar = ["A", "B"]
+length = "l"
+mass = 1
+
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "rod.A"]
+
+[simulate]
+t_end = "2 s"
+"""
+
+
+class Draft:
+    """A model text, the name of its file in the folder ("" while it has none), and what that file holds."""
+
+    def __init__(self, folder: Folder) -> None:
+        self.folder = folder
+        self.text, self.name, self.saved = "", "", ""
+        self._written = ""  # digest of what this session itself has written last
+        self._seen = ""  # digest of the file when it was read or written
+
+    def begin(self, text: str, name: str) -> None:
+        """Another text, of the file of this name or of none."""
+        self.text = self.saved = text
+        self.name = name
+        self._seen = mark_of(text) if name else ""
+        self._written = ""
+
+    @property
+    def changed(self) -> bool:
+        """True if the text is not what the file holds."""
+        return self.text != self.saved
+
+    def source(self) -> Source:
+        """The text with the place of its file, in whose folder its tables are."""
+        return {"text": self.text, "file": str(self.folder.place(self.name)) if self.name else ""}
+
+    def document(self) -> dict[str, Any]:
+        """The tables of the text; none if it cannot be read."""
+        try:
+            return model_file.parse(self.text)
+        except ModelError:
+            return {}
+
+    def suggested(self) -> str:
+        """A name for its file."""
+        title = str(self.document().get("name", "")) or "mechanism"
+        plain = "".join(c if c.isalnum() and c.isascii() else "-" for c in title.lower())
+        short = "-".join(part for part in plain.split("-") if part)[:40].strip("-")
+        return self.name or f"{short or 'mechanism'}{'.json' if model_file.is_json(self.text) else '.toml'}"
+
+    def target(self, name: str) -> str:
+        """The name of the file to write, .toml unless it says otherwise.  Raises Refused."""
+        name = name.strip() or self.name
+        if Path(name).suffix == "":
+            name += ".toml"
+        is_json = model_file.is_json(self.text)
+        if is_json != (Path(name).suffix.lower() == ".json"):
+            raise Refused(f"the text is {'JSON' if is_json else 'TOML'}: give a name that ends so")
+        self.folder.place(name)
+        return name
+
+    def would_lose(self, name: str) -> str:
+        """What to ask before this file is written; "" if nothing is lost: it is new, or from here."""
+        now = self.folder.mark(name)
+        if not now or now in (self._written, mark_of(self.text)):
+            return ""
+        if name == self.name and now != self._seen:
+            return f"{name} was changed by another program since it was opened here. Overwrite it with what is here?"
+        return f"{name} exists. Overwrite it?"
+
+    def write(self, name: str) -> None:
+        """Write the text.  Raises Refused, OSError."""
+        self.folder.write(name, self.text)
+        self.name, self.saved = name, self.text
+        self._written = self._seen = mark_of(self.text)

@@ -1,0 +1,85 @@
+"""What the page shows of a model beside its motion: knobs, contact models, settings, and what is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rattle.description.read_contact import contact_models
+from rattle.errors import ModelError, Problem
+from rattle.language.units import parse_quantity
+from rattle.mechanism import Mechanism
+from rattle.registry import kinds
+from rattle.results.display import scale
+
+SPAN = 0.5  # share of its value by which a parameter without limits may be changed up and down
+
+
+def facts(m: Mechanism, document: Mapping[str, Any]) -> dict[str, Any]:
+    """Everything the left column shows; document: the tables of the model file as they are written."""
+    return {
+        "title": m.name,
+        "knobs": [_knob(m, document, name) for name in m.model.parameters],
+        "contacts": _contacts(document),
+        "settings": _settings(m, document),
+        "names": {"bodies": list(m.model.bodies), "joints": list(m.model.joints), "loads": list(m.model.loads)},
+        "wear": [name for name, one in m.model.joints.items() if one.wear is not None],
+        "oil": [name for name, one in m.model.joints.items() if one.contact and one.contact.film is not None],
+        "tolerances": [name for name, one in m.model.parameters.items() if one.tol],
+    }
+
+
+def _knob(m: Mechanism, document: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """A parameter: its value [SI], between which values it can be turned, and in which unit it is shown."""
+    one = m.model.parameters[name]
+    written = document.get("parameters", {}).get(name)
+    text = written.get("value") if isinstance(written, Mapping) else written
+    follows = isinstance(text, str) and parse_quantity(text) is None
+    size = abs(one.value) or 1.0
+    reach = SPAN * size if one.value else size
+    least = one.value - reach if one.minimum is None else one.minimum
+    most = one.value + reach if one.maximum is None else one.maximum
+    factor, unit = m.written_unit(name) if not follows else (1.0, "")
+    if not unit:
+        times, unit = scale(one.unit, size)
+        factor = 1.0 / times
+    return {
+        "name": name, "value": one.value, "unit": unit, "factor": factor, "min": least, "max": most,
+        "bounded": [one.minimum is not None, one.maximum is not None], "follows": str(text) if follows else "",
+    }  # fmt: skip
+
+
+def _contacts(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Joints with a contact: the model that is written, and those that the joint may have."""
+    found = []
+    for name, joint in document.get("joints", {}).items():
+        if "clearance" not in joint and "contact" not in joint:
+            continue
+        written = joint.get("contact", "massless-link")
+        model = written if isinstance(written, str) else written.get("model", "")
+        found.append({"joint": name, "model": model, "models": contact_models(str(joint.get("type", "")))})
+    return found
+
+
+def _settings(m: Mechanism, document: Mapping[str, Any]) -> dict[str, Any]:
+    given = document.get("simulate", {})
+    return {
+        "gravity": [str(one) for one in document.get("gravity", [0, 0])],
+        "t_end": str(given.get("t_end", "")) or f"{m.model.settings.t_end:g} s",
+        "method": str(given.get("method", "")),
+        "methods": list(kinds("stepper")),
+    }
+
+
+def problems_of(error: ModelError, text: str) -> list[dict[str, Any]]:
+    """Problems for the editor: line and column counted from 1, 0 where they are not known."""
+    lines = text.split("\n")
+    return [_problem(one, lines) for one in error.problems]
+
+
+def _problem(one: Problem, lines: Sequence[str]) -> dict[str, Any]:
+    column, width = 0, 0
+    source, _, marks = one.caret.rpartition("\n")
+    if one.line and source == lines[one.line - 1].rstrip("\r"):  # otherwise a part of a very long line is shown
+        column, width = len(marks) - len(marks.lstrip()) + 1, marks.count("^")
+    return {"line": one.line or 0, "column": column, "width": width, "where": one.key, "words": one.message}

@@ -1,0 +1,97 @@
+"""Many mechanisms of one drawing: a histogram, and each sample as a motion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rattle.pages.scene import scene_of
+from rattle.plots.curves import QUANTITY, axis_label, handy_unit
+from rattle.results.display import quantity
+from rattle.studies.ensemble.ensemble import Ensemble
+from rattle.studio.jobs.blocks import Block, Content, content, table, words
+from rattle.studio.shelf import Shelf, Source
+
+MOST = 100_000
+BINS = 32
+
+
+def ensemble(shelf: Shelf, source: Source, of: str = "", n: str = "256") -> Content:
+    """The histogram of a number over mechanisms whose parameters differ by their tolerances."""
+    m = shelf.mechanism(source)
+    count = int(float(n))
+    if not 2 <= count <= MOST:
+        raise ValueError(f"mechanisms: give a whole number from 2 to {MOST}")
+    e = m.ensemble(count, [of.strip()], progress=True)
+    if e.interrupted:
+        raise KeyboardInterrupt
+    shelf.studies["ensemble"] = e
+    output = e.outputs[0]
+    counts = e.counts()
+    failed = {key: value for key, value in counts.items() if value and key not in ("ok", "samples")}
+    told = f"{count} mechanisms {e.how}" + "".join(f", {value} {key}" for key, value in failed.items())
+    return content(
+        told, words("\n".join(e.notes), "care"), _histogram(e, output),
+        words("Click a bar: one of its mechanisms is replayed in Motion."), _numbers(e, output), _shares(e, output),
+        table(("how many", "why they have no number"), [(str(value), key) for key, value in e.why().items()]),
+    )  # fmt: skip
+
+
+def _histogram(e: Ensemble, output: str) -> Block | None:
+    """Bars with the numbers of the samples in them, the middle one first."""
+    values, unit = e[output], e.unit(output)
+    finite = np.flatnonzero(np.isfinite(values))
+    if not len(finite):
+        return None
+    factor, shown = handy_unit(unit, float(np.abs(values[finite]).max()))
+    edges = np.histogram_bin_edges(factor * values[finite], min(BINS, max(6, int(np.sqrt(len(finite)) * 1.5))))
+    places = np.clip(np.searchsorted(edges, factor * values[finite], side="right") - 1, 0, len(edges) - 2)
+    samples = []
+    for k in range(len(edges) - 1):
+        mine = finite[places == k]
+        samples.append(int(mine[np.argsort(values[mine])[len(mine) // 2]]) if len(mine) else -1)
+    marks = [{"x": factor * float(q), "label": f"{share} %"} for share, q in
+             zip((5, 50, 95), np.quantile(values[finite], (0.05, 0.5, 0.95)), strict=True)]  # fmt: skip
+    nominal = float(e.nominal[0])
+    if np.isfinite(nominal):
+        marks.append({"x": factor * nominal, "label": "nominal"})
+    return {
+        "kind": "histogram", "title": output, "x": axis_label(QUANTITY.get(unit, "value"), shown), "edges": edges,
+        "counts": np.bincount(places, minlength=len(edges) - 1), "samples": samples, "marks": marks,
+    }  # fmt: skip
+
+
+def _numbers(e: Ensemble, output: str) -> Block | None:
+    found, unit = e.statistics(output), e.unit(output)
+    rows = [("nominal", float(e.nominal[0])), ("mean", found.mean.value), ("standard deviation", found.sd.value),
+            ("least", found.least), ("largest", found.most)]  # fmt: skip
+    rows += [(f"{100 * share:.0f} % are below", one.value) for share, one in found.quantiles.items()]
+    return table(("", output), [(name, quantity(value, unit, 5)) for name, value in rows])
+
+
+def _shares(e: Ensemble, output: str) -> Block | None:
+    """Which parameter causes how much of the scatter."""
+    try:
+        found = e.contributions(output)
+    except ValueError as error:
+        return words(f"Which tolerance matters: {error}")
+    return words(str(found))
+
+
+def sample(shelf: Shelf, source: Source, number: int) -> dict[str, Any]:
+    """The motion of one mechanism of the last ensemble."""
+    shelf.mechanism(source)
+    e = shelf.studies.get("ensemble")
+    if e is None:
+        raise ValueError("the model has changed since: compute the ensemble again")
+    r = e.sample(int(number)).simulate(e.task.t_end, progress=True)
+    if r.interrupted:
+        raise KeyboardInterrupt
+    said = e.told(int(number))
+    value = quantity(float(e[e.outputs[0]][int(number)]), e.unit(e.outputs[0]))
+    return {
+        "scene": scene_of([("", r)]),
+        "words": f"Mechanism {number} of the ensemble: {e.outputs[0]} = {value}",
+        "more": said,
+    }

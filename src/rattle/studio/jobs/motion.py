@@ -1,0 +1,48 @@
+"""Motion for the viewer, how far it can be trusted, and its forces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rattle.pages.scene import scene_of
+from rattle.results.contact_summary import joint_rows
+from rattle.results.result import Result
+from rattle.studio.jobs.blocks import Content, content, of_result, table, words
+from rattle.studio.shelf import Shelf, Source
+
+
+def motion(shelf: Shelf, source: Source) -> dict[str, Any]:
+    """The motion for the viewer."""
+    r = shelf.motion(source)
+    return {**_said(r), "scene": scene_of([("", r)])}
+
+
+def trust(shelf: Shelf, source: Source) -> dict[str, Any]:
+    """How far the motion can be trusted, with the time until which a tighter run agrees."""
+    return _said(shelf.motion(source, horizon=True))
+
+
+def _said(r: Result) -> dict[str, Any]:
+    return {"success": r.success, "message": r.message, "trust": str(r.trust).splitlines()}
+
+
+def forces(shelf: Shelf, source: Source) -> Content:
+    """Forces of joints and drivers, their largest values, and those of pins with play."""
+    r = shelf.motion(source)
+    joints = [name for name in r.geometry["joints"] if f"{name}.force" in r]
+    normal = [f"{name}.normal" for name in joints if f"{name}.normal" in r]
+    efforts = [name for name in r.names if name.endswith((".effort", ".torque", ".thrust"))]
+    by_unit: dict[str, list[str]] = {}
+    for name in efforts:
+        by_unit.setdefault(r.unit(name), []).append(name)
+    head, rows = joint_rows(r)
+    return content(
+        f"{len(r.t)} instants to t = {r.t[-1]:.4g} s" if len(r.t) else "no instant",
+        words("" if r.success else f"The run stopped early: {r.message}", "care"),
+        of_result(
+            "Forces of the joints", r, [f"{name}.force" for name in joints], {f"{name}.force": name for name in joints}
+        ),
+        of_result("Normal forces of pins with play: below zero the bush would have to pull", r, normal),
+        *(of_result("What drives it", r, names) for names in by_unit.values()),
+        table(head, rows, "Largest values, found within the steps of the run"),
+    )

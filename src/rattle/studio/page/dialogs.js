@@ -1,0 +1,131 @@
+// What stands in front of the page: files, examples, questions, keys, the model as Python, and first hints.
+
+import { h, kept, replace } from "./dom.js";
+
+export const KEYS = [
+  ["Space", "play or pause the motion"],
+  ["← →", "one step back or on, while the motion has the focus"],
+  ["1 … 9, 0", "open a tab: 1 is Motion, 0 is Text"],
+  ["K", "to the first knob"],
+  ["T", "to the model text; Escape leaves it"],
+  ["G", "gallery of examples"],
+  ["D", "light, dark, or as the system"],
+  ["Ctrl O", "open a model file"],
+  ["Ctrl S", "save; with Shift under another name"],
+  ["Ctrl Z, Ctrl Y", "undo and redo, whatever changed the model"],
+  ["Escape", "close what is in front"],
+  ["?", "this list"],
+];
+
+export class Dialogs {
+  constructor(tell) {
+    this.tell = tell;
+    this.el = h("dialog", { class: "dialog" });
+    this.el.addEventListener("click", (event) => { if (event.target === this.el) this.close(); });
+    this.thumbnails = new Map();
+    this.cards = new Map();
+  }
+
+  get open() { return this.el.open; }
+
+  close() { this.el.close(); }
+
+  // Show content under a title; wide: a gallery.
+  front(title, content, wide = false) {
+    this.el.classList.toggle("wide", wide);
+    const close = h("button", { class: "quiet close", "aria-label": "Close", onclick: () => this.close() }, "×");
+    replace(this.el, h("header", {}, h("h2", { id: "dialog-title" }, title), close), content);
+    this.el.setAttribute("aria-labelledby", "dialog-title");
+    if (!this.el.open) this.el.showModal();
+  }
+
+  // A question; the first button is the one that does what was asked for.
+  ask(title, words, buttons) {
+    const made = buttons.map(([label, action], k) => h("button", { class: k === 0 ? "main" : "", onclick: () => { this.close(); action?.(); } }, label));
+    this.front(title, [h("p", {}, words), h("div", { class: "buttons" }, made)]);
+    made.at(-1).focus();
+  }
+
+  files(message) {
+    const open = (name) => { this.close(); this.tell({ do: "open", name }); };
+    const list = message.files.map((name) => h("li", {}, h("button", { class: "file", onclick: () => open(name) }, name)));
+    const none = h("p", { class: "quiet" }, "There is no model file in this folder yet. Begin with an example and save it here.");
+    this.front(`Model files in ${message.folder || "this folder"}`, list.length ? h("ul", { class: "files" }, list) : none);
+  }
+
+  name(message) {
+    const entry = h("input", { class: "wide-entry", value: message.suggested, "aria-label": "File name", spellcheck: "false" });
+    const save = () => { this.close(); this.tell({ do: "save", name: entry.value }); };
+    entry.addEventListener("keydown", (event) => { if (event.key === "Enter") save(); });
+    this.front("Save as", [h("p", { class: "quiet" }, "A name in the folder in which the studio was started."), entry,
+      h("div", { class: "buttons" }, h("button", { class: "main", onclick: save }, "Save"), h("button", { onclick: () => this.close() }, "Cancel"))]);
+    entry.focus();
+    entry.setSelectionRange(0, entry.value.lastIndexOf("."));
+  }
+
+  python(code) {
+    const text = h("textarea", { class: "code", readonly: true, rows: Math.min(18, code.split("\n").length + 1), "aria-label": "Python code" });
+    text.value = code;
+    const said = h("span", { class: "quiet", role: "status" });
+    const copy = async () => {
+      try {
+        await navigator.clipboard.writeText(code);
+        said.textContent = "copied";
+      } catch {
+        text.select();
+        said.textContent = "press Ctrl C to copy";
+      }
+    };
+    this.front("The same in Python", [text, h("div", { class: "buttons" }, said, h("button", { class: "main", onclick: copy }, "Copy"))]);
+    copy();
+  }
+
+  keys() {
+    const rows = KEYS.map(([key, what]) => h("tr", {}, h("td", {}, key.split(", ").map((one) => h("kbd", {}, one))), h("td", {}, what)));
+    this.front("Keys", [h("table", { class: "keys" }, rows),
+      h("div", { class: "buttons" }, h("button", { onclick: () => { this.close(); kept("hints", ""); this.onhints?.(); } }, "Show the first hints again"))]);
+  }
+
+  gallery(examples, pick) {
+    const cards = examples.map((one) => {
+      const picture = h("div", { class: "picture" });
+      if (this.thumbnails.has(one.name)) picture.innerHTML = this.thumbnails.get(one.name);
+      this.cards.set(one.name, picture);
+      return h("button", { class: "card", "data-name": one.name, onclick: () => { this.close(); pick(one.name); } }, picture, h("b", {}, one.name.replaceAll("_", " ")), h("span", {}, one.title));
+    });
+    const search = h("input", { class: "wide-entry", placeholder: "Search", "aria-label": "Search the examples" });
+    search.addEventListener("input", () => {
+      const word = search.value.toLowerCase();
+      cards.forEach((card) => { card.hidden = !card.textContent.toLowerCase().includes(word); });
+    });
+    const grid = h("div", { class: "cards" }, cards);
+    this.front("Examples", [search, grid], true);
+    const seen = new IntersectionObserver((entries) => {
+      const names = entries.filter((one) => one.isIntersecting).map((one) => one.target.dataset.name).filter((name) => !this.thumbnails.has(name));
+      if (names.length) this.tell({ do: "thumbnails", names });
+    }, { root: grid, rootMargin: "200px" });
+    cards.forEach((card) => seen.observe(card));
+    this.el.addEventListener("close", () => seen.disconnect(), { once: true });
+  }
+
+  // A drawing has come; it is drawn by the studio itself.
+  thumbnail(name, svg) {
+    this.thumbnails.set(name, svg);
+    if (this.cards.has(name)) this.cards.get(name).innerHTML = svg;
+  }
+}
+
+// A card with first hints, until it is closed once.
+export function hints(parent) {
+  if (kept("hints") === "seen") return;
+  const done = () => { kept("hints", "seen"); card.remove(); };
+  const card = h("section", { class: "hints", "aria-label": "First hints" },
+    h("h2", {}, "Turn something"),
+    h("ol", {},
+      h("li", {}, h("b", {}, "Drag a knob"), " on the left: the mechanism and its curves follow. A number such as 5 mm can be typed too."),
+      h("li", {}, h("b", {}, "Open a tab"), " above: forces, equilibria, tolerances, power. Each is computed when it is opened."),
+      h("li", {}, h("b", {}, "Look below"), " at how far the result can be trusted. It is always there."),
+      h("li", {}, h("b", {}, "Text"), " is the model itself; knobs write into it, and Ctrl Z undoes.")),
+    h("div", { class: "buttons" }, h("button", { class: "main", onclick: done }, "Good")));
+  parent.append(card);
+}

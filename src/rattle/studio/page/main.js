@@ -1,0 +1,195 @@
+// The page of the studio: it shows what the studio tells and tells what the user does; every decision is the studio's.
+
+import { Dialogs, hints } from "./dialogs.js";
+import { h, kept, replace } from "./dom.js";
+import { Editor } from "./editor.js";
+import { Header, Theme } from "./header.js";
+import { History } from "./history.js";
+import { Knobs } from "./knobs.js";
+import { listen } from "./keys.js";
+import { Show } from "./motion.js";
+import { Status, stateOf } from "./status.js";
+import { Strip, TABS, TabHead, fieldsOf } from "./tabs.js";
+
+class Page {
+  constructor(model) {
+    this.model = model;
+    this.history = new History();
+    this.shown = "motion";
+    this.facts = { knobs: [], contacts: [], wear: [], tolerances: [] };
+    this.tell = (message) => { this.editor.flush(); model.send_msg(message); };
+    this.dialogs = new Dialogs((message) => this.tell(message));
+    this.editor = new Editor((text) => this.typed(text));
+    this.knobs = new Knobs((message) => this.tell(message), (name, value) => this.show.turned(name, value));
+    this.strip = new Strip((name) => this.choose(name));
+    this.status = new Status((message) => this.tell(message));
+    this.show = new Show(model, (message) => this.tell(message));
+    this.header = new Header({
+      gallery: () => this.tell({ do: "files", gallery: true }), open: () => this.tell({ do: "files" }),
+      save: () => this.tell({ do: "save" }), saveAs: () => this.tell({ do: "save-as" }), python: () => this.tell({ do: "python" }),
+      undo: () => this.step("undo"), redo: () => this.step("redo"), theme: () => this.theme.next(), keys: () => this.dialogs.keys(),
+    });
+    this.build();
+  }
+
+  build() {
+    this.heads = new Map(this.model.tabs.map((tab) => [tab, new TabHead(tab, (message) => this.tell(message))]));
+    this.panels = new Map(TABS.map(([name, title]) => [name, h("section", { class: `panel ${name}`, role: "tabpanel", id: `panel-${name}`, "aria-label": title, hidden: true }, this.content(name))]));
+    this.main = h("main", {}, this.strip.el, [...this.panels.values()]);
+    this.toast = h("div", { class: "toast", role: "status", hidden: true });
+    this.el = h("div", { class: "studio" }, h("style", {}, this.model.style), this.header.el, this.knobs.el, this.main, this.status.el, this.toast, this.dialogs.el);
+    this.theme = new Theme(this.el, (dark, choice) => { this.show.dark(dark, choice); this.model.send_msg({ do: "dark", dark }); });
+    this.theme.button = this.header.theme;
+    this.theme.apply();
+    this.dialogs.onhints = () => hints(this.main);
+    hints(this.main);
+    this.choose("motion");
+    listen(this);
+    this.model.on("msg:custom", (message) => this.hear(message.kind ? message : message.data));
+    addEventListener("beforeunload", (event) => { if (this.unsaved) event.preventDefault(); });
+    this.model.send_msg({ do: "hello" });
+  }
+
+  content(name) {
+    if (name === "motion") return this.show.el;
+    if (name === "text") return this.editor.el;
+    return [this.heads.get(name).el, h("div", { class: "sheet-of" }, this.model.get_child(name))];
+  }
+
+  choose(name) {
+    this.shown = name;
+    this.strip.select(name);
+    for (const [one, panel] of this.panels) panel.hidden = one !== name;
+    if (name === "text") this.editor.follow();
+    this.show.visible(name === "motion");
+    this.model.send_msg({ do: "show", tab: name, options: this.heads.get(name)?.read() ?? {} });
+    dispatchEvent(new Event("resize"));
+  }
+
+  typed(text) {
+    this.history.record(text, "typing");
+    this.header.steps(this.history);
+    this.model.send_msg({ do: "text", text });
+    kept("draft", text);
+  }
+
+  step(way) {
+    this.editor.flush();
+    const text = this.history[way]();
+    this.header.steps(this.history);
+    if (text === null) return;
+    this.editor.show(text);
+    this.model.send_msg({ do: "text", text });
+  }
+
+  say(words) {
+    this.toast.textContent = words;
+    this.toast.hidden = false;
+    clearTimeout(this.toasting);
+    this.toasting = setTimeout(() => { this.toast.hidden = true; }, 4000);
+  }
+
+  // ---------------------------------------------------------------- what the studio says
+  hear(message) {
+    const answer = this[`on_${message.kind.replaceAll("-", "_")}`];
+    if (answer) answer.call(this, message);
+  }
+
+  on_text(message) {
+    if (message.fresh) { this.history.start(message.text); this.show.clear(); for (const head of this.heads.values()) head.show({ state: "" }); }
+    else if (this.history.now === "" && !this.history.past.length) this.history.start(message.text);
+    else this.history.record(message.text, "knob");
+    this.header.steps(this.history);
+    this.editor.show(message.text, Boolean(message.fresh));
+  }
+
+  on_name_is(message) {
+    this.unsaved = message.changed;
+    this.header.name(message);
+  }
+
+  on_model(message) {
+    this.editor.mark(message.problems);
+    this.strip.mark("text", message.problems.length ? "failed" : "");
+    this.el.classList.toggle("broken", message.problems.length > 0);
+    if (message.problems.length) {
+      const first = message.problems[0], more = message.problems.length - 1;
+      this.knobs.complain(`The text has ${more ? `${more + 1} problems` : "a problem"}${first.line ? `, line ${first.line}` : ""}: ${first.words}. What is shown is of the last text without problems.`);
+      this.status.old();
+      return;
+    }
+    this.facts = message.facts;
+    this.header.title.textContent = message.facts.title || "mechanism";
+    document.title = `${message.facts.title || "mechanism"} – rattle studio`;
+    this.knobs.show(message.facts);
+    this.offer();
+  }
+
+  offer() {
+    for (const [tab, head] of this.heads) head.offer(fieldsOf(tab, this.facts, this.show.names));
+  }
+
+  on_tab(message) {
+    const { tab, state } = message;
+    this.status.working(tab, message);
+    if (tab === "motion") { this.motion(message); return; }
+    if (tab === "trust") { this.trusted(message); return; }
+    this.heads.get(tab)?.show(message);
+    this.strip.mark(tab, state === "waiting" || state === "running" ? "busy" : state === "old" || state === "failed" ? state : "");
+  }
+
+  motion(message) {
+    this.strip.mark("motion", message.state === "waiting" || message.state === "running" ? "busy" : message.state === "failed" ? "failed" : "");
+    if (message.state === "done") {
+      this.show.take(message.value);
+      this.status.say(stateOf(message.value), [...(message.value.success ? [] : [message.value.message]), ...message.value.trust]);
+      this.offer();
+    } else if (message.state === "failed") {
+      this.show.failed(message.words);
+      this.status.say("bad", [message.words]);
+    } else {
+      this.show.busy(message);
+      this.status.old();
+    }
+  }
+
+  trusted(message) {
+    if (message.state === "done") this.status.say(stateOf(message.value), [...(message.value.success ? [] : [message.value.message]), ...message.value.trust]);
+  }
+
+  on_trouble(message) {
+    if (["knob", "contact", "setting", "method"].includes(message.about)) this.knobs.complain(message.words);
+    else this.say(message.words);
+    this.knobs.show(this.facts.settings ? this.facts : null, message.words);
+  }
+
+  on_said(message) { this.say(message.words); }
+
+  on_files(message) {
+    if (!message.gallery) this.unlessUnsaved(() => this.dialogs.files(message));
+    else this.dialogs.gallery(message.examples, (name) => this.unlessUnsaved(() => this.tell({ do: "example", name })));
+  }
+
+  unlessUnsaved(then) {
+    if (!this.unsaved) then();
+    else this.dialogs.ask("The model has changes that are not saved", "Go on without saving them?", [["Go on without saving", then], ["Cancel", null]]);
+  }
+
+  on_name(message) { this.dialogs.name(message); }
+
+  on_overwrite(message) {
+    this.dialogs.ask("Overwrite?", message.words, [["Overwrite", () => this.tell({ do: "save", name: message.name, sure: true })],
+      ["Save under another name", () => this.tell({ do: "save-as" })], ["Cancel", null]]);
+  }
+
+  on_python(message) { this.dialogs.python(message.code); }
+
+  on_thumbnail(message) { this.dialogs.thumbnail(message.name, message.svg); }
+
+  on_sample(message) { this.choose("motion"); this.show.sample(message); }
+}
+
+export function render({ model }) {
+  const page = new Page(model);
+  return page.el;
+}

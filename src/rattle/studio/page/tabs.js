@@ -1,0 +1,122 @@
+// Tabs: what each shows, whether it is computed, out of date or wrong, and what can be asked of it.
+
+import { h, replace } from "./dom.js";
+
+export const TABS = [
+  ["motion", "Motion"], ["forces", "Forces"], ["equilibrium", "Equilibrium"], ["accuracy", "Accuracy"], ["sensitivity", "Sensitivity"],
+  ["ensemble", "Ensemble"], ["power", "Power"], ["wear", "Oil and wear"], ["report", "Report"], ["text", "Text"],
+];
+
+const SAID = {
+  waiting: "waiting for its turn …", running: "computing …", old: "out of date: the model has changed since", stopped: "stopped", failed: "", done: "",
+};
+
+// The head of a tab: its state, progress, what can be chosen, and the buttons.
+export class TabHead {
+  constructor(tab, tell) {
+    this.tab = tab;
+    this.tell = tell;
+    this.words = h("span", { class: "words", role: "status" });
+    this.bar = h("progress", { max: 1, hidden: true });
+    this.stop = h("button", { class: "quiet", hidden: true, onclick: () => tell({ do: "stop", tab }) }, "Stop");
+    this.again = h("button", { hidden: true, onclick: () => this.compute() }, "Compute");
+    this.form = h("div", { class: "form" });
+    this.read = () => ({});
+    this.el = h("div", { class: "tab-head" }, this.form, h("div", { class: "state" }, this.words, this.bar, this.stop, this.again));
+    this.state = "";
+  }
+
+  compute() { this.tell({ do: "compute", tab: this.tab, options: this.read() }); }
+
+  // What can be chosen, as fields: [{key, label, kind: "select" | "text", options, value, hint}].
+  offer(fields) {
+    const text = JSON.stringify(fields);
+    if (text === this.offered) return;
+    this.offered = text;
+    const inputs = new Map();
+    replace(this.form, fields.map((field) => {
+      const id = `${this.tab}-${field.key}`;
+      const input = field.kind === "select"
+        ? h("select", { id }, field.options.map((one) => h("option", { value: one, selected: one === field.value }, one)))
+        : h("input", { id, value: field.value, spellcheck: "false", placeholder: field.hint ?? "", size: field.size ?? 18, list: field.options ? `${id}-list` : null });
+      inputs.set(field.key, input);
+      input.addEventListener(field.kind === "select" ? "change" : "keydown", (event) => {
+        if (event.type === "change" || event.key === "Enter") this.compute();
+      });
+      const list = field.kind !== "select" && field.options ? h("datalist", { id: `${id}-list` }, field.options.map((one) => h("option", { value: one }))) : null;
+      return h("label", { for: id }, h("span", {}, field.label), input, list);
+    }));
+    this.read = () => Object.fromEntries([...inputs].map(([key, input]) => [key, input.value]));
+  }
+
+  show(message) {
+    this.state = message.state;
+    const busy = message.state === "waiting" || message.state === "running";
+    this.words.textContent = message.words && message.state === "failed" ? message.words : message.value?.told ?? SAID[message.state];
+    this.words.className = message.state === "failed" ? "words failed" : message.state === "old" ? "words old" : "words";
+    this.bar.hidden = !busy;
+    if (message.share === undefined) this.bar.removeAttribute("value");
+    else this.bar.value = message.share;
+    this.stop.hidden = !busy;
+    this.again.hidden = busy;
+    this.again.textContent = message.state === "old" || message.state === "done" ? "Compute again" : "Compute";
+  }
+}
+
+// The strip of tabs; arrow keys move in it.
+export class Strip {
+  constructor(chosen) {
+    this.chosen = chosen;
+    this.buttons = new Map(TABS.map(([name, title]) => [name, h("button", { role: "tab", id: `tab-${name}`, "aria-controls": `panel-${name}`, onclick: () => chosen(name) },
+      title, h("i", { class: "dot", "aria-hidden": "true" }))]));
+    this.el = h("div", { class: "strip", role: "tablist", "aria-label": "What is shown" }, [...this.buttons.values()]);
+    this.el.addEventListener("keydown", (event) => {
+      const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+      if (!step) return;
+      const names = [...this.buttons.keys()], now = names.findIndex((one) => this.buttons.get(one).getAttribute("aria-selected") === "true");
+      const next = names[(now + step + names.length) % names.length];
+      chosen(next);
+      this.buttons.get(next).focus();
+      event.preventDefault();
+    });
+  }
+
+  select(name) {
+    for (const [one, button] of this.buttons) {
+      button.setAttribute("aria-selected", String(one === name));
+      button.tabIndex = one === name ? 0 : -1;
+    }
+    const button = this.buttons.get(name);
+    button.scrollIntoView?.({ block: "nearest", inline: "nearest" });
+  }
+
+  // A mark beside a title: "busy", "old", "failed" or "".
+  mark(name, state) {
+    const button = this.buttons.get(name);
+    if (!button) return;
+    const words = { busy: "computing", old: "out of date", failed: "has a problem" }[state] ?? "";
+    button.dataset.state = state;
+    button.title = words;
+  }
+}
+
+// What can be chosen in each tab, from the facts of the model and the names of curves.
+export function fieldsOf(tab, facts, names) {
+  const driver = facts.curves?.[0] ?? names.find((one) => one.endsWith(".angle")) ?? names[0] ?? "";
+  const force = names.find((one) => one.endsWith(".force")) ?? "";
+  if (tab === "equilibrium") {
+    return [{ key: "t", label: "drivers held at", kind: "text", value: "0 s", size: 8 },
+      { key: "branches", label: "look in", kind: "select", options: ["near", "all"], value: "near" }];
+  }
+  if (tab === "accuracy") return [{ key: "of", label: "of", kind: "text", value: driver, options: names, size: 22 }];
+  if (tab === "sensitivity") {
+    return [{ key: "of", label: "of", kind: "text", value: driver, options: names, size: 22 },
+      { key: "to", label: "to", kind: "text", value: (facts.tolerances.length ? facts.tolerances : facts.knobs.map((one) => one.name)).slice(0, 6).join(", "), size: 22 }];
+  }
+  if (tab === "ensemble") {
+    return [{ key: "of", label: "number", kind: "text", value: force ? `max(${force})` : `max(${driver})`, size: 22 },
+      { key: "n", label: "mechanisms", kind: "text", value: "256", size: 6 }];
+  }
+  if (tab === "wear" && facts.wear.length) return [{ key: "cycles", label: "cycles", kind: "text", value: "1e5", size: 8 }];
+  return [];
+}

@@ -1,0 +1,58 @@
+"""Serve a studio for one folder until it is told to end."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rattle.loading import examples
+from rattle.studio.bench import prepare
+from rattle.studio.desk import Desk, example_text
+from rattle.studio.folder import Folder
+from rattle.studio.page import Studio, aside
+from rattle.studio.server import Server
+
+FIRST = "fourbar"  # example that a studio without a file begins with
+
+
+def serve(file: str | None, address: str, port: int, open_browser: bool) -> None:
+    """Serve the studio with a model file, or the example of that name; prints its address.
+
+    The folder of the studio is where it was started; that of the file if the file is elsewhere.
+    Raises ModelError if the file cannot be read, Refused if it is no model file, OSError if nothing can listen there.
+    """
+    import panel as pn
+
+    root = Path.cwd().resolve()
+    text, name = "", ""
+    if file is None or (file in examples() and not Path(file).exists()):
+        text = example_text(examples()[file or FIRST])
+    else:
+        place = Path(file).expanduser().resolve()
+        root = root if place.is_relative_to(root) else place.parent
+        name = place.relative_to(root).as_posix()
+        text = Folder(root).read(name)
+    folder = Folder(root)
+    desks: set[Desk] = set()
+
+    def make_desk(**wires: Callable[..., Any]) -> Desk:
+        desk = Desk(folder, **wires)
+        desk.draft.begin(folder.read(name) if name else text, name)
+        desks.add(desk)
+        return desk
+
+    pn.config.sizing_mode = "stretch_width"
+    server = Server(lambda: Studio(make_desk), address, port)
+    threading.Thread(target=prepare, daemon=True).start()
+    click.echo(f"rattle studio: {server.address}")
+    try:
+        server.run(open_browser)
+    finally:
+        for desk in desks:
+            desk.end()
+        server.close()
+        aside.shutdown(wait=False, cancel_futures=True)
