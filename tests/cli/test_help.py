@@ -22,7 +22,7 @@ def examples_of(command):
     return [line.split("rattle ", 1)[1] for line in lines if "rattle " in line]
 
 
-LONG = ("demo", "warmup")  # run, and their output looked at, in test_commands
+LONG = ("demo", "warmup", "studio")  # run, and their output looked at, in test_commands; studio: in tests/studio
 LINES = [(command, line) for command in COMMANDS if command not in LONG for line in examples_of(command)]
 
 
