@@ -103,6 +103,23 @@ class Mechanism(AnalysedModel):
             progress=progress,
         )  # fmt: skip
 
+    def page(
+        self, path: str | os.PathLike[str], *, t_end: Seconds | None = None,
+        over: Mapping[str, Sequence[float | str]] | None = None, progress: bool = False,
+    ) -> str:  # fmt: skip
+        """Write the mechanism as one web page that computes: `m.page("fourbar.html")`; no server, no internet.
+
+        Parameters with min and max become sliders, and the motion follows them; the page says how far it can be
+        trusted.  What only rattle itself can compute (contacts, friction, oil) becomes a page with the runs of a small
+        sweep to choose from, and the reason is returned ("" for a page that computes).
+        t_end: end of the motion [s] (default: as in the model).  over: values of parameters for such runs, numbers in
+        SI or texts such as "1 mm", all combinations.  progress: show a progress bar.
+        Raises ModelError, AssemblyError, OSError; ValueError for more than 40 runs.
+        """
+        from rattle.pages.page import page
+
+        return page(self, path, t_end=seconds_or_none(t_end, "t_end"), over=over, progress=progress)
+
     def film(self, joint: str) -> Film:
         """The oil film of a joint as a calculator: static positions, whirl, Stribeck curve, chart; see `rt.Film`.
 

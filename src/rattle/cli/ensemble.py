@@ -156,7 +156,7 @@ def sweep(
     m = read_model(file, settings, ideal)
     axes: dict[str, list[float | str]] = {}
     for one in ranges:
-        name, values = _axis(one)
+        name, values = axis_values(one)
         if name in axes:
             raise click.UsageError(f"--over: '{name}' is given twice")
         axes[name] = values
@@ -212,7 +212,7 @@ def tolerances(varied: tuple[str, ...]) -> Any:
     return found
 
 
-def _axis(text: str) -> tuple[str, list[float | str]]:
+def axis_values(text: str) -> tuple[str, list[float | str]]:
     """A parameter and its values from NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE."""
     from rattle.language.units import QuantityError, parse_quantity, unit_name
 

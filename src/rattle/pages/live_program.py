@@ -25,6 +25,7 @@ from rattle.jit import layout as at
 from rattle.language.recorded import Recorded, symbol_of
 from rattle.mechanism import Mechanism
 from rattle.pages.live_text import LIVE
+from rattle.pages.same_start import tried_values, with_the_same_start
 from rattle.results.columns import geometry
 from rattle.solvers import dop853_tableau, step_audit
 from rattle.solvers.stepper import ATOL, LONGEST, RTOL
@@ -37,7 +38,6 @@ from rattle.trace.recording import Recorder, Recording
 from rattle.trace.sides import landed_on, stand_on_sides, switching_functions
 
 ENERGIES = 5  # result curves that come last
-TRIED = (-0.3, -0.07, 0.01, 0.11, 0.4)  # changes of a parameter at which its drawing is checked, in shares of it
 DRAWN = 1e-12  # share of the largest number of a drawing by which a recorded one may be off: rounding
 MOST_STEPS = 400_000  # steps of a run in a page
 METHODS = ("rk4", "dop853")  # those that the page has
@@ -61,12 +61,18 @@ def live_program(m: Mechanism, t_end: float | None = None) -> LiveProgram:
 
     Raises TraceError, with the reason, for what straight-line code cannot follow; ModelError, AssemblyError.
     """
+    constants: Mapping[str, str]
     model, constants = with_parameters(m.recorded())
+    if not model.parameters:
+        model, constants = with_the_same_start(m, model, constants)
     model, undrawn = _drawable(m, model)
     constants = {**constants, **undrawn}
     drawing, places, sizes, sound = drawn(model)
-    model, recorders, switching = _on_sides(model)
-    made = straight_line(model, constants, {**_functions(model, recorders, switching), "geometry": [*sizes, sound]})
+    model, recorders, switching = _on_sides(replace(model, readable=sound))
+    further = {**_functions(model, recorders, switching), "geometry": sizes}
+    if model.parameters and model.first is None:
+        further["readable"] = [sound]
+    made = straight_line(model, constants, further)
     settings, notes = run_settings(m, t_end)
     return LiveProgram(_module(model, made, drawing, places), made, settings, constants, (*notes, *_uncertain(model)))
 
@@ -227,11 +233,7 @@ def _misdrawn(model: RecordedModel, name: str) -> str:
     """Why the drawing does not follow a parameter; "" if it does, at several values of it."""
     _, places, sizes, sound = drawn(model)
     graph, outputs = lower(model.graph, [*sizes, sound])
-    known = model.system.model.parameters[name]
-    value = model.parameters[name]
-    tried = [value + change * (value or 1.0) for change in TRIED]
-    tried += [x for x in (known.minimum, known.maximum) if x is not None]
-    for x in tried:
+    for x in tried_values(model.system.model.parameters[name]):
         values = {**model.parameters, name: x}
         try:
             want = geometry(read_at(model, values))
@@ -256,7 +258,7 @@ def _module(model: RecordedModel, made: Program, drawing: Any, places: Sequence[
     """The text: what parameters alone determine is computed once for a run, by `prepare`."""
     plain = json.loads(json.dumps(drawing, default=float))
     moving = {"project": made.projection, "outputs": made.outputs} | {name: made.further[name] for name in MOVING}
-    once = {**made.starting, "fixed": made.further["fixed"], "geometry": made.further["geometry"]}
+    once = made.starting | {name: one for name, one in made.further.items() if name not in MOVING}
     last = 1 + model.state_size + len(model.parameters) + 1  # sides of switches come after E_0
     early = made.graph.inputs[1 + model.state_size : last]
     hoisted = hoist(made.graph, [x for one in moving.values() for x in one], early)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from rattle.trace.graph import ROUND, Graph
-from rattle.trace.javascript_text import BEGIN, GUIDE, HEAD, MAIN, NO_BEGIN
+from rattle.trace.javascript_text import BEGIN, GUIDE, HEAD, MAIN, NO_BEGIN, READABLE, SAME_BEGIN
 from rattle.trace.program import PIECES, ROWS, Begin, Input, Program
 from rattle.trace.text import pieces
 
@@ -98,7 +98,9 @@ def shared(made: Program, functions: Sequence[str]) -> list[str]:
     """
     pairs = ", ".join(f"[{as_text(one.name)}, {number(one.value)}]" for one in made.parameters)
     table = "".join(f"  {_input(one)},\n" for one in made.parameters)
-    head = HEAD.replace("@begin@", NO_BEGIN if made.begin is None else _begin(made.begin))
+    same = SAME_BEGIN if "readable" in made.further else NO_BEGIN
+    begin = (same if made.begin is None else _begin(made.begin)).replace("@readable@", READABLE.strip())
+    head = HEAD.replace("@begin@", begin)
     for key, text in (
         ("ny", str(len(made.start))), ("inputs", str(len(made.graph.inputs))),
         ("start", ", ".join(map(number, made.start))),

@@ -217,23 +217,7 @@ function refuse(why, q, p) {
   throw new Error(`the mechanism cannot be put together with these parameters: ${said}`);
 }
 
-// throws for parameters that the model does not take
-function requireReadable(y, p) {
-  const flag = new Float64Array(1);
-  sliders.forEach(({ name }, i) => {
-    if (!Number.isFinite(p[i])) throw new Error(`${name}: expected a finite number, not ${p[i]}`);
-  });
-  put(0, y, p);
-  readableOf(input, flag);
-  if (flag[0] !== 0) return;
-  sliders.forEach(({ name, min, max, unit }, i) => {
-    const low = min ?? -Infinity, high = max ?? Infinity;
-    if (p[i] < low || p[i] > high)
-      throw new Error(`${name} = ${brief(p[i])} is outside of its limits, ${brief(low)} to ${brief(high)} ${unit}`);
-  });
-  throw new Error("with these parameters the model is refused or has another form; write its code anew");
-}
-
+@readable@
 // y at t = 0 for other parameters than the model's, from y for the model's: at once, or in up to @pieces@ pieces
 function begin(y, p) {
   requireReadable(y, p);
@@ -257,6 +241,32 @@ function begin(y, p) {
   requireFinite(0, y);
 }
 """
+READABLE = """// throws for parameters that the model does not take
+function requireReadable(y, p) {
+  const flag = new Float64Array(1);
+  sliders.forEach(({ name }, i) => {
+    if (!Number.isFinite(p[i])) throw new Error(`${name}: expected a finite number, not ${p[i]}`);
+  });
+  put(0, y, p);
+  readableOf(input, flag);
+  if (flag[0] !== 0) return;
+  sliders.forEach(({ name, min, max, unit }, i) => {
+    const low = min ?? -Infinity, high = max ?? Infinity;
+    if (p[i] < low || p[i] > high)
+      throw new Error(`${name} = ${brief(p[i])} is outside of its limits, ${brief(low)} to ${brief(high)} ${unit}`);
+  });
+  throw new Error("with these parameters the model is refused or has another form; write its code anew");
+}
+"""
+
+SAME_BEGIN = """
+@readable@
+// parameters do not change the start
+function begin(y, p) {
+  requireReadable(y, p);
+}
+"""
+
 NO_BEGIN = """
 function begin() {
   throw new Error("only the parameters of the model have a start here");

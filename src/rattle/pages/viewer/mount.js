@@ -2,6 +2,8 @@
 
 import { make } from "./dom.js";
 import { unpack } from "./data.js";
+import { HostSource, LiveSource } from "./live.js";
+import { Knobs } from "./knobs.js";
 import { Viewer } from "./viewer.js";
 
 // host: {page: true} for a page of its own, {inside: true} in one that has title and trust, {autoplay: false}, {theme: "dark"}; returns the app of the page.
@@ -11,6 +13,7 @@ export function mount(root, scene, host = {}) {
   const runs = (scene.runs ?? []).map(unpack);
   if (runs.length) viewer.setRun(runs[0], { others: runs.length === 2 ? [runs[1]] : [] });
   if (runs.length > 1) chooseRuns(viewer, runs);
+  if (scene.live || host.compute) computeMotions(viewer, scene, host);
   return app;
 }
 
@@ -25,6 +28,7 @@ function appOf(viewer) {
     set: (name, value) => viewer.turnKnob(name, value),
     curve(name) {
       const { motion } = viewer;
+      if (!motion) return { t: [], y: [], unit: "" };
       return { t: Array.from(motion.t), y: Array.from(motion.curve(name)), unit: motion.unit(name) };
     },
     get time() { return viewer.clock.time; },
@@ -41,6 +45,16 @@ function appOf(viewer) {
     on: (event, call) => viewer.on(event, call),
     destroy: () => viewer.destroy(),
   };
+}
+
+// Motions for other parameters: computed by the page itself, or by the host of the viewer.
+function computeMotions(viewer, scene, host) {
+  let knobs = null;
+  const heard = (slot, trust) => knobs.heard(slot, trust);
+  const source = scene.live ? new LiveSource(scene.live, heard) : new HostSource(host, heard);
+  knobs = new Knobs(viewer, source, { ideal: Boolean(scene.live?.ideal), model: scene.live?.model ?? "" });
+  viewer.turnKnob = (name, value) => knobs.turned(name, value);
+  viewer.ends.push(() => knobs.destroy());
 }
 
 // Which of several runs is shown, and which one is dashed beside it.

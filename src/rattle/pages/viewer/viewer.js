@@ -121,10 +121,16 @@ export class Viewer {
     this.tabs.show("orbits", pins > 0, pins > 1 ? `Orbits (${pins})` : "Orbit");
     this.tabs.show("events", events > 0, `Events (${events})`);
     this.eventSheet.replaceChildren(...(events ? eventTable(this.motion, (t) => this.seek(t)) : []));
-    sayTrust(this.parts.trust, this.parts.notes, this.motion, this.scene.notes ?? []);
+    this.sayTrust();
     this.listPoints();
     if (first) this.begin();
     this.emit("run", this.motion.run);
+    this.invalidate();
+  }
+
+  sayTrust() {
+    this.motion.trust = this.motion.run.trust ?? this.motion.trust;
+    sayTrust(this.parts.trust, this.parts.notes, this.motion, this.scene.notes ?? []);
     this.invalidate();
   }
 

@@ -1,0 +1,144 @@
+"""Live pages: a mechanism as one HTML file that computes its motion while its parameters are turned."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+import os
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rattle.errors import AssemblyError, ModelError, TraceError
+from rattle.language.units import parse_quantity
+from rattle.mechanism import Mechanism
+from rattle.pages.live_program import LiveProgram, live_program
+from rattle.pages.replay import write_page
+from rattle.pages.scene import frame_of
+from rattle.pages.sweep_page import sweep_scene
+from rattle.pages.viewer_text import joined, viewer_files
+from rattle.results.columns import geometry
+
+WORKER = "live_worker.js"
+EXPORT = re.compile(r"^export \{.*\};\n|^export ", re.MULTILINE)
+NAMES = "names, units, parameters, sliders, values, start, inputs, layout, functions, geometry"
+
+
+def page(
+    m: Mechanism, path: str | os.PathLike[str], *, t_end: float | None = None,
+    over: Mapping[str, Sequence[float | str]] | None = None, progress: bool = False,
+) -> str:  # fmt: skip
+    """Write the page of a mechanism; returns why it replays runs that were computed before, "" if it computes.
+
+    t_end: of the motion at first [s], instead of the model's.  over: values of parameters whose runs a page holds that
+    cannot compute, see `sweep_page.runs_of`.  Raises ModelError, AssemblyError, ValueError, OSError.
+    """
+    scene, why = None, "these values were asked for"
+    if over is None:
+        try:
+            scene = live_scene(m, t_end)
+            why = _nothing_to_turn(scene, m)
+        except TraceError as error:
+            why = str(error)
+    if scene is None or why:
+        scene = sweep_scene(m, why, t_end=t_end, over=over, progress=progress)
+    write_page(scene, path)
+    return why
+
+
+def _nothing_to_turn(scene: Mapping[str, Any], m: Mechanism) -> str:
+    """Why a live page would have no slider though the model has limits for some; "" if it has some or none has any."""
+    asked = [name for name, one in m.model.parameters.items() if one.minimum is not None or one.maximum is not None]
+    if not asked or {one["name"] for one in scene["knobs"]} & set(asked):
+        return ""
+    said = [note for note in scene["notes"] if any(name in note for name in asked)]
+    return said[0].partition("(")[2].rstrip(")") if said else "its parameters cannot be changed in a page"
+
+
+def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
+    """The scene of a live page, without a run: the page computes it.
+
+    t_end: of the motion at first [s], instead of the model's.  Raises TraceError, with the reason, for a mechanism
+    whose motion cannot be computed in a page; ModelError, AssemblyError.
+    """
+    live = live_program(m, t_end)
+    ghost = _ideal(m, live, t_end)
+    drawing = json.loads(json.dumps(geometry(m.model)))
+    return {
+        **frame_of(drawing),
+        "title": m.name or "Mechanism",
+        "geometry": drawing,
+        "runs": [],
+        "ideal": None,
+        "knobs": knobs(m, live),
+        "live": {
+            "packed": _packed(worker_text(live, ghost)), "settings": {"t_end": live.settings["t_end"]},
+            "ideal": ghost is not None, "model": m.to_toml(),
+        },
+        "show": {},
+        "notes": [*live.notes, *_fixed(live)],
+    }  # fmt: skip
+
+
+def knobs(m: Mechanism, live: LiveProgram) -> list[dict[str, Any]]:
+    """The parameters that a page can change [SI], and the unit in which the model file writes each."""
+    written = json.loads(m.to_json()).get("parameters", {})
+    return [
+        {
+            "name": one.name, "value": one.value, "unit": one.unit, "min": one.low, "max": one.high, "label": one.name,
+            "shown": _written_unit(written.get(one.name)),
+        }
+        for one in live.program.parameters
+    ]  # fmt: skip
+
+
+def _written_unit(given: Any) -> str:
+    """The unit behind the number of a parameter in a model file; "" if there is none."""
+    text = given.get("value") if isinstance(given, Mapping) else given
+    found = re.fullmatch(r"\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?\s*(\D.*?)\s*", text) if isinstance(text, str) else None
+    return found[1] if found and parse_quantity(str(text)) is not None else ""
+
+
+def _fixed(live: LiveProgram) -> list[str]:
+    """What a reader must know of parameters that stay as they are."""
+    groups: dict[str, list[str]] = {}
+    for name, why in live.constants.items():
+        if not why.startswith("it follows from"):
+            groups.setdefault(why, []).append(name)
+    return [f"not to be changed here: {', '.join(names)} ({why})" for why, names in groups.items()]
+
+
+def _ideal(m: Mechanism, live: LiveProgram, t_end: float | None) -> LiveProgram | None:
+    """The same mechanism without play, if it has play and follows the same parameters."""
+    if not any(joint.clearance for joint in m.model.joints.values()):
+        return None
+    try:
+        ghost = live_program(m.ideal(), t_end)
+    except (TraceError, ModelError, AssemblyError):
+        return None
+    known = {one.name for one in ghost.program.parameters}
+    return ghost if known >= {one.name for one in live.program.parameters} else None
+
+
+def worker_text(live: LiveProgram, ideal: LiveProgram | None = None) -> str:
+    """The program of the page's worker: the engine, the recorded functions, and settings of their runs."""
+    models = {"model": live} | ({} if ideal is None else {"ideal": ideal})
+    parts = [f"{name}: (() => {{\n{_inside(one.module)}return {{ {NAMES} }};\n}})()" for name, one in models.items()]
+    engine = _inside(joined(viewer_files(), WORKER))
+    return (
+        f'"use strict";\n(() => {{\n{engine}'
+        f"const models = {{ settings: {json.dumps(live.settings)}, {', '.join(parts)} }};\n"
+        "const serve = (port) => serveModels(port, models);\n"
+        'if (typeof document === "undefined") serve(self);\nelse globalThis.rattleLive = serve;\n})();\n'
+    )
+
+
+def _inside(module: str) -> str:
+    """The text of a module as the inside of a function."""
+    return EXPORT.sub("", module)
+
+
+def _packed(text: str) -> str:
+    """A text, compressed, in letters."""
+    return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode("ascii")

@@ -1,0 +1,51 @@
+"""Parameters that leave the start of a mechanism as it is, where only its assembly knows that of others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from rattle.analyses.straight_line.recorded_model import RecordedModel, record_model
+from rattle.description.model import Parameter
+from rattle.errors import AssemblyError, ModelError, TraceError
+from rattle.mechanism import Mechanism
+
+TRIED = (-0.3, -0.07, 0.01, 0.11, 0.4)  # changes of a parameter at which something is looked at, in shares of it
+SAME = 1e-13  # size of the mechanism (per second), by which starts that count as the same may differ
+FOLLOWS = "it follows from"  # begin of the reason why a parameter is none that can be changed
+
+
+def tried_values(one: Parameter) -> list[float]:
+    """Values of a parameter at which something is looked at [SI]: some around its own, and its limits."""
+    found = [one.value + change * (one.value or 1.0) for change in TRIED]
+    return found + [x for x in (one.minimum, one.maximum) if x is not None]
+
+
+def with_the_same_start(
+    m: Mechanism, model: RecordedModel, constants: Mapping[str, str]
+) -> tuple[RecordedModel, Mapping[str, str]]:
+    """The model, recorded without parameters, with those that do not change its start; the others and why not.
+
+    constants: all parameters, and why the start could not be recorded with them.
+    """
+    known = model.system.model.parameters
+    asked = [name for name, why in constants.items() if not why.startswith(FOLLOWS)]
+    kept = [name for name in asked if all(_starts_alike(m, model, name, x) for x in tried_values(known[name]))]
+    if not kept:
+        return model, constants
+    try:
+        made = record_model(model.document, model.system, model.start, kept)
+    except TraceError:
+        return model, constants
+    return made, {name: why for name, why in constants.items() if name not in kept}
+
+
+def _starts_alike(m: Mechanism, model: RecordedModel, name: str, value: float) -> bool:
+    """Whether the start is the same with another value of a parameter, or there is none."""
+    try:
+        other = m.set(**{name: value}).start
+    except (ModelError, AssemblyError):
+        return True  # the page refuses what the model does
+    near = model.system.size * SAME
+    return bool(np.abs(other.q - model.start.q).max() <= near and np.abs(other.v - model.start.v).max() <= near)

@@ -1,0 +1,107 @@
+"""Pages of mechanisms that only rattle itself can compute: the runs of a small sweep, to choose from."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from rattle.description.model import Parameter
+from rattle.errors import AssemblyError, ModelError
+from rattle.mechanism import Mechanism
+from rattle.pages.scene import scene_of
+from rattle.results.result import Result
+from rattle.studies.ensemble.shown import in_one_unit
+
+ONE = 7  # values of a single parameter
+TWO = 4  # values of each of two, all combinations
+EACH = 3  # values of each of more, one at a time
+MOST = 40  # runs of a page
+INSTANTS = 401  # of a run in such a page
+
+
+def sweep_scene(
+    m: Mechanism, why: str, *, t_end: float | None = None, over: Mapping[str, Sequence[float | str]] | None = None,
+    progress: bool = False,
+) -> dict[str, Any]:  # fmt: skip
+    """The scene of a page with several runs; why: the reason for it, said on the page.
+
+    t_end: of the runs [s].  over: values by parameter; all combinations.  Default: three to seven values between the
+    limits of every parameter that has some.  Raises ModelError, AssemblyError, ValueError for too many runs.
+    """
+    plans = list(runs_of(m, over))
+    if len(plans) > MOST:
+        raise ValueError(f"{len(plans)} runs are too many for a page; ask for at most {MOST}")
+    made: list[tuple[str, Result]] = []
+    failed: list[str] = []
+    for plan in _counted(plans, progress):
+        label = _label(m, plan)
+        try:
+            result = (m.set(**plan) if plan else m).simulate(t_end, t_eval=_instants(m, t_end))
+        except (ModelError, AssemblyError) as error:
+            if not plan:
+                raise
+            failed.append(f"{label}: {str(error).splitlines()[0]}")
+            continue
+        if result.interrupted:
+            raise KeyboardInterrupt
+        made.append((label, result))
+    notes = [f"this page holds {len(made)} runs that were computed before, because {why}", *failed]
+    return scene_of(made, title=m.name, notes=notes)
+
+
+def runs_of(m: Mechanism, over: Mapping[str, Sequence[float | str]] | None) -> Iterator[dict[str, Any]]:
+    """Changed parameters of every run; the first is the model as it is."""
+    yield {}
+    if over is not None:
+        names = list(over)
+        yield from (dict(zip(names, each, strict=True)) for each in itertools.product(*over.values()))
+        return
+    known = {
+        name: one for name, one in m.model.parameters.items() if one.minimum is not None and one.maximum is not None
+    }
+    if len(known) <= 2:
+        count = ONE if len(known) == 1 else TWO
+        axes = [_values(one, count) for one in known.values()]
+        every = (dict(zip(known, each, strict=True)) for each in itertools.product(*axes))
+        yield from (one for one in every if one and one != {name: known[name].value for name in known})
+        return
+    for name, one in known.items():
+        yield from ({name: x} for x in _values(one, EACH) if x != one.value)
+
+
+def _values(one: Parameter, count: int) -> list[float]:
+    assert one.minimum is not None
+    assert one.maximum is not None
+    return [float(x) for x in np.linspace(one.minimum, one.maximum, count)]
+
+
+def _instants(m: Mechanism, t_end: float | None) -> np.ndarray:
+    """Output times of a run [s]."""
+    settings = m.model.settings
+    end = settings.t_end if t_end is None else t_end
+    interval = settings.output or end / 1000
+    return np.linspace(0.0, end, min(INSTANTS, max(2, round(end / interval) + 1)))
+
+
+def _label(m: Mechanism, plan: Mapping[str, Any]) -> str:
+    """Changed parameters in words."""
+    said = []
+    for name, x in plan.items():
+        if isinstance(x, float) and name in m.model.parameters:
+            value, _, unit = in_one_unit([x, x], m.model.parameters[name].unit)
+            said.append(f"{name} = {value} {unit}".rstrip())
+        else:
+            said.append(f"{name} = {x}")
+    return ", ".join(said) or "as in the model file"
+
+
+def _counted(plans: Sequence[dict[str, Any]], progress: bool) -> Iterator[dict[str, Any]]:
+    if not progress:
+        yield from plans
+        return
+    from tqdm import tqdm
+
+    yield from tqdm(plans, desc="page", unit="run", delay=1.0)

@@ -1,0 +1,305 @@
+// Sliders of the parameters: the motion follows while one drags.  Two sets, A and B, can be shown side by side.
+
+import { button, make, say } from "./dom.js";
+import { downloadText, modelFile, runTable } from "./hand_over.js";
+import { shownUnit, tidy, typedValue, unitOf } from "./typed.js";
+import { printed } from "./units.js";
+
+const STEPS = 400; // of a slider
+
+export class Knobs {
+  // source: {compute(slot, model, parameters, settings) -> promise of a run}; ideal: there is a mechanism without play
+  constructor(viewer, source, { ideal = false, model = "" } = {}) {
+    const { knobs, live } = viewer.scene;
+    this.viewer = viewer;
+    this.source = source;
+    this.hasIdeal = ideal;
+    this.model = model;
+    this.knobs = new Map(knobs.map((one) => [one.name, one]));
+    this.end = live?.settings?.t_end ?? null;
+    this.usualEnd = this.end;
+    const usual = Object.fromEntries(knobs.map((one) => [one.name, one.value]));
+    this.sets = { A: { ...usual }, B: null };
+    this.runs = { A: null, B: null, ideal: null };
+    this.now = "A";
+    this.rows = new Map();
+    this.fromLink();
+    this.build(viewer.parts.knobs);
+    this.fill();
+    this.ready = this.computeAll();
+  }
+
+  // ---------------------------------------------------------------- what is shown
+  build(root) {
+    const limited = [...this.knobs.values()].filter((one) => one.min !== null && one.max !== null);
+    const others = [...this.knobs.values()].filter((one) => !limited.includes(one));
+    this.which = make("div", { class: "which", role: "group", "aria-label": "Set of parameters" });
+    this.compare = make("button", { type: "button", class: "chip", "aria-pressed": "false", title: "Two sets of parameters side by side",
+      onclick: () => this.turnSecond(!this.sets.B) }, "Compare");
+    this.reset = make("button", { type: "button", class: "chip", title: "All parameters as in the model file", onclick: () => this.resetAll() }, "Reset");
+    this.said = make("p", { class: "refused bad", role: "alert", hidden: true });
+    this.time = make("input", { type: "text", class: "typed", inputmode: "decimal", "aria-label": "End of the motion", title: "End of the motion, such as 2 s",
+      onchange: () => this.typeEnd() });
+    const list = make("div", { class: "rows" }, ...limited.map((one) => this.row(one)));
+    root.append(
+      make("div", { class: "bar" }, make("b", {}, "Parameters"), this.which, this.compare, this.reset, make("span", { class: "grow" }),
+        make("label", { class: "until" }, "until", this.time), this.handing()),
+      this.said, list,
+      ...(others.length ? [make("details", { class: "more", ...(limited.length ? {} : { open: true }) }, make("summary", {}, limited.length ? `${others.length} more` : "All parameters"),
+        make("div", { class: "rows" }, ...others.map((one) => this.row(one))))] : []));
+    root.hidden = false;
+  }
+
+  row(knob) {
+    const own = knob.shown ? unitOf(knob.shown) : null;
+    const shown = own ? { unit: knob.shown, factor: own[0] } : shownUnit(knob.unit, Math.max(...[knob.min, knob.max, knob.value].filter((x) => x !== null).map(Math.abs)));
+    const around = Math.abs(knob.value) || 1;
+    const low = knob.min ?? knob.value - 0.5 * around, high = knob.max ?? knob.value + 0.5 * around;
+    const name = knob.label || knob.name;
+    const slider = make("input", { type: "range", min: 0, max: STEPS, step: 1, "aria-label": name, title: "Double-click: as in the model file",
+      oninput: () => this.turned(knob.name, this.atStep(row, Number(slider.value))), ondblclick: () => this.turned(knob.name, knob.value) });
+    const box = make("input", { type: "text", class: "typed", inputmode: "decimal", "aria-label": `${name} in ${shown.unit || "its unit"}`,
+      title: `Type a number, in ${printed(shown.unit) || "its own unit"} unless you write another unit`,
+      onchange: () => this.typed(row), onkeydown: (event) => this.nudge(row, event) });
+    const label = make("label", { class: "name", ondblclick: () => this.turned(knob.name, knob.value) }, name);
+    const row = { knob, shown, low, high, slider, box, element: make("div", { class: "knob" }, label, slider, box, make("span", { class: "unit quiet" }, printed(shown.unit))) };
+    this.rows.set(knob.name, row);
+    return row.element;
+  }
+
+  // The value of a step of a slider: round in the unit shown, exact at its ends and for the model's own value.
+  atStep({ low, high, knob, shown }, step) {
+    if (step === 0 || step === STEPS) return step ? high : low;
+    const own = Math.round(((knob.value - low) / (high - low)) * STEPS);
+    if (step === own) return knob.value;
+    const fine = 10 ** Math.ceil(Math.log10((high - low) / STEPS / shown.factor) - 1e-9 - 0.5);
+    return Number((Math.round((low + ((high - low) * step) / STEPS) / shown.factor / fine) * fine).toPrecision(12)) * shown.factor;
+  }
+
+  fill() {
+    const set = this.sets[this.now];
+    for (const [name, { knob, low, high, slider, box, shown, element }] of this.rows) {
+      const share = (set[name] - low) / (high - low);
+      slider.value = String(Math.round(share * STEPS));
+      slider.style.setProperty("--share", `${100 * Math.min(1, Math.max(0, share))}%`);
+      slider.setAttribute("aria-valuetext", `${tidy(set[name] / shown.factor)} ${shown.unit}`);
+      if (box !== this.viewer.shadow.activeElement) box.value = tidy(set[name] / shown.factor);
+      element.classList.toggle("changed", set[name] !== knob.value);
+    }
+    if (this.end !== null) this.time.value = `${tidy(this.end)} s`;
+    this.time.parentElement.hidden = this.end === null;
+    const names = this.sets.B ? ["A", "B"] : [];
+    this.which.replaceChildren(...names.map((one) => make("button", { type: "button", class: "chip strong", "aria-pressed": String(one === this.now),
+      title: `Turn the parameters of ${one}; the other one is dashed`, onclick: () => this.look(one) }, one)));
+    this.compare.setAttribute("aria-pressed", String(Boolean(this.sets.B)));
+  }
+
+  // ---------------------------------------------------------------- what is turned
+  // A promise that ends when the motion for this value is there.
+  turned(name, value) {
+    const knob = this.knobs.get(name);
+    if (!knob) return Promise.reject(new Error(`no parameter ${name}; there are ${[...this.knobs.keys()].join(", ") || "none"}`));
+    if (!Number.isFinite(value)) return Promise.reject(new Error(`${name}: a finite number is expected`));
+    this.sets[this.now][name] = value;
+    this.fill();
+    this.keepLink();
+    return this.follow(this.now);
+  }
+
+  quietly(promise) {
+    promise.catch(() => {}); // it is said beside the sliders
+  }
+
+  typed(row) {
+    try {
+      this.quietly(this.turned(row.knob.name, typedValue(row.box.value, row.knob.unit, row.shown.unit)));
+    } catch (error) {
+      this.refuse(error.message);
+    }
+  }
+
+  nudge(row, event) {
+    const way = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+    if (!way) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const step = Math.round(((this.sets[this.now][row.knob.name] - row.low) / (row.high - row.low)) * STEPS) + 4 * way;
+    row.box.blur();
+    this.quietly(this.turned(row.knob.name, this.atStep(row, Math.min(STEPS, Math.max(0, step)))));
+    row.box.focus();
+  }
+
+  typeEnd() {
+    try {
+      const end = typedValue(this.time.value, "s", "s");
+      if (!(end > 0)) throw new Error("the end of the motion must be after its start");
+      this.end = end;
+      this.keepLink();
+      this.quietly(this.computeAll());
+    } catch (error) {
+      this.refuse(error.message);
+    }
+  }
+
+  resetAll() {
+    for (const knob of this.knobs.values()) this.sets[this.now][knob.name] = knob.value;
+    this.end = this.usualEnd;
+    this.fill();
+    this.keepLink();
+    this.quietly(this.computeAll());
+  }
+
+  turnSecond(on) {
+    this.sets.B = on ? { ...this.sets.A } : null;
+    if (!on) {
+      this.runs.B = null;
+      this.now = "A";
+    } else this.now = "B";
+    this.fill();
+    this.keepLink();
+    if (on) this.quietly(this.follow("B"));
+    else this.show();
+  }
+
+  look(one) {
+    this.now = one;
+    this.fill();
+    this.show();
+  }
+
+  // ---------------------------------------------------------------- motions
+  settings() {
+    return this.end === null ? {} : { t_end: this.end };
+  }
+
+  async follow(slot) {
+    const set = { ...this.sets[slot] };
+    this.busy(1);
+    try {
+      const [run] = await Promise.all([
+        this.source.compute(slot, "model", set, this.settings()),
+        slot === "A" && this.hasIdeal ? this.source.compute("ideal", "ideal", set, this.settings()).then((one) => { if (one) this.runs.ideal = one; }, () => {}) : null,
+      ]);
+      if (!run || !this.sets[slot]) return;
+      run.label = slot;
+      this.runs[slot] = run;
+      this.refuse("");
+      this.show();
+      this.viewer.emit("set", run.parameters);
+    } catch (error) {
+      this.refuse(this.runs[slot] ? `${error.message}. The motion shown is the one before.` : error.message);
+      throw error;
+    } finally {
+      this.busy(-1);
+    }
+  }
+
+  computeAll() {
+    return Promise.all([this.follow("A"), ...(this.sets.B ? [this.follow("B")] : [])]);
+  }
+
+  show() {
+    const { A, B, ideal } = this.runs, main = this.runs[this.now] ?? A;
+    if (!main) return;
+    const other = this.now === "A" ? B : A;
+    main.label = B ? this.now : "";
+    if (ideal) ideal.label = "without play";
+    this.viewer.setRun(main, { ghost: ideal, others: B && other ? [other] : [] });
+  }
+
+  // The horizon of a motion has become known.
+  heard(slot, trust) {
+    const run = this.runs[slot];
+    if (!run) return;
+    run.trust = trust;
+    if (run === (this.runs[this.now] ?? this.runs.A)) this.viewer.sayTrust();
+  }
+
+  busy(change) {
+    this.working = (this.working ?? 0) + change;
+    clearTimeout(this.sayBusy);
+    const { busy } = this.viewer.parts;
+    if (!this.working) busy.hidden = true;
+    else this.sayBusy = setTimeout(() => {
+      say(busy, "computing …");
+      busy.hidden = false;
+    }, 250);
+  }
+
+  refuse(text) {
+    say(this.said, text);
+    this.said.hidden = !text;
+  }
+
+  // ---------------------------------------------------------------- handing over
+  handing() {
+    const menu = make("div", { class: "menu right", hidden: true, role: "group", "aria-label": "Hand over" });
+    const act = (text, title, call) => make("button", { type: "button", class: "item", title, onclick: () => { open(false); call(); } }, text);
+    const toggle = make("button", { type: "button", class: "chip", "aria-expanded": "false", title: "Link, model file, curves",
+      onclick: () => open(menu.hidden) }, "Send");
+    const open = (on) => {
+      menu.hidden = !on;
+      toggle.setAttribute("aria-expanded", String(on));
+    };
+    menu.append(act("Copy a link to this setting", "The address of this page with the parameters in it", () => this.copyLink()),
+      ...(this.model ? [act("Model file with these parameters", "A .toml file for rattle", () => downloadText("model.toml", modelFile(this.model, this.sets[this.now], this.knobs)))] : []),
+      act("Curves that are shown, as CSV", "One row per instant, SI units", () => downloadText("curves.csv", runTable(this.viewer.motion, this.viewer.curves.chosen))));
+    menu.addEventListener("keydown", (event) => {
+      if (event.key !== "Escape") return;
+      event.stopPropagation();
+      open(false);
+      toggle.focus();
+    });
+    return make("span", { class: "hand" }, toggle, menu);
+  }
+
+  // Parameters that differ from the model's, as #r3=0.002&B.r3=0.004.
+  linkText() {
+    const parts = [];
+    for (const [slot, set] of Object.entries(this.sets)) {
+      if (!set) continue;
+      const head = slot === "B" ? "B." : "";
+      if (slot === "B") parts.push("B=");
+      for (const { name, value } of this.knobs.values()) if (set[name] !== value) parts.push(`${head}${encodeURIComponent(name)}=${set[name]}`);
+    }
+    if (this.end !== this.usualEnd) parts.push(`t_end=${this.end}`);
+    return parts.join("&");
+  }
+
+  keepLink() {
+    if (!this.viewer.host.page) return;
+    const text = this.linkText();
+    clearTimeout(this.linking); // browsers allow a few changes per second
+    this.linking = setTimeout(() => history.replaceState(null, "", text ? `#${text}` : location.pathname + location.search), 300);
+  }
+
+  fromLink() {
+    if (!this.viewer.host.page) return;
+    for (const part of location.hash.slice(1).split("&").filter(Boolean)) {
+      const [key, text] = part.split("="), value = Number(text), second = key.startsWith("B.") || key === "B";
+      if (second) this.sets.B ??= { ...Object.fromEntries([...this.knobs.values()].map((one) => [one.name, one.value])) };
+      const name = decodeURIComponent(key.startsWith("B.") ? key.slice(2) : key);
+      if (this.knobs.has(name) && text !== "" && Number.isFinite(value)) this.sets[second ? "B" : "A"][name] = value;
+      else if (name === "t_end" && value > 0) this.end = value;
+    }
+  }
+
+  async copyLink() {
+    const address = `${location.href.split("#")[0]}#${this.linkText()}`;
+    try {
+      await navigator.clipboard.writeText(address);
+      this.refuse("");
+      say(this.viewer.parts.busy, "copied");
+      this.viewer.parts.busy.hidden = false;
+      setTimeout(() => { this.viewer.parts.busy.hidden = true; }, 1200);
+    } catch {
+      globalThis.prompt("Copy this address:", address);
+    }
+  }
+
+  destroy() {
+    clearTimeout(this.linking);
+    clearTimeout(this.sayBusy);
+    this.source.destroy();
+  }
+}

@@ -1,0 +1,190 @@
+"""Live pages in a browser: the motion is computed there, follows its parameters, and says what it cannot vouch for."""
+
+import json
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from rattle.pages.page import live_scene, page
+
+READY = "() => window.rattle && window.rattle.curve('rocker.angle').t.length > 10"
+SET = "([name, value]) => window.rattle.set(name, value).then(() => 'there', (error) => error.message)"
+CURVE = "(name) => { const c = window.rattle.curve(name); return [Array.from(c.t), Array.from(c.y)] }"
+
+
+def short_fourbar(**simulate):
+    """The four-bar over 0.05 s: what a test can wait for."""
+    return rt.example("fourbar").set({"simulate.t_end": 0.05, "simulate.output": 0.0005, **simulate})
+
+
+@pytest.fixture(scope="module")
+def fourbar_page(tmp_path_factory):
+    place = tmp_path_factory.mktemp("live") / "fourbar.html"
+    assert page(short_fourbar(), place) == ""
+    assert place.stat().st_size < 300_000
+    return place.as_uri()
+
+
+@pytest.fixture
+def fourbar(fourbar_page, open_page):
+    """The page in a tab, its first motion there."""
+    tab = open_page(fourbar_page)
+    tab.wait_for_function(READY, timeout=20000)
+    return tab
+
+
+@pytest.mark.parametrize(("method", "limit"), [({"simulate.method": "rk4", "simulate.step": 1e-4}, 1e-9), ({}, 1e-6)])
+def test_the_page_computes_the_motion_of_simulate(method, limit, tmp_path, open_page):
+    """At equal steps but for rounding; the usual method against one with much tighter tolerances."""
+    m = short_fourbar(**method)
+    page(m, tmp_path / "m.html")
+    tab = open_page((tmp_path / "m.html").as_uri())
+    tab.wait_for_function(READY, timeout=20000)
+    for r3 in (0.005, 0.003):
+        assert tab.evaluate(SET, ["r3", r3]) == "there"
+        t, y = map(np.array, tab.evaluate(CURVE, "rocker.angle"))
+        tight = {} if method else {"rtol": 1e-12, "atol": 1e-14}
+        want = m.set(r3=r3).simulate(t_eval=t, **tight)["rocker.angle"]
+        near = t <= 0.03  # later, chaos tells even such runs apart
+        assert np.abs(y - want)[near].max() < limit
+        assert tab.evaluate("() => window.rattle.parameters.r3") == r3
+
+
+def test_two_hundred_quick_moves_end_with_one_worker_and_the_last_value(fourbar):
+    found = fourbar.evaluate("""async () => {
+        const said = [];
+        for (let k = 0; k < 200; k++) {
+            said.push(window.rattle.set("r3", 0.001 + 0.00004 * k));
+            if (k % 5 === 0) await new Promise((resolve) => setTimeout(resolve, 4));
+        }
+        const ends = await Promise.allSettled(said);
+        return [ends.every((one) => one.status === "fulfilled"), window.rattle.parameters.r3];
+    }""")
+    assert found == [True, 0.001 + 0.00004 * 199]
+    assert len(fourbar.workers) == 1
+
+
+def test_a_slider_moves_the_motion_and_the_drawing(fourbar):
+    before = fourbar.evaluate(CURVE, "rocker.angle")[1]
+    slider = fourbar.get_by_role("slider", name="r3")
+    slider.focus()
+    slider.press("ArrowRight")
+    fourbar.wait_for_function("() => window.rattle.parameters.r3 !== 0.005")
+    after = fourbar.evaluate(CURVE, "rocker.angle")[1]
+    assert max(abs(a - b) for a, b in zip(before, after, strict=True)) > 1e-6
+    r3 = fourbar.evaluate("() => window.rattle.parameters.r3")
+    assert fourbar.evaluate("() => window.rattle.run.geometry.joints.O3.clearance") == r3
+    slider.dblclick()
+    fourbar.wait_for_function("() => window.rattle.parameters.r3 === 0.005")
+
+
+def test_numbers_are_typed_with_units_and_nonsense_is_refused_in_words(fourbar):
+    box = fourbar.get_by_label("r3 in mm")
+    assert box.input_value() == "5"
+    for text, value in (("2 mm", 0.002), ("0.004 m", 0.004), ("3", 0.003)):
+        box.fill(text)
+        box.press("Enter")
+        fourbar.wait_for_function(f"() => window.rattle.parameters.r3 === {value}")
+    box.fill("5 kg")
+    box.press("Enter")
+    assert "'kg' is another quantity" in fourbar.get_by_role("alert").inner_text()
+    assert fourbar.evaluate("() => window.rattle.parameters.r3") == 0.003
+
+
+def test_parameters_that_do_not_close_keep_the_motion_and_say_why(fourbar):
+    before = fourbar.evaluate(CURVE, "rocker.angle")
+    said = fourbar.evaluate(SET, ["l2", 0.52])
+    assert "cannot be put together" in said
+    shown = fourbar.get_by_role("alert").inner_text()
+    assert "The motion shown is the one before" in shown
+    assert fourbar.evaluate(CURVE, "rocker.angle") == before
+    assert "outside of its limits" in fourbar.evaluate(SET, ["r3", 5.0])
+    assert "no parameter" in fourbar.evaluate(SET, ["r9", 1.0])
+    assert fourbar.evaluate(SET, ["r3", 0.005]) != "there"  # l2 still stands where it was refused
+    assert fourbar.evaluate(SET, ["l2", 0.6]) == "there"
+    assert fourbar.get_by_role("alert").is_hidden()
+
+
+def test_trust_is_said_as_in_python_when_the_second_run_is_done(fourbar):
+    fourbar.wait_for_function("() => window.rattle.trust.horizon !== null", timeout=20000)
+    said = fourbar.evaluate("() => window.rattle.trust.text")
+    want = str(short_fourbar().simulate(horizon=True).trust).splitlines()
+    assert said[1] == want[1]
+    assert said[0].split("; ")[1] == want[0].split("; ")[1]
+
+
+def test_two_sets_stand_side_by_side_and_the_address_keeps_them(fourbar, fourbar_page, open_page):
+    fourbar.get_by_role("button", name="Compare").click()
+    fourbar.evaluate(SET, ["r3", 0.002])
+    fourbar.wait_for_function("() => window.rattle.run.label === 'B'")
+    assert fourbar.evaluate("() => window.rattle.parameters.r3") == 0.002
+    assert fourbar.evaluate("() => window.rattle.viewer.others[0].run.parameters.r3") == 0.005
+    fourbar.get_by_role("button", name="A", exact=True).click()
+    assert fourbar.evaluate("() => window.rattle.parameters.r3") == 0.005
+    fourbar.wait_for_function("() => location.hash === '#B=&B.r3=0.002'")
+    again = open_page(f"{fourbar_page}#r4=0.001&B.r3=0.002")
+    again.wait_for_function(READY, timeout=20000)
+    assert again.evaluate("() => window.rattle.parameters.r4") == 0.001
+    again.wait_for_function("() => window.rattle.viewer.others.length === 1")
+
+
+def test_what_is_sent_is_a_model_file_and_a_table(fourbar):
+    fourbar.evaluate(SET, ["r3", 0.002])
+    fourbar.get_by_role("button", name="Send").click()
+    with fourbar.expect_download() as model:
+        fourbar.get_by_role("button", name="Model file").click()
+    m = (
+        rt.load(model.value.path())
+        if str(model.value.path()).endswith(".toml")
+        else rt.loads(model.value.path().read_text())
+    )
+    assert m.model.parameters["r3"].value == 0.002
+    assert m.model.parameters["r4"].value == 0.005
+    fourbar.get_by_role("button", name="Send").click()
+    with fourbar.expect_download() as table:
+        fourbar.get_by_role("button", name="CSV").click()
+    lines = table.value.path().read_text().splitlines()
+    assert lines[0].startswith("t [s],")
+    assert len(lines) == 102
+
+
+def test_a_phone_shows_it_all(fourbar_page, open_page):
+    tab = open_page(fourbar_page, viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    tab.wait_for_function(READY, timeout=20000)
+    assert tab.evaluate("() => document.documentElement.scrollWidth") <= 390
+    assert tab.evaluate(SET, ["r3", 0.003]) == "there"
+
+
+def test_a_page_without_workers_computes_too(fourbar_page, browser):
+    context = browser.new_context()
+    tab = context.new_page()
+    tab.add_init_script("delete window.Worker")
+    tab.goto(fourbar_page)
+    tab.wait_for_function(READY, timeout=20000)
+    assert tab.evaluate(SET, ["r3", 0.003]) == "there"
+    context.close()
+
+
+def test_a_model_with_contacts_becomes_runs_to_choose_from(tmp_path, open_page):
+    m = rt.example("slider_crank_play").set({"simulate.t_end": 0.002})
+    why = page(m, tmp_path / "play.html", over={"c": ["0.2 mm", "0.4 mm"]})
+    assert "asked for" in why
+    tab = open_page((tmp_path / "play.html").as_uri())
+    tab.wait_for_function("() => window.rattle && window.rattle.names.length > 10")
+    assert "computed before" in tab.evaluate("() => window.rattle.viewer.scene.notes.join()")
+    tab.get_by_role("combobox").first.select_option(label="c = 0.4 mm")
+    tab.wait_for_function("() => window.rattle.run.label === 'c = 0.4 mm'")
+
+
+def test_a_model_without_limits_has_number_boxes(tmp_path):
+    """And a model file in a scene is the model again."""
+    text = rt.example("fourbar").to_toml()
+    bare = rt.loads(
+        text.replace('r3 = { value = "5 mm", min = "0.5 mm", max = "10 mm", tol = "0.5 mm" }', "r3 = 0.005")
+    )
+    scene = live_scene(bare)
+    knob = next(one for one in scene["knobs"] if one["name"] == "r3")
+    assert (knob["min"], knob["max"], knob["value"]) == (None, None, 0.005)
+    assert rt.loads(scene["live"]["model"]).model.parameters["r3"].value == 0.005
+    json.dumps(scene, allow_nan=False)
