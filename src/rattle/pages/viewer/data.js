@@ -109,6 +109,13 @@ export class Motion {
     return places;
   }
 
+  // Up to `most` of the finite values of a curve, evenly chosen: enough for percentiles.
+  sample(name, most = 400) {
+    const y = this.curve(name), every = Math.max(1, Math.ceil(this.n / most)), found = [];
+    for (let k = 0; k < this.n; k += every) if (Number.isFinite(y[k])) found.push(Math.abs(y[k]));
+    return found;
+  }
+
   poseAt(k) { return this.pose(this.t[k]); }
 }
 

@@ -8,7 +8,7 @@ const MOST = 1.7; // times that length at which an arrow is cut, and gets two he
 const USUAL = 0.96; // share of all instants whose forces are no larger than the usual one
 
 function usual(values) {
-  const sizes = values.map(Math.abs).filter(Number.isFinite).sort((a, b) => a - b);
+  const sizes = values.sort((a, b) => a - b);
   return sizes.length ? sizes[Math.min(sizes.length - 1, Math.floor(USUAL * sizes.length))] : 0;
 }
 
@@ -27,10 +27,10 @@ export function forcesOf(stage) {
     if (motion.has(`${name}.torque`)) moments.push({ name, form });
     else if (form.axis !== undefined) forces.push({ name, form, kind: "driver" });
   }
-  const sizes = forces.flatMap((one) => Array.from(motion.curve(`${one.name}.force`)));
+  const sizes = forces.flatMap((one) => motion.sample(`${one.name}.force`));
   return {
     forces, moments, scale: usual(sizes),
-    turn: usual(moments.flatMap((one) => Array.from(motion.curve(`${one.name}.torque`)))),
+    turn: usual(moments.flatMap((one) => motion.sample(`${one.name}.torque`))),
   };
 }
 

@@ -24,7 +24,8 @@ export class MechanismView {
     const bodies = Object.keys(stage.bodies).filter((body) => stage.first?.[body] && !instead.has(body));
     this.drawn = [...parts.flatMap((part) => part.drawing.prepare(stage, part)), ...bodies.flatMap((body) => drawBody(stage, body))];
     this.drawn.sort((a, b) => a.z - b.z);
-    this.ghosts = ghosts.map(({ motion: other, name }) => this.ghostOf(other, scene, name));
+    const before = this.ghosts ?? [];
+    this.ghosts = ghosts.map(({ motion: other, name }) => before.find((one) => one.motion === other) ?? this.ghostOf(other, scene, name));
     this.forces = forcesOf(stage);
     this.pins = Object.entries(pinsWithPlay(motion, scene.kinds));
     this.reachNow();

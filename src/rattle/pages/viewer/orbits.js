@@ -21,7 +21,7 @@ export class Orbits {
     this.motion = motion;
     const pins = Object.entries(pinsWithPlay(motion, scene.kinds));
     if (pins.map(([name]) => name).join("\n") !== this.tiles.map((one) => one.name).join("\n")) this.build(pins);
-    this.tiles.forEach((tile, k) => this.describe(tile, pins[k][1]));
+    this.tiles.forEach((tile, k) => { tile.stale = pins[k][1]; }); // formed when someone looks
     return pins.length;
   }
 
@@ -41,7 +41,7 @@ export class Orbits {
     const strength = oil ? motion.curve(`${name}.film_pressure`) : path.normal.map(Math.abs);
     const sizes = Array.from(strength).filter(Number.isFinite).sort((a, b) => a - b);
     const top = sizes[Math.min(sizes.length - 1, Math.floor(0.999 * sizes.length))] || 1;
-    Object.assign(tile, { form, path, oil, strength, top, factor, unit, fresh: false });
+    Object.assign(tile, { form, path, oil, strength, top, factor, unit, fresh: false, stale: null });
     tile.shown = handyUnit(oil ? "Pa" : "N", top);
     tile.least = Math.max(1, ...Array.from(path.x, (x, k) => Math.hypot(x, path.y[k]) / form.clearance).filter(Number.isFinite));
     tile.hits = motion.events.filter((one) => one.joint === name && one.kind === "impact" && one.impulse > 0);
@@ -60,6 +60,7 @@ export class Orbits {
     for (const tile of this.tiles) {
       const width = tile.below.clientWidth, height = tile.below.clientHeight;
       if (!width) continue;
+      if (tile.stale) this.describe(tile, tile.stale);
       const side = Math.min(width - BAR, height), radius = (0.5 * side) / (1.24 * tile.least);
       const view = { scale: radius / tile.form.clearance, x: 0.5 * side, y: 0.5 * height };
       const mark = `${width} ${height} ${theme.dark}`;

@@ -93,7 +93,7 @@ export class Insets {
 // Force that fills the arrow, so that rare peaks do not shrink it.
 function usualForce(motion, joint) {
   if (!motion.has(`${joint}.force`)) return 0;
-  const sizes = Array.from(motion.curve(`${joint}.force`)).filter(Number.isFinite).sort((a, b) => a - b);
+  const sizes = motion.sample(`${joint}.force`).sort((a, b) => a - b);
   return sizes.length ? sizes[Math.floor(0.8 * (sizes.length - 1))] || sizes[sizes.length - 1] : 0;
 }
 

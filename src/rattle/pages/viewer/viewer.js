@@ -109,8 +109,10 @@ export class Viewer {
     this.motion = new Motion(run, this.scene.geometry);
     if (!this.motion.n) throw new Error("this motion has no instant to show");
     this.clock.setMotion(this.motion);
-    this.ghost = ghost ? new Motion(ghost, this.scene.geometry) : null;
-    this.others = others.map((one) => new Motion(one, this.scene.geometry));
+    const known = [this.ghost, ...this.others].filter(Boolean), motionOf = (one) =>
+      known.find((old) => old.run === one || old.from === one) ?? Object.assign(new Motion(one, this.scene.geometry), { from: one });
+    this.ghost = ghost ? motionOf(ghost) : null;
+    this.others = others.map(motionOf);
     this.tools.ghost.hidden = !this.ghost;
     this.regroup();
     this.parts.canvas.style.setProperty("--tall", Math.min(2, this.view.tall).toFixed(3));
@@ -120,7 +122,7 @@ export class Viewer {
     const pins = this.orbits.setMotion(this.motion, this.scene), events = this.motion.events.length;
     this.tabs.show("orbits", pins > 0, pins > 1 ? `Orbits (${pins})` : "Orbit");
     this.tabs.show("events", events > 0, `Events (${events})`);
-    this.eventSheet.replaceChildren(...(events ? eventTable(this.motion, (t) => this.seek(t)) : []));
+    this.eventSheet.replaceChildren(); // filled when someone looks
     this.sayTrust();
     this.listPoints();
     if (first) this.begin();
@@ -307,6 +309,7 @@ export class Viewer {
     this.player.draw(time, theme);
     if (this.tabs.current === "curves") this.curves.draw(time, theme);
     if (this.tabs.current === "orbits") this.orbits.draw(time, theme);
+    if (this.tabs.current === "events" && !this.eventSheet.childNodes.length) this.eventSheet.append(...eventTable(this.motion, (t) => this.seek(t)));
     parts.late.hidden = !(this.motion.horizon !== null && time > this.motion.horizon);
   }
 
