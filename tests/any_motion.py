@@ -9,10 +9,10 @@ from rattle.results.result import Result
 from rattle.results.trust import Trust
 
 
-def any_motion(name: str, n: int = 5) -> Result:
-    """The example as a result of n instants; bodies stay near where they were first guessed to be."""
+def any_motion(name: str, n: int = 5, t_end: float = 1.0) -> Result:
+    """The example as a result of n instants up to t_end [s]; bodies are anywhere."""
     drawn = geometry(rt.example(name).model)
-    t = np.linspace(0.0, 1.0, n)
+    t = np.linspace(0.0, t_end, n)
     units = {f"{body}.{key}": unit for body in drawn["bodies"] for key, unit in OUTPUT_BODY.items()}
     for joint, form in drawn["joints"].items():
         keys = ("fx", "fy", "ex", "ey", "normal") if form["contact"] else ("fx", "fy")

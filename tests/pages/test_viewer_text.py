@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from rattle.pages.compact import compact
 from rattle.pages.viewer_text import declarations, joined, viewer_files, viewer_text
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
@@ -14,7 +15,7 @@ def test_files_are_joined_after_what_they_import():
         "a.js": 'import { b } from "./b.js";\n// a note\nexport function a() {\n  return b + 1;\n}\n',
         "b.js": "export const b = 1;\n",
     }
-    assert joined(files, "a.js") == "export const b = 1;\nexport function a() {\nreturn b + 1;\n}\n"
+    assert joined(files, "a.js") == "export const b=1;\nexport function a(){\nreturn b+1;\n}\n"
 
 
 B = "export const b = 1;\n"
@@ -44,6 +45,23 @@ def test_declarations_are_found_several_on_one_line_too():
         "class G {}\n  const inner = 1;\n"
     )
     assert declarations(text) == ["a", "b", "c", "e", "G"]
+
+
+TRICKY = r"""
+// a comment with "a text" in it
+const a = [], b = 'it // is', c = "so \" /* not */ "; /* a comment
+over lines */ let d = 7 /* between */ - -1, e = d++ + +1;
+const f = (x) => x / 2 / 1, g = "a/b c".replace(/[/ "']+/g, "-");
+const h = `t ${ [1, 2].map((y) => `<${ y }>`).join(" , ") } // end`;
+a.push(b, c, d, e, f(6), g, h)
+console.log(JSON.stringify(a))
+"""
+
+
+def test_a_compact_program_does_the_same(viewer_in_node):
+    text = compact(TRICKY)
+    assert len(text) < len(TRICKY) - 40
+    assert viewer_in_node(text) == viewer_in_node(TRICKY)
 
 
 def test_files_stay_readable():

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rattle.atomic_file import atomic
-from rattle.pages.scene import scene_json, scene_of
+from rattle.pages.ghost import ghost_of
+from rattle.pages.scene import require_motion, scene_json, scene_of
 from rattle.pages.viewer_text import viewer_text
 from rattle.plots.orbit import require_point
 from rattle.results.result import Result
@@ -53,9 +54,9 @@ def replay(
     Raises ValueError for a result without motion, UnknownName for an unknown point, OSError.
     """
     show: dict[str, Any] = {"traces": list(trace), "names": names, "speed": speed}
-    scene = scene_of([("", result)], ideal=ideal, show=show)
     for point in show["traces"]:
         require_point(result, point)
+    scene = scene_of([("", result)], ideal=ideal, show=show)
     write_page(scene, path)
 
 
@@ -68,7 +69,8 @@ def animate(
         raise ValueError(f"{', '.join(given)}: only .gif and .mp4 have this; a page plays all instants, leave it out")
     if speed is not None and not 0.0 < speed < math.inf:
         raise ValueError(f"speed must be positive and finite, got {speed:g}")
-    replay(result, path, trace=trace, names=names, speed=speed)
+    require_motion(result)
+    replay(result, path, trace=trace, names=names, speed=speed, ideal=ghost_of(result))
 
 
 def write_page(scene: Mapping[str, Any], path: str | os.PathLike[str]) -> None:

@@ -17,6 +17,7 @@ from rattle.results.trust import Trust
 from rattle.version import __version__
 
 FORMAT = "rattle-scene 1"
+OF_GHOST = (".x", ".y", ".angle")
 MOST_ROWS = 2501  # of a run in a page
 
 
@@ -44,7 +45,7 @@ def scene_of(
         "title": title or str(first.provenance.get("model") or "") or "Mechanism",
         "geometry": first.geometry,
         "runs": [run_of(one, label, first.geometry) for label, one in results],
-        "ideal": None if ideal is None else run_of(ideal, "without play", first.geometry),
+        "ideal": None if ideal is None else run_of(ideal, "without play", first.geometry, OF_GHOST),
         "knobs": [],
         "live": None,
         "show": dict(show or {}),
@@ -94,17 +95,21 @@ def rows(result: Result) -> np.ndarray:
     return picked if picked[-1] == n - 1 else np.append(picked, n - 1)
 
 
-def run_of(result: Result, label: str, geometry: Mapping[str, Any]) -> dict[str, Any]:
-    """One run of a scene; its geometry is left out where it is that of the scene."""
+def run_of(result: Result, label: str, geometry: Mapping[str, Any], keys: Sequence[str] = ()) -> dict[str, Any]:
+    """One run of a scene; its geometry is left out where it is that of the scene.
+
+    keys: of the curves that are kept, such as `.x`; all curves without any.
+    """
     picked = rows(result)
-    data = np.column_stack([result[name][picked] for name in result.stored])
+    names = [name for name in result.stored if not keys or name.endswith(tuple(keys))]
+    data = np.column_stack([result[name][picked] for name in names])
     with np.errstate(over="ignore"):
         columns = np.ascontiguousarray(data.T).astype("<f4")
     run = {
         "label": label,
         "parameters": dict(result.provenance.get("parameters") or {}),
-        "names": list(result.stored),
-        "units": [result.unit(name) for name in result.stored],
+        "names": names,
+        "units": [result.unit(name) for name in names],
         "n": len(picked),
         "t": packed(result.t[picked].astype("<f8")),
         "data": packed(columns),

@@ -12,6 +12,8 @@ import re
 from collections.abc import Mapping
 from importlib import resources
 
+from rattle.pages.compact import compact
+
 ENTRY = "mount.js"
 STYLE = "style.js"  # made here: the style sheet as a text
 IMPORT = re.compile(r'^import \{([^}]*)\} from "\./([\w-]+\.js)";\n', re.MULTILINE)
@@ -98,6 +100,5 @@ def _follow(files: Mapping[str, str], name: str, order: list[str], above: list[s
 
 
 def _bare(text: str) -> str:
-    """A file without its imports, indentation and lines that are comments only."""
-    lines = (line.strip() for line in IMPORT.sub("", text).splitlines())
-    return "".join(f"{line}\n" for line in lines if line and not line.startswith("//"))
+    """A file without its imports, and without what only people need."""
+    return compact(IMPORT.sub("", text))

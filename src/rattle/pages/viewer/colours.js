@@ -42,7 +42,7 @@ export function themeOf(dark, bodies = {}) {
     ...base,
     curve: (k) => curves[k % curves.length],
     body: (name) => shades.get(name) ?? base.black,
-    force: (share) => ramp(dark ? share : 1 - share),
+    force: (share) => ramp(dark ? 0.3 + 0.7 * share : 1 - share), // the largest stands out on its paper
   };
 }
 
@@ -57,7 +57,7 @@ function luminance(colour) {
 }
 
 // The cividis scale, 0 (dark blue) to 1 (yellow).
-export function ramp(share) {
+function ramp(share) {
   const place = Math.max(0, Math.min(1, share)) * (CIVIDIS.length - 1), k = Math.min(CIVIDIS.length - 2, Math.floor(place));
   return mix(CIVIDIS[k], CIVIDIS[k + 1], place - k);
 }

@@ -86,7 +86,7 @@ export function firstChoice(motion, pins) {
   const add = (list, most) => found.push(...list.filter((name) => motion.has(name) && !found.includes(name) && motion.largest(name) > 0).slice(0, most));
   const oiled = pins.filter((name) => motion.has(`${name}.film_pressure`));
   add(oiled.map((name) => `${name}.eccentricity`), 2);
-  add(oiled.map((name) => `${name}.film_pressure`), 2);
+  if (oiled.length === pins.length) add(oiled.map((name) => `${name}.film_pressure`), 2);
   add(pins.map((name) => `${name}.normal`), 3);
   if (!found.length) add(names.filter((name) => name.endsWith(".torque") && !(name.slice(0, -7) in geometry.loads)), 1);
   if (!found.length) add(Object.keys(geometry.joints).map((name) => `${name}.normal`), 2);

@@ -5,7 +5,7 @@ export function handleKeys(viewer) {
   const enter = () => { over = true; };
   const leave = () => { over = false; };
   const press = (event) => {
-    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!viewer.motion || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
     const inside = viewer.shadow.activeElement, elsewhere = document.activeElement;
     const free = !elsewhere || elsewhere === document.body || elsewhere === viewer.box;
     if (!(inside || (free && !viewer.host.inside && (over || viewer.host.page)))) return;

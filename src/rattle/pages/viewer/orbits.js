@@ -1,6 +1,5 @@
 // Orbits of pins in their clearance circles, coloured by the normal force, or in oil by the pressure of the film.
 
-import { ramp } from "./colours.js";
 import { make, say } from "./dom.js";
 import { FONT, Painter, sized } from "./painter.js";
 import { pinNow, pinPath } from "./pins.js";
@@ -134,7 +133,7 @@ function drawMarks(p, motion, tile) {
 function drawBar(p, tile, side, height) {
   const { context, theme } = p, x = side + 6, top = 0.14 * height, tall = 0.72 * height, { factor, unit } = tile.shown;
   for (let k = 0; k < tall; k++) {
-    context.fillStyle = theme.dark ? ramp(1 - k / tall) : ramp(k / tall);
+    context.fillStyle = theme.force(1 - k / tall);
     context.fillRect(x, top + k, 12, 1.5);
   }
   context.fillStyle = theme.ink;

@@ -102,7 +102,7 @@ export class Panel {
 
   draw(time, theme) {
     if (!this.layout()) return;
-    const [from, to] = this.curves.shown, mark = [this.width, this.height, theme.dark, from, to, this.curves.version].join(" ");
+    const [from, to] = this.curves.shown, mark = [this.width, this.height, theme.dark, from, to, this.curves.version, this.curves.motion.horizon].join(" ");
     if (mark !== this.fresh) {
       this.fresh = mark;
       this.range(from, to);

@@ -64,7 +64,7 @@ export class Player {
 
   // Impacts and other events as ticks above the time line, and what lies after the horizon as a shade.
   events(theme) {
-    const width = this.marks.clientWidth, height = this.marks.clientHeight, mark = `${width} ${theme.dark}`;
+    const width = this.marks.clientWidth, height = this.marks.clientHeight, mark = `${width} ${theme.dark} ${this.motion.horizon}`;
     if (this.drawn === mark || !width) return;
     this.drawn = mark;
     const c = sized(this.marks, width, height), { start, span, horizon, events } = this.motion;

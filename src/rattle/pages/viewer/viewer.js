@@ -225,6 +225,7 @@ export class Viewer {
 
   // ---------------------------------------------------------------- time
   play() {
+    if (!this.motion) return;
     this.clock.play();
     this.invalidate();
   }
@@ -235,6 +236,7 @@ export class Viewer {
   }
 
   seek(t) {
+    if (!this.motion) return;
     this.clock.seek(t);
     this.told = null;
     this.invalidate();
